@@ -1,0 +1,1 @@
+//! Silhouette-based markerless motion capture: the tracking core of Backlit.
