@@ -1,1 +1,5 @@
 //! The inspector.
+
+pub mod format;
+pub mod raster;
+pub mod theme;

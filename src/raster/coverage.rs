@@ -1,0 +1,268 @@
+//! Which pixels a triangle covers: those whose centre lies inside it, and of centres on an edge those on
+//! its top or left edges. So triangles that share an edge cover each pixel along it exactly once.
+//!
+//! Positions are in 1/256 pixel, the centre of pixel i is at 256 i + 128, and everything is exact integer
+//! arithmetic.
+
+use std::ops::Range;
+
+/// One pixel in snapped units.
+pub(super) const UNIT: i64 = 256;
+
+const CENTRE: i64 = UNIT / 2;
+
+/// A position in 1/256 pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Snapped {
+    pub(super) x: i64,
+    pub(super) y: i64,
+}
+
+/// The pixels that may be drawn on: `left..right` by `top..bottom`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Clip {
+    pub(super) left: i64,
+    pub(super) top: i64,
+    pub(super) right: i64,
+    pub(super) bottom: i64,
+}
+
+impl Snapped {
+    /// Positions are held this close to the origin, in pixels, so that no product overflows.
+    const LIMIT: f64 = 262_144.0;
+
+    /// Rounds a position in pixels; `None` if it is not finite.
+    pub(super) fn new(x: f32, y: f32) -> Option<Self> {
+        let snap = |v: f32| (f64::from(v).clamp(-Self::LIMIT, Self::LIMIT) * UNIT as f64).round() as i64;
+        (x.is_finite() && y.is_finite()).then(|| Self { x: snap(x), y: snap(y) })
+    }
+}
+
+/// The pixels whose centre is in `from..to`, both snapped.
+pub(super) fn pixels_between(from: i64, to: i64) -> Range<i64> {
+    ceil_div(from - CENTRE, UNIT)..ceil_div(to - CENTRE, UNIT)
+}
+
+/// Twice the signed area: positive for clockwise on a screen whose y points down.
+pub(super) fn doubled_area([a, b, c]: [Snapped; 3]) -> i64 {
+    (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
+}
+
+/// Calls `span(row, pixels)` for every row of `clip` in which the triangle covers pixels, from the top.
+///
+/// The corners may be in either order. A triangle without area covers nothing.
+pub(super) fn for_each_span(corners: [Snapped; 3], clip: Clip, mut span: impl FnMut(i64, Range<i64>)) {
+    let [a, mut b, mut c] = corners;
+    match doubled_area(corners) {
+        0 => return,
+        area if area < 0 => std::mem::swap(&mut b, &mut c),
+        _ => {}
+    }
+    let top = a.y.min(b.y).min(c.y);
+    let bottom = a.y.max(b.y).max(c.y);
+    let first = ceil_div(top - CENTRE, UNIT).max(clip.top);
+    let last = (bottom - CENTRE).div_euclid(UNIT).min(clip.bottom - 1);
+    if first > last {
+        return;
+    }
+    let centre = first * UNIT + CENTRE;
+    let mut edges = [Edge::new(a, b, centre), Edge::new(b, c, centre), Edge::new(c, a, centre)];
+    for row in first..=last {
+        let (mut left, mut right) = (clip.left, clip.right);
+        for edge in &mut edges {
+            edge.narrow(&mut left, &mut right);
+        }
+        if left < right {
+            span(row, left..right);
+        }
+    }
+}
+
+/// One edge, walked down row by row. Inside is where
+/// E = (b.x − a.x)(y − a.y) − (b.y − a.y)(x − a.x) is positive, or zero on a top or left edge.
+///
+/// On one row that bounds the pixel index by a quotient of integers, rounded up; remainder and quotient are
+/// carried from row to row.
+struct Edge {
+    side: Side,
+    quotient: i64,
+    remainder: i64,
+    divisor: i64,
+    quotient_step: i64,
+    remainder_step: i64,
+}
+
+enum Side {
+    /// The first pixel inside is the quotient.
+    Left,
+    /// The first pixel outside is the quotient.
+    Right,
+    /// A horizontal edge: the quotient is E less one where ties are outside, and inside means it is ≥ 0.
+    Level,
+}
+
+impl Edge {
+    fn new(a: Snapped, b: Snapped, centre_y: i64) -> Self {
+        let along = b.x - a.x;
+        let slope = a.y - b.y;
+        let row_step = along * UNIT;
+        if slope == 0 {
+            let tie = i64::from(along < 0);
+            let quotient = along * (centre_y - a.y) - tie;
+            return Self {
+                side: Side::Level,
+                quotient,
+                remainder: 0,
+                divisor: 1,
+                quotient_step: row_step,
+                remainder_step: 0,
+            };
+        }
+        // E at the centre of pixel 0 of the first row; E at pixel i is that + slope · UNIT · i.
+        let start = along * (centre_y - a.y) + slope * (CENTRE - a.x);
+        let divisor = slope.abs() * UNIT;
+        let (side, numerator, step) =
+            if slope > 0 { (Side::Left, -start, -row_step) } else { (Side::Right, start, row_step) };
+        let rounded_up = numerator + divisor - 1;
+        Self {
+            side,
+            quotient: rounded_up.div_euclid(divisor),
+            remainder: rounded_up.rem_euclid(divisor),
+            divisor,
+            quotient_step: step.div_euclid(divisor),
+            remainder_step: step.rem_euclid(divisor),
+        }
+    }
+
+    /// Cuts the span of this row, and moves on to the next.
+    #[inline]
+    fn narrow(&mut self, left: &mut i64, right: &mut i64) {
+        match self.side {
+            Side::Left => *left = (*left).max(self.quotient),
+            Side::Right => *right = (*right).min(self.quotient),
+            Side::Level if self.quotient < 0 => *right = *left,
+            Side::Level => {}
+        }
+        self.quotient += self.quotient_step;
+        self.remainder += self.remainder_step;
+        if self.remainder >= self.divisor {
+            self.remainder -= self.divisor;
+            self.quotient += 1;
+        }
+    }
+}
+
+fn ceil_div(numerator: i64, divisor: i64) -> i64 {
+    -(-numerator).div_euclid(divisor)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CLIP: Clip = Clip { left: 0, top: 0, right: 12, bottom: 8 };
+
+    fn snapped(points: [(f32, f32); 3]) -> [Snapped; 3] {
+        points.map(|(x, y)| Snapped::new(x, y).unwrap())
+    }
+
+    fn count(triangles: &[[Snapped; 3]]) -> Vec<String> {
+        let mut hits = vec![vec![0_u8; 12]; 8];
+        for triangle in triangles {
+            for_each_span(*triangle, CLIP, |row, pixels| {
+                for x in pixels {
+                    hits[row as usize][x as usize] += 1;
+                }
+            });
+        }
+        let glyph = |n: &u8| if *n == 0 { '.' } else { char::from(b'0' + n) };
+        hits.iter().map(|row| row.iter().map(glyph).collect()).collect()
+    }
+
+    #[test]
+    fn a_triangle_covers_the_centres_inside_it() {
+        let rows = count(&[snapped([(1.0, 1.0), (11.0, 1.0), (1.0, 6.0)])]);
+        assert_eq!(
+            rows,
+            [
+                "............",
+                ".111111111..",
+                ".1111111....",
+                ".11111......",
+                ".111........",
+                ".1..........",
+                "............",
+                "............",
+            ]
+        );
+    }
+
+    #[test]
+    fn ties_belong_to_top_and_left_edges() {
+        let square = [(2.5, 2.5), (6.5, 2.5), (6.5, 5.5), (2.5, 5.5)];
+        let [a, b, c, d] = square.map(|(x, y)| Snapped::new(x, y).unwrap());
+        let expected = [
+            "............",
+            "............",
+            "..1111......",
+            "..1111......",
+            "..1111......",
+            "............",
+            "............",
+            "............",
+        ];
+        assert_eq!(count(&[[a, b, c], [a, c, d]]), expected);
+        assert_eq!(count(&[[a, c, b], [a, d, c]]), expected);
+        assert_eq!(count(&[[a, b, d], [d, b, c]]), expected);
+    }
+
+    /// A fan about a point, all its edges shared: the union must be the square, each pixel once.
+    #[test]
+    fn neighbours_share_no_pixel_and_leave_none() {
+        for step in 0..200 {
+            let hub = Snapped { x: 300 + step * 13 % 2200, y: 280 + step * 29 % 1400 };
+            let ring = [(0, 0), (1500, 0), (3072, 0), (3072, 2048), (911, 2048), (0, 2048), (0, 77)]
+                .map(|(x, y)| Snapped { x, y });
+            let fan: Vec<_> = (0..ring.len()).map(|i| [hub, ring[i], ring[(i + 1) % ring.len()]]).collect();
+            for row in count(&fan) {
+                assert_eq!(row, "1".repeat(12), "hub {hub:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn walking_rows_equals_testing_every_pixel() {
+        let mut seed = 7_u64;
+        let mut random = |span: i64| {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 33) as i64 % span - span / 6
+        };
+        for _ in 0..500 {
+            let corners = [(); 3].map(|()| Snapped { x: random(4600), y: random(3100) });
+            let area = doubled_area(corners);
+            let mut walked = [[false; 12]; 8];
+            for_each_span(corners, CLIP, |row, pixels| {
+                pixels.for_each(|x| walked[row as usize][x as usize] = true);
+            });
+            let [a, b, c] = if area < 0 { [corners[0], corners[2], corners[1]] } else { corners };
+            for (row, cells) in walked.iter().enumerate() {
+                for (column, cell) in cells.iter().enumerate() {
+                    let p = Snapped { x: column as i64 * UNIT + 128, y: row as i64 * UNIT + 128 };
+                    let inside = [(a, b), (b, c), (c, a)].iter().all(|(from, to)| {
+                        let e = doubled_area([*from, *to, p]);
+                        let top_left = to.y < from.y || (to.y == from.y && to.x > from.x);
+                        e > 0 || (e == 0 && top_left)
+                    });
+                    assert_eq!(*cell, area != 0 && inside, "{corners:?} at {column}, {row}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn far_and_flat_triangles_are_harmless() {
+        assert!(Snapped::new(f32::NAN, 0.0).is_none());
+        assert_eq!(count(&[snapped([(-1e30, -1e30), (1e30, -1e30), (0.0, 1e30)])])[3], "1".repeat(12));
+        assert_eq!(count(&[snapped([(1.0, 1.0), (5.0, 5.0), (9.0, 9.0)])]).concat().matches('1').count(), 0);
+    }
+}

@@ -1,0 +1,339 @@
+//! Paints egui's meshes on a picture in memory, as the GPU would: premultiplied colours, blended in gamma
+//! space, textures sampled with the filter they ask for.
+
+use std::ops::Range;
+
+use egui::epaint::{ClippedPrimitive, Mesh, Primitive, Vertex};
+use egui::{Color32, Rect};
+use image::RgbaImage;
+
+use super::coverage::{Clip, Snapped, UNIT, doubled_area, for_each_span, pixels_between};
+use super::pixel;
+use super::textures::{Tap, Texture, TextureStore};
+
+/// A picture to paint on.
+#[derive(Debug)]
+pub struct Canvas {
+    width: usize,
+    height: usize,
+    pixels: Vec<u32>,
+    /// Texture coordinates of a rectangle's columns; kept to spare allocations.
+    columns: Vec<Tap>,
+    callback_reported: bool,
+}
+
+impl Canvas {
+    /// A picture of `width` × `height` pixels, all of `background`, which is taken as opaque.
+    pub fn new(width: u32, height: u32, background: Color32) -> Self {
+        let (width, height) = (width as usize, height as usize);
+        let mut canvas =
+            Self { width, height, pixels: Vec::new(), columns: Vec::new(), callback_reported: false };
+        canvas.pixels.resize(width * height, 0);
+        canvas.clear(background);
+        canvas
+    }
+
+    /// Makes every pixel `background`, taken as opaque.
+    pub fn clear(&mut self, background: Color32) {
+        self.pixels.fill(pixel::pack(background.to_opaque()));
+    }
+
+    /// Paints what [`egui::Context::tessellate`] returned, in order.
+    ///
+    /// Paint callbacks are skipped with one warning; meshes whose texture is unknown, and triangles with
+    /// corners that are not finite, are skipped silently.
+    pub fn paint(&mut self, pixels_per_point: f32, primitives: &[ClippedPrimitive], textures: &TextureStore) {
+        for ClippedPrimitive { clip_rect, primitive } in primitives {
+            match primitive {
+                Primitive::Mesh(mesh) => {
+                    let clip = self.clip(*clip_rect, pixels_per_point);
+                    if let Some(texture) = textures.get(mesh.texture_id)
+                        && clip.left < clip.right
+                        && clip.top < clip.bottom
+                    {
+                        self.paint_mesh(mesh, texture, clip, pixels_per_point);
+                    }
+                }
+                Primitive::Callback(_) if !self.callback_reported => {
+                    self.callback_reported = true;
+                    tracing::warn!("paint callbacks need a GPU and are left out of this picture");
+                }
+                Primitive::Callback(_) => {}
+            }
+        }
+    }
+
+    /// The picture so far. Its pixels are opaque.
+    pub fn image(&self) -> RgbaImage {
+        let bytes = self.pixels.iter().flat_map(|pixel| pixel.to_le_bytes()).collect();
+        RgbaImage::from_raw(self.width as u32, self.height as u32, bytes).unwrap_or_default()
+    }
+
+    fn clip(&self, rect: Rect, pixels_per_point: f32) -> Clip {
+        let round =
+            |points: f32, limit: usize| (points * pixels_per_point).round().clamp(0.0, limit as f32) as i64;
+        Clip {
+            left: round(rect.min.x, self.width),
+            top: round(rect.min.y, self.height),
+            right: round(rect.max.x, self.width),
+            bottom: round(rect.max.y, self.height),
+        }
+    }
+
+    fn paint_mesh(&mut self, mesh: &Mesh, texture: &Texture, clip: Clip, pixels_per_point: f32) {
+        let mut indices = mesh.indices.as_slice();
+        while indices.len() >= 3 {
+            let corner = |at: usize| Corner::new(mesh, indices[at], pixels_per_point);
+            if indices.len() >= 6
+                && indices[3] == indices[2]
+                && indices[4] == indices[1]
+                && let (Some(a), Some(b), Some(c), Some(d)) = (corner(0), corner(1), corner(2), corner(5))
+                && let Some(quad) = Quad::new([a, b, c, d])
+            {
+                self.paint_quad(&quad, texture, clip);
+                indices = &indices[6..];
+                continue;
+            }
+            if let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) {
+                self.paint_triangle([a, b, c], texture, clip);
+            }
+            indices = &indices[3..];
+        }
+    }
+
+    fn row(&mut self, y: i64, span: Range<i64>) -> &mut [u32] {
+        let start = y as usize * self.width;
+        &mut self.pixels[start + span.start as usize..start + span.end as usize]
+    }
+
+    fn paint_quad(&mut self, quad: &Quad, texture: &Texture, clip: Clip) {
+        let columns = pixels_between(quad.min.at.x, quad.max.at.x);
+        let columns = columns.start.max(clip.left)..columns.end.min(clip.right);
+        let rows = pixels_between(quad.min.at.y, quad.max.at.y);
+        let rows = rows.start.max(clip.top)..rows.end.min(clip.bottom);
+        if columns.is_empty() || rows.is_empty() {
+            return;
+        }
+        let colour = pixel::pack(quad.min.colour);
+        if quad.min.uv == quad.max.uv {
+            let source = pixel::modulate(constant_texel(texture, quad.min.uv), colour);
+            for y in rows {
+                pixel::fill(self.row(y, columns.clone()), source);
+            }
+            return;
+        }
+        let u = Ramp::new([quad.min.at.x, quad.max.at.x], [quad.min.uv[0], quad.max.uv[0]]);
+        let v = Ramp::new([quad.min.at.y, quad.max.at.y], [quad.min.uv[1], quad.max.uv[1]]);
+        let [width, height] = texture.size();
+        let nearest = texture.is_nearest((u.slope as f32 * width).abs().max((v.slope as f32 * height).abs()));
+        let mut taps = std::mem::take(&mut self.columns);
+        taps.clear();
+        taps.extend(columns.clone().map(|x| texture.tap_x(u.at(x), nearest)));
+        for y in rows {
+            let row_tap = texture.tap_y(v.at(y), nearest);
+            for (target, tap) in self.row(y, columns.clone()).iter_mut().zip(&taps) {
+                let texel = texture.sample(*tap, row_tap);
+                if texel != 0 {
+                    pixel::blend(
+                        target,
+                        if colour == pixel::WHITE { texel } else { pixel::modulate(texel, colour) },
+                    );
+                }
+            }
+        }
+        self.columns = taps;
+    }
+
+    fn paint_triangle(&mut self, corners: [Corner; 3], texture: &Texture, clip: Clip) {
+        let [a, b, c] = corners;
+        let same_colour = a.colour == b.colour && b.colour == c.colour;
+        let same_texel = a.uv == b.uv && b.uv == c.uv;
+        let at = corners.map(|corner| corner.at);
+        let gradients = Gradients::new(&corners);
+        match (same_texel, same_colour) {
+            (true, true) => {
+                let source = pixel::modulate(constant_texel(texture, a.uv), pixel::pack(a.colour));
+                if source != 0 {
+                    for_each_span(at, clip, |y, span| pixel::fill(self.row(y, span), source));
+                }
+            }
+            (true, false) => {
+                let texel = constant_texel(texture, a.uv);
+                for_each_span(at, clip, |y, span| {
+                    let mut colour = gradients.colour(span.start, y);
+                    for target in self.row(y, span) {
+                        pixel::blend(target, pixel::modulate(texel, colour.next_pixel()));
+                    }
+                });
+            }
+            (false, _) => {
+                let nearest = texture.is_nearest(gradients.texels_per_pixel(texture.size()));
+                for_each_span(at, clip, |y, span| {
+                    let mut colour = gradients.colour(span.start, y);
+                    let mut uv = gradients.uv(span.start, y);
+                    for target in self.row(y, span) {
+                        let [u, v] = uv.next_values();
+                        let texel = texture.sample(texture.tap_x(u, nearest), texture.tap_y(v, nearest));
+                        pixel::blend(target, pixel::modulate(texel, colour.next_pixel()));
+                    }
+                });
+            }
+        }
+    }
+}
+
+/// The one texel of a shape whose corners all have the same texture coordinates: egui's white pixel, mostly.
+fn constant_texel(texture: &Texture, [u, v]: [f32; 2]) -> u32 {
+    texture.sample(texture.tap_x(u, true), texture.tap_y(v, true))
+}
+
+/// A vertex in snapped pixels.
+#[derive(Clone, Copy, Debug)]
+struct Corner {
+    at: Snapped,
+    uv: [f32; 2],
+    colour: Color32,
+}
+
+impl Corner {
+    fn new(mesh: &Mesh, index: u32, pixels_per_point: f32) -> Option<Self> {
+        let Vertex { pos, uv, color } = *mesh.vertices.get(index as usize)?;
+        let at = Snapped::new(pos.x * pixels_per_point, pos.y * pixels_per_point)?;
+        (uv.x.is_finite() && uv.y.is_finite()).then_some(Self { at, uv: [uv.x, uv.y], colour: color })
+    }
+}
+
+/// An upright rectangle of one colour, its texture upright too (or mirrored): glyphs, pictures, plain boxes.
+struct Quad {
+    min: Corner,
+    max: Corner,
+}
+
+impl Quad {
+    /// From the corners of two triangles `a b c`, `c b d`: `None` unless they form such a rectangle.
+    fn new([a, b, c, d]: [Corner; 4]) -> Option<Self> {
+        let upright = a.at.x == c.at.x && b.at.x == d.at.x && a.at.y == b.at.y && c.at.y == d.at.y;
+        let texture_upright =
+            a.uv[0] == c.uv[0] && b.uv[0] == d.uv[0] && a.uv[1] == b.uv[1] && c.uv[1] == d.uv[1];
+        let plain = a.colour == b.colour && b.colour == c.colour && c.colour == d.colour;
+        if !(upright && texture_upright && plain) {
+            return None;
+        }
+        let (mut min, mut max) = (a, d);
+        if min.at.x > max.at.x {
+            std::mem::swap(&mut min.at.x, &mut max.at.x);
+            std::mem::swap(&mut min.uv[0], &mut max.uv[0]);
+        }
+        if min.at.y > max.at.y {
+            std::mem::swap(&mut min.at.y, &mut max.at.y);
+            std::mem::swap(&mut min.uv[1], &mut max.uv[1]);
+        }
+        Some(Self { min, max })
+    }
+}
+
+/// A linear function of the pixel index along one axis.
+struct Ramp {
+    start: f64,
+    slope: f64,
+}
+
+impl Ramp {
+    fn new([from, to]: [i64; 2], [at_from, at_to]: [f32; 2]) -> Self {
+        let unit = UNIT as f64;
+        let slope = (f64::from(at_to) - f64::from(at_from)) / (to - from).max(1) as f64 * unit;
+        Self { start: f64::from(at_from) - (from as f64 / unit - 0.5) * slope, slope }
+    }
+
+    fn at(&self, pixel: i64) -> f32 {
+        (self.start + pixel as f64 * self.slope) as f32
+    }
+}
+
+/// Colour and texture coordinates as linear functions over a triangle.
+struct Gradients {
+    origin: Snapped,
+    colour: [Plane; 4],
+    uv: [Plane; 2],
+}
+
+#[derive(Clone, Copy)]
+struct Plane {
+    base: f64,
+    per_column: f64,
+    per_row: f64,
+}
+
+impl Gradients {
+    fn new(corners: &[Corner; 3]) -> Self {
+        let [a, b, c] = corners.map(|corner| corner.at);
+        // A triangle without area covers no pixel, so what is divided by here is never seen.
+        let area = match doubled_area([a, b, c]) {
+            0 => 1.0,
+            area => area as f64,
+        };
+        let unit = UNIT as f64;
+        let (abx, aby) = ((b.x - a.x) as f64, (b.y - a.y) as f64);
+        let (acx, acy) = ((c.x - a.x) as f64, (c.y - a.y) as f64);
+        let plane = |values: [f64; 3]| {
+            let (ab, ac) = (values[1] - values[0], values[2] - values[0]);
+            Plane {
+                base: values[0],
+                per_column: (ab * acy - ac * aby) / area * unit,
+                per_row: (ac * abx - ab * acx) / area * unit,
+            }
+        };
+        let channel = |i: usize| plane(corners.map(|corner| f64::from(corner.colour[i])));
+        let coordinate = |i: usize| plane(corners.map(|corner| f64::from(corner.uv[i])));
+        Self { origin: a, colour: std::array::from_fn(channel), uv: std::array::from_fn(coordinate) }
+    }
+
+    fn walk<const N: usize>(&self, planes: &[Plane; N], x: i64, y: i64) -> Walk<N> {
+        let unit = UNIT as f64;
+        let dx = x as f64 + 0.5 - self.origin.x as f64 / unit;
+        let dy = y as f64 + 0.5 - self.origin.y as f64 / unit;
+        Walk {
+            start: planes.map(|plane| (plane.base + dx * plane.per_column + dy * plane.per_row) as f32),
+            step: planes.map(|plane| plane.per_column as f32),
+            column: 0.0,
+        }
+    }
+
+    fn colour(&self, x: i64, y: i64) -> Walk<4> {
+        self.walk(&self.colour, x, y)
+    }
+
+    fn uv(&self, x: i64, y: i64) -> Walk<2> {
+        self.walk(&self.uv, x, y)
+    }
+
+    fn texels_per_pixel(&self, [width, height]: [f32; 2]) -> f32 {
+        let [u, v] = &self.uv;
+        let per_column = (u.per_column * f64::from(width)).hypot(v.per_column * f64::from(height));
+        let per_row = (u.per_row * f64::from(width)).hypot(v.per_row * f64::from(height));
+        per_column.max(per_row) as f32
+    }
+}
+
+/// Values along a row, pixel by pixel.
+struct Walk<const N: usize> {
+    start: [f32; N],
+    step: [f32; N],
+    column: f32,
+}
+
+impl<const N: usize> Walk<N> {
+    #[inline]
+    fn next_values(&mut self) -> [f32; N] {
+        let values = std::array::from_fn(|i| self.start[i] + self.step[i] * self.column);
+        self.column += 1.0;
+        values
+    }
+}
+
+impl Walk<4> {
+    #[inline]
+    fn next_pixel(&mut self) -> u32 {
+        u32::from_le_bytes(self.next_values().map(|value| (value + 0.5) as u8))
+    }
+}

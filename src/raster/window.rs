@@ -1,0 +1,123 @@
+//! The window without a display.
+
+use egui::{Color32, Event, Pos2, RawInput, Rect, Ui, ViewportId, vec2};
+use image::RgbaImage;
+
+use super::{Canvas, TextureStore};
+
+/// Time from one frame to the next, in seconds: long enough that every animation ends within one.
+const FRAME_TIME: f64 = 0.25;
+
+/// An egui context that is driven by hand and painted on the CPU.
+#[derive(Debug)]
+pub struct Headless {
+    /// The context. Set the theme here before the first frame.
+    pub ctx: egui::Context,
+    textures: TextureStore,
+    size: egui::Vec2,
+    pixels_per_point: f32,
+    frames_run: u32,
+}
+
+impl Headless {
+    /// A window of `width` × `height` points.
+    pub fn new(width: f32, height: f32, pixels_per_point: f32) -> Self {
+        Self {
+            ctx: egui::Context::default(),
+            textures: TextureStore::default(),
+            size: vec2(width.max(1.0), height.max(1.0)),
+            pixels_per_point,
+            frames_run: 0,
+        }
+    }
+
+    /// The size in points.
+    pub fn size(&self) -> egui::Vec2 {
+        self.size
+    }
+
+    /// Pixels per point.
+    pub fn pixels_per_point(&self) -> f32 {
+        self.pixels_per_point
+    }
+
+    /// Runs `count` frames of `ui` (at least one) and paints the last. The first of them receives `events`.
+    ///
+    /// egui settles sizes over two frames, so three show a new window as it stays.
+    pub fn frames(&mut self, count: usize, events: Vec<Event>, mut ui: impl FnMut(&mut Ui)) -> RgbaImage {
+        let mut events = events;
+        for _ in 1..count {
+            let input = self.input(std::mem::take(&mut events));
+            let mut output = self.ctx.run_ui(input, &mut ui);
+            self.textures.update(&mut output.textures_delta);
+        }
+        let input = self.input(events);
+        let mut output = self.ctx.run_ui(input, &mut ui);
+        self.textures.update(&mut output.textures_delta);
+        let primitives = self.ctx.tessellate(output.shapes, output.pixels_per_point);
+        let size_px = (self.size * self.pixels_per_point).round();
+        let mut canvas = Canvas::new(size_px.x as u32, size_px.y as u32, Color32::BLACK);
+        canvas.paint(output.pixels_per_point, &primitives, &self.textures);
+        canvas.image()
+    }
+
+    fn input(&mut self, events: Vec<Event>) -> RawInput {
+        let mut input = RawInput {
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, self.size)),
+            time: Some(f64::from(self.frames_run) * FRAME_TIME),
+            predicted_dt: FRAME_TIME as f32,
+            focused: true,
+            events,
+            ..RawInput::default()
+        };
+        self.frames_run += 1;
+        if let Some(viewport) = input.viewports.get_mut(&ViewportId::ROOT) {
+            viewport.native_pixels_per_point = Some(self.pixels_per_point);
+        }
+        input
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::{CentralPanel, Frame, PointerButton, pos2};
+
+    use super::*;
+
+    fn red_panel(ui: &mut Ui) {
+        let frame = Frame::NONE.fill(Color32::from_rgb(200, 30, 20));
+        CentralPanel::default().frame(frame).show(ui, |ui| ui.label("Backlit"));
+    }
+
+    #[test]
+    fn a_panel_fills_the_window_and_text_is_drawn_on_it() {
+        let image = Headless::new(80.0, 30.0, 1.5).frames(2, Vec::new(), red_panel);
+        assert_eq!(image.dimensions(), (120, 45));
+        assert_eq!(image.get_pixel(119, 44).0, [200, 30, 20, 255]);
+        let ground = image.pixels().filter(|p| p.0 == [200, 30, 20, 255]).count();
+        assert!((4000..5400).contains(&ground), "{ground} of 5400 pixels are ground");
+    }
+
+    #[test]
+    fn the_same_frames_give_the_same_picture() {
+        let paint = || Headless::new(90.0, 40.0, 1.25).frames(3, Vec::new(), red_panel);
+        assert_eq!(paint(), paint());
+    }
+
+    #[test]
+    fn events_reach_the_first_frame() {
+        let mut window = Headless::new(100.0, 40.0, 1.0);
+        let mut clicks = 0;
+        let mut ui = |ui: &mut Ui| clicks += usize::from(ui.button("Step").clicked());
+        window.frames(2, Vec::new(), &mut ui);
+        let pos = pos2(12.0, 10.0);
+        let button = |pressed| Event::PointerButton {
+            pos,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: egui::Modifiers::NONE,
+        };
+        window.frames(2, vec![Event::PointerMoved(pos), button(true), button(false)], &mut ui);
+        assert_eq!(clicks, 1);
+    }
+}
