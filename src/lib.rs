@@ -3,3 +3,4 @@
 pub mod format;
 pub mod raster;
 pub mod theme;
+pub mod widgets;

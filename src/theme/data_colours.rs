@@ -11,13 +11,13 @@ use egui::Color32;
 use super::rgb;
 
 /// The ground of pictures without footage, and of the scene.
-pub const PICTURE_GROUND: Color32 = rgb(0x17_19_1C);
+pub const PICTURE_GROUND: Color32 = rgb(0x17191C);
 /// Data and model agree.
-pub const AGREEMENT: Color32 = rgb(0x84_91_9E);
+pub const AGREEMENT: Color32 = rgb(0x84919E);
 /// Data without model. [`super::Palette::missing_text`] is its text form.
-pub const MISSING: Color32 = rgb(0xDC_6A_12);
+pub const MISSING: Color32 = rgb(0xDC6A12);
 /// Model without data. [`super::Palette::spurious_text`] is its text form.
-pub const SPURIOUS: Color32 = rgb(0x2F_80_DB);
+pub const SPURIOUS: Color32 = rgb(0x2F80DB);
 /// Opacity of [`AGREEMENT`] over footage.
 pub const AGREEMENT_TINT: f32 = 0.34;
 /// Opacity of [`MISSING`] and [`SPURIOUS`] over footage.
@@ -25,27 +25,27 @@ pub const MISMATCH_TINT: f32 = 0.62;
 /// How much black lies on footage under overlays.
 pub const FOOTAGE_DIM: f32 = 0.18;
 /// The selected or dragged joint, the selected limb and its sight ray.
-pub const SELECTED: Color32 = rgb(0xFF_D2_4A);
+pub const SELECTED: Color32 = rgb(0xFFD24A);
 /// Opacity of the fill of the selected limb.
 pub const SELECTED_LIMB_FILL: f32 = 0.13;
 /// Joints that are not selected, and pinned ones.
-pub const JOINT: Color32 = rgb(0xF4_F6_F8);
+pub const JOINT: Color32 = rgb(0xF4F6F8);
 /// The outline of the body.
-pub const BODY_OUTLINE: Color32 = rgb(0xEA_F0_F5);
+pub const BODY_OUTLINE: Color32 = rgb(0xEAF0F5);
 /// Opacity of the casing under the body's outline.
 pub const BODY_OUTLINE_CASING: f32 = 0.55;
 /// Opacity of the limb edges inside the body's outline.
 pub const INNER_EDGE: f32 = 0.13;
 /// Lies under every mark on footage, so that nothing relies on its own contrast.
-pub const CASING: Color32 = rgb(0x0B_0D_0F);
+pub const CASING: Color32 = rgb(0x0B0D0F);
 /// Opacity of the casing under a sight ray.
 pub const RAY_CASING: f32 = 0.6;
 /// Hatch of pixels inside the ramp that have no gradient.
-pub const NO_GRADIENT: Color32 = rgb(0xC3_5B_B0);
+pub const NO_GRADIENT: Color32 = rgb(0xC35BB0);
 /// Hatch of don't-know pixels.
 pub const UNKNOWN: Color32 = AGREEMENT;
 /// White digits on badges.
-pub const WHITE: Color32 = rgb(0xFF_FF_FF);
+pub const WHITE: Color32 = rgb(0xFFFFFF);
 
 /// Ground of the report's overlay: neither data nor model.
 pub const REPORT_GROUND: u8 = 0x80;
@@ -122,12 +122,12 @@ pub struct RunStyle {
 }
 
 const RUNS: [(Color32, &[f32]); 6] = [
-    (rgb(0x41_82_DE), &[]),
-    (rgb(0xD0_69_11), &[7.0, 3.0]),
-    (rgb(0x11_78_65), &[2.0, 3.5]),
-    (rgb(0xBF_7F_A5), &[10.0, 3.0, 2.0, 3.0]),
-    (rgb(0xC4_30_37), &[4.0, 4.0]),
-    (rgb(0x6D_5C_A1), &[1.0, 3.0]),
+    (rgb(0x4182DE), &[]),
+    (rgb(0xD06911), &[7.0, 3.0]),
+    (rgb(0x117865), &[2.0, 3.5]),
+    (rgb(0xBF7FA5), &[10.0, 3.0, 2.0, 3.0]),
+    (rgb(0xC43037), &[4.0, 4.0]),
+    (rgb(0x6D5CA1), &[1.0, 3.0]),
 ];
 
 /// How the run of this index, counted from zero, is drawn. From the seventh on the list is reused with a
@@ -148,14 +148,14 @@ pub struct CameraColours {
 }
 
 const CAMERAS: [(Color32, Color32); 8] = [
-    (rgb(0x48_8B_D3), CASING),
-    (rgb(0xC9_74_2B), CASING),
-    (rgb(0x25_75_4E), WHITE),
-    (rgb(0xCD_37_6C), WHITE),
-    (rgb(0x6C_5D_DC), WHITE),
-    (rgb(0xAC_4A_13), WHITE),
-    (rgb(0xEE_65_88), CASING),
-    (rgb(0x98_46_A3), WHITE),
+    (rgb(0x488BD3), CASING),
+    (rgb(0xC9742B), CASING),
+    (rgb(0x25754E), WHITE),
+    (rgb(0xCD376C), WHITE),
+    (rgb(0x6C5DDC), WHITE),
+    (rgb(0xAC4A13), WHITE),
+    (rgb(0xEE6588), CASING),
+    (rgb(0x9846A3), WHITE),
 ];
 
 /// The colours of the camera of this index, counted from zero. The ninth and later reuse the list.
@@ -177,16 +177,12 @@ pub fn limb_colour(chain: usize, depth: usize) -> Color32 {
 pub const MAP_LEN: usize = 256;
 
 /// −255 … 0 … +255: orange where data lacks model, dark at zero, blue where model lacks data.
-const RESIDUAL_STOPS: [u32; 9] = [
-    0xFF_B0_66, 0xE8_86_2F, 0xB8_60_1A, 0x6E_3C_16, 0x17_19_1C, 0x17_3E_66, 0x24_67_AE, 0x4C_96_EA,
-    0x9C_C8_FF,
-];
+const RESIDUAL_STOPS: [u32; 9] =
+    [0xFFB066, 0xE8862F, 0xB8601A, 0x6E3C16, 0x17191C, 0x173E66, 0x2467AE, 0x4C96EA, 0x9CC8FF];
 
 /// Zero to the largest magnitude shown.
-const GRADIENT_STOPS: [u32; 9] = [
-    0x10_14_17, 0x12_31_2F, 0x13_4E_49, 0x17_6C_62, 0x26_89_7A, 0x4C_A6_90, 0x7F_C2_A9, 0xB4_DC_C6,
-    0xE8_F6_E6,
-];
+const GRADIENT_STOPS: [u32; 9] =
+    [0x101417, 0x12312F, 0x134E49, 0x176C62, 0x26897A, 0x4CA690, 0x7FC2A9, 0xB4DCC6, 0xE8F6E6];
 
 static RESIDUAL_MAP: LazyLock<[Color32; MAP_LEN]> = LazyLock::new(|| interpolate(RESIDUAL_STOPS));
 static GRADIENT_MAP: LazyLock<[Color32; MAP_LEN]> = LazyLock::new(|| interpolate(GRADIENT_STOPS));
