@@ -1,1 +1,5 @@
 //! Silhouette-based markerless motion capture: the tracking core of Backlit.
+
+pub mod body;
+pub mod camera;
+pub mod geometry;

@@ -1,0 +1,72 @@
+//! The models that come with the program, embedded from `assets/`.
+
+use super::{Model, ModelSpec};
+
+/// Names of the built-in models, as `--model` takes them.
+pub const NAMES: [&str; 3] = ["single_limb", "upper_body", "full_body"];
+
+const SINGLE_LIMB: &str = include_str!("../../../../assets/single_limb.toml");
+const UPPER_BODY: &str = include_str!("../../../../assets/upper_body.toml");
+const FULL_BODY: &str = include_str!("../../../../assets/full_body.toml");
+
+/// The text of a built-in model file, by its name.
+#[must_use]
+pub fn text(name: &str) -> Option<&'static str> {
+    match name {
+        "single_limb" => Some(SINGLE_LIMB),
+        "upper_body" => Some(UPPER_BODY),
+        "full_body" => Some(FULL_BODY),
+        _ => None,
+    }
+}
+
+/// One limb, as in the report's Fig. 5.1.
+#[must_use]
+pub fn single_limb() -> Model {
+    parse(SINGLE_LIMB)
+}
+
+/// The report's upper body: five chains, twelve limbs, eight rotations.
+#[must_use]
+pub fn upper_body() -> Model {
+    parse(UPPER_BODY)
+}
+
+/// A whole adult: thirty limbs on fifteen rotations.
+#[must_use]
+pub fn full_body() -> Model {
+    parse(FULL_BODY)
+}
+
+fn parse(text: &str) -> Model {
+    #[expect(clippy::expect_used, reason = "embedded files are checked by a test")]
+    let spec: ModelSpec = toml::from_str(text).expect("a built-in model is TOML");
+    #[expect(clippy::expect_used, reason = "embedded files are checked by a test")]
+    Model::new(&spec).expect("a built-in model is valid")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn built_in_models_are_valid() {
+        let sizes: Vec<(usize, usize)> = [single_limb(), upper_body(), full_body()]
+            .iter()
+            .map(|model| (model.limbs().len(), model.rotation_count()))
+            .collect();
+        assert_eq!(sizes, [(1, 1), (12, 8), (30, 15)]);
+    }
+
+    #[test]
+    fn the_full_body_is_symmetric() {
+        let body = full_body();
+        for (index, limb) in body.limbs().iter().enumerate() {
+            let other = &body.limbs()[body.mirrored_limb(index)];
+            assert_eq!((limb.length, limb.radius), (other.length, other.radius), "{}", limb.name);
+            assert_eq!(other.direction.y, limb.direction.y, "{}", limb.name);
+            let expected = if limb.name == other.name { limb.direction.x } else { -limb.direction.x };
+            assert_eq!(other.direction.x, expected, "{}", limb.name);
+        }
+    }
+}

@@ -1,0 +1,239 @@
+//! Forward kinematics (4.11, 4.12, 4.15) and the map from the state's rates to a limb's motion.
+//!
+//! A limb is a rigid body: what a small change of the state does to it is a velocity v of its first joint,
+//! a rotation rate ω and, for raw quaternions, a rate of scaling σ. A point q fixed in the limb then moves by
+//! v + ω × (q − p0) + σ (q − p0). For the state's column c the seven numbers (v, ω, σ) are a column of the
+//! limb's kinematic map K (7 × columns).
+//!
+//! Rotation j turns every bone m whose rotation follows j. The first joint of limb l is the root plus the
+//! bones on its path, so with ω = R_parent(j)* e:  v = ω × c, c = Σ bones on the path that follow j.
+
+use glam::{DMat3, DVec3};
+use nalgebra::DMatrix;
+
+use super::{Model, Parameters, Pose};
+use crate::geometry::rotation::{raw_matrix, raw_rates};
+
+/// Joint positions and world rotations of one pose. Reused without allocation by [`update`](Self::update).
+#[derive(Debug, Clone)]
+pub struct Kinematics {
+    starts: Vec<DVec3>,
+    ends: Vec<DVec3>,
+    /// World matrix of each rotation; scaled by Π|q|² for raw quaternions.
+    world: Vec<DMat3>,
+    /// Frame in which each rotation's columns act: its parent's world rotation, without scale.
+    frames: Vec<DMat3>,
+    /// Per rotation and raw coefficient: rate of turn in the parent's frame, rate of scaling.
+    raw: Vec<[(DVec3, f64); 4]>,
+    /// For each limb, the rotations on its path and the lever c of its first joint.
+    levers: Vec<Vec<Lever>>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Lever {
+    rotation: usize,
+    /// Σ of the bones before this limb that follow the rotation.
+    arm: DVec3,
+    /// Whether the limb itself turns with the rotation.
+    turns: bool,
+}
+
+impl Kinematics {
+    /// Joint positions of a pose.
+    #[must_use]
+    pub fn new(model: &Model, pose: &Pose) -> Self {
+        let (limbs, rotations) = (model.limbs().len(), model.rotation_count());
+        let mut this = Self {
+            starts: vec![DVec3::ZERO; limbs],
+            ends: vec![DVec3::ZERO; limbs],
+            world: vec![DMat3::IDENTITY; rotations],
+            frames: vec![DMat3::IDENTITY; rotations],
+            raw: vec![[(DVec3::ZERO, 0.0); 4]; rotations],
+            levers: vec![Vec::new(); limbs],
+        };
+        for (index, limb) in model.limbs().iter().enumerate() {
+            for rotation in 0..rotations {
+                let mut on_path = false;
+                let mut next = limb.parent;
+                while let Some(bone) = next {
+                    on_path |= model.rotation_follows(model.limbs()[bone].rotation, rotation);
+                    next = model.limbs()[bone].parent;
+                }
+                let turns = model.rotation_follows(limb.rotation, rotation);
+                if on_path || turns {
+                    this.levers[index].push(Lever { rotation, arm: DVec3::ZERO, turns });
+                }
+            }
+        }
+        this.update(model, pose);
+        this
+    }
+
+    /// The same for another pose of the same model.
+    pub fn update(&mut self, model: &Model, pose: &Pose) {
+        for &rotation in model.rotations_parents_first() {
+            let q = pose.rotations[rotation];
+            let parent =
+                model.rotation_parents()[rotation].map_or(DMat3::IDENTITY, |parent| self.world[parent]);
+            let scale = parent.x_axis.length();
+            self.frames[rotation] = parent * (1.0 / scale);
+            self.world[rotation] = parent * raw_matrix(q);
+            self.raw[rotation] = raw_rates(q);
+        }
+        for (index, limb) in model.limbs().iter().enumerate() {
+            let start = limb.parent.map_or(pose.root, |parent| self.ends[parent]);
+            self.starts[index] = start;
+            self.ends[index] = start + self.world[limb.rotation] * (limb.direction * limb.length);
+        }
+        for index in 0..self.levers.len() {
+            for slot in 0..self.levers[index].len() {
+                let rotation = self.levers[index][slot].rotation;
+                let mut arm = DVec3::ZERO;
+                let mut next = model.limbs()[index].parent;
+                while let Some(bone) = next {
+                    if model.rotation_follows(model.limbs()[bone].rotation, rotation) {
+                        arm += self.ends[bone] - self.starts[bone];
+                    }
+                    next = model.limbs()[bone].parent;
+                }
+                self.levers[index][slot].arm = arm;
+            }
+        }
+    }
+
+    /// First joint p0 of each limb, world metres.
+    #[must_use]
+    pub fn starts(&self) -> &[DVec3] {
+        &self.starts
+    }
+
+    /// Second joint p1 of each limb, world metres.
+    #[must_use]
+    pub fn ends(&self) -> &[DVec3] {
+        &self.ends
+    }
+
+    /// World matrix of each rotation (scaled, for raw quaternions that are not of unit length).
+    #[must_use]
+    pub fn world_rotations(&self) -> &[DMat3] {
+        &self.world
+    }
+
+    /// World rotation of the frame that each rotation is given in: its parent's.
+    #[must_use]
+    pub fn parent_frames(&self) -> &[DMat3] {
+        &self.frames
+    }
+
+    /// Number of limbs.
+    #[must_use]
+    pub fn limb_count(&self) -> usize {
+        self.starts.len()
+    }
+
+    /// The limb's kinematic map K (7 × columns), rows v, ω, σ in world axes, about its first joint.
+    ///
+    /// `map` is overwritten; it must be 7 × [`Parameters::columns`].
+    pub fn fill_map(&self, limb: usize, parameters: Parameters, map: &mut DMatrix<f64>) {
+        map.fill(0.0);
+        for axis in 0..3 {
+            map[(axis, axis)] = 1.0;
+        }
+        for lever in &self.levers[limb] {
+            let first = parameters.first_column(lever.rotation);
+            let frame = self.frames[lever.rotation];
+            for column in 0..parameters.per_rotation() {
+                let (turn, scaling) = match parameters {
+                    Parameters::Tangent => (frame.col(column), 0.0),
+                    Parameters::Raw => {
+                        let (turn, scaling) = self.raw[lever.rotation][column];
+                        (frame * turn, scaling)
+                    }
+                };
+                let velocity = turn.cross(lever.arm) + scaling * lever.arm;
+                for axis in 0..3 {
+                    map[(axis, first + column)] = velocity[axis];
+                }
+                if lever.turns {
+                    for axis in 0..3 {
+                        map[(3 + axis, first + column)] = turn[axis];
+                    }
+                    map[(6, first + column)] = scaling;
+                }
+            }
+        }
+    }
+
+    /// Derivative of the limb's second joint by the state, 3 × columns.
+    #[must_use]
+    pub fn end_jacobian(&self, limb: usize, parameters: Parameters) -> DMatrix<f64> {
+        let columns = parameters.columns(self.world.len());
+        let mut map = DMatrix::zeros(7, columns);
+        self.fill_map(limb, parameters, &mut map);
+        let bone = self.ends[limb] - self.starts[limb];
+        let mut jacobian = DMatrix::zeros(3, columns);
+        for column in 0..columns {
+            let turn = DVec3::new(map[(3, column)], map[(4, column)], map[(5, column)]);
+            let moved = turn.cross(bone) + map[(6, column)] * bone;
+            for axis in 0..3 {
+                jacobian[(axis, column)] = map[(axis, column)] + moved[axis];
+            }
+        }
+        jacobian
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::builtin;
+
+    /// Every limb's second joint, by every column, against central differences, raw and tangent.
+    #[test]
+    fn joint_jacobians_match_differences() {
+        for model in [builtin::upper_body(), builtin::full_body()] {
+            let mut state = Pose::rest(&model).to_state();
+            for (i, value) in state.iter_mut().enumerate() {
+                *value += 0.3 * (i as f64 * 2.3).sin(); // not of unit length: (4.15) scales
+            }
+            let raw_pose = Pose::from_state(&model, &state).unwrap();
+            let mut failures = Vec::new();
+            for parameters in [Parameters::Raw, Parameters::Tangent] {
+                let pose =
+                    if parameters == Parameters::Raw { raw_pose.clone() } else { raw_pose.normalized() };
+                let here = Kinematics::new(&model, &pose);
+                let columns = parameters.columns(model.rotation_count());
+                let h = 1e-6;
+                for column in 0..columns {
+                    let moved = |sign: f64| {
+                        let pose = match parameters {
+                            Parameters::Raw => {
+                                let mut state = state.clone();
+                                state[column] += sign * h;
+                                Pose::from_state(&model, &state).unwrap()
+                            }
+                            Parameters::Tangent => {
+                                let mut step = vec![0.0; columns];
+                                step[column] = sign * h;
+                                pose.retract(parameters, &step)
+                            }
+                        };
+                        Kinematics::new(&model, &pose)
+                    };
+                    let (plus, minus) = (moved(1.0), moved(-1.0));
+                    for limb in 0..model.limbs().len() {
+                        let numeric = (plus.ends()[limb] - minus.ends()[limb]) / (2.0 * h);
+                        let analytic = here.end_jacobian(limb, parameters).column(column).into_owned();
+                        let analytic = DVec3::new(analytic[0], analytic[1], analytic[2]);
+                        if (numeric - analytic).length() > 1e-7 {
+                            let name = &model.limbs()[limb].name;
+                            failures
+                                .push(format!("{parameters:?} {name} column {column}: {numeric} {analytic}"));
+                        }
+                    }
+                }
+            }
+            assert!(failures.is_empty(), "{}", failures.join("\n"));
+        }
+    }
+}

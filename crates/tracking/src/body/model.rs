@@ -1,0 +1,430 @@
+//! A body model: limbs, checked once, in the order of the model file.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::limb::{JointLimits, Limb, LimbSphere};
+
+/// Name and version of the model file's format.
+pub const FORMAT: &str = "backlit-body 1";
+/// Most limbs a model may have: far more than any body needs, few enough to bound the work.
+pub const MAX_LIMBS: usize = 256;
+/// Lengths and radii above this (metres) are a mistake of units.
+pub const MAX_SIZE: f64 = 100.0;
+
+/// A body model as files say it: see `docs/formats.md`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelSpec {
+    /// [`FORMAT`].
+    pub format: String,
+    /// What the body is called.
+    pub name: String,
+    /// The limbs; a parent stands before its children.
+    #[serde(rename = "limb")]
+    pub limbs: Vec<LimbSpec>,
+}
+
+/// One limb as files say it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LimbSpec {
+    /// Unique name.
+    pub name: String,
+    /// Name of the limb it grows from; left out, it grows from the root.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parent: Option<String>,
+    /// Name of the limb whose rotation it follows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rigid_with: Option<String>,
+    /// Rest direction, of any length but zero.
+    pub direction: DVec3,
+    /// Metres.
+    pub length: f64,
+    /// Metres.
+    pub radius: f64,
+    /// Anatomical limits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limits: Option<JointLimits>,
+    /// Sphere tree.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub spheres: Vec<LimbSphere>,
+}
+
+/// Why a model is not one. Every variant names the limb and the field.
+#[derive(Debug, Error, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum ModelError {
+    #[error("`format` is \"{found}\"; expected \"{FORMAT}\"")]
+    Format { found: String },
+    #[error("the model has no limb; expected at least one [[limb]]")]
+    NoLimbs,
+    #[error("the model has {count} limbs; expected at most {MAX_LIMBS}")]
+    TooManyLimbs { count: usize },
+    #[error("limb {number}: `name` is empty")]
+    EmptyName { number: usize },
+    #[error("limb \"{limb}\": `name` is used twice; expected every name once")]
+    DuplicateName { limb: String },
+    #[error("limb \"{limb}\": `{field}` names \"{target}\", and no limb has that name")]
+    UnknownLimb { limb: String, field: &'static str, target: String },
+    #[error("limb \"{limb}\": `{field}` = \"{target}\" makes a cycle: {cycle}")]
+    Cycle { limb: String, field: &'static str, target: String, cycle: String },
+    #[error("limb \"{limb}\": `direction` is {value}; expected three finite numbers, not all zero")]
+    Direction { limb: String, value: DVec3 },
+    #[error(
+        "limb \"{limb}\": `{field}` is {value}; expected a number of metres above 0 and at most {MAX_SIZE}"
+    )]
+    Size { limb: String, field: &'static str, value: f64 },
+    #[error("limb \"{limb}\": `limits.{field}` {problem}")]
+    Limits { limb: String, field: &'static str, problem: &'static str },
+    #[error("limb \"{limb}\": `spheres[{index}]` {problem}")]
+    Sphere { limb: String, index: usize, problem: &'static str },
+}
+
+/// A body: limbs in an arena, every parent before its children.
+///
+/// Guaranteed: at least one limb, unit directions, finite positive lengths and radii, parents of smaller
+/// index, and rotations numbered in the order of the limbs that own them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    name: String,
+    limbs: Vec<Limb>,
+    rotation_owners: Vec<usize>,
+    rotation_parents: Vec<Option<usize>>,
+    rotations_parents_first: Vec<usize>,
+}
+
+impl Model {
+    /// Checks a model and puts its limbs in order: a limb may stand before its parent in a file.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, by limb and field.
+    pub fn new(spec: &ModelSpec) -> Result<Self, ModelError> {
+        if spec.format != FORMAT {
+            return Err(ModelError::Format { found: spec.format.clone() });
+        }
+        if spec.limbs.is_empty() {
+            return Err(ModelError::NoLimbs);
+        }
+        if spec.limbs.len() > MAX_LIMBS {
+            return Err(ModelError::TooManyLimbs { count: spec.limbs.len() });
+        }
+        for (index, limb) in spec.limbs.iter().enumerate() {
+            check_limb(index, limb)?;
+            if spec.limbs[..index].iter().any(|other| other.name == limb.name) {
+                return Err(ModelError::DuplicateName { limb: limb.name.clone() });
+            }
+        }
+        let find = |limb: &LimbSpec, field, target: &Option<String>| -> Result<Option<usize>, ModelError> {
+            let Some(target) = target else { return Ok(None) };
+            match spec.limbs.iter().position(|other| other.name == *target) {
+                Some(index) => Ok(Some(index)),
+                None => {
+                    Err(ModelError::UnknownLimb { limb: limb.name.clone(), field, target: target.clone() })
+                }
+            }
+        };
+        let mut parents = Vec::with_capacity(spec.limbs.len());
+        let mut rigid = Vec::with_capacity(spec.limbs.len());
+        for limb in &spec.limbs {
+            parents.push(find(limb, "parent", &limb.parent)?);
+            rigid.push(find(limb, "rigid_with", &limb.rigid_with)?);
+        }
+        check_cycles(spec, "rigid_with", &rigid)?;
+        check_cycles(spec, "parent", &parents)?;
+        // A limb that owns a rotation must not grow from one that follows it.
+        let owner = |limb: usize| std::iter::successors(Some(limb), |&l| rigid[l]).last().unwrap_or(limb);
+        let turns_with: Vec<Option<usize>> =
+            (0..spec.limbs.len()).map(|limb| parents[owner(limb)].map(owner)).collect();
+        check_cycles(spec, "parent", &turns_with)?;
+        Ok(Self::assemble(spec, &parents, &rigid))
+    }
+
+    fn assemble(spec: &ModelSpec, parents: &[Option<usize>], rigid: &[Option<usize>]) -> Self {
+        // Parents first, otherwise the file's order.
+        let mut order: Vec<usize> = Vec::with_capacity(spec.limbs.len());
+        let mut place = vec![usize::MAX; spec.limbs.len()];
+        for start in 0..spec.limbs.len() {
+            let mut path = Vec::new();
+            let mut next = Some(start);
+            while let Some(limb) = next.filter(|&limb| place[limb] == usize::MAX && !path.contains(&limb)) {
+                path.push(limb);
+                next = parents[limb];
+            }
+            for limb in path.into_iter().rev() {
+                place[limb] = order.len();
+                order.push(limb);
+            }
+        }
+        // Rotations in the order of the file, as the state's columns are.
+        let mut rotation_of = vec![0; spec.limbs.len()];
+        let mut rotation_owners = Vec::new();
+        for (index, owner) in rigid.iter().enumerate() {
+            if owner.is_none() {
+                rotation_of[index] = rotation_owners.len();
+                rotation_owners.push(index);
+            }
+        }
+        for index in 0..spec.limbs.len() {
+            let mut owner = index;
+            while let Some(next) = rigid[owner] {
+                owner = next;
+            }
+            rotation_of[index] = rotation_of[owner];
+        }
+        let rotation_parents: Vec<Option<usize>> =
+            rotation_owners.iter().map(|&owner| parents[owner].map(|parent| rotation_of[parent])).collect();
+        let depth = |rotation: usize| std::iter::successors(Some(rotation), |&r| rotation_parents[r]).count();
+        let mut rotations_parents_first: Vec<usize> = (0..rotation_owners.len()).collect();
+        rotations_parents_first.sort_by_key(|&rotation| depth(rotation));
+        let limbs = order
+            .iter()
+            .map(|&index| {
+                let limb = &spec.limbs[index];
+                Limb {
+                    name: limb.name.clone(),
+                    parent: parents[index].map(|parent| place[parent]),
+                    rotation: rotation_of[index],
+                    has_own_rotation: rigid[index].is_none(),
+                    direction: unit(limb.direction),
+                    length: limb.length,
+                    radius: limb.radius,
+                    limits: limb.limits,
+                    spheres: limb.spheres.clone(),
+                }
+            })
+            .collect();
+        Self {
+            name: spec.name.clone(),
+            limbs,
+            rotation_owners: rotation_owners.into_iter().map(|owner| place[owner]).collect(),
+            rotation_parents,
+            rotations_parents_first,
+        }
+    }
+
+    /// The model as a file would say it.
+    #[must_use]
+    pub fn to_spec(&self) -> ModelSpec {
+        let name = |index: usize| self.limbs[index].name.clone();
+        let limbs = self.limbs.iter().map(|limb| LimbSpec {
+            name: limb.name.clone(),
+            parent: limb.parent.map(name),
+            rigid_with: (!limb.has_own_rotation).then(|| name(self.rotation_owners[limb.rotation])),
+            direction: limb.direction,
+            length: limb.length,
+            radius: limb.radius,
+            limits: limb.limits,
+            spheres: limb.spheres.clone(),
+        });
+        ModelSpec { format: FORMAT.into(), name: self.name.clone(), limbs: limbs.collect() }
+    }
+
+    /// What the body is called.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The limbs, parents before children.
+    #[must_use]
+    pub fn limbs(&self) -> &[Limb] {
+        &self.limbs
+    }
+
+    /// Index of the limb with this name.
+    #[must_use]
+    pub fn limb_index(&self, name: &str) -> Option<usize> {
+        self.limbs.iter().position(|limb| limb.name == name)
+    }
+
+    /// Number of rotations of the pose.
+    #[must_use]
+    pub fn rotation_count(&self) -> usize {
+        self.rotation_owners.len()
+    }
+
+    /// The limb that owns each rotation.
+    #[must_use]
+    pub fn rotation_owners(&self) -> &[usize] {
+        &self.rotation_owners
+    }
+
+    /// The rotation that each rotation is relative to; `None` for the world.
+    #[must_use]
+    pub fn rotation_parents(&self) -> &[Option<usize>] {
+        &self.rotation_parents
+    }
+
+    /// Rotations in an order in which each stands after the one it is relative to.
+    #[must_use]
+    pub fn rotations_parents_first(&self) -> &[usize] {
+        &self.rotations_parents_first
+    }
+
+    /// Whether `rotation` turns with `ancestor` (every rotation turns with itself).
+    #[must_use]
+    pub fn rotation_follows(&self, rotation: usize, ancestor: usize) -> bool {
+        let mut next = Some(rotation);
+        while let Some(current) = next {
+            if current == ancestor {
+                return true;
+            }
+            next = self.rotation_parents[current];
+        }
+        false
+    }
+
+    /// The limb on the other side of the body ("right …" and "left …"); itself when there is none.
+    #[must_use]
+    pub fn mirrored_limb(&self, limb: usize) -> usize {
+        let name = &self.limbs[limb].name;
+        let other = match (name.strip_prefix("right "), name.strip_prefix("left ")) {
+            (Some(rest), _) => format!("left {rest}"),
+            (_, Some(rest)) => format!("right {rest}"),
+            _ => return limb,
+        };
+        self.limb_index(&other).unwrap_or(limb)
+    }
+}
+
+/// A unit direction is kept to the bit, so that a model written and read again is the same.
+fn unit(direction: DVec3) -> DVec3 {
+    if (direction.length_squared() - 1.0).abs() < 1e-14 { direction } else { direction.normalize() }
+}
+
+fn check_limb(index: usize, limb: &LimbSpec) -> Result<(), ModelError> {
+    let name = || limb.name.clone();
+    if limb.name.trim().is_empty() {
+        return Err(ModelError::EmptyName { number: index + 1 });
+    }
+    let direction_length = limb.direction.length();
+    if !direction_length.is_finite() || direction_length < 1e-9 {
+        return Err(ModelError::Direction { limb: name(), value: limb.direction });
+    }
+    let is_size = |value: f64| value.is_finite() && value > 1e-6 && value <= MAX_SIZE;
+    for (field, value) in [("length", limb.length), ("radius", limb.radius)] {
+        if !is_size(value) {
+            return Err(ModelError::Size { limb: name(), field, value });
+        }
+    }
+    if let Some(limits) = limb.limits {
+        for (field, range) in
+            [("flexion", limits.flexion), ("sideways", limits.sideways), ("twist", limits.twist)]
+        {
+            if !range.is_valid() {
+                return Err(ModelError::Limits {
+                    limb: name(),
+                    field,
+                    problem: "is not a range; expected [smallest, largest] in radians",
+                });
+            }
+        }
+        let across = limits.axis.reject_from(limb.direction);
+        if !(across.is_finite() && across.length() > 1e-6) {
+            return Err(ModelError::Limits {
+                limb: name(),
+                field: "axis",
+                problem: "lies along the limb; expected a direction across it",
+            });
+        }
+    }
+    for (index, sphere) in limb.spheres.iter().enumerate() {
+        if !is_size(sphere.radius) {
+            let problem = "has no radius above 0; expected metres";
+            return Err(ModelError::Sphere { limb: name(), index, problem });
+        }
+        if !(sphere.at.is_finite() && sphere.offset.is_finite()) {
+            return Err(ModelError::Sphere { limb: name(), index, problem: "is not finite" });
+        }
+    }
+    Ok(())
+}
+
+fn check_cycles(spec: &ModelSpec, field: &'static str, next: &[Option<usize>]) -> Result<(), ModelError> {
+    for start in 0..next.len() {
+        let mut path = vec![start];
+        let mut current = start;
+        while let Some(target) = next[current] {
+            path.push(target);
+            if target == start {
+                let names: Vec<&str> = path.iter().map(|&limb| spec.limbs[limb].name.as_str()).collect();
+                return Err(ModelError::Cycle {
+                    limb: spec.limbs[start].name.clone(),
+                    field,
+                    target: spec.limbs[path[1]].name.clone(),
+                    cycle: names.join(" → "),
+                });
+            }
+            if path.len() > next.len() {
+                break; // runs into a cycle that does not hold `start`; that cycle is reported from within
+            }
+            current = target;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn limb(name: &str, parent: Option<&str>) -> LimbSpec {
+        LimbSpec {
+            name: name.into(),
+            parent: parent.map(Into::into),
+            rigid_with: None,
+            direction: DVec3::X,
+            length: 0.3,
+            radius: 0.05,
+            limits: None,
+            spheres: Vec::new(),
+        }
+    }
+
+    fn model(limbs: Vec<LimbSpec>) -> Result<Model, ModelError> {
+        Model::new(&ModelSpec { format: FORMAT.into(), name: "test".into(), limbs })
+    }
+
+    #[test]
+    fn errors_name_limb_and_field() {
+        let cases: Vec<(Vec<LimbSpec>, &str)> = vec![
+            (vec![], "no limb"),
+            (vec![limb("a", Some("b"))], "limb \"a\": `parent` names \"b\""),
+            (vec![limb("a", Some("b")), limb("b", Some("a"))], "makes a cycle: a → b → a"),
+            (vec![limb("a", None), limb("a", None)], "`name` is used twice"),
+            (vec![LimbSpec { length: f64::NAN, ..limb("a", None) }], "`length` is NaN"),
+            (vec![LimbSpec { radius: 0.0, ..limb("a", None) }], "`radius` is 0"),
+            (vec![LimbSpec { direction: DVec3::ZERO, ..limb("a", None) }], "`direction`"),
+            (
+                vec![limb("a", Some("b")), LimbSpec { rigid_with: Some("a".into()), ..limb("b", None) }],
+                "`parent` = \"a\" makes a cycle",
+            ),
+            (
+                vec![LimbSpec { rigid_with: Some("a".into()), ..limb("a", None) }],
+                "`rigid_with` = \"a\" makes a cycle",
+            ),
+        ];
+        for (limbs, expected) in cases {
+            let message = model(limbs).unwrap_err().to_string();
+            assert!(message.contains(expected), "{message:?} should contain {expected:?}");
+        }
+    }
+
+    #[test]
+    fn a_child_may_stand_before_its_parent() {
+        let model = model(vec![limb("hand", Some("arm")), limb("arm", None)]).unwrap();
+        assert_eq!(model.limbs()[0].name, "arm");
+        assert_eq!(model.limbs()[1].parent, Some(0));
+        // Columns of the state keep the file's order.
+        assert_eq!(model.rotation_owners(), [1, 0]);
+        assert_eq!(model.rotation_parents(), [Some(1), None]);
+    }
+
+    #[test]
+    fn a_model_survives_its_own_file() {
+        let body = crate::body::builtin::full_body();
+        assert_eq!(Model::new(&body.to_spec()).unwrap(), body);
+    }
+}

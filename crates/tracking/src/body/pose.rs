@@ -1,0 +1,159 @@
+//! A pose X: where the root is and how every joint is turned.
+
+use glam::{DQuat, DVec3};
+use thiserror::Error;
+
+use super::{Model, Parameters};
+use crate::geometry::rotation::{exp, log};
+
+/// A pose: the root's position in metres and one quaternion per rotation, relative to its parent's.
+///
+/// Quaternions are of unit length everywhere but inside a raw update (4.15).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pose {
+    /// Root in the world, metres.
+    pub root: DVec3,
+    /// One quaternion per rotation of the model, in its order.
+    pub rotations: Vec<DQuat>,
+}
+
+/// Why numbers are not a pose.
+#[derive(Debug, Error, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum PoseError {
+    #[error("`root` is {value}; expected three finite numbers in metres")]
+    Root { value: DVec3 },
+    #[error("`rotations.{limb}` is [w x y z] = {value:?}; expected four finite numbers, not all zero")]
+    Rotation { limb: String, value: [f64; 4] },
+    #[error("`rotations` has {found} quaternions; the model has {expected}")]
+    Count { found: usize, expected: usize },
+}
+
+impl Pose {
+    /// Every rotation the identity, the root at the origin.
+    #[must_use]
+    pub fn rest(model: &Model) -> Self {
+        Self { root: DVec3::ZERO, rotations: vec![DQuat::IDENTITY; model.rotation_count()] }
+    }
+
+    /// Checks a pose against its model.
+    ///
+    /// # Errors
+    /// The first number that is not one, by field.
+    pub fn check(&self, model: &Model) -> Result<(), PoseError> {
+        if !self.root.is_finite() {
+            return Err(PoseError::Root { value: self.root });
+        }
+        if self.rotations.len() != model.rotation_count() {
+            return Err(PoseError::Count { found: self.rotations.len(), expected: model.rotation_count() });
+        }
+        for (q, &owner) in self.rotations.iter().zip(model.rotation_owners()) {
+            if !q.is_finite() || q.length_squared() < 1e-12 {
+                let limb = model.limbs()[owner].name.clone();
+                return Err(PoseError::Rotation { limb, value: [q.w, q.x, q.y, q.z] });
+            }
+        }
+        Ok(())
+    }
+
+    /// All quaternions brought to unit length.
+    #[must_use]
+    pub fn normalized(&self) -> Self {
+        Self { root: self.root, rotations: self.rotations.iter().map(|q| q.normalize()).collect() }
+    }
+
+    /// Moves by a step of the state: X ⊕ δ. Raw steps are added, then renormalised.
+    ///
+    /// `step` has [`Parameters::columns`] entries.
+    #[must_use]
+    pub fn retract(&self, parameters: Parameters, step: &[f64]) -> Self {
+        let root = self.root + DVec3::from_slice(&step[..3]);
+        let blocks = step[3..].chunks_exact(parameters.per_rotation());
+        let rotations = self.rotations.iter().zip(blocks).map(|(q, block)| match parameters {
+            Parameters::Tangent => (exp(DVec3::from_slice(block)) * *q).normalize(),
+            Parameters::Raw => {
+                let moved = DQuat::from_xyzw(q.x + block[1], q.y + block[2], q.z + block[3], q.w + block[0]);
+                // A step that lands on zero says nothing about the turn: stay.
+                if moved.length_squared() > 1e-12 { moved.normalize() } else { *q }
+            }
+        });
+        Self { root, rotations: rotations.collect() }
+    }
+
+    /// The tangent step from `other` to this pose: `other.retract(Tangent, step) == self`.
+    #[must_use]
+    pub fn local(&self, other: &Self) -> Vec<f64> {
+        let mut step = Vec::with_capacity(3 + 3 * self.rotations.len());
+        step.extend((self.root - other.root).to_array());
+        for (q, from) in self.rotations.iter().zip(&other.rotations) {
+            step.extend(log(*q * from.inverse()).to_array());
+        }
+        step
+    }
+
+    /// The state as raw numbers: root, then w x y z per rotation.
+    #[must_use]
+    pub fn to_state(&self) -> Vec<f64> {
+        let mut state = self.root.to_array().to_vec();
+        for q in &self.rotations {
+            state.extend([q.w, q.x, q.y, q.z]);
+        }
+        state
+    }
+
+    /// The inverse of [`to_state`](Self::to_state); coefficients are taken as they are.
+    ///
+    /// # Errors
+    /// Wrong count, or a number that is not finite.
+    pub fn from_state(model: &Model, state: &[f64]) -> Result<Self, PoseError> {
+        let expected = model.rotation_count();
+        if state.len() != 3 + 4 * expected {
+            return Err(PoseError::Count { found: state.len().saturating_sub(3) / 4, expected });
+        }
+        let rotations =
+            state[3..].chunks_exact(4).map(|q| DQuat::from_xyzw(q[1], q[2], q[3], q[0])).collect();
+        let pose = Self { root: DVec3::from_slice(&state[..3]), rotations };
+        pose.check(model)?;
+        Ok(pose)
+    }
+
+    /// Part-way from this pose (0) to another (1): straight for the root, spherical for rotations.
+    #[must_use]
+    pub fn interpolate(&self, other: &Self, fraction: f64) -> Self {
+        let rotations = self.rotations.iter().zip(&other.rotations);
+        Self {
+            root: self.root.lerp(other.root, fraction),
+            rotations: rotations
+                .map(|(a, b)| (exp(log(*b * a.inverse()) * fraction) * *a).normalize())
+                .collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::builtin;
+
+    #[test]
+    fn retract_undoes_local() {
+        let model = builtin::upper_body();
+        let step: Vec<f64> = (0..27).map(|i| 0.4 * (f64::from(i) * 1.7).sin()).collect();
+        let from = Pose::rest(&model).retract(Parameters::Tangent, &step[..]);
+        let other: Vec<f64> = step.iter().map(|x| x * -0.7 + 0.1).collect();
+        let to = from.retract(Parameters::Tangent, &other);
+        let again = to.local(&from);
+        for (a, b) in again.iter().zip(&other) {
+            assert!((a - b).abs() < 1e-12, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn not_a_number_is_named() {
+        let model = builtin::upper_body();
+        let mut state = Pose::rest(&model).to_state();
+        state[8] = f64::NAN;
+        let message = Pose::from_state(&model, &state).unwrap_err().to_string();
+        assert!(message.contains("rotations.right shoulder"), "{message}");
+    }
+}

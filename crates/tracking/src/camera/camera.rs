@@ -1,0 +1,282 @@
+//! One calibrated camera.
+
+use glam::{DMat3, DVec2, DVec3};
+use thiserror::Error;
+
+use super::{Distortion, Intrinsics};
+
+/// Most pixels across or down a picture.
+pub const MAX_SIDE: u32 = 16_384;
+/// Rotations that are this far from orthonormal are refused; closer ones are mended.
+const ROTATION_TOLERANCE: f64 = 1e-3;
+
+/// The rigid transform from world to camera: x_camera = rotation · x_world + translation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CameraFromWorld {
+    /// Rows are the camera's axes in the world.
+    pub rotation: DMat3,
+    /// Metres.
+    pub translation: DVec3,
+}
+
+impl CameraFromWorld {
+    /// A point's camera coordinates.
+    #[must_use]
+    pub fn transform(&self, point_in_world: DVec3) -> DVec3 {
+        self.rotation * point_in_world + self.translation
+    }
+
+    /// Where the camera stands in the world.
+    #[must_use]
+    pub fn centre(&self) -> DVec3 {
+        -(self.rotation.transpose() * self.translation)
+    }
+
+    /// A camera at `centre` that looks at `target`, with `up` upwards in the picture.
+    #[must_use]
+    pub fn looking_at(centre: DVec3, target: DVec3, up: DVec3) -> Self {
+        let z = (target - centre).normalize();
+        let x = z.cross(up).normalize_or(z.any_orthonormal_vector());
+        let y = z.cross(x);
+        let rotation = DMat3::from_cols(x, y, z).transpose();
+        Self { rotation, translation: -(rotation * centre) }
+    }
+}
+
+/// Why numbers are not a camera. Every message names the field.
+#[derive(Debug, Error, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum CameraError {
+    #[error("`name` is empty")]
+    Name,
+    #[error("`{field}` is {value}; expected 1 to {MAX_SIDE} pixels")]
+    Size { field: &'static str, value: u64 },
+    #[error("`{field}` is {value}; expected a finite number of pixels above 0")]
+    Focal { field: &'static str, value: f64 },
+    #[error("`{field}` is {value}; expected a finite number")]
+    NotFinite { field: &'static str, value: f64 },
+    #[error("`rotation` is not a rotation: its rows are {error:.1e} away from orthonormal, or it mirrors")]
+    Rotation { error: f64 },
+    #[error("`translation` is {value}; expected three finite numbers in metres")]
+    Translation { value: DVec3 },
+}
+
+/// A calibrated camera: picture size, pinhole, lens and place. Checked at construction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Camera {
+    name: String,
+    width: usize,
+    height: usize,
+    intrinsics: Intrinsics,
+    distortion: Distortion,
+    camera_from_world: CameraFromWorld,
+}
+
+impl Camera {
+    /// Checks the numbers; a rotation with rounding errors is made orthonormal.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn new(
+        name: &str,
+        size: [u64; 2],
+        intrinsics: Intrinsics,
+        distortion: Distortion,
+        camera_from_world: CameraFromWorld,
+    ) -> Result<Self, CameraError> {
+        if name.trim().is_empty() {
+            return Err(CameraError::Name);
+        }
+        for (field, value) in [("width", size[0]), ("height", size[1])] {
+            if value == 0 || value > u64::from(MAX_SIDE) {
+                return Err(CameraError::Size { field, value });
+            }
+        }
+        for (field, value) in [("fx", intrinsics.fx), ("fy", intrinsics.fy)] {
+            if !(value.is_finite() && value > 1e-9) {
+                return Err(CameraError::Focal { field, value });
+            }
+        }
+        let mut finite = vec![("cx", intrinsics.cx), ("cy", intrinsics.cy)];
+        if let Distortion::OpenCv { k1, k2, p1, p2, k3 } = distortion {
+            finite.extend([("k1", k1), ("k2", k2), ("p1", p1), ("p2", p2), ("k3", k3)]);
+        }
+        if let Some(&(field, value)) = finite.iter().find(|(_, value)| !value.is_finite()) {
+            return Err(CameraError::NotFinite { field, value });
+        }
+        if !camera_from_world.translation.is_finite() {
+            return Err(CameraError::Translation { value: camera_from_world.translation });
+        }
+        let rotation = orthonormal(camera_from_world.rotation)?;
+        Ok(Self {
+            name: name.to_owned(),
+            width: size[0] as usize,
+            height: size[1] as usize,
+            intrinsics,
+            distortion,
+            camera_from_world: CameraFromWorld { rotation, ..camera_from_world },
+        })
+    }
+
+    /// Unique name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Pixels across.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Pixels down.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// The pinhole.
+    #[must_use]
+    pub fn intrinsics(&self) -> &Intrinsics {
+        &self.intrinsics
+    }
+
+    /// The lens.
+    #[must_use]
+    pub fn distortion(&self) -> &Distortion {
+        &self.distortion
+    }
+
+    /// World to camera.
+    #[must_use]
+    pub fn camera_from_world(&self) -> &CameraFromWorld {
+        &self.camera_from_world
+    }
+
+    /// Where the camera stands in the world, metres.
+    #[must_use]
+    pub fn centre(&self) -> DVec3 {
+        self.camera_from_world.centre()
+    }
+
+    /// The same camera with an ideal lens: whose pictures [`Rectification`](super::Rectification) makes.
+    #[must_use]
+    pub fn without_distortion(&self) -> Self {
+        Self { distortion: Distortion::None, ..self.clone() }
+    }
+
+    /// Pixel of a world point; `None` for points at or behind the camera plane.
+    #[must_use]
+    pub fn project(&self, point_in_world: DVec3) -> Option<DVec2> {
+        let point = self.camera_from_world.transform(point_in_world);
+        if point.z <= 1e-9 {
+            return None;
+        }
+        let plane = self.distortion.distort(DVec2::new(point.x, point.y) / point.z);
+        Some(self.intrinsics.pixel_from_plane(plane))
+    }
+
+    /// Depth of a world point along the optical axis, metres; negative behind the camera.
+    #[must_use]
+    pub fn depth(&self, point_in_world: DVec3) -> f64 {
+        self.camera_from_world.transform(point_in_world).z
+    }
+
+    /// Unit ray of a pixel in camera axes; `None` where the lens model has no inverse.
+    #[must_use]
+    pub fn ray_in_camera(&self, pixel: DVec2) -> Option<DVec3> {
+        let plane = self.distortion.undistort(self.intrinsics.plane_from_pixel(pixel))?;
+        Some(plane.extend(1.0).normalize())
+    }
+
+    /// Unit ray of a pixel in world axes, from [`centre`](Self::centre).
+    #[must_use]
+    pub fn ray_in_world(&self, pixel: DVec2) -> Option<DVec3> {
+        self.ray_in_camera(pixel).map(|ray| self.camera_from_world.rotation.transpose() * ray)
+    }
+
+    /// The same camera with pictures of another size: all pixel numbers scaled about the picture's corner.
+    ///
+    /// # Errors
+    /// The new size is empty or too large.
+    pub fn resized(&self, width: u64, height: u64) -> Result<Self, CameraError> {
+        let (sx, sy) = (width as f64 / self.width as f64, height as f64 / self.height as f64);
+        let k = self.intrinsics;
+        // A pixel centre at c covers c − ½ … c + ½.
+        let intrinsics = Intrinsics {
+            fx: k.fx * sx,
+            fy: k.fy * sy,
+            cx: (k.cx + 0.5) * sx - 0.5,
+            cy: (k.cy + 0.5) * sy - 0.5,
+        };
+        Self::new(&self.name, [width, height], intrinsics, self.distortion, self.camera_from_world)
+    }
+}
+
+fn orthonormal(rotation: DMat3) -> Result<DMat3, CameraError> {
+    let error = if rotation.is_finite() {
+        let off = rotation * rotation.transpose() - DMat3::IDENTITY;
+        off.to_cols_array().iter().fold(0.0_f64, |worst, x| worst.max(x.abs()))
+    } else {
+        f64::INFINITY
+    };
+    if error > ROTATION_TOLERANCE || rotation.determinant() < 0.0 {
+        return Err(CameraError::Rotation { error });
+    }
+    if error < 1e-12 {
+        return Ok(rotation);
+    }
+    // Gram and Schmidt on the rows, the optical axis first.
+    let rows = rotation.transpose();
+    let z = rows.z_axis.normalize();
+    let x = rows.x_axis.reject_from_normalized(z).normalize();
+    Ok(DMat3::from_cols(x, z.cross(x), z).transpose())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera(distortion: Distortion) -> Camera {
+        let place = CameraFromWorld::looking_at(DVec3::new(3.0, -1.0, 1.5), DVec3::Z, DVec3::Z);
+        let intrinsics = Intrinsics { fx: 420.0, fy: 421.0, cx: 134.0, cy: 238.5 };
+        Camera::new("test", [272, 480], intrinsics, distortion, place).unwrap()
+    }
+
+    #[test]
+    fn rays_and_pixels_agree() {
+        for distortion in
+            [Distortion::None, Distortion::OpenCv { k1: -0.05, k2: 0.14, p1: 6e-4, p2: 7e-4, k3: 0.01 }]
+        {
+            let camera = camera(distortion);
+            let point = DVec3::new(0.2, 0.3, 1.4);
+            let pixel = camera.project(point).unwrap();
+            let ray = camera.ray_in_world(pixel).unwrap();
+            assert!((point - camera.centre()).normalize().distance(ray) < 1e-10);
+        }
+    }
+
+    #[test]
+    fn up_is_up_in_the_picture() {
+        let camera = camera(Distortion::None);
+        let (low, high) = (camera.project(DVec3::ZERO).unwrap(), camera.project(DVec3::Z).unwrap());
+        assert!(high.y < low.y);
+        assert!((camera.depth(DVec3::Z) - DVec3::new(3.0, -1.0, 0.5).length()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn errors_name_the_field() {
+        let good = camera(Distortion::None);
+        let intrinsics = *good.intrinsics();
+        let place = *good.camera_from_world();
+        let new = |size, intrinsics, place| {
+            Camera::new("c", size, intrinsics, Distortion::None, place).unwrap_err().to_string()
+        };
+        assert!(new([0, 480], intrinsics, place).contains("`width` is 0"));
+        assert!(new([272, 1 << 31], intrinsics, place).contains("`height`"));
+        assert!(new([272, 480], Intrinsics { fx: 0.0, ..intrinsics }, place).contains("`fx`"));
+        let scaled = CameraFromWorld { rotation: place.rotation * 1.1, ..place };
+        assert!(new([272, 480], intrinsics, scaled).contains("`rotation`"));
+    }
+}

@@ -1,0 +1,17 @@
+//! Calibrated cameras, in OpenCV's conventions.
+//!
+//! Axes x right, y down, z forward. Pixel centres lie at integer coordinates. A transform is named
+//! `a_from_b`: `point_in_camera = camera_from_world · point_in_world`. Metres and pixels.
+
+#[expect(clippy::module_inception, reason = "the file is named after the type that it holds")]
+pub mod camera;
+pub mod distortion;
+pub mod intrinsics;
+pub mod rectify;
+pub mod rig;
+
+pub use camera::{Camera, CameraError, CameraFromWorld};
+pub use distortion::Distortion;
+pub use intrinsics::Intrinsics;
+pub use rectify::Rectification;
+pub use rig::{Rig, RigError};
