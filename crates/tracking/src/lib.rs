@@ -3,3 +3,4 @@
 pub mod body;
 pub mod camera;
 pub mod geometry;
+pub mod silhouette;

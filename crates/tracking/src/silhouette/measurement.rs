@@ -1,0 +1,413 @@
+//! The measurement D of the cost Σ w (D − λ)²: grey levels and weights, made from a mask.
+//!
+//! Three views of one mask, from the plainest to the most helpful to an optimiser:
+//!
+//! - hard: D = 0 on the subject, 255 elsewhere (4.24, 4.25);
+//! - area-averaged: D = 255 · (background pixels) / (known pixels) in a small box, which gives the border sub-pixel grey levels;
+//! - by distance: D = 255 · clip((sd + wᵢ) / (wᵢ + wₒ), 0, 1), with sd the signed distance and wᵢ, wₒ the widths of the
+//!   ramp inside and outside the border, in pixels.
+//!
+//! Equation numbers are those of P. Kaimakis, "Markerless Motion Capture", University of Cambridge, 2004.
+
+use image::GrayImage;
+use serde::{Deserialize, Serialize};
+
+use super::distance::SignedDistance;
+use super::mask::{Label, Mask};
+
+/// Grey level of background, and of everything that is surely not the subject.
+const BACKGROUND_LEVEL: f32 = 255.0;
+
+/// Grey level shown for pixels about which nothing is known. It weighs nothing.
+const UNKNOWN_LEVEL: f32 = 127.5;
+
+/// Why a measurement could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MeasurementError {
+    /// A buffer does not have width × height entries.
+    #[error("a measurement of {width} × {height} pixels cannot have {values} values and {weights} weights")]
+    WrongLength {
+        /// Width in pixels.
+        width: usize,
+        /// Height in pixels.
+        height: usize,
+        /// Grey levels given.
+        values: usize,
+        /// Weights given.
+        weights: usize,
+    },
+    /// A grey level is NaN or infinite, or a weight is that or negative.
+    #[error("pixel {index} has the grey level {value} and the weight {weight}")]
+    NotFinite {
+        /// Index of the pixel, row by row.
+        index: usize,
+        /// Its grey level.
+        value: f32,
+        /// Its weight.
+        weight: f32,
+    },
+    /// The distances belong to an image of another size than the mask.
+    #[error("distances of {}×{} pixels do not fit a mask of {}×{}", distance.0, distance.1, mask.0, mask.1)]
+    SizeMismatch {
+        /// Width and height of the distances.
+        distance: (usize, usize),
+        /// Width and height of the mask.
+        mask: (usize, usize),
+    },
+    /// The widths of the ramp are negative, not finite, or both zero.
+    #[error("a ramp cannot be {inner_px} px wide inside and {outer_px} px outside")]
+    InvalidRamp {
+        /// Width inside the border, pixels.
+        inner_px: f32,
+        /// Width outside the border, pixels.
+        outer_px: f32,
+    },
+}
+
+/// A rectangle of pixels, as for a region of interest. It may reach beyond the image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Region {
+    /// First column.
+    pub x: usize,
+    /// First row.
+    pub y: usize,
+    /// Number of columns.
+    pub width: usize,
+    /// Number of rows.
+    pub height: usize,
+}
+
+impl Region {
+    /// Whether a pixel lies in the region.
+    pub fn contains(&self, x: usize, y: usize) -> bool {
+        (x >= self.x && x - self.x < self.width) && (y >= self.y && y - self.y < self.height)
+    }
+
+    /// The columns of the region within an image of this width; empty where the region is outside.
+    pub fn columns(&self, image_width: usize) -> std::ops::Range<usize> {
+        self.x.min(image_width)..self.x.saturating_add(self.width).min(image_width)
+    }
+
+    /// The rows of the region within an image of this height; empty where the region is outside.
+    pub fn rows(&self, image_height: usize) -> std::ops::Range<usize> {
+        self.y.min(image_height)..self.y.saturating_add(self.height).min(image_height)
+    }
+}
+
+/// Grey levels D (0 subject to 255 background) and weights (0 for nothing, 1 for full) of one camera's frame.
+///
+/// Every value and weight is finite and no weight is negative.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    width: usize,
+    height: usize,
+    values: Vec<f32>,
+    weights: Vec<f32>,
+}
+
+impl Measurement {
+    /// A measurement from grey levels and weights, row by row.
+    ///
+    /// # Errors
+    ///
+    /// If a buffer does not have width × height entries, if an entry is not finite or if a weight is negative.
+    pub fn new(
+        width: usize,
+        height: usize,
+        values: Vec<f32>,
+        weights: Vec<f32>,
+    ) -> Result<Self, MeasurementError> {
+        let pixels = width.checked_mul(height);
+        if pixels != Some(values.len()) || pixels != Some(weights.len()) {
+            let (values, weights) = (values.len(), weights.len());
+            return Err(MeasurementError::WrongLength { width, height, values, weights });
+        }
+        for (index, (&value, &weight)) in values.iter().zip(&weights).enumerate() {
+            if !value.is_finite() || !weight.is_finite() || weight < 0.0 {
+                return Err(MeasurementError::NotFinite { index, value, weight });
+            }
+        }
+        Ok(Self { width, height, values, weights })
+    }
+
+    /// The mask as it is: 0 on the subject, 255 on background, no weight where nothing is known.
+    pub fn from_mask_hard(mask: &Mask) -> Self {
+        let values = mask
+            .labels()
+            .iter()
+            .map(|label| match label {
+                Label::Subject => 0.0,
+                Label::Background => BACKGROUND_LEVEL,
+                Label::Unknown => UNKNOWN_LEVEL,
+            })
+            .collect();
+        Self { width: mask.width(), height: mask.height(), values, weights: mask_weights(mask) }
+    }
+
+    /// The share of background among the known pixels of the box of (2 · `radius_px` + 1)² around each pixel. The box is
+    /// cut at the image's border. Radius 0 is [`Self::from_mask_hard`].
+    pub fn from_mask_averaged(mask: &Mask, radius_px: usize) -> Self {
+        let (width, height) = (mask.width(), mask.height());
+        let mut sums = ColumnSums::new(width);
+        let mut values = Vec::with_capacity(width * height);
+        let mut prefix = Vec::with_capacity(width + 1);
+        let row = |y: usize| &mask.labels()[y * width..(y + 1) * width];
+        (0..radius_px.min(height)).for_each(|y| sums.add(row(y)));
+        for y in 0..height {
+            if let Some(entering) = y.checked_add(radius_px).filter(|&entering| entering < height) {
+                sums.add(row(entering));
+            }
+            if let Some(leaving) = y.checked_sub(radius_px + 1) {
+                sums.remove(row(leaving));
+            }
+            sums.prefix_into(&mut prefix);
+            for x in 0..width {
+                let [low, high] = [x.saturating_sub(radius_px), x.saturating_add(radius_px + 1).min(width)];
+                let (known, background) = (prefix[high].0 - prefix[low].0, prefix[high].1 - prefix[low].1);
+                values.push(match known {
+                    0 => UNKNOWN_LEVEL,
+                    _ => BACKGROUND_LEVEL * background as f32 / known as f32,
+                });
+            }
+        }
+        Self { width, height, values, weights: mask_weights(mask) }
+    }
+
+    /// D = 255 · clip((sd + `inner_px`) / (`inner_px` + `outer_px`), 0, 1), weighed by the mask.
+    ///
+    /// # Errors
+    ///
+    /// If the sizes differ, or if the widths are not finite, negative or both zero.
+    pub fn from_distance(
+        distance: &SignedDistance,
+        mask: &Mask,
+        inner_px: f32,
+        outer_px: f32,
+    ) -> Result<Self, MeasurementError> {
+        let (width, height) = (mask.width(), mask.height());
+        if (distance.width(), distance.height()) != (width, height) {
+            let distance = (distance.width(), distance.height());
+            return Err(MeasurementError::SizeMismatch { distance, mask: (width, height) });
+        }
+        let total = inner_px + outer_px;
+        if !(inner_px >= 0.0 && outer_px >= 0.0 && total.is_normal() && total.recip().is_normal()) {
+            return Err(MeasurementError::InvalidRamp { inner_px, outer_px });
+        }
+        let values = distance
+            .values()
+            .iter()
+            .map(|sd| BACKGROUND_LEVEL * ((sd + inner_px) / total).clamp(0.0, 1.0))
+            .collect();
+        Ok(Self { width, height, values, weights: mask_weights(mask) })
+    }
+
+    /// Grey levels as they are (0 = subject), each of full weight.
+    pub fn from_gray(image: &GrayImage) -> Self {
+        let values: Vec<f32> = image.as_raw().iter().map(|&level| f32::from(level)).collect();
+        let weights = vec![1.0; values.len()];
+        Self { width: image.width() as usize, height: image.height() as usize, values, weights }
+    }
+
+    /// The grey levels, rounded, as an image (black = subject). Weights are not shown.
+    pub fn to_gray(&self) -> GrayImage {
+        // A float cast saturates, so values beyond [0, 255] become its ends.
+        GrayImage::from_fn(self.width as u32, self.height as u32, |x, y| {
+            image::Luma([self.values[y as usize * self.width + x as usize].round() as u8])
+        })
+    }
+
+    /// Takes all weight from the pixels outside a region of interest.
+    pub fn restrict_to(&mut self, region: Region) {
+        if self.weights.is_empty() {
+            return;
+        }
+        let (columns, rows) = (region.columns(self.width), region.rows(self.height));
+        for (y, weights) in self.weights.chunks_exact_mut(self.width).enumerate() {
+            if rows.contains(&y) && !columns.is_empty() {
+                weights[..columns.start].fill(0.0);
+                weights[columns.end..].fill(0.0);
+            } else {
+                weights.fill(0.0);
+            }
+        }
+    }
+
+    /// Width in pixels.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// All grey levels, row by row.
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// All weights, row by row.
+    pub fn weights(&self) -> &[f32] {
+        &self.weights
+    }
+}
+
+/// Full weight for what is known.
+fn mask_weights(mask: &Mask) -> Vec<f32> {
+    mask.labels().iter().map(|&label| if label == Label::Unknown { 0.0 } else { 1.0 }).collect()
+}
+
+/// How many known and how many background pixels each column has in the rows added so far.
+struct ColumnSums {
+    known: Vec<u32>,
+    background: Vec<u32>,
+}
+
+impl ColumnSums {
+    fn new(width: usize) -> Self {
+        Self { known: vec![0; width], background: vec![0; width] }
+    }
+
+    fn add(&mut self, row: &[Label]) {
+        for ((known, background), &label) in self.known.iter_mut().zip(&mut self.background).zip(row) {
+            *known += u32::from(label != Label::Unknown);
+            *background += u32::from(label == Label::Background);
+        }
+    }
+
+    fn remove(&mut self, row: &[Label]) {
+        for ((known, background), &label) in self.known.iter_mut().zip(&mut self.background).zip(row) {
+            *known -= u32::from(label != Label::Unknown);
+            *background -= u32::from(label == Label::Background);
+        }
+    }
+
+    /// The sums of all columns left of each; one entry more than there are columns.
+    fn prefix_into(&self, prefix: &mut Vec<(u32, u32)>) {
+        prefix.clear();
+        let mut sum = (0, 0);
+        prefix.push(sum);
+        for (known, background) in self.known.iter().zip(&self.background) {
+            sum = (sum.0 + known, sum.1 + background);
+            prefix.push(sum);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> Mask {
+        Mask::from_ascii(
+            "
+            .....
+            .##?.
+            .##..
+        ",
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn hard_levels_are_the_mask() {
+        let measurement = Measurement::from_mask_hard(&example());
+        assert_eq!(measurement.values()[5..10], [255.0, 0.0, 0.0, 127.5, 255.0]);
+        assert_eq!(measurement.weights()[5..10], [1.0, 1.0, 1.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn averages_count_known_pixels_of_the_box() {
+        let mask = example();
+        assert_eq!(Measurement::from_mask_averaged(&mask, 0), Measurement::from_mask_hard(&mask));
+        for radius in [1_usize, 2, 9, usize::MAX - 1] {
+            let averaged = Measurement::from_mask_averaged(&mask, radius);
+            for (i, &value) in averaged.values().iter().enumerate() {
+                let near = |j: usize| (i % 5).abs_diff(j % 5) <= radius && (i / 5).abs_diff(j / 5) <= radius;
+                let count = |label| (0..15).filter(|&j| near(j) && mask.labels()[j] == label).count() as f32;
+                let [b, s] = [Label::Background, Label::Subject].map(count);
+                assert_eq!(value, 255.0 * b / (b + s), "radius {radius}, pixel {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_ramp_of_distance_is_half_grey_on_the_border() {
+        let mask = Mask::from_ascii("....####").unwrap();
+        let distance = SignedDistance::from_mask(&mask);
+        let measurement = Measurement::from_distance(&distance, &mask, 1.0, 2.0).unwrap();
+        let third = 255.0 / 3.0;
+        let expected = [3.0, 3.0, 2.5, 1.5, 0.5, 0.0, 0.0, 0.0].map(|n: f32| n * third);
+        for (found, expected) in measurement.values().iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-4, "{:?}", measurement.values());
+        }
+    }
+
+    #[test]
+    fn impossible_ramps_are_errors() {
+        let mask = example();
+        let distance = SignedDistance::from_mask(&mask);
+        for (inner, outer) in [
+            (0.0, 0.0),
+            (-1.0, 3.0),
+            (f32::NAN, 1.0),
+            (1.0, f32::INFINITY),
+            (f32::MAX, f32::MAX),
+            (1e-45, 0.0),
+        ] {
+            let result = Measurement::from_distance(&distance, &mask, inner, outer);
+            assert!(matches!(result, Err(MeasurementError::InvalidRamp { .. })), "{inner} {outer}");
+        }
+        let other = Mask::filled(5, 4, Label::Subject).unwrap();
+        let result = Measurement::from_distance(&distance, &other, 1.0, 1.0);
+        assert_eq!(result, Err(MeasurementError::SizeMismatch { distance: (5, 3), mask: (5, 4) }));
+    }
+
+    #[test]
+    fn a_distance_without_border_stays_finite() {
+        let mask = Mask::filled(3, 3, Label::Background).unwrap();
+        let distance = SignedDistance::from_mask(&mask);
+        let measurement = Measurement::from_distance(&distance, &mask, 0.0, 1.0).unwrap();
+        assert_eq!(measurement.values(), [255.0; 9]);
+    }
+
+    #[test]
+    fn outside_the_region_nothing_weighs() {
+        let mut measurement = Measurement::from_mask_hard(&Mask::filled(4, 3, Label::Subject).unwrap());
+        let mut nowhere = measurement.clone();
+        measurement.restrict_to(Region { x: 1, y: 1, width: 2, height: usize::MAX });
+        #[rustfmt::skip]
+        assert_eq!(measurement.weights(), [
+            0.0, 0.0, 0.0, 0.0,
+            0.0, 1.0, 1.0, 0.0,
+            0.0, 1.0, 1.0, 0.0,
+        ]);
+        nowhere.restrict_to(Region { x: 9, y: 0, width: 2, height: 3 });
+        assert_eq!(nowhere.weights(), [0.0; 12]);
+    }
+
+    #[test]
+    fn gray_levels_survive_a_round_trip() {
+        let image = GrayImage::from_raw(3, 1, vec![0, 128, 255]).unwrap();
+        assert_eq!(Measurement::from_gray(&image).to_gray(), image);
+    }
+
+    #[test]
+    fn unusable_numbers_are_errors() {
+        assert!(Measurement::new(2, 1, vec![0.0, 255.0], vec![1.0, 0.5]).is_ok());
+        assert!(matches!(
+            Measurement::new(2, 1, vec![0.0, f32::NAN], vec![1.0; 2]),
+            Err(MeasurementError::NotFinite { index: 1, .. })
+        ));
+        assert!(matches!(
+            Measurement::new(2, 1, vec![0.0; 2], vec![-1.0; 2]),
+            Err(MeasurementError::NotFinite { index: 0, .. })
+        ));
+        assert!(matches!(
+            Measurement::new(2, 2, vec![0.0; 2], vec![1.0; 2]),
+            Err(MeasurementError::WrongLength { .. })
+        ));
+    }
+}

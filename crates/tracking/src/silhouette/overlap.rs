@@ -1,0 +1,112 @@
+//! How well a prediction covers a mask: pixel counts and intersection over union.
+
+use std::ops::AddAssign;
+
+use super::mask::{Label, Mask};
+
+/// A pixel is predicted to show the subject below this grey level: half of the ramp from 0 to 255.
+const SUBJECT_BELOW: f32 = 127.5;
+
+/// Why an overlap could not be counted.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum OverlapError {
+    /// The prediction does not have one value for each pixel of the mask.
+    #[error("the prediction has {found} pixels, the mask {expected}")]
+    WrongLength {
+        /// Pixels of the mask.
+        expected: usize,
+        /// Pixels of the prediction.
+        found: usize,
+    },
+}
+
+/// Pixel counts of a comparison; unknown pixels are not counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Overlap {
+    /// Subject in the mask and in the prediction.
+    pub agreement: usize,
+    /// Subject in the mask only.
+    pub missing: usize,
+    /// Subject in the prediction only.
+    pub spurious: usize,
+}
+
+impl Overlap {
+    /// Compares a mask with predicted grey levels λ (row by row, 0 subject to 255 background).
+    ///
+    /// # Errors
+    ///
+    /// If the prediction has another number of pixels than the mask.
+    pub fn between(mask: &Mask, prediction: &[f32]) -> Result<Self, OverlapError> {
+        let expected = mask.labels().len();
+        if prediction.len() != expected {
+            return Err(OverlapError::WrongLength { expected, found: prediction.len() });
+        }
+        let mut counts = Self::default();
+        for (&label, &lambda) in mask.labels().iter().zip(prediction) {
+            let predicted = lambda < SUBJECT_BELOW;
+            counts.agreement += usize::from(label == Label::Subject && predicted);
+            counts.missing += usize::from(label == Label::Subject && !predicted);
+            counts.spurious += usize::from(label == Label::Background && predicted);
+        }
+        Ok(counts)
+    }
+
+    /// Intersection over union, in [0, 1]; none if neither side shows the subject anywhere.
+    pub fn iou(&self) -> Option<f64> {
+        let union = self.agreement + self.missing + self.spurious;
+        (union > 0).then(|| self.agreement as f64 / union as f64)
+    }
+
+    /// The counts of both together, as for several cameras of one frame.
+    #[must_use]
+    pub fn merge(self, other: Self) -> Self {
+        Self {
+            agreement: self.agreement + other.agreement,
+            missing: self.missing + other.missing,
+            spurious: self.spurious + other.spurious,
+        }
+    }
+}
+
+impl AddAssign for Overlap {
+    fn add_assign(&mut self, other: Self) {
+        *self = self.merge(other);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_ignore_unknown_pixels() {
+        let mask = Mask::from_ascii(
+            "
+            ##.?
+            ##.?
+        ",
+        )
+        .unwrap();
+        let prediction = [0.0, 255.0, 127.0, 0.0, 127.4, 127.5, 255.0, 255.0];
+        let overlap = Overlap::between(&mask, &prediction).unwrap();
+        assert_eq!(overlap, Overlap { agreement: 2, missing: 2, spurious: 1 });
+        assert_eq!(overlap.iou(), Some(0.4));
+        assert_eq!(overlap.merge(overlap), Overlap { agreement: 4, missing: 4, spurious: 2 });
+    }
+
+    #[test]
+    fn an_empty_union_has_no_ratio() {
+        let mask = Mask::filled(2, 1, Label::Background).unwrap();
+        assert_eq!(Overlap::between(&mask, &[255.0, 255.0]).unwrap().iou(), None);
+    }
+
+    #[test]
+    fn another_size_is_an_error() {
+        let mask = Mask::filled(2, 1, Label::Background).unwrap();
+        assert_eq!(
+            Overlap::between(&mask, &[0.0; 3]),
+            Err(OverlapError::WrongLength { expected: 2, found: 3 })
+        );
+    }
+}
