@@ -1,6 +1,6 @@
 //! The window without a display.
 
-use egui::{Color32, Event, Pos2, RawInput, Rect, Ui, ViewportId, vec2};
+use egui::{Event, Pos2, RawInput, Rect, Ui, ViewportId, vec2};
 use image::RgbaImage;
 
 use super::{Canvas, TextureStore};
@@ -55,8 +55,9 @@ impl Headless {
         let mut output = self.ctx.run_ui(input, &mut ui);
         self.textures.update(&mut output.textures_delta);
         let primitives = self.ctx.tessellate(output.shapes, output.pixels_per_point);
+        let background = self.ctx.global_style().visuals.panel_fill;
         let size_px = (self.size * self.pixels_per_point).round();
-        let mut canvas = Canvas::new(size_px.x as u32, size_px.y as u32, Color32::BLACK);
+        let mut canvas = Canvas::new(size_px.x as u32, size_px.y as u32, background);
         canvas.paint(output.pixels_per_point, &primitives, &self.textures);
         canvas.image()
     }
@@ -80,7 +81,7 @@ impl Headless {
 
 #[cfg(test)]
 mod tests {
-    use egui::{CentralPanel, Frame, PointerButton, pos2};
+    use egui::{CentralPanel, Color32, Frame, PointerButton, pos2};
 
     use super::*;
 
