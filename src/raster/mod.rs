@@ -7,6 +7,7 @@
 mod coverage;
 mod painter;
 mod pixel;
+pub mod scene;
 mod textures;
 mod window;
 

@@ -1,4 +1,4 @@
-//! Windows in tests: egui_kittest over the CPU painter, so snapshots need no GPU and are exact.
+//! Windows in tests: `egui_kittest` over the CPU painter, so snapshots need no GPU and are exact.
 
 use backlit::raster::{Canvas, TextureStore};
 use backlit::theme::{self, Theme};

@@ -1,0 +1,256 @@
+//! The 3-D scene on the CPU: bodies, cameras and the floor, seen by an orbit view.
+//!
+//! Capsules are intersected with each pixel's ray, so they are round at every scale; pictures are shown in
+//! true perspective; a depth buffer decides what is in front. Every pixel is the mean of 2 × 2 samples.
+//! Lengths are metres, and nothing closer to the eye than [`NEAR`] is drawn. What is not finite is skipped.
+
+mod frame;
+
+use egui::Color32;
+use glam::{DMat3, DVec2, DVec3};
+use image::RgbaImage;
+
+pub use frame::SceneFrame;
+
+/// What is closer to the eye than this is not drawn.
+pub const NEAR: f64 = 0.01;
+
+/// Where the scene is seen from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneCamera {
+    /// The eye.
+    pub position: DVec3,
+    /// The point in the middle of the picture.
+    pub target: DVec3,
+    /// What points up in the picture, more or less.
+    pub up: DVec3,
+    /// Full vertical angle of view, in radians.
+    pub fov_y: f64,
+}
+
+impl SceneCamera {
+    /// Rotation from the world to the view's axes: x right, y down, z forward. A view along its `up`, or
+    /// of its own position, still gets some rotation.
+    pub fn view_from_world(&self) -> DMat3 {
+        let forward = (self.target - self.position).normalize_or(DVec3::Z);
+        let right = forward.cross(self.up).normalize_or(forward.any_orthonormal_vector());
+        DMat3::from_cols(right, forward.cross(right), forward).transpose()
+    }
+
+    /// Where a point appears in a picture of `size` pixels, and its depth along the view; `None` if that is
+    /// less than [`NEAR`]. Pixel centres are at integers.
+    pub fn project(&self, point_in_world: DVec3, size: [u32; 2]) -> Option<(DVec2, f64)> {
+        let view = View::new(self, size, 1);
+        let point = view.in_view(point_in_world);
+        (point.z >= NEAR).then(|| (view.on_screen(point), point.z))
+    }
+}
+
+/// A limb: all points within `radius` of a segment. With both ends in one place it is a sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Capsule {
+    /// The ends of the segment.
+    pub ends: [DVec3; 2],
+    /// The radius.
+    pub radius: f64,
+    /// Its colour in full light; taken as opaque.
+    pub colour: Color32,
+}
+
+/// A line of constant width on the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Its ends.
+    pub ends: [DVec3; 2],
+    /// Its width in pixels.
+    pub width_px: f64,
+    /// Its colour, which may be translucent.
+    pub colour: Color32,
+}
+
+/// A flat picture, such as a camera's image on its frustum.
+///
+/// One texel is picked for each sample: give it at about the size it is seen.
+#[derive(Clone, Copy, Debug)]
+pub struct Picture<'a> {
+    /// Where its upper left corner is.
+    pub corner: DVec3,
+    /// From there to its upper right corner.
+    pub across: DVec3,
+    /// From there to its lower left corner.
+    pub down: DVec3,
+    /// What is shown.
+    pub image: &'a RgbaImage,
+    /// From 0 to 1.
+    pub opacity: f32,
+}
+
+/// A square grid on a plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Floor {
+    /// Its middle.
+    pub centre: DVec3,
+    /// Two directions in the plane, each as long as a cell.
+    pub cell: [DVec3; 2],
+    /// Cells from the middle to each side.
+    pub half_cells: u16,
+    /// The colour of its lines.
+    pub colour: Color32,
+}
+
+impl Floor {
+    /// The lines of the grid, one pixel wide.
+    pub fn lines(&self) -> impl Iterator<Item = Line> {
+        let half = i32::from(self.half_cells);
+        let [first, second] = self.cell;
+        (-half..=half).flat_map(move |index| {
+            let [index, half] = [f64::from(index), f64::from(half)];
+            [(first, second), (second, first)].map(|(along, step)| {
+                let middle = self.centre + step * index;
+                Line {
+                    ends: [middle - along * half, middle + along * half],
+                    width_px: 1.0,
+                    colour: self.colour,
+                }
+            })
+        })
+    }
+}
+
+/// All that is drawn in a scene: limbs first, then the floor, then pictures from the farthest to the
+/// nearest, then lines in their order.
+#[derive(Clone, Debug, Default)]
+pub struct Scene<'a> {
+    /// Limbs.
+    pub capsules: Vec<Capsule>,
+    /// The floor, if any.
+    pub floor: Option<Floor>,
+    /// Pictures. Where they are more than half opaque they hide lines behind them.
+    pub pictures: Vec<Picture<'a>>,
+    /// Lines.
+    pub lines: Vec<Line>,
+}
+
+/// The pinhole through which samples look: rays are (x, y, 1) in the view's axes.
+#[derive(Clone, Copy, Debug)]
+struct View {
+    view_from_world: DMat3,
+    position: DVec3,
+    focal: f64,
+    centre: DVec2,
+}
+
+impl View {
+    fn new(camera: &SceneCamera, size: [u32; 2], samples: u32) -> Self {
+        let size = size.map(|pixels| f64::from(pixels * samples));
+        Self {
+            view_from_world: camera.view_from_world(),
+            position: camera.position,
+            focal: 0.5 * size[1] / (0.5 * camera.fov_y).tan(),
+            centre: DVec2::new(0.5 * (size[0] - 1.0), 0.5 * (size[1] - 1.0)),
+        }
+    }
+
+    fn in_view(&self, point_in_world: DVec3) -> DVec3 {
+        self.view_from_world * (point_in_world - self.position)
+    }
+
+    fn on_screen(&self, point: DVec3) -> DVec2 {
+        point.truncate() * (self.focal / point.z) + self.centre
+    }
+
+    fn ray(&self, sample: DVec2) -> DVec3 {
+        ((sample - self.centre) / self.focal).extend(1.0)
+    }
+}
+
+/// How far along the ray from the eye a capsule is first met, in lengths of `ray`; negative behind the eye.
+fn capsule_hit(ray: DVec3, [a, b]: [DVec3; 2], radius: f64) -> Option<f64> {
+    let axis = b - a;
+    let (axis_axis, axis_ray, ray_ray) = (axis.length_squared(), axis.dot(ray), ray.length_squared());
+    let sphere = |centre: DVec3| {
+        let half = ray.dot(centre);
+        let root = half * half - ray_ray * (centre.length_squared() - radius * radius);
+        (root >= 0.0).then(|| (half - root.sqrt()) / ray_ray)
+    };
+    // The infinite cylinder: square·t² + 2·half·t + rest = 0.
+    let square = axis_axis * ray_ray - axis_ray * axis_ray;
+    if square <= 1e-12 * axis_axis * ray_ray {
+        return [sphere(a), sphere(b)].into_iter().flatten().reduce(f64::min);
+    }
+    let along_a = -axis.dot(a);
+    let half = -axis_axis * ray.dot(a) - along_a * axis_ray;
+    let rest = axis_axis * (a.length_squared() - radius * radius) - along_a * along_a;
+    let root = half * half - square * rest;
+    if root < 0.0 {
+        return None;
+    }
+    let hit = (-half - root.sqrt()) / square;
+    let along = along_a + hit * axis_ray;
+    if along <= 0.0 {
+        sphere(a)
+    } else if along >= axis_axis {
+        sphere(b)
+    } else {
+        Some(hit)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_target_is_in_the_middle_and_up_is_up() {
+        let camera = SceneCamera {
+            position: DVec3::new(3.0, 1.0, -2.0),
+            target: DVec3::new(0.2, 0.9, 0.1),
+            up: DVec3::Y,
+            fov_y: 0.8,
+        };
+        let (middle, depth) = camera.project(camera.target, [101, 51]).unwrap();
+        assert!((middle - DVec2::new(50.0, 25.0)).length() < 1e-9);
+        assert!((depth - camera.position.distance(camera.target)).abs() < 1e-12);
+        let (above, _) = camera.project(camera.target + DVec3::Y * 0.1, [101, 51]).unwrap();
+        assert!(above.y < middle.y && (above.x - middle.x).abs() < 1e-9);
+        assert!(camera.project(camera.position - (camera.target - camera.position), [101, 51]).is_none());
+    }
+
+    #[test]
+    fn a_degenerate_view_still_has_a_rotation() {
+        for (target, up) in [(DVec3::Y, DVec3::Y), (DVec3::ZERO, DVec3::Y), (DVec3::Z, DVec3::ZERO)] {
+            let camera = SceneCamera { position: DVec3::ZERO, target, up, fov_y: 1.0 };
+            assert!((camera.view_from_world().determinant() - 1.0).abs() < 1e-12);
+        }
+    }
+
+    /// Marching the distance to the segment finds the same point.
+    #[test]
+    fn capsule_hits_lie_on_the_surface() {
+        let ends = [DVec3::new(-0.6, 0.1, 3.0), DVec3::new(0.5, -0.3, 4.2)];
+        let axis = ends[1] - ends[0];
+        let distance = |p: DVec3| {
+            let t = ((p - ends[0]).dot(axis) / axis.length_squared()).clamp(0.0, 1.0);
+            p.distance(ends[0] + axis * t)
+        };
+        let mut hits = 0;
+        for row in -20..=20 {
+            for column in -20..=20 {
+                let ray = DVec3::new(f64::from(column) * 0.02, f64::from(row) * 0.02, 1.0);
+                let mut travelled = 0.0;
+                for _ in 0..400 {
+                    travelled += (distance(ray * travelled) - 0.25) / ray.length();
+                }
+                let is_hit = travelled < 10.0;
+                match capsule_hit(ray, ends, 0.25) {
+                    Some(hit) => {
+                        hits += 1;
+                        assert!((hit - travelled).abs() < 1e-4, "{column}, {row}: {hit} {travelled}");
+                    }
+                    None => assert!(!is_hit, "{column}, {row}: missed at {travelled}"),
+                }
+            }
+        }
+        assert!(hits > 100, "{hits}");
+    }
+}
