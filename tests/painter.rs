@@ -128,13 +128,7 @@ struct Gallery {
 
 impl Default for Gallery {
     fn default() -> Self {
-        Self {
-            limb: "Arm",
-            weight: 0.42,
-            used: true,
-            renderer: "Capsule",
-            name: "Balancing".to_owned(),
-        }
+        Self { limb: "Arm", weight: 0.42, used: true, renderer: "Capsule", name: "Balancing".to_owned() }
     }
 }
 

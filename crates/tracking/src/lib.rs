@@ -3,4 +3,5 @@
 pub mod body;
 pub mod camera;
 pub mod geometry;
+pub mod render;
 pub mod silhouette;

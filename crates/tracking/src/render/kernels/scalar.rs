@@ -1,0 +1,72 @@
+//! The reference kernel: one pixel, one solid at a time, in f64.
+
+use crate::render::View;
+
+/// No solid is near this pixel.
+pub const NOBODY: u32 = u32::MAX;
+
+/// The winners of one row, reused from row to row.
+#[derive(Debug, Clone, Default)]
+pub struct RowWinners {
+    /// Per pixel, λ/255 before clipping of the darkest solid.
+    levels: Vec<f64>,
+    /// Per pixel, the index of that solid, or [`NOBODY`].
+    winners: Vec<u32>,
+    touched: (usize, usize),
+}
+
+impl RowWinners {
+    /// Finds, for every `stride`-th pixel of row y from `offset` on, the darkest solid.
+    ///
+    /// Ties go to the first solid. A solid that is not within reach of the pixel does not win it.
+    pub fn find(&mut self, view: &View, y: usize, stride: usize, offset: usize) {
+        let width = view.width();
+        self.levels.clear();
+        self.levels.resize(width, 1.0);
+        self.winners.clear();
+        self.winners.resize(width, NOBODY);
+        self.touched = (width, 0);
+        for (index, primitive) in view.primitives().iter().enumerate() {
+            let bounds = primitive.bounds;
+            if !(bounds.y0..bounds.y1).contains(&y) {
+                continue;
+            }
+            // First sampled pixel at or after x0.
+            let first = offset + bounds.x0.saturating_sub(offset).div_ceil(stride) * stride;
+            if first >= bounds.x1 {
+                continue;
+            }
+            self.touched = (self.touched.0.min(first), self.touched.1.max(bounds.x1));
+            for x in (first..bounds.x1).step_by(stride) {
+                let level = primitive.ramp.unclipped(primitive.squared(view.ray(x, y)));
+                if level < self.levels[x] {
+                    self.levels[x] = level;
+                    self.winners[x] = index as u32;
+                }
+            }
+        }
+    }
+
+    /// Index into [`View::primitives`] of the solid that wins pixel x; `None` for background.
+    #[inline]
+    #[must_use]
+    pub fn winner(&self, x: usize) -> Option<usize> {
+        match self.winners[x] {
+            NOBODY => None,
+            index => Some(index as usize),
+        }
+    }
+
+    /// λ/255 before clipping at pixel x: above 0 and below 1 on a ramp.
+    #[inline]
+    #[must_use]
+    pub fn level(&self, x: usize) -> f64 {
+        self.levels[x]
+    }
+
+    /// Columns that any solid may touch: from the first sampled one, end excluded.
+    #[must_use]
+    pub fn touched(&self) -> std::ops::Range<usize> {
+        self.touched.0..self.touched.1.max(self.touched.0)
+    }
+}

@@ -1,0 +1,30 @@
+//! The measurement prediction Λ(X) (4.16): the model's soft silhouette in each camera, with derivatives.
+//!
+//! A ray goes through every pixel; d is its distance to a limb; a ramp turns d into a grey level λ
+//! (0 = subject, 255 = background). Over limbs the darkest wins: λ is compared, never d, because radii differ.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`ramp`] | distance to grey level: `thesis`, `half`, `width`, `distance` |
+//! | [`renderer`] | which solid a limb is: cylinder, capsule, sphere tree |
+//! | [`primitive`] | one solid in camera axes, seen along a ray |
+//! | [`view`] | all solids of a pose prepared for one camera, with conservative pixel boxes |
+//! | [`wrench`] | a pixel's gradient as force and moment on its limb |
+//! | [`prediction`] | Λ as a picture, with owner and depth |
+//! | [`jacobian`] | the dense ∂Λ/∂X, for tests, inspection and export |
+//! | [`kernels`] | which primitive wins each pixel of a row |
+
+pub mod jacobian;
+pub mod kernels;
+pub mod prediction;
+pub mod primitive;
+pub mod ramp;
+pub mod renderer;
+pub mod view;
+pub mod wrench;
+
+pub use jacobian::dense_jacobian;
+pub use prediction::{Prediction, predict};
+pub use ramp::Ramp;
+pub use renderer::RendererKind;
+pub use view::View;

@@ -1,0 +1,270 @@
+//! One solid in camera axes, seen along a ray from the camera's centre.
+
+use glam::{DVec2, DVec3};
+
+use super::ramp::{RampSample, SolidRamp};
+use super::wrench::Wrench;
+use crate::camera::Intrinsics;
+use crate::geometry::ray_distance::{Candidate, Cap, ray_axis, ray_cap, ray_point};
+
+/// The solid of a primitive, in camera axes, metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Solid {
+    /// Axis and two hemispherical ends.
+    Capsule {
+        /// First joint.
+        p0: DVec3,
+        /// Second joint.
+        p1: DVec3,
+    },
+    /// Axis and two flat caps.
+    Cylinder {
+        /// First joint.
+        p0: DVec3,
+        /// Second joint.
+        p1: DVec3,
+    },
+    /// A sphere fixed in a limb.
+    Sphere {
+        /// The limb's first joint, about which moments are taken.
+        p0: DVec3,
+        /// Centre.
+        centre: DVec3,
+    },
+}
+
+/// A solid with its limb, its ramp and the pixels that it may touch.
+#[derive(Debug, Clone, Copy)]
+pub struct Primitive {
+    /// Index of its limb.
+    pub limb: usize,
+    /// Its shape.
+    pub solid: Solid,
+    /// Its radius, metres.
+    pub radius: f64,
+    /// Its ramp.
+    pub ramp: SolidRamp,
+    /// Pixels outside this box are background to it.
+    pub bounds: PixelBox,
+}
+
+/// A rectangle of pixels: columns x0 .. x1, rows y0 .. y1, ends excluded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct PixelBox {
+    /// First column.
+    pub x0: usize,
+    /// One past the last column.
+    pub x1: usize,
+    /// First row.
+    pub y0: usize,
+    /// One past the last row.
+    pub y1: usize,
+}
+
+/// What a ray sees of a primitive, with the gradient as a wrench on its limb.
+#[derive(Debug, Clone, Copy)]
+pub struct PixelSample {
+    /// λ, 0 to 255.
+    pub level: f64,
+    /// Squared distance of the ray, m².
+    pub squared: f64,
+    /// Distance along the ray, metres.
+    pub depth: f64,
+    /// ∂λ as force and moment about the limb's first joint, camera axes; `None` where λ is clipped.
+    pub wrench: Option<Wrench>,
+}
+
+impl Primitive {
+    /// d² of the nearest candidate along the unit ray u; infinite for none.
+    #[inline]
+    #[must_use]
+    pub fn squared(&self, u: DVec3) -> f64 {
+        match self.solid {
+            Solid::Capsule { p0, p1 } => capsule_squared(u, p0, p1),
+            Solid::Sphere { centre, .. } => point_squared(u, centre),
+            Solid::Cylinder { .. } => self.candidate(u).map_or(f64::INFINITY, |candidate| candidate.squared),
+        }
+    }
+
+    /// The nearest candidate along the unit ray u, with derivatives.
+    #[must_use]
+    pub fn candidate(&self, u: DVec3) -> Option<Candidate> {
+        let nearest = |candidates: [Option<Candidate>; 3]| {
+            candidates.into_iter().flatten().min_by(|a, b| a.squared.total_cmp(&b.squared))
+        };
+        match self.solid {
+            Solid::Capsule { p0, p1 } => {
+                nearest([ray_axis(u, p0, p1), ray_point(u, p0, 0.0), ray_point(u, p1, 1.0)])
+            }
+            Solid::Cylinder { p0, p1 } => {
+                nearest([ray_axis(u, p0, p1), ray_cap(u, p0, p1, Cap::Start), ray_cap(u, p0, p1, Cap::End)])
+            }
+            Solid::Sphere { centre, .. } => ray_point(u, centre, 0.0),
+        }
+    }
+
+    /// λ along the unit ray u, with its gradient.
+    #[must_use]
+    pub fn sample(&self, u: DVec3) -> PixelSample {
+        let Some(candidate) = self.candidate(u) else {
+            let level = super::ramp::BACKGROUND;
+            return PixelSample { level, squared: f64::INFINITY, depth: f64::INFINITY, wrench: None };
+        };
+        let ramp = self.ramp.sample(candidate.squared);
+        let active = ramp.by_squared > 0.0;
+        PixelSample {
+            level: ramp.level,
+            squared: candidate.squared,
+            depth: candidate.depth,
+            wrench: active.then(|| self.wrench(&candidate, ramp)),
+        }
+    }
+
+    fn wrench(&self, candidate: &Candidate, ramp: RampSample) -> Wrench {
+        let half_depth = DVec3::new(0.0, 0.0, 0.5 * ramp.by_depth);
+        match self.solid {
+            Solid::Capsule { p0, p1 } | Solid::Cylinder { p0, p1 } => {
+                let at_p0 = candidate.by_p0 * ramp.by_squared + half_depth;
+                let at_p1 = candidate.by_p1 * ramp.by_squared + half_depth;
+                let mut wrench = Wrench::at(at_p1, p1 - p0);
+                wrench.force += at_p0;
+                wrench
+            }
+            // The whole derivative is by the centre, wherever in the limb that is.
+            Solid::Sphere { p0, centre } => {
+                Wrench::at(candidate.by_p0 * ramp.by_squared + 2.0 * half_depth, centre - p0)
+            }
+        }
+    }
+}
+
+#[inline]
+fn point_squared(u: DVec3, centre: DVec3) -> f64 {
+    let depth = u.dot(centre);
+    if depth > 0.0 { (centre - depth * u).length_squared() } else { f64::INFINITY }
+}
+
+#[inline]
+fn capsule_squared(u: DVec3, p0: DVec3, p1: DVec3) -> f64 {
+    let a = p1 - p0;
+    let (b, c, along) = (u.dot(a), a.dot(p0), u.dot(p0));
+    let denominator = a.length_squared() - b * b;
+    let t = along * b - c; // times denominator
+    if t >= 0.0 && t <= denominator && denominator > 0.0 {
+        if let Some(axis) = ray_axis(u, p0, p1) {
+            return axis.squared;
+        }
+    }
+    point_squared(u, p0).min(point_squared(u, p1))
+}
+
+impl PixelBox {
+    /// The whole picture.
+    #[must_use]
+    pub fn whole(width: usize, height: usize) -> Self {
+        Self { x0: 0, x1: width, y0: 0, y1: height }
+    }
+
+    /// Whether it holds no pixel.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.x0 >= self.x1 || self.y0 >= self.y1
+    }
+
+    /// Pixels whose ray may come within `reach` of the segment p0 p1 (camera axes): never too few.
+    ///
+    /// The box of the two end spheres' outlines, which holds everything between them as long as both lie in
+    /// front of the camera; the whole picture if one reaches the camera plane; nothing if both are behind.
+    #[must_use]
+    pub fn around(
+        p0: DVec3,
+        p1: DVec3,
+        reach: f64,
+        pinhole: &Intrinsics,
+        width: usize,
+        height: usize,
+    ) -> Self {
+        if p0.z <= -reach && p1.z <= -reach {
+            return Self::default();
+        }
+        // A margin keeps the tangents finite.
+        let near = reach * 1.001 + 1e-9;
+        if p0.z <= near || p1.z <= near {
+            return Self::whole(width, height);
+        }
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for p in [p0, p1] {
+            let (x, y) = (tangents(p.x, p.z, reach), tangents(p.y, p.z, reach));
+            low = low.min(pinhole.pixel_from_plane(DVec2::new(x.0, y.0)));
+            high = high.max(pinhole.pixel_from_plane(DVec2::new(x.1, y.1)));
+        }
+        let first = |value: f64, limit: usize| (value - 1e-6).ceil().clamp(0.0, limit as f64) as usize;
+        let past =
+            |value: f64, limit: usize| ((value + 1e-6).floor() + 1.0).clamp(0.0, limit as f64) as usize;
+        Self {
+            x0: first(low.x, width),
+            x1: past(high.x, width),
+            y0: first(low.y, height),
+            y1: past(high.y, height),
+        }
+    }
+}
+
+/// Slopes x/z of the two lines through the origin that touch the circle at (x, z), z > reach.
+fn tangents(x: f64, z: f64, reach: f64) -> (f64, f64) {
+    // (x z ± ρ √(x² + z² − ρ²)) / (z² − ρ²)
+    let root = reach * (x * x + z * z - reach * reach).max(0.0).sqrt();
+    let denominator = z * z - reach * reach;
+    ((x * z - root) / denominator, (x * z + root) / denominator)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// Every pixel whose ray comes within reach lies in the box, wherever the limb is.
+        #[test]
+        fn boxes_never_miss_a_pixel(
+            p0 in (-2.0..2.0f64, -2.0..2.0f64, -1.0..4.0f64),
+            p1 in (-2.0..2.0f64, -2.0..2.0f64, -1.0..4.0f64),
+            reach in 0.01..0.5f64,
+        ) {
+            let (p0, p1) = (DVec3::from(p0), DVec3::from(p1));
+            let pinhole = Intrinsics { fx: 20.0, fy: 22.0, cx: 15.0, cy: 11.5 };
+            let bounds = PixelBox::around(p0, p1, reach, &pinhole, 32, 24);
+            for y in 0..24 {
+                for x in 0..32 {
+                    let u = pinhole.ray(DVec2::new(x as f64, y as f64));
+                    if capsule_squared(u, p0, p1) < reach * reach {
+                        let inside = (bounds.x0..bounds.x1).contains(&x) && (bounds.y0..bounds.y1).contains(&y);
+                        prop_assert!(inside, "pixel {x} {y} outside {bounds:?}");
+                    }
+                }
+            }
+        }
+
+        /// The quick distance is the candidates' distance.
+        #[test]
+        fn quick_distances_are_the_candidates(
+            p0 in (-1.0..1.0f64, -1.0..1.0f64, -1.0..3.0f64),
+            p1 in (-1.0..1.0f64, -1.0..1.0f64, -1.0..3.0f64),
+            x in -0.5..0.5f64, y in -0.5..0.5f64,
+        ) {
+            let (p0, p1) = (DVec3::from(p0), DVec3::from(p1));
+            let u = DVec3::new(x, y, 1.0).normalize();
+            let primitive = Primitive {
+                limb: 0,
+                solid: Solid::Capsule { p0, p1 },
+                radius: 0.1,
+                ramp: super::super::Ramp::Half.for_solid(0.1, 1.0, 100.0),
+                bounds: PixelBox::default(),
+            };
+            let candidate = primitive.candidate(u).map_or(f64::INFINITY, |c| c.squared);
+            let quick = primitive.squared(u);
+            prop_assert!(candidate == quick || (candidate - quick).abs() < 1e-12, "{candidate} {quick}");
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! The three renderers: which solid stands for a limb.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::body::{Limb, LimbSphere};
+
+/// Most spheres of one limb.
+pub const MAX_SPHERES: usize = 1024;
+
+/// The solid that stands for a limb (chapter 4 of the report).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum RendererKind {
+    /// A cylinder with flat ends.
+    Cylinder,
+    /// A cylinder with hemispherical ends.
+    #[default]
+    Capsule,
+    /// Spheres along the axis: the limb's own, or this many equal ones (`None`: 1 + ⌈2s/r⌉).
+    SphereTree {
+        /// Equal spheres a limb.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        spheres: Option<usize>,
+    },
+}
+
+impl RendererKind {
+    /// The spheres that stand for a limb.
+    #[must_use]
+    pub fn spheres_of(limb: &Limb, count: Option<usize>) -> Vec<LimbSphere> {
+        if count.is_none() && !limb.spheres.is_empty() {
+            return limb.spheres.clone();
+        }
+        let natural = 1 + (2.0 * limb.length / limb.radius).ceil().min(MAX_SPHERES as f64) as usize;
+        let count = count.unwrap_or(natural).clamp(1, MAX_SPHERES);
+        (0..count)
+            .map(|k| LimbSphere {
+                at: if count == 1 { 0.5 } else { k as f64 / (count - 1) as f64 },
+                radius: limb.radius,
+                offset: glam::DVec3::ZERO,
+            })
+            .collect()
+    }
+
+    /// Its word in files and on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cylinder => "cylinder",
+            Self::Capsule => "capsule",
+            Self::SphereTree { .. } => "sphere-tree",
+        }
+    }
+}
+
+impl fmt::Display for RendererKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Text that is not a renderer.
+#[derive(Debug, Error, Clone, PartialEq, Eq)]
+#[error("\"{0}\" is not a renderer; expected capsule, cylinder or sphere-tree")]
+pub struct ParseRendererError(String);
+
+impl FromStr for RendererKind {
+    type Err = ParseRendererError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text {
+            "cylinder" => Ok(Self::Cylinder),
+            "capsule" => Ok(Self::Capsule),
+            "sphere-tree" => Ok(Self::SphereTree { spheres: None }),
+            _ => Err(ParseRendererError(text.to_owned())),
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! All solids of one pose, prepared for one camera.
+
+use glam::{DVec2, DVec3};
+
+use super::primitive::{PixelBox, Primitive, Solid};
+use super::{Ramp, RendererKind};
+use crate::body::{Kinematics, Model};
+use crate::camera::Camera;
+
+/// A pose as one camera's renderer sees it: solids in camera axes with ramps and pixel boxes.
+#[derive(Debug, Clone)]
+pub struct View {
+    width: usize,
+    height: usize,
+    primitives: Vec<Primitive>,
+    /// Unit rays of a distorted lens, row-major; empty for a pinhole.
+    distorted_rays: Vec<DVec3>,
+    pinhole: crate::camera::Intrinsics,
+}
+
+impl View {
+    /// Prepares the limbs of a pose for a camera.
+    ///
+    /// A camera with distortion gets its own ray in every pixel and no pixel boxes: exact and slow. Fits use
+    /// rectified pictures and [`Camera::without_distortion`].
+    #[must_use]
+    pub fn new(
+        model: &Model,
+        kinematics: &Kinematics,
+        camera: &Camera,
+        renderer: RendererKind,
+        ramp: Ramp,
+    ) -> Self {
+        let (width, height) = (camera.width(), camera.height());
+        let mut view = Self {
+            width,
+            height,
+            primitives: Vec::with_capacity(model.limbs().len()),
+            distorted_rays: distorted_rays(camera),
+            pinhole: *camera.intrinsics(),
+        };
+        view.prepare(model, kinematics, camera, renderer, ramp);
+        view
+    }
+
+    /// The same for another pose, renderer or ramp, without new allocations.
+    pub fn prepare(
+        &mut self,
+        model: &Model,
+        kinematics: &Kinematics,
+        camera: &Camera,
+        renderer: RendererKind,
+        ramp: Ramp,
+    ) {
+        self.primitives.clear();
+        let place = camera.camera_from_world();
+        let focal = self.pinhole.mean_focal_px();
+        for (index, limb) in model.limbs().iter().enumerate() {
+            let p0 = place.transform(kinematics.starts()[index]);
+            let p1 = place.transform(kinematics.ends()[index]);
+            match renderer {
+                RendererKind::Capsule | RendererKind::Cylinder => {
+                    let solid = match renderer {
+                        RendererKind::Cylinder => Solid::Cylinder { p0, p1 },
+                        _ => Solid::Capsule { p0, p1 },
+                    };
+                    let solid_ramp = ramp.for_solid(limb.radius, 0.5 * (p0.z + p1.z), focal);
+                    self.push(Primitive {
+                        limb: index,
+                        solid,
+                        radius: limb.radius,
+                        ramp: solid_ramp,
+                        bounds: self.bounds(p0, p1, solid_ramp.reach()),
+                    });
+                }
+                RendererKind::SphereTree { spheres } => {
+                    let turn = place.rotation * kinematics.world_rotations()[limb.rotation];
+                    for sphere in RendererKind::spheres_of(limb, spheres) {
+                        let centre = p0 + (p1 - p0) * sphere.at + turn * sphere.offset;
+                        let solid_ramp = ramp.for_solid(sphere.radius, centre.z, focal);
+                        self.push(Primitive {
+                            limb: index,
+                            solid: Solid::Sphere { p0, centre },
+                            radius: sphere.radius,
+                            ramp: solid_ramp,
+                            bounds: self.bounds(centre, centre, solid_ramp.reach()),
+                        });
+                    }
+                }
+            }
+        }
+    }
+
+    fn push(&mut self, primitive: Primitive) {
+        if !primitive.bounds.is_empty() {
+            self.primitives.push(primitive);
+        }
+    }
+
+    fn bounds(&self, p0: DVec3, p1: DVec3, reach: f64) -> PixelBox {
+        if self.distorted_rays.is_empty() {
+            PixelBox::around(p0, p1, reach, &self.pinhole, self.width, self.height)
+        } else {
+            PixelBox::whole(self.width, self.height)
+        }
+    }
+
+    /// Pixels across.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Pixels down.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// The solids that may be seen, in the order of their limbs.
+    #[must_use]
+    pub fn primitives(&self) -> &[Primitive] {
+        &self.primitives
+    }
+
+    /// Unit ray of a pixel in camera axes. NaN where the lens has no inverse: no solid is seen there.
+    #[inline]
+    #[must_use]
+    pub fn ray(&self, x: usize, y: usize) -> DVec3 {
+        if self.distorted_rays.is_empty() {
+            self.pinhole.ray(DVec2::new(x as f64, y as f64))
+        } else {
+            self.distorted_rays[y * self.width + x]
+        }
+    }
+}
+
+fn distorted_rays(camera: &Camera) -> Vec<DVec3> {
+    if camera.distortion().is_none() {
+        return Vec::new();
+    }
+    let mut rays = Vec::with_capacity(camera.width() * camera.height());
+    for y in 0..camera.height() {
+        for x in 0..camera.width() {
+            let pixel = DVec2::new(x as f64, y as f64);
+            rays.push(camera.ray_in_camera(pixel).unwrap_or(DVec3::NAN));
+        }
+    }
+    rays
+}
