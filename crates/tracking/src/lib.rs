@@ -4,4 +4,5 @@ pub mod body;
 pub mod camera;
 pub mod geometry;
 pub mod render;
+pub mod segment;
 pub mod silhouette;

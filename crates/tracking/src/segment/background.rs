@@ -1,0 +1,156 @@
+//! What a camera sees without the subject: per pixel and channel a mean µ and a standard deviation σ, in grey levels.
+
+use image::RgbImage;
+
+/// Why a background could not be made.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BackgroundError {
+    /// Fewer than two frames: there is no deviation to measure.
+    #[error("a background needs at least two frames, or one plate; got {found} frames")]
+    TooFewFrames {
+        /// How many frames there were.
+        found: usize,
+    },
+    /// The frames differ in size.
+    #[error("frame {index} has {}×{} pixels, the first has {}×{}", found.0, found.1, expected.0, expected.1)]
+    SizeMismatch {
+        /// Which frame, counted from 0.
+        index: usize,
+        /// Width and height of the first frame.
+        expected: (u32, u32),
+        /// Width and height of this frame.
+        found: (u32, u32),
+    },
+    /// More frames than the sums can hold.
+    #[error("a background is averaged over at most {limit} frames")]
+    TooManyFrames {
+        /// The most frames allowed.
+        limit: u32,
+    },
+}
+
+/// The most frames to average: 255 times as many still fit the sums.
+const MAX_FRAMES: u32 = 1 << 16;
+
+/// The scene without the subject, as one camera sees it.
+///
+/// Means lie in [0, 255]; deviations are finite and not negative. A plate has the deviation zero:
+/// [`SegmentOptions::noise_floor`](super::SegmentOptions::noise_floor) says how far to trust either.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Background {
+    width: usize,
+    height: usize,
+    mean: Vec<[f32; 3]>,
+    deviation: Vec<[f32; 3]>,
+}
+
+impl Background {
+    /// One clean picture of the scene, with no knowledge of its noise.
+    pub fn from_plate(plate: &RgbImage) -> Self {
+        let mean: Vec<[f32; 3]> = plate.pixels().map(|pixel| pixel.0.map(f32::from)).collect();
+        let deviation = vec![[0.0; 3]; mean.len()];
+        Self { width: plate.width() as usize, height: plate.height() as usize, mean, deviation }
+    }
+
+    /// Mean and (sample) standard deviation over frames of the empty scene.
+    ///
+    /// # Errors
+    ///
+    /// If there are fewer than two frames or more than 65 536, or if they differ in size.
+    pub fn from_frames<'a>(frames: impl IntoIterator<Item = &'a RgbImage>) -> Result<Self, BackgroundError> {
+        let mut frames = frames.into_iter();
+        let first = frames.next().ok_or(BackgroundError::TooFewFrames { found: 0 })?;
+        let expected = first.dimensions();
+        let mut sums: Vec<u32> = first.as_raw().iter().map(|&level| u32::from(level)).collect();
+        let mut squares: Vec<u64> = first.as_raw().iter().map(|&level| u64::from(level).pow(2)).collect();
+        let mut count = 1_u32;
+        for frame in frames {
+            if frame.dimensions() != expected {
+                let (index, found) = (count as usize, frame.dimensions());
+                return Err(BackgroundError::SizeMismatch { index, expected, found });
+            }
+            if count == MAX_FRAMES {
+                return Err(BackgroundError::TooManyFrames { limit: MAX_FRAMES });
+            }
+            for ((sum, square), &level) in sums.iter_mut().zip(&mut squares).zip(frame.as_raw()) {
+                *sum += u32::from(level);
+                *square += u64::from(level).pow(2);
+            }
+            count += 1;
+        }
+        if count < 2 {
+            return Err(BackgroundError::TooFewFrames { found: 1 });
+        }
+        let n = f64::from(count);
+        let mean = |sum: u32| (f64::from(sum) / n) as f32;
+        // Integer sums make the difference exact, so a still pixel has exactly no deviation.
+        let deviation = |sum: u32, square: u64| {
+            let spread = u64::from(count) * square - u64::from(sum).pow(2);
+            (spread as f64 / (n * (n - 1.0))).sqrt() as f32
+        };
+        Ok(Self {
+            width: expected.0 as usize,
+            height: expected.1 as usize,
+            mean: sums.chunks_exact(3).map(|s| [mean(s[0]), mean(s[1]), mean(s[2])]).collect(),
+            deviation: sums
+                .chunks_exact(3)
+                .zip(squares.chunks_exact(3))
+                .map(|(s, q)| [0, 1, 2].map(|c| deviation(s[c], q[c])))
+                .collect(),
+        })
+    }
+
+    /// Width in pixels.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// The mean colour µ of each pixel (red, green, blue in grey levels), row by row.
+    pub fn mean(&self) -> &[[f32; 3]] {
+        &self.mean
+    }
+
+    /// The standard deviation σ of each pixel and channel in grey levels, row by row.
+    pub fn deviation(&self) -> &[[f32; 3]] {
+        &self.deviation
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use image::Rgb;
+
+    use super::*;
+
+    #[test]
+    fn frames_give_mean_and_sample_deviation() {
+        let frames = [10, 20, 60].map(|level| RgbImage::from_pixel(2, 1, Rgb([level, 7, 255])));
+        let background = Background::from_frames(&frames).unwrap();
+        assert_eq!(background.mean(), [[30.0, 7.0, 255.0]; 2]);
+        assert_eq!(background.deviation(), [[700_f32.sqrt(), 0.0, 0.0]; 2]);
+    }
+
+    #[test]
+    fn a_plate_has_no_deviation() {
+        let background = Background::from_plate(&RgbImage::from_pixel(2, 3, Rgb([1, 2, 3])));
+        assert_eq!((background.width(), background.height()), (2, 3));
+        assert_eq!(background.mean(), [[1.0, 2.0, 3.0]; 6]);
+        assert_eq!(background.deviation(), [[0.0; 3]; 6]);
+    }
+
+    #[test]
+    fn too_few_or_unequal_frames_are_errors() {
+        let frame = RgbImage::new(2, 2);
+        assert_eq!(Background::from_frames([]), Err(BackgroundError::TooFewFrames { found: 0 }));
+        assert_eq!(Background::from_frames([&frame]), Err(BackgroundError::TooFewFrames { found: 1 }));
+        assert_eq!(
+            Background::from_frames([&frame, &RgbImage::new(2, 3)]),
+            Err(BackgroundError::SizeMismatch { index: 1, expected: (2, 2), found: (2, 3) })
+        );
+    }
+}

@@ -1,0 +1,230 @@
+//! Connected components of a binary image (bytes 0 or 1, row by row): drop small ones, fill small holes.
+//!
+//! Components are joined from runs of equal pixels, row by row, by union-find with path halving. The older run is always
+//! the root, so the numbering does not depend on anything but the image.
+
+use std::ops::Range;
+
+/// Which neighbours belong together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Connectivity {
+    /// Neighbours that share an edge.
+    Four,
+    /// Neighbours that share an edge or a corner.
+    Eight,
+}
+
+/// Clears every 8-connected component with fewer pixels than `min_px` or than `min_fraction` of the largest one.
+pub(super) fn drop_small(bits: &mut [u8], width: usize, min_px: usize, min_fraction: f32) {
+    let components = Components::find(bits, width, 1, Connectivity::Eight);
+    let largest = components.sizes.iter().copied().max().unwrap_or(0);
+    let limit = min_px.max((f64::from(min_fraction) * largest as f64).ceil() as usize);
+    components.paint(bits, 0, |root| components.sizes[root] < limit);
+}
+
+/// Sets every hole of at most `max_px` pixels: a 4-connected component of clear pixels that does not reach the image's
+/// border.
+pub(super) fn fill_holes(bits: &mut [u8], width: usize, max_px: usize) {
+    let components = Components::find(bits, width, 0, Connectivity::Four);
+    components.paint(bits, 1, |root| components.sizes[root] <= max_px && !components.at_border[root]);
+}
+
+/// The runs of one value, joined. Entries of `sizes` and `at_border` count only at roots.
+struct Components {
+    runs: Vec<Range<usize>>,
+    parents: Vec<usize>,
+    sizes: Vec<usize>,
+    at_border: Vec<bool>,
+}
+
+impl Components {
+    fn find(bits: &[u8], width: usize, value: u8, connectivity: Connectivity) -> Self {
+        let mut found =
+            Self { runs: Vec::new(), parents: Vec::new(), sizes: Vec::new(), at_border: Vec::new() };
+        if width == 0 {
+            return found;
+        }
+        let reach = usize::from(connectivity == Connectivity::Eight);
+        let mut above = 0..0;
+        for (y, row) in bits.chunks_exact(width).enumerate() {
+            let first = found.runs.len();
+            let mut candidate = above.start;
+            let mut x = 0;
+            while let Some(skipped) = row[x..].iter().position(|&bit| bit == value) {
+                let start = x + skipped;
+                let end = row[start..].iter().position(|&bit| bit != value).map_or(width, |n| start + n);
+                let run = y * width + start..y * width + end;
+                let at_border = y == 0 || (y + 1) * width == bits.len() || start == 0 || end == width;
+                found.push(run.clone(), at_border);
+                // The runs above that reach this one; the last of them may reach the next one too.
+                while candidate < above.end && found.runs[candidate].end + width + reach <= run.start {
+                    candidate += 1;
+                }
+                let touching =
+                    (candidate..above.end).take_while(|&c| found.runs[c].start + width < run.end + reach);
+                let touching: Range<usize> = candidate..candidate + touching.count();
+                for other in touching {
+                    found.join(other);
+                }
+                x = end;
+            }
+            above = first..found.runs.len();
+        }
+        // A parent is never younger than its child, so one pass leads every run straight to its root.
+        for run in 0..found.runs.len() {
+            found.parents[run] = found.parents[found.parents[run]];
+        }
+        found
+    }
+
+    fn push(&mut self, run: Range<usize>, at_border: bool) {
+        self.parents.push(self.runs.len());
+        self.sizes.push(run.len());
+        self.at_border.push(at_border);
+        self.runs.push(run);
+    }
+
+    /// Joins the newest run with an older one.
+    fn join(&mut self, older: usize) {
+        let (a, b) = (self.root(older), self.root(self.runs.len() - 1));
+        if a != b {
+            let (root, child) = (a.min(b), a.max(b));
+            self.parents[child] = root;
+            self.sizes[root] += self.sizes[child];
+            self.at_border[root] |= self.at_border[child];
+        }
+    }
+
+    fn root(&mut self, mut run: usize) -> usize {
+        while self.parents[run] != run {
+            self.parents[run] = self.parents[self.parents[run]];
+            run = self.parents[run];
+        }
+        run
+    }
+
+    /// Writes `value` to the components whose root is chosen.
+    fn paint(&self, bits: &mut [u8], value: u8, choose: impl Fn(usize) -> bool) {
+        for (run, &root) in self.runs.iter().zip(&self.parents) {
+            if choose(root) {
+                bits[run.clone()].fill(value);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::morphology::tests::bits;
+    use super::*;
+
+    #[test]
+    fn small_components_go_and_diagonal_neighbours_stay_together() {
+        let (mut image, width) = bits(
+            "
+            #....##
+            .#...##
+            ..#....
+            ......#
+        ",
+        );
+        drop_small(&mut image, width, 3, 0.0);
+        let (expected, _) = bits(
+            "
+            #....##
+            .#...##
+            ..#....
+            .......
+        ",
+        );
+        assert_eq!(image, expected);
+        drop_small(&mut image, width, 0, 0.9);
+        let (expected, _) = bits(
+            "
+            .....##
+            .....##
+            .......
+            .......
+        ",
+        );
+        assert_eq!(image, expected);
+    }
+
+    #[test]
+    fn small_inner_holes_are_filled() {
+        let (mut image, width) = bits(
+            "
+            .######..
+            ##.#..#.#
+            #.##..#.#
+            #######.#
+        ",
+        );
+        fill_holes(&mut image, width, 2);
+        let (expected, _) = bits(
+            "
+            .######..
+            ####..#.#
+            ####..#.#
+            #######.#
+        ",
+        );
+        assert_eq!(image, expected);
+        fill_holes(&mut image, width, 4);
+        let (expected, _) = bits(
+            "
+            .######..
+            #######.#
+            #######.#
+            #######.#
+        ",
+        );
+        assert_eq!(image, expected);
+    }
+
+    /// Component of every pixel of a value, by flooding.
+    fn flood(bits: &[u8], width: usize, value: u8, eight: bool) -> Vec<Option<usize>> {
+        let mut labels = vec![None; bits.len()];
+        for seed in 0..bits.len() {
+            let mut stack = vec![seed];
+            while let Some(i) = stack.pop() {
+                if bits[i] != value || labels[i].is_some() {
+                    continue;
+                }
+                labels[i] = Some(seed);
+                stack.extend((0..bits.len()).filter(|&j| {
+                    let (dx, dy) = ((i % width).abs_diff(j % width), (i / width).abs_diff(j / width));
+                    dx <= 1 && dy <= 1 && (eight || dx + dy <= 1)
+                }));
+            }
+        }
+        labels
+    }
+
+    proptest! {
+        #[test]
+        fn components_are_those_of_flooding(
+            width in 1..11_usize,
+            bits in proptest::collection::vec(0..2_u8, 70),
+            eight in any::<bool>(),
+            value in 0..2_u8,
+        ) {
+            let bits = &bits[..70 / width * width];
+            let connectivity = if eight { Connectivity::Eight } else { Connectivity::Four };
+            let found = Components::find(bits, width, value, connectivity);
+            let mut labels = vec![None; bits.len()];
+            for run in 0..found.runs.len() {
+                let root = found.parents[run];
+                labels[found.runs[run].clone()].fill(Some(found.runs[root].start));
+            }
+            let expected = flood(bits, width, value, eight);
+            prop_assert_eq!(&labels, &expected);
+            for root in (0..found.runs.len()).filter(|&run| found.parents[run] == run) {
+                let label = Some(found.runs[root].start);
+                prop_assert_eq!(found.sizes[root], labels.iter().filter(|&&other| other == label).count());
+            }
+        }
+    }
+}

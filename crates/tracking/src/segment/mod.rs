@@ -1,0 +1,20 @@
+//! From footage to silhouettes: background subtraction for a camera that stands still.
+//!
+//! [`Background`] is what the camera sees without the subject. [`segment`] compares a frame with it, pixel by pixel
+//! (report section 6: foreground where |i − µ| > βσ), takes shadows and undecidable dark places out of the decision,
+//! cleans the result with morphology and by the size of its components, and returns a [`Mask`](crate::silhouette::Mask).
+//!
+//! Equation numbers are those of P. Kaimakis, "Markerless Motion Capture", University of Cambridge, 2004.
+
+mod background;
+mod components;
+mod dont_know;
+mod exposure;
+mod morphology;
+mod shadow;
+mod subtraction;
+
+pub use background::{Background, BackgroundError};
+pub use dont_know::DontKnowOptions;
+pub use shadow::ShadowOptions;
+pub use subtraction::{BETA, SegmentError, SegmentOptions, segment};
