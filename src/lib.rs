@@ -1,6 +1,12 @@
 //! The inspector.
 
+pub mod action;
+pub mod document;
+pub mod edit;
 pub mod format;
+pub mod history;
+pub mod project;
 pub mod raster;
+pub mod selection;
 pub mod theme;
 pub mod widgets;

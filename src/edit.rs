@@ -1,0 +1,196 @@
+//! Every change that a user can make to a document.
+
+use std::sync::Arc;
+
+use backlit_tracking::body::{Model, ModelError, Pose, PoseError};
+use backlit_tracking::segment::SegmentOptions;
+use thiserror::Error;
+
+use crate::document::{CameraUse, Document, Estimate, Origin};
+
+/// A change of the document. [`Document::apply`] makes it, [`Edit::text`] names it for the undo menu.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Edit {
+    /// The pose of a frame, by hand: it becomes a key pose and replaces what was found there.
+    SetPose {
+        /// The frame.
+        frame: usize,
+        /// Its pose.
+        pose: Pose,
+        /// What the user did, for the undo menu: "Move right forearm".
+        what: String,
+    },
+    /// Makes the pose of a frame a key pose.
+    SetKey {
+        /// The frame.
+        frame: usize,
+    },
+    /// Forgets the key pose of a frame.
+    ClearKey {
+        /// The frame.
+        frame: usize,
+    },
+    /// What a fit or the tracker found for a frame.
+    AddEstimate {
+        /// The frame.
+        frame: usize,
+        /// What was found.
+        estimate: Arc<Estimate>,
+    },
+    /// Forgets everything that was found; key poses stay.
+    ClearEstimates,
+    /// Length and radius of a limb, in metres, and of its mirror image if wanted.
+    SetSize {
+        /// The limb.
+        limb: usize,
+        /// Metres.
+        length: f64,
+        /// Metres.
+        radius: f64,
+        /// Also the limb on the other side of the body.
+        both_sides: bool,
+    },
+    /// Whether a camera counts in the fit.
+    UseCamera {
+        /// The camera.
+        camera: usize,
+        /// Whether it counts.
+        used: bool,
+    },
+    /// The weight of a camera's pixels.
+    WeighCamera {
+        /// The camera.
+        camera: usize,
+        /// From 0 on; 1 as a rule.
+        weight: f64,
+    },
+    /// How silhouettes are made.
+    SetMeasurement(Box<SegmentOptions>),
+    /// Whether the second joint of a limb is held while another joint is dragged.
+    Pin {
+        /// The limb.
+        limb: usize,
+        /// Whether it is held.
+        pinned: bool,
+    },
+}
+
+/// Why a change cannot be made. The document is then as before.
+#[derive(Debug, Error, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum EditError {
+    #[error("the pose of frame {frame} does not fit the body: {source}")]
+    Pose { frame: usize, source: PoseError },
+    #[error("the size of limb {limb} is wrong: {source}")]
+    Size { limb: usize, source: ModelError },
+    #[error("there is no limb {limb}; the body has {count}")]
+    NoLimb { limb: usize, count: usize },
+    #[error("there is no camera {camera}; the take has {count}")]
+    NoCamera { camera: usize, count: usize },
+    #[error("the camera's weight is {weight}; expected a number from 0 on")]
+    Weight { weight: f64 },
+    #[error("the fit of frame {frame} has a cost that is not a number")]
+    Cost { frame: usize },
+    #[error("frame {frame} has no key pose")]
+    NoKey { frame: usize },
+}
+
+impl Edit {
+    /// What was done, as the undo menu says it.
+    #[must_use]
+    pub fn text(&self) -> String {
+        match self {
+            Self::SetPose { what, .. } => what.clone(),
+            Self::SetKey { .. } => "Set key pose".to_owned(),
+            Self::ClearKey { .. } => "Clear key pose".to_owned(),
+            Self::AddEstimate { estimate, .. } => match estimate.origin {
+                Origin::Fit => "Fit".to_owned(),
+                Origin::Track => "Track".to_owned(),
+            },
+            Self::ClearEstimates => "Clear track".to_owned(),
+            Self::SetSize { .. } => "Change limb size".to_owned(),
+            Self::UseCamera { used: true, .. } => "Use camera".to_owned(),
+            Self::UseCamera { used: false, .. } => "Leave camera out".to_owned(),
+            Self::WeighCamera { .. } => "Change camera weight".to_owned(),
+            Self::SetMeasurement(_) => "Change measurement".to_owned(),
+            Self::Pin { pinned: true, .. } => "Pin joint".to_owned(),
+            Self::Pin { pinned: false, .. } => "Free joint".to_owned(),
+        }
+    }
+}
+
+impl Document {
+    /// Makes a change.
+    ///
+    /// # Errors
+    /// The change makes no sense for this document, which then stays as it was.
+    pub fn apply(&mut self, edit: Edit) -> Result<(), EditError> {
+        match edit {
+            Edit::SetPose { frame, pose, .. } => self.set_pose(frame, &pose)?,
+            Edit::SetKey { frame } => {
+                let pose = self.pose_at(frame).clone();
+                Arc::make_mut(&mut self.keys).insert(frame, pose);
+            }
+            Edit::ClearKey { frame } => {
+                if Arc::make_mut(&mut self.keys).remove(&frame).is_none() {
+                    return Err(EditError::NoKey { frame });
+                }
+            }
+            Edit::AddEstimate { frame, estimate } => {
+                estimate.pose.check(&self.model).map_err(|source| EditError::Pose { frame, source })?;
+                if !(estimate.cost.is_finite() && estimate.rms.is_finite()) {
+                    return Err(EditError::Cost { frame });
+                }
+                Arc::make_mut(&mut self.estimates).insert(frame, estimate);
+            }
+            Edit::ClearEstimates => self.estimates = Arc::default(),
+            Edit::SetSize { limb, length, radius, both_sides } => {
+                self.set_size(limb, length, radius, both_sides)?;
+            }
+            Edit::UseCamera { camera, used } => self.camera_mut(camera)?.used = used,
+            Edit::WeighCamera { camera, weight } => {
+                if !weight.is_finite() || weight < 0.0 {
+                    return Err(EditError::Weight { weight });
+                }
+                self.camera_mut(camera)?.weight = weight;
+            }
+            Edit::SetMeasurement(options) => self.measurement = Arc::new(*options),
+            Edit::Pin { limb, pinned } => {
+                self.check_limb(limb)?;
+                let pins = Arc::make_mut(&mut self.pins);
+                if pinned { pins.insert(limb) } else { pins.remove(&limb) };
+            }
+        }
+        Ok(())
+    }
+
+    fn set_pose(&mut self, frame: usize, pose: &Pose) -> Result<(), EditError> {
+        pose.check(&self.model).map_err(|source| EditError::Pose { frame, source })?;
+        Arc::make_mut(&mut self.keys).insert(frame, pose.normalized());
+        Arc::make_mut(&mut self.estimates).remove(&frame);
+        Ok(())
+    }
+
+    fn set_size(&mut self, limb: usize, length: f64, radius: f64, both: bool) -> Result<(), EditError> {
+        self.check_limb(limb)?;
+        let mut spec = self.model.to_spec();
+        let other = if both { self.model.mirrored_limb(limb) } else { limb };
+        for index in [limb, other] {
+            spec.limbs[index].length = length;
+            spec.limbs[index].radius = radius;
+        }
+        let model = Model::new(&spec).map_err(|source| EditError::Size { limb, source })?;
+        self.model = Arc::new(model);
+        Ok(())
+    }
+
+    fn check_limb(&self, limb: usize) -> Result<(), EditError> {
+        let count = self.model.limbs().len();
+        if limb < count { Ok(()) } else { Err(EditError::NoLimb { limb, count }) }
+    }
+
+    fn camera_mut(&mut self, camera: usize) -> Result<&mut CameraUse, EditError> {
+        let count = self.cameras.len();
+        Arc::make_mut(&mut self.cameras).get_mut(camera).ok_or(EditError::NoCamera { camera, count })
+    }
+}

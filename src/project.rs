@@ -1,0 +1,371 @@
+//! The project file `*.backlit`: a document as versioned JSON.
+//!
+//! Poses are written by limb name, so that a person can read them; numbers are written so that they are read
+//! back to the bit.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use backlit_tracking::body::{Model, ModelError, ModelSpec, Pose, PoseError};
+use backlit_tracking::segment::SegmentOptions;
+use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::document::{CameraUse, Document, Estimate, Origin, TakeSource};
+
+/// Name and version of the project file's format.
+pub const FORMAT: &str = "backlit-project 1";
+
+/// Files larger than this are not projects.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// Why a project cannot be read or written.
+#[derive(Debug, Error)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum ProjectError {
+    #[error("{}: {source}", path.display())]
+    Io { path: PathBuf, source: std::io::Error },
+    #[error("{}: the file has {bytes} bytes; a project has at most {MAX_BYTES}", path.display())]
+    TooLarge { path: PathBuf, bytes: u64 },
+    #[error("{}: {source}", path.display())]
+    Json { path: PathBuf, source: serde_json::Error },
+    #[error("{}: `format` is \"{found}\"; expected \"{FORMAT}\"", path.display())]
+    Format { path: PathBuf, found: String },
+    #[error("{}: `model`: {source}", path.display())]
+    Model { path: PathBuf, source: ModelError },
+    #[error("{}: `{field}`: {source}", path.display())]
+    Pose { path: PathBuf, field: String, source: PoseError },
+    #[error("{}: `{field}` names the limb \"{limb}\", which the model does not have", path.display())]
+    Limb { path: PathBuf, field: String, limb: String },
+    #[error("{}: `cameras`: the weight of {camera} is {weight}; expected a number from 0 on", path.display())]
+    Weight { path: PathBuf, camera: String, weight: f64 },
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ProjectFile {
+    format: String,
+    take: Option<TakeRecord>,
+    model: ModelSpec,
+    start: PoseRecord,
+    #[serde(default)]
+    keys: BTreeMap<usize, PoseRecord>,
+    #[serde(default)]
+    estimates: BTreeMap<usize, EstimateRecord>,
+    #[serde(default)]
+    cameras: Vec<CameraRecord>,
+    #[serde(default)]
+    measurement: SegmentOptions,
+    #[serde(default)]
+    pins: Vec<String>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum TakeRecord {
+    BuiltIn,
+    Path(PathBuf),
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PoseRecord {
+    root: [f64; 3],
+    /// w x y z by the limb that owns the rotation; left out where it is at rest.
+    #[serde(default)]
+    rotations: BTreeMap<String, [f64; 4]>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EstimateRecord {
+    pose: PoseRecord,
+    origin: OriginRecord,
+    cost: f64,
+    rms: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    iou: Option<f64>,
+    steps: usize,
+    lost: bool,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum OriginRecord {
+    Fit,
+    Track,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CameraRecord {
+    name: String,
+    used: bool,
+    weight: f64,
+}
+
+/// Writes a document. The file appears whole or not at all.
+///
+/// # Errors
+/// The file system says no.
+pub fn write_project(path: &Path, document: &Document) -> Result<(), ProjectError> {
+    let file = to_file(document);
+    let json = serde_json::to_vec_pretty(&file)
+        .map_err(|source| ProjectError::Json { path: path.to_owned(), source })?;
+    write_atomically(path, &json).map_err(|source| ProjectError::Io { path: path.to_owned(), source })
+}
+
+/// Reads a document; it is equal to the one that was written.
+///
+/// # Errors
+/// The first thing that is wrong, with the file and the field.
+pub fn read_project(path: &Path) -> Result<Document, ProjectError> {
+    let io = |source| ProjectError::Io { path: path.to_owned(), source };
+    let bytes = std::fs::metadata(path).map_err(io)?.len();
+    if bytes > MAX_BYTES {
+        return Err(ProjectError::TooLarge { path: path.to_owned(), bytes });
+    }
+    let text = std::fs::read(path).map_err(io)?;
+    let json = |source| ProjectError::Json { path: path.to_owned(), source };
+    // The version first: another version's fields would only confuse.
+    let header: Header = serde_json::from_slice(&text).map_err(json)?;
+    if header.format != FORMAT {
+        return Err(ProjectError::Format { path: path.to_owned(), found: header.format });
+    }
+    let file: ProjectFile = serde_json::from_slice(&text).map_err(json)?;
+    Reader { path }.document(file)
+}
+
+#[derive(Debug, Deserialize)]
+struct Header {
+    format: String,
+}
+
+fn to_file(document: &Document) -> ProjectFile {
+    let model = &*document.model;
+    ProjectFile {
+        format: FORMAT.to_owned(),
+        take: document.take.as_ref().map(|take| match take {
+            TakeSource::BuiltIn => TakeRecord::BuiltIn,
+            TakeSource::Path(path) => TakeRecord::Path(path.clone()),
+        }),
+        model: model.to_spec(),
+        start: pose_record(model, &document.start),
+        keys: document.keys.iter().map(|(frame, pose)| (*frame, pose_record(model, pose))).collect(),
+        estimates: document
+            .estimates
+            .iter()
+            .map(|(frame, estimate)| (*frame, estimate_record(model, estimate)))
+            .collect(),
+        cameras: document
+            .cameras
+            .iter()
+            .map(|camera| CameraRecord {
+                name: camera.name.clone(),
+                used: camera.used,
+                weight: camera.weight,
+            })
+            .collect(),
+        measurement: (*document.measurement).clone(),
+        pins: document.pins.iter().map(|&limb| model.limbs()[limb].name.clone()).collect(),
+    }
+}
+
+fn pose_record(model: &Model, pose: &Pose) -> PoseRecord {
+    let owners = model.rotation_owners().iter();
+    let rotations = owners
+        .zip(&pose.rotations)
+        .map(|(&owner, q)| (model.limbs()[owner].name.clone(), [q.w, q.x, q.y, q.z]))
+        .collect();
+    PoseRecord { root: pose.root.to_array(), rotations }
+}
+
+fn estimate_record(model: &Model, estimate: &Estimate) -> EstimateRecord {
+    EstimateRecord {
+        pose: pose_record(model, &estimate.pose),
+        origin: match estimate.origin {
+            Origin::Fit => OriginRecord::Fit,
+            Origin::Track => OriginRecord::Track,
+        },
+        cost: estimate.cost,
+        rms: estimate.rms,
+        iou: estimate.iou,
+        steps: estimate.steps,
+        lost: estimate.lost,
+    }
+}
+
+struct Reader<'a> {
+    path: &'a Path,
+}
+
+impl Reader<'_> {
+    fn document(&self, file: ProjectFile) -> Result<Document, ProjectError> {
+        let model = Model::new(&file.model)
+            .map_err(|source| ProjectError::Model { path: self.path.to_owned(), source })?;
+        let start = self.pose(&model, "start", &file.start)?;
+        let mut keys = BTreeMap::new();
+        for (frame, record) in &file.keys {
+            keys.insert(*frame, self.pose(&model, &format!("keys.{frame}"), record)?);
+        }
+        let mut estimates = BTreeMap::new();
+        for (frame, record) in &file.estimates {
+            let pose = self.pose(&model, &format!("estimates.{frame}.pose"), &record.pose)?;
+            estimates.insert(*frame, Arc::new(estimate(pose, record)));
+        }
+        let mut pins = BTreeSet::new();
+        for name in &file.pins {
+            pins.insert(self.limb(&model, "pins", name)?);
+        }
+        Ok(Document {
+            take: file.take.map(|take| match take {
+                TakeRecord::BuiltIn => TakeSource::BuiltIn,
+                TakeRecord::Path(path) => TakeSource::Path(path),
+            }),
+            model: Arc::new(model),
+            start: Arc::new(start),
+            keys: Arc::new(keys),
+            estimates: Arc::new(estimates),
+            cameras: Arc::new(self.cameras(file.cameras)?),
+            measurement: Arc::new(file.measurement),
+            pins: Arc::new(pins),
+        })
+    }
+
+    fn cameras(&self, records: Vec<CameraRecord>) -> Result<Vec<CameraUse>, ProjectError> {
+        let camera = |record: CameraRecord| {
+            if record.weight.is_finite() && record.weight >= 0.0 {
+                Ok(CameraUse { name: record.name, used: record.used, weight: record.weight })
+            } else {
+                let path = self.path.to_owned();
+                Err(ProjectError::Weight { path, camera: record.name, weight: record.weight })
+            }
+        };
+        records.into_iter().map(camera).collect()
+    }
+
+    fn pose(&self, model: &Model, field: &str, record: &PoseRecord) -> Result<Pose, ProjectError> {
+        let mut pose = Pose::rest(model);
+        pose.root = DVec3::from_array(record.root);
+        for (name, [w, x, y, z]) in &record.rotations {
+            let limb = self.limb(model, field, name)?;
+            pose.rotations[model.limbs()[limb].rotation] = DQuat::from_xyzw(*x, *y, *z, *w);
+        }
+        let wrong = |source| ProjectError::Pose { path: self.path.to_owned(), field: field.to_owned(), source };
+        pose.check(model).map_err(wrong)?;
+        Ok(pose)
+    }
+
+    fn limb(&self, model: &Model, field: &str, name: &str) -> Result<usize, ProjectError> {
+        model.limb_index(name).ok_or_else(|| ProjectError::Limb {
+            path: self.path.to_owned(),
+            field: field.to_owned(),
+            limb: name.to_owned(),
+        })
+    }
+}
+
+fn estimate(pose: Pose, record: &EstimateRecord) -> Estimate {
+    Estimate {
+        pose,
+        origin: match record.origin {
+            OriginRecord::Fit => Origin::Fit,
+            OriginRecord::Track => Origin::Track,
+        },
+        cost: record.cost,
+        rms: record.rms,
+        iou: record.iou,
+        steps: record.steps,
+        lost: record.lost,
+    }
+}
+
+/// Writes a file beside its place, then moves it there.
+fn write_atomically(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let mut name = std::ffi::OsString::from(".");
+    name.push(path.file_name().unwrap_or_default());
+    name.push(format!(".{}.part", std::process::id()));
+    let part = path.with_file_name(name);
+    let written = std::fs::File::create(&part).and_then(|mut file| {
+        file.write_all(bytes)?;
+        file.sync_all()
+    });
+    let moved = written.and_then(|()| std::fs::rename(&part, path));
+    if moved.is_err() {
+        // What is half written is of no use; the first error says why.
+        let _ = std::fs::remove_file(&part);
+    }
+    moved
+}
+
+#[cfg(test)]
+mod tests {
+    use backlit_tracking::body::{Parameters, builtin};
+
+    use super::*;
+    use crate::edit::Edit;
+
+    fn example() -> Document {
+        let mut document = Document::new(builtin::upper_body());
+        document.take = Some(TakeSource::Path(PathBuf::from("/takes/balancing")));
+        document.cameras =
+            Arc::new(vec![CameraUse { name: "cam01".to_owned(), used: true, weight: 1.0 / 3.0 }]);
+        let step: Vec<f64> = (0..27).map(|i| 0.3 * (f64::from(i) * 1.7).sin()).collect();
+        let pose = document.start.retract(Parameters::Tangent, &step);
+        let estimate = Estimate {
+            pose: pose.clone(),
+            origin: Origin::Track,
+            cost: 1.25e8,
+            rms: 20.5,
+            iou: Some(0.83),
+            steps: 21,
+            lost: false,
+        };
+        for edit in [
+            Edit::SetPose { frame: 3, pose, what: "Move".to_owned() },
+            Edit::AddEstimate { frame: 4, estimate: Arc::new(estimate) },
+            Edit::UseCamera { camera: 0, used: false },
+            Edit::Pin { limb: 5, pinned: true },
+            Edit::SetSize { limb: 2, length: 0.2, radius: 0.05, both_sides: true },
+        ] {
+            document.apply(edit).unwrap();
+        }
+        document
+    }
+
+    #[test]
+    fn a_project_is_read_back_equal() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.backlit");
+        let document = example();
+        write_project(&path, &document).unwrap();
+        assert_eq!(read_project(&path).unwrap(), document);
+        let names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+        assert_eq!(names, ["a.backlit"], "nothing else is left in the folder");
+    }
+
+    #[test]
+    fn errors_name_file_and_field() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("b.backlit");
+        write_project(&path, &example()).unwrap();
+        let good = std::fs::read_to_string(&path).unwrap();
+        for (from, to, expected) in [
+            ("backlit-project 1", "backlit-project 9", "`format` is \"backlit-project 9\""),
+            ("\"weight\": 0.3333333333333333", "\"weight\": -1", "weight of cam01 is -1"),
+            ("\"pins\": [", "\"pins\": [\"tail\",", "`pins` names the limb \"tail\""),
+            ("\"lost\": false", "\"lost\": false, \"colour\": 1", "unknown field `colour`"),
+        ] {
+            assert!(good.contains(from), "{from}");
+            std::fs::write(&path, good.replacen(from, to, 1)).unwrap();
+            let message = read_project(&path).unwrap_err().to_string();
+            assert!(message.contains(expected) && message.contains("b.backlit"), "{message}");
+        }
+        std::fs::write(&path, &good[..good.len() / 2]).unwrap();
+        assert!(read_project(&path).is_err());
+        assert!(read_project(&folder.path().join("none.backlit")).is_err());
+    }
+}
