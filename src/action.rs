@@ -328,7 +328,9 @@ pub fn keys_text(keys: &KeyboardShortcut) -> String {
 }
 
 fn modifier_count(modifiers: Modifiers) -> usize {
-    usize::from(modifiers.shift) + usize::from(modifiers.command || modifiers.ctrl) + usize::from(modifiers.alt)
+    usize::from(modifiers.shift)
+        + usize::from(modifiers.command || modifiers.ctrl)
+        + usize::from(modifiers.alt)
 }
 
 fn acts_while_typing(keys: &KeyboardShortcut) -> bool {

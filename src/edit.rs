@@ -158,7 +158,11 @@ impl Document {
             Edit::Pin { limb, pinned } => {
                 self.check_limb(limb)?;
                 let pins = Arc::make_mut(&mut self.pins);
-                if pinned { pins.insert(limb) } else { pins.remove(&limb) };
+                if pinned {
+                    pins.insert(limb)
+                } else {
+                    pins.remove(&limb)
+                };
             }
         }
         Ok(())

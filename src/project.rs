@@ -254,7 +254,8 @@ impl Reader<'_> {
             let limb = self.limb(model, field, name)?;
             pose.rotations[model.limbs()[limb].rotation] = DQuat::from_xyzw(*x, *y, *z, *w);
         }
-        let wrong = |source| ProjectError::Pose { path: self.path.to_owned(), field: field.to_owned(), source };
+        let wrong =
+            |source| ProjectError::Pose { path: self.path.to_owned(), field: field.to_owned(), source };
         pose.check(model).map_err(wrong)?;
         Ok(pose)
     }
@@ -343,7 +344,8 @@ mod tests {
         let document = example();
         write_project(&path, &document).unwrap();
         assert_eq!(read_project(&path).unwrap(), document);
-        let names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+        let names: Vec<_> =
+            std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
         assert_eq!(names, ["a.backlit"], "nothing else is left in the folder");
     }
 
