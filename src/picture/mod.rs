@@ -1,0 +1,54 @@
+//! What a camera's tile shows, as pixels and as geometry in pixel coordinates. No interface here.
+//!
+//! Pixel centres lie at integer coordinates, x to the right and y down. Grey levels run from 0 (subject) to
+//! 255 (background).
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`mode`] | [`ViewMode`]: the ways to look at a camera, with their names and legends |
+//! | [`input`] | [`PictureInput`]: what there is to look at; [`Sample`]: its values at one pixel |
+//! | `footage` … `owner_limb` | one view mode each |
+//! | `hatch` | the don't-know hatch |
+//! | [`outline`] | the body's outline by marching squares |
+//! | [`limbs`] | limbs projected to capsules of the picture |
+//! | [`joints`] | the joints that can be dragged, and their names |
+//! | [`sight_ray`] | one camera's ray as another camera sees it |
+
+mod data;
+mod footage;
+mod hatch;
+pub mod input;
+pub mod joints;
+pub mod limbs;
+pub mod mode;
+pub mod outline;
+mod owner_limb;
+mod prediction;
+mod report_overlay;
+mod residual;
+pub mod sight_ray;
+mod tinted;
+
+pub use input::{PictureInput, Sample};
+pub use joints::{JointId, JointMark, draggable_joints, joint_name, project_joints};
+pub use limbs::{ProjectedLimb, project_limbs};
+pub use mode::{Legend, LegendEntry, Swatch, ViewMode};
+pub use outline::body_outline;
+pub use owner_limb::limb_colours;
+pub use sight_ray::{SightRay, sight_ray};
+
+use egui::ColorImage;
+
+/// The picture of a view mode. What `input` lacks for it is said by [`PictureInput::shown`].
+pub fn compose(mode: ViewMode, input: &PictureInput<'_>) -> ColorImage {
+    let input = input.fitting();
+    match input.shown(mode) {
+        ViewMode::Footage => footage::compose(&input),
+        ViewMode::Data => data::compose(&input),
+        ViewMode::Prediction => prediction::compose(&input),
+        ViewMode::ReportOverlay => report_overlay::compose(&input),
+        ViewMode::Tinted => tinted::compose(&input),
+        ViewMode::Residual => residual::compose(&input),
+        ViewMode::OwnerLimb => owner_limb::compose(&input),
+    }
+}

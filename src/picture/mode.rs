@@ -1,0 +1,171 @@
+//! The ways to look at a camera.
+
+use egui::Color32;
+use serde::{Deserialize, Serialize};
+
+use crate::theme::data_colours::{
+    AGREEMENT, MISSING, REPORT_BOTH, REPORT_DATA, REPORT_MODEL, SPURIOUS, UNKNOWN,
+};
+
+/// What a camera's tile shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ViewMode {
+    /// The frame as it is.
+    Footage,
+    /// The measurement D.
+    Data,
+    /// The prediction Λ.
+    Prediction,
+    /// Data black, model white, both grey.
+    ReportOverlay,
+    /// Agreement, missing and spurious as tints over dimmed footage.
+    #[default]
+    Tinted,
+    /// D − Λ in two hues.
+    Residual,
+    /// The limb that owns each pixel.
+    OwnerLimb,
+}
+
+/// What is beside the picture, or under it, to read its colours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Legend {
+    /// The picture explains itself.
+    None,
+    /// Swatches with a word each.
+    Entries(&'static [LegendEntry]),
+    /// The residual's map, from −255 to 255.
+    ResidualMap,
+}
+
+/// A swatch and its word.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LegendEntry {
+    /// What the swatch stands for.
+    pub text: &'static str,
+    /// How it looks in the picture.
+    pub swatch: Swatch,
+}
+
+/// How something looks in a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Swatch {
+    /// One colour.
+    Fill(Color32),
+    /// The don't-know hatch.
+    Hatch(Color32),
+    /// Words only.
+    None,
+}
+
+const fn fill(text: &'static str, colour: Color32) -> LegendEntry {
+    LegendEntry { text, swatch: Swatch::Fill(colour) }
+}
+
+const UNKNOWN_ENTRY: LegendEntry = LegendEntry { text: "Don’t know", swatch: Swatch::Hatch(UNKNOWN) };
+const DATA_LEGEND: &[LegendEntry] =
+    &[fill("Subject", Color32::BLACK), fill("Background", Color32::WHITE), UNKNOWN_ENTRY];
+const PREDICTION_LEGEND: &[LegendEntry] =
+    &[fill("Subject", Color32::BLACK), fill("Background", Color32::WHITE)];
+const REPORT_LEGEND: &[LegendEntry] = &[
+    fill("Data only", Color32::from_gray(REPORT_DATA)),
+    fill("Model only", Color32::from_gray(REPORT_MODEL)),
+    fill("Both", Color32::from_gray(REPORT_BOTH)),
+];
+const TINTED_LEGEND: &[LegendEntry] =
+    &[fill("Agreement", AGREEMENT), fill("Missing", MISSING), fill("Spurious", SPURIOUS)];
+const OWNER_LEGEND: &[LegendEntry] =
+    &[LegendEntry { text: "One hue a chain, darker outwards", swatch: Swatch::None }];
+
+impl ViewMode {
+    /// All modes, in the order of the menu.
+    pub const ALL: [Self; 7] = [
+        Self::Footage,
+        Self::Data,
+        Self::Prediction,
+        Self::ReportOverlay,
+        Self::Tinted,
+        Self::Residual,
+        Self::OwnerLimb,
+    ];
+
+    /// The name in menus and headers.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Footage => "Footage",
+            Self::Data => "Data",
+            Self::Prediction => "Prediction",
+            Self::ReportOverlay => "Report overlay",
+            Self::Tinted => "Tinted overlay on footage",
+            Self::Residual => "Residual",
+            Self::OwnerLimb => "Owner limb",
+        }
+    }
+
+    /// The letter of its shortcut.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Footage => "O",
+            Self::Data => "D",
+            Self::Prediction => "M",
+            Self::ReportOverlay => "V",
+            Self::Tinted => "T",
+            Self::Residual => "R",
+            Self::OwnerLimb => "L",
+        }
+    }
+
+    /// What it shows, in a sentence.
+    pub const fn tooltip(self) -> &'static str {
+        match self {
+            Self::Footage => "The frame as it was filmed.",
+            Self::Data => "The measurement D: black is subject, white is background, hatched is don’t know.",
+            Self::Prediction => "The prediction Λ of the model: black is subject, white is background.",
+            Self::ReportOverlay => {
+                "Data black, model white, as in the report: the picture goes quiet where both agree."
+            }
+            Self::Tinted => "Orange is body the model misses, blue is model without body.",
+            Self::Residual => {
+                "D − Λ on a fixed scale: orange is missing, blue is spurious, dark is agreement."
+            }
+            Self::OwnerLimb => "The limb that wins each pixel: one hue a chain, darker outwards.",
+        }
+    }
+
+    /// How to read its colours.
+    pub const fn legend(self) -> Legend {
+        match self {
+            Self::Footage => Legend::None,
+            Self::Data => Legend::Entries(DATA_LEGEND),
+            Self::Prediction => Legend::Entries(PREDICTION_LEGEND),
+            Self::ReportOverlay => Legend::Entries(REPORT_LEGEND),
+            Self::Tinted => Legend::Entries(TINTED_LEGEND),
+            Self::Residual => Legend::ResidualMap,
+            Self::OwnerLimb => Legend::Entries(OWNER_LEGEND),
+        }
+    }
+
+    /// Whether the body's outline is drawn on it: not where the colours are the model's own.
+    pub const fn has_outline(self) -> bool {
+        !matches!(self, Self::Prediction | Self::ReportOverlay | Self::OwnerLimb)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_keys_are_unique_and_written_in_kebab_case() {
+        for (index, mode) in ViewMode::ALL.iter().enumerate() {
+            for other in &ViewMode::ALL[..index] {
+                assert_ne!(mode.label(), other.label());
+                assert_ne!(mode.key(), other.key());
+            }
+            let text = serde_json::to_string(mode).unwrap();
+            assert_eq!(serde_json::from_str::<ViewMode>(&text).unwrap(), *mode);
+        }
+        assert_eq!(serde_json::to_string(&ViewMode::ReportOverlay).unwrap(), "\"report-overlay\"");
+    }
+}
