@@ -6,10 +6,14 @@ use std::ops::Range;
 use egui::epaint::{ClippedPrimitive, Mesh, Primitive, Vertex};
 use egui::{Color32, Rect};
 use image::RgbaImage;
+use rayon::prelude::*;
 
 use super::coverage::{Clip, Snapped, UNIT, doubled_area, for_each_span, pixels_between};
 use super::pixel;
 use super::textures::{Tap, Texture, TextureStore};
+
+/// Textured rectangles of this many pixels are shared among threads, row by row.
+const PARALLEL_FROM: usize = 1 << 15;
 
 /// A picture to paint on.
 #[derive(Debug)]
@@ -65,7 +69,10 @@ impl Canvas {
 
     /// The picture so far. Its pixels are opaque.
     pub fn image(&self) -> RgbaImage {
-        let bytes = self.pixels.iter().flat_map(|pixel| pixel.to_le_bytes()).collect();
+        let mut bytes = vec![0; self.pixels.len() * 4];
+        for (bytes, pixel) in bytes.chunks_exact_mut(4).zip(&self.pixels) {
+            bytes.copy_from_slice(&pixel.to_le_bytes());
+        }
         RgbaImage::from_raw(self.width as u32, self.height as u32, bytes).unwrap_or_default()
     }
 
@@ -129,16 +136,24 @@ impl Canvas {
         let mut taps = std::mem::take(&mut self.columns);
         taps.clear();
         taps.extend(columns.clone().map(|x| texture.tap_x(u.at(x), nearest)));
-        for y in rows {
-            let row_tap = texture.tap_y(v.at(y), nearest);
-            for (target, tap) in self.row(y, columns.clone()).iter_mut().zip(&taps) {
-                let texel = texture.sample(*tap, row_tap);
+        let paint_row = |y: i64, row: &mut [u32]| {
+            let texels = texture.rows(texture.tap_y(v.at(y), nearest));
+            for (target, tap) in row.iter_mut().zip(&taps) {
+                let texel = texels.sample(*tap);
                 if texel != 0 {
-                    pixel::blend(
-                        target,
-                        if colour == pixel::WHITE { texel } else { pixel::modulate(texel, colour) },
-                    );
+                    let white = colour == pixel::WHITE;
+                    pixel::blend(target, if white { texel } else { pixel::modulate(texel, colour) });
                 }
+            }
+        };
+        if taps.len() * (rows.end - rows.start) as usize >= PARALLEL_FROM {
+            let (left, right) = (columns.start as usize, columns.end as usize);
+            let band = rows.start as usize * self.width..rows.end as usize * self.width;
+            let band = self.pixels[band].par_chunks_exact_mut(self.width).enumerate();
+            band.for_each(|(index, row)| paint_row(rows.start + index as i64, &mut row[left..right]));
+        } else {
+            for y in rows {
+                paint_row(y, self.row(y, columns.clone()));
             }
         }
         self.columns = taps;

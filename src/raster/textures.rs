@@ -119,18 +119,36 @@ impl Texture {
 
     #[inline]
     pub(super) fn sample(&self, x: Tap, y: Tap) -> u32 {
-        let near = y.near as usize * self.width;
-        if x.weight == 0 && y.weight == 0 {
-            return self.pixels[near + x.near as usize];
+        self.rows(y).sample(x)
+    }
+
+    /// The two rows of texels that `y` falls between.
+    #[inline]
+    pub(super) fn rows(&self, y: Tap) -> Rows<'_> {
+        let row = |index: u32| {
+            let start = index as usize * self.width;
+            &self.pixels[start..start + self.width]
+        };
+        Rows { near: row(y.near), far: row(y.far), weight: y.weight }
+    }
+}
+
+/// Two rows of texels and the share of the second, in 1/256.
+pub(super) struct Rows<'a> {
+    near: &'a [u32],
+    far: &'a [u32],
+    weight: u32,
+}
+
+impl Rows<'_> {
+    #[inline]
+    pub(super) fn sample(&self, x: Tap) -> u32 {
+        let (left, right) = (x.near as usize, x.far as usize);
+        if x.weight == 0 && self.weight == 0 {
+            return self.near[left];
         }
-        let far = y.far as usize * self.width;
-        let texels = [
-            self.pixels[near + x.near as usize],
-            self.pixels[near + x.far as usize],
-            self.pixels[far + x.near as usize],
-            self.pixels[far + x.far as usize],
-        ];
-        if texels == [texels[0]; 4] { texels[0] } else { pixel::bilinear(texels, x.weight, y.weight) }
+        let texels = [self.near[left], self.near[right], self.far[left], self.far[right]];
+        if texels == [texels[0]; 4] { texels[0] } else { pixel::bilinear(texels, x.weight, self.weight) }
     }
 }
 
