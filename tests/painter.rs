@@ -5,7 +5,9 @@ mod support;
 use backlit::format;
 use backlit::raster::{Canvas, TextureStore};
 use backlit::theme::{self, Theme};
-use backlit::widgets::{Icon, camera_badge, icon_button, icon_toggle, primary_button, segmented};
+use backlit::widgets::{
+    Icon, ValueSlider, camera_badge, checkbox, icon_button, icon_toggle, primary_button, segmented,
+};
 use egui::epaint::{ClippedPrimitive, ImageDelta, Mesh, Primitive, Vertex};
 use egui::{
     Color32, ColorImage, ComboBox, Grid, ProgressBar, Rect, RichText, Slider, TextStyle, TextureId,
@@ -121,6 +123,7 @@ const SIZE: egui::Vec2 = vec2(660.0, 440.0);
 struct Gallery {
     limb: &'static str,
     weight: f64,
+    flexion: f64,
     used: bool,
     renderer: &'static str,
     name: String,
@@ -128,7 +131,14 @@ struct Gallery {
 
 impl Default for Gallery {
     fn default() -> Self {
-        Self { limb: "Arm", weight: 0.42, used: true, renderer: "Capsule", name: "Balancing".to_owned() }
+        Self {
+            limb: "Arm",
+            weight: 0.42,
+            flexion: 1.48,
+            used: true,
+            renderer: "Capsule",
+            name: "Balancing".to_owned(),
+        }
     }
 }
 
@@ -163,8 +173,17 @@ impl Gallery {
             let label = ui.label("Weight");
             ui.add(Slider::new(&mut self.weight, 0.0..=1.0)).labelled_by(label.id);
         });
-        ui.checkbox(&mut self.used, "Used in the fit");
-        ui.checkbox(&mut false, "Both sides");
+        ui.horizontal(|ui| {
+            ui.label("Flexion");
+            let slider = ValueSlider::new(&mut self.flexion, -0.4..=2.6, "Flexion");
+            ui.add(slider.origin(0.0).limits(-0.2, 2.4, 0.05).held(true));
+            ui.add(ValueSlider::new(&mut 2.4, 0.0..=3.0, "Twist").limits(0.3, 2.4, 0.05).width(90.0));
+        });
+        ui.horizontal(|ui| {
+            checkbox(ui, &mut self.used, "Used in the fit");
+            checkbox(ui, &mut false, "Both sides");
+            ui.add_enabled_ui(false, |ui| checkbox(ui, &mut true, "Pinned"));
+        });
         ui.horizontal(|ui| {
             ui.radio_value(&mut self.renderer, "Capsule", "Capsule");
             ui.radio_value(&mut self.renderer, "Cylinder", "Cylinder");
@@ -248,6 +267,12 @@ fn gallery_snapshot(theme: Theme, name: &str) {
         .build_ui_state(|ui, gallery: &mut Gallery| gallery.ui(ui), Gallery::default());
     harness.run();
     harness.snapshot(name);
+    // The comparison above forgives what it takes for antialiasing. The painter promises every bit.
+    let path = format!("{}/tests/snapshots/{name}.png", env!("CARGO_MANIFEST_DIR"));
+    let stored = image::open(path).expect("the snapshot was just compared").to_rgba8();
+    let painted = harness.render().expect("the CPU painter does not fail");
+    let differing = stored.pixels().zip(painted.pixels()).filter(|(a, b)| a != b).count();
+    assert_eq!(differing, 0, "{name}: pixels that differ; UPDATE_SNAPSHOTS=force writes the picture anew");
 }
 
 #[test]
@@ -261,10 +286,18 @@ fn the_gallery_in_the_light_theme() {
 }
 
 #[test]
-fn segments_and_toggles_answer_to_their_names() {
+fn widgets_answer_to_their_names() {
     let mut harness = support::harness_builder(SIZE, Theme::Dark)
         .build_ui_state(|ui, gallery: &mut Gallery| gallery.ui(ui), Gallery::default());
     harness.get_by_label("Body").click();
     harness.run();
     assert_eq!(harness.state().limb, "Body");
+    harness.get_by_label("Used in the fit").click();
+    harness.run();
+    assert!(!harness.state().used);
+    harness.get_by_role_and_label(egui::Role::Slider, "Flexion").focus();
+    harness.run();
+    harness.key_press(egui::Key::ArrowRight);
+    harness.run();
+    assert!((harness.state().flexion - 1.51).abs() < 1e-9, "{}", harness.state().flexion);
 }

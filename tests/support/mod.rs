@@ -1,4 +1,4 @@
-//! Windows in tests: `egui_kittest` over the CPU painter, so snapshots need no GPU and are exact.
+//! Windows in tests: `egui_kittest` over the CPU painter, so snapshots need no GPU.
 
 use backlit::raster::{Canvas, TextureStore};
 use backlit::theme::{self, Theme};
@@ -27,7 +27,8 @@ impl TestRenderer for CpuRenderer {
 }
 
 /// A window of `size` points in `theme`. Its `snapshot(name)` compares with `tests/snapshots/NAME.png` and
-/// allows no pixel to differ; `UPDATE_SNAPSHOTS=1` writes the picture anew.
+/// allows no pixel to differ, except where the difference looks like antialiasing, which the comparison
+/// forgives by itself. `UPDATE_SNAPSHOTS=1` writes pictures that fail anew, `UPDATE_SNAPSHOTS=force` all.
 pub(crate) fn harness_builder<State>(size: impl Into<Vec2>, theme: Theme) -> HarnessBuilder<State> {
     let snapshots = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/snapshots");
     HarnessBuilder::default()

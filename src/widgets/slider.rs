@@ -1,0 +1,188 @@
+//! A slider whose trail starts where zero is, with marks where the limits are.
+
+use std::ops::RangeInclusive;
+
+use egui::{
+    Color32, CornerRadius, EventFilter, Key, Rect, Response, Sense, Stroke, Ui, Widget, WidgetInfo, pos2,
+    vec2,
+};
+
+use super::button::focus_ring;
+use crate::theme::{self, size};
+
+/// Radius of the handle.
+const HANDLE_RADIUS: f32 = 6.0;
+
+/// Height of a limit mark.
+const LIMIT_HEIGHT: f32 = 16.0;
+
+/// The share of the range by which an arrow key moves the handle.
+const KEY_STEP: f64 = 0.01;
+
+/// A horizontal slider without a number field of its own.
+///
+/// Dragging and clicking set the value; with the keyboard focus the left and right arrows move it by one
+/// hundredth of the range. The value is always kept within the range and, if there are any, the limits.
+#[must_use = "a slider is shown with `ui.add`"]
+#[derive(Debug)]
+pub struct ValueSlider<'a> {
+    value: &'a mut f64,
+    range: RangeInclusive<f64>,
+    label: &'a str,
+    origin: f64,
+    limits: Option<(f64, f64)>,
+    warn_within: f64,
+    is_held: bool,
+    width: f32,
+}
+
+impl<'a> ValueSlider<'a> {
+    /// A slider over `range`; `label` is its name for screen readers and tests.
+    pub fn new(value: &'a mut f64, range: RangeInclusive<f64>, label: &'a str) -> Self {
+        let origin = *range.start();
+        Self { value, range, label, origin, limits: None, warn_within: 0.0, is_held: false, width: 124.0 }
+    }
+
+    /// The trail runs from this value to the handle, instead of from the start of the range.
+    pub fn origin(mut self, origin: f64) -> Self {
+        self.origin = origin;
+        self
+    }
+
+    /// Marks the limits and holds the value between them. A mark warns when the value is within
+    /// `warn_within` of it.
+    pub fn limits(mut self, low: f64, high: f64, warn_within: f64) -> Self {
+        self.limits = Some((low.min(high), high.max(low)));
+        self.warn_within = warn_within;
+        self
+    }
+
+    /// Draws the trail in the accent: for what the user holds.
+    pub fn held(mut self, is_held: bool) -> Self {
+        self.is_held = is_held;
+        self
+    }
+
+    /// The width of the slider in points.
+    pub fn width(mut self, width: f32) -> Self {
+        self.width = width;
+        self
+    }
+
+    fn set(&mut self, value: f64) {
+        if value.is_finite() {
+            let (low, high) = self.limits.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+            *self.value = value.max(low).min(high).max(*self.range.start()).min(*self.range.end());
+        }
+    }
+
+    fn interact(&mut self, ui: &Ui, rail: Rect, response: &mut Response) {
+        let before = *self.value;
+        let span = self.range.end() - self.range.start();
+        if let Some(pointer) = response.interact_pointer_pos() {
+            let share = f64::from((pointer.x - rail.left()) / rail.width());
+            self.set(self.range.start() + share.clamp(0.0, 1.0) * span);
+        }
+        if response.has_focus() {
+            let arrows = EventFilter { horizontal_arrows: true, ..EventFilter::default() };
+            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
+            let presses = |key| ui.input(|input| input.num_presses(key)) as f64;
+            let steps = presses(Key::ArrowRight) - presses(Key::ArrowLeft);
+            if steps != 0.0 {
+                self.set(*self.value + steps * KEY_STEP * span);
+            }
+        }
+        if *self.value != before {
+            response.mark_changed();
+        }
+    }
+
+    fn position(&self, rail: Rect, value: f64) -> f32 {
+        let span = (self.range.end() - self.range.start()).max(f64::MIN_POSITIVE);
+        let share = ((value - self.range.start()) / span).clamp(0.0, 1.0);
+        rail.left() + rail.width() * share as f32
+    }
+
+    fn paint(&self, ui: &Ui, rail: Rect, response: &Response) {
+        let palette = theme::palette(ui);
+        let painter = ui.painter();
+        let radius = CornerRadius::same(2);
+        let well = if ui.visuals().dark_mode { palette.field } else { palette.active };
+        painter.rect_filled(rail, radius, well);
+        let handle = self.position(rail, *self.value);
+        let origin = self.position(rail, self.origin);
+        let mut trail = rail;
+        trail.min.x = handle.min(origin);
+        trail.max.x = handle.max(origin);
+        let enabled = ui.is_enabled();
+        let trail_colour = if self.is_held && enabled { palette.accent } else { palette.line2 };
+        painter.rect_filled(trail, radius, trail_colour);
+        if let Some((low, high)) = self.limits {
+            for limit in [low, high] {
+                let is_near = (*self.value - limit).abs() <= self.warn_within;
+                let colour = if is_near { palette.warn } else { palette.text3 };
+                let x = self.position(rail, limit);
+                let middle = rail.center().y;
+                let ends = [pos2(x, middle - 0.5 * LIMIT_HEIGHT), pos2(x, middle + 0.5 * LIMIT_HEIGHT)];
+                painter.line_segment(ends, Stroke::new(size::LIMIT_MARK, colour));
+            }
+        }
+        let is_touched = response.hovered() || response.dragged();
+        let (fill, edge) = handle_colours(palette, enabled, is_touched);
+        painter.circle(pos2(handle, rail.center().y), HANDLE_RADIUS, fill, edge);
+        focus_ring(ui, response);
+    }
+}
+
+fn handle_colours(palette: &theme::Palette, enabled: bool, is_touched: bool) -> (Color32, Stroke) {
+    let fill = match (enabled, is_touched) {
+        (false, _) => palette.line2,
+        (true, false) => palette.text2,
+        (true, true) => palette.text,
+    };
+    // A gap in the colour of the panel sets the handle off from its trail.
+    (fill, Stroke::new(1.0, palette.panel))
+}
+
+impl Widget for ValueSlider<'_> {
+    fn ui(mut self, ui: &mut Ui) -> Response {
+        let sense = Sense::click_and_drag();
+        let (rect, mut response) = ui.allocate_exact_size(vec2(self.width, size::ROW), sense);
+        let rail_size = vec2(rect.width() - 2.0 * HANDLE_RADIUS, ui.spacing().slider_rail_height);
+        let rail = Rect::from_center_size(rect.center(), rail_size);
+        self.interact(ui, rail, &mut response);
+        let (enabled, value) = (ui.is_enabled(), *self.value);
+        response.widget_info(|| WidgetInfo::slider(enabled, value, self.label));
+        if ui.is_rect_visible(rect) {
+            self.paint(ui, rail, &response);
+        }
+        response
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_value_stays_between_its_limits() {
+        let mut value = 0.0;
+        let mut slider = ValueSlider::new(&mut value, -2.0..=2.0, "Flexion").limits(-0.5, 1.5, 0.1);
+        slider.set(9.0);
+        assert_eq!(*slider.value, 1.5);
+        slider.set(-9.0);
+        assert_eq!(*slider.value, -0.5);
+        slider.set(1.0);
+        slider.set(f64::NAN);
+        assert_eq!(*slider.value, 1.0);
+    }
+
+    #[test]
+    fn positions_are_held_on_the_rail() {
+        let mut value = 0.0;
+        let slider = ValueSlider::new(&mut value, 0.0..=4.0, "Weight");
+        let rail = Rect::from_min_max(pos2(10.0, 0.0), pos2(110.0, 3.0));
+        assert_eq!(slider.position(rail, 1.0), 35.0);
+        assert_eq!(slider.position(rail, 9.0), 110.0);
+    }
+}
