@@ -2,7 +2,11 @@
 
 pub mod body;
 pub mod camera;
+pub mod cancel;
 pub mod geometry;
+pub mod optimize;
 pub mod render;
+pub mod residual;
 pub mod segment;
 pub mod silhouette;
+pub mod track;

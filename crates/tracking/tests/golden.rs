@@ -164,8 +164,10 @@ fn jacobians_match() {
             for (&pixel, expected) in pixels.iter().zip(&values) {
                 let found = jacobian[(pixel, column)];
                 if (found - expected).abs() > JACOBIAN_TOLERANCE * scale {
-                    failures
-                        .push(format!("{}: pixel {pixel}, column {column}: {found}, expected {expected}", case.name));
+                    failures.push(format!(
+                        "{}: pixel {pixel}, column {column}: {found}, expected {expected}",
+                        case.name
+                    ));
                 }
             }
         }

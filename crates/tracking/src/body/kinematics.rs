@@ -164,6 +164,16 @@ impl Kinematics {
         }
     }
 
+    /// The state's columns that move a limb: all others are zero in its map.
+    #[must_use]
+    pub fn moving_columns(&self, limb: usize, parameters: Parameters) -> Vec<usize> {
+        let blocks = self.levers[limb].iter().flat_map(|lever| {
+            let first = parameters.first_column(lever.rotation);
+            first..first + parameters.per_rotation()
+        });
+        (0..3).chain(blocks).collect()
+    }
+
     /// Derivative of the limb's second joint by the state, 3 × columns.
     #[must_use]
     pub fn end_jacobian(&self, limb: usize, parameters: Parameters) -> DMatrix<f64> {

@@ -22,6 +22,8 @@ pub const BACKGROUND: f64 = 255.0;
 const WIDEST_INNER: f64 = 0.9;
 /// Widest `width` ramp, as a fraction of the radius: there the limb's axis is just black.
 const WIDEST_WIDTH: f64 = 0.5;
+/// Widths of this many pixels and more are a mistake.
+const WIDEST_PX: f64 = 1e6;
 /// Widths never shrink below this many metres, so that a slope stays finite.
 const NARROWEST: f64 = 1e-6;
 
@@ -58,23 +60,18 @@ impl FromStr for Ramp {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let error = || ParseRampError(text.to_owned());
-        let pixels = |part: &str| {
-            part.trim()
-                .parse()
-                .ok()
-                .filter(|&px: &f64| px.is_finite() && px > 0.0 && px < 1e6)
-                .ok_or_else(error)
-        };
-        match text.split_once('=') {
-            None if text == "thesis" => Ok(Self::Thesis),
-            None if text == "half" => Ok(Self::Half),
-            Some(("width", px)) => Ok(Self::Width { px: pixels(px)? }),
+        let pixels = |part: &str| part.trim().parse::<f64>().map_err(|_| error());
+        let ramp = match text.split_once('=') {
+            None if text == "thesis" => Self::Thesis,
+            None if text == "half" => Self::Half,
+            Some(("width", px)) => Self::Width { px: pixels(px)? },
             Some(("distance", widths)) => {
                 let (inner, outer) = widths.split_once(',').unwrap_or((widths, widths));
-                Ok(Self::Distance { inner_px: pixels(inner)?, outer_px: pixels(outer)? })
+                Self::Distance { inner_px: pixels(inner)?, outer_px: pixels(outer)? }
             }
-            _ => Err(error()),
-        }
+            _ => return Err(error()),
+        };
+        if ramp.is_valid() { Ok(ramp) } else { Err(error()) }
     }
 }
 
@@ -123,6 +120,17 @@ pub struct RampSample {
 }
 
 impl Ramp {
+    /// Whether its widths are finite and above zero.
+    #[must_use]
+    pub fn is_valid(self) -> bool {
+        let is_width = |px: f64| px.is_finite() && px > 0.0 && px < WIDEST_PX;
+        match self {
+            Self::Thesis | Self::Half => true,
+            Self::Width { px } => is_width(px),
+            Self::Distance { inner_px, outer_px } => is_width(inner_px) && is_width(outer_px),
+        }
+    }
+
     /// The ramp for a solid of this radius (metres) whose middle is at depth z (metres), seen with a focal
     /// length in pixels.
     #[must_use]

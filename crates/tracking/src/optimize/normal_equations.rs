@@ -1,0 +1,109 @@
+//! JᵀJ, Jᵀρ and the cost: all that a step needs to know of the data.
+
+use std::ops::AddAssign;
+
+use nalgebra::{DMatrix, DVector};
+
+/// Eigenvalues below this fraction of the largest count as null in an undamped solution.
+const NULL_EIGENVALUE: f64 = 1e-6;
+
+/// The normal equations of a weighted least-squares problem; `+=` merges independent residuals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NormalEquations {
+    /// Σ w JᵀJ, columns × columns, symmetric.
+    pub jtj: DMatrix<f64>,
+    /// Σ w Jᵀρ, columns.
+    pub jtr: DVector<f64>,
+    /// Σ w ρ².
+    pub cost: f64,
+}
+
+impl NormalEquations {
+    /// No residual yet.
+    #[must_use]
+    pub fn zeros(columns: usize) -> Self {
+        Self { jtj: DMatrix::zeros(columns, columns), jtr: DVector::zeros(columns), cost: 0.0 }
+    }
+
+    /// Forgets everything, keeps the memory.
+    pub fn clear(&mut self) {
+        self.jtj.fill(0.0);
+        self.jtr.fill(0.0);
+        self.cost = 0.0;
+    }
+
+    /// Number of columns of the state.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.jtr.len()
+    }
+
+    /// Whether every number is one.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        self.cost.is_finite() && self.jtr.iter().chain(self.jtj.iter()).all(|x| x.is_finite())
+    }
+
+    /// Mean of JᵀJ's diagonal: the scale of the damping.
+    #[must_use]
+    pub fn mean_diagonal(&self) -> f64 {
+        self.jtj.diagonal().mean()
+    }
+
+    /// The step δ of (JᵀJ + `damping` · mean(diag JᵀJ) · I) δ = Jᵀρ.
+    ///
+    /// JᵀJ is singular by nature (limb twists): without damping, or where rounding spoils it, the
+    /// pseudo-inverse's step is taken, which leaves null directions alone. Zeros if nothing pulls.
+    #[must_use]
+    pub fn step(&self, damping: f64) -> DVector<f64> {
+        let added = damping * self.mean_diagonal();
+        if added > 0.0 {
+            let mut damped = self.jtj.clone();
+            for i in 0..self.columns() {
+                damped[(i, i)] += added;
+            }
+            if let Some(factor) = damped.cholesky() {
+                return factor.solve(&self.jtr);
+            }
+        }
+        let eigen = self.jtj.clone().symmetric_eigen();
+        let floor = NULL_EIGENVALUE * eigen.eigenvalues.amax();
+        let mut step = eigen.eigenvectors.tr_mul(&self.jtr);
+        for (value, eigenvalue) in step.iter_mut().zip(eigen.eigenvalues.iter()) {
+            *value = if *eigenvalue > floor { *value / (eigenvalue + added) } else { 0.0 };
+        }
+        eigen.eigenvectors * step
+    }
+
+    /// By how much the linear model says that the cost falls with a step: 2 δᵀJᵀρ − δᵀJᵀJ δ.
+    #[must_use]
+    pub fn predicted_decrease(&self, step: &DVector<f64>) -> f64 {
+        2.0 * step.dot(&self.jtr) - (&self.jtj * step).dot(step)
+    }
+}
+
+impl AddAssign<&Self> for NormalEquations {
+    fn add_assign(&mut self, other: &Self) {
+        self.jtj += &other.jtj;
+        self.jtr += &other.jtr;
+        self.cost += other.cost;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_singular_problem_leaves_its_null_direction_alone() {
+        // One residual on x + y: the direction x − y is null.
+        let mut equations = NormalEquations::zeros(2);
+        equations.jtj = DMatrix::from_row_slice(2, 2, &[1.0, 1.0, 1.0, 1.0]);
+        equations.jtr = DVector::from_vec(vec![2.0, 2.0]);
+        for damping in [0.0, 1e-9] {
+            let step = equations.step(damping);
+            assert!((step[0] - 1.0).abs() < 1e-6 && (step[1] - 1.0).abs() < 1e-6, "{step}");
+        }
+        assert_eq!(NormalEquations::zeros(3).step(0.1), DVector::zeros(3));
+    }
+}

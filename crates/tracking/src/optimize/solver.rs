@@ -1,0 +1,262 @@
+//! Options, records and the stepping solver that both methods share.
+
+use std::fmt;
+use std::str::FromStr;
+
+use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::{NormalEquations, gauss_newton, levenberg_marquardt};
+
+/// A least-squares problem on points that may be curved.
+pub trait LeastSquares {
+    /// Where the problem can be evaluated.
+    type Point: Clone;
+
+    /// Cost, JᵀJ and Jᵀρ at a point. `equations` come cleared and have the problem's columns.
+    fn evaluate(&mut self, point: &Self::Point, equations: &mut NormalEquations);
+
+    /// Columns of a step.
+    fn columns(&self) -> usize;
+
+    /// Moves a point by a step.
+    fn retract(&self, point: &Self::Point, step: &DVector<f64>) -> Self::Point;
+
+    /// Shortens a step that goes further than the problem trusts itself. By default none does.
+    fn cap(&self, _step: &mut DVector<f64>) {}
+}
+
+/// How a step is made of the normal equations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// The report's (4.10): every step is taken, with a fixed damping.
+    GaussNewton,
+    /// Levenberg and Marquardt: a step that raises the cost is taken back and the damping grows.
+    #[default]
+    #[serde(alias = "lm")]
+    LevenbergMarquardt,
+}
+
+/// Text that is not a method.
+#[derive(Debug, Error, Clone, PartialEq, Eq)]
+#[error("\"{0}\" is not a method; expected gauss-newton or lm")]
+pub struct ParseMethodError(String);
+
+impl FromStr for Method {
+    type Err = ParseMethodError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text {
+            "gauss-newton" => Ok(Self::GaussNewton),
+            "lm" | "levenberg-marquardt" => Ok(Self::LevenbergMarquardt),
+            _ => Err(ParseMethodError(text.to_owned())),
+        }
+    }
+}
+
+/// What a solver may do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SolverOptions {
+    /// How steps are made.
+    pub method: Method,
+    /// Damping at the start, in units of mean(diag JᵀJ).
+    pub damping: f64,
+    /// Most iterations, rejected ones included.
+    pub max_iterations: usize,
+    /// Stop when an accepted step lowers the cost by less than this fraction; `None`: never for that reason.
+    pub tolerance: Option<f64>,
+}
+
+/// Why a solver stopped. Not converging is an answer.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Termination {
+    /// The cost fell by less than `tolerance` of itself in one step.
+    Converged {
+        /// The fraction asked for.
+        tolerance: f64,
+    },
+    /// All steps asked for are done.
+    StepLimit {
+        /// How many.
+        steps: usize,
+    },
+    /// No step lowered the cost, however short.
+    NoDecrease,
+    /// Nothing pulls: the gradient is zero.
+    NoGradient,
+    /// Somebody asked to stop.
+    Cancelled,
+    /// The cost or a step was not a finite number; the last good point is kept.
+    NotFinite,
+}
+
+impl fmt::Display for Termination {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Converged { tolerance } => {
+                write!(f, "the cost fell by less than {tolerance:e} in one step")
+            }
+            Self::StepLimit { steps: 1 } => write!(f, "1 step done"),
+            Self::StepLimit { steps } => write!(f, "{steps} steps done"),
+            Self::NoDecrease => write!(f, "no step lowered the cost"),
+            Self::NoGradient => write!(f, "no pixel pulls the model"),
+            Self::Cancelled => write!(f, "stopped by you"),
+            Self::NotFinite => write!(f, "the numbers ran out of range"),
+        }
+    }
+}
+
+/// One iteration: a trial step and what became of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Iteration<P> {
+    /// Where the solver stands after it.
+    pub point: P,
+    /// Cost there.
+    pub cost: f64,
+    /// Cost of the trial; equal to `cost` if it was accepted.
+    pub trial_cost: f64,
+    /// By how much the linear model foretold the cost to fall.
+    pub predicted_decrease: f64,
+    /// By how much it fell in the trial; negative if it rose.
+    pub actual_decrease: f64,
+    /// Damping of the trial, in units of mean(diag JᵀJ).
+    pub damping: f64,
+    /// Euclidean length of the step.
+    pub step_norm: f64,
+    /// Largest entry of Jᵀρ where the step began.
+    pub gradient_max: f64,
+    /// Whether the trial was kept.
+    pub accepted: bool,
+}
+
+/// A solver that is stepped from outside.
+#[derive(Debug, Clone)]
+pub struct Solver<P> {
+    pub(super) options: SolverOptions,
+    pub(super) point: P,
+    pub(super) equations: NormalEquations,
+    pub(super) trial: NormalEquations,
+    pub(super) damping: f64,
+    pub(super) rejected_in_a_row: usize,
+    done: usize,
+    termination: Option<Termination>,
+}
+
+impl<P: Clone> Solver<P> {
+    /// Evaluates the problem at its start.
+    pub fn new(problem: &mut impl LeastSquares<Point = P>, start: P, options: SolverOptions) -> Self {
+        let mut equations = NormalEquations::zeros(problem.columns());
+        problem.evaluate(&start, &mut equations);
+        let termination = if !equations.is_finite() {
+            Some(Termination::NotFinite)
+        } else if options.max_iterations == 0 {
+            Some(Termination::StepLimit { steps: 0 })
+        } else {
+            None
+        };
+        Self {
+            options,
+            point: start,
+            trial: equations.clone(),
+            equations,
+            damping: options.damping,
+            rejected_in_a_row: 0,
+            done: 0,
+            termination,
+        }
+    }
+
+    /// One iteration; `None` once it has ended.
+    pub fn step(&mut self, problem: &mut impl LeastSquares<Point = P>) -> Option<Iteration<P>> {
+        if self.termination.is_some() {
+            return None;
+        }
+        let gradient_max = self.equations.jtr.amax();
+        if gradient_max == 0.0 {
+            self.termination = Some(Termination::NoGradient);
+            return None;
+        }
+        let outcome = match self.options.method {
+            Method::GaussNewton => gauss_newton::step(self, problem),
+            Method::LevenbergMarquardt => levenberg_marquardt::step(self, problem),
+        };
+        match outcome {
+            Ok(mut iteration) => {
+                iteration.gradient_max = gradient_max;
+                self.done += 1;
+                self.judge(&iteration);
+                Some(iteration)
+            }
+            Err(termination) => {
+                self.termination = Some(termination);
+                None
+            }
+        }
+    }
+
+    fn judge(&mut self, iteration: &Iteration<P>) {
+        if self.termination.is_some() {
+            return;
+        }
+        if let Some(tolerance) = self.options.tolerance
+            && iteration.accepted
+            && iteration.actual_decrease.abs() <= tolerance * (iteration.cost + iteration.actual_decrease)
+        {
+            self.termination = Some(Termination::Converged { tolerance });
+        } else if self.rejected_in_a_row >= levenberg_marquardt::MOST_REJECTED {
+            self.termination = Some(Termination::NoDecrease);
+        } else if self.done >= self.options.max_iterations {
+            self.termination = Some(Termination::StepLimit { steps: self.done });
+        }
+    }
+
+    /// Tries a step: evaluates the problem there, into `trial`.
+    pub(super) fn attempt(
+        &mut self,
+        problem: &mut impl LeastSquares<Point = P>,
+    ) -> Result<(P, DVector<f64>, f64), Termination> {
+        let mut step = self.equations.step(self.damping);
+        problem.cap(&mut step);
+        if !step.iter().all(|x| x.is_finite()) {
+            return Err(Termination::NotFinite);
+        }
+        let predicted = self.equations.predicted_decrease(&step);
+        let point = problem.retract(&self.point, &step);
+        self.trial.clear();
+        problem.evaluate(&point, &mut self.trial);
+        Ok((point, step, predicted))
+    }
+
+    /// Where it stands.
+    #[must_use]
+    pub fn point(&self) -> &P {
+        &self.point
+    }
+
+    /// Cost where it stands.
+    #[must_use]
+    pub fn cost(&self) -> f64 {
+        self.equations.cost
+    }
+
+    /// Normal equations where it stands.
+    #[must_use]
+    pub fn equations(&self) -> &NormalEquations {
+        &self.equations
+    }
+
+    /// Damping of the next trial.
+    #[must_use]
+    pub fn damping(&self) -> f64 {
+        self.damping
+    }
+
+    /// Why it ended; `None` while it may go on.
+    #[must_use]
+    pub fn termination(&self) -> Option<Termination> {
+        self.termination
+    }
+}

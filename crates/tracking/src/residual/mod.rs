@@ -1,0 +1,16 @@
+//! What pulls on a pose: each file is one kind of residual and adds itself to the normal equations.
+//!
+//! | file | residual ρ |
+//! |---|---|
+//! | [`silhouette`] | D − Λ of every pixel (4.10, 4.16) |
+//! | [`proximal_prior`] | −log(q q₀⁻¹) and root₀ − root: stay near the pose that the fit began with |
+//! | [`rest_prior`] | −twist of a limb about itself: cameras hardly see it |
+//! | [`joint_limit`] | how far flexion, sideways swing and twist lie outside their ranges |
+//! | [`point`] | target − position of a joint, for posing by hand and for reference keypoints |
+
+pub mod joint_limit;
+pub mod point;
+pub mod proximal_prior;
+pub mod rest_prior;
+pub mod rotation_term;
+pub mod silhouette;

@@ -1,0 +1,118 @@
+//! What one camera contributes to a frame: its silhouette, or grey levels given as they are.
+
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use super::options::{DataView, OptionsError, Stage};
+use crate::body::PoseError;
+use crate::camera::Camera;
+use crate::render::Ramp;
+use crate::silhouette::{Label, Mask, Measurement, SignedDistance};
+
+/// The data of one camera in one frame.
+#[derive(Debug, Clone)]
+pub enum Evidence {
+    /// A segmented silhouette: each stage looks at it in its own way.
+    Mask(Arc<Mask>),
+    /// Grey levels D that every stage takes as they are.
+    Measurement(Arc<Measurement>),
+}
+
+/// One camera's part in a fit.
+#[derive(Debug, Clone)]
+pub struct FitView {
+    /// An ideal pinhole: pictures are rectified first.
+    pub camera: Arc<Camera>,
+    /// Its data.
+    pub evidence: Evidence,
+    /// Weight of its pixels; 1 as a rule, 0 leaves the camera out.
+    pub weight: f64,
+}
+
+/// Why a fit cannot begin.
+#[derive(Debug, Error, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum FitError {
+    #[error(transparent)]
+    Pose(#[from] PoseError),
+    #[error(transparent)]
+    Options(#[from] OptionsError),
+    #[error(
+        "camera \"{camera}\": the silhouette is {found_width} × {found_height} pixels, the camera's pictures are {width} × {height}"
+    )]
+    Size { camera: String, found_width: usize, found_height: usize, width: usize, height: usize },
+    #[error("camera \"{camera}\": `weight` is {weight}; expected a finite number, 0 or more")]
+    Weight { camera: String, weight: f64 },
+    #[error("camera \"{camera}\" has lens distortion; expected rectified pictures and an ideal camera")]
+    Distorted { camera: String },
+    #[error("no camera has a silhouette to fit: {reasons}")]
+    NoData { reasons: String },
+}
+
+impl FitView {
+    /// Checks that data and camera belong together.
+    ///
+    /// # Errors
+    /// Sizes that differ, a weight that is not one, a lens that was not taken out.
+    pub fn check(&self) -> Result<(), FitError> {
+        let name = || self.camera.name().to_owned();
+        let (found_width, found_height) = match &self.evidence {
+            Evidence::Mask(mask) => (mask.width(), mask.height()),
+            Evidence::Measurement(data) => (data.width(), data.height()),
+        };
+        let (width, height) = (self.camera.width(), self.camera.height());
+        if (found_width, found_height) != (width, height) {
+            return Err(FitError::Size { camera: name(), found_width, found_height, width, height });
+        }
+        if !(self.weight.is_finite() && self.weight >= 0.0) {
+            return Err(FitError::Weight { camera: name(), weight: self.weight });
+        }
+        if !self.camera.distortion().is_none() {
+            return Err(FitError::Distorted { camera: name() });
+        }
+        Ok(())
+    }
+
+    /// Whether the camera says anything: it has weight and a subject.
+    #[must_use]
+    pub fn has_data(&self) -> bool {
+        self.weight > 0.0
+            && match &self.evidence {
+                Evidence::Mask(mask) => mask.count(Label::Subject) > 0,
+                Evidence::Measurement(data) => data
+                    .values()
+                    .iter()
+                    .zip(data.weights())
+                    .any(|(&value, &weight)| weight > 0.0 && value < 255.0),
+            }
+    }
+
+    /// The exact distance field of the mask; `None` for grey levels.
+    #[must_use]
+    pub fn distance(&self) -> Option<SignedDistance> {
+        match &self.evidence {
+            Evidence::Mask(mask) => Some(SignedDistance::from_mask(mask)),
+            Evidence::Measurement(_) => None,
+        }
+    }
+
+    /// D as a stage looks at it; `distance` is what [`distance`](Self::distance) gave.
+    #[must_use]
+    pub fn data(&self, stage: &Stage, distance: Option<&SignedDistance>) -> Arc<Measurement> {
+        let mask = match &self.evidence {
+            Evidence::Measurement(data) => return Arc::clone(data),
+            Evidence::Mask(mask) => mask,
+        };
+        let data = match (stage.data, stage.ramp, distance) {
+            // Sizes agree and the options' check has seen the widths: what is left is the black-and-white view.
+            (DataView::Distance, Ramp::Distance { inner_px, outer_px }, Some(distance)) => {
+                Measurement::from_distance(distance, mask, inner_px as f32, outer_px as f32)
+                    .unwrap_or_else(|_| Measurement::from_mask_hard(mask))
+            }
+            (DataView::Averaged { radius_px }, ..) => Measurement::from_mask_averaged(mask, radius_px),
+            _ => Measurement::from_mask_hard(mask),
+        };
+        Arc::new(data)
+    }
+}

@@ -1,0 +1,24 @@
+//! Fitting a frame and following frames: what joins bodies, cameras, silhouettes and optimisers.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`options`] | [`FitOptions`]: every choice of a fit, and the presets that name sets of them |
+//! | [`evidence`] | [`FitView`]: what one camera contributes to a frame |
+//! | [`objective`] | the cost of a pose as a least-squares problem |
+//! | [`fit`] | [`Fit`]: one frame's fit, iteration by iteration, stage after stage |
+//! | [`posing`] | moving a body by hand: chains follow through the same optimiser |
+//! | [`tracker`] | [`Tracker`]: frame after frame |
+//! | [`metrics`] | joint errors against a reference |
+
+pub mod evidence;
+pub mod fit;
+pub mod metrics;
+pub mod objective;
+pub mod options;
+pub mod posing;
+pub mod tracker;
+
+pub use evidence::{Evidence, FitError, FitView};
+pub use fit::{Fit, IterationRecord, SolverSummary};
+pub use options::{DataView, FitOptions, Preset, Stage};
+pub use tracker::{FrameEstimate, Track, Tracker};

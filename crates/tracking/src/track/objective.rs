@@ -1,0 +1,194 @@
+//! The cost of a pose: silhouettes of all cameras plus priors, as a least-squares problem.
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::evidence::FitView;
+use super::options::{FitOptions, Stage};
+use crate::body::{Kinematics, Model, Parameters, Pose};
+use crate::optimize::{LeastSquares, NormalEquations};
+use crate::render::View;
+use crate::render::kernels::scalar::RowWinners;
+use crate::render::ramp::BACKGROUND;
+use crate::render::wrench::WrenchBlock;
+use crate::residual::silhouette::{SampledData, WorldBlocks};
+use crate::residual::{joint_limit, proximal_prior, rest_prior};
+use crate::silhouette::SignedDistance;
+
+/// One stage's cost of a pose. Keeps its memory from evaluation to evaluation.
+#[derive(Debug)]
+pub struct Objective {
+    model: Arc<Model>,
+    options: FitOptions,
+    stage: Stage,
+    cameras: Vec<CameraTerm>,
+    reference: Pose,
+    /// Rotations that may move; all when `None`.
+    free: Option<Vec<bool>>,
+    kinematics: Kinematics,
+    world: WorldBlocks,
+    map: DMatrix<f64>,
+    silhouette_cost: f64,
+}
+
+#[derive(Debug)]
+struct CameraTerm {
+    fit_view: FitView,
+    data: SampledData,
+    view: View,
+    row: RowWinners,
+    blocks: Vec<WrenchBlock>,
+    cost: f64,
+}
+
+impl Objective {
+    /// Prepares a stage. `distances` are the views' distance fields, in their order; `reference` is what the
+    /// proximal prior pulls towards.
+    #[must_use]
+    pub fn new(
+        model: Arc<Model>,
+        views: &[FitView],
+        distances: &[Option<SignedDistance>],
+        options: &FitOptions,
+        stage: Stage,
+        reference: Pose,
+    ) -> Self {
+        let kinematics = Kinematics::new(&model, &reference);
+        let limbs = model.limbs().len();
+        let cameras = views
+            .iter()
+            .zip(distances)
+            .map(|(view, distance)| CameraTerm {
+                data: SampledData::new(&view.data(&stage, distance.as_ref()), stage.stride),
+                view: View::new(&model, &kinematics, &view.camera, options.renderer, stage.ramp),
+                row: RowWinners::default(),
+                blocks: vec![WrenchBlock::default(); limbs],
+                fit_view: view.clone(),
+                cost: 0.0,
+            })
+            .collect();
+        let columns = options.parameters.columns(model.rotation_count());
+        Self {
+            options: options.clone(),
+            stage,
+            cameras,
+            reference,
+            free: None,
+            world: WorldBlocks::new(limbs),
+            map: DMatrix::zeros(7, columns),
+            kinematics,
+            model,
+            silhouette_cost: 0.0,
+        }
+    }
+
+    /// Holds everything still but these rotations; the root's position moves only when all rotations do.
+    pub fn hold_all_but(&mut self, free: Option<Vec<bool>>) {
+        self.free = free;
+    }
+
+    /// Cost of the silhouettes alone at the last evaluated pose, cameras weighted.
+    #[must_use]
+    pub fn silhouette_cost(&self) -> f64 {
+        self.silhouette_cost
+    }
+
+    /// Root of the mean squared residual per pixel that has weight, grey levels.
+    #[must_use]
+    pub fn rms(&self) -> f64 {
+        let pixels: f64 =
+            self.cameras.iter().map(|term| term.data.total_weight() * term.fit_view.weight).sum();
+        if pixels > 0.0 { (self.silhouette_cost / pixels).sqrt() } else { 0.0 }
+    }
+
+    /// Squared grey levels per rad² of a prior weight of 1.
+    fn prior_unit(&self) -> f64 {
+        BACKGROUND * BACKGROUND / (self.stage.stride * self.stage.stride) as f64
+    }
+
+    fn add_priors(&self, pose: &Pose, equations: &mut NormalEquations) {
+        let (options, unit) = (&self.options, self.prior_unit());
+        let parameters = options.parameters;
+        if options.proximal_weight > 0.0 {
+            let weight = unit * options.proximal_weight;
+            let root = weight * options.proximal_root_factor;
+            proximal_prior::add(equations, parameters, pose, &self.reference, weight, root);
+        }
+        if options.rest_weight > 0.0 {
+            rest_prior::add(equations, parameters, &self.model, pose, unit * options.rest_weight);
+        }
+        if options.limit_weight > 0.0 {
+            joint_limit::add(equations, parameters, &self.model, pose, unit * options.limit_weight);
+        }
+    }
+
+    fn hold(&self, equations: &mut NormalEquations) {
+        let Some(free) = &self.free else { return };
+        let parameters = self.options.parameters;
+        let held = (0..free.len()).filter(|&rotation| !free[rotation]).flat_map(|rotation| {
+            let first = parameters.first_column(rotation);
+            first..first + parameters.per_rotation()
+        });
+        let root = if free.iter().all(|&is_free| is_free) { 0..0 } else { 0..3 };
+        for column in root.chain(held) {
+            equations.jtj.row_mut(column).fill(0.0);
+            equations.jtj.column_mut(column).fill(0.0);
+            equations.jtr[column] = 0.0;
+        }
+    }
+}
+
+impl LeastSquares for Objective {
+    type Point = Pose;
+
+    fn evaluate(&mut self, pose: &Pose, equations: &mut NormalEquations) {
+        let (model, options, ramp) = (&self.model, &self.options, self.stage.ramp);
+        self.kinematics.update(model, pose);
+        let kinematics = &self.kinematics;
+        let one = |term: &mut CameraTerm| {
+            term.view.prepare(model, kinematics, &term.fit_view.camera, options.renderer, ramp);
+            term.blocks.fill(WrenchBlock::default());
+            term.cost = term.data.accumulate(&term.view, &mut term.row, &mut term.blocks);
+        };
+        self.cameras.iter_mut().for_each(one);
+        // Merged in the cameras' order: the same bits however the work was shared out.
+        self.world.clear();
+        self.silhouette_cost = 0.0;
+        for term in &self.cameras {
+            self.silhouette_cost += term.fit_view.weight * term.cost;
+            self.world.add(&term.fit_view.camera, &term.blocks, term.fit_view.weight);
+        }
+        equations.cost += self.silhouette_cost;
+        self.world.add_to(&self.kinematics, options.parameters, &mut self.map, equations);
+        self.add_priors(pose, equations);
+        self.hold(equations);
+    }
+
+    fn columns(&self) -> usize {
+        self.options.parameters.columns(self.model.rotation_count())
+    }
+
+    fn retract(&self, pose: &Pose, step: &DVector<f64>) -> Pose {
+        pose.retract(self.options.parameters, step.as_slice())
+    }
+
+    fn cap(&self, step: &mut DVector<f64>) {
+        let parameters = self.options.parameters;
+        // Half the angle is what four coefficients measure.
+        let unit = if parameters == Parameters::Raw { 2.0 } else { 1.0 };
+        let mut scale: f64 = 1.0;
+        if let Some(largest) = self.options.largest_move {
+            scale = scale.min(largest / step.rows(0, 3).norm().max(1e-12));
+        }
+        if let Some(largest) = self.options.largest_turn {
+            for rotation in 0..self.model.rotation_count() {
+                let block = step.rows(parameters.first_column(rotation), parameters.per_rotation());
+                scale = scale.min(largest / (unit * block.norm()).max(1e-12));
+            }
+        }
+        if scale < 1.0 {
+            *step *= scale;
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! Frame after frame: each fit starts where the motion so far leads.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::evidence::{Evidence, FitError, FitView};
+use super::fit::Fit;
+use super::options::FitOptions;
+use crate::body::{Kinematics, Model, Parameters, Pose};
+use crate::cancel::CancelToken;
+use crate::optimize::Termination;
+use crate::render::predict;
+use crate::silhouette::{Mask, Overlap};
+
+/// A frame counts as lost below this overlap of model and silhouettes (IoU).
+pub const LOST_BELOW_IOU: f64 = 0.4;
+/// How much of the last motion is taken to go on.
+const CARRY_ON: f64 = 1.0;
+
+/// What the tracker found in one frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameEstimate {
+    /// Number of the frame.
+    pub frame: usize,
+    /// Its pose.
+    pub pose: Pose,
+    /// Cost at the end, squared grey levels, by the last stage's measure.
+    pub cost: f64,
+    /// Root of the mean squared residual per pixel, grey levels.
+    pub rms: f64,
+    /// Overlap of model and silhouette, camera by camera; `None` where there was no mask.
+    pub overlap: Vec<Option<Overlap>>,
+    /// Iterations, rejected ones included.
+    pub iterations: usize,
+    /// Whether the subject was lost: no silhouettes, or hardly any overlap with them.
+    pub lost: bool,
+    /// Why the fit ended; `None` if there was nothing to fit.
+    pub termination: Option<Termination>,
+}
+
+impl FrameEstimate {
+    /// Overlap of all cameras together; `None` without masks.
+    #[must_use]
+    pub fn iou(&self) -> Option<f64> {
+        self.overlap.iter().flatten().copied().reduce(Overlap::merge).and_then(|overlap| overlap.iou())
+    }
+}
+
+/// Estimates by frame, in the order of the frames.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Track {
+    /// By frame number.
+    pub frames: BTreeMap<usize, FrameEstimate>,
+}
+
+/// Follows a body from frame to frame, forwards or backwards.
+#[derive(Debug)]
+pub struct Tracker {
+    model: Arc<Model>,
+    options: FitOptions,
+    next_start: Pose,
+    /// The last frame's number and pose.
+    last: Option<(usize, Pose)>,
+}
+
+impl Tracker {
+    /// Starts from a pose near the first frame's. `continues` says that it comes from a neighbouring frame:
+    /// then the wide first stages are skipped.
+    ///
+    /// # Errors
+    /// A pose that is not the model's, or options that make no sense.
+    pub fn new(model: Arc<Model>, options: FitOptions, start: Pose) -> Result<Self, FitError> {
+        start.check(&model)?;
+        options.check()?;
+        Ok(Self { model, options, next_start: start.normalized(), last: None })
+    }
+
+    /// Goes on from a frame that was fitted before: the next one skips the wide first stages.
+    #[must_use]
+    pub fn continuing_from(mut self, frame: usize) -> Self {
+        self.last = Some((frame, self.next_start.clone()));
+        self
+    }
+
+    /// The pose that the next frame's fit will start from.
+    #[must_use]
+    pub fn next_start(&self) -> &Pose {
+        &self.next_start
+    }
+
+    /// Fits one frame. A frame without any silhouette is marked lost and keeps the predicted pose.
+    ///
+    /// # Errors
+    /// Data that are not the camera's. Nothing that was tracked is lost.
+    pub fn track_frame(
+        &mut self,
+        frame: usize,
+        views: Vec<FitView>,
+        cancel: &CancelToken,
+    ) -> Result<FrameEstimate, FitError> {
+        let masks: Vec<Option<Arc<Mask>>> = views
+            .iter()
+            .map(|view| match &view.evidence {
+                Evidence::Mask(mask) => Some(Arc::clone(mask)),
+                Evidence::Measurement(_) => None,
+            })
+            .collect();
+        let cameras: Vec<_> = views.iter().map(|view| Arc::clone(&view.camera)).collect();
+        let mut options = self.options.clone();
+        if self.last.is_some() {
+            let skipped = options.skip_when_tracking.min(options.stages.len() - 1);
+            options.stages.drain(..skipped);
+        }
+        let start = self.next_start.clone();
+        let mut estimate = FrameEstimate {
+            frame,
+            pose: start.clone(),
+            cost: 0.0,
+            rms: 0.0,
+            overlap: vec![None; views.len()],
+            iterations: 0,
+            lost: true,
+            termination: None,
+        };
+        match Fit::new(Arc::clone(&self.model), views, start, options) {
+            Ok(mut fit) => {
+                let summary = fit.run(cancel, |_| {});
+                estimate.pose = summary.pose;
+                estimate.cost = summary.final_cost;
+                estimate.rms = summary.final_rms;
+                estimate.iterations = summary.iterations.len();
+                estimate.termination = Some(summary.termination);
+                estimate.lost = false;
+            }
+            Err(FitError::NoData { .. }) => {}
+            Err(error) => return Err(error),
+        }
+        let kinematics = Kinematics::new(&self.model, &estimate.pose);
+        for ((overlap, mask), camera) in estimate.overlap.iter_mut().zip(&masks).zip(&cameras) {
+            *overlap = mask.as_ref().and_then(|mask| {
+                let ramp = crate::render::Ramp::Half;
+                let prediction = predict(&self.model, &kinematics, camera, self.options.renderer, ramp);
+                Overlap::between(mask, &prediction.lambda).ok()
+            });
+        }
+        if estimate.iou().is_some_and(|iou| iou < LOST_BELOW_IOU) {
+            estimate.lost = true;
+        }
+        self.advance(frame, &estimate.pose);
+        Ok(estimate)
+    }
+
+    /// Predicts the next start: the motion between the last two frames goes on.
+    fn advance(&mut self, frame: usize, pose: &Pose) {
+        self.next_start = match &self.last {
+            Some((before, from)) if *before != frame => {
+                let step: Vec<f64> = pose.local(from).iter().map(|x| x * CARRY_ON).collect();
+                pose.retract(Parameters::Tangent, &step)
+            }
+            _ => pose.clone(),
+        };
+        self.last = Some((frame, pose.clone()));
+    }
+}
