@@ -7,6 +7,7 @@
 //! | [`objective`] | the cost of a pose as a least-squares problem |
 //! | [`fit`] | [`Fit`]: one frame's fit, iteration by iteration, stage after stage |
 //! | [`posing`] | moving a body by hand: chains follow through the same optimiser |
+//! | [`start`] | where a fit begins: a pose from known joints, and noise on it |
 //! | [`tracker`] | [`Tracker`]: frame after frame |
 //! | [`metrics`] | joint errors against a reference |
 
@@ -16,6 +17,7 @@ pub mod metrics;
 pub mod objective;
 pub mod options;
 pub mod posing;
+pub mod start;
 pub mod tracker;
 
 pub use evidence::{Evidence, FitError, FitView};
