@@ -22,12 +22,14 @@ const FEWEST: usize = 64;
 /// The gain of red, green and blue by which the background must be multiplied to look like the frame.
 pub(super) fn gains(frame: &RgbImage, background: &Background) -> [f32; 3] {
     let width = background.width();
-    let sampled =
-        |index: &usize| (index % width).is_multiple_of(STRIDE) && (index / width).is_multiple_of(STRIDE);
+    let sampled: Vec<usize> = (0..background.height())
+        .step_by(STRIDE)
+        .flat_map(|y| (0..width).step_by(STRIDE).map(move |x| y * width + x))
+        .collect();
     [0, 1, 2].map(|channel| {
-        let mut ratios: Vec<f32> = (0..background.mean().len())
-            .filter(sampled)
-            .map(|index| (f32::from(frame.as_raw()[3 * index + channel]), background.mean()[index][channel]))
+        let mut ratios: Vec<f32> = sampled
+            .iter()
+            .map(|&index| (f32::from(frame.as_raw()[3 * index + channel]), background.mean()[index][channel]))
             .filter(|&(i, mu)| (DARKEST..=BRIGHTEST).contains(&mu) && i <= BRIGHTEST)
             .map(|(i, mu)| i / mu)
             .collect();

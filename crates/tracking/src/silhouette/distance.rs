@@ -13,11 +13,13 @@
 //! A first pass finds g for all columns, a second the lower envelope of the parabolas in each row. Beyond the nearest seed
 //! of its own row a pixel need not look, so each run between two seeds has an envelope of its own.
 
+use std::ops::Range;
+
 use super::mask::{Label, Mask};
 
 /// Stands for "no seed in this column". Grows by less than 2²⁶ in a pass, so it can neither overflow nor be mistaken for
 /// a distance in an image of at most 2²⁶ pixels.
-const NO_SEED: u32 = 1 << 28;
+const NO_SEED: i32 = 1 << 28;
 
 /// The signed distance of every pixel from the border of the subject, in pixels; negative inside.
 ///
@@ -35,26 +37,60 @@ pub struct SignedDistance {
 impl SignedDistance {
     /// The signed distances of a mask.
     pub fn from_mask(mask: &Mask) -> Self {
+        Self::within(mask, 0..mask.width(), 0..mask.height())
+    }
+
+    /// The signed distances of a mask, exact where they are at most `reach_px` on either side. Beyond that they have the
+    /// right sign and are at least `reach_px`, which is all that a ramp of that width needs, and much faster to find.
+    pub fn from_mask_within(mask: &Mask, reach_px: f32) -> Self {
+        let Some(bounds) = mask.bounds() else { return Self::from_mask(mask) };
+        // A float cast saturates; one pixel more makes room for the half pixel to the border.
+        let margin = (reach_px.ceil() as usize).saturating_add(1);
+        let span = |min: usize, max: usize, size: usize| {
+            min.saturating_sub(margin)..max.saturating_add(margin).saturating_add(1).min(size)
+        };
+        let columns = span(bounds.x_min, bounds.x_max, mask.width());
+        Self::within(mask, columns, span(bounds.y_min, bounds.y_max, mask.height()))
+    }
+
+    /// The distances in a window of the mask as if there was nothing else; outside it all is far away.
+    fn within(mask: &Mask, columns: Range<usize>, window_rows: Range<usize>) -> Self {
         let (width, height) = (mask.width(), mask.height());
         let far = (width + height) as f32;
         let mut values = vec![far; width * height];
-        let mut envelope = Envelope::default();
-        let mut g = column_distances(mask, Label::Subject);
-        for ((values, g), labels) in rows(&mut values, &g, mask.labels(), width) {
+        let labels: Vec<&[Label]> = mask
+            .labels()
+            .chunks_exact(width)
+            .skip(window_rows.start)
+            .take(window_rows.len())
+            .map(|row| &row[columns.clone()])
+            .collect();
+        let value_rows = || window_rows.clone().map(|y| y * width + columns.start..y * width + columns.end);
+        let mut envelope = Envelope { parabolas: Vec::with_capacity(columns.len()) };
+        let outside = column_distances(&labels, Label::Subject);
+        for ((labels, g), at) in labels.iter().zip(outside.chunks_exact(columns.len())).zip(value_rows()) {
             for_runs(labels, Label::Subject, |run| {
+                let values = &mut values[at.clone()];
                 envelope.build(g, &run);
-                envelope.fill(values, &run, |squared| squared.sqrt() as f32 - 0.5);
+                if envelope.squared_distances(values, &run) {
+                    values[run.start..run.end].iter_mut().for_each(|value| *value = value.sqrt() - 0.5);
+                }
             });
         }
-        g = column_distances(mask, Label::Background);
-        let mut inside = vec![0.0; width];
-        for ((values, g), labels) in rows(&mut values, &g, mask.labels(), width) {
+        let inside = column_distances(&labels, Label::Background);
+        let mut squared = vec![0.0; columns.len()];
+        for ((labels, g), at) in labels.iter().zip(inside.chunks_exact(columns.len())).zip(value_rows()) {
+            if !labels.contains(&Label::Subject) {
+                continue;
+            }
             for_runs(labels, Label::Background, |run| {
-                inside[run.start..run.end].fill(-far);
+                let pixels = run.start..run.end;
+                squared[pixels.clone()].fill((far + 0.5).powi(2));
                 envelope.build(g, &run);
-                envelope.fill(&mut inside, &run, |squared| 0.5 - squared.sqrt() as f32);
-                for x in run.start..run.end {
-                    values[x] = if labels[x] == Label::Subject { inside[x] } else { values[x] };
+                envelope.squared_distances(&mut squared, &run);
+                let found = values[at.clone()][pixels.clone()].iter_mut().zip(&squared[pixels.clone()]);
+                for ((value, squared), &label) in found.zip(&labels[pixels]) {
+                    *value = if label == Label::Subject { 0.5 - squared.sqrt() } else { *value };
                 }
             });
         }
@@ -77,28 +113,20 @@ impl SignedDistance {
     }
 }
 
-/// The rows of three images of the same width, side by side.
-fn rows<'a>(
-    values: &'a mut [f32],
-    g: &'a [u32],
-    labels: &'a [Label],
-    width: usize,
-) -> impl Iterator<Item = ((&'a mut [f32], &'a [u32]), &'a [Label])> {
-    values.chunks_exact_mut(width).zip(g.chunks_exact(width)).zip(labels.chunks_exact(width))
-}
-
 /// For each pixel the distance to the nearest pixel with label `seed` in the same column, or at least [`NO_SEED`].
-fn column_distances(mask: &Mask, seed: Label) -> Vec<u32> {
-    let width = mask.width();
-    let mut g: Vec<u32> =
-        mask.labels().iter().map(|&label| if label == seed { 0 } else { NO_SEED }).collect();
-    for y in 1..mask.height() {
+fn column_distances(labels: &[&[Label]], seed: Label) -> Vec<i32> {
+    let width = labels.first().map_or(0, |row| row.len());
+    let mut g: Vec<i32> = Vec::with_capacity(width * labels.len());
+    for row in labels {
+        g.extend(row.iter().map(|&label| if label == seed { 0 } else { NO_SEED }));
+    }
+    for y in 1..labels.len() {
         let (above, here) = g.split_at_mut(y * width);
         for (here, above) in here[..width].iter_mut().zip(&above[(y - 1) * width..]) {
             *here = (*here).min(above + 1);
         }
     }
-    for y in (1..mask.height()).rev() {
+    for y in (1..labels.len()).rev() {
         let (above, here) = g.split_at_mut(y * width);
         for (above, here) in above[(y - 1) * width..].iter_mut().zip(&here[..width]) {
             *above = (*above).min(here + 1);
@@ -127,36 +155,46 @@ fn for_runs(labels: &[Label], seed: Label, mut visit: impl FnMut(Run)) {
     }
 }
 
-/// The parabola (x − apex)² + height, as a function of x.
-#[derive(Clone, Copy, Debug)]
+/// The parabola (x − apex)² + height, as a function of x, and where it meets the one left of it in the envelope: at
+/// x = `crossing` / (2 `gap`).
+#[derive(Clone, Copy, Debug, Default)]
 struct Parabola {
     apex: f64,
     height: f64,
+    gap: f64,
+    crossing: f64,
 }
 
 impl Parabola {
-    fn at(self, x: f64) -> f64 {
-        (x - self.apex) * (x - self.apex) + self.height
+    /// This parabola as the right neighbour of `left`.
+    fn after(self, left: Self) -> Self {
+        let gap = self.apex - left.apex;
+        Self { gap, crossing: self.height - left.height + gap * (self.apex + left.apex), ..self }
     }
 }
 
 /// The lower envelope of parabolas, from left to right. Kept between rows only to save allocations.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Envelope {
     parabolas: Vec<Parabola>,
 }
 
 impl Envelope {
     /// The envelope of the columns of a run.
-    fn build(&mut self, g: &[u32], run: &Run) {
+    fn build(&mut self, g: &[i32], run: &Run) {
         self.parabolas.clear();
         for (x, &g) in (run.first..run.last).zip(&g[run.first..run.last]) {
             if g >= NO_SEED {
                 continue;
             }
-            let new = Parabola { apex: x as f64, height: f64::from(g) * f64::from(g) };
-            while let [.., a, b] = self.parabolas[..] {
-                if !hides(a, b, new) {
+            let mut new =
+                Parabola { apex: x as f64, height: f64::from(g) * f64::from(g), ..Parabola::default() };
+            while let Some(&last) = self.parabolas.last() {
+                new = new.after(last);
+                // The last parabola is nowhere the lowest if it meets its left neighbour no earlier than the new one.
+                // Exact while (w² + h²)·w < 2⁵³, that is for sides up to 100 000 pixels.
+                let hidden = self.parabolas.len() > 1 && last.crossing * new.gap >= new.crossing * last.gap;
+                if !hidden {
                     break;
                 }
                 self.parabolas.pop();
@@ -165,27 +203,24 @@ impl Envelope {
         }
     }
 
-    /// Writes `value(d²)` for each pixel of the run; leaves the pixels alone if there is no parabola.
-    fn fill(&self, values: &mut [f32], run: &Run, value: impl Fn(f64) -> f32) {
-        let Some(mut current) = self.parabolas.first().copied() else { return };
-        let mut rest = &self.parabolas[1..];
-        for (x, out) in (run.start..run.end).zip(&mut values[run.start..run.end]) {
-            let at = x as f64;
-            while let [next, later @ ..] = rest
-                && next.at(at) <= current.at(at)
-            {
-                (current, rest) = (*next, later);
+    /// Writes d² for each pixel of the run. If there is no parabola it leaves the pixels alone and returns false.
+    fn squared_distances(&self, values: &mut [f32], run: &Run) -> bool {
+        let mut x = run.start;
+        for (index, parabola) in self.parabolas.iter().enumerate() {
+            let end = match self.parabolas.get(index + 1) {
+                // A float cast rounds down, and to 0 what is left of the image.
+                Some(next) => ((0.5 * next.crossing / next.gap + 1.0) as usize).clamp(x, run.end),
+                None => run.end,
+            };
+            let (apex, height) = (parabola.apex as f32, parabola.height as f32);
+            for (offset, value) in values[x..end].iter_mut().enumerate() {
+                let distance = (x + offset) as f32 - apex;
+                *value = distance * distance + height;
             }
-            *out = value(current.at(at));
+            x = end;
         }
+        !self.parabolas.is_empty()
     }
-}
-
-/// Whether `middle` is nowhere the lowest of the three: whether it meets `left` no earlier than `right` does meet it.
-/// Exact while (w² + h²)·w < 2⁵³, that is for sides up to 100 000 pixels.
-fn hides(left: Parabola, middle: Parabola, right: Parabola) -> bool {
-    let meet = |a: Parabola, b: Parabola| b.height - a.height + (b.apex - a.apex) * (b.apex + a.apex);
-    meet(left, middle) * (right.apex - middle.apex) >= meet(middle, right) * (middle.apex - left.apex)
 }
 
 #[cfg(test)]
@@ -238,6 +273,21 @@ mod tests {
                     (found - expected).abs() <= 1e-6 * expected.abs(),
                     "pixel {i}: {found} instead of {expected} in\n{mask}"
                 );
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn within_reach_nothing_changes(mask in any_mask(), reach in 0.0..12_f32) {
+            let all = SignedDistance::from_mask(&mask);
+            let near = SignedDistance::from_mask_within(&mask, reach);
+            for (near, all) in near.values().iter().zip(all.values()) {
+                if all.abs() <= reach {
+                    prop_assert_eq!(near, all);
+                } else {
+                    prop_assert!(near.signum() == all.signum() && near.abs() >= reach, "{} for {}", near, all);
+                }
             }
         }
     }
