@@ -34,15 +34,16 @@ pub(super) fn dark_places(
     gains: [f32; 3],
     options: &DontKnowOptions,
 ) -> Vec<u8> {
+    let row = 3 * background.width();
+    let row_gains = gains.repeat(background.width());
+    let mut channels = vec![0_u8; row];
+    let mut dark = Vec::with_capacity(background.mean().len());
     let level = options.dark_level;
-    let dark: Vec<u8> = frame
-        .as_raw()
-        .chunks_exact(3)
-        .zip(background.mean())
-        .map(|(i, mu)| {
-            let dark_in_both = |c: usize| f32::from(i[c]) <= level && mu[c] * gains[c] <= level;
-            u8::from(dark_in_both(0) && dark_in_both(1) && dark_in_both(2))
-        })
-        .collect();
+    for (i, mu) in frame.as_raw().chunks_exact(row).zip(background.mean().as_flattened().chunks_exact(row)) {
+        for (((dark, &i), &mu), &gain) in channels.iter_mut().zip(i).zip(mu).zip(&row_gains) {
+            *dark = u8::from(f32::from(i) <= level) & u8::from(gain * mu <= level);
+        }
+        dark.extend(channels.chunks_exact(3).map(|dark| dark[0] & dark[1] & dark[2]));
+    }
     morphology::dilate(&dark, background.width(), options.grow_px)
 }

@@ -155,11 +155,12 @@ pub fn segment(
         *label = if subject == 1 { Label::Subject } else { *label };
     }
     if let Some(dont_know) = &options.dont_know {
-        let sure = foreground(frame, background, gains, dont_know.sure_z, options.noise_floor);
         let dark = dark_places(frame, background, gains, dont_know);
-        for (label, (dark, sure)) in mask.labels_mut().iter_mut().zip(dark.into_iter().zip(sure)) {
-            let sure_subject = *label == Label::Subject && sure == 1;
-            *label = if dark == 1 && !sure_subject { Label::Unknown } else { *label };
+        let sure = |index| is_off(frame, background, gains, dont_know.sure_z, options.noise_floor, index);
+        for (index, (label, dark)) in mask.labels_mut().iter_mut().zip(dark).enumerate() {
+            if dark == 1 && !(*label == Label::Subject && sure(index)) {
+                *label = Label::Unknown;
+            }
         }
     }
     if let Some(region) = options.region {
@@ -176,14 +177,37 @@ fn foreground(
     z: f32,
     noise_floor: f32,
 ) -> Vec<u8> {
-    let pixels = frame.as_raw().chunks_exact(3);
-    pixels
-        .zip(background.mean().iter().zip(background.deviation()))
-        .map(|(i, (mu, sigma))| {
-            let off = |c: usize| (f32::from(i[c]) - gains[c] * mu[c]).abs() > z * sigma[c].max(noise_floor);
-            u8::from(off(0) | off(1) | off(2))
-        })
-        .collect()
+    // The three channels of a row are one run of numbers, which suits the vector unit.
+    let row = 3 * background.width();
+    let row_gains = gains.repeat(background.width());
+    let mut off = vec![0_u8; row];
+    let mut foreground = Vec::with_capacity(background.mean().len());
+    let mean = background.mean().as_flattened().chunks_exact(row);
+    let deviation = background.deviation().as_flattened().chunks_exact(row);
+    for (i, (mu, sigma)) in frame.as_raw().chunks_exact(row).zip(mean.zip(deviation)) {
+        let numbers = off.iter_mut().zip(i).zip(mu.iter().zip(sigma)).zip(&row_gains);
+        for (((off, &i), (&mu, &sigma)), &gain) in numbers {
+            *off = u8::from((f32::from(i) - gain * mu).abs() > z * sigma.max(noise_floor));
+        }
+        foreground.extend(off.chunks_exact(3).map(|off| off[0] | off[1] | off[2]));
+    }
+    foreground
+}
+
+/// Whether some channel of one pixel is off by more than `z` deviations.
+fn is_off(
+    frame: &RgbImage,
+    background: &Background,
+    gains: [f32; 3],
+    z: f32,
+    noise_floor: f32,
+    index: usize,
+) -> bool {
+    let (mean, deviation) = (background.mean()[index], background.deviation()[index]);
+    (0..3).any(|c| {
+        let difference = f32::from(frame.as_raw()[3 * index + c]) - gains[c] * mean[c];
+        difference.abs() > z * deviation[c].max(noise_floor)
+    })
 }
 
 /// Writes `value` to all pixels outside a region.
