@@ -13,9 +13,8 @@
 //! A first pass finds g for all columns, a second the lower envelope of the parabolas in each row. Beyond the nearest seed
 //! of its own row a pixel need not look, so each run between two seeds has an envelope of its own.
 
-use std::ops::Range;
-
 use super::mask::{Label, Mask};
+use super::near_distance::{MAX_MARGIN, near_distances};
 
 /// Stands for "no seed in this column". Grows by less than 2²⁶ in a pass, so it can neither overflow nor be mistaken for
 /// a distance in an image of at most 2²⁶ pixels.
@@ -37,49 +36,22 @@ pub struct SignedDistance {
 impl SignedDistance {
     /// The signed distances of a mask.
     pub fn from_mask(mask: &Mask) -> Self {
-        Self::within(mask, 0..mask.width(), 0..mask.height())
-    }
-
-    /// The signed distances of a mask, exact where they are at most `reach_px` on either side. Beyond that they have the
-    /// right sign and are at least `reach_px`, which is all that a ramp of that width needs, and much faster to find.
-    pub fn from_mask_within(mask: &Mask, reach_px: f32) -> Self {
-        let Some(bounds) = mask.bounds() else { return Self::from_mask(mask) };
-        // A float cast saturates; one pixel more makes room for the half pixel to the border.
-        let margin = (reach_px.ceil() as usize).saturating_add(1);
-        let span = |min: usize, max: usize, size: usize| {
-            min.saturating_sub(margin)..max.saturating_add(margin).saturating_add(1).min(size)
-        };
-        let columns = span(bounds.x_min, bounds.x_max, mask.width());
-        Self::within(mask, columns, span(bounds.y_min, bounds.y_max, mask.height()))
-    }
-
-    /// The distances in a window of the mask as if there was nothing else; outside it all is far away.
-    fn within(mask: &Mask, columns: Range<usize>, window_rows: Range<usize>) -> Self {
         let (width, height) = (mask.width(), mask.height());
         let far = (width + height) as f32;
         let mut values = vec![far; width * height];
-        let labels: Vec<&[Label]> = mask
-            .labels()
-            .chunks_exact(width)
-            .skip(window_rows.start)
-            .take(window_rows.len())
-            .map(|row| &row[columns.clone()])
-            .collect();
-        let value_rows = || window_rows.clone().map(|y| y * width + columns.start..y * width + columns.end);
-        let mut envelope = Envelope { parabolas: Vec::with_capacity(columns.len()) };
-        let outside = column_distances(&labels, Label::Subject);
-        for ((labels, g), at) in labels.iter().zip(outside.chunks_exact(columns.len())).zip(value_rows()) {
+        let mut envelope = Envelope { parabolas: Vec::with_capacity(width) };
+        let outside = column_distances(mask, Label::Subject);
+        for ((values, g), labels) in rows(&mut values, &outside, mask.labels(), width) {
             for_runs(labels, Label::Subject, |run| {
-                let values = &mut values[at.clone()];
                 envelope.build(g, &run);
                 if envelope.squared_distances(values, &run) {
                     values[run.start..run.end].iter_mut().for_each(|value| *value = value.sqrt() - 0.5);
                 }
             });
         }
-        let inside = column_distances(&labels, Label::Background);
-        let mut squared = vec![0.0; columns.len()];
-        for ((labels, g), at) in labels.iter().zip(inside.chunks_exact(columns.len())).zip(value_rows()) {
+        let inside = column_distances(mask, Label::Background);
+        let mut squared = vec![0.0; width];
+        for ((values, g), labels) in rows(&mut values, &inside, mask.labels(), width) {
             if !labels.contains(&Label::Subject) {
                 continue;
             }
@@ -88,13 +60,27 @@ impl SignedDistance {
                 squared[pixels.clone()].fill((far + 0.5).powi(2));
                 envelope.build(g, &run);
                 envelope.squared_distances(&mut squared, &run);
-                let found = values[at.clone()][pixels.clone()].iter_mut().zip(&squared[pixels.clone()]);
+                let found = values[pixels.clone()].iter_mut().zip(&squared[pixels.clone()]);
                 for ((value, squared), &label) in found.zip(&labels[pixels]) {
                     *value = if label == Label::Subject { 0.5 - squared.sqrt() } else { *value };
                 }
             });
         }
         Self { width, height, values }
+    }
+
+    /// The signed distances of a mask, exact where they are at most `reach_px` on either side. Beyond that they have the
+    /// right sign and are at least `reach_px`, which is all that a ramp of that width needs, and several times faster.
+    pub fn from_mask_within(mask: &Mask, reach_px: f32) -> Self {
+        // A float cast saturates; one pixel more makes room for the half pixel to the border.
+        let margin = (reach_px.ceil() as usize).saturating_add(1);
+        match mask.bounds() {
+            Some(bounds) if margin <= MAX_MARGIN && mask.labels().contains(&Label::Background) => {
+                let values = near_distances(mask, bounds, margin, (mask.width() + mask.height()) as f32);
+                Self { width: mask.width(), height: mask.height(), values }
+            }
+            _ => Self::from_mask(mask),
+        }
     }
 
     /// Width in pixels.
@@ -113,20 +99,28 @@ impl SignedDistance {
     }
 }
 
+/// The rows of three images of the same width, side by side.
+fn rows<'a>(
+    values: &'a mut [f32],
+    g: &'a [i32],
+    labels: &'a [Label],
+    width: usize,
+) -> impl Iterator<Item = ((&'a mut [f32], &'a [i32]), &'a [Label])> {
+    values.chunks_exact_mut(width).zip(g.chunks_exact(width)).zip(labels.chunks_exact(width))
+}
+
 /// For each pixel the distance to the nearest pixel with label `seed` in the same column, or at least [`NO_SEED`].
-fn column_distances(labels: &[&[Label]], seed: Label) -> Vec<i32> {
-    let width = labels.first().map_or(0, |row| row.len());
-    let mut g: Vec<i32> = Vec::with_capacity(width * labels.len());
-    for row in labels {
-        g.extend(row.iter().map(|&label| if label == seed { 0 } else { NO_SEED }));
-    }
-    for y in 1..labels.len() {
+fn column_distances(mask: &Mask, seed: Label) -> Vec<i32> {
+    let width = mask.width();
+    let mut g: Vec<i32> =
+        mask.labels().iter().map(|&label| if label == seed { 0 } else { NO_SEED }).collect();
+    for y in 1..mask.height() {
         let (above, here) = g.split_at_mut(y * width);
         for (here, above) in here[..width].iter_mut().zip(&above[(y - 1) * width..]) {
             *here = (*here).min(above + 1);
         }
     }
-    for y in (1..labels.len()).rev() {
+    for y in (1..mask.height()).rev() {
         let (above, here) = g.split_at_mut(y * width);
         for (above, here) in above[(y - 1) * width..].iter_mut().zip(&here[..width]) {
             *above = (*above).min(here + 1);
@@ -279,16 +273,28 @@ mod tests {
 
     proptest! {
         #[test]
-        fn within_reach_nothing_changes(mask in any_mask(), reach in 0.0..12_f32) {
+        fn within_reach_nothing_changes(mask in any_mask(), reach in prop_oneof![0.0..12_f32, Just(1e9), Just(f32::NAN)]) {
             let all = SignedDistance::from_mask(&mask);
             let near = SignedDistance::from_mask_within(&mask, reach);
             for (near, all) in near.values().iter().zip(all.values()) {
                 if all.abs() <= reach {
                     prop_assert_eq!(near, all);
-                } else {
+                } else if !reach.is_nan() {
                     prop_assert!(near.signum() == all.signum() && near.abs() >= reach, "{} for {}", near, all);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_long_reach_is_exact_too() {
+        let mut labels = vec![Label::Background; 3 * 400];
+        labels[400] = Label::Subject;
+        let mask = Mask::new(400, 3, labels).unwrap();
+        let (all, near) = (SignedDistance::from_mask(&mask), SignedDistance::from_mask_within(&mask, 150.0));
+        for row in 0..3 {
+            assert_eq!(near.values()[400 * row..][..150], all.values()[400 * row..][..150]);
+            assert!(near.values()[400 * row..][150..400].iter().all(|&value| value >= 149.5));
         }
     }
 

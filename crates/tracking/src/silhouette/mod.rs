@@ -14,6 +14,7 @@ mod contour;
 mod distance;
 mod mask;
 mod measurement;
+mod near_distance;
 mod overlap;
 
 pub use contour::contours;
