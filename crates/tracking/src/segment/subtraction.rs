@@ -145,11 +145,17 @@ pub fn segment(
     }
     subject = morphology::open(&subject, width, options.opening_px);
     subject = morphology::close(&subject, width, options.closing_px);
-    components::drop_small(&mut subject, width, options.min_component_px, 0.0);
-    let mut groups = morphology::dilate(&subject, width, options.group_px);
-    components::drop_small(&mut groups, width, 0, options.min_group_fraction);
-    subject.iter_mut().zip(groups).for_each(|(subject, group)| *subject &= group);
-    components::fill_holes(&mut subject, width, options.fill_holes_px);
+    if options.min_component_px > 1 {
+        components::drop_small(&mut subject, width, options.min_component_px, 0.0);
+    }
+    if options.min_group_fraction > 0.0 {
+        let mut groups = morphology::dilate(&subject, width, options.group_px);
+        components::drop_small(&mut groups, width, 0, options.min_group_fraction);
+        subject.iter_mut().zip(groups).for_each(|(subject, group)| *subject &= group);
+    }
+    if options.fill_holes_px > 0 {
+        components::fill_holes(&mut subject, width, options.fill_holes_px);
+    }
 
     for (label, &subject) in mask.labels_mut().iter_mut().zip(&subject) {
         *label = if subject == 1 { Label::Subject } else { *label };
