@@ -80,6 +80,29 @@ impl Pose {
         Self { root, rotations: rotations.collect() }
     }
 
+    /// One column of the state moved by an offset and nothing else: raw coefficients are *not* renormalised.
+    ///
+    /// What differences of raw derivatives need; [`retract`](Self::retract) is the step of a fit.
+    #[must_use]
+    pub fn nudged(&self, parameters: Parameters, column: usize, offset: f64) -> Self {
+        let mut moved = self.clone();
+        if column < 3 {
+            moved.root[column] += offset;
+            return moved;
+        }
+        let (rotation, part) =
+            ((column - 3) / parameters.per_rotation(), (column - 3) % parameters.per_rotation());
+        let q = &mut moved.rotations[rotation];
+        match (parameters, part) {
+            (Parameters::Tangent, _) => *q = exp(DVec3::AXES[part] * offset) * *q,
+            (Parameters::Raw, 0) => q.w += offset,
+            (Parameters::Raw, 1) => q.x += offset,
+            (Parameters::Raw, 2) => q.y += offset,
+            (Parameters::Raw, _) => q.z += offset,
+        }
+        moved
+    }
+
     /// The tangent step from `other` to this pose: `other.retract(Tangent, step) == self`.
     #[must_use]
     pub fn local(&self, other: &Self) -> Vec<f64> {

@@ -9,11 +9,14 @@
 //! | [`solver`] | options, one record an iteration, why it ended; the stepping [`Solver`] |
 //! | [`gauss_newton`] | the report's step (4.10) with a fixed damping |
 //! | [`levenberg_marquardt`] | trust by damping: a step that raises the cost is taken back |
+//! | [`gradient_check`] | analytic derivatives against differences, all mismatches by name |
 
 pub mod gauss_newton;
+pub mod gradient_check;
 pub mod levenberg_marquardt;
 pub mod normal_equations;
 pub mod solver;
 
+pub use gradient_check::GradientCheck;
 pub use normal_equations::NormalEquations;
 pub use solver::{Iteration, LeastSquares, Method, Solver, SolverOptions, Termination};

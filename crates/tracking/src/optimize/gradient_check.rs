@@ -1,0 +1,297 @@
+//! Analytic derivatives against central differences: every mismatch by name, worst first.
+//!
+//! With f at −2h, −h, 0, h, 2h along one column, numeric = (f(h) − f(−h)) / 2h. The four slopes between
+//! neighbours of a smooth function form an arithmetic progression up to h² f‴. Where they do not, the function
+//! has a kink there (a pixel changes its winner, a ramp clips) and differences cannot tell the derivative:
+//! such entries are skipped and counted. Only function values decide that, so a wrong derivative cannot hide.
+
+use std::fmt;
+use std::ops::AddAssign;
+
+use nalgebra::DMatrix;
+
+use super::{LeastSquares, NormalEquations};
+
+/// Most mismatches that the text of a [`GradientCheck`] lists.
+const LISTED: usize = 50;
+
+/// How derivatives are compared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DifferenceOptions {
+    /// h, in the unit of the column.
+    pub step: f64,
+    /// Largest error, relative to the largest derivative of the same column (of all columns, for a gradient).
+    pub tolerance: f64,
+    /// Derivatives are never taken as smaller than this when an error is made relative.
+    pub smallest_scale: f64,
+}
+
+impl Default for DifferenceOptions {
+    fn default() -> Self {
+        Self { step: 1e-6, tolerance: 1e-4, smallest_scale: 1.0 }
+    }
+}
+
+/// A derivative that differences do not confirm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mismatch {
+    /// What was compared: "right forearm, column 9, pixel (3, 4)".
+    pub name: String,
+    /// What the program says.
+    pub analytic: f64,
+    /// What differences say.
+    pub numeric: f64,
+    /// Their difference over the scale of the column.
+    pub relative_error: f64,
+}
+
+/// What a comparison found. `+=` puts several together.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct GradientCheck {
+    /// Derivatives that were compared.
+    pub compared: usize,
+    /// Derivatives at a kink, where differences cannot tell.
+    pub skipped: usize,
+    /// Largest relative error, mismatches included; 0 if nothing was compared.
+    pub largest_error: f64,
+    /// Derivatives that differ, worst first.
+    pub mismatches: Vec<Mismatch>,
+}
+
+impl GradientCheck {
+    /// Whether something was compared and nothing differs.
+    #[must_use]
+    pub fn passes(&self) -> bool {
+        self.compared > 0 && self.mismatches.is_empty()
+    }
+
+    /// Share of the derivatives that could not be compared.
+    #[must_use]
+    pub fn skipped_share(&self) -> f64 {
+        self.skipped as f64 / (self.compared + self.skipped).max(1) as f64
+    }
+
+    fn add(&mut self, entry: Entry, scale: f64, tolerance: f64, name: impl FnOnce() -> String) {
+        if entry.bend > tolerance * scale {
+            self.skipped += 1;
+            return;
+        }
+        self.compared += 1;
+        let error = (entry.numeric - entry.analytic).abs() / scale;
+        // NaN is a mismatch, and the worst one.
+        let relative_error = if error.is_nan() { f64::INFINITY } else { error };
+        self.largest_error = self.largest_error.max(relative_error);
+        if relative_error > tolerance {
+            let (analytic, numeric) = (entry.analytic, entry.numeric);
+            self.mismatches.push(Mismatch { name: name(), analytic, numeric, relative_error });
+        }
+    }
+
+    fn sort(&mut self) {
+        self.mismatches.sort_by(|a, b| b.relative_error.total_cmp(&a.relative_error));
+    }
+}
+
+impl AddAssign for GradientCheck {
+    fn add_assign(&mut self, other: Self) {
+        self.compared += other.compared;
+        self.skipped += other.skipped;
+        self.largest_error = self.largest_error.max(other.largest_error);
+        self.mismatches.extend(other.mismatches);
+        self.sort();
+    }
+}
+
+impl fmt::Display for GradientCheck {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} of {} derivatives differ, {} skipped at kinks, largest relative error {:.1e}",
+            self.mismatches.len(),
+            self.compared,
+            self.skipped,
+            self.largest_error
+        )?;
+        for Mismatch { name, analytic, numeric, relative_error } in self.mismatches.iter().take(LISTED) {
+            write!(
+                f,
+                "\n{name}: analytic {analytic}, numeric {numeric}, relative error {relative_error:.1e}"
+            )?;
+        }
+        if self.mismatches.len() > LISTED {
+            write!(f, "\n… and {} more", self.mismatches.len() - LISTED)?;
+        }
+        Ok(())
+    }
+}
+
+/// One derivative both ways, and how far the function bends away from a smooth one.
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    analytic: f64,
+    numeric: f64,
+    bend: f64,
+}
+
+impl Entry {
+    /// `values` at −2h, −h, 0, h, 2h.
+    fn new(analytic: f64, values: [f64; 5], h: f64) -> Self {
+        let slopes: [f64; 4] = std::array::from_fn(|i| (values[i + 1] - values[i]) / h);
+        let mean_change = (slopes[3] - slopes[0]) / 3.0;
+        let bend = slopes.windows(2).map(|pair| (pair[1] - pair[0] - mean_change).abs()).fold(0.0, f64::max);
+        Self { analytic, numeric: 0.5 * (slopes[1] + slopes[2]), bend }
+    }
+
+    fn scale(entries: &[Self], options: &DifferenceOptions) -> f64 {
+        entries
+            .iter()
+            .flat_map(|entry| [entry.analytic.abs(), entry.numeric.abs()])
+            .filter(|value| value.is_finite())
+            .fold(options.smallest_scale, f64::max)
+    }
+}
+
+/// Compares a Jacobian with differences of the function that it belongs to.
+///
+/// `function(column, offset)` gives all rows with one column moved by an offset; `name(row, column)` names an
+/// entry of a mismatch. The function is called five times a column.
+pub fn check_jacobian(
+    jacobian: &DMatrix<f64>,
+    mut function: impl FnMut(usize, f64) -> Vec<f64>,
+    name: impl Fn(usize, usize) -> String,
+    options: &DifferenceOptions,
+) -> GradientCheck {
+    let mut check = GradientCheck::default();
+    let h = options.step;
+    for column in 0..jacobian.ncols() {
+        let values = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| function(column, k * h));
+        let entries: Vec<Entry> = (0..jacobian.nrows())
+            .map(|row| Entry::new(jacobian[(row, column)], std::array::from_fn(|k| values[k][row]), h))
+            .collect();
+        let scale = Entry::scale(&entries, options);
+        for (row, entry) in entries.into_iter().enumerate() {
+            check.add(entry, scale, options.tolerance, || name(row, column));
+        }
+    }
+    check.sort();
+    check
+}
+
+/// Compares a problem's gradient of the cost, −2 Jᵀρ, with differences of the cost.
+///
+/// `moved(column, offset)` gives the point with one column moved by an offset: [`LeastSquares::retract`] where
+/// that is not followed by a projection (raw quaternions are renormalised; their gradient is not).
+pub fn check_gradient<P: LeastSquares>(
+    problem: &mut P,
+    point: &P::Point,
+    mut moved: impl FnMut(usize, f64) -> P::Point,
+    name: impl Fn(usize) -> String,
+    options: &DifferenceOptions,
+) -> GradientCheck {
+    let mut equations = NormalEquations::zeros(problem.columns());
+    problem.evaluate(point, &mut equations);
+    let gradient = &equations.jtr * -2.0;
+    let mut trial = NormalEquations::zeros(problem.columns());
+    let mut cost = |point: &P::Point| {
+        trial.clear();
+        problem.evaluate(point, &mut trial);
+        trial.cost
+    };
+    let h = options.step;
+    let entries: Vec<Entry> = (0..gradient.len())
+        .map(|column| {
+            let values = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| cost(&moved(column, k * h)));
+            Entry::new(gradient[column], values, h)
+        })
+        .collect();
+    let scale = Entry::scale(&entries, options);
+    let mut check = GradientCheck::default();
+    for (column, entry) in entries.into_iter().enumerate() {
+        check.add(entry, scale, options.tolerance, || name(column));
+    }
+    check.sort();
+    check
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DVector;
+
+    use super::*;
+
+    /// ρ = (3 − x², 1 − x y, −|y − kink|), with one derivative wrong on demand.
+    struct Curve {
+        wrong: f64,
+        kink: f64,
+    }
+
+    impl LeastSquares for Curve {
+        type Point = [f64; 2];
+
+        fn evaluate(&mut self, &[x, y]: &[f64; 2], equations: &mut NormalEquations) {
+            let side = (y - self.kink).signum();
+            let jacobian = DMatrix::from_row_slice(3, 2, &[2.0 * x + self.wrong, 0.0, y, x, 0.0, side]);
+            let residual = DVector::from_vec(vec![3.0 - x * x, 1.0 - x * y, -(y - self.kink).abs() - 1.0]);
+            equations.jtj = jacobian.tr_mul(&jacobian);
+            equations.jtr = jacobian.tr_mul(&residual);
+            equations.cost = residual.norm_squared();
+        }
+
+        fn columns(&self) -> usize {
+            2
+        }
+
+        fn retract(&self, point: &[f64; 2], step: &DVector<f64>) -> [f64; 2] {
+            [point[0] + step[0], point[1] + step[1]]
+        }
+    }
+
+    fn check(mut curve: Curve, at: [f64; 2]) -> GradientCheck {
+        let moved = |column: usize, offset: f64| {
+            let mut point = at;
+            point[column] += offset;
+            point
+        };
+        let name = |column: usize| ["x", "y"][column].to_owned();
+        check_gradient(&mut curve, &at, moved, name, &DifferenceOptions::default())
+    }
+
+    #[test]
+    fn a_right_gradient_passes() {
+        let found = check(Curve { wrong: 0.0, kink: 0.0 }, [0.7, -1.3]);
+        assert!(found.passes() && found.compared == 2, "{found}");
+    }
+
+    #[test]
+    fn a_wrong_derivative_is_named() {
+        let found = check(Curve { wrong: 0.1, kink: 0.0 }, [0.7, -1.3]);
+        assert_eq!(found.mismatches.len(), 1, "{found}");
+        assert!(found.to_string().contains("\nx: analytic"), "{found}");
+    }
+
+    #[test]
+    fn a_kink_within_the_differences_is_skipped() {
+        for offset in [-1.5e-6, -0.3e-6, 0.0, 0.8e-6, 1.2e-6] {
+            let found = check(Curve { wrong: 0.0, kink: -1.3 + offset }, [0.7, -1.3]);
+            assert_eq!((found.compared, found.skipped), (1, 1), "{offset} {found}");
+        }
+    }
+
+    #[test]
+    fn jacobians_are_compared_entry_by_entry_and_nan_is_worst() {
+        let mut jacobian = DMatrix::from_row_slice(2, 2, &[2.0, 0.0, 0.5, 3.0]);
+        let function = |column: usize, offset: f64| match column {
+            0 => vec![2.0 * offset, 0.5 * offset],
+            _ => vec![0.0, 3.0 * offset],
+        };
+        let name = |row: usize, column: usize| format!("({row}, {column})");
+        let run =
+            |jacobian: &DMatrix<f64>| check_jacobian(jacobian, function, name, &DifferenceOptions::default());
+        assert!(run(&jacobian).passes());
+        jacobian[(1, 0)] = 0.6;
+        jacobian[(0, 1)] = f64::NAN;
+        let found = run(&jacobian);
+        let names: Vec<&str> = found.mismatches.iter().map(|mismatch| mismatch.name.as_str()).collect();
+        assert_eq!(names, ["(0, 1)", "(1, 0)"], "{found}");
+    }
+}
