@@ -9,4 +9,5 @@ pub mod render;
 pub mod residual;
 pub mod segment;
 pub mod silhouette;
+pub mod synthetic;
 pub mod track;

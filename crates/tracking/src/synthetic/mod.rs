@@ -1,0 +1,31 @@
+//! Bodies and scenes with known truth, drawn by other geometry than the model's.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`motion`] | a two-second movement of the full body, its true pose at every moment |
+//! | [`figure`] | the person as a smooth union of solids that are not capsules; [`Build`] for other people |
+//! | [`room`] | a furnished room of blocks, cylinders and ellipsoids |
+//! | [`studio`] | the cameras of the built-in take |
+//! | [`render`] | rays into pictures: empty room, figure, shadows, edges |
+//! | [`noise`] | the sensor: exposure, curve, noise |
+//! | [`silhouettes`] | exact masks |
+//!
+//! Nothing here reads a clock: the same numbers in give the same bytes out, on any number of threads.
+
+mod anatomy;
+pub mod figure;
+mod furniture;
+pub mod motion;
+pub mod noise;
+pub mod render;
+pub mod room;
+mod shading;
+pub mod silhouettes;
+mod solid;
+pub mod studio;
+
+pub use figure::{Build, Figure, Material};
+pub use noise::Sensor;
+pub use render::{Picture, Plate};
+pub use room::Room;
+pub use silhouettes::silhouette;
