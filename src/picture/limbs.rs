@@ -73,6 +73,40 @@ impl ProjectedLimb {
     }
 }
 
+/// The borders of limbs that turn together, without what lies inside another of them: polylines, the first and
+/// last point of a closed one being the same.
+pub fn joined_outline(limbs: &[&ProjectedLimb]) -> Vec<Vec<DVec2>> {
+    let mut lines = Vec::new();
+    for (index, limb) in limbs.iter().enumerate() {
+        let others = || limbs.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, limb)| limb);
+        let mut border = subdivided(&limb.outline());
+        let is_hidden = |px: &DVec2| others().any(|other| other.distance_px(*px) < -HIDDEN_PX);
+        // Starting behind a hidden point, every visible run is whole.
+        if let Some(hidden) = border.iter().position(is_hidden) {
+            border.rotate_left(hidden);
+        } else {
+            border.extend(border.first().copied());
+        }
+        lines.extend(border.split(is_hidden).filter(|run| run.len() > 1).map(<[DVec2]>::to_vec));
+    }
+    lines
+}
+
+/// Depth inside another limb at which a border is hidden, pixels: two limbs that are equal still show one.
+const HIDDEN_PX: f64 = 0.25;
+
+/// Longest side of a subdivided border, pixels.
+const LONGEST_SIDE_PX: f64 = 2.0;
+
+fn subdivided(polygon: &[DVec2]) -> Vec<DVec2> {
+    let next = polygon.iter().cycle().skip(1);
+    let sides = polygon.iter().zip(next).flat_map(|(from, to)| {
+        let steps = (from.distance(*to) / LONGEST_SIDE_PX).ceil().clamp(1.0, 1000.0) as usize;
+        (0..steps).map(move |step| from.lerp(*to, step as f64 / steps as f64))
+    });
+    sides.collect()
+}
+
 fn arc((centre, radius): (DVec2, f64), from: f64, to: f64) -> impl Iterator<Item = DVec2> {
     let steps = (((to - from) / TAU * CIRCLE_POINTS as f64).ceil() as usize).max(1);
     (0..=steps)
@@ -126,6 +160,23 @@ mod tests {
         assert!((LIMB.depth_at(DVec2::new(30.0, 0.0)) - 8.0 / 3.0).abs() < 1e-9);
         let point = ProjectedLimb { end_px: LIMB.start_px, ..LIMB };
         assert!(point.distance_px(DVec2::new(10.0, 30.0)).is_finite());
+    }
+
+    #[test]
+    fn joined_limbs_show_no_edge_between_them() {
+        let alone = joined_outline(&[&LIMB]);
+        assert_eq!(alone.len(), 1);
+        assert_eq!(alone[0].first(), alone[0].last());
+        let next = ProjectedLimb {
+            start_px: LIMB.end_px,
+            end_px: DVec2::new(90.0, 20.0),
+            start_radius_px: 4.0,
+            ..LIMB
+        };
+        let lines = joined_outline(&[&LIMB, &next]);
+        assert_eq!(lines.len(), 2);
+        let joint = LIMB.end_px;
+        assert!(lines.iter().flatten().all(|px| px.distance(joint) > 3.7), "nothing crosses the joint");
     }
 
     #[test]

@@ -31,7 +31,7 @@ mod tinted;
 
 pub use input::{PictureInput, Sample};
 pub use joints::{JointId, JointMark, draggable_joints, joint_name, project_joints};
-pub use limbs::{ProjectedLimb, project_limbs};
+pub use limbs::{ProjectedLimb, joined_outline, project_limbs};
 pub use mode::{Legend, LegendEntry, Swatch, ViewMode};
 pub use outline::body_outline;
 pub use owner_limb::limb_colours;

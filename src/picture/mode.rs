@@ -75,8 +75,7 @@ const REPORT_LEGEND: &[LegendEntry] = &[
 ];
 const TINTED_LEGEND: &[LegendEntry] =
     &[fill("Agreement", AGREEMENT), fill("Missing", MISSING), fill("Spurious", SPURIOUS)];
-const OWNER_LEGEND: &[LegendEntry] =
-    &[LegendEntry { text: "One hue a chain, darker outwards", swatch: Swatch::None }];
+const OWNER_LEGEND: &[LegendEntry] = &[LegendEntry { text: "Hue by chain", swatch: Swatch::None }];
 
 impl ViewMode {
     /// All modes, in the order of the menu.
@@ -100,6 +99,16 @@ impl ViewMode {
             Self::Tinted => "Tinted overlay on footage",
             Self::Residual => "Residual",
             Self::OwnerLimb => "Owner limb",
+        }
+    }
+
+    /// The name where there is little room.
+    pub const fn short_label(self) -> &'static str {
+        match self {
+            Self::ReportOverlay => "Report",
+            Self::Tinted => "Tinted",
+            Self::OwnerLimb => "Owner",
+            _ => self.label(),
         }
     }
 

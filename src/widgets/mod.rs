@@ -5,13 +5,19 @@
 mod badge;
 mod button;
 mod checkbox;
+mod handles;
 mod icons;
+pub mod image_canvas;
+mod picture_marks;
 mod segmented;
 mod slider;
 
 pub use badge::{camera_badge, paint_camera_badge};
 pub use button::{icon_button, icon_toggle, primary_button};
 pub use checkbox::checkbox;
+pub use handles::{Grip, JointLook, grip_at, paint_joint, paint_limbs};
 pub use icons::Icon;
+pub use image_canvas::{Framing, ViewTransform};
+pub use picture_marks::{paint_body_outline, paint_limb_edges, paint_sight_ray};
 pub use segmented::segmented;
 pub use slider::ValueSlider;
