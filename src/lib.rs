@@ -5,6 +5,7 @@ pub mod document;
 pub mod edit;
 pub mod format;
 pub mod history;
+pub mod panels;
 pub mod picture;
 pub mod project;
 pub mod raster;

@@ -1,0 +1,87 @@
+//! What the user did in a tile.
+
+use glam::DVec2;
+
+use crate::picture::{JointId, ViewMode};
+use crate::widgets::Framing;
+
+/// What the user did in a tile. The app applies it after the frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TileEvent {
+    /// Pressed somewhere: the tile becomes the active one.
+    Activate,
+    /// The pointer is on another pixel than before, or has left the picture.
+    Hover(Option<[usize; 2]>),
+    /// Pressed a joint.
+    SelectJoint(JointId),
+    /// Pressed a limb's body. Of the limbs that turn together, it is one with a handle at its end.
+    SelectLimb(usize),
+    /// Began to drag.
+    DragStart(Drag),
+    /// Dragged on. Everything counts from the pose at the start.
+    Drag(Drag),
+    /// Let go. A modifier pressed on the way ends one drag and starts the next.
+    DragEnd,
+    /// Pressed Esc: the pose at the start comes back.
+    DragCancelled,
+    /// Chose a view mode.
+    SetMode(ViewMode),
+    /// Moved the wipe's handle: 0 at the left edge of the picture, 1 at the right.
+    SetWipe(f32),
+    /// Ticked or unticked the camera's use in the fit.
+    SetUsed(bool),
+    /// Set the camera's weight in the fit.
+    SetWeight(f64),
+    /// Linked or unlinked zoom and pan. Linked tiles share one [`Framing`].
+    SetLinked(bool),
+    /// Zoomed, panned or fitted.
+    SetFraming(Framing),
+    /// Asked for the tile in the whole window, or back.
+    ToggleExpanded,
+    /// Asked for silhouettes.
+    Segment,
+}
+
+/// How a drag moves the body, counted from the pose at its start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Drag {
+    /// A joint follows the pointer parallel to the image; the chain follows it.
+    Joint {
+        /// The joint.
+        joint: JointId,
+        /// Where the picture is to show it.
+        target_px: DVec2,
+    },
+    /// A joint moves along its sight ray. The root takes the whole body with it.
+    Depth {
+        /// The joint.
+        joint: JointId,
+        /// Its depth is the one at the start times this.
+        ratio: f64,
+    },
+    /// A limb turns about itself.
+    Twist {
+        /// The limb that owns the rotation.
+        limb: usize,
+        /// Radians, right-handed about the limb from its first joint to its second.
+        angle_rad: f64,
+    },
+    /// A limb turns about its first joint, in the plane of the image.
+    Turn {
+        /// The limb that owns the rotation.
+        limb: usize,
+        /// Its first joint in the picture: the axis is that pixel's ray.
+        pivot_px: DVec2,
+        /// Radians, right-handed about that ray away from the camera: clockwise as seen.
+        angle_rad: f64,
+    },
+    /// The whole body moves parallel to the image.
+    Body {
+        /// Where it was taken hold of.
+        from_px: DVec2,
+        /// Where that point is to be.
+        to_px: DVec2,
+        /// The depth of that point, metres.
+        depth_m: f64,
+    },
+}
