@@ -89,23 +89,50 @@ impl fmt::Display for Ramp {
 /// A ramp for one solid: its radius and depth are known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolidRamp {
-    shape: Shape,
+    shape: RampForm,
     /// Metres beyond which λ is background.
     reach: f64,
 }
 
+/// A solid's ramp by its formula; `…_rate` is the derivative by the solid's depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Shape {
+#[expect(missing_docs, reason = "the variants' formulas name their fields")]
+pub enum RampForm {
     /// λ/255 = α d² + β.
-    Quadratic {
-        alpha: f64,
-        beta: f64,
-        /// d(α)/dz and d(β)/dz, when the width follows the depth.
-        alpha_rate: f64,
-        beta_rate: f64,
-    },
+    Quadratic { alpha: f64, beta: f64, alpha_rate: f64, beta_rate: f64 },
     /// λ/255 = (d − start) / width.
     Linear { start: f64, width: f64, start_rate: f64, width_rate: f64 },
+}
+
+impl RampForm {
+    /// λ/255 = slope · m + offset, with m = d² or, where the third is true, m = d.
+    #[inline]
+    #[must_use]
+    pub fn line(&self) -> (f32, f32, bool) {
+        match *self {
+            Self::Quadratic { alpha, beta, .. } => (alpha as f32, beta as f32, false),
+            Self::Linear { start, width, .. } => ((1.0 / width) as f32, (-start / width) as f32, true),
+        }
+    }
+
+    /// Whether λ changes with the solid's depth at a fixed distance.
+    #[must_use]
+    pub fn follows_depth(&self) -> bool {
+        self.depth_line().is_some()
+    }
+
+    /// ∂λ/∂z = constant + slope · m, with m = d² for quadratic ramps and m = λ/255 for linear ones;
+    /// `None` where the width is fixed.
+    #[inline]
+    #[must_use]
+    pub fn depth_line(&self) -> Option<(f32, f32)> {
+        let (constant, slope) = match *self {
+            Self::Quadratic { alpha_rate, beta_rate, .. } => (beta_rate, alpha_rate),
+            Self::Linear { width, start_rate, width_rate, .. } => (-start_rate / width, -width_rate / width),
+        };
+        (constant != 0.0 || slope != 0.0)
+            .then_some(((BACKGROUND * constant) as f32, (BACKGROUND * slope) as f32))
+    }
 }
 
 /// A grey level and how it changes.
@@ -159,7 +186,7 @@ impl Ramp {
             Self::Distance { inner_px, outer_px } => {
                 let (inner, inner_rate) = metres(inner_px, WIDEST_INNER * radius);
                 let (outer, outer_rate) = metres(outer_px, f64::INFINITY);
-                let shape = Shape::Linear {
+                let shape = RampForm::Linear {
                     start: radius - inner,
                     width: inner + outer,
                     start_rate: -inner_rate,
@@ -173,8 +200,14 @@ impl Ramp {
 
 impl SolidRamp {
     fn quadratic(alpha: f64, beta: f64, alpha_rate: f64, beta_rate: f64) -> Self {
-        let shape = Shape::Quadratic { alpha, beta, alpha_rate, beta_rate };
+        let shape = RampForm::Quadratic { alpha, beta, alpha_rate, beta_rate };
         Self { shape, reach: ((1.0 - beta) / alpha).sqrt() }
+    }
+
+    /// Its formula.
+    #[must_use]
+    pub fn form(&self) -> RampForm {
+        self.shape
     }
 
     /// Metres beyond which λ is background.
@@ -188,8 +221,8 @@ impl SolidRamp {
     #[must_use]
     pub fn unclipped(&self, squared: f64) -> f64 {
         match self.shape {
-            Shape::Quadratic { alpha, beta, .. } => alpha * squared + beta,
-            Shape::Linear { start, width, .. } => (squared.sqrt() - start) / width,
+            RampForm::Quadratic { alpha, beta, .. } => alpha * squared + beta,
+            RampForm::Linear { start, width, .. } => (squared.sqrt() - start) / width,
         }
     }
 
@@ -202,10 +235,10 @@ impl SolidRamp {
             return RampSample { level, by_squared: 0.0, by_depth: 0.0 };
         }
         let (by_squared, by_depth) = match self.shape {
-            Shape::Quadratic { alpha, alpha_rate, beta_rate, .. } => {
+            RampForm::Quadratic { alpha, alpha_rate, beta_rate, .. } => {
                 (alpha, alpha_rate * squared + beta_rate)
             }
-            Shape::Linear { width, start_rate, width_rate, .. } => {
+            RampForm::Linear { width, start_rate, width_rate, .. } => {
                 (0.5 / (width * squared.sqrt()), -(start_rate + unclipped * width_rate) / width)
             }
         };

@@ -117,6 +117,18 @@ impl View {
         self.height
     }
 
+    /// Whether rays are a pinhole's: (x, y, 1) on the plane z = 1.
+    #[must_use]
+    pub fn is_pinhole(&self) -> bool {
+        self.distorted_rays.is_empty()
+    }
+
+    /// The pinhole.
+    #[must_use]
+    pub fn pinhole(&self) -> &crate::camera::Intrinsics {
+        &self.pinhole
+    }
+
     /// The solids that may be seen, in the order of their limbs.
     #[must_use]
     pub fn primitives(&self) -> &[Primitive] {

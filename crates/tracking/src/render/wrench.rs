@@ -74,6 +74,19 @@ impl WrenchBlock {
         self.pixels += 1;
     }
 
+    /// Adds sums made elsewhere: M = Σ w h hᵀ (symmetric) and m = Σ w h ρ.
+    pub fn add_sums(&mut self, products: &SMatrix<f64, 7, 7>, forces: &SVector<f64, 7>) {
+        let mut slot = 0;
+        for i in 0..7 {
+            self.forces[i] += forces[i];
+            for j in i..7 {
+                self.products[slot] += products[(i, j)];
+                slot += 1;
+            }
+        }
+        self.pixels += 1;
+    }
+
     /// Whether no pixel was added.
     #[must_use]
     pub fn is_empty(&self) -> bool {

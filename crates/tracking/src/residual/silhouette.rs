@@ -9,6 +9,7 @@ use crate::body::{Kinematics, Parameters};
 use crate::camera::Camera;
 use crate::optimize::NormalEquations;
 use crate::render::View;
+use crate::render::kernels::lanes::{Grid, Lanes, PADDING};
 use crate::render::kernels::scalar::RowWinners;
 use crate::render::ramp::BACKGROUND;
 use crate::render::wrench::WrenchBlock;
@@ -17,12 +18,7 @@ use crate::silhouette::Measurement;
 /// One camera's data on a grid of every `stride`-th pixel.
 #[derive(Debug, Clone)]
 pub struct SampledData {
-    width: usize,
-    height: usize,
-    stride: usize,
-    /// D and weight of every pixel, row-major.
-    values: Vec<f32>,
-    weights: Vec<f32>,
+    grid: Grid,
     /// Σ w (D − 255)² and Σ w over the grid.
     empty_cost: f64,
     total_weight: f64,
@@ -32,36 +28,33 @@ impl SampledData {
     /// Takes every `stride`-th pixel, from the middle of the first block.
     #[must_use]
     pub fn new(measurement: &Measurement, stride: usize) -> Self {
-        let mut this = Self {
-            width: measurement.width(),
-            height: measurement.height(),
-            stride: stride.max(1),
-            values: measurement.values().to_vec(),
-            weights: measurement.weights().to_vec(),
-            empty_cost: 0.0,
-            total_weight: 0.0,
+        let stride = stride.max(1);
+        let offset = stride / 2;
+        let count = |side: usize| side.saturating_sub(offset).div_ceil(stride);
+        let (columns, rows) = (count(measurement.width()), count(measurement.height()));
+        let pitch = columns.next_multiple_of(PADDING);
+        let mut grid = Grid {
+            columns,
+            rows,
+            pitch,
+            stride,
+            offset,
+            values: vec![BACKGROUND as f32; rows * pitch],
+            weights: vec![0.0; rows * pitch],
         };
-        for y in this.rows() {
-            for x in this.columns() {
-                let slot = y * this.width + x;
-                let weight = f64::from(this.weights[slot]);
-                this.empty_cost += weight * (f64::from(this.values[slot]) - BACKGROUND).powi(2);
-                this.total_weight += weight;
+        let (mut empty_cost, mut total_weight) = (0.0, 0.0);
+        for row in 0..rows {
+            let from = (offset + row * stride) * measurement.width() + offset;
+            for column in 0..columns {
+                let (source, slot) = (from + column * stride, row * pitch + column);
+                let (value, weight) = (measurement.values()[source], measurement.weights()[source]);
+                grid.values[slot] = value;
+                grid.weights[slot] = weight;
+                empty_cost += f64::from(weight) * (f64::from(value) - BACKGROUND).powi(2);
+                total_weight += f64::from(weight);
             }
         }
-        this
-    }
-
-    fn offset(&self) -> usize {
-        self.stride / 2
-    }
-
-    fn rows(&self) -> impl Iterator<Item = usize> + use<> {
-        (self.offset()..self.height).step_by(self.stride)
-    }
-
-    fn columns(&self) -> impl Iterator<Item = usize> + use<> {
-        (self.offset()..self.width).step_by(self.stride)
+        Self { grid, empty_cost, total_weight }
     }
 
     /// Σ w over the sampled pixels: what the cost is divided by for a mean.
@@ -70,22 +63,33 @@ impl SampledData {
         self.total_weight
     }
 
-    /// Cost Σ w (D − Λ)², and the wrench block of every limb (camera axes).
+    /// Cost Σ w (D − Λ)², and the wrench block of every limb (camera axes), by the fastest kernel that can.
     ///
     /// `blocks` has one entry per limb and comes cleared.
-    pub fn accumulate(&self, view: &View, row: &mut RowWinners, blocks: &mut [WrenchBlock]) -> f64 {
+    pub fn accumulate(&self, view: &View, memory: &mut KernelMemory, blocks: &mut [WrenchBlock]) -> f64 {
+        if Lanes::can_take(view) {
+            (self.empty_cost + memory.lanes.accumulate(view, &self.grid, blocks)).max(0.0)
+        } else {
+            self.accumulate_scalar(view, &mut memory.row, blocks)
+        }
+    }
+
+    /// The same by the reference kernel, in f64, one pixel at a time.
+    pub fn accumulate_scalar(&self, view: &View, row: &mut RowWinners, blocks: &mut [WrenchBlock]) -> f64 {
+        let Grid { rows, pitch, stride, offset, ref values, ref weights, .. } = self.grid;
         let mut cost = self.empty_cost;
-        for y in self.rows() {
-            row.find(view, y, self.stride, self.offset());
+        for grid_row in 0..rows {
+            let y = offset + grid_row * stride;
+            row.find(view, y, stride, offset);
             let mut row_cost = 0.0;
-            for x in row.touched().step_by(self.stride) {
+            for x in row.touched().step_by(stride) {
                 let Some(winner) = row.winner(x) else { continue };
-                let slot = y * self.width + x;
-                let weight = f64::from(self.weights[slot]);
+                let slot = grid_row * pitch + (x - offset) / stride;
+                let weight = f64::from(weights[slot]);
                 if weight == 0.0 {
                     continue;
                 }
-                let data = f64::from(self.values[slot]);
+                let data = f64::from(values[slot]);
                 let residual = data - BACKGROUND * row.level(x).clamp(0.0, 1.0);
                 row_cost += weight * (residual * residual - (data - BACKGROUND).powi(2));
                 if row.level(x) > 0.0 {
@@ -99,6 +103,13 @@ impl SampledData {
         }
         cost.max(0.0)
     }
+}
+
+/// Memory of the kernels, one per camera, reused from evaluation to evaluation.
+#[derive(Debug, Clone, Default)]
+pub struct KernelMemory {
+    lanes: Lanes,
+    row: RowWinners,
 }
 
 /// Wrench sums of all limbs over all cameras, in world axes.

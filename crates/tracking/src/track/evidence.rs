@@ -88,11 +88,17 @@ impl FitView {
             }
     }
 
-    /// The exact distance field of the mask; `None` for grey levels.
+    /// The mask's distance field, exact as far as any of the stages looks; `None` for grey levels.
     #[must_use]
-    pub fn distance(&self) -> Option<SignedDistance> {
+    pub fn distance(&self, stages: &[Stage]) -> Option<SignedDistance> {
+        let reach = stages.iter().map(|stage| match stage.ramp {
+            Ramp::Distance { inner_px, outer_px } => inner_px.max(outer_px) + 1.0,
+            _ => 0.0,
+        });
+        let reach = reach.fold(0.0, f64::max);
         match &self.evidence {
-            Evidence::Mask(mask) => Some(SignedDistance::from_mask(mask)),
+            Evidence::Mask(_) if reach == 0.0 => None,
+            Evidence::Mask(mask) => Some(SignedDistance::from_mask_within(mask, reach as f32)),
             Evidence::Measurement(_) => None,
         }
     }

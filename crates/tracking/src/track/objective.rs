@@ -9,10 +9,9 @@ use super::options::{FitOptions, Stage};
 use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::optimize::{LeastSquares, NormalEquations};
 use crate::render::View;
-use crate::render::kernels::scalar::RowWinners;
 use crate::render::ramp::BACKGROUND;
 use crate::render::wrench::WrenchBlock;
-use crate::residual::silhouette::{SampledData, WorldBlocks};
+use crate::residual::silhouette::{KernelMemory, SampledData, WorldBlocks};
 use crate::residual::{joint_limit, proximal_prior, rest_prior};
 use crate::silhouette::SignedDistance;
 
@@ -37,7 +36,7 @@ struct CameraTerm {
     fit_view: FitView,
     data: SampledData,
     view: View,
-    row: RowWinners,
+    memory: KernelMemory,
     blocks: Vec<WrenchBlock>,
     cost: f64,
 }
@@ -62,7 +61,7 @@ impl Objective {
             .map(|(view, distance)| CameraTerm {
                 data: SampledData::new(&view.data(&stage, distance.as_ref()), stage.stride),
                 view: View::new(&model, &kinematics, &view.camera, options.renderer, stage.ramp),
-                row: RowWinners::default(),
+                memory: KernelMemory::default(),
                 blocks: vec![WrenchBlock::default(); limbs],
                 fit_view: view.clone(),
                 cost: 0.0,
@@ -149,7 +148,7 @@ impl LeastSquares for Objective {
         let one = |term: &mut CameraTerm| {
             term.view.prepare(model, kinematics, &term.fit_view.camera, options.renderer, ramp);
             term.blocks.fill(WrenchBlock::default());
-            term.cost = term.data.accumulate(&term.view, &mut term.row, &mut term.blocks);
+            term.cost = term.data.accumulate(&term.view, &mut term.memory, &mut term.blocks);
         };
         self.cameras.iter_mut().for_each(one);
         // Merged in the cameras' order: the same bits however the work was shared out.
