@@ -4,6 +4,7 @@ pub mod body;
 pub mod camera;
 pub mod cancel;
 pub mod geometry;
+pub mod io;
 pub mod optimize;
 pub mod render;
 pub mod residual;

@@ -15,6 +15,8 @@ use crate::silhouette::{Label, Mask, MaskError, Region};
 
 /// The z-score that normal noise exceeds, on either side, once in 10⁴ pixels.
 pub const BETA: f32 = 3.891;
+/// Longer than the side of any picture: growing a mask by more means nothing.
+const MAX_DISTANCE_PX: usize = 16_384;
 
 /// Why a frame could not be segmented.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -90,8 +92,12 @@ impl Default for SegmentOptions {
 }
 
 impl SegmentOptions {
-    /// The first number that makes no sense.
-    fn check(&self) -> Result<(), SegmentError> {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    ///
+    /// The first option that is negative, not finite, or a distance longer than any picture.
+    pub fn check(&self) -> Result<(), SegmentError> {
         let shadow = self.shadow.unwrap_or_default();
         let dont_know = self.dont_know.unwrap_or_default();
         let numbers = [
@@ -105,7 +111,15 @@ impl SegmentOptions {
             ("dont_know.dark_level", dont_know.dark_level),
             ("dont_know.sure_z", dont_know.sure_z),
         ];
-        match numbers.into_iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0)) {
+        let distances = [
+            ("opening_px", self.opening_px),
+            ("closing_px", self.closing_px),
+            ("group_px", self.group_px),
+            ("dont_know.grow_px", dont_know.grow_px),
+        ];
+        let bad_number = numbers.into_iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0));
+        let bad_distance = distances.into_iter().find(|(_, px)| *px > MAX_DISTANCE_PX);
+        match bad_number.or(bad_distance.map(|(option, px)| (option, px as f32))) {
             Some((option, value)) => Err(SegmentError::InvalidOption { option, value }),
             None => Ok(()),
         }

@@ -1,0 +1,134 @@
+//! Where files come from: the disk, or a set held in memory (the built-in take).
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::fmt::Debug;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Component, Path, PathBuf};
+
+use super::{FileError, FileProblem};
+
+/// Largest text file that is read, bytes. A minute of keypoints at 60 fps is 4 MB.
+pub const MAX_TEXT_BYTES: u64 = 64 << 20;
+
+/// A set of files that a take reads from.
+pub trait TakeFiles: Debug + Send + Sync {
+    /// All bytes of a file.
+    ///
+    /// # Errors
+    /// No such file, not readable, or more than `limit` bytes. The error names the file.
+    fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, FileError>;
+
+    /// Whether there is a file (not a folder) at `path`.
+    fn exists(&self, path: &Path) -> bool;
+}
+
+/// The files of the disk.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct DiskFiles;
+
+impl TakeFiles for DiskFiles {
+    fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
+        let failed = |error: std::io::Error| {
+            FileError::new(
+                path,
+                match error.kind() {
+                    std::io::ErrorKind::NotFound => FileProblem::Missing,
+                    _ => FileProblem::Read { error },
+                },
+            )
+        };
+        // A pipe would block at opening, so look first.
+        if !std::fs::metadata(path).map_err(failed)?.is_file() {
+            return Err(FileError::new(path, FileProblem::NotAFile));
+        }
+        let mut bytes = Vec::new();
+        let file = File::open(path).map_err(failed)?;
+        file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(failed)?;
+        within_limit(path, bytes.len(), limit)?;
+        Ok(bytes)
+    }
+
+    fn exists(&self, path: &Path) -> bool {
+        path.is_file()
+    }
+}
+
+/// Files held in memory, by path.
+#[derive(Debug, Clone, Default)]
+pub struct MemoryFiles {
+    files: BTreeMap<PathBuf, Cow<'static, [u8]>>,
+}
+
+impl MemoryFiles {
+    /// From paths and contents; embedded contents are not copied.
+    pub fn new<P: Into<PathBuf>, C: Into<Cow<'static, [u8]>>>(
+        files: impl IntoIterator<Item = (P, C)>,
+    ) -> Self {
+        let files = files.into_iter().map(|(path, content)| (plain(&path.into()), content.into()));
+        Self { files: files.collect() }
+    }
+}
+
+impl TakeFiles for MemoryFiles {
+    fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
+        let content =
+            self.files.get(&plain(path)).ok_or_else(|| FileError::new(path, FileProblem::Missing))?;
+        within_limit(path, content.len(), limit)?;
+        Ok(content.to_vec())
+    }
+
+    fn exists(&self, path: &Path) -> bool {
+        self.files.contains_key(&plain(path))
+    }
+}
+
+fn within_limit(path: &Path, bytes: usize, limit: u64) -> Result<(), FileError> {
+    if bytes as u64 > limit {
+        return Err(FileError::new(path, FileProblem::TooLarge { limit }));
+    }
+    Ok(())
+}
+
+/// The path without `.` and `..`.
+fn plain(path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir => {
+                out.pop();
+            }
+            other => out.push(other),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_in_memory_are_found_by_any_spelling() {
+        let files = MemoryFiles::new([("take/a.txt", &b"abc"[..])]);
+        assert_eq!(files.read(Path::new("take/./b/../a.txt"), 3).unwrap(), b"abc");
+        assert!(files.exists(Path::new("take/a.txt")) && !files.exists(Path::new("take")));
+        let message = files.read(Path::new("take/a.txt"), 2).unwrap_err().to_string();
+        assert!(message.contains("take/a.txt") && message.contains("more than 2 bytes"), "{message}");
+    }
+
+    #[test]
+    fn the_disk_says_what_is_missing_or_no_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = DiskFiles.read(&folder.path().join("none.toml"), 10).unwrap_err();
+        assert!(missing.is_missing() && missing.to_string().contains("none.toml"), "{missing}");
+        let message = DiskFiles.read(folder.path(), 10).unwrap_err().to_string();
+        assert!(message.contains("expected a file"), "{message}");
+        let path = folder.path().join("long");
+        std::fs::write(&path, [0; 11]).unwrap();
+        assert!(DiskFiles.read(&path, 10).unwrap_err().to_string().contains("more than 10 bytes"));
+        assert_eq!(DiskFiles.read(&path, 11).unwrap().len(), 11);
+    }
+}

@@ -1,0 +1,224 @@
+//! JSON with errors that name the line and the field.
+//!
+//! The library's errors know line and column. A small scan of the text up to there tells which field that is;
+//! the same scan finds the line of a field that turns out to be wrong later.
+
+use std::fmt;
+use std::marker::PhantomData;
+use std::path::Path;
+
+use serde::de::{DeserializeOwned, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+
+use super::text::line_at;
+use super::{FileError, FileProblem, TextFormat};
+
+/// Checks the `format` field, then parses the whole text.
+pub(super) fn parse_versioned<T: DeserializeOwned>(
+    path: &Path,
+    text: &str,
+    expected: &'static str,
+) -> Result<T, FileError> {
+    #[derive(Deserialize)]
+    struct FormatOnly {
+        format: Option<serde_json::Value>,
+    }
+    let found = match parse::<FormatOnly>(path, text)?.format {
+        Some(serde_json::Value::String(format)) if format == expected => return parse(path, text),
+        Some(other) => other.to_string(),
+        None => "missing".to_owned(),
+    };
+    let line = line_of(text, &["format"]);
+    Err(FileError::new(path, FileProblem::Format { found, expected }).at_line(line))
+}
+
+/// Parses a text.
+pub(super) fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, FileError> {
+    serde_json::from_str(text).map_err(|error| {
+        let start =
+            text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum::<usize>();
+        let offset = start.saturating_add(error.column().saturating_sub(1)).min(text.len());
+        let full = error.to_string();
+        let message = full.rsplit_once(" at line ").map_or(full.as_str(), |(message, _)| message);
+        let message = match not_a_number(text, offset) {
+            Some(word) => format!("{word} is not a number; expected a finite number"),
+            None => message.to_owned(),
+        };
+        let problem =
+            FileProblem::Syntax { format: TextFormat::Json, field: field_at(text, offset), message };
+        FileError::new(path, problem).at_line((error.line() > 0).then(|| error.line()))
+    })
+}
+
+/// NaN and infinities, which JSON does not have but some programs write.
+fn not_a_number(text: &str, offset: usize) -> Option<&'static str> {
+    let from = text.get(offset..)?;
+    let before = text.get(..offset)?;
+    [("NaN", "NaN"), ("Infinity", "Infinity")]
+        .into_iter()
+        .find(|(word, _)| from.starts_with(word) || (from.starts_with('-') && from[1..].starts_with(word)))
+        .map(|(_, name)| name)
+        .or_else(|| (before.ends_with('-') && from.starts_with("Infinity")).then_some("Infinity"))
+}
+
+/// The line of the field with these keys from the outermost object down.
+pub(super) fn line_of(text: &str, keys: &[&str]) -> Option<usize> {
+    let mut scan = Scan::default();
+    for (offset, &byte) in text.as_bytes().iter().enumerate() {
+        scan.step(text, offset, byte);
+        if scan.path.len() == keys.len() && scan.path.iter().zip(keys).all(|(step, key)| step.is_key(key)) {
+            return Some(line_at(text, offset));
+        }
+    }
+    None
+}
+
+/// The field that the byte at `offset` belongs to, as in `rotations.torso[2]`.
+fn field_at(text: &str, offset: usize) -> Option<String> {
+    let mut scan = Scan::default();
+    for (offset, &byte) in text.as_bytes()[..offset].iter().enumerate() {
+        scan.step(text, offset, byte);
+    }
+    let mut out = String::new();
+    for step in &scan.path {
+        match step {
+            Step::Key(Some(key)) if out.is_empty() => out.push_str(key),
+            Step::Key(Some(key)) => out.extend([".", key]),
+            Step::Key(None) => {}
+            Step::Index(index) => out.push_str(&format!("[{index}]")),
+        }
+    }
+    (!out.is_empty()).then_some(out)
+}
+
+#[derive(Debug)]
+enum Step<'a> {
+    Key(Option<&'a str>),
+    Index(usize),
+}
+
+impl Step<'_> {
+    fn is_key(&self, key: &str) -> bool {
+        matches!(self, Self::Key(Some(found)) if *found == key)
+    }
+}
+
+/// Follows brackets, keys and commas; forgives everything else.
+#[derive(Debug, Default)]
+struct Scan<'a> {
+    path: Vec<Step<'a>>,
+    string_start: Option<usize>,
+    escaped: bool,
+}
+
+impl<'a> Scan<'a> {
+    fn step(&mut self, text: &'a str, offset: usize, byte: u8) {
+        if let Some(start) = self.string_start {
+            match byte {
+                _ if self.escaped => self.escaped = false,
+                b'\\' => self.escaped = true,
+                b'"' => {
+                    self.string_start = None;
+                    if let Some(Step::Key(key @ None)) = self.path.last_mut() {
+                        *key = text.get(start..offset);
+                    }
+                }
+                _ => {}
+            }
+            return;
+        }
+        match byte {
+            b'"' => self.string_start = Some(offset + 1),
+            b'{' => self.path.push(Step::Key(None)),
+            b'[' => self.path.push(Step::Index(0)),
+            b'}' | b']' => {
+                self.path.pop();
+            }
+            b',' => match self.path.last_mut() {
+                Some(Step::Key(key)) => *key = None,
+                Some(Step::Index(index)) => *index += 1,
+                None => {}
+            },
+            _ => {}
+        }
+    }
+}
+
+/// An object's entries in the order of the file. A key given twice is an error.
+#[derive(Debug)]
+pub(super) struct Entries<T>(pub(super) Vec<(String, T)>);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Entries<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct EntriesVisitor<T>(PhantomData<T>);
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for EntriesVisitor<T> {
+            type Value = Entries<T>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an object")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+                let mut seen = std::collections::BTreeSet::new();
+                let mut entries = Vec::new();
+                while let Some(key) = map.next_key::<String>()? {
+                    if !seen.insert(key.clone()) {
+                        return Err(serde::de::Error::custom(format_args!("\"{key}\" is given twice")));
+                    }
+                    entries.push((key, map.next_value()?));
+                }
+                Ok(Entries(entries))
+            }
+        }
+        deserializer.deserialize_map(EntriesVisitor(PhantomData))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    #[expect(dead_code, reason = "only errors are looked at")]
+    struct Sample {
+        name: String,
+        turns: Entries<[f64; 2]>,
+    }
+
+    #[test]
+    fn errors_name_line_and_field() {
+        let cases = [
+            (
+                "{\n\"name\": \"a\",\n\"turns\": {\"x\": [1, NaN]}}",
+                "line 3: is not valid JSON: in `turns.x[1]`: NaN",
+            ),
+            (
+                "{\"name\": \"a\", \"turns\": {\"x\":\n [1, -Infinity]}}",
+                "line 2: is not valid JSON: in `turns.x[1]`: Inf",
+            ),
+            ("{\"name\": \"a\", \"turns\": {\"x\": [1, null]}}", "in `turns.x[1]`: invalid type: null"),
+            (
+                "{\"name\": \"a\",\n \"turns\": {\"x,\\\"{\": [\"b\", 2]}}",
+                "in `turns.x,\\\"{[0]`: invalid type: string",
+            ),
+            ("{\"name\": 3}", "in `name`: invalid type: integer"),
+            ("{\n\"nmae\": 3}", "line 2: is not valid JSON: unknown field `nmae`"),
+            ("{\"turns\": {\"x\": [1, 2], \"x\": [1, 2]}}", "in `turns`: \"x\" is given twice"),
+            ("{\"name\": \"a\", \"turns\": {\"x\": [1, 2", "in `turns.x[1]`: EOF while parsing"),
+            ("", "EOF"),
+        ];
+        for (text, expected) in cases {
+            let message = parse::<Sample>(Path::new("s.json"), text).unwrap_err().to_string();
+            assert!(message.contains(expected), "{message:?} should contain {expected:?}");
+        }
+    }
+
+    #[test]
+    fn fields_are_found_again() {
+        let text = "{\n\"a\": {\"c\": [1,\n2]},\n\"b\": {\n\"c\": 3}}";
+        assert_eq!(line_of(text, &["b", "c"]), Some(5));
+        assert_eq!(line_of(text, &["a", "c"]), Some(2));
+        assert_eq!(line_of(text, &["c"]), None);
+    }
+}

@@ -1,0 +1,27 @@
+//! A take: one recording with everything that belongs to it, as `take.toml` says it (see `docs/formats.md`).
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`take`] | [`Take`]: the parsed take; pictures on demand |
+//! | [`frame_pattern`] | names of numbered pictures |
+//! | [`footage`] | one camera's pictures and background |
+//! | [`reference`] | keypoints to compare with |
+//! | [`error`] | what is wrong, by camera and frame |
+
+mod environment;
+pub mod error;
+pub mod footage;
+pub mod frame_pattern;
+mod measurement;
+mod reader;
+pub mod reference;
+mod spec;
+#[expect(clippy::module_inception, reason = "the file is named after the type that it holds")]
+pub mod take;
+
+pub use error::TakeError;
+pub use footage::{BackgroundSource, CameraFootage, MAX_BACKGROUND_FRAMES, MAX_FRAMES};
+pub use frame_pattern::{FramePattern, PatternError};
+pub use reference::{Joint, Reference};
+pub use spec::FORMAT;
+pub use take::{FILE_NAME, Take};

@@ -1,0 +1,66 @@
+//! TOML with errors that name the line.
+
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+use toml::de::{DeTable, DeValue};
+
+use super::text::line_at;
+use super::{FileError, FileProblem, TextFormat};
+
+/// Checks the `format` key, then parses the whole text.
+pub(super) fn parse_versioned<T: DeserializeOwned>(
+    path: &Path,
+    text: &str,
+    expected: &'static str,
+) -> Result<T, FileError> {
+    let syntax = |error: &toml::de::Error| {
+        let message = error.message().trim().replace('\n', "; ");
+        let problem = FileProblem::Syntax { format: TextFormat::Toml, field: None, message };
+        FileError::new(path, problem).at_line(error.span().map(|span| line_at(text, span.start)))
+    };
+    let table = DeTable::parse(text).map_err(|error| syntax(&error))?;
+    let format = table.get_ref().get("format");
+    let found = match format.map(|value| value.get_ref()) {
+        Some(DeValue::String(found)) if found == expected => {
+            return toml::from_str(text).map_err(|error| syntax(&error));
+        }
+        Some(DeValue::String(found)) => format!("\"{found}\""),
+        Some(other) => other.type_str().to_owned(),
+        None => "missing".to_owned(),
+    };
+    let line = format.map(|value| line_at(text, value.span().start));
+    Err(FileError::new(path, FileProblem::Format { found, expected }).at_line(line))
+}
+
+/// One step down into a TOML text.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Step<'a> {
+    /// The value of a key.
+    Key(&'a str),
+    /// The last table of an array whose `name` is this.
+    Named(&'a str),
+}
+
+/// The line of the deepest of these steps that the text has.
+pub(super) fn line_of(text: &str, steps: &[Step<'_>]) -> Option<usize> {
+    let table = DeTable::parse(text).ok()?;
+    let mut offset = None;
+    let mut value = DeValue::Table(table.into_inner());
+    for step in steps {
+        let next = match (step, &value) {
+            (Step::Key(key), DeValue::Table(table)) => {
+                table.get_key_value(*key).map(|(key, value)| (key.span(), value))
+            }
+            (Step::Named(name), DeValue::Array(array)) => array
+                .iter()
+                .rfind(|item| item.get_ref().get("name").and_then(|v| v.get_ref().as_str()) == Some(name))
+                .map(|item| (item.span(), item)),
+            _ => None,
+        };
+        let Some((span, next)) = next else { break };
+        offset = Some(span.start);
+        value = next.get_ref().clone();
+    }
+    offset.map(|offset| line_at(text, offset))
+}
