@@ -4,18 +4,33 @@
 //! lens never saw have no data.
 
 use glam::DVec2;
-use image::{Rgb, RgbImage};
+use image::RgbImage;
 
 use super::Camera;
+
+/// Fixed point of the bilinear weights: 256 steps between two pixels.
+const STEPS: u32 = 256;
 
 /// Where each ideal pixel lies in the distorted picture: made once a camera, used for every frame.
 #[derive(Debug, Clone)]
 pub struct Rectification {
     width: usize,
     height: usize,
-    /// Per ideal pixel its place in the distorted picture; NaN where there is none. Empty for no distortion.
-    sources: Vec<[f32; 2]>,
+    /// One per ideal pixel; empty for no distortion.
+    sources: Vec<Source>,
 }
+
+/// The four pixels that an ideal one is mixed from.
+#[derive(Debug, Clone, Copy)]
+struct Source {
+    /// Index of the upper left one; `NOWHERE` where there is no data.
+    corner: u32,
+    /// Weights of the right and the lower neighbours, in 256ths. Zero at the picture's far edges.
+    right: u16,
+    down: u16,
+}
+
+const NOWHERE: u32 = u32::MAX;
 
 impl Rectification {
     /// For a camera's picture size and lens.
@@ -24,23 +39,10 @@ impl Rectification {
         let (width, height) = (camera.width(), camera.height());
         let mut sources = Vec::new();
         if !camera.distortion().is_none() {
-            let limit = DVec2::new(width as f64 - 1.0, height as f64 - 1.0);
-            let lens = camera.distortion();
             sources.reserve(width * height);
             for y in 0..height {
                 for x in 0..width {
-                    let plane = camera.intrinsics().plane_from_pixel(DVec2::new(x as f64, y as f64));
-                    let bent = lens.distort(plane);
-                    let source = camera.intrinsics().pixel_from_plane(bent);
-                    // Where the lens model folds over, the way back leads elsewhere.
-                    let honest = lens.undistort(bent).is_some_and(|back| back.distance(plane) < 1e-6);
-                    let inside = source.cmpge(DVec2::splat(-0.5)).all() && source.cmple(limit + 0.5).all();
-                    let source = source.clamp(DVec2::ZERO, limit);
-                    sources.push(if honest && inside {
-                        [source.x as f32, source.y as f32]
-                    } else {
-                        [f32::NAN; 2]
-                    });
+                    sources.push(source(camera, DVec2::new(x as f64, y as f64)));
                 }
             }
         }
@@ -56,7 +58,7 @@ impl Rectification {
     /// Whether the ideal pixel x, y has data.
     #[must_use]
     pub fn has_data(&self, x: usize, y: usize) -> bool {
-        self.sources.get(y * self.width + x).is_none_or(|source| !source[0].is_nan())
+        self.sources.get(y * self.width + x).is_none_or(|source| source.corner != NOWHERE)
     }
 
     /// The picture on the ideal grid, bilinear; black where there is no data.
@@ -71,32 +73,52 @@ impl Rectification {
             return Some(image.clone());
         }
         let mut out = RgbImage::new(image.width(), image.height());
-        for (pixel, source) in out.pixels_mut().zip(&self.sources) {
-            if !source[0].is_nan() {
-                *pixel = bilinear(image, source[0], source[1]);
+        let pixels = image.as_raw();
+        for (mixed, source) in out.chunks_exact_mut(3).zip(&self.sources) {
+            if source.corner == NOWHERE {
+                continue;
+            }
+            let corner = 3 * source.corner as usize;
+            // A neighbour beyond the edge has no weight: any pixel will do for it.
+            let right = if source.right > 0 { 3 } else { 0 };
+            let down = if source.down > 0 { 3 * self.width } else { 0 };
+            let (wx, wy) = (u32::from(source.right), u32::from(source.down));
+            for (channel, value) in mixed.iter_mut().enumerate() {
+                let at = |offset: usize| u32::from(pixels[corner + offset + channel]);
+                let top = at(0) * (STEPS - wx) + at(right) * wx;
+                let bottom = at(down) * (STEPS - wx) + at(down + right) * wx;
+                *value = ((top * (STEPS - wy) + bottom * wy + STEPS * STEPS / 2) / (STEPS * STEPS)) as u8;
             }
         }
         Some(out)
     }
 }
 
-fn bilinear(image: &RgbImage, x: f32, y: f32) -> Rgb<u8> {
-    let (x0, y0) = (x as u32, y as u32);
-    let (x1, y1) = ((x0 + 1).min(image.width() - 1), (y0 + 1).min(image.height() - 1));
-    let (fx, fy) = (x - x0 as f32, y - y0 as f32);
-    let mut out = [0; 3];
-    for (channel, value) in out.iter_mut().enumerate() {
-        let at = |x, y| f32::from(image.get_pixel(x, y)[channel]);
-        let top = at(x0, y0) * (1.0 - fx) + at(x1, y0) * fx;
-        let bottom = at(x0, y1) * (1.0 - fx) + at(x1, y1) * fx;
-        *value = (top * (1.0 - fy) + bottom * fy + 0.5) as u8;
+fn source(camera: &Camera, ideal: DVec2) -> Source {
+    let (pinhole, lens) = (camera.intrinsics(), camera.distortion());
+    let limit = DVec2::new(camera.width() as f64 - 1.0, camera.height() as f64 - 1.0);
+    let plane = pinhole.plane_from_pixel(ideal);
+    let bent = lens.distort(plane);
+    let place = pinhole.pixel_from_plane(bent);
+    // Where the lens model folds over, the way back leads elsewhere.
+    let honest = lens.undistort(bent).is_some_and(|back| back.distance(plane) < 1e-6);
+    let inside = place.cmpge(DVec2::splat(-0.5)).all() && place.cmple(limit + 0.5).all();
+    if !(honest && inside) {
+        return Source { corner: NOWHERE, right: 0, down: 0 };
     }
-    Rgb(out)
+    let steps = (place.clamp(DVec2::ZERO, limit) * f64::from(STEPS)).round().max(DVec2::ZERO);
+    let (x, y) = (steps.x as u32, steps.y as u32);
+    Source {
+        corner: y / STEPS * camera.width() as u32 + x / STEPS,
+        right: (x % STEPS) as u16,
+        down: (y % STEPS) as u16,
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
+    use image::Rgb;
 
     use super::*;
     use crate::camera::{CameraFromWorld, Distortion, Intrinsics};

@@ -70,6 +70,12 @@ impl Prediction {
     }
 }
 
+/// λ alone, as pictures hold it: for overlaps.
+#[must_use]
+pub fn lambda(view: &View) -> Vec<f32> {
+    levels(view).into_iter().map(|level| level as f32).collect()
+}
+
 /// λ alone, in f64: for files that others compare.
 #[must_use]
 pub fn levels(view: &View) -> Vec<f64> {

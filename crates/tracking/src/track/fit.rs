@@ -118,7 +118,8 @@ impl Fit {
             return Err(FitError::NoData { reasons });
         }
         let start = start.normalized();
-        let distances: Vec<Option<SignedDistance>> = views.iter().map(|view| view.distance(&options.stages)).collect();
+        let distances: Vec<Option<SignedDistance>> =
+            views.iter().map(|view| view.distance(&options.stages)).collect();
         let (objective, solver) =
             Self::begin_stage(&model, &views, &distances, &options, 0, &start, &start, free.clone());
         let rms = objective.rms();

@@ -9,7 +9,7 @@ use super::options::FitOptions;
 use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::cancel::CancelToken;
 use crate::optimize::Termination;
-use crate::render::predict;
+use crate::render::{Ramp, View, prediction};
 use crate::silhouette::{Mask, Overlap};
 
 /// A frame counts as lost below this overlap of model and silhouettes (IoU).
@@ -138,9 +138,8 @@ impl Tracker {
         let kinematics = Kinematics::new(&self.model, &estimate.pose);
         for ((overlap, mask), camera) in estimate.overlap.iter_mut().zip(&masks).zip(&cameras) {
             *overlap = mask.as_ref().and_then(|mask| {
-                let ramp = crate::render::Ramp::Half;
-                let prediction = predict(&self.model, &kinematics, camera, self.options.renderer, ramp);
-                Overlap::between(mask, &prediction.lambda).ok()
+                let view = View::new(&self.model, &kinematics, camera, self.options.renderer, Ramp::Half);
+                Overlap::between(mask, &prediction::lambda(&view)).ok()
             });
         }
         if estimate.iou().is_some_and(|iou| iou < LOST_BELOW_IOU) {

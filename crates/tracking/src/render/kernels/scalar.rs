@@ -1,5 +1,7 @@
 //! The reference kernel: one pixel, one solid at a time, in f64.
 
+use glam::DVec3;
+
 use crate::render::View;
 
 /// No solid is near this pixel.
@@ -12,6 +14,8 @@ pub struct RowWinners {
     levels: Vec<f64>,
     /// Per pixel, the index of that solid, or [`NOBODY`].
     winners: Vec<u32>,
+    /// Rays of the touched pixels, from the first touched one on.
+    rays: Vec<DVec3>,
     touched: (usize, usize),
 }
 
@@ -25,20 +29,20 @@ impl RowWinners {
         self.levels.resize(width, 1.0);
         self.winners.clear();
         self.winners.resize(width, NOBODY);
-        self.touched = (width, 0);
-        for (index, primitive) in view.primitives().iter().enumerate() {
-            let bounds = primitive.bounds;
-            if !(bounds.y0..bounds.y1).contains(&y) {
-                continue;
-            }
-            // First sampled pixel at or after x0.
-            let first = offset + bounds.x0.saturating_sub(offset).div_ceil(stride) * stride;
-            if first >= bounds.x1 {
-                continue;
-            }
-            self.touched = (self.touched.0.min(first), self.touched.1.max(bounds.x1));
-            for x in (first..bounds.x1).step_by(stride) {
-                let level = primitive.ramp.unclipped(primitive.squared(view.ray(x, y)));
+        let on_row =
+            || view.primitives().iter().enumerate().filter(|(_, p)| (p.bounds.y0..p.bounds.y1).contains(&y));
+        let low = on_row().map(|(_, p)| p.bounds.x0).min().unwrap_or(width);
+        let high = on_row().map(|(_, p)| p.bounds.x1).max().unwrap_or(0);
+        // First sampled pixel at or after a column.
+        let sampled = |x: usize| offset + x.saturating_sub(offset).div_ceil(stride) * stride;
+        let start = sampled(low);
+        self.touched = (start, high);
+        self.rays.clear();
+        self.rays.extend((start..high).step_by(stride).map(|x| view.ray(x, y)));
+        for (index, primitive) in on_row() {
+            let first = sampled(primitive.bounds.x0);
+            for x in (first..primitive.bounds.x1).step_by(stride) {
+                let level = primitive.ramp.unclipped(primitive.squared(self.rays[(x - start) / stride]));
                 if level < self.levels[x] {
                     self.levels[x] = level;
                     self.winners[x] = index as u32;
