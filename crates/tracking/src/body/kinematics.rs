@@ -6,7 +6,7 @@
 //! limb's kinematic map K (7 × columns).
 //!
 //! Rotation j turns every bone m whose rotation follows j. The first joint of limb l is the root plus the
-//! bones on its path, so with ω = R_parent(j)* e:  v = ω × c, c = Σ bones on the path that follow j.
+//! bones on its path, so with `ω = R_parent(j)* e`:  v = ω × c, c = Σ bones on the path that follow j.
 
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;

@@ -10,7 +10,7 @@ pub const MAX_SIDE: u32 = 16_384;
 /// Rotations that are this far from orthonormal are refused; closer ones are mended.
 const ROTATION_TOLERANCE: f64 = 1e-3;
 
-/// The rigid transform from world to camera: x_camera = rotation · x_world + translation.
+/// The rigid transform from world to camera: `x_camera = rotation · x_world + translation`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraFromWorld {
     /// Rows are the camera's axes in the world.

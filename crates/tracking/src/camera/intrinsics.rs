@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-/// x_px = fx X/Z + cx, y_px = fy Y/Z + cy, with pixel centres at integers.
+/// `x_px = fx X/Z + cx`, `y_px = fy Y/Z + cy`, with pixel centres at integers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Intrinsics {
     /// Focal length across, pixels.

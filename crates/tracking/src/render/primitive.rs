@@ -150,10 +150,12 @@ fn capsule_squared(u: DVec3, p0: DVec3, p1: DVec3) -> f64 {
     let (b, c, along) = (u.dot(a), a.dot(p0), u.dot(p0));
     let denominator = a.length_squared() - b * b;
     let t = along * b - c; // times denominator
-    if t >= 0.0 && t <= denominator && denominator > 0.0 {
-        if let Some(axis) = ray_axis(u, p0, p1) {
-            return axis.squared;
-        }
+    if t >= 0.0
+        && t <= denominator
+        && denominator > 0.0
+        && let Some(axis) = ray_axis(u, p0, p1)
+    {
+        return axis.squared;
     }
     point_squared(u, p0).min(point_squared(u, p1))
 }
