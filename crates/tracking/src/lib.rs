@@ -1,4 +1,100 @@
 //! Silhouette-based markerless motion capture: the tracking core of Backlit.
+//!
+//! # The problem
+//!
+//! A person moves in front of calibrated cameras. Each picture is reduced to a silhouette. Wanted is the pose
+//! of an articulated body whose outlines cover the silhouettes in all cameras at once. The method is that of
+//! P. Kaimakis, "Markerless Motion Capture", University of Cambridge, 2004; equation numbers are that report's.
+//!
+//! # The equations
+//!
+//! - **Body** (4.11, 4.12). Chains of rigid limbs grow from one root. The state X is the root's position and one
+//!   unit quaternion a joint; a joint lies at p = root + Σ sₘ Rₘ vₘ over the limbs before it, with length s and
+//!   rest direction v. See [`body`].
+//! - **Prediction** Λ(X) (4.16). A ray through each pixel passes a limb of radius r at distance d. A ramp turns
+//!   that into a grey level, λ = 255 · clip(α d² + β, 0, 1), and over all limbs the darkest wins. See [`render`].
+//! - **Measurement** D (4.24). The silhouette in the same grey levels: 0 subject, 255 background; pixels of which
+//!   nothing is known weigh nothing. See [`segment`] and [`silhouette`].
+//! - **Cost.** Σ w (D − Λ(X))² over all pixels of all cameras, in squared grey levels, plus priors. See
+//!   [`residual`].
+//! - **Step** (4.10). (JᵀJ + damping) δ = Jᵀρ with J = ∂Λ/∂X and ρ = D − Λ; X moves by X ⊕ δ. JᵀJ is never
+//!   invertible (a limb's twist, undone by its children's, shows nowhere), so a step is damped or takes the
+//!   pseudo-inverse. See [`optimize`].
+//!
+//! A pixel's derivative is a wrench on one limb, a force and a moment; wrenches are summed over pixels and mapped
+//! to the state once a limb ([`render::wrench`]). That is exact, and its cost does not grow with the state.
+//!
+//! # Frames and units
+//!
+//! Metres, radians, seconds; pixels where a name ends in `_px`. World axes are the take's own. Camera axes are
+//! OpenCV's: x right, y down, z forward, pixel centres at integers. A transform is named `a_from_b`, so
+//! `point_in_camera = camera_from_world · point_in_world`. Quaternions are written w x y z; a rotation is relative
+//! to its parent's frame, and tangent steps act there from the left, q ← exp(ω) q. Everything is f64 but pixels.
+//!
+//! # From masks to a pose
+//!
+//! ```
+//! use std::sync::Arc;
+//!
+//! use backlit_tracking::body::{Kinematics, Parameters, Pose, builtin};
+//! use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+//! use backlit_tracking::cancel::CancelToken;
+//! use backlit_tracking::render::{Ramp, RendererKind, predict};
+//! use backlit_tracking::silhouette::{Label, Mask};
+//! use backlit_tracking::track::{Evidence, Fit, FitOptions, FitView, Preset};
+//! use glam::DVec3;
+//!
+//! let model = Arc::new(builtin::upper_body());
+//! let columns = Parameters::Tangent.columns(model.rotation_count());
+//! let truth = Pose::rest(&model).retract(Parameters::Tangent, &vec![0.1; columns]);
+//! let joints = Kinematics::new(&model, &truth);
+//!
+//! // Two cameras, and the silhouette that each would see.
+//! let mut views = Vec::new();
+//! for (name, at) in [("left", DVec3::new(1.6, 0.4, 2.0)), ("right", DVec3::new(-1.9, 0.5, 1.7))] {
+//!     let place = CameraFromWorld::looking_at(at, DVec3::Y * 0.3, DVec3::Y);
+//!     let pinhole = Intrinsics { fx: 130.0, fy: 130.0, cx: 47.5, cy: 35.5 };
+//!     let camera = Camera::new(name, [96, 72], pinhole, Distortion::None, place)?;
+//!     let drawn = predict(&model, &joints, &camera, RendererKind::Capsule, Ramp::Half);
+//!     let label = |&level: &f32| if level < 127.5 { Label::Subject } else { Label::Background };
+//!     let mask = Mask::new(96, 72, drawn.lambda.iter().map(label).collect())?;
+//!     let evidence = Evidence::Mask(Arc::new(mask));
+//!     views.push(FitView { camera: Arc::new(camera), evidence, weight: 1.0 });
+//! }
+//!
+//! // Start a few degrees off and fit.
+//! let off: Vec<f64> = (0..columns).map(|i| 0.06 * (i as f64).cos()).collect();
+//! let start = truth.retract(Parameters::Tangent, &off);
+//! let mut fit = Fit::new(model.clone(), views, start, FitOptions::preset(Preset::Robust))?;
+//! let summary = fit.run(&CancelToken::new(), |iteration| println!("cost {:.0}", iteration.cost));
+//!
+//! let found = Kinematics::new(&model, &summary.pose);
+//! for (found, truth) in found.ends().iter().zip(joints.ends()) {
+//!     assert!(found.distance(*truth) < 0.02, "a joint is more than 20 mm off: {}", summary.termination);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # The modules
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`body`] | the articulated body: limbs, poses, kinematics, the models that come with the program |
+//! | [`camera`] | calibrated cameras: pinhole, lens, place, rectification |
+//! | [`cancel`] | stopping long work, and how far it is |
+//! | [`geometry`] | rotations and distances of rays, with their derivatives |
+//! | [`optimize`] | least squares: normal equations, Gauss-Newton, Levenberg-Marquardt, derivative checks |
+//! | [`render`] | the soft silhouette Λ of a pose in a camera, and ∂Λ/∂X |
+//! | [`residual`] | what pulls on a pose: silhouettes, priors, limits, points |
+//! | [`segment`] | from footage to masks |
+//! | [`silhouette`] | masks, measurements D, distance fields, overlap and outlines |
+//! | [`synthetic`] | bodies and scenes with known truth |
+//! | [`track`] | fitting a frame, following frames, posing by hand |
+//!
+//! Data flow one way: footage → [`segment`] → [`silhouette`] (D); [`body`] + [`camera`] → [`render`] (Λ) →
+//! [`residual`] → [`optimize`] → pose; [`track`] runs frames. A test holds the table of who may use whom.
+//! Not converging is an answer ([`optimize::Termination`]), not an error; results are the same to the bit in
+//! every run, whatever the number of threads.
 
 pub mod body;
 pub mod camera;

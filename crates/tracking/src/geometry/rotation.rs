@@ -38,7 +38,7 @@ pub fn log(q: DQuat) -> DVec3 {
     v * (2.0 * sine.atan2(w) / sine)
 }
 
-/// The matrix [v]× with [v]× x = v × x.
+/// The matrix `[v]×` with `[v]× x = v × x`.
 #[must_use]
 pub fn skew(v: DVec3) -> DMat3 {
     DMat3::from_cols(DVec3::new(0.0, v.z, -v.y), DVec3::new(-v.z, 0.0, v.x), DVec3::new(v.y, -v.x, 0.0))
@@ -46,7 +46,7 @@ pub fn skew(v: DVec3) -> DMat3 {
 
 /// Inverse of the left Jacobian of SO(3): d/dω log(exp(ω) exp(φ)) at ω = 0.
 ///
-/// J⁻¹ = I − ½[φ]× + (1/θ² − (1 + cos θ)/(2 θ sin θ)) [φ]×², θ = |φ| < 2π.
+/// `J⁻¹ = I − ½[φ]× + (1/θ² − (1 + cos θ)/(2 θ sin θ)) [φ]×²`, θ = |φ| < 2π.
 #[must_use]
 pub fn left_jacobian_inverse(phi: DVec3) -> DMat3 {
     let angle = phi.length();

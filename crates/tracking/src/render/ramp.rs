@@ -60,7 +60,7 @@ impl FromStr for Ramp {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let error = || ParseRampError(text.to_owned());
-        let pixels = |part: &str| part.trim().parse::<f64>().map_err(|_| error());
+        let pixels = |part: &str| part.trim().parse::<f64>().ok().ok_or_else(error);
         let ramp = match text.split_once('=') {
             None if text == "thesis" => Self::Thesis,
             None if text == "half" => Self::Half,

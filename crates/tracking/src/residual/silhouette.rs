@@ -132,6 +132,12 @@ impl WorldBlocks {
         self.forces.fill(SVector::zeros());
     }
 
+    /// Whether no pixel of any camera pulls at any limb: the body is out of every picture.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.products.iter().all(|products| products.trace() == 0.0)
+    }
+
     /// Adds one camera's blocks with the camera's weight.
     pub fn add(&mut self, camera: &Camera, blocks: &[WrenchBlock], weight: f64) {
         for (limb, block) in blocks.iter().enumerate().filter(|(_, block)| !block.is_empty()) {

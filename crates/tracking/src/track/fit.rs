@@ -79,6 +79,9 @@ pub struct Fit {
 impl Fit {
     /// Prepares a fit. Cameras whose silhouette is empty are left out and named in the summary.
     ///
+    /// A start that no camera sees ends before the first step with [`Termination::NoGradient`]: priors alone
+    /// never move the body.
+    ///
     /// # Errors
     /// A pose that is not the model's, data that are not the camera's, options that make no sense, or no
     /// camera with a silhouette.
@@ -123,11 +126,12 @@ impl Fit {
         let (objective, solver) =
             Self::begin_stage(&model, &views, &distances, &options, 0, &start, &start, free.clone());
         let rms = objective.rms();
+        let termination = objective.is_blind().then_some(Termination::NoGradient);
         Ok(Self {
             initial_cost: solver.cost(),
             initial_rms: rms,
             rms,
-            termination: None,
+            termination,
             reference: start,
             free,
             stage: 0,

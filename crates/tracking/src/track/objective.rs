@@ -93,6 +93,12 @@ impl Objective {
         self.silhouette_cost
     }
 
+    /// Whether no pixel had a gradient at the last evaluated pose: the cameras do not see the body.
+    #[must_use]
+    pub fn is_blind(&self) -> bool {
+        self.world.is_empty()
+    }
+
     /// Root of the mean squared residual per pixel that has weight, grey levels.
     #[must_use]
     pub fn rms(&self) -> f64 {

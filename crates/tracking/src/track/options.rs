@@ -135,6 +135,11 @@ impl FromStr for Preset {
 /// Iterations a frame in the report (chapter 5).
 const REPORT_ITERATIONS: usize = 25;
 
+/// Inner width of the robust preset's distance ramps, pixels. The annealing narrows the outer width only: a
+/// prediction's inner width ends at its limb's radius and the data's does not, so inside the body the two mean
+/// the same only where they are narrower than every limb.
+const ROBUST_INNER_PX: f64 = 1.5;
+
 impl FitOptions {
     /// The choices of a preset.
     #[must_use]
@@ -167,7 +172,7 @@ impl FitOptions {
                 damping: 0.01,
                 stages: [(24.0, 4), (12.0, 4), (6.0, 4), (3.0, 2), (1.5, 2)]
                     .map(|(outer_px, stride)| Stage {
-                        ramp: Ramp::Distance { inner_px: outer_px, outer_px },
+                        ramp: Ramp::Distance { inner_px: ROBUST_INNER_PX, outer_px },
                         data: DataView::Distance,
                         stride,
                         iterations: 12,
