@@ -11,7 +11,6 @@ use backlit_tracking::residual::silhouette::{KernelMemory, SampledData, WorldBlo
 use backlit_tracking::silhouette::Measurement;
 use backlit_tracking::track::start;
 use glam::DVec3;
-use nalgebra::DMatrix;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
@@ -63,7 +62,7 @@ fn equations(model: &Model, pose: &Pose, camera: &Camera, blocks: &[WrenchBlock]
     world.add(camera, blocks, 1.0);
     let mut equations = NormalEquations::zeros(columns);
     let kinematics = Kinematics::new(model, pose);
-    world.add_to(&kinematics, Parameters::Raw, &mut DMatrix::zeros(7, columns), &mut equations);
+    world.add_to(&kinematics, Parameters::Raw, &mut Vec::new(), &mut equations);
     equations
 }
 

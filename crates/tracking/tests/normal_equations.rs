@@ -109,7 +109,7 @@ fn problem(
         }
     }
     for (world, sums) in worlds.iter().zip(&mut both_sums) {
-        world.add_to(&here, parameters, &mut DMatrix::zeros(7, columns), sums);
+        world.add_to(&here, parameters, &mut Vec::new(), sums);
     }
     let [sums, fast_sums] = both_sums;
     Problem { sums, fast_sums, jacobian: DMatrix::from_rows(&rows), residual: DVector::from_vec(residual) }

@@ -29,6 +29,15 @@ pub struct Kinematics {
     levers: Vec<Vec<Lever>>,
 }
 
+/// One column of a limb's kinematic map: what a unit of a state's column does to the limb.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MovingColumn {
+    /// The state's column.
+    pub index: usize,
+    /// v, ω, σ in world axes, about the limb's first joint.
+    pub motion: [f64; 7],
+}
+
 #[derive(Debug, Clone, Copy)]
 struct Lever {
     rotation: usize,
@@ -36,6 +45,8 @@ struct Lever {
     arm: DVec3,
     /// Whether the limb itself turns with the rotation.
     turns: bool,
+    /// The same rotation's lever of the limb that this one grows from.
+    before: Option<usize>,
 }
 
 impl Kinematics {
@@ -61,7 +72,10 @@ impl Kinematics {
                 }
                 let turns = model.rotation_follows(limb.rotation, rotation);
                 if on_path || turns {
-                    this.levers[index].push(Lever { rotation, arm: DVec3::ZERO, turns });
+                    let of_parent = limb.parent.map(|parent| &this.levers[parent]);
+                    let before =
+                        of_parent.and_then(|levers| levers.iter().position(|l| l.rotation == rotation));
+                    this.levers[index].push(Lever { rotation, arm: DVec3::ZERO, turns, before });
                 }
             }
         }
@@ -85,18 +99,16 @@ impl Kinematics {
             self.starts[index] = start;
             self.ends[index] = start + self.world[limb.rotation] * (limb.direction * limb.length);
         }
-        for index in 0..self.levers.len() {
-            for slot in 0..self.levers[index].len() {
-                let rotation = self.levers[index][slot].rotation;
-                let mut arm = DVec3::ZERO;
-                let mut next = model.limbs()[index].parent;
-                while let Some(bone) = next {
-                    if model.rotation_follows(model.limbs()[bone].rotation, rotation) {
-                        arm += self.ends[bone] - self.starts[bone];
-                    }
-                    next = model.limbs()[bone].parent;
+        for (index, limb) in model.limbs().iter().enumerate() {
+            let Some(parent) = limb.parent else { continue };
+            let bone = self.ends[parent] - self.starts[parent];
+            // Parents stand before their children.
+            let (before, after) = self.levers.split_at_mut(index);
+            for lever in &mut after[0] {
+                if let Some(slot) = lever.before {
+                    let through = before[parent][slot];
+                    lever.arm = through.arm + if through.turns { bone } else { DVec3::ZERO };
                 }
-                self.levers[index][slot].arm = arm;
             }
         }
     }
@@ -131,13 +143,11 @@ impl Kinematics {
         self.starts.len()
     }
 
-    /// The limb's kinematic map K (7 × columns), rows v, ω, σ in world axes, about its first joint.
-    ///
-    /// `map` is overwritten; it must be 7 × [`Parameters::columns`].
-    pub fn fill_map(&self, limb: usize, parameters: Parameters, map: &mut DMatrix<f64>) {
-        map.fill(0.0);
-        for axis in 0..3 {
-            map[(axis, axis)] = 1.0;
+    /// The columns of the limb's kinematic map K that are not zero, with their index: v, ω, σ in world axes.
+    pub fn moving_columns_into(&self, limb: usize, parameters: Parameters, columns: &mut Vec<MovingColumn>) {
+        columns.clear();
+        for (axis, unit) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().enumerate() {
+            columns.push(MovingColumn { index: axis, motion: [unit.x, unit.y, unit.z, 0.0, 0.0, 0.0, 0.0] });
         }
         for lever in &self.levers[limb] {
             let first = parameters.first_column(lever.rotation);
@@ -150,28 +160,24 @@ impl Kinematics {
                         (frame * turn, scaling)
                     }
                 };
-                let velocity = turn.cross(lever.arm) + scaling * lever.arm;
-                for axis in 0..3 {
-                    map[(axis, first + column)] = velocity[axis];
-                }
-                if lever.turns {
-                    for axis in 0..3 {
-                        map[(3 + axis, first + column)] = turn[axis];
-                    }
-                    map[(6, first + column)] = scaling;
-                }
+                let v = turn.cross(lever.arm) + scaling * lever.arm;
+                let (w, s) = if lever.turns { (turn, scaling) } else { (DVec3::ZERO, 0.0) };
+                columns
+                    .push(MovingColumn { index: first + column, motion: [v.x, v.y, v.z, w.x, w.y, w.z, s] });
             }
         }
     }
 
-    /// The state's columns that move a limb: all others are zero in its map.
-    #[must_use]
-    pub fn moving_columns(&self, limb: usize, parameters: Parameters) -> Vec<usize> {
-        let blocks = self.levers[limb].iter().flat_map(|lever| {
-            let first = parameters.first_column(lever.rotation);
-            first..first + parameters.per_rotation()
-        });
-        (0..3).chain(blocks).collect()
+    /// The limb's kinematic map K (7 × columns), rows v, ω, σ in world axes, about its first joint.
+    ///
+    /// `map` is overwritten; it must be 7 × [`Parameters::columns`].
+    pub fn fill_map(&self, limb: usize, parameters: Parameters, map: &mut DMatrix<f64>) {
+        map.fill(0.0);
+        let mut columns = Vec::new();
+        self.moving_columns_into(limb, parameters, &mut columns);
+        for column in columns {
+            map.column_mut(column.index).copy_from_slice(&column.motion);
+        }
     }
 
     /// Derivative of the limb's second joint by the state, 3 × columns.

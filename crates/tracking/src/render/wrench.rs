@@ -7,7 +7,7 @@
 //! Jᵀρ, at a cost per pixel that does not depend on the size of the state.
 
 use glam::{DMat3, DVec3};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{Matrix3, SMatrix, SVector};
 
 /// A force with its moment and stretch about the limb's first joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -96,6 +96,10 @@ impl WrenchBlock {
     /// M = Σ w h hᵀ and m = Σ w h ρ, turned from camera to world axes.
     #[must_use]
     pub fn in_world(&self, camera_from_world: DMat3) -> (SMatrix<f64, 7, 7>, SVector<f64, 7>) {
+        // Force and moment turn, each with itself and with the other; the stretch is a number.
+        let c = camera_from_world.to_cols_array();
+        let world_from_camera = Matrix3::from_row_slice(&c);
+        let camera_from_world = world_from_camera.transpose();
         let mut products = SMatrix::<f64, 7, 7>::zeros();
         let mut slot = 0;
         for i in 0..7 {
@@ -105,15 +109,20 @@ impl WrenchBlock {
                 slot += 1;
             }
         }
-        let mut turn = SMatrix::<f64, 7, 7>::zeros();
-        for row in 0..3 {
-            for column in 0..3 {
-                let value = camera_from_world.row(column)[row]; // world from camera
-                turn[(row, column)] = value;
-                turn[(row + 3, column + 3)] = value;
-            }
+        for (i, j) in [(0, 0), (0, 3), (3, 3)] {
+            let block: Matrix3<f64> = products.fixed_view::<3, 3>(i, j).into_owned();
+            let turned = world_from_camera * block * camera_from_world;
+            products.fixed_view_mut::<3, 3>(i, j).copy_from(&turned);
+            products.fixed_view_mut::<3, 3>(j, i).copy_from(&turned.transpose());
         }
-        turn[(6, 6)] = 1.0;
-        (turn * products * turn.transpose(), turn * SVector::from(self.forces))
+        let mut forces = SVector::from(self.forces);
+        for i in [0, 3] {
+            let stretch = world_from_camera * products.fixed_view::<3, 1>(i, 6);
+            products.fixed_view_mut::<3, 1>(i, 6).copy_from(&stretch);
+            products.fixed_view_mut::<1, 3>(6, i).copy_from(&stretch.transpose());
+            let turned = world_from_camera * forces.fixed_rows::<3>(i);
+            forces.fixed_rows_mut::<3>(i).copy_from(&turned);
+        }
+        (products, forces)
     }
 }

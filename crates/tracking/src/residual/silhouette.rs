@@ -3,8 +3,9 @@
 //! Pixels that no limb comes near have Λ = 255 and no gradient: their cost is a constant of the data,
 //! corrected over the spans that limbs touch. The work grows with the area of the limbs, not with the picture.
 
-use nalgebra::{DMatrix, SMatrix, SVector};
+use nalgebra::{SMatrix, SVector};
 
+use crate::body::kinematics::MovingColumn;
 use crate::body::{Kinematics, Parameters};
 use crate::camera::Camera;
 use crate::optimize::NormalEquations;
@@ -152,26 +153,24 @@ impl WorldBlocks {
         &self,
         kinematics: &Kinematics,
         parameters: Parameters,
-        map: &mut DMatrix<f64>,
+        columns: &mut Vec<MovingColumn>,
         equations: &mut NormalEquations,
     ) {
         for (limb, (products, forces)) in self.products.iter().zip(&self.forces).enumerate() {
             if products[(0, 0)] == 0.0 && products[(1, 1)] == 0.0 && products[(2, 2)] == 0.0 {
                 continue;
             }
-            kinematics.fill_map(limb, parameters, map);
-            let columns = kinematics.moving_columns(limb, parameters);
-            for &i in &columns {
-                let k_i: SVector<f64, 7> = map.column(i).fixed_rows::<7>(0).into_owned();
-                let pushed = products * k_i;
-                equations.jtr[i] += k_i.dot(forces);
-                for &j in &columns {
-                    let k_j = map.column(j);
-                    let mut sum = 0.0;
-                    for row in 0..7 {
-                        sum += pushed[row] * k_j[row];
+            kinematics.moving_columns_into(limb, parameters, columns);
+            for (first, a) in columns.iter().enumerate() {
+                let motion = SVector::from(a.motion);
+                let pushed = products * motion;
+                equations.jtr[a.index] += motion.dot(forces);
+                for b in &columns[first..] {
+                    let sum = pushed.dot(&SVector::from(b.motion));
+                    equations.jtj[(a.index, b.index)] += sum;
+                    if a.index != b.index {
+                        equations.jtj[(b.index, a.index)] += sum;
                     }
-                    equations.jtj[(i, j)] += sum;
                 }
             }
         }

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 use super::evidence::FitView;
 use super::options::{FitOptions, Stage};
+use crate::body::kinematics::MovingColumn;
 use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::optimize::{LeastSquares, NormalEquations};
 use crate::render::View;
@@ -27,7 +28,7 @@ pub struct Objective {
     free: Option<Vec<bool>>,
     kinematics: Kinematics,
     world: WorldBlocks,
-    map: DMatrix<f64>,
+    columns: Vec<MovingColumn>,
     silhouette_cost: f64,
 }
 
@@ -67,7 +68,6 @@ impl Objective {
                 cost: 0.0,
             })
             .collect();
-        let columns = options.parameters.columns(model.rotation_count());
         Self {
             options: options.clone(),
             stage,
@@ -75,7 +75,7 @@ impl Objective {
             reference,
             free: None,
             world: WorldBlocks::new(limbs),
-            map: DMatrix::zeros(7, columns),
+            columns: Vec::new(),
             kinematics,
             model,
             silhouette_cost: 0.0,
@@ -165,7 +165,7 @@ impl LeastSquares for Objective {
             self.world.add(&term.fit_view.camera, &term.blocks, term.fit_view.weight);
         }
         equations.cost += self.silhouette_cost;
-        self.world.add_to(&self.kinematics, options.parameters, &mut self.map, equations);
+        self.world.add_to(&self.kinematics, options.parameters, &mut self.columns, equations);
         self.add_priors(pose, equations);
         self.hold(equations);
     }
