@@ -3,6 +3,8 @@
 //! All mismatches are reported at once by renderer, ramp, parametrisation, camera, limb, column and pixel.
 //! Pixels at a kink (the winner changes or the ramp clips within the difference step) are skipped, and few are.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
+
 use backlit_tracking::body::{Kinematics, LimbSphere, Model, ModelSpec, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::optimize::gradient_check::{DifferenceOptions, GradientCheck, check_jacobian};

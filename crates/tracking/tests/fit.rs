@@ -1,5 +1,7 @@
 //! Whole fits of the upper body in two small cameras, from known truth.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
+
 use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};

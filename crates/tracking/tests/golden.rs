@@ -3,6 +3,8 @@
 //! `golden/golden.json` has nineteen cases: three renderers, one limb, a two-limb arm, the upper body; ordinary
 //! views, end-on, an axis parallel to a ray, a limb behind the camera. Thesis ramp; λ to five decimals.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
+
 use backlit_tracking::body::model::{FORMAT, LimbSpec};
 use backlit_tracking::body::{Kinematics, Model, ModelSpec, Parameters, Pose};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};

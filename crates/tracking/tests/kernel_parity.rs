@@ -1,5 +1,7 @@
 //! The lanes against the reference kernel: costs and wrench blocks, for every ramp, stride and odd view.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
+
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::optimize::NormalEquations;

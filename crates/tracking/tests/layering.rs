@@ -1,5 +1,7 @@
 //! The house's rule of who may know whom: data flows one way, and `use` follows it.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -1,5 +1,7 @@
 //! The sums that a fit steps on, against the long way: dense Jacobians for pixels, differences for priors.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
+
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::geometry::rotation::{log, swing_twist};
@@ -125,8 +127,8 @@ fn compare(
     failures: &mut Vec<String>,
 ) {
     let mut check = |what: String, found: f64, expected: f64, scale: f64| {
-        // Not a number is a failure too.
-        if !((found - expected).abs() <= tolerance * scale) {
+        let agrees = (found - expected).abs() <= tolerance * scale;
+        if !agrees {
             failures.push(format!("{name}: {what} = {found}, expected {expected}"));
         }
     };
@@ -184,12 +186,14 @@ fn the_undamped_step_is_the_dense_least_squares_solution() {
             let nulls = svd.singular_values.iter().filter(|value| **value < 1e-3 * largest).count();
             let dense = svd.solve(&residual, 1e-3 * largest).unwrap();
             let error = (&step - &dense).norm() / dense.norm();
-            if !(error < 1e-6) {
+            let agrees = error < 1e-6;
+            if !agrees {
                 failures.push(format!("{name}: the step is {error:.1e} off, {nulls} null directions"));
             }
             let fallen = residual.norm_squared() - (&residual - &jacobian * &step).norm_squared();
             let predicted = sums.predicted_decrease(&step);
-            if !((predicted / fallen - 1.0).abs() < 1e-8) {
+            let agrees = (predicted / fallen - 1.0).abs() < 1e-8;
+            if !agrees {
                 failures.push(format!("{name}: predicted decrease {predicted}, the linear model's {fallen}"));
             }
         }
@@ -215,7 +219,8 @@ fn the_damped_step_is_the_augmented_least_squares_solution() {
                 let data = residual.clone().resize_vertically(rows + extra, 0.0);
                 let dense = augmented.svd(true, true).solve(&data, 0.0).unwrap();
                 let error = (sums.step(damping) - &dense).norm() / dense.norm();
-                if !(error < 1e-8) {
+                let agrees = error < 1e-8;
+                if !agrees {
                     failures.push(format!("{name}, {parameters:?}, damping {damping}: {error:.1e} off"));
                 }
             }
@@ -324,7 +329,7 @@ fn check_limits(name: &str, model: &Model, parameters: Parameters, pose: &Pose, 
         weighted(weight, each)
     };
     let add = |equations: &mut NormalEquations, pose: &Pose| {
-        joint_limit::add(equations, parameters, model, pose, weight)
+        joint_limit::add(equations, parameters, model, pose, weight);
     };
     check_prior(name, parameters, pose, add, excess, failures);
 }

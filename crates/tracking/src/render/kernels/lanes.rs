@@ -171,7 +171,7 @@ impl Capsule {
         let squared = reach * reach;
         let q2 = n.x * n.x - squared * (a.y * a.y + a.z * a.z);
         let to_column = |x: f64| (x * pinhole.fx + pinhole.cx - grid.offset as f64) / grid.stride as f64;
-        for row in self.rows[0]..self.rows[1] {
+        for (row, touched) in (self.rows[0]..).zip(&mut touched[self.rows[0]..self.rows[1]]) {
             let y = ((grid.offset + row * grid.stride) as f64 - pinhole.cy) / pinhole.fy;
             let mut span = [self.columns[0] as u32, self.columns[1] as u32];
             // e × a = (y az − ay, ax − x az, x ay − y ax)
@@ -194,7 +194,7 @@ impl Capsule {
                 }
                 span = [low as u32, high as u32];
             }
-            touched[row] = [touched[row][0].min(span[0]), touched[row][1].max(span[1])];
+            *touched = [touched[0].min(span[0]), touched[1].max(span[1])];
             spans.push(span);
         }
     }
