@@ -233,6 +233,19 @@ fn a_start_behind_every_camera_ends_clearly() {
 }
 
 #[test]
+fn free_rotations_are_counted() {
+    let scene = scene();
+    let expected = scene.model.rotation_count();
+    for found in [0, expected - 1, expected + 1] {
+        let (model, views) = (Arc::clone(&scene.model), scene.views.clone());
+        let options = FitOptions::default();
+        let fit =
+            Fit::with_free_rotations(model, views, scene.truth.clone(), options, Some(vec![true; found]));
+        assert_eq!(fit.unwrap_err(), FitError::FreeRotations { found, expected });
+    }
+}
+
+#[test]
 fn only_free_rotations_move() {
     let scene = scene();
     let arm = ["right upper arm", "right forearm"].map(|name| {

@@ -46,6 +46,8 @@ pub enum FitError {
     Weight { camera: String, weight: f64 },
     #[error("camera \"{camera}\" has lens distortion; expected rectified pictures and an ideal camera")]
     Distorted { camera: String },
+    #[error("`free` has {found} entries; the model has {expected} rotations")]
+    FreeRotations { found: usize, expected: usize },
     #[error("no camera has a silhouette to fit: {reasons}")]
     NoData { reasons: String },
 }

@@ -97,7 +97,7 @@ impl Fit {
     /// The same with only some rotations free to move (`free[rotation]`), to refit a limb or a chain.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// As [`new`](Self::new), or `free` is not as long as the model has rotations.
     pub fn with_free_rotations(
         model: Arc<Model>,
         views: Vec<FitView>,
@@ -107,6 +107,11 @@ impl Fit {
     ) -> Result<Self, FitError> {
         start.check(&model)?;
         options.check()?;
+        if let Some(found) = free.as_ref().map(Vec::len)
+            && found != model.rotation_count()
+        {
+            return Err(FitError::FreeRotations { found, expected: model.rotation_count() });
+        }
         for view in &views {
             view.check()?;
         }
