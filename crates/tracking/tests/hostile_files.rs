@@ -18,6 +18,11 @@ use proptest::prelude::*;
 const MATRICES: &str = r#"{"cameras": {"c": {"size": [8, 6], "K": [[9, 0, 4], [0, 9, 3], [0, 0, 1]], "K_4x3": [[4, 0, 2],
     [0, 4, 1], [0, 0, 1]], "dist": [0.1, 0, 0, 0], "R": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "t": [0, 0, 2]}}}"#;
 
+const QUALISYS: &str = r#"<calibration><cameras><camera active="1" serial="c"><fov_video bottom="5" left="0" right="7" top="0"/>
+    <transform r11="0" r12="1" r13="0" r21="0" r22="0" r23="1" r31="1" r32="0" r33="0" x="2000" y="100" z="1500"/>
+    <intrinsic centerPointU="256" centerPointV="192" focalLengthU="576" focalLengthV="576" radialDistortion1="-0.05"
+    radialDistortion2="0.14" radialDistortion3="0.0" tangentalDistortion1="0.001" tangentalDistortion2="0.002"/></camera></cameras></calibration>"#;
+
 const TAKE: &str = r#"format = "backlit-take 1"
 name = "t"
 frame_rate = 25
@@ -111,6 +116,7 @@ fn cases() -> Vec<Case> {
         }),
         ("cameras", calibration::backlit::to_text(&rig()).into_bytes(), calibrated),
         ("matrices", MATRICES.into(), calibrated),
+        ("qualisys", QUALISYS.into(), calibrated),
         ("png", picture(ImageFormat::Png), |bytes| images::decode(Path::new("i"), bytes).is_ok()),
         ("jpeg", picture(ImageFormat::Jpeg), |bytes| images::decode(Path::new("i"), bytes).is_ok()),
         ("take", TAKE.into(), |bytes| read_take("take.toml", bytes)),

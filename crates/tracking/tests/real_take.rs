@@ -1,4 +1,4 @@
-//! The take of the real footage, `tests/takes/balancing`.
+//! The take of the real footage, `tests/takes/balancing`, and calibrations of the same cameras in two formats.
 //!
 //! Looks for the footage in the folder that `BACKLIT_DATA` names, else in `../shared/data` beside the workspace, and is
 //! skipped if it is not there.
@@ -6,6 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use backlit_tracking::body::builtin;
+use backlit_tracking::io::calibration::{self, CalibrationOptions};
 use backlit_tracking::io::{Take, model_file};
 
 fn take_folder() -> PathBuf {
@@ -64,5 +65,22 @@ fn the_take_opens_with_everything_in_it() {
             );
         }
         assert_eq!(reference.frame(5).count(), reference.markers().len());
+    }
+}
+
+#[test]
+fn two_formats_of_one_calibration_agree() {
+    let Some(footage) = footage() else { return };
+    let size = CalibrationOptions { size: Some([544, 960]), ..CalibrationOptions::default() };
+    for options in [CalibrationOptions::default(), size] {
+        let matrices = calibration::read(&footage.join("calib/cameras_original.json"), options).unwrap();
+        let qualisys = calibration::read(&footage.join("calib/Calib.qca.txt"), options).unwrap();
+        assert_eq!(matrices.count(), 4);
+        for (a, b) in matrices.cameras().iter().zip(qualisys.cameras()) {
+            assert_eq!((a.name(), a.width(), a.height()), (b.name(), b.width(), b.height()));
+            let point = glam::DVec3::new(-1.4, 0.1, 1.0);
+            let (p, q) = (a.project(point).unwrap(), b.project(point).unwrap());
+            assert!(p.distance(q) < 1e-6, "{}: {p} {q}", a.name());
+        }
     }
 }

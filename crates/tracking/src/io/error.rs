@@ -92,7 +92,7 @@ pub enum FileProblem {
     #[error(transparent)]
     Rig { error: RigError },
     #[error(
-        "cannot be recognised as a calibration; expected backlit-cameras JSON or JSON of camera matrices"
+        "cannot be recognised as a calibration; expected backlit-cameras JSON, JSON of camera matrices or Qualisys XML"
     )]
     UnknownCalibration,
     #[error("is not a whole picture: {message}")]

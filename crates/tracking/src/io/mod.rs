@@ -18,6 +18,7 @@
 pub mod atomic;
 pub mod calibration;
 pub mod error;
+pub mod export;
 pub mod files;
 pub mod images;
 mod json_text;

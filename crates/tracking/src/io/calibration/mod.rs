@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`backlit`] | `backlit-cameras 1`, our own JSON: read and written |
 //! | [`matrices`] | JSON with OpenCV's matrices K, R, t a camera: read |
+//! | [`qualisys`] | Qualisys Track Manager's `.qca.txt` XML: read |
 
 use std::path::Path;
 
@@ -12,6 +13,7 @@ use crate::camera::{Camera, CameraError, Rig};
 
 pub mod backlit;
 pub mod matrices;
+pub mod qualisys;
 
 /// Largest calibration file that is read, bytes.
 const MAX_BYTES: u64 = 8 << 20;
@@ -40,6 +42,7 @@ impl Default for CalibrationOptions {
 pub fn parse(path: &Path, bytes: &[u8], options: CalibrationOptions) -> Result<Rig, FileError> {
     let content = text::decode(path, bytes)?;
     match content.trim_start().chars().next() {
+        Some('<') => qualisys::parse(path, content, options),
         Some('{') if says_its_format(content) => backlit::parse(path, content, options),
         Some('{') => matrices::parse(path, content, options),
         _ => Err(FileError::new(path, FileProblem::UnknownCalibration)),

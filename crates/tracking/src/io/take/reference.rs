@@ -5,8 +5,9 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::body::{Kinematics, Model, Pose};
+use crate::body::Model;
 use crate::io::{FileError, FileProblem, TextFormat, text};
+use crate::track::metrics::ReferenceJoints;
 
 /// The word for the root where a limb's name stands for its second joint.
 pub const ROOT: &str = "root";
@@ -29,12 +30,12 @@ impl Joint {
         if name == ROOT { Some(Self::Root) } else { model.limb_index(name).map(Self::End) }
     }
 
-    /// Where the joint is in a pose, world metres.
+    /// The limb whose second joint it is; `None` for the root.
     #[must_use]
-    pub fn position(self, pose: &Pose, kinematics: &Kinematics) -> DVec3 {
+    pub fn limb(self) -> Option<usize> {
         match self {
-            Self::Root => pose.root,
-            Self::End(limb) => kinematics.ends()[limb],
+            Self::Root => None,
+            Self::End(limb) => Some(limb),
         }
     }
 }
@@ -70,6 +71,12 @@ impl Reference {
     pub fn frame(&self, frame: usize) -> impl Iterator<Item = (usize, Joint, DVec3)> + '_ {
         let seen = self.frames.get(&frame).map(Vec::as_slice).unwrap_or_default();
         seen.iter().map(|&(marker, position)| (marker, self.markers[marker].1, position))
+    }
+
+    /// The same for comparing with a pose, or for finding one.
+    #[must_use]
+    pub fn joints(&self, frame: usize) -> ReferenceJoints {
+        self.frame(frame).map(|(_, joint, position)| (joint.limb(), position)).collect()
     }
 
     /// Parses a table `frame,marker,x,y,z` (`joint` may stand for `marker`); further columns are not read.
@@ -234,6 +241,8 @@ mod tests {
         let reference = parse(text, Some(&map)).unwrap();
         let seen: Vec<_> = reference.frame(0).collect();
         assert_eq!(seen, [(0, Joint::End(3), DVec3::new(1.0, 2.0, -3.0))]);
+        assert_eq!(reference.joints(0), [(Some(3), DVec3::new(1.0, 2.0, -3.0))]);
+        assert_eq!(reference.joints(2), [(None, DVec3::new(0.001, 0.002, 0.003))]);
         assert_eq!(reference.frame(1).count(), 0);
         assert_eq!(reference.frame(2).next().unwrap().1, Joint::Root);
         assert_eq!(reference.frame(3).count(), 0);

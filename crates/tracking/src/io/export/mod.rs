@@ -1,0 +1,67 @@
+//! Tracks for other programs (see `docs/formats.md`).
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`tables`] | CSV: poses, joints, and how well each frame fits |
+//! | [`track_json`] | all of it in one `backlit-track 1` JSON |
+
+use crate::body::Model;
+use crate::track::Track;
+
+pub mod tables;
+pub mod track_json;
+
+/// A track and what its numbers belong to. The poses must be of the model.
+#[derive(Debug, Clone, Copy)]
+pub struct TrackExport<'a> {
+    /// What the recording is called.
+    pub name: &'a str,
+    /// Frames per second.
+    pub frame_rate: f64,
+    /// The body.
+    pub model: &'a Model,
+    /// The cameras' names, in the order of the estimates' overlaps.
+    pub cameras: &'a [&'a str],
+    /// The estimates.
+    pub track: &'a Track,
+}
+
+/// The word for the root where a limb's name stands for its second joint.
+pub(super) const ROOT: &str = "root";
+
+#[cfg(test)]
+pub(super) mod tests {
+    use crate::body::{Parameters, Pose, builtin};
+    use crate::optimize::Termination;
+    use crate::silhouette::Overlap;
+    use crate::track::{FrameEstimate, Track};
+
+    /// Two frames of one limb; the second is lost and has no numbers.
+    pub(in crate::io) fn sample() -> Track {
+        let model = builtin::single_limb();
+        let rest = Pose::rest(&model);
+        let moved = rest.retract(Parameters::Tangent, &[0.1, -2.0, 3.0, 0.0, 0.0, 0.5]);
+        let overlap = Overlap { agreement: 3, missing: 1, spurious: 0 };
+        let first = FrameEstimate {
+            frame: 4,
+            pose: moved,
+            cost: 1234.5,
+            rms: 2.25,
+            overlap: vec![Some(overlap), None],
+            iterations: 7,
+            lost: false,
+            termination: Some(Termination::NoDecrease),
+        };
+        let second = FrameEstimate {
+            frame: 6,
+            pose: rest,
+            cost: f64::NAN,
+            rms: f64::INFINITY,
+            overlap: vec![None, None],
+            iterations: 0,
+            lost: true,
+            termination: None,
+        };
+        Track { frames: [(4, first), (6, second)].into() }
+    }
+}
