@@ -25,12 +25,12 @@ impl Figure {
         face = smooth_min(face, ear, 0.01);
         // Full hair that leaves the face and the ears free, thicker at the back.
         let thick = self.build.hair;
-        let curl = 0.006 * noise(p * 42.0);
         let cap = ellipsoid(
             p,
             DVec3::new(0.0, -0.006, 0.12),
             DVec3::new(0.074 + thick, 0.093 + thick, 0.086 + thick),
-        ) + curl;
+        );
+        let cap = displaced(cap, || 0.006 * noise(p * 42.0));
         let brow_line = p.y - 0.062 - 0.55 * (p.z - 0.15).max(-0.03) + 0.35 * (p.x + 0.02).abs();
         let nape = 0.02 - p.z + 0.5 * (p.y + 0.02).max(0.0);
         let hair = smooth_max(smooth_max(cap, brow_line, 0.02), nape, 0.02);
@@ -72,11 +72,13 @@ impl Figure {
         }
         // The hem hangs from the waist and stands off a little.
         let loose = 0.010 * cloth;
-        let hem = frustum(pelvis, [0.2, 0.142 * girth + loose], [-0.052, 0.172 * girth + loose], 0.81, 0.012);
+        let hem = frustum(pelvis, [0.2, 0.142 * girth + loose], [-0.052, 0.188 * girth + loose], 0.75, 0.012);
         shirt = smooth_min(shirt, hem, 0.06);
-        let drape = noise(DVec3::new(pelvis.x * 17.0, pelvis.y * 17.0, pelvis.z * 5.0 + pelvis.x * 9.0))
-            + 0.5 * noise(chest * DVec3::new(26.0, 26.0, 15.0));
-        shirt += folds * drape * (1.0 - 3.0 * chest.z.clamp(0.0, 0.3));
+        shirt = displaced(shirt, || {
+            let drape = noise(DVec3::new(pelvis.x * 17.0, pelvis.y * 17.0, pelvis.z * 5.0 + pelvis.x * 9.0))
+                + 0.5 * noise(chest * DVec3::new(26.0, 26.0, 15.0));
+            folds * drape * (1.0 - 3.0 * chest.z.clamp(0.0, 0.3))
+        });
         let neckline = ellipsoid(chest, neck + DVec3::new(0.0, 0.03, 0.035), DVec3::new(0.077, 0.088, 0.06));
         shirt = smooth_max(shirt, -neckline, 0.008);
         let legs = self.build.legs;
@@ -131,8 +133,9 @@ impl Figure {
                 1.05,
                 0.006,
             );
-            let crease = noise(DVec3::new(u.x * 30.0, u.y * 30.0, u.z * 22.0 + u.x * 20.0));
-            smooth_min(top, sleeve, 0.03) + folds * crease
+            displaced(smooth_min(top, sleeve, 0.03), || {
+                folds * noise(DVec3::new(u.x * 30.0, u.y * 30.0, u.z * 22.0 + u.x * 20.0))
+            })
         } else {
             1e3
         };
@@ -174,11 +177,13 @@ impl Figure {
         );
         let mut trousers = smooth_min(smooth_min(thigh, front, 0.05), smooth_min(shin, calf, 0.05), 0.04);
         // Cloth bunches at the knee and above the shoe.
-        let at_knee = (1.0 - l.z.abs() / 0.11).max(0.0);
-        let at_hem = (1.0 - (l.z - ankle.z * 0.86).abs() / 0.1).max(0.0);
-        let rings = (l.z * 150.0 + 2.5 * noise(l * 14.0)).sin();
-        let drape = noise(DVec3::new(u.x * 18.0, u.y * 18.0, u.z * 7.0));
-        trousers += folds * (drape + 0.8 * rings * (at_knee + at_hem));
+        trousers = displaced(trousers, || {
+            let at_knee = (1.0 - l.z.abs() / 0.11).max(0.0);
+            let at_hem = (1.0 - (l.z - ankle.z * 0.86).abs() / 0.1).max(0.0);
+            let rings = (l.z * 150.0 + 2.5 * noise(l * 14.0)).sin();
+            let drape = noise(DVec3::new(u.x * 18.0, u.y * 18.0, u.z * 7.0));
+            folds * (drape + 0.8 * rings * (at_knee + at_hem))
+        });
         trousers = smooth_max(trousers, ankle.z * 0.905 - l.z, 0.01);
         let sock = round_cone(l, ankle * 0.7, ankle, 0.043 * girth, 0.037 * girth);
         let mut layers = Layers::FAR;
@@ -186,6 +191,12 @@ impl Figure {
         layers.0[3] = smooth_min(shoe(f), sock, 0.015);
         layers
     }
+}
+
+/// A solid with folds in its surface; far from it they do not count, and are not asked for.
+fn displaced(distance: f64, by: impl FnOnce() -> f64) -> f64 {
+    const NEAR: f64 = 0.03;
+    if distance.abs() < NEAR { distance + by() * (1.0 - distance.abs() / NEAR) } else { distance }
 }
 
 /// A hand about the wrist, x outward (the back of the hand), fingers a little curled. Always of one size.

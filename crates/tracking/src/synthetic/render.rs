@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::figure::{Figure, STEP};
 use super::noise::unit;
 use super::room::Room;
-use super::shading::{LAMPS, ambient, figure_light, lamp_seen, open_sky, room_colours};
+use super::shading::{LAMPS, Shade, ambient, figure_light, lamp_seen, open_sky, room_colours};
 use crate::camera::Camera;
 
 /// Linear light per pixel, row by row.
@@ -201,11 +201,15 @@ fn figure_over(camera: &Camera, figure: &Figure, at: [usize; 2], samples: usize,
         return behind;
     }
     let mut sum = DVec3::ZERO;
+    let mut shade: Option<Shade> = None;
     for offset in offsets(samples) {
         let Some(direction) = camera.ray_in_world(centre + offset) else { continue };
-        sum += figure
-            .intersect(origin, direction)
-            .map_or(behind, |t| figure_light(figure, origin + direction * t, direction));
+        sum += figure.intersect(origin, direction).map_or(behind, |t| {
+            let position = origin + direction * t;
+            let near = shade.filter(|shade| shade.serves(position));
+            let shade = shade.insert(near.unwrap_or_else(|| Shade::new(figure, position)));
+            figure_light(figure, position, direction, shade)
+        });
     }
     sum / (samples * samples) as f64
 }

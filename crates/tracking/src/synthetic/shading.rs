@@ -358,20 +358,43 @@ pub(super) fn open_sky(figure: &Figure, position: DVec3, normal: DVec3, reach: f
     (1.0 - hidden * 0.8).clamp(0.0, 1.0)
 }
 
+/// What of its surroundings and of each lamp a point of the figure sees past the figure itself.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shade {
+    position: DVec3,
+    open: f64,
+    lamps: [f64; 3],
+}
+
+impl Shade {
+    /// How far from its point a shade still serves, metres: shadows on a body have soft borders.
+    const SERVES: f64 = 0.02;
+    /// How far away the body's own parts still darken a place, metres.
+    const REACH: f64 = 0.16;
+
+    pub(super) fn new(figure: &Figure, position: DVec3) -> Self {
+        let normal = figure.normal(position);
+        let lamps = LAMPS.map(|lamp| {
+            let faces = lamp.light(lamp.centre, position, normal).max_element() > 1e-4;
+            if faces { lamp_seen(figure, position, normal, &lamp) } else { 0.0 }
+        });
+        Self { position, open: open_sky(figure, position, normal, Self::REACH), lamps }
+    }
+
+    pub(super) fn serves(&self, position: DVec3) -> bool {
+        self.position.distance_squared(position) < Self::SERVES * Self::SERVES
+    }
+}
+
 /// Light from a point of the figure towards the eye (`direction` is the ray's, unit).
-pub(super) fn figure_light(figure: &Figure, position: DVec3, direction: DVec3) -> DVec3 {
+pub(super) fn figure_light(figure: &Figure, position: DVec3, direction: DVec3, shade: &Shade) -> DVec3 {
     let normal = figure.normal(position);
     let (colour, gloss) = figure_colours(&figure.touch(position));
-    let mut light = colour * ambient(normal) * open_sky(figure, position, normal, 0.16);
-    for lamp in &LAMPS {
-        let arriving = lamp.light(lamp.centre, position, normal);
-        if arriving.max_element() < 1e-4 {
-            continue;
-        }
-        let seen = lamp_seen(figure, position, normal, lamp);
+    let mut light = colour * ambient(normal) * shade.open;
+    for (lamp, seen) in LAMPS.iter().zip(shade.lamps) {
         let half = ((lamp.centre - position).normalize() - direction).normalize();
         let shine = gloss * half.dot(normal).max(0.0).powi(24);
-        light += arriving * seen * (colour + DVec3::splat(shine));
+        light += lamp.light(lamp.centre, position, normal) * seen * (colour + DVec3::splat(shine));
     }
     light
 }
