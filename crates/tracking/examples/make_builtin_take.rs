@@ -25,7 +25,7 @@ const SEED: u64 = 2004;
 /// Pictures of the empty room, a camera.
 const EMPTY_FRAMES: usize = 6;
 /// JPEG quality: the highest that keeps the take near 4 MB.
-const QUALITY: u8 = 88;
+const QUALITY: u8 = 90;
 /// Rays a pixel are the square of this, for the room and for the figure.
 const ROOM_SAMPLES: usize = 6;
 const FIGURE_SAMPLES: usize = 3;

@@ -22,7 +22,7 @@ pub struct Sensor {
 
 impl Default for Sensor {
     fn default() -> Self {
-        Self { exposure: 1.3, read_noise: 0.0025, shot_noise: 1.4e-4, blur: 0.06 }
+        Self { exposure: 1.45, read_noise: 0.0025, shot_noise: 1.4e-4, blur: 0.06 }
     }
 }
 
