@@ -5,7 +5,7 @@
 //! | [`take`] | [`Take`]: the parsed take; pictures on demand |
 //! | [`frame_pattern`] | names of numbered pictures |
 //! | [`footage`] | one camera's pictures and background |
-//! | [`reference`] | keypoints to compare with |
+//! | [`mod@reference`] | keypoints to compare with |
 //! | [`error`] | what is wrong, by camera and frame |
 
 mod environment;
