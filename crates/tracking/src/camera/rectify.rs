@@ -92,6 +92,29 @@ impl Rectification {
         }
         Some(out)
     }
+
+    /// Any values a pixel, row by row, on the ideal grid: each ideal pixel takes the nearest one, or `outside`
+    /// where there is no data. For labels, which cannot be averaged.
+    ///
+    /// `None` if there is not one value a pixel of the camera.
+    #[must_use]
+    pub fn nearest<T: Copy>(&self, values: &[T], outside: T) -> Option<Vec<T>> {
+        if values.len() != self.width * self.height {
+            return None;
+        }
+        if self.is_identity() {
+            return Some(values.to_vec());
+        }
+        let at = |source: &Source| {
+            if source.corner == NOWHERE {
+                return outside;
+            }
+            let right = usize::from(u32::from(source.right) * 2 >= STEPS);
+            let down = if u32::from(source.down) * 2 >= STEPS { self.width } else { 0 };
+            values[source.corner as usize + right + down]
+        };
+        Some(self.sources.iter().map(at).collect())
+    }
 }
 
 fn source(camera: &Camera, ideal: DVec2) -> Source {
@@ -146,5 +169,13 @@ mod tests {
             }
         }
         assert_eq!(rectification.rectify(&RgbImage::new(10, 10)), None);
+        let levels: Vec<u8> = picture.pixels().map(|pixel| pixel[0]).collect();
+        let nearest = rectification.nearest(&levels, 7).unwrap();
+        for ((x, y, pixel), &level) in ideal.enumerate_pixels().zip(&nearest) {
+            let (x, y) = (x as usize, y as usize);
+            let expected = if rectification.has_data(x, y) { pixel[0] } else { 7 };
+            assert!(level.abs_diff(expected) <= 2, "{x} {y}: {level} {expected}");
+        }
+        assert_eq!(rectification.nearest(&levels[1..], 7), None);
     }
 }

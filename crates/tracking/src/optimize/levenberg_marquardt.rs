@@ -11,6 +11,8 @@ const ON_REJECT: f64 = 5.0;
 const ON_ACCEPT: f64 = 0.3;
 /// The damping stays above this.
 const LEAST_DAMPING: f64 = 1e-9;
+/// And below this: a step is then far below rounding.
+const MOST_DAMPING: f64 = 1e15;
 /// So many rejections in a row mean that no step lowers the cost.
 pub(super) const MOST_REJECTED: usize = 8;
 
@@ -30,7 +32,7 @@ pub(super) fn step<P: Clone>(
         solver.damping = (damping * ON_ACCEPT).max(LEAST_DAMPING);
         solver.rejected_in_a_row = 0;
     } else {
-        solver.damping = damping.max(LEAST_DAMPING) * ON_REJECT;
+        solver.damping = (damping.max(LEAST_DAMPING) * ON_REJECT).min(MOST_DAMPING);
         solver.rejected_in_a_row += 1;
     }
     Ok(Iteration {
@@ -76,7 +78,7 @@ mod tests {
     }
 
     fn options(method: Method) -> SolverOptions {
-        SolverOptions { method, damping: 0.01, max_iterations: 200, tolerance: Some(1e-14) }
+        SolverOptions { method, damping: 0.01, max_iterations: 200, tolerance: Some(1e-14), run_all: false }
     }
 
     #[test]
@@ -111,6 +113,18 @@ mod tests {
         let mut solver = Solver::new(&mut Valley, [1.0, 1.0], options(Method::LevenbergMarquardt));
         assert!(solver.step(&mut Valley).is_none());
         assert_eq!(solver.termination(), Some(Termination::NoGradient));
+    }
+
+    #[test]
+    fn run_all_runs_all() {
+        for method in [Method::GaussNewton, Method::LevenbergMarquardt] {
+            for start in [[-1.2, 1.0], [1.0, 1.0]] {
+                let options = SolverOptions { max_iterations: 600, run_all: true, ..options(method) };
+                let mut solver = Solver::new(&mut Valley, start, options);
+                while solver.step(&mut Valley).is_some() {}
+                assert_eq!(solver.termination(), Some(Termination::StepLimit { steps: 600 }));
+            }
+        }
     }
 
     #[test]

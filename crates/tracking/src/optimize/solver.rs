@@ -67,6 +67,9 @@ pub struct SolverOptions {
     pub max_iterations: usize,
     /// Stop when an accepted step lowers the cost by less than this fraction; `None`: never for that reason.
     pub tolerance: Option<f64>,
+    /// Whether to go on to the last iteration whatever the cost does: for measuring times and for comparing
+    /// solvers step by step. Only numbers out of range still end it.
+    pub run_all: bool,
 }
 
 /// Why a solver stopped. Not converging is an answer.
@@ -91,6 +94,21 @@ pub enum Termination {
     Cancelled,
     /// The cost or a step was not a finite number; the last good point is kept.
     NotFinite,
+}
+
+impl Termination {
+    /// Its word in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Converged { .. } => "converged",
+            Self::StepLimit { .. } => "step-limit",
+            Self::NoDecrease => "no-decrease",
+            Self::NoGradient => "no-gradient",
+            Self::Cancelled => "cancelled",
+            Self::NotFinite => "not-finite",
+        }
+    }
 }
 
 impl fmt::Display for Termination {
@@ -175,7 +193,7 @@ impl<P: Clone> Solver<P> {
             return None;
         }
         let gradient_max = self.equations.jtr.amax();
-        if gradient_max == 0.0 {
+        if gradient_max == 0.0 && !self.options.run_all {
             self.termination = Some(Termination::NoGradient);
             return None;
         }
@@ -201,6 +219,12 @@ impl<P: Clone> Solver<P> {
         if self.termination.is_some() {
             return;
         }
+        if self.done >= self.options.max_iterations {
+            self.termination = Some(Termination::StepLimit { steps: self.done });
+        }
+        if self.options.run_all {
+            return;
+        }
         if let Some(tolerance) = self.options.tolerance
             && iteration.accepted
             && iteration.actual_decrease.abs() <= tolerance * (iteration.cost + iteration.actual_decrease)
@@ -208,8 +232,6 @@ impl<P: Clone> Solver<P> {
             self.termination = Some(Termination::Converged { tolerance });
         } else if self.rejected_in_a_row >= levenberg_marquardt::MOST_REJECTED {
             self.termination = Some(Termination::NoDecrease);
-        } else if self.done >= self.options.max_iterations {
-            self.termination = Some(Termination::StepLimit { steps: self.done });
         }
     }
 

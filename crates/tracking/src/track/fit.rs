@@ -171,6 +171,7 @@ impl Fit {
             damping: options.damping,
             max_iterations: stage.iterations,
             tolerance: stage.tolerance,
+            run_all: options.run_all,
         };
         let solver = Solver::new(&mut objective, pose.clone(), solver_options);
         (objective, solver)

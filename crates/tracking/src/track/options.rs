@@ -73,6 +73,9 @@ pub struct FitOptions {
     pub largest_turn: Option<f64>,
     /// Longest move of the root in a step, metres.
     pub largest_move: Option<f64>,
+    /// Whether every stage runs all its iterations, whatever the cost does: for measuring times and for
+    /// comparing solvers step by step.
+    pub run_all: bool,
 }
 
 impl Default for FitOptions {
@@ -164,6 +167,7 @@ impl FitOptions {
                 limit_weight: 0.0,
                 largest_turn: None,
                 largest_move: None,
+                run_all: false,
             },
             Preset::Robust => Self {
                 renderer: RendererKind::Capsule,
@@ -186,6 +190,7 @@ impl FitOptions {
                 limit_weight: 300.0,
                 largest_turn: Some(0.3),
                 largest_move: Some(0.15),
+                run_all: false,
             },
         }
     }
@@ -211,6 +216,22 @@ impl FitOptions {
         let tolerance = last.and_then(|stage| stage.tolerance);
         self.stages = vec![Stage { ramp, data, stride: 1, iterations, tolerance }];
         self.skip_when_tracking = 0;
+        self
+    }
+
+    /// The same with so many iterations in all, shared equally among the stages, the first ones taking what
+    /// is left over. Stages without a share are dropped.
+    #[must_use]
+    pub fn with_iterations(mut self, iterations: usize) -> Self {
+        let stages = self.stages.len().max(1);
+        let (share, left_over) = (iterations / stages, iterations % stages);
+        for (index, stage) in self.stages.iter_mut().enumerate() {
+            stage.iterations = share + usize::from(index < left_over);
+        }
+        if iterations > 0 {
+            self.stages.retain(|stage| stage.iterations > 0);
+            self.skip_when_tracking = self.skip_when_tracking.min(self.stages.len().saturating_sub(1));
+        }
         self
     }
 
@@ -280,5 +301,17 @@ mod tests {
             let text = serde_json::to_string(&options).unwrap();
             assert_eq!(serde_json::from_str::<FitOptions>(&text).unwrap(), options);
         }
+    }
+
+    #[test]
+    fn iterations_are_shared_out() {
+        let shares = |iterations| -> Vec<usize> {
+            let options = FitOptions::preset(Preset::Robust).with_iterations(iterations);
+            assert_eq!(options.check(), Ok(()));
+            options.stages.iter().map(|stage| stage.iterations).collect()
+        };
+        assert_eq!(shares(52), [11, 11, 10, 10, 10]);
+        assert_eq!(shares(2), [1, 1]);
+        assert_eq!(shares(0), [0; 5]);
     }
 }
