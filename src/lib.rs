@@ -1,6 +1,7 @@
 //! The inspector.
 
 pub mod action;
+pub mod cli;
 pub mod document;
 pub mod edit;
 pub mod format;

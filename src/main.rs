@@ -1,2 +1,7 @@
 //! The `backlit` program.
-fn main() {}
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    backlit::cli::run()
+}

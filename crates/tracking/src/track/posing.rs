@@ -60,6 +60,7 @@ pub fn reach(model: &Model, reference: &Pose, targets: &[PointTarget]) -> Pose {
         damping: 1e-3,
         max_iterations: ITERATIONS,
         tolerance: Some(1e-6),
+        run_all: false,
     };
     let mut solver = Solver::new(&mut chain, reference.clone(), options);
     while solver.step(&mut chain).is_some() {}

@@ -1,0 +1,73 @@
+//! Silhouettes and grey levels from a folder: NAME.png for the camera NAME.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use anyhow::{Context, bail};
+use backlit_tracking::camera::{Camera, Rectification, Rig};
+use backlit_tracking::io::images;
+use backlit_tracking::silhouette::{Label, Mask, Measurement};
+use backlit_tracking::track::{Evidence, FitView};
+use image::{DynamicImage, GrayImage};
+
+/// What the pictures of a folder are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PictureKind {
+    /// White is the subject, middle grey unknown.
+    Masks,
+    /// Grey levels D as they are, 0 the subject.
+    Measurement,
+}
+
+/// Reads every camera's picture and takes the lens out of it.
+///
+/// # Errors
+/// A picture that is missing, damaged or of another size; the message names the file.
+pub fn read(folder: &Path, rig: &Rig, kind: PictureKind) -> anyhow::Result<Vec<FitView>> {
+    rig.cameras().iter().map(|camera| view(folder, camera, kind)).collect()
+}
+
+fn view(folder: &Path, camera: &Camera, kind: PictureKind) -> anyhow::Result<FitView> {
+    super::output::check_file_stem(camera.name())?;
+    let path = folder.join(format!("{}.png", camera.name()));
+    let picture = images::read_grey(&path)?;
+    let (found, expected) =
+        ([picture.width() as usize, picture.height() as usize], [camera.width(), camera.height()]);
+    if found != expected {
+        bail!(
+            "{}: has {}×{} pixels; expected {}×{}, the size of camera \"{}\"",
+            path.display(),
+            found[0],
+            found[1],
+            expected[0],
+            expected[1],
+            camera.name()
+        );
+    }
+    let rectification = Rectification::new(camera);
+    let evidence = match kind {
+        PictureKind::Masks => mask(picture, &rectification).map(|mask| Evidence::Mask(Arc::new(mask))),
+        PictureKind::Measurement => {
+            measurement(picture, &rectification).map(|data| Evidence::Measurement(Arc::new(data)))
+        }
+    };
+    let evidence = evidence.with_context(|| path.display().to_string())?;
+    Ok(FitView { camera: Arc::new(camera.without_distortion()), evidence, weight: 1.0 })
+}
+
+/// Labels cannot be averaged: each ideal pixel takes the nearest, and is unknown where the lens saw nothing.
+fn mask(picture: GrayImage, rectification: &Rectification) -> anyhow::Result<Mask> {
+    let mask = Mask::from_gray(&picture)?;
+    let labels = rectification.nearest(mask.labels(), Label::Unknown).context("one label a pixel")?;
+    Ok(Mask::new(mask.width(), mask.height(), labels)?)
+}
+
+/// Grey levels are interpolated, and weigh nothing where the lens saw nothing.
+fn measurement(picture: GrayImage, rectification: &Rectification) -> anyhow::Result<Measurement> {
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    let colour = DynamicImage::ImageLuma8(picture).into_rgb8();
+    let ideal = rectification.rectify(&colour).context("one level a pixel")?;
+    let values = ideal.pixels().map(|pixel| f32::from(pixel[0])).collect();
+    let weights = (0..width * height).map(|i| f32::from(rectification.has_data(i % width, i / width)));
+    Ok(Measurement::new(width, height, values, weights.collect())?)
+}

@@ -1,0 +1,129 @@
+//! Options that choose renderer, ramp and solver, as `fit` and `track` share them.
+
+use std::str::FromStr;
+
+use backlit_tracking::body::Parameters;
+use backlit_tracking::optimize::Method;
+use backlit_tracking::render::renderer::MAX_SPHERES;
+use backlit_tracking::render::{Ramp, RendererKind};
+use backlit_tracking::track::{FitOptions, Preset};
+use clap::error::ErrorKind;
+use clap::{Args, ValueEnum};
+
+/// Which solid stands for a limb.
+#[derive(Debug, Clone, Args)]
+pub struct RendererArguments {
+    /// Solid that stands for a limb: capsule, cylinder or sphere-tree [default: capsule]
+    #[arg(long, value_name = "SOLID")]
+    pub renderer: Option<RendererKind>,
+    /// Equal spheres along each limb, with the sphere tree [default: the limb's own, else 1 + ⌈2·length/radius⌉]
+    #[arg(long, value_name = "N", requires = "renderer", value_parser = clap::value_parser!(u16).range(1..=MAX_SPHERES as i64))]
+    pub spheres: Option<u16>,
+}
+
+impl RendererArguments {
+    /// The renderer that was asked for, if one was.
+    ///
+    /// # Errors
+    /// A number of spheres for solids that are none.
+    pub fn kind(&self) -> Result<Option<RendererKind>, clap::Error> {
+        match (self.renderer, self.spheres) {
+            (Some(RendererKind::SphereTree { .. }), spheres) => {
+                Ok(Some(RendererKind::SphereTree { spheres: spheres.map(usize::from) }))
+            }
+            (_, Some(_)) => {
+                let message = "--spheres is for --renderer sphere-tree\n";
+                Err(clap::Error::raw(ErrorKind::ArgumentConflict, message))
+            }
+            (renderer, None) => Ok(renderer),
+        }
+    }
+}
+
+/// What the columns of a rotation are.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum ParametersWord {
+    /// Four quaternion coefficients w x y z a rotation
+    Raw,
+    /// Three radians a rotation
+    Tangent,
+}
+
+impl From<ParametersWord> for Parameters {
+    fn from(word: ParametersWord) -> Self {
+        match word {
+            ParametersWord::Raw => Self::Raw,
+            ParametersWord::Tangent => Self::Tangent,
+        }
+    }
+}
+
+/// How to fit.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "How to fit")]
+pub struct SolverArguments {
+    /// Set of choices to begin with: report (as in 2004) or robust; the options below change single ones
+    #[arg(long, default_value_t = Preset::Robust)]
+    pub preset: Preset,
+    /// The solid.
+    #[command(flatten)]
+    pub renderer: RendererArguments,
+    /// From distance to grey, in one stage: thesis, half, width=PX or distance=INNER,OUTER (pixels)
+    /// [default: the preset's]
+    #[arg(long)]
+    pub ramp: Option<Ramp>,
+    /// How steps are made: gauss-newton or lm [default: the preset's]
+    #[arg(long)]
+    pub method: Option<Method>,
+    /// Numbers of a rotation that are solved for [default: the preset's]
+    #[arg(long, value_enum)]
+    pub parameters: Option<ParametersWord>,
+    /// Damping at the start of a stage, in units of the mean of JᵀJ's diagonal [default: the preset's]
+    #[arg(long, value_name = "FACTOR", value_parser = not_negative)]
+    pub damping: Option<f64>,
+    /// Most iterations in all, rejected ones too, shared equally among the preset's stages
+    /// [default: report 25, robust 60]
+    #[arg(long, value_name = "N")]
+    pub iterations: Option<usize>,
+    /// Run all iterations, whatever the cost does
+    #[arg(long)]
+    pub no_stop: bool,
+}
+
+impl SolverArguments {
+    /// The preset with the changes asked for.
+    ///
+    /// # Errors
+    /// Options that contradict each other.
+    pub fn options(&self) -> Result<FitOptions, clap::Error> {
+        let mut options = FitOptions::preset(self.preset);
+        if let Some(renderer) = self.renderer.kind()? {
+            options.renderer = renderer;
+        }
+        if let Some(ramp) = self.ramp {
+            options = options.with_ramp(ramp);
+        }
+        if let Some(method) = self.method {
+            options.method = method;
+        }
+        if let Some(parameters) = self.parameters {
+            options.parameters = parameters.into();
+        }
+        if let Some(damping) = self.damping {
+            options.damping = damping;
+        }
+        if let Some(iterations) = self.iterations {
+            options = options.with_iterations(iterations);
+        }
+        options.run_all = self.no_stop;
+        Ok(options)
+    }
+}
+
+/// Reads a finite number, 0 or more.
+fn not_negative(text: &str) -> Result<f64, String> {
+    match f64::from_str(text) {
+        Ok(number) if number.is_finite() && number >= 0.0 => Ok(number),
+        _ => Err("expected a finite number, 0 or more".to_owned()),
+    }
+}

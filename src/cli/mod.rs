@@ -1,0 +1,56 @@
+//! The command line: the inspector's twin. What a command computes is the core's; here are words and files.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`command`] | the commands and their help |
+//! | [`fit_options`] | options that choose renderer, ramp and solver |
+//! | [`render`] | `backlit render` |
+//! | [`fit`] | `backlit fit` |
+//! | [`evidence`] | silhouettes and grey levels from a folder |
+//! | [`table`] | tables for people |
+//! | [`output`] | standard output and folders |
+//!
+//! Exit codes: 0 done, 1 an error (on standard error, in one line), 2 a command that makes no sense.
+
+pub mod command;
+pub mod evidence;
+pub mod fit;
+pub mod fit_options;
+pub mod output;
+pub mod render;
+pub mod table;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use command::{Cli, Command};
+
+/// Parses the program's arguments, does what they say, and reports errors.
+pub fn run() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return usage(&error),
+    };
+    let result = match cli.command {
+        Command::Render(arguments) => render::run(&arguments),
+        Command::Fit(arguments) => fit::run(&arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => match error.downcast_ref::<clap::Error>() {
+            Some(error) => usage(error),
+            None => {
+                output::complain(&format!("error: {error:#}"));
+                ExitCode::FAILURE
+            }
+        },
+    }
+}
+
+/// Help goes to standard output, a command that makes no sense to standard error.
+fn usage(error: &clap::Error) -> ExitCode {
+    // Nobody is left to hear that the terminal is gone.
+    let _ = error.print();
+    ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
+}
