@@ -4,11 +4,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::io::calibration::{self, CalibrationOptions};
 use backlit_tracking::io::model_file;
-use backlit_tracking::io::pose_file::{self, Quaternions};
+use backlit_tracking::io::pose_file;
 use backlit_tracking::optimize::Termination;
 use backlit_tracking::render::Ramp;
 use backlit_tracking::track::metrics::Statistics;
@@ -20,6 +20,7 @@ use super::evidence::{self, PictureKind};
 use super::fit_options::SolverArguments;
 use super::output;
 use super::table::Table;
+use super::take_options::{self, StartArguments};
 
 const NOTES: &str = "\
 A folder of masks or grey levels holds NAME.png for every camera NAME, of the camera's size:
@@ -29,6 +30,7 @@ A folder of masks or grey levels holds NAME.png for every camera NAME, of the ca
 Pictures of cameras with lens distortion are straightened first. A camera that sees no subject is left out.
 
 Examples:
+  backlit fit TAKE --frame 12 --start reference --start-noise 10deg,6cm
   backlit fit --model full_body --cameras cameras.json --start pose.json --masks masks --out fitted.json
   backlit fit --model full_body --cameras cameras.json --start pose.json --masks masks --preset report \\
       --iterations 25 --no-stop --timing --json";
@@ -37,17 +39,20 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = NOTES)]
 pub struct FitArguments {
+    /// Take: its folder or its take.toml; gives model, cameras and silhouettes
+    #[arg(requires = "frame", conflicts_with_all = ["model", "cameras", "masks", "measurement"])]
+    take: Option<PathBuf>,
+    /// The take's frame, counted from 0
+    #[arg(long, value_name = "K", requires = "take")]
+    frame: Option<usize>,
     /// Body model: a file, or single_limb, upper_body or full_body
-    #[arg(long)]
-    model: String,
+    #[arg(long, required_unless_present = "take")]
+    model: Option<String>,
     /// Calibrated cameras: backlit-cameras JSON, JSON of camera matrices, or Qualisys XML
-    #[arg(long)]
-    cameras: PathBuf,
-    /// Pose to start from: a backlit-pose JSON file
-    #[arg(long, value_name = "POSE")]
-    start: PathBuf,
+    #[arg(long, required_unless_present = "take")]
+    cameras: Option<PathBuf>,
     /// Folder of silhouettes
-    #[arg(long, value_name = "DIR", required_unless_present = "measurement")]
+    #[arg(long, value_name = "DIR", required_unless_present_any = ["measurement", "take"])]
     masks: Option<PathBuf>,
     /// Folder of grey levels
     #[arg(long, value_name = "DIR", conflicts_with = "masks")]
@@ -61,6 +66,8 @@ pub struct FitArguments {
     /// Measure the time of every iteration
     #[arg(long)]
     timing: bool,
+    #[command(flatten)]
+    start: StartArguments,
     #[command(flatten)]
     solver: SolverArguments,
 }
@@ -101,13 +108,23 @@ pub fn run(arguments: &FitArguments) -> anyhow::Result<()> {
 }
 
 fn read(arguments: &FitArguments) -> anyhow::Result<Problem> {
-    let model = model_file::resolve(&arguments.model)?;
-    let rig = calibration::read(&arguments.cameras, CalibrationOptions::default())?;
-    let start = pose_file::read(&arguments.start, &model, Quaternions::Normalised)?;
+    if let (Some(take), Some(frame)) = (&arguments.take, arguments.frame) {
+        let footage = take_options::open(take)?;
+        let cameras: Vec<usize> = (0..footage.cameras().len()).collect();
+        let views = footage.fit_views(&cameras, frame)?;
+        let start = arguments.start.pose(footage.take(), frame)?;
+        return Ok(Problem { model: Arc::clone(footage.take().model()), views, start });
+    }
+    let (Some(model), Some(cameras)) = (&arguments.model, &arguments.cameras) else {
+        bail!("expected a take, or --model and --cameras");
+    };
+    let model = model_file::resolve(model)?;
+    let rig = calibration::read(cameras, CalibrationOptions::default())?;
+    let start = arguments.start.pose_of(&model)?;
     let views = match (&arguments.masks, &arguments.measurement) {
         (Some(folder), _) => evidence::read(folder, &rig, PictureKind::Masks)?,
         (None, Some(folder)) => evidence::read(folder, &rig, PictureKind::Measurement)?,
-        (None, None) => Vec::new(),
+        (None, None) => bail!("expected --masks or --measurement"),
     };
     Ok(Problem { model: Arc::new(model), views, start })
 }

@@ -7,6 +7,10 @@
 //! | [`render`] | `backlit render` |
 //! | [`fit`] | `backlit fit` |
 //! | [`evidence`] | silhouettes and grey levels from a folder |
+//! | [`track`] | `backlit track` |
+//! | [`track_report`], [`track_files`] | what a track is worth, and the files with it |
+//! | [`silhouettes`] | `backlit silhouettes` |
+//! | [`take_options`] | options that choose frames, cameras and start |
 //! | [`table`] | tables for people |
 //! | [`output`] | standard output and folders |
 //!
@@ -18,7 +22,12 @@ pub mod fit;
 pub mod fit_options;
 pub mod output;
 pub mod render;
+pub mod silhouettes;
 pub mod table;
+pub mod take_options;
+pub mod track;
+pub mod track_files;
+pub mod track_report;
 
 use std::process::ExitCode;
 
@@ -35,6 +44,8 @@ pub fn run() -> ExitCode {
     let result = match cli.command {
         Command::Render(arguments) => render::run(&arguments),
         Command::Fit(arguments) => fit::run(&arguments),
+        Command::Track(arguments) => track::run(&arguments),
+        Command::Silhouettes(arguments) => silhouettes::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -6,6 +6,7 @@
 //! | file | holds |
 //! |---|---|
 //! | [`take`] | a take: footage, cameras, body, start pose, reference |
+//! | [`footage`] | a take's rectified pictures and silhouettes |
 //! | [`model_file`] | body models |
 //! | [`pose_file`] | poses |
 //! | [`calibration`] | cameras, in several formats |
@@ -20,6 +21,7 @@ pub mod calibration;
 pub mod error;
 pub mod export;
 pub mod files;
+pub mod footage;
 pub mod images;
 mod json_text;
 pub mod model_file;
@@ -31,4 +33,5 @@ mod toml_text;
 
 pub use error::{FileError, FileProblem, TextFormat};
 pub use files::{DiskFiles, MAX_TEXT_BYTES, MemoryFiles, TakeFiles};
+pub use footage::{Footage, FootageError};
 pub use take::{Take, TakeError};

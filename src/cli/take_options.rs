@@ -1,0 +1,233 @@
+//! Options that choose a part of a take: which frames, which cameras, where to begin.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use anyhow::{Context, bail};
+use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::io::pose_file::{self, Quaternions};
+use backlit_tracking::io::take::Joint;
+use backlit_tracking::io::{Footage, Take};
+use backlit_tracking::track::metrics::ReferenceJoints;
+use backlit_tracking::track::start;
+use clap::Args;
+use clap::error::ErrorKind;
+
+/// Which part of a take.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Which part of the take")]
+pub struct PartArguments {
+    /// Frames A to B, B left out: A..B, A.., ..B; or A..=B with B, or one frame K [default: all]
+    #[arg(long, value_name = "A..B")]
+    pub frames: Option<FrameRange>,
+    /// Every so many frames
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub every: u32,
+    /// Names of the cameras to use, with commas [default: all]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub cameras: Option<Vec<String>>,
+}
+
+impl PartArguments {
+    /// The frames asked for, in order.
+    ///
+    /// # Errors
+    /// A range that is empty or leaves the take.
+    pub fn frames(&self, take: &Take) -> anyhow::Result<Vec<usize>> {
+        let count = take.frame_count();
+        let range = self.frames.unwrap_or_default();
+        let past = range.past.unwrap_or(count);
+        if past > count {
+            bail!(
+                "--frames: the take has {count} frames, counted from 0; frame {} is not among them",
+                past - 1
+            );
+        }
+        if range.first >= past {
+            bail!("--frames: there is no frame from {} up to {past}; the take has {count}", range.first);
+        }
+        Ok((range.first..past).step_by(self.every as usize).collect())
+    }
+
+    /// Indices of the cameras asked for, in the take's order.
+    ///
+    /// # Errors
+    /// A name that no camera has.
+    pub fn cameras(&self, take: &Take) -> anyhow::Result<Vec<usize>> {
+        let rig = take.rig();
+        let Some(names) = &self.cameras else { return Ok((0..rig.count()).collect()) };
+        let indices: Result<Vec<usize>, _> = names.iter().map(|name| rig.index(name.trim())).collect();
+        let mut indices = indices.context("--cameras")?;
+        indices.sort_unstable();
+        indices.dedup();
+        Ok(indices)
+    }
+}
+
+/// Frames `first` to `past`, which is left out; without it to the end.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct FrameRange {
+    /// The first frame.
+    pub first: usize,
+    /// One past the last frame.
+    pub past: Option<usize>,
+}
+
+impl FromStr for FrameRange {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let number =
+            |text: &str| text.parse::<usize>().map_err(|_| "expected A..B, A.., ..B, A..=B or one frame");
+        let Some((first, last)) = text.split_once("..") else {
+            let frame = number(text)?;
+            return Ok(Self { first: frame, past: Some(frame.saturating_add(1)) });
+        };
+        let past = match last.strip_prefix('=') {
+            Some(last) => Some(number(last)?.saturating_add(1)),
+            None if last.is_empty() => None,
+            None => Some(number(last)?),
+        };
+        Ok(Self { first: if first.is_empty() { 0 } else { number(first)? }, past })
+    }
+}
+
+/// Where a fit begins.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Where to begin")]
+pub struct StartArguments {
+    /// A backlit-pose file, or the word reference: a pose made from the reference keypoints of the first frame
+    /// [default: the take's own start, else reference]
+    #[arg(long, value_name = "POSE")]
+    pub start: Option<PathBuf>,
+    /// Noise on it: an angle for every rotation and a distance for the root, e.g. 5deg,3cm
+    #[arg(long, value_name = "ANGLE,DISTANCE")]
+    pub start_noise: Option<StartNoise>,
+    /// Seed of the noise
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+}
+
+impl StartArguments {
+    /// The pose to begin `frame` with.
+    ///
+    /// # Errors
+    /// A pose file that cannot be read, or nothing to begin with.
+    pub fn pose(&self, take: &Take, frame: usize) -> anyhow::Result<Pose> {
+        let pose = match &self.start {
+            Some(path) if path == Path::new("reference") => from_reference(take, frame)?,
+            Some(path) => pose_file::read(path, take.model(), Quaternions::Normalised)?,
+            None => match take.start() {
+                Some(pose) => pose.clone(),
+                None => {
+                    from_reference(take, frame).context("the take has no `start`; give one with --start")?
+                }
+            },
+        };
+        Ok(self.with_noise(take.model(), pose))
+    }
+
+    /// The pose to begin with where there is no take.
+    ///
+    /// # Errors
+    /// No pose was named, or the file cannot be read.
+    pub fn pose_of(&self, model: &Model) -> anyhow::Result<Pose> {
+        let Some(path) = &self.start else {
+            let message = "without a take, --start POSE is needed\n";
+            return Err(clap::Error::raw(ErrorKind::MissingRequiredArgument, message).into());
+        };
+        Ok(self.with_noise(model, pose_file::read(path, model, Quaternions::Normalised)?))
+    }
+
+    fn with_noise(&self, model: &Model, pose: Pose) -> Pose {
+        match self.start_noise {
+            Some(StartNoise { angle_rad, distance_m }) => {
+                start::perturb(model, &pose, angle_rad, distance_m, self.seed)
+            }
+            None => pose,
+        }
+    }
+}
+
+fn from_reference(take: &Take, frame: usize) -> anyhow::Result<Pose> {
+    start::from_joints(take.model(), &reference_joints(take, frame))
+        .with_context(|| format!("the take has no reference keypoints in frame {frame} to begin with"))
+}
+
+/// The take's reference keypoints of a frame; none if it has none.
+#[must_use]
+pub fn reference_joints(take: &Take, frame: usize) -> ReferenceJoints {
+    let Some(reference) = take.reference() else { return ReferenceJoints::new() };
+    let limb = |joint| match joint {
+        Joint::Root => None,
+        Joint::End(limb) => Some(limb),
+    };
+    reference.frame(frame).map(|(_, joint, position)| (limb(joint), position)).collect()
+}
+
+/// Opens a take: its folder or its take file.
+///
+/// # Errors
+/// What is wrong with it, by file, line, camera and frame.
+pub fn open(path: &Path) -> anyhow::Result<Footage> {
+    Ok(Footage::new(Take::open(path)?))
+}
+
+/// How far a start is moved away.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StartNoise {
+    /// Angle of every rotation, radians.
+    pub angle_rad: f64,
+    /// Distance of the root, metres.
+    pub distance_m: f64,
+}
+
+impl FromStr for StartNoise {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        const EXPECTED: &str =
+            "expected an angle in deg or rad, a comma and a distance in mm, cm or m: 5deg,3cm";
+        let (angle, distance) = text.split_once(',').ok_or(EXPECTED)?;
+        let degree = 1_f64.to_radians();
+        let angle_rad = quantity(angle, &[("deg", degree), ("rad", 1.0)]).ok_or(EXPECTED)?;
+        let distance_m = quantity(distance, &[("mm", 1e-3), ("cm", 1e-2), ("m", 1.0)]).ok_or(EXPECTED)?;
+        Ok(Self { angle_rad, distance_m })
+    }
+}
+
+/// A finite number, 0 or more, with one of these units. The first unit that fits counts.
+fn quantity(text: &str, units: &[(&str, f64)]) -> Option<f64> {
+    let (number, unit) =
+        units.iter().find_map(|(name, unit)| Some((text.trim().strip_suffix(name)?, unit)))?;
+    let number: f64 = number.trim().parse().ok()?;
+    (number.is_finite() && number >= 0.0).then_some(number * unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_are_read() {
+        let range = |text: &str| text.parse::<FrameRange>().ok().map(|range| (range.first, range.past));
+        assert_eq!(range("3..7"), Some((3, Some(7))));
+        assert_eq!(range("3..=7"), Some((3, Some(8))));
+        assert_eq!(range("3.."), Some((3, None)));
+        assert_eq!(range("..7"), Some((0, Some(7))));
+        assert_eq!(range("5"), Some((5, Some(6))));
+        for text in ["", "a..b", "-1..2", "1...2", "3..=", "1,2"] {
+            assert_eq!(range(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn noise_has_units() {
+        let noise = |text: &str| text.parse::<StartNoise>().ok().map(|n| (n.angle_rad, n.distance_m));
+        assert_eq!(noise("180deg, 3cm"), Some((std::f64::consts::PI, 0.03)));
+        assert_eq!(noise("0.5rad,20mm"), Some((0.5, 0.02)));
+        for text in ["5,3", "5deg", "5deg,3", "5deg,-3cm", "nandeg,3cm", "3cm,5deg"] {
+            assert_eq!(noise(text), None, "{text}");
+        }
+    }
+}

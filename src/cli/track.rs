@@ -1,0 +1,143 @@
+//! `backlit track`: frame after frame through a take.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::sync_channel;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::io::Footage;
+use backlit_tracking::track::{FrameEstimate, Tracker};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::fit_options::SolverArguments;
+use super::output;
+use super::take_options::{self, PartArguments, StartArguments};
+use super::track_files;
+use super::track_report::TrackReport;
+
+/// Results so far are written this often: nothing is lost if the program is stopped.
+const WRITE_EVERY: Duration = Duration::from_secs(5);
+
+const NOTES: &str = "\
+Writes to the folder of --out:
+  poses.json    the pose of every frame (backlit-track JSON)
+  joints.json   positions of all joints by frame, world metres
+  joints.csv    the same as a table: frame,joint,x,y,z
+  frames.csv    cost, overlap (IoU, all and by camera), iterations, time and joint error by frame
+  summary.json  what --json prints
+Joints are named after the limb whose second joint they are, or root. With reference keypoints in the take,
+joint errors are reported: millimetres between the fitted joint and the keypoint.
+IoU is intersection over union of silhouette and model; unknown pixels do not count.
+A time is from frame to frame, reading and segmentation included.
+
+Examples:
+  backlit track TAKE --out results
+  backlit track TAKE --out results --preset report --cameras cam01,cam03 --frames 10..40
+  backlit track TAKE --out results --start reference --start-noise 5deg,3cm --seed 7 --json";
+
+/// What `backlit track` is told.
+#[derive(Debug, Args)]
+#[command(after_help = NOTES)]
+pub struct TrackArguments {
+    /// Take: its folder or its take.toml
+    take: PathBuf,
+    /// Folder for the results; made if it is not there
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Print the summary as JSON
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    part: PartArguments,
+    #[command(flatten)]
+    start: StartArguments,
+    #[command(flatten)]
+    solver: SolverArguments,
+}
+
+/// Tracks, writes and prints.
+///
+/// # Errors
+/// A take that cannot be read. What was tracked until then is written.
+pub fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
+    let options = arguments.solver.options()?;
+    let footage = take_options::open(&arguments.take)?;
+    let take = footage.take();
+    let frames = arguments.part.frames(take)?;
+    let cameras = arguments.part.cameras(take)?;
+    let start = arguments.start.pose(take, frames[0])?;
+    output::make_folder(&arguments.out)?;
+    let mut tracker = Tracker::new(Arc::clone(take.model()), options, start)?;
+    let mut report = TrackReport::new(take, &cameras);
+    let progress = progress_bar(frames.len());
+    let mut written = Instant::now();
+    let tracked = follow(&footage, &cameras, &frames, &mut tracker, |estimate, milliseconds| {
+        report.add(take, estimate, milliseconds);
+        progress.set_message(report.progress_text());
+        progress.inc(1);
+        if written.elapsed() > WRITE_EVERY {
+            track_files::write(&arguments.out, take, &report)?;
+            written = Instant::now();
+        }
+        Ok(())
+    });
+    progress.finish_and_clear();
+    if !report.frames().is_empty() {
+        track_files::write(&arguments.out, take, &report)?;
+    }
+    if let Err(error) = tracked {
+        let done = report.frames().len();
+        let kept = format!(
+            "stopped after {done} of {} frames, which are in {}",
+            frames.len(),
+            arguments.out.display()
+        );
+        return Err(error.context(kept));
+    }
+    if arguments.json { output::print_json(&report.summary()) } else { output::print(&report.text()) }
+}
+
+/// Tracks these frames. While one is fitted, the next is read and segmented; the results do not depend on it.
+///
+/// # Errors
+/// The first picture that cannot be had, or what `on_frame` returns.
+pub fn follow(
+    footage: &Footage,
+    cameras: &[usize],
+    frames: &[usize],
+    tracker: &mut Tracker,
+    mut on_frame: impl FnMut(FrameEstimate, f64) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    std::thread::scope(|scope| {
+        let (sender, receiver) = sync_channel(1);
+        scope.spawn(move || {
+            for &frame in frames {
+                let views = footage.fit_views(cameras, frame);
+                let failed = views.is_err();
+                // Nobody listens any more when the fit has failed.
+                if sender.send((frame, views)).is_err() || failed {
+                    break;
+                }
+            }
+        });
+        let mut began = Instant::now();
+        for (frame, views) in receiver {
+            let estimate = tracker
+                .track_frame(frame, views?, &CancelToken::new())
+                .with_context(|| format!("frame {frame}"))?;
+            let milliseconds = began.elapsed().as_secs_f64() * 1e3;
+            began = Instant::now();
+            on_frame(estimate, milliseconds)?;
+        }
+        Ok(())
+    })
+}
+
+/// A bar on standard error; nothing where that is not a terminal.
+fn progress_bar(frames: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:30} {pos} of {len} frames, {eta} left  {msg}");
+    ProgressBar::new(frames as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}

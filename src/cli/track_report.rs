@@ -1,0 +1,184 @@
+//! What a track is worth: joint errors, overlap, times; as a table and as JSON.
+
+use std::collections::BTreeMap;
+
+use backlit_tracking::io::Take;
+use backlit_tracking::track::FrameEstimate;
+use backlit_tracking::track::metrics::{JointErrors, Statistics};
+use serde::Serialize;
+
+use super::table::Table;
+use super::take_options::reference_joints;
+
+/// The frames of a track so far.
+#[derive(Debug)]
+pub struct TrackReport {
+    cameras: Vec<String>,
+    frames: Vec<ReportedFrame>,
+    errors: JointErrors,
+}
+
+/// One frame and how long it took.
+#[derive(Debug)]
+pub struct ReportedFrame {
+    /// What was found.
+    pub estimate: FrameEstimate,
+    /// Milliseconds since the frame before.
+    pub milliseconds: f64,
+}
+
+/// The summary as JSON has it.
+#[derive(Debug, Serialize)]
+pub struct TrackSummary {
+    frames: usize,
+    lost: usize,
+    iou: IouSummary,
+    /// Millimetres; null without reference keypoints.
+    joint_error_mm: Option<ErrorSummary>,
+    ms_per_frame: TimeSummary,
+}
+
+#[derive(Debug, Serialize)]
+struct IouSummary {
+    mean: Option<f64>,
+    by_camera: BTreeMap<String, Option<f64>>,
+}
+
+#[derive(Debug, Serialize)]
+struct ErrorSummary {
+    #[serde(flatten)]
+    overall: Distances,
+    by_joint: BTreeMap<String, Distances>,
+}
+
+#[derive(Debug, Serialize)]
+struct Distances {
+    mean: f64,
+    median: f64,
+    p95: f64,
+    max: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct TimeSummary {
+    median: f64,
+    p95: f64,
+}
+
+impl From<Statistics> for Distances {
+    fn from(statistics: Statistics) -> Self {
+        let Statistics { mean, median, p95, max, .. } = statistics;
+        Self { mean, median, p95, max }
+    }
+}
+
+impl TrackReport {
+    /// A report of these cameras (indices in the take).
+    #[must_use]
+    pub fn new(take: &Take, cameras: &[usize]) -> Self {
+        let names = cameras.iter().map(|&camera| take.rig().cameras()[camera].name().to_owned());
+        Self { cameras: names.collect(), frames: Vec::new(), errors: JointErrors::default() }
+    }
+
+    /// Adds a frame.
+    pub fn add(&mut self, take: &Take, estimate: FrameEstimate, milliseconds: f64) {
+        let reference = reference_joints(take, estimate.frame);
+        self.errors.add(take.model(), estimate.frame, &estimate.pose, &reference);
+        self.frames.push(ReportedFrame { estimate, milliseconds });
+    }
+
+    /// The frames so far.
+    #[must_use]
+    pub fn frames(&self) -> &[ReportedFrame] {
+        &self.frames
+    }
+
+    /// Names of the cameras, in the order of the estimates' overlaps.
+    #[must_use]
+    pub fn cameras(&self) -> &[String] {
+        &self.cameras
+    }
+
+    /// Mean joint error of each frame that has reference keypoints, millimetres.
+    #[must_use]
+    pub fn error_by_frame(&self) -> BTreeMap<usize, f64> {
+        self.errors.mean_by_frame()
+    }
+
+    /// A few words while it goes on.
+    #[must_use]
+    pub fn progress_text(&self) -> String {
+        let iou = self.frames.last().and_then(|frame| frame.estimate.iou());
+        iou.map(|iou| format!("IoU {iou:.3}")).unwrap_or_default()
+    }
+
+    /// Everything in numbers.
+    #[must_use]
+    pub fn summary(&self) -> TrackSummary {
+        let of_camera = |camera: usize| {
+            let overlaps = self.frames.iter().filter_map(move |frame| frame.estimate.overlap[camera]);
+            mean(overlaps.filter_map(|overlap| overlap.iou()))
+        };
+        let cameras = self.cameras.iter().enumerate();
+        let times: Vec<f64> = self.frames.iter().map(|frame| frame.milliseconds).collect();
+        let times = Statistics::of(&times);
+        let by_joint = self.errors.by_joint();
+        TrackSummary {
+            frames: self.frames.len(),
+            lost: self.frames.iter().filter(|frame| frame.estimate.lost).count(),
+            iou: IouSummary {
+                mean: mean(self.frames.iter().filter_map(|frame| frame.estimate.iou())),
+                by_camera: cameras.map(|(index, name)| (name.clone(), of_camera(index))).collect(),
+            },
+            joint_error_mm: self.errors.overall().map(|overall| ErrorSummary {
+                overall: overall.into(),
+                by_joint: by_joint
+                    .into_iter()
+                    .map(|(name, errors)| (name.to_owned(), errors.into()))
+                    .collect(),
+            }),
+            ms_per_frame: TimeSummary {
+                median: times.map_or(0.0, |times| times.median),
+                p95: times.map_or(0.0, |times| times.p95),
+            },
+        }
+    }
+
+    /// Everything as tables for people.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let summary = self.summary();
+        let lost = if summary.lost == 0 { "none".to_owned() } else { summary.lost.to_string() };
+        let mut out = format!("{} frames tracked, {lost} lost\n", summary.frames);
+        if let Some(errors) = &summary.joint_error_mm {
+            let mut table = Table::new(["joint error, mm", "mean", "median", "95 %", "max"]);
+            let row = |name: &str, d: &Distances| {
+                let [mean, median, p95, max] = [d.mean, d.median, d.p95, d.max].map(|mm| format!("{mm:.1}"));
+                [name.to_owned(), mean, median, p95, max]
+            };
+            for (name, distances) in &errors.by_joint {
+                table.row(row(name, distances));
+            }
+            table.row(row("all joints", &errors.overall));
+            out.push('\n');
+            out.push_str(&table.to_text());
+        }
+        let mut table = Table::new(["overlap", "IoU"]);
+        let number = |iou: Option<f64>| iou.map_or_else(|| "–".to_owned(), |iou| format!("{iou:.3}"));
+        for name in &self.cameras {
+            let iou = summary.iou.by_camera.get(name).copied().flatten();
+            table.row([name.clone(), number(iou)]);
+        }
+        table.row(["all cameras".to_owned(), number(summary.iou.mean)]);
+        out.push('\n');
+        out.push_str(&table.to_text());
+        let TimeSummary { median, p95 } = summary.ms_per_frame;
+        out.push_str(&format!("\ntime of a frame: median {median:.0} ms, 95 % within {p95:.0} ms\n"));
+        out
+    }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0_usize), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / count as f64)
+}
