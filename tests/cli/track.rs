@@ -1,0 +1,249 @@
+//! `backlit track`, `silhouettes` and `fit TAKE` on a small take: a body that waves before a wall.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use backlit_tracking::body::{Kinematics, Parameters, Pose};
+use backlit_tracking::camera::Camera;
+use backlit_tracking::io::calibration::{self, CalibrationOptions};
+use backlit_tracking::io::{images, pose_file};
+use backlit_tracking::render::{Ramp, RendererKind, predict};
+use image::{DynamicImage, Rgb, RgbImage};
+use serde_json::Value;
+
+use crate::scene::Scene;
+
+const FRAMES: usize = 5;
+
+const TAKE: &str = r#"format = "backlit-take 1"
+name = "wave"
+frame_rate = 30
+model = "upper_body"
+start = "start.json"
+[cameras]
+calibration = "../cameras.json"
+[[camera]]
+name = "front"
+frames = "front/%02d.png"
+background = "front/plate.png"
+[[camera]]
+name = "side"
+frames = "side/%02d.png"
+background = "side/plate.png"
+[reference]
+keypoints = "truth.csv"
+[measurement]
+shadow = false
+dont_know = false
+"#;
+
+/// The scene's pose with an arm that goes down.
+fn pose(scene: &Scene, frame: usize) -> Pose {
+    let mut step = vec![0.0; Parameters::Tangent.columns(scene.model.rotation_count())];
+    let arm = scene.model.limb_index("right upper arm").unwrap();
+    let first = Parameters::Tangent.first_column(scene.model.limbs()[arm].rotation);
+    step[first + 2] = 0.05 * frame as f64;
+    scene.pose().retract(Parameters::Tangent, &step)
+}
+
+/// A wall with a pattern; before it, dark, the body.
+fn picture(scene: &Scene, camera: &Camera, pose: Option<&Pose>) -> RgbImage {
+    let lambda = pose.map(|pose| {
+        let kinematics = Kinematics::new(&scene.model, pose);
+        predict(&scene.model, &kinematics, camera, RendererKind::Capsule, Ramp::Half).lambda
+    });
+    RgbImage::from_fn(camera.width() as u32, camera.height() as u32, |x, y| {
+        let is_subject =
+            lambda.as_ref().is_some_and(|lambda| lambda[y as usize * camera.width() + x as usize] < 127.5);
+        if is_subject { Rgb([90, 40, 60]) } else { Rgb([150 + (x % 7) as u8, 160, 170 + (y % 5) as u8]) }
+    })
+}
+
+/// A scene with a take in `wave`.
+fn take() -> Scene {
+    let scene = Scene::new();
+    let rig = calibration::read(&scene.path("cameras.json"), CalibrationOptions::default()).unwrap();
+    for camera in rig.cameras() {
+        let folder = scene.path("wave").join(camera.name());
+        fs::create_dir_all(&folder).unwrap();
+        let write = |name: &str, pose: Option<&Pose>| {
+            let picture = DynamicImage::ImageRgb8(picture(&scene, camera, pose));
+            images::write_png(&folder.join(name), &picture).unwrap();
+        };
+        write("plate.png", None);
+        (0..FRAMES).for_each(|frame| write(&format!("{frame:02}.png"), Some(&pose(&scene, frame))));
+    }
+    let mut truth = "frame,joint,x,y,z\n".to_owned();
+    for frame in 0..FRAMES {
+        let kinematics = Kinematics::new(&scene.model, &pose(&scene, frame));
+        for (limb, end) in scene.model.limbs().iter().zip(kinematics.ends()) {
+            truth.push_str(&format!("{frame},{},{},{},{}\n", limb.name, end.x, end.y, end.z));
+        }
+    }
+    scene.write("wave/truth.csv", &truth);
+    scene.write("wave/take.toml", TAKE);
+    pose_file::write(&scene.path("wave/start.json"), &scene.model, &pose(&scene, 0)).unwrap();
+    scene
+}
+
+fn lines(path: PathBuf) -> Vec<String> {
+    fs::read_to_string(path).unwrap().lines().map(str::to_owned).collect()
+}
+
+fn json(path: PathBuf) -> Value {
+    serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
+}
+
+#[test]
+fn a_take_is_tracked() {
+    let scene = take();
+    let printed = scene.ok("track wave --out out --start-noise 2deg,1cm --json");
+    let summary: Value = serde_json::from_str(&printed).unwrap();
+    assert_eq!(summary, json(scene.path("out/summary.json")));
+    assert_eq!((summary["frames"].as_u64(), summary["lost"].as_u64()), (Some(FRAMES as u64), Some(0)));
+    assert!(summary["iou"]["mean"].as_f64().unwrap() > 0.8, "{printed}");
+    assert!(summary["iou"]["by_camera"]["side"].as_f64().unwrap() > 0.8, "{printed}");
+    assert!(summary["joint_error_mm"]["mean"].as_f64().unwrap() < 40.0, "{printed}");
+    let of_joint = &summary["joint_error_mm"]["by_joint"]["right forearm"];
+    assert!(of_joint["median"].as_f64() <= of_joint["max"].as_f64() && of_joint["max"].is_f64());
+    assert!(summary["ms_per_frame"]["median"].as_f64().unwrap() > 0.0);
+
+    let poses = json(scene.path("out/poses.json"));
+    let joints = json(scene.path("out/joints.json"));
+    let table = lines(scene.path("out/joints.csv"));
+    assert_eq!(table.len(), 1 + FRAMES * (1 + scene.model.limbs().len()));
+    for frame in 0..FRAMES {
+        assert_eq!(poses["frames"][frame]["frame"], frame);
+        assert_eq!(poses["frames"][frame]["root"], joints["frames"][frame]["joints"]["root"]);
+        let rotations = poses["frames"][frame]["rotations"].as_object().unwrap();
+        assert_eq!(rotations.len(), scene.model.rotation_count());
+        // The same three numbers in the table.
+        let [x, y, z] =
+            [0, 1, 2].map(|i| joints["frames"][frame]["joints"]["right forearm"][i].as_f64().unwrap());
+        assert!(table.contains(&format!("{frame},right forearm,{x},{y},{z}")));
+    }
+    let frames = lines(scene.path("out/frames.csv"));
+    assert_eq!(
+        frames[0],
+        "frame,cost,rms,iou,iou front,iou side,iterations,lost,termination,ms,joint_error_mm"
+    );
+    assert_eq!(frames.len(), 1 + FRAMES);
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let scene = take();
+    let poses = |threads: &str| {
+        let output =
+            scene.command("track wave --out out").env("RAYON_NUM_THREADS", threads).output().unwrap();
+        assert!(output.status.success());
+        fs::read(scene.path("out/poses.json")).unwrap()
+    };
+    assert_eq!(poses("1"), poses("4"));
+}
+
+#[test]
+fn parts_of_a_take() {
+    let scene = take();
+    let text = scene.ok("track wave --out out --frames 1.. --every 2 --cameras side --start reference");
+    assert!(
+        text.contains("2 frames tracked, none lost") && text.contains("side") && !text.contains("front"),
+        "{text}"
+    );
+    let numbers: Vec<String> = lines(scene.path("out/frames.csv"))[1..]
+        .iter()
+        .map(|line| line.split(',').next().unwrap().to_owned())
+        .collect();
+    assert_eq!(numbers, ["1", "3"]);
+    scene.fails("track wave --out out --frames 3..9", 1, &["--frames", "5 frames", "frame 8"]);
+    scene.fails("track wave --out out --frames 3..3", 1, &["--frames", "no frame"]);
+    scene.fails("track wave --out out --cameras side,back", 1, &["--cameras", "back", "front, side"]);
+    scene.fails("track wave --out out --start-noise 5,3", 2, &["--start-noise", "5deg,3cm"]);
+}
+
+#[test]
+fn one_frame_of_a_take_is_fitted() {
+    let scene = take();
+    let answer: Value =
+        serde_json::from_str(&scene.ok(
+            "fit wave --frame 3 --start reference --start-noise 3deg,1cm --seed 4 --json --out fitted.json",
+        ))
+        .unwrap();
+    assert!(answer["rms"].as_f64().is_some());
+    assert!(scene.path("fitted.json").exists());
+    scene.fails("fit wave --frame 7", 1, &["frame 7", "5"]);
+    scene.fails("fit wave", 2, &["--frame"]);
+}
+
+#[test]
+fn silhouettes_are_written_with_their_cameras() {
+    let scene = take();
+    scene.ok("silhouettes wave --out masks --frames 2");
+    let mask = images::read_grey(&scene.path("masks/front/frame_000002.png")).unwrap();
+    let rig = calibration::read(&scene.path("cameras.json"), CalibrationOptions::default()).unwrap();
+    let truth = picture(&scene, &rig.cameras()[0], Some(&pose(&scene, 2)));
+    let wrong =
+        truth.pixels().zip(mask.pixels()).filter(|(pixel, mask)| (pixel[0] == 90) != (mask[0] == 255));
+    // Opening and closing take corners off.
+    let (wrong, subject) = (wrong.count(), truth.pixels().filter(|pixel| pixel[0] == 90).count());
+    assert!(10 * wrong < subject, "{wrong} of {subject} pixels");
+    let cameras =
+        calibration::read(&scene.path("masks/cameras.json"), CalibrationOptions::default()).unwrap();
+    assert!(cameras.cameras().iter().all(|camera| camera.distortion().is_none()));
+}
+
+#[test]
+fn what_was_tracked_before_a_bad_picture_is_kept() {
+    let scene = take();
+    let path = scene.path("wave/side/03.png");
+    let whole = fs::read(&path).unwrap();
+    fs::write(&path, &whole[..whole.len() / 2]).unwrap();
+    scene.fails(
+        "track wave --out out",
+        1,
+        &["3 of 5 frames", "camera \"side\", frame 3", "side/03.png", "not a whole picture"],
+    );
+    assert_eq!(json(scene.path("out/poses.json"))["frames"].as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn bad_takes_are_explained() {
+    let scene = take();
+    let expect = |take: &str, expected: &[&str]| {
+        scene.write("wave/take.toml", take);
+        scene.fails("track wave --out out", 1, expected);
+    };
+    expect(&TAKE.replace("[measurement]", "[measurement]\nshadows = true"), &["take.toml, line ", "shadows"]);
+    expect(&TAKE.replace("frame_rate", "framerate"), &["take.toml, line 3", "framerate"]);
+    expect(&TAKE.replace("background = \"side/plate.png\"\n", ""), &["camera \"side\"", "background"]);
+    expect(&TAKE.replace("name = \"side\"", "name = \"back\""), &["take.toml, line ", "back", "front, side"]);
+    assert!(!scene.path("out/poses.json").exists());
+    scene.write("wave/take.toml", TAKE);
+    let replace = |name: &str, picture: Option<RgbImage>| {
+        let path: &Path = &scene.path(name);
+        match picture {
+            Some(picture) => images::write_png(path, &DynamicImage::ImageRgb8(picture)).unwrap(),
+            None => fs::remove_file(path).unwrap(),
+        }
+    };
+    replace("wave/front/00.png", Some(RgbImage::new(64, 96)));
+    scene.fails("track wave --out out", 1, &["camera \"front\", frame 0", "64×96", "128×96"]);
+    replace("wave/side/02.png", None);
+    scene.fails("track wave --out out", 1, &["side/02.png", "camera \"side\""]);
+    scene.fails("track nowhere --out out", 1, &["nowhere"]);
+}
+
+#[test]
+fn an_empty_frame_is_lost_and_the_track_goes_on() {
+    let scene = take();
+    for camera in ["front", "side"] {
+        fs::copy(
+            scene.path(&format!("wave/{camera}/plate.png")),
+            scene.path(&format!("wave/{camera}/02.png")),
+        )
+        .unwrap();
+    }
+    let summary: Value = serde_json::from_str(&scene.ok("track wave --out out --json")).unwrap();
+    assert_eq!((summary["frames"].as_u64(), summary["lost"].as_u64()), (Some(FRAMES as u64), Some(1)));
+    assert!(lines(scene.path("out/frames.csv"))[3].contains(",true,no-data,"));
+}
