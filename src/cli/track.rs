@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::io::Footage;
-use backlit_tracking::track::{FrameEstimate, Tracker};
+use backlit_tracking::track::Tracker;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -70,48 +70,41 @@ pub fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let cameras = arguments.part.cameras(take)?;
     let start = arguments.start.pose(take, frames[0])?;
     output::make_folder(&arguments.out)?;
-    let mut tracker = Tracker::new(Arc::clone(take.model()), options, start)?;
+    let tracker = Tracker::new(Arc::clone(take.model()), options, start)?;
     let mut report = TrackReport::new(take, &cameras);
-    let progress = progress_bar(frames.len());
     let mut written = Instant::now();
-    let tracked = follow(&footage, &cameras, &frames, &mut tracker, |estimate, milliseconds| {
-        report.add(take, estimate, milliseconds);
-        progress.set_message(report.progress_text());
-        progress.inc(1);
+    let tracked = follow(&footage, &cameras, &frames, tracker, &mut report, |report| {
         if written.elapsed() > WRITE_EVERY {
-            track_files::write(&arguments.out, take, &report)?;
+            track_files::write(&arguments.out, take, report)?;
             written = Instant::now();
         }
         Ok(())
     });
-    progress.finish_and_clear();
     if !report.frames().is_empty() {
         track_files::write(&arguments.out, take, &report)?;
     }
     if let Err(error) = tracked {
-        let done = report.frames().len();
-        let kept = format!(
-            "stopped after {done} of {} frames, which are in {}",
-            frames.len(),
-            arguments.out.display()
-        );
-        return Err(error.context(kept));
+        let (done, all, folder) = (report.frames().len(), frames.len(), arguments.out.display());
+        return Err(error.context(format!("stopped after {done} of {all} frames, which are in {folder}")));
     }
     if arguments.json { output::print_json(&report.summary()) } else { output::print(&report.text()) }
 }
 
-/// Tracks these frames. While one is fitted, the next is read and segmented; the results do not depend on it.
+/// Tracks these frames into a report, with a progress bar on a terminal. While one is fitted, the next is read
+/// and segmented; the results do not depend on it.
 ///
 /// # Errors
-/// The first picture that cannot be had, or what `on_frame` returns.
+/// The first picture that cannot be had, or what `after_frame` returns. The report has what was tracked before.
 pub fn follow(
     footage: &Footage,
     cameras: &[usize],
     frames: &[usize],
-    tracker: &mut Tracker,
-    mut on_frame: impl FnMut(FrameEstimate, f64) -> anyhow::Result<()>,
+    mut tracker: Tracker,
+    report: &mut TrackReport,
+    mut after_frame: impl FnMut(&TrackReport) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
-    std::thread::scope(|scope| {
+    let progress = progress_bar(frames.len());
+    let result = std::thread::scope(|scope| {
         let (sender, receiver) = sync_channel(1);
         scope.spawn(move || {
             for &frame in frames {
@@ -128,12 +121,16 @@ pub fn follow(
             let estimate = tracker
                 .track_frame(frame, views?, &CancelToken::new())
                 .with_context(|| format!("frame {frame}"))?;
-            let milliseconds = began.elapsed().as_secs_f64() * 1e3;
+            report.add(footage.take(), estimate, began.elapsed().as_secs_f64() * 1e3);
             began = Instant::now();
-            on_frame(estimate, milliseconds)?;
+            progress.set_message(report.progress_text());
+            progress.inc(1);
+            after_frame(report)?;
         }
         Ok(())
-    })
+    });
+    progress.finish_and_clear();
+    result
 }
 
 /// A bar on standard error; nothing where that is not a terminal.
