@@ -6,15 +6,15 @@ mod support;
 
 use backlit::panels::{CameraTileInput, Drag, TileEvent, Wipe, camera_tile};
 use backlit::picture::{
-    JointId, JointMark, PictureInput, ProjectedLimb, SightRay, ViewMode, body_outline, limb_colours,
-    project_joints, project_limbs, sight_ray,
+    Derivative, JointId, JointMark, PictureInput, ProjectedLimb, SightRay, ViewMode, body_outline,
+    gradient_magnitudes, jacobian_column, limb_colours, project_joints, project_limbs, sight_ray,
 };
 use backlit::theme::Theme;
 use backlit::widgets::Framing;
 use backlit_tracking::body::builtin::full_body;
-use backlit_tracking::body::{Kinematics, Model, Pose};
+use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
-use backlit_tracking::render::{Prediction, Ramp, RendererKind, predict};
+use backlit_tracking::render::{Prediction, Ramp, RendererKind, View, predict};
 use backlit_tracking::silhouette::{Label, Mask, Measurement, Overlap, SignedDistance};
 use egui::{Color32, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Role, pos2, vec2};
 use egui_kittest::kittest::Queryable;
@@ -33,6 +33,8 @@ struct Scene {
     mask: Mask,
     data: Measurement,
     prediction: Prediction,
+    gradient: Derivative,
+    jacobian: Derivative,
     colours: Vec<Color32>,
     outlines: Vec<Vec<[f32; 2]>>,
     limbs: Vec<Option<ProjectedLimb>>,
@@ -79,6 +81,11 @@ impl Scene {
         let data = Measurement::from_distance(&distance, &mask, 2.0, 4.0).unwrap();
         let prediction = draw(&pose);
         let kinematics = Kinematics::new(&body, &pose);
+        let view = View::new(&body, &kinematics, &camera, RendererKind::Capsule, Ramp::Half);
+        // The subject's left thigh swings sideways.
+        let thigh = body.limbs()[body.limb_index("left thigh").unwrap()].rotation;
+        let column = Parameters::Tangent.first_column(thigh) + 1;
+        let jacobian = jacobian_column(&view, &kinematics, &camera, Parameters::Tangent, column);
         let foot = JointId::End(body.limb_index("left foot").unwrap());
         Self {
             frame: RgbImage::from_fn(SIZE[0] as u32, SIZE[1] as u32, |x, y| {
@@ -90,6 +97,8 @@ impl Scene {
             joints: project_joints(&body, &kinematics, pose.root, &camera, |joint| joint == foot),
             overlap: Overlap::between(&mask, &prediction.lambda).unwrap(),
             colours: limb_colours(&body),
+            gradient: gradient_magnitudes(&view),
+            jacobian: jacobian.unwrap(),
             wrist: JointId::End(body.limb_index("right forearm").unwrap()),
             body,
             camera,
@@ -118,6 +127,8 @@ impl Scene {
                 mask: Some(&self.mask),
                 data: Some(&self.data),
                 prediction: Some(&self.prediction),
+                gradient: Some(&self.gradient),
+                jacobian: Some(&self.jacobian),
                 limb_colours: &self.colours,
             },
             generation: 1,

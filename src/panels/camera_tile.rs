@@ -106,12 +106,12 @@ struct TileLayout {
 }
 
 impl TileLayout {
-    /// The gutter is there when the tile is wide enough beside a picture that shows the subject, so it does
-    /// not come and go with the zoom.
-    fn new(tile: Rect, size_px: [usize; 2], subject_px: Option<Rect>) -> Self {
+    /// The gutter is there when the tile is wide enough beside the whole picture, so it does not come and go
+    /// with the zoom, and is there for all cameras of one format or for none.
+    fn new(tile: Rect, size_px: [usize; 2]) -> Self {
         let header = Rect::from_min_max(tile.min, pos2(tile.right(), tile.top() + size::TILE_HEADER));
         let below = Rect::from_min_max(pos2(tile.left(), header.bottom()), tile.max);
-        let shown = Framing::Subject.view(below, size_px, subject_px).picture_rect(size_px).width();
+        let shown = Framing::Whole.view(below, size_px, None).picture_rect(size_px).width();
         if below.width() - shown < size::GUTTER_FROM {
             return Self { header, picture: below, gutter: None };
         }
@@ -123,7 +123,7 @@ impl TileLayout {
 /// Shows a camera's tile in all of the space that `ui` has, and says what the user did.
 pub fn camera_tile(ui: &mut Ui, input: &CameraTileInput<'_>) -> Vec<TileEvent> {
     let tile = ui.available_rect_before_wrap();
-    let layout = TileLayout::new(tile, input.picture.size, input.subject_px);
+    let layout = TileLayout::new(tile, input.picture.size);
     let id = ui.scope_id().with(("camera tile", input.index));
     let builder = UiBuilder::new().id_salt(("camera tile", input.index)).max_rect(tile);
     let mut events = Vec::new();
@@ -165,10 +165,9 @@ mod tests {
 
     #[test]
     fn portrait_footage_in_a_wide_tile_leaves_a_gutter() {
-        let subject = Rect::from_min_max(pos2(60.0, 100.0), pos2(210.0, 400.0));
         let layout = |width: f32, size_px: [usize; 2]| {
             let tile = Rect::from_min_size(pos2(5.0, 5.0), vec2(width, 400.0));
-            TileLayout::new(tile, size_px, Some(subject))
+            TileLayout::new(tile, size_px)
         };
         let wide = layout(638.0, [272, 480]);
         let gutter = wide.gutter.unwrap();

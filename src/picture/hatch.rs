@@ -1,15 +1,25 @@
-//! The don't-know hatch, in the picture's own pixels.
+//! Hatches, in the picture's own pixels.
 
 use egui::Color32;
 
-use crate::theme::data_colours::{UNKNOWN, mark};
+use crate::theme::data_colours::{NO_GRADIENT, UNKNOWN, mark};
 
 /// The colour of a don't-know pixel on `ground`: one diagonal of every five, falling to the right.
 pub(super) fn unknown(x: usize, y: usize, ground: Color32) -> Color32 {
+    if is_unknown_line(x, y) { UNKNOWN } else { ground }
+}
+
+/// The colour of a pixel without gradient on `ground`: two diagonals of every six, rising to the right.
+pub(super) fn no_gradient(x: usize, y: usize, ground: Color32) -> Color32 {
+    let [width, period] = mark::NO_GRADIENT_HATCH.map(|px| px as usize);
+    if (x + y) % period < width { NO_GRADIENT } else { ground }
+}
+
+/// Whether the don't-know hatch has a line at this pixel.
+pub(super) fn is_unknown_line(x: usize, y: usize) -> bool {
     let [width, period] = mark::UNKNOWN_HATCH.map(|px| px as usize);
     // x − y, kept above zero: y of any picture is far below the offset, a multiple of the period.
-    let along = (x + (usize::MAX >> 8) / period * period - y) % period;
-    if along < width { UNKNOWN } else { ground }
+    (x + (usize::MAX >> 8) / period * period - y) % period < width
 }
 
 #[cfg(test)]

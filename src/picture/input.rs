@@ -6,7 +6,7 @@ use backlit_tracking::silhouette::{Label, Mask, Measurement};
 use egui::{Color32, ColorImage};
 use image::RgbImage;
 
-use super::ViewMode;
+use super::{Derivative, ViewMode};
 
 /// Grey level between subject and background.
 pub(super) const HALF: f32 = 127.5;
@@ -25,6 +25,10 @@ pub struct PictureInput<'a> {
     pub data: Option<&'a Measurement>,
     /// What the model predicts.
     pub prediction: Option<&'a Prediction>,
+    /// The gradient's magnitude: see [`gradient_magnitudes`](super::gradient_magnitudes).
+    pub gradient: Option<&'a Derivative>,
+    /// A column of the Jacobian: see [`jacobian_column`](super::jacobian_column).
+    pub jacobian: Option<&'a Derivative>,
     /// A colour for each limb: see [`limb_colours`](super::limb_colours).
     pub limb_colours: &'a [Color32],
 }
@@ -51,7 +55,16 @@ pub struct Sample {
 impl<'a> PictureInput<'a> {
     /// A camera of which nothing is known but the size of its pictures.
     pub const fn empty(size: [usize; 2]) -> Self {
-        Self { size, frame: None, mask: None, data: None, prediction: None, limb_colours: &[] }
+        Self {
+            size,
+            frame: None,
+            mask: None,
+            data: None,
+            prediction: None,
+            gradient: None,
+            jacobian: None,
+            limb_colours: &[],
+        }
     }
 
     /// The mode that can be shown: `mode`, or footage where what `mode` needs is not there yet.
@@ -62,6 +75,8 @@ impl<'a> PictureInput<'a> {
             ViewMode::Footage => true,
             ViewMode::Data => has_data,
             ViewMode::Prediction | ViewMode::OwnerLimb => has_prediction,
+            ViewMode::Gradient => has_prediction && self.gradient.is_some(),
+            ViewMode::JacobianColumn => has_prediction && self.jacobian.is_some(),
             ViewMode::ReportOverlay | ViewMode::Tinted | ViewMode::Residual => has_data && has_prediction,
         };
         if can_show { mode } else { ViewMode::Footage }
@@ -184,7 +199,9 @@ pub(super) mod tests {
         let prediction = prediction(&[0.0, 255.0], &[3, NO_OWNER]);
         let empty = PictureInput::empty([2, 1]);
         let with_mask = PictureInput { mask: Some(&mask), ..empty };
-        let whole = PictureInput { prediction: Some(&prediction), ..with_mask };
+        let derivative = Derivative::new(vec![0.0, 1.0]);
+        let (gradient, jacobian) = (Some(&derivative), Some(&derivative));
+        let whole = PictureInput { prediction: Some(&prediction), gradient, jacobian, ..with_mask };
         for mode in ViewMode::ALL {
             assert_eq!(empty.shown(mode), ViewMode::Footage);
             assert_eq!(whole.shown(mode), mode);

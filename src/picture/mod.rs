@@ -8,13 +8,15 @@
 //! | [`mode`] | [`ViewMode`]: the ways to look at a camera, with their names and legends |
 //! | [`input`] | [`PictureInput`]: what there is to look at; [`Sample`]: its values at one pixel |
 //! | `footage` … `owner_limb` | one view mode each |
-//! | `hatch` | the don't-know hatch |
+//! | [`derivative`] | gradient and Jacobian column: what they are and how they look |
+//! | `hatch` | the hatches of don't-know and of no gradient |
 //! | [`outline`] | the body's outline by marching squares |
 //! | [`limbs`] | limbs projected to capsules of the picture |
 //! | [`joints`] | the joints that can be dragged, and their names |
 //! | [`sight_ray`] | one camera's ray as another camera sees it |
 
 mod data;
+pub mod derivative;
 mod footage;
 mod hatch;
 pub mod input;
@@ -29,6 +31,7 @@ mod residual;
 pub mod sight_ray;
 mod tinted;
 
+pub use derivative::{Derivative, gradient_magnitudes, jacobian_column};
 pub use input::{PictureInput, Sample};
 pub use joints::{JointId, JointMark, draggable_joints, joint_name, project_joints};
 pub use limbs::{ProjectedLimb, joined_outline, project_limbs};
@@ -50,5 +53,7 @@ pub fn compose(mode: ViewMode, input: &PictureInput<'_>) -> ColorImage {
         ViewMode::Tinted => tinted::compose(&input),
         ViewMode::Residual => residual::compose(&input),
         ViewMode::OwnerLimb => owner_limb::compose(&input),
+        ViewMode::Gradient => derivative::compose_gradient(&input),
+        ViewMode::JacobianColumn => derivative::compose_jacobian(&input),
     }
 }

@@ -26,6 +26,10 @@ pub enum ViewMode {
     Residual,
     /// The limb that owns each pixel.
     OwnerLimb,
+    /// How strongly each pixel pulls at its limb.
+    Gradient,
+    /// How each pixel changes with one coefficient of the pose.
+    JacobianColumn,
 }
 
 /// What is beside the picture, or under it, to read its colours.
@@ -37,6 +41,10 @@ pub enum Legend {
     Entries(&'static [LegendEntry]),
     /// The residual's map, from −255 to 255.
     ResidualMap,
+    /// The gradient's map, from zero to the scale of [`PictureInput::gradient`](super::PictureInput::gradient).
+    GradientMap,
+    /// The residual's map over ± the scale of [`PictureInput::jacobian`](super::PictureInput::jacobian).
+    JacobianMap,
 }
 
 /// A swatch and its word.
@@ -79,7 +87,7 @@ const OWNER_LEGEND: &[LegendEntry] = &[LegendEntry { text: "Hue by chain", swatc
 
 impl ViewMode {
     /// All modes, in the order of the menu.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 9] = [
         Self::Footage,
         Self::Data,
         Self::Prediction,
@@ -87,6 +95,8 @@ impl ViewMode {
         Self::Tinted,
         Self::Residual,
         Self::OwnerLimb,
+        Self::Gradient,
+        Self::JacobianColumn,
     ];
 
     /// The name in menus and headers.
@@ -99,6 +109,8 @@ impl ViewMode {
             Self::Tinted => "Tinted overlay on footage",
             Self::Residual => "Residual",
             Self::OwnerLimb => "Owner limb",
+            Self::Gradient => "Gradient",
+            Self::JacobianColumn => "Jacobian column",
         }
     }
 
@@ -108,6 +120,7 @@ impl ViewMode {
             Self::ReportOverlay => "Report",
             Self::Tinted => "Tinted",
             Self::OwnerLimb => "Owner",
+            Self::JacobianColumn => "Jacobian",
             _ => self.label(),
         }
     }
@@ -122,6 +135,8 @@ impl ViewMode {
             Self::Tinted => "T",
             Self::Residual => "R",
             Self::OwnerLimb => "L",
+            Self::Gradient => "G",
+            Self::JacobianColumn => "J",
         }
     }
 
@@ -139,6 +154,12 @@ impl ViewMode {
                 "D − Λ on a fixed scale: orange is missing, blue is spurious, dark is agreement."
             }
             Self::OwnerLimb => "The limb that wins each pixel: one hue a chain, darker outwards.",
+            Self::Gradient => {
+                "How strongly each pixel pulls at its limb; hatched pixels of the ramp do not pull."
+            }
+            Self::JacobianColumn => {
+                "How each pixel changes as the selected joint turns; hatched pixels of the ramp do not change."
+            }
         }
     }
 
@@ -152,12 +173,14 @@ impl ViewMode {
             Self::Tinted => Legend::Entries(TINTED_LEGEND),
             Self::Residual => Legend::ResidualMap,
             Self::OwnerLimb => Legend::Entries(OWNER_LEGEND),
+            Self::Gradient => Legend::GradientMap,
+            Self::JacobianColumn => Legend::JacobianMap,
         }
     }
 
     /// Whether the body's outline is drawn on it: not where the colours are the model's own.
     pub const fn has_outline(self) -> bool {
-        !matches!(self, Self::Prediction | Self::ReportOverlay | Self::OwnerLimb)
+        matches!(self, Self::Footage | Self::Data | Self::Tinted | Self::Residual)
     }
 }
 

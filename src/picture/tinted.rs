@@ -6,8 +6,11 @@ use egui::{Color32, ColorImage};
 use super::input::HALF;
 use super::{PictureInput, hatch};
 use crate::theme::data_colours::{
-    AGREEMENT, AGREEMENT_TINT, FOOTAGE_DIM, MISMATCH_TINT, MISSING, PICTURE_GROUND, SPURIOUS,
+    AGREEMENT, AGREEMENT_TINT, FOOTAGE_DIM, MISMATCH_TINT, MISSING, PICTURE_GROUND, SPURIOUS, UNKNOWN,
 };
+
+/// Opacity of the don't-know hatch over footage.
+const HATCH_TINT: f32 = 0.5;
 
 pub(super) fn compose(input: &PictureInput<'_>) -> ColorImage {
     input.map(|x, y, index| {
@@ -15,7 +18,8 @@ pub(super) fn compose(input: &PictureInput<'_>) -> ColorImage {
         let ground = footage.map_or(PICTURE_GROUND, |colour| mix(colour, Color32::BLACK, FOOTAGE_DIM));
         let is_model = input.lambda(index) < HALF;
         let (tint, opacity) = match (input.label(index), is_model) {
-            (Label::Unknown, _) => return hatch::unknown(x, y, ground),
+            (Label::Unknown, _) if !hatch::is_unknown_line(x, y) => return ground,
+            (Label::Unknown, _) => (UNKNOWN, HATCH_TINT),
             (Label::Background, false) => return ground,
             (Label::Subject, true) => (AGREEMENT, AGREEMENT_TINT),
             (Label::Subject, false) => (MISSING, MISMATCH_TINT),
@@ -43,7 +47,6 @@ mod tests {
     use super::*;
     use crate::picture::input::tests::prediction;
     use crate::picture::{ViewMode, compose as compose_mode};
-    use crate::theme::data_colours::UNKNOWN;
 
     #[test]
     fn tints_lie_over_footage_that_is_18_percent_darker() {

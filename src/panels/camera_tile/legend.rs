@@ -9,8 +9,8 @@ use egui::{
 
 use super::{CameraTileInput, TileLayout};
 use crate::format;
-use crate::picture::{Legend, LegendEntry, Swatch, ViewMode};
-use crate::theme::data_colours::{MAP_LEN, PICTURE_GROUND, mark, residual_map};
+use crate::picture::{Derivative, Legend, LegendEntry, PictureInput, Swatch, ViewMode};
+use crate::theme::data_colours::{MAP_LEN, PICTURE_GROUND, gradient_map, mark, residual_map};
 use crate::theme::{Palette, Theme, space};
 
 /// Height of a row.
@@ -22,7 +22,7 @@ const MARGIN: f32 = 2.0;
 /// What a picture without gutter leaves free for the strip: one row, in every mode, so that it never jumps.
 pub(super) const RESERVED: f32 = ROW + 2.0 * MARGIN;
 
-/// The residual's bar is at least this long; else what stands beside it goes to a row of its own.
+/// A map's bar is at least this long; else what stands beside it goes to a row of its own.
 const LEAST_BAR: f32 = 60.0;
 
 /// Opacity of its ground.
@@ -31,10 +31,10 @@ const OPACITY: f32 = 0.86;
 /// Side of a swatch.
 const SWATCH: f32 = 10.0;
 
-/// About the width of the words at the ends of the residual's bar.
-const RESIDUAL_WORDS: f32 = 160.0;
+/// About the width of the words at the ends of a map's bar.
+const MAP_WORDS: f32 = 160.0;
 
-/// Height of the residual's bar.
+/// Height of a map's bar.
 const BAR: f32 = 6.0;
 
 pub(super) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, shown: ViewMode) {
@@ -58,7 +58,7 @@ pub(super) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, sh
     let note = note.map(|note| painter.layout_no_wrap(note, mono.clone(), palette.text));
     let note_width = note.as_ref().map_or(0.0, |note| note.size().x);
     let widths: Vec<f32> = match legend {
-        Legend::ResidualMap => vec![RESIDUAL_WORDS + LEAST_BAR],
+        Legend::ResidualMap | Legend::GradientMap | Legend::JacobianMap => vec![MAP_WORDS + LEAST_BAR],
         Legend::Entries(_) | Legend::None => items.iter().map(|item| item.width).collect(),
     };
     let (places, rows) = flow(&widths, note_width, width);
@@ -74,10 +74,10 @@ pub(super) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, sh
         painter.galley(at, Arc::clone(&item.galley), palette.text2);
         words.push(item.entry.text.to_owned());
     }
-    if legend == Legend::ResidualMap {
+    if let Some(map) = MapLegend::new(legend, &input.picture, palette) {
         let beside = if rows == 1 && note_width > 0.0 { note_width + space::GROUP } else { 0.0 };
-        paint_residual(&painter, Rect::from_min_size(origin, vec2(width - beside, 0.0)), small, palette);
-        words.push("Missing −255 to spurious 255".to_owned());
+        map.paint(&painter, Rect::from_min_size(origin, vec2(width - beside, 0.0)), small);
+        words.push(format!("{} to {}", map.low, map.high));
     }
     if let Some(note) = note {
         let last_row = (rows - 1) as f32 * ROW;
@@ -98,11 +98,11 @@ struct Item {
     width: f32,
 }
 
-/// The entries of a legend; the residual's map has none.
+/// The entries of a legend; a map has none.
 fn items(painter: &Painter, legend: Legend, font: &FontId, palette: &Palette) -> Vec<Item> {
     let entries = match legend {
         Legend::Entries(entries) => entries,
-        Legend::None | Legend::ResidualMap => &[],
+        Legend::None | Legend::ResidualMap | Legend::GradientMap | Legend::JacobianMap => &[],
     };
     let item = |entry: &LegendEntry| {
         let galley = painter.layout_no_wrap(entry.text.to_owned(), font.clone(), palette.text2);
@@ -166,33 +166,70 @@ fn paint_swatch(painter: &Painter, at: Pos2, swatch: Swatch, palette: &Palette) 
     }
 }
 
-/// The map between its ends, in words and numbers.
-fn paint_residual(painter: &Painter, room: Rect, font: &FontId, palette: &Palette) {
-    let y = room.center().y;
-    let word = |at: Pos2, align: Align2, text: &str, colour: Color32| {
-        painter.text(at, align, text, font.clone(), colour)
-    };
-    let low = word(pos2(room.left(), y), Align2::LEFT_CENTER, "Missing −255", palette.missing_text);
-    let high = word(pos2(room.right(), y), Align2::RIGHT_CENTER, "255 Spurious", palette.spurious_text);
-    let bar = Rect::from_min_max(
-        pos2(low.right() + space::WIDGET, y - BAR * 0.5),
-        pos2(high.left() - space::WIDGET, y + BAR * 0.5),
-    );
-    if bar.width() <= 0.0 {
-        return;
-    }
-    let mut mesh = Mesh::default();
-    for (index, colour) in residual_map().iter().enumerate() {
-        let x = bar.left() + bar.width() * index as f32 / (MAP_LEN - 1) as f32;
-        let first = index as u32 * 2;
-        mesh.colored_vertex(pos2(x, bar.top()), *colour);
-        mesh.colored_vertex(pos2(x, bar.bottom()), *colour);
-        if index > 0 {
-            mesh.add_triangle(first - 2, first - 1, first);
-            mesh.add_triangle(first, first - 1, first + 1);
+/// A colour map between its ends, in words and numbers.
+struct MapLegend {
+    low: String,
+    high: String,
+    word_colours: [Color32; 2],
+    map: &'static [Color32; MAP_LEN],
+}
+
+impl MapLegend {
+    fn new(legend: Legend, picture: &PictureInput<'_>, palette: &Palette) -> Option<Self> {
+        let scale = |derivative: Option<&Derivative>| {
+            derivative.map_or(format::MISSING.to_owned(), |d| format::cost(f64::from(d.scale)))
+        };
+        match legend {
+            Legend::ResidualMap => Some(Self {
+                low: "Missing −255".to_owned(),
+                high: "255 Spurious".to_owned(),
+                word_colours: [palette.missing_text, palette.spurious_text],
+                map: residual_map(),
+            }),
+            Legend::GradientMap => Some(Self {
+                low: "Pull 0".to_owned(),
+                high: format!("{} per metre", scale(picture.gradient)),
+                word_colours: [palette.text2; 2],
+                map: gradient_map(),
+            }),
+            Legend::JacobianMap => Some(Self {
+                low: format!("Darker −{}", scale(picture.jacobian)),
+                high: format!("{} lighter", scale(picture.jacobian)),
+                word_colours: [palette.missing_text, palette.spurious_text],
+                map: residual_map(),
+            }),
+            Legend::None | Legend::Entries(_) => None,
         }
     }
-    painter.add(Shape::mesh(mesh));
+
+    /// Paints along the middle of `room`.
+    fn paint(&self, painter: &Painter, room: Rect, font: &FontId) {
+        let y = room.center().y;
+        let word = |x: f32, align: Align2, text: &str, colour: Color32| {
+            painter.text(pos2(x, y), align, text, font.clone(), colour)
+        };
+        let low = word(room.left(), Align2::LEFT_CENTER, &self.low, self.word_colours[0]);
+        let high = word(room.right(), Align2::RIGHT_CENTER, &self.high, self.word_colours[1]);
+        let bar = Rect::from_min_max(
+            pos2(low.right() + space::WIDGET, y - BAR * 0.5),
+            pos2(high.left() - space::WIDGET, y + BAR * 0.5),
+        );
+        if bar.width() <= 0.0 {
+            return;
+        }
+        let mut mesh = Mesh::default();
+        for (index, colour) in self.map.iter().enumerate() {
+            let x = bar.left() + bar.width() * index as f32 / (MAP_LEN - 1) as f32;
+            let first = index as u32 * 2;
+            mesh.colored_vertex(pos2(x, bar.top()), *colour);
+            mesh.colored_vertex(pos2(x, bar.bottom()), *colour);
+            if index > 0 {
+                mesh.add_triangle(first - 2, first - 1, first);
+                mesh.add_triangle(first, first - 1, first + 1);
+            }
+        }
+        painter.add(Shape::mesh(mesh));
+    }
 }
 
 #[cfg(test)]

@@ -36,6 +36,35 @@ pub fn dense_jacobian(
     jacobian
 }
 
+/// One column of [`dense_jacobian`] as a picture, without the others' memory: row-major, zero where there is no
+/// gradient.
+///
+/// # Panics
+/// If the state has no such column.
+#[must_use]
+pub fn jacobian_column(
+    view: &View,
+    kinematics: &Kinematics,
+    camera: &Camera,
+    parameters: Parameters,
+    column: usize,
+) -> Vec<f32> {
+    let mut map = DMatrix::zeros(7, parameters.columns(kinematics.world_rotations().len()));
+    let mut columns = Vec::with_capacity(kinematics.limb_count());
+    for limb in 0..kinematics.limb_count() {
+        kinematics.fill_map(limb, parameters, &mut map);
+        columns.push(map.column(column).into_owned());
+    }
+    let world_from_camera = camera.camera_from_world().rotation.transpose();
+    let mut picture = vec![0.0; view.width() * view.height()];
+    for_each_gradient(view, |x, y, limb, wrench| {
+        let h = wrench.rotated(world_from_camera).to_array();
+        let value: f64 = (0..7).map(|i| h[i] * columns[limb][i]).sum();
+        picture[y * view.width() + x] = value as f32;
+    });
+    picture
+}
+
 /// Calls `visit(x, y, limb, wrench in camera axes)` for every pixel that has a gradient.
 pub fn for_each_gradient(view: &View, mut visit: impl FnMut(usize, usize, usize, Wrench)) {
     let mut row = RowWinners::default();
@@ -47,6 +76,40 @@ pub fn for_each_gradient(view: &View, mut visit: impl FnMut(usize, usize, usize,
             if let Some(wrench) = primitive.sample(view.ray(x, y)).wrench {
                 visit(x, y, primitive.limb, wrench);
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::body::Pose;
+    use crate::body::builtin::upper_body;
+    use crate::camera::{CameraFromWorld, Distortion, Intrinsics};
+    use crate::render::{Ramp, RendererKind};
+
+    #[test]
+    fn one_column_is_that_of_the_dense_jacobian() {
+        let model = upper_body();
+        let kinematics = Kinematics::new(&model, &Pose::rest(&model));
+        let place =
+            CameraFromWorld::looking_at(DVec3::new(0.4, 0.2, 3.0), DVec3::new(0.0, 0.3, 0.0), DVec3::Y);
+        let intrinsics = Intrinsics { fx: 40.0, fy: 40.0, cx: 23.5, cy: 17.5 };
+        let camera = Camera::new("camera", [48, 36], intrinsics, Distortion::None, place).unwrap();
+        let view = View::new(&model, &kinematics, &camera, RendererKind::Capsule, Ramp::Half);
+        for parameters in [Parameters::Raw, Parameters::Tangent] {
+            let dense = dense_jacobian(&view, &kinematics, &camera, parameters);
+            for column in 0..dense.ncols() {
+                let picture = jacobian_column(&view, &kinematics, &camera, parameters, column);
+                let expected = dense.column(column);
+                assert!(
+                    expected.iter().map(|value| *value as f32).eq(picture),
+                    "{parameters:?} column {column}"
+                );
+            }
+            assert!(dense.column(0).iter().any(|value| *value != 0.0));
         }
     }
 }
