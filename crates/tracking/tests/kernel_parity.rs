@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
 
-use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
+use backlit_tracking::body::{Kinematics, LimbSphere, Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::optimize::NormalEquations;
 use backlit_tracking::render::kernels::lanes::Lanes;
@@ -39,15 +39,29 @@ fn camera(width: u64, height: u64, azimuth: f64, distance: f64) -> Camera {
     Camera::new("camera", [width, height], pinhole, Distortion::None, place).unwrap()
 }
 
-fn view(model: &Model, pose: &Pose, camera: &Camera, ramp: Ramp) -> View {
-    View::new(model, &Kinematics::new(model, pose), camera, RendererKind::Capsule, ramp)
+fn view(model: &Model, pose: &Pose, camera: &Camera, renderer: RendererKind, ramp: Ramp) -> View {
+    View::new(model, &Kinematics::new(model, pose), camera, renderer, ramp)
+}
+
+/// Two spheres a limb, of other radii than the limb's and off its axis.
+fn with_own_spheres(model: &Model) -> Model {
+    let mut spec = model.to_spec();
+    for limb in &mut spec.limbs {
+        let sphere = |at, scale, x| LimbSphere {
+            at,
+            radius: scale * limb.radius,
+            offset: DVec3::new(x, 0.02, -0.01) * limb.radius * 5.0,
+        };
+        limb.spheres = vec![sphere(0.2, 1.1, 0.05), sphere(0.8, 0.8, -0.04)];
+    }
+    Model::new(&spec).unwrap()
 }
 
 /// Another pose's picture with noise, and one pixel in eight without weight.
 fn data(model: &Model, camera: &Camera, ramp: Ramp, seed: u64) -> Measurement {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let pose = start::perturb(model, &Pose::rest(model), 0.2, 0.05, seed + 1000);
-    let levels = prediction::levels(&view(model, &pose, camera, ramp));
+    let levels = prediction::levels(&view(model, &pose, camera, RendererKind::Capsule, ramp));
     let values = levels.iter().map(|level| (level + random.random_range(-5.0..5.0)).clamp(0.0, 255.0) as f32);
     let values = values.collect();
     let weights = (0..levels.len())
@@ -73,11 +87,11 @@ fn compare(
     model: &Model,
     pose: &Pose,
     camera: &Camera,
-    ramp: Ramp,
+    (renderer, ramp): (RendererKind, Ramp),
     data: &SampledData,
     failures: &mut Vec<String>,
 ) {
-    let view = view(model, pose, camera, ramp);
+    let view = view(model, pose, camera, renderer, ramp);
     let mut lanes = vec![WrenchBlock::default(); model.limbs().len()];
     let mut scalar = lanes.clone();
     let mut memory = KernelMemory::default();
@@ -107,22 +121,29 @@ fn compare(
 fn lanes_are_the_scalar_kernel() {
     let mut failures = Vec::new();
     let mut taken = 0;
-    for (model_name, model) in [("upper", builtin::upper_body()), ("full", builtin::full_body())] {
+    let capsule = RendererKind::Capsule;
+    let spheres = RendererKind::SphereTree { spheres: None };
+    for (model_name, model, renderer) in [
+        ("upper", builtin::upper_body(), capsule),
+        ("full", builtin::full_body(), capsule),
+        ("upper", builtin::upper_body(), spheres),
+        ("upper, own spheres", with_own_spheres(&builtin::upper_body()), spheres),
+    ] {
         for (width, height) in [(97, 75), (192, 144), (40, 260), (1, 1), (3, 130)] {
             for (index, ramp) in RAMPS.into_iter().enumerate() {
                 for stride in [1, 2, 3, 4] {
                     let seed = (width * 7 + height * 3 + index as u64 * 11 + stride) % 97;
                     let camera = camera(width, height, 0.7 * seed as f64, 3.0);
                     let pose = start::perturb(&model, &Pose::rest(&model), 0.2, 0.05, seed);
-                    taken += usize::from(Lanes::can_take(&view(&model, &pose, &camera, ramp)));
+                    taken += usize::from(Lanes::can_take(&view(&model, &pose, &camera, renderer, ramp)));
                     let data = SampledData::new(&data(&model, &camera, ramp, seed), stride as usize);
-                    let name = format!("{model_name} {width}×{height} {ramp} stride {stride}");
-                    compare(&name, &model, &pose, &camera, ramp, &data, &mut failures);
+                    let name = format!("{model_name} {width}×{height} {renderer} {ramp} stride {stride}");
+                    compare(&name, &model, &pose, &camera, (renderer, ramp), &data, &mut failures);
                 }
             }
         }
     }
-    assert!(taken > 150, "only {taken} views were taken by the lanes");
+    assert!(taken > 300, "only {taken} views were taken by the lanes");
     assert!(failures.is_empty(), "{} mismatches:\n{}", failures.len(), failures.join("\n"));
 }
 
@@ -136,7 +157,15 @@ fn near_and_crossing_limbs_are_the_scalar_kernel_too() {
             let camera = camera(80, 60, 1.3 * index as f64, distance);
             let pose = start::perturb(&model, &Pose::rest(&model), 0.3, 0.1, index as u64);
             let data = SampledData::new(&data(&model, &camera, ramp, index as u64), 1);
-            compare(&format!("{distance} m {ramp}"), &model, &pose, &camera, ramp, &data, &mut failures);
+            compare(
+                &format!("{distance} m {ramp}"),
+                &model,
+                &pose,
+                &camera,
+                (RendererKind::Capsule, ramp),
+                &data,
+                &mut failures,
+            );
         }
     }
     assert!(failures.is_empty(), "{} mismatches:\n{}", failures.len(), failures.join("\n"));

@@ -24,10 +24,21 @@ pub enum Solid {
         /// Second joint.
         p1: DVec3,
     },
-    /// A sphere fixed in a limb.
+    /// Equal spheres, evenly spread from joint to joint; a single one sits in the middle.
+    Spheres {
+        /// First joint.
+        p0: DVec3,
+        /// Second joint.
+        p1: DVec3,
+        /// How many.
+        count: usize,
+    },
+    /// One sphere fixed in a limb, on its axis or off it.
     Sphere {
         /// The limb's first joint, about which moments are taken.
         p0: DVec3,
+        /// The limb's second joint: the width of a ramp in pixels goes by the limb's depth.
+        p1: DVec3,
         /// Centre.
         centre: DVec3,
     },
@@ -82,6 +93,9 @@ impl Primitive {
         match self.solid {
             Solid::Capsule { p0, p1 } => capsule_squared(u, p0, p1),
             Solid::Sphere { centre, .. } => point_squared(u, centre),
+            Solid::Spheres { p0, p1, count } => sphere_fractions(count)
+                .map(|fraction| point_squared(u, p0.lerp(p1, fraction)))
+                .fold(f64::INFINITY, f64::min),
             Solid::Cylinder { .. } => self.candidate(u).map_or(f64::INFINITY, |candidate| candidate.squared),
         }
     }
@@ -99,6 +113,9 @@ impl Primitive {
             Solid::Cylinder { p0, p1 } => {
                 nearest([ray_axis(u, p0, p1), ray_cap(u, p0, p1, Cap::Start), ray_cap(u, p0, p1, Cap::End)])
             }
+            Solid::Spheres { p0, p1, count } => sphere_fractions(count)
+                .filter_map(|fraction| ray_point(u, p0.lerp(p1, fraction), fraction))
+                .min_by(|a, b| a.squared.total_cmp(&b.squared)),
             Solid::Sphere { centre, .. } => ray_point(u, centre, 0.0),
         }
     }
@@ -123,19 +140,28 @@ impl Primitive {
     fn wrench(&self, candidate: &Candidate, ramp: RampSample) -> Wrench {
         let half_depth = DVec3::new(0.0, 0.0, 0.5 * ramp.by_depth);
         match self.solid {
-            Solid::Capsule { p0, p1 } | Solid::Cylinder { p0, p1 } => {
+            Solid::Capsule { p0, p1 } | Solid::Cylinder { p0, p1 } | Solid::Spheres { p0, p1, .. } => {
                 let at_p0 = candidate.by_p0 * ramp.by_squared + half_depth;
                 let at_p1 = candidate.by_p1 * ramp.by_squared + half_depth;
                 let mut wrench = Wrench::at(at_p1, p1 - p0);
                 wrench.force += at_p0;
                 wrench
             }
-            // The whole derivative is by the centre, wherever in the limb that is.
-            Solid::Sphere { p0, centre } => {
-                Wrench::at(candidate.by_p0 * ramp.by_squared + 2.0 * half_depth, centre - p0)
+            Solid::Sphere { p0, p1, centre } => {
+                // The whole derivative of the distance is by the centre, wherever in the limb that is.
+                let mut wrench = Wrench::at(candidate.by_p0 * ramp.by_squared, centre - p0);
+                let mut depth = Wrench::at(half_depth, p1 - p0);
+                depth.force += half_depth;
+                wrench += depth;
+                wrench
             }
         }
     }
+}
+
+/// Where along a limb its equal spheres sit.
+pub fn sphere_fractions(count: usize) -> impl Iterator<Item = f64> {
+    (0..count).map(move |k| if count == 1 { 0.5 } else { k as f64 / (count - 1) as f64 })
 }
 
 #[inline]

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::body::{Limb, LimbSphere};
+use crate::body::Limb;
 
 /// Most spheres of one limb.
 pub const MAX_SPHERES: usize = 1024;
@@ -29,21 +29,15 @@ pub enum RendererKind {
 }
 
 impl RendererKind {
-    /// The spheres that stand for a limb.
+    /// How many equal spheres stand for a limb; `None` where it has a sphere tree of its own and no count is
+    /// asked for.
     #[must_use]
-    pub fn spheres_of(limb: &Limb, count: Option<usize>) -> Vec<LimbSphere> {
+    pub fn equal_spheres(limb: &Limb, count: Option<usize>) -> Option<usize> {
         if count.is_none() && !limb.spheres.is_empty() {
-            return limb.spheres.clone();
+            return None;
         }
         let natural = 1 + (2.0 * limb.length / limb.radius).ceil().min(MAX_SPHERES as f64) as usize;
-        let count = count.unwrap_or(natural).clamp(1, MAX_SPHERES);
-        (0..count)
-            .map(|k| LimbSphere {
-                at: if count == 1 { 0.5 } else { k as f64 / (count - 1) as f64 },
-                radius: limb.radius,
-                offset: glam::DVec3::ZERO,
-            })
-            .collect()
+        Some(count.unwrap_or(natural).clamp(1, MAX_SPHERES))
     }
 
     /// Its word in files and on the command line.

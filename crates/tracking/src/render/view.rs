@@ -58,35 +58,27 @@ impl View {
         for (index, limb) in model.limbs().iter().enumerate() {
             let p0 = place.transform(kinematics.starts()[index]);
             let p1 = place.transform(kinematics.ends()[index]);
-            match renderer {
-                RendererKind::Capsule | RendererKind::Cylinder => {
-                    let solid = match renderer {
-                        RendererKind::Cylinder => Solid::Cylinder { p0, p1 },
-                        _ => Solid::Capsule { p0, p1 },
-                    };
-                    let solid_ramp = ramp.for_solid(limb.radius, 0.5 * (p0.z + p1.z), focal);
-                    self.push(Primitive {
-                        limb: index,
-                        solid,
-                        radius: limb.radius,
-                        ramp: solid_ramp,
-                        bounds: self.bounds(p0, p1, solid_ramp.reach()),
-                    });
-                }
+            let mid_depth = 0.5 * (p0.z + p1.z);
+            let solid = match renderer {
+                RendererKind::Capsule => Some(Solid::Capsule { p0, p1 }),
+                RendererKind::Cylinder => Some(Solid::Cylinder { p0, p1 }),
                 RendererKind::SphereTree { spheres } => {
-                    let turn = place.rotation * kinematics.world_rotations()[limb.rotation];
-                    for sphere in RendererKind::spheres_of(limb, spheres) {
-                        let centre = p0 + (p1 - p0) * sphere.at + turn * sphere.offset;
-                        let solid_ramp = ramp.for_solid(sphere.radius, centre.z, focal);
-                        self.push(Primitive {
-                            limb: index,
-                            solid: Solid::Sphere { p0, centre },
-                            radius: sphere.radius,
-                            ramp: solid_ramp,
-                            bounds: self.bounds(centre, centre, solid_ramp.reach()),
-                        });
-                    }
+                    RendererKind::equal_spheres(limb, spheres).map(|count| Solid::Spheres { p0, p1, count })
                 }
+            };
+            if let Some(solid) = solid {
+                let ramp = ramp.for_solid(limb.radius, mid_depth, focal);
+                let bounds = self.bounds(p0, p1, ramp.reach());
+                self.push(Primitive { limb: index, solid, radius: limb.radius, ramp, bounds });
+                continue;
+            }
+            let turn = place.rotation * kinematics.world_rotations()[limb.rotation];
+            for sphere in &limb.spheres {
+                let centre = p0 + (p1 - p0) * sphere.at + turn * sphere.offset;
+                let solid = Solid::Sphere { p0, p1, centre };
+                let ramp = ramp.for_solid(sphere.radius, mid_depth, focal);
+                let bounds = self.bounds(centre, centre, ramp.reach());
+                self.push(Primitive { limb: index, solid, radius: sphere.radius, ramp, bounds });
             }
         }
     }

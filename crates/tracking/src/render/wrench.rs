@@ -6,6 +6,8 @@
 //! scaling of raw quaternions (4.15). Summing h hᵀ and h ρ per limb first gives exactly Gauss-Newton's JᵀJ and
 //! Jᵀρ, at a cost per pixel that does not depend on the size of the state.
 
+use std::ops::AddAssign;
+
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, SMatrix, SVector};
 
@@ -40,6 +42,14 @@ impl Wrench {
     #[must_use]
     pub fn rotated(self, rotation: DMat3) -> Self {
         Self { force: rotation * self.force, moment: rotation * self.moment, stretch: self.stretch }
+    }
+}
+
+impl AddAssign for Wrench {
+    fn add_assign(&mut self, other: Self) {
+        self.force += other.force;
+        self.moment += other.moment;
+        self.stretch += other.stretch;
     }
 }
 

@@ -1,4 +1,4 @@
-//! Capsules in f32 lanes: winners, residuals and wrench sums of one camera in one go.
+//! Capsules and spheres in f32 lanes: winners, residuals and wrench sums of one camera in one go.
 //!
 //! Rays are e = (x, y, 1), not normalised, on the plane z = 1. With p0 = z₀ ê₀ and δ = e − ê₀:
 //!
@@ -11,6 +11,9 @@
 //!
 //! Clamping t takes in the hemispherical ends, since all of the limb lies in front of the camera: views in
 //! which it does not are left to [`scalar`](super::scalar).
+//!
+//! Of equal spheres evenly spread along a limb the nearest is the one whose t is nearest to the closest
+//! point's, so they are a capsule with t rounded. A sphere of its own is a capsule without length.
 //!
 //! A ray's force on its limb acts at q = p0 + t a, so a limb's wrench block needs only Σ kkᵀ, Σ t kkᵀ,
 //! Σ t² kkᵀ, Σ ρk and Σ t ρk: 24 sums, and 8 more where the ramp's width follows the depth. They are kept in
@@ -30,6 +33,8 @@ use crate::render::wrench::WrenchBlock;
 pub const PADDING: usize = 16;
 /// Pixels of a band: its winners stay in the first two caches.
 const BAND_PIXELS: usize = 16 * 1024;
+/// f32 of this size have no digits after the point.
+const ROUNDER: f32 = 12_582_912.0;
 /// Sums of one limb.
 const SUMS: usize = 33;
 
@@ -70,6 +75,12 @@ pub struct Lanes {
 struct Capsule {
     p0: DVec3,
     a: DVec3,
+    /// From the limb's first joint, about which moments are taken, to p0.
+    arm: DVec3,
+    /// The limb's own axis, whose ends share the pull of the depth.
+    limb_axis: DVec3,
+    /// t is rounded to multiples of 1/(spheres − 1).
+    spheres: Option<f32>,
     limb: usize,
     reach: f64,
     ramp: RampForm,
@@ -81,13 +92,18 @@ struct Capsule {
 }
 
 impl Lanes {
-    /// Whether the kernel can take a view: capsules only, all well in front of the camera, no lens.
+    /// Whether the kernel can take a view: no cylinders, all well in front of the camera, no lens.
     #[must_use]
     pub fn can_take(view: &View) -> bool {
         view.is_pinhole()
-            && view.primitives().iter().all(|primitive| match primitive.solid {
-                Solid::Capsule { p0, p1 } => p0.z.min(p1.z) > 1.5 * primitive.ramp.reach(),
-                _ => false,
+            && view.primitives().iter().all(|primitive| {
+                let near = 1.5 * primitive.ramp.reach();
+                match primitive.solid {
+                    Solid::Capsule { p0, p1 } => p0.z.min(p1.z) > near,
+                    Solid::Spheres { p0, p1, count } => count > 1 && p0.z.min(p1.z) > near,
+                    Solid::Sphere { centre, .. } => centre.z > near,
+                    Solid::Cylinder { .. } => false,
+                }
             })
     }
 
@@ -129,7 +145,12 @@ impl Lanes {
     }
 
     fn add_capsule(&mut self, view: &View, grid: &Grid, primitive: &Primitive) {
-        let Solid::Capsule { p0, p1 } = primitive.solid else { return };
+        let (p0, p1, arm, limb_axis, spheres) = match primitive.solid {
+            Solid::Capsule { p0, p1 } => (p0, p1, DVec3::ZERO, p1 - p0, None),
+            Solid::Spheres { p0, p1, count } => (p0, p1, DVec3::ZERO, p1 - p0, Some((count - 1) as f32)),
+            Solid::Sphere { p0, p1, centre } => (centre, centre, centre - p0, p1 - p0, None),
+            Solid::Cylinder { .. } => return,
+        };
         let bounds = primitive.bounds;
         let index =
             |pixel: usize, limit: usize| pixel.saturating_sub(grid.offset).div_ceil(grid.stride).min(limit);
@@ -141,6 +162,9 @@ impl Lanes {
         let capsule = Capsule {
             p0,
             a: p1 - p0,
+            arm,
+            limb_axis,
+            spheres,
             limb: primitive.limb,
             reach: primitive.ramp.reach(),
             ramp: primitive.ramp.form(),
@@ -163,22 +187,36 @@ impl Capsule {
     /// For each of its rows the columns where the ray passes the axis within reach; empty spans have no end.
     ///
     /// With n = a × p0 a ray meets the axis at distance |n·e| / |e × a|, so within reach ρ lies where
-    /// (n·e)² − ρ² |e × a|² < 0: a quadratic in x.
+    /// (n·e)² − ρ² |e × a|² < 0: a quadratic in x. A sphere is within reach where |e × p0|² − ρ² |e|² < 0.
     fn push_spans(&self, view: &View, grid: &Grid, spans: &mut Vec<[u32; 2]>, touched: &mut [[u32; 2]]) {
         let pinhole = view.pinhole();
         let (a, n) = (self.a, self.a.cross(self.p0));
         let reach = self.reach * (1.0 + 1e-6);
         let squared = reach * reach;
-        let q2 = n.x * n.x - squared * (a.y * a.y + a.z * a.z);
+        let p = self.p0;
+        let is_sphere = a == DVec3::ZERO;
+        let q2 = if is_sphere {
+            p.y * p.y + p.z * p.z - squared
+        } else {
+            n.x * n.x - squared * (a.y * a.y + a.z * a.z)
+        };
         let to_column = |x: f64| (x * pinhole.fx + pinhole.cx - grid.offset as f64) / grid.stride as f64;
         for (row, touched) in (self.rows[0]..).zip(&mut touched[self.rows[0]..self.rows[1]]) {
             let y = ((grid.offset + row * grid.stride) as f64 - pinhole.cy) / pinhole.fy;
             let mut span = [self.columns[0] as u32, self.columns[1] as u32];
             // e × a = (y az − ay, ax − x az, x ay − y ax)
-            let (cx, cy, cz) = (y * a.z - a.y, a.x, -y * a.x);
-            let n0 = n.y * y + n.z;
-            let q1 = n.x * n0 - squared * (a.y * cz - a.z * cy);
-            let q0 = n0 * n0 - squared * (cx * cx + cy * cy + cz * cz);
+            let cross = |v: DVec3| (y * v.z - v.y, v.x, -y * v.x);
+            let (q1, q0) = if is_sphere {
+                let (cx, cy, cz) = cross(p);
+                (p.y * cz - p.z * cy, cx * cx + cy * cy + cz * cz - squared * (1.0 + y * y))
+            } else {
+                let (cx, cy, cz) = cross(a);
+                let n0 = n.y * y + n.z;
+                (
+                    n.x * n0 - squared * (a.y * cz - a.z * cy),
+                    n0 * n0 - squared * (cx * cx + cy * cy + cz * cz),
+                )
+            };
             if q2 > 0.0 {
                 let discriminant = q1 * q1 - q2 * q0;
                 if discriminant <= 0.0 {
@@ -234,7 +272,8 @@ impl Capsule {
         forces.fixed_rows_mut::<3>(3).copy_from(&(cross * tk));
         forces[6] = a.dot(&tk);
         if self.ramp.follows_depth() {
-            // Half the depth's force at each joint: its wrench is constant but for the factor c.
+            // Half the depth's force at each of the limb's joints: its wrench is constant but for the factor c.
+            let axis = Vector3::from(self.limb_axis.to_array());
             let (depth_k, depth_tk) = (vector(24), vector(27));
             let mut with = SVector::<f64, 7>::zeros();
             with.fixed_rows_mut::<3>(0).copy_from(&depth_k);
@@ -243,13 +282,31 @@ impl Capsule {
             let z = Vector3::z();
             let mut depth = SVector::<f64, 7>::zeros();
             depth.fixed_rows_mut::<3>(0).copy_from(&z);
-            depth.fixed_rows_mut::<3>(3).copy_from(&(a.cross(&z) * 0.5));
-            depth[6] = 0.5 * a.z;
+            depth.fixed_rows_mut::<3>(3).copy_from(&(axis.cross(&z) * 0.5));
+            depth[6] = 0.5 * axis.z;
+            // All else is about p0 so far: bring the mixed sums to the limb's joint too.
+            let with = self.shift() * with;
+            products = self.shift() * products * self.shift().transpose();
+            forces = self.shift() * forces;
             products +=
                 with * depth.transpose() + depth * with.transpose() + depth * depth.transpose() * s[30];
             forces += depth * s[31];
+        } else if self.arm != DVec3::ZERO {
+            products = self.shift() * products * self.shift().transpose();
+            forces = self.shift() * forces;
         }
         (products, forces)
+    }
+
+    /// Takes wrenches about p0 to wrenches about the limb's first joint: the moment gains arm × k, the stretch
+    /// arm·k.
+    fn shift(&self) -> SMatrix<f64, 7, 7> {
+        let arm = self.arm;
+        let mut shift = SMatrix::<f64, 7, 7>::identity();
+        let cross = Matrix3::new(0.0, -arm.z, arm.y, arm.z, 0.0, -arm.x, -arm.y, arm.x, 0.0);
+        shift.fixed_view_mut::<3, 3>(3, 0).copy_from(&cross);
+        shift.fixed_view_mut::<1, 3>(6, 0).copy_from(&Vector3::from(arm.to_array()).transpose());
+        shift
     }
 }
 
@@ -315,6 +372,7 @@ struct RowConstants {
     cross_y: f32,
     cross_z: f32,
     joint_x: f32,
+    spheres: Option<f32>,
 }
 
 impl RowConstants {
@@ -334,6 +392,7 @@ impl RowConstants {
             cross_y: c.y,
             cross_z: c.z - dy * a32.x,
             joint_x: p0.z as f32 * dy,
+            spheres: capsule.spheres,
         }
     }
 }
@@ -361,7 +420,13 @@ fn closest<S: Simd>(simd: S, row: &RowConstants, x: S::f32s, inverse_norm: S::f3
     // A ray along the axis has no t of its own: any will do.
     let length = simd.max_f32s(length, splat(f32::MIN_POSITIVE));
     let t = simd.div_f32s(simd.neg_f32s(dot), length);
-    let t = simd.min_f32s(simd.max_f32s(t, splat(0.0)), splat(1.0));
+    let mut t = simd.min_f32s(simd.max_f32s(t, splat(0.0)), splat(1.0));
+    if let Some(gaps) = row.spheres {
+        // Adding and taking away 1.5 · 2²³ rounds to the nearest whole number.
+        let whole =
+            simd.sub_f32s(simd.add_f32s(simd.mul_f32s(t, splat(gaps)), splat(ROUNDER)), splat(ROUNDER));
+        t = simd.mul_f32s(whole, splat(1.0 / gaps));
+    }
     let (x, y, z) =
         (simd.mul_add_e_f32s(t, ax, px), simd.mul_add_e_f32s(t, ay, py), simd.mul_add_e_f32s(t, az, pz));
     let squared = simd.mul_add_e_f32s(z, z, simd.mul_add_e_f32s(y, y, simd.mul_f32s(x, x)));
