@@ -30,12 +30,33 @@ pub(super) fn of_process(name: &str) -> Option<String> {
     if name.is_empty() || name.contains(['=', '\0']) {
         return None;
     }
-    std::env::var(name).ok()
+    std::env::var(name).ok().map(from_here)
+}
+
+/// A folder that a user names from where they stand is that folder, wherever the take lies.
+fn from_here(value: String) -> String {
+    let path = std::path::Path::new(&value);
+    if !path.is_relative() || value.is_empty() || !path.is_dir() {
+        return value;
+    }
+    match std::path::absolute(path) {
+        Ok(absolute) => absolute.to_string_lossy().into_owned(),
+        Err(_) => value,
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_relative_folder_is_taken_from_where_the_user_stands() {
+        // Tests run in the package's folder.
+        assert!(std::path::Path::new(&from_here("src".to_owned())).is_absolute());
+        for kept in ["/data", "no such folder", ""] {
+            assert_eq!(from_here(kept.to_owned()), kept);
+        }
+    }
 
     #[test]
     fn variables_and_defaults() {
