@@ -23,10 +23,10 @@ const WRITE_EVERY: Duration = Duration::from_secs(5);
 
 const NOTES: &str = "\
 Writes to the folder of --out:
-  poses.json    the pose of every frame (backlit-track JSON)
-  joints.json   positions of all joints by frame, world metres
-  joints.csv    the same as a table: frame,joint,x,y,z
-  frames.csv    cost, overlap (IoU, all and by camera), iterations, time and joint error by frame
+  track.json    poses, positions of all joints (world metres), cost, overlap and iterations of every frame
+  poses.csv     the poses as a table
+  joints.csv    the positions of the joints as a table: frame,joint,x,y,z
+  frames.csv    cost, overlap (IoU) by camera and iterations of every frame
   summary.json  what --json prints
 Joints are named after the limb whose second joint they are, or root. With reference keypoints in the take,
 joint errors are reported: millimetres between the fitted joint and the keypoint.
@@ -80,11 +80,11 @@ pub fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
         }
         Ok(())
     });
-    if !report.frames().is_empty() {
+    if !report.track().frames.is_empty() {
         track_files::write(&arguments.out, take, &report)?;
     }
     if let Err(error) = tracked {
-        let (done, all, folder) = (report.frames().len(), frames.len(), arguments.out.display());
+        let (done, all, folder) = (report.track().frames.len(), frames.len(), arguments.out.display());
         return Err(error.context(format!("stopped after {done} of {all} frames, which are in {folder}")));
     }
     if arguments.json { output::print_json(&report.summary()) } else { output::print(&report.text()) }

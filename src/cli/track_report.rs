@@ -3,28 +3,22 @@
 use std::collections::BTreeMap;
 
 use backlit_tracking::io::Take;
-use backlit_tracking::track::FrameEstimate;
 use backlit_tracking::track::metrics::{JointErrors, Statistics};
+use backlit_tracking::track::{FrameEstimate, Track};
 use serde::Serialize;
 
 use super::table::Table;
 use super::take_options::reference_joints;
 
-/// The frames of a track so far.
+/// A track so far, and how good it is.
 #[derive(Debug)]
 pub struct TrackReport {
     cameras: Vec<String>,
-    frames: Vec<ReportedFrame>,
+    track: Track,
+    /// Milliseconds of every frame, in the order in which they were tracked.
+    times_ms: Vec<f64>,
     errors: JointErrors,
-}
-
-/// One frame and how long it took.
-#[derive(Debug)]
-pub struct ReportedFrame {
-    /// What was found.
-    pub estimate: FrameEstimate,
-    /// Milliseconds since the frame before.
-    pub milliseconds: f64,
+    last_iou: Option<f64>,
 }
 
 /// The summary as JSON has it.
@@ -77,20 +71,28 @@ impl TrackReport {
     #[must_use]
     pub fn new(take: &Take, cameras: &[usize]) -> Self {
         let names = cameras.iter().map(|&camera| take.rig().cameras()[camera].name().to_owned());
-        Self { cameras: names.collect(), frames: Vec::new(), errors: JointErrors::default() }
+        Self {
+            cameras: names.collect(),
+            track: Track::default(),
+            times_ms: Vec::new(),
+            errors: JointErrors::default(),
+            last_iou: None,
+        }
     }
 
-    /// Adds a frame.
-    pub fn add(&mut self, take: &Take, estimate: FrameEstimate, milliseconds: f64) {
+    /// Adds a frame that took so many milliseconds.
+    pub fn add(&mut self, take: &Take, estimate: FrameEstimate, time_ms: f64) {
         let reference = reference_joints(take, estimate.frame);
         self.errors.add(take.model(), estimate.frame, &estimate.pose, &reference);
-        self.frames.push(ReportedFrame { estimate, milliseconds });
+        self.times_ms.push(time_ms);
+        self.last_iou = estimate.iou();
+        self.track.frames.insert(estimate.frame, estimate);
     }
 
-    /// The frames so far.
+    /// The estimates so far.
     #[must_use]
-    pub fn frames(&self) -> &[ReportedFrame] {
-        &self.frames
+    pub fn track(&self) -> &Track {
+        &self.track
     }
 
     /// Names of the cameras, in the order of the estimates' overlaps.
@@ -99,35 +101,27 @@ impl TrackReport {
         &self.cameras
     }
 
-    /// Mean joint error of each frame that has reference keypoints, millimetres.
-    #[must_use]
-    pub fn error_by_frame(&self) -> BTreeMap<usize, f64> {
-        self.errors.mean_by_frame()
-    }
-
     /// A few words while it goes on.
     #[must_use]
     pub fn progress_text(&self) -> String {
-        let iou = self.frames.last().and_then(|frame| frame.estimate.iou());
-        iou.map(|iou| format!("IoU {iou:.3}")).unwrap_or_default()
+        self.last_iou.map(|iou| format!("IoU {iou:.3}")).unwrap_or_default()
     }
 
     /// Everything in numbers.
     #[must_use]
     pub fn summary(&self) -> TrackSummary {
+        let frames = || self.track.frames.values();
         let of_camera = |camera: usize| {
-            let overlaps = self.frames.iter().filter_map(move |frame| frame.estimate.overlap[camera]);
-            mean(overlaps.filter_map(|overlap| overlap.iou()))
+            mean(frames().filter_map(|frame| frame.overlap[camera]).filter_map(|overlap| overlap.iou()))
         };
         let cameras = self.cameras.iter().enumerate();
-        let times: Vec<f64> = self.frames.iter().map(|frame| frame.milliseconds).collect();
-        let times = Statistics::of(&times);
+        let times = Statistics::of(&self.times_ms);
         let by_joint = self.errors.by_joint();
         TrackSummary {
-            frames: self.frames.len(),
-            lost: self.frames.iter().filter(|frame| frame.estimate.lost).count(),
+            frames: frames().count(),
+            lost: frames().filter(|frame| frame.lost).count(),
             iou: IouSummary {
-                mean: mean(self.frames.iter().filter_map(|frame| frame.estimate.iou())),
+                mean: mean(frames().filter_map(FrameEstimate::iou)),
                 by_camera: cameras.map(|(index, name)| (name.clone(), of_camera(index))).collect(),
             },
             joint_error_mm: self.errors.overall().map(|overall| ErrorSummary {
