@@ -17,7 +17,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::evidence::{self, PictureKind};
-use super::fit_options::SolverArguments;
+use super::fit_options::{MODEL_HELP, SolverArguments};
 use super::output;
 use super::table::Table;
 use super::take_options::{self, StartArguments};
@@ -45,8 +45,8 @@ pub struct FitArguments {
     /// The take's frame, counted from 0
     #[arg(long, value_name = "K", requires = "take")]
     frame: Option<usize>,
-    /// Body model: a file, or single_limb, upper_body or full_body
-    #[arg(long, required_unless_present = "take")]
+    /// Body model.
+    #[arg(long, required_unless_present = "take", help = MODEL_HELP)]
     model: Option<String>,
     /// Calibrated cameras: backlit-cameras JSON, JSON of camera matrices, or Qualisys XML
     #[arg(long, required_unless_present = "take")]

@@ -10,6 +10,9 @@ use backlit_tracking::track::{FitOptions, Preset};
 use clap::error::ErrorKind;
 use clap::{Args, ValueEnum};
 
+/// What `--model` takes.
+pub const MODEL_HELP: &str = "Body model: a file, or single_limb, upper_body or full_body";
+
 /// Which solid stands for a limb.
 #[derive(Debug, Clone, Args)]
 pub struct RendererArguments {

@@ -13,7 +13,7 @@ use backlit_tracking::render::{Ramp, View, dense_jacobian};
 use clap::Args;
 use image::GrayImage;
 
-use super::fit_options::{ParametersWord, RendererArguments};
+use super::fit_options::{MODEL_HELP, ParametersWord, RendererArguments};
 use super::output;
 
 /// Largest Jacobian of one camera, bytes: a full-HD picture of the full body is half of it.
@@ -39,8 +39,8 @@ Example:
 #[derive(Debug, Args)]
 #[command(after_help = NOTES)]
 pub struct RenderArguments {
-    /// Body model: a file, or single_limb, upper_body or full_body
-    #[arg(long)]
+    /// Body model.
+    #[arg(long, help = MODEL_HELP)]
     model: String,
     /// Calibrated cameras: backlit-cameras JSON, JSON of camera matrices, or Qualisys XML
     #[arg(long)]

@@ -77,8 +77,8 @@ impl FromStr for FrameRange {
     type Err = &'static str;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let number =
-            |text: &str| text.parse::<usize>().map_err(|_| "expected A..B, A.., ..B, A..=B or one frame");
+        const EXPECTED: &str = "expected A..B, A.., ..B, A..=B or one frame";
+        let number = |text: &str| text.parse::<usize>().ok().ok_or(EXPECTED);
         let Some((first, last)) = text.split_once("..") else {
             let frame = number(text)?;
             return Ok(Self { first: frame, past: Some(frame.saturating_add(1)) });
