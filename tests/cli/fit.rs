@@ -91,7 +91,7 @@ fn bad_files_are_named() {
         )
     };
     let model = |limbs: &str| {
-        scene.write("body.toml", &format!("format = \"backlit-body 1\"\nname = \"b\"\n{limbs}"))
+        scene.write("body.toml", &format!("format = \"backlit-body 1\"\nname = \"b\"\n{limbs}"));
     };
     let render = RENDER.replace("upper_body", "body.toml");
     model(&(limb("a", "b") + &limb("b", "a")));

@@ -1,5 +1,7 @@
 //! The built program, run as people and programs run it.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
 mod fit;
 mod render;
 mod scene;
