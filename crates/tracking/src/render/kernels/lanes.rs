@@ -224,8 +224,9 @@ impl Capsule {
                     continue;
                 }
                 let root = discriminant.sqrt();
-                let low = to_column((-q1 - root) / q2).ceil().max(f64::from(span[0]));
-                let high = (to_column((-q1 + root) / q2).floor() + 1.0).min(f64::from(span[1]));
+                // Cut to whole columns: at most one too many on the left, and casts never leave the range.
+                let low = to_column((-q1 - root) / q2).max(f64::from(span[0]));
+                let high = (to_column((-q1 + root) / q2) + 1.0).min(f64::from(span[1]));
                 if low >= high {
                     spans.push([0, 0]);
                     continue;
