@@ -37,7 +37,6 @@ pub enum Action {
     ViewTinted,
     ViewReport,
     ViewOwner,
-    ViewGradient,
     Camera1,
     Camera2,
     Camera3,
@@ -181,7 +180,6 @@ const TABLE: &[Command] = &{
     row(M::View, A::ViewTinted, "Tinted overlay", "Show agreement, missing and spurious over the footage", &[key(Key::T)]),
     row(M::View, A::ViewReport, "Report overlay", "Show the data black and the model white, as the report does", &[key(Key::V)]),
     row(M::View, A::ViewOwner, "Owner limb", "Show which limb each pixel belongs to", &[key(Key::L)]),
-    row(M::View, A::ViewGradient, "Gradient", "Show how strongly each pixel pushes", &[key(Key::G)]),
     row(M::View, A::Camera1, "Camera 1 alone", "Camera 1 to the full window, and back", &[key(Key::Num1)]),
     row(M::View, A::Camera2, "Camera 2 alone", "Camera 2 to the full window, and back", &[key(Key::Num2)]),
     row(M::View, A::Camera3, "Camera 3 alone", "Camera 3 to the full window, and back", &[key(Key::Num3)]),
@@ -292,19 +290,26 @@ impl Action {
         CAMERAS.get(index).copied()
     }
 
-    /// The commands whose keys were pressed since the last frame; the key events are used up. While a field
-    /// has the focus only commands with Ctrl and function keys act.
+    /// The commands whose keys were pressed since the last frame; the key events are used up. While text is
+    /// typed only commands with Ctrl and function keys act; while a button has the focus, its keys are its own.
     pub fn pressed(ctx: &egui::Context) -> Vec<Self> {
-        let typing = ctx.egui_wants_keyboard_input();
-        ctx.input_mut(|input| {
+        let typing = ctx.text_edit_focused();
+        let focused = ctx.egui_wants_keyboard_input();
+        let actions: Vec<Self> = ctx.input_mut(|input| {
             // Longer combinations first, or Ctrl+Shift+Z would be taken for Ctrl+Z.
             let mut rows: Vec<(&KeyboardShortcut, Self)> =
                 TABLE.iter().flat_map(|c| c.keys.iter().map(move |k| (k, c.action))).collect();
             rows.sort_by_key(|(keys, _)| std::cmp::Reverse(modifier_count(keys.modifiers)));
             rows.retain(|(keys, _)| !typing || acts_while_typing(keys));
+            rows.retain(|(keys, _)| !focused || !belongs_to_focus(keys));
             rows.retain(|(keys, _)| input.consume_shortcut(keys));
             rows.into_iter().map(|(_, action)| action).collect()
-        })
+        });
+        if actions.iter().any(|action| matches!(action, Self::NextJoint | Self::PreviousJoint)) {
+            // The same Tab would move the focus.
+            ctx.memory_mut(|memory| memory.move_focus(egui::FocusDirection::None));
+        }
+        actions
     }
 
     fn command(self) -> &'static Command {
@@ -337,6 +342,12 @@ fn acts_while_typing(keys: &KeyboardShortcut) -> bool {
     let is_text_command =
         keys.modifiers.command && matches!(keys.logical_key, Key::C | Key::V | Key::Z | Key::Y | Key::A);
     (keys.modifiers.command && !is_text_command) || matches!(keys.logical_key, Key::F1 | Key::F2 | Key::F3)
+}
+
+fn belongs_to_focus(keys: &KeyboardShortcut) -> bool {
+    use Key::{ArrowDown, ArrowLeft, ArrowRight, ArrowUp, Enter, Space, Tab};
+    let own = [ArrowDown, ArrowLeft, ArrowRight, ArrowUp, Enter, Space, Tab];
+    !keys.modifiers.command && own.contains(&keys.logical_key)
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::track::FitOptions;
 
 /// Where the footage of a document comes from.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -75,8 +76,10 @@ pub struct Document {
     pub estimates: Arc<BTreeMap<usize, Arc<Estimate>>>,
     /// The cameras, in the order of the take.
     pub cameras: Arc<Vec<CameraUse>>,
-    /// How silhouettes are made.
-    pub measurement: Arc<SegmentOptions>,
+    /// How poses are fitted.
+    pub fit: Arc<FitOptions>,
+    /// How silhouettes are made, camera by camera.
+    pub measurement: Arc<Vec<SegmentOptions>>,
     /// Limbs whose second joint stays where it is when another is dragged.
     pub pins: Arc<BTreeSet<usize>>,
 }
@@ -93,6 +96,7 @@ impl Document {
             keys: Arc::default(),
             estimates: Arc::default(),
             cameras: Arc::default(),
+            fit: Arc::default(),
             measurement: Arc::default(),
             pins: Arc::default(),
         }

@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Model, ModelError, Pose, PoseError};
 use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::track::FitOptions;
+use backlit_tracking::track::options::OptionsError;
 use thiserror::Error;
 
 use crate::document::{CameraUse, Document, Estimate, Origin};
@@ -64,7 +66,14 @@ pub enum Edit {
         /// From 0 on; 1 as a rule.
         weight: f64,
     },
-    /// How silhouettes are made.
+    /// How poses are fitted.
+    SetFit {
+        /// All choices.
+        options: Box<FitOptions>,
+        /// What the user did, for the undo menu: "Switch to cylinder".
+        what: String,
+    },
+    /// How silhouettes are made; each camera keeps its own region of interest.
     SetMeasurement(Box<SegmentOptions>),
     /// Whether the second joint of a limb is held while another joint is dragged.
     Pin {
@@ -91,6 +100,8 @@ pub enum EditError {
     Weight { weight: f64 },
     #[error("the fit of frame {frame} has a cost that is not a number")]
     Cost { frame: usize },
+    #[error("the fit's options make no sense: {0}")]
+    Fit(#[from] OptionsError),
     #[error("frame {frame} has no key pose")]
     NoKey { frame: usize },
 }
@@ -100,7 +111,7 @@ impl Edit {
     #[must_use]
     pub fn text(&self) -> String {
         match self {
-            Self::SetPose { what, .. } => what.clone(),
+            Self::SetPose { what, .. } | Self::SetFit { what, .. } => what.clone(),
             Self::SetKey { .. } => "Set key pose".to_owned(),
             Self::ClearKey { .. } => "Clear key pose".to_owned(),
             Self::AddEstimate { estimate, .. } => match estimate.origin {
@@ -154,7 +165,15 @@ impl Document {
                 }
                 self.camera_mut(camera)?.weight = weight;
             }
-            Edit::SetMeasurement(options) => self.measurement = Arc::new(*options),
+            Edit::SetFit { options, .. } => {
+                options.check()?;
+                self.fit = Arc::new(*options);
+            }
+            Edit::SetMeasurement(options) => {
+                for camera in Arc::make_mut(&mut self.measurement) {
+                    *camera = SegmentOptions { region: camera.region, ..(*options).clone() };
+                }
+            }
             Edit::Pin { limb, pinned } => {
                 self.check_limb(limb)?;
                 let pins = Arc::make_mut(&mut self.pins);

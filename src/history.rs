@@ -49,6 +49,12 @@ impl History {
         }
     }
 
+    /// Begins with a document that is in no file.
+    #[must_use]
+    pub fn unsaved(document: Document) -> Self {
+        Self { saved: None, ..Self::new(document) }
+    }
+
     /// The document as it is now.
     #[must_use]
     pub fn document(&self) -> &Document {

@@ -1,15 +1,23 @@
 //! The inspector.
 
 pub mod action;
+pub mod app;
 pub mod cli;
 pub mod document;
 pub mod edit;
+pub mod footage;
 pub mod format;
 pub mod history;
+pub mod look;
+pub mod notices;
 pub mod panels;
 pub mod picture;
 pub mod project;
 pub mod raster;
 pub mod selection;
+pub mod session;
+pub mod showing;
 pub mod theme;
 pub mod widgets;
+pub mod window;
+pub mod worker;

@@ -10,6 +10,8 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Model, ModelError, ModelSpec, Pose, PoseError};
 use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::track::FitOptions;
+use backlit_tracking::track::options::OptionsError;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -40,6 +42,8 @@ pub enum ProjectError {
     Pose { path: PathBuf, field: String, source: PoseError },
     #[error("{}: `{field}` names the limb \"{limb}\", which the model does not have", path.display())]
     Limb { path: PathBuf, field: String, limb: String },
+    #[error("{}: `fit`: {source}", path.display())]
+    Fit { path: PathBuf, source: OptionsError },
     #[error("{}: `cameras`: the weight of {camera} is {weight}; expected a number from 0 on", path.display())]
     Weight { path: PathBuf, camera: String, weight: f64 },
 }
@@ -58,7 +62,9 @@ struct ProjectFile {
     #[serde(default)]
     cameras: Vec<CameraRecord>,
     #[serde(default)]
-    measurement: SegmentOptions,
+    fit: FitOptions,
+    #[serde(default)]
+    measurement: Vec<SegmentOptions>,
     #[serde(default)]
     pins: Vec<String>,
 }
@@ -169,6 +175,7 @@ fn to_file(document: &Document) -> ProjectFile {
                 weight: camera.weight,
             })
             .collect(),
+        fit: (*document.fit).clone(),
         measurement: (*document.measurement).clone(),
         pins: document.pins.iter().map(|&limb| model.limbs()[limb].name.clone()).collect(),
     }
@@ -206,6 +213,8 @@ impl Reader<'_> {
     fn document(&self, file: ProjectFile) -> Result<Document, ProjectError> {
         let model = Model::new(&file.model)
             .map_err(|source| ProjectError::Model { path: self.path.to_owned(), source })?;
+        let wrong = |source| ProjectError::Fit { path: self.path.to_owned(), source };
+        file.fit.check().map_err(wrong)?;
         let start = self.pose(&model, "start", &file.start)?;
         let mut keys = BTreeMap::new();
         for (frame, record) in &file.keys {
@@ -230,6 +239,7 @@ impl Reader<'_> {
             keys: Arc::new(keys),
             estimates: Arc::new(estimates),
             cameras: Arc::new(self.cameras(file.cameras)?),
+            fit: Arc::new(file.fit),
             measurement: Arc::new(file.measurement),
             pins: Arc::new(pins),
         })

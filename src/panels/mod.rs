@@ -1,6 +1,32 @@
-//! One file = one panel = one function. Panels read; what the user does comes back as values, and the app applies
-//! it after the frame.
+//! The panels: one file is one panel is one function. They read [`Showing`](crate::showing::Showing) and push
+//! [`Intents`](crate::showing::Intents); none of them has the document. A tile's events come back as values.
 
+pub(crate) mod about;
 pub mod camera_tile;
+mod command;
+pub(crate) mod convergence;
+pub(crate) mod empty;
+mod joint;
+mod measurement;
+mod menus;
+pub(crate) mod notice_cards;
+pub(crate) mod palette;
+mod pose;
+mod refit;
+mod renderer;
+pub(crate) mod right_panel;
+mod runs;
+pub(crate) mod shortcuts;
+mod sizes;
+mod solver;
+pub(crate) mod status_bar;
+mod steps;
+pub(crate) mod tiles;
+pub(crate) mod timeline;
+pub(crate) mod toolbar;
+pub(crate) mod words;
 
 pub use camera_tile::{CameraTileInput, Drag, TileEvent, Wipe, camera_tile};
+pub(crate) use renderer::renderer_of;
+pub(crate) use solver::preset_of;
+pub(crate) use toolbar::view_mode_of;

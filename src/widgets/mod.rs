@@ -9,8 +9,10 @@ mod handles;
 mod icons;
 pub mod image_canvas;
 mod picture_marks;
+mod section;
 mod segmented;
 mod slider;
+mod slider_row;
 
 pub use badge::{camera_badge, paint_camera_badge};
 pub use button::{icon_button, icon_toggle, primary_button};
@@ -19,5 +21,7 @@ pub use handles::{Grip, JointLook, grip_at, paint_joint, paint_limbs};
 pub use icons::Icon;
 pub use image_canvas::{Framing, ViewTransform};
 pub use picture_marks::{paint_body_outline, paint_limb_edges, paint_sight_ray};
+pub use section::{named_section, section};
 pub use segmented::segmented;
 pub use slider::ValueSlider;
+pub use slider_row::{SliderRow, number_field, row_name};

@@ -1,0 +1,62 @@
+//! The inspector: one frame is poll worker → panels read and ask → apply → history → commands → jobs.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`state`] | [`App`]: the document with its history, and all that is around it |
+//! | `events` | what the worker said |
+//! | `requests`, `commands` | what the panels and the keys asked for |
+//! | `hand` | dragging in a camera's view |
+//! | `fitting` | stepping, running, refitting, tracking |
+//! | `files` | takes, projects, dialogs, autosave and recovery |
+//! | `jobs` | what the screen lacks is asked of the worker |
+//! | `screen` | which panels there are, and where |
+//! | `headless` | the window's picture without a display |
+
+mod commands;
+mod events;
+mod files;
+mod fitting;
+mod hand;
+mod headless;
+mod jobs;
+mod requests;
+mod screen;
+mod state;
+
+pub use files::opening_of;
+pub(crate) use hand::moved;
+pub use headless::{PictureOptions, headless_picture};
+pub use state::{App, AppOptions, Opening};
+
+impl App {
+    /// One frame of the window.
+    pub fn frame(&mut self, ui: &mut egui::Ui) {
+        let began = std::time::Instant::now();
+        self.now = ui.input(|input| input.time);
+        self.apply_theme(ui);
+        self.hear_worker();
+        self.hear_dialogs();
+        self.take_dropped_files(ui.ctx());
+        let mut intents = self.read_keys(ui.ctx());
+        self.show(ui, &mut intents);
+        self.apply(intents, ui.ctx());
+        self.play(ui.ctx());
+        self.autosave();
+        self.request_jobs();
+        self.frame_seconds = began.elapsed().as_secs_f64();
+    }
+}
+
+impl eframe::App for App {
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        self.frame(ui);
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        eframe::set_value(storage, "look", &self.look);
+    }
+
+    fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
+        self.keep_unsaved_work();
+    }
+}

@@ -1,0 +1,305 @@
+//! Doing what menus, buttons, keys and the palette ask for.
+
+use backlit_tracking::body::Pose;
+use backlit_tracking::track::{FitOptions, posing};
+
+use super::App;
+use super::fitting::Part;
+use super::state::{DialogKind, Opening, Overlay};
+use crate::action::Action;
+use crate::document::TakeSource;
+use crate::edit::Edit;
+use crate::look::Layout;
+use crate::panels::palette::Palette;
+use crate::panels::{preset_of, renderer_of, view_mode_of};
+use crate::picture::JointId;
+use crate::selection::Selection;
+use crate::showing::{Intents, unavailable};
+use crate::widgets::Framing;
+
+impl App {
+    /// The commands whose keys were pressed. While something lies over the window, or the hand holds
+    /// something, keys are theirs.
+    pub(super) fn read_keys(&self, ctx: &egui::Context) -> Intents {
+        let mut intents = Intents::default();
+        if self.overlay.is_none() && self.held.is_none() && !egui::Popup::is_any_open(ctx) {
+            intents.actions = Action::pressed(ctx);
+        }
+        intents
+    }
+
+    /// Does a command, if it can be used now.
+    pub(super) fn act(&mut self, action: Action, ctx: &egui::Context) {
+        if action == Action::Stop && self.let_go() {
+            return;
+        }
+        if unavailable(action, &self.showing()).is_some() {
+            return;
+        }
+        if self.act_on_files(action, ctx)
+            || self.act_on_pose(action)
+            || self.act_on_view(action)
+            || self.act_on_fit(action)
+            || self.act_on_frames(action)
+        {
+            return;
+        }
+        self.overlay = match action {
+            Action::Palette => Some(Overlay::Palette(Palette::default())),
+            Action::Shortcuts => Some(Overlay::Shortcuts(String::new())),
+            Action::Messages => Some(Overlay::Messages),
+            Action::About => Some(Overlay::About),
+            _ => None,
+        };
+    }
+
+    /// Esc: what runs is stopped first; else a camera that fills the window goes back, else a step is left.
+    fn let_go(&mut self) -> bool {
+        if !self.worker.is_idle() && (self.showing().busy.fitting || self.showing().busy.tracking) {
+            return false;
+        }
+        if self.alone.take().is_none() {
+            self.selection.step = None;
+        }
+        true
+    }
+
+    fn act_on_files(&mut self, action: Action, ctx: &egui::Context) -> bool {
+        match action {
+            Action::OpenTake => self.ask_for_file(DialogKind::Take),
+            Action::OpenBuiltIn => self.open(Opening::Take(TakeSource::BuiltIn)),
+            Action::OpenProject => self.ask_for_file(DialogKind::Project),
+            Action::Save => self.save_project(),
+            Action::SaveAs => self.ask_for_file(DialogKind::SaveAs),
+            Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
+            _ => return false,
+        }
+        true
+    }
+
+    fn act_on_pose(&mut self, action: Action) -> bool {
+        let model = self.document().model.clone();
+        let limb = self.selection.limb(&model);
+        let rotation = model.limbs()[limb].rotation;
+        let name = model.limbs()[limb].name.clone();
+        match action {
+            Action::Undo | Action::Redo => {
+                self.interrupt_fit();
+                self.selection.step = None;
+                let what = if action == Action::Undo { self.history.undo() } else { self.history.redo() };
+                if let Some(what) = what {
+                    let verb = if action == Action::Undo { "Undid" } else { "Did again" };
+                    self.doing = Some(format!("{verb}: {what}."));
+                }
+            }
+            Action::CopyPose => {
+                self.clipboard = Some(self.shown_pose().clone());
+                self.doing = Some("Copied the pose of this frame.".to_owned());
+            }
+            Action::PastePose => {
+                if let Some(pose) = self.clipboard.clone() {
+                    self.set_pose(pose, "Paste pose".to_owned());
+                }
+            }
+            Action::Mirror => {
+                let pose = mirrored(&model, self.shown_pose(), rotation);
+                self.set_pose(pose, format!("Mirror {name}"));
+            }
+            Action::PinJoint => {
+                if let JointId::End(limb) = self.selection.joint {
+                    let pinned = !self.document().pins.contains(&limb);
+                    self.edit(Edit::Pin { limb, pinned }, None);
+                }
+            }
+            Action::ResetLimb => {
+                let mut pose = self.shown_pose().clone();
+                pose.rotations[rotation] = Pose::rest(&model).rotations[rotation];
+                self.set_pose(pose, format!("Reset {name}"));
+            }
+            Action::ResetBody => {
+                let start = (*self.document().start).clone();
+                self.set_pose(start, "Reset body".to_owned());
+            }
+            Action::NextJoint | Action::PreviousJoint => {
+                let count = model.rotation_count();
+                let by = if action == Action::NextJoint { 1 } else { count - 1 };
+                let owner = model.rotation_owners()[(rotation + by) % count];
+                self.selection.joint = Selection::joint_of(&model, owner);
+            }
+            _ => return false,
+        }
+        true
+    }
+
+    fn act_on_view(&mut self, action: Action) -> bool {
+        if let Some(mode) = view_mode_of(action) {
+            for tile in self.tiles_mut() {
+                (tile.mode, tile.wipe) = (mode, None);
+            }
+            return true;
+        }
+        if let Some(camera) = (0..8).find(|index| Action::camera_alone(*index) == Some(action)) {
+            self.alone = if self.alone == Some(camera) { None } else { Some(camera) };
+            self.make_active(camera);
+            return true;
+        }
+        let framing = |app: &mut Self, framing: Framing| {
+            for tile in app.tiles_mut() {
+                tile.framing = framing;
+            }
+        };
+        match action {
+            Action::LayoutPose => self.look.layout = Layout::Pose,
+            Action::LayoutDebug => self.look.layout = Layout::Debug,
+            Action::ToggleTheme => self.look.theme = self.look.theme.toggled(),
+            Action::TogglePanel => self.look.panel = !self.look.panel,
+            Action::ToggleTimeline => self.look.lanes = !self.look.lanes,
+            Action::ResetLayout => self.look.reset(),
+            Action::FitSubject => framing(self, Framing::Subject),
+            Action::WholePicture => framing(self, Framing::Whole),
+            _ => return false,
+        }
+        true
+    }
+
+    fn act_on_fit(&mut self, action: Action) -> bool {
+        if let Some(renderer) = renderer_of(action) {
+            self.set_renderer(renderer);
+            return true;
+        }
+        if let Some(preset) = preset_of(action) {
+            // The renderer is chosen by itself.
+            let renderer = self.document().fit.renderer;
+            let options = FitOptions { renderer, ..FitOptions::preset(preset) };
+            self.set_fit(options, format!("Switch to {}", preset.label()));
+            return true;
+        }
+        match action {
+            Action::Step => self.step(Some(1)),
+            Action::Run => self.step(None),
+            Action::Stop => self.stop(),
+            Action::StepBack | Action::EarlierStep => self.look_at_neighbour(false),
+            Action::LaterStep => self.look_at_neighbour(true),
+            Action::Branch => self.branch(),
+            Action::RefitLimb => self.refit(Part::Limb),
+            Action::RefitChain => self.refit(Part::Chain),
+            Action::RefitBody => self.refit(Part::Body),
+            Action::ClearRuns => {
+                self.interrupt_fit();
+                self.selection.step = None;
+                self.session.runs.clear();
+                self.session.live = None;
+            }
+            Action::TrackForward => self.track(false),
+            Action::TrackBack => self.track(true),
+            _ => return false,
+        }
+        true
+    }
+
+    fn act_on_frames(&mut self, action: Action) -> bool {
+        let here = self.selection.frame;
+        let last = self.session.frame_count().saturating_sub(1);
+        let frame = match action {
+            Action::PreviousFrame => here.saturating_sub(1),
+            Action::NextFrame => here + 1,
+            Action::TenFramesBack => here.saturating_sub(10),
+            Action::TenFramesOn => here + 10,
+            Action::FirstFrame => 0,
+            Action::LastFrame => last,
+            Action::NextWorst | Action::PreviousWorst => {
+                self.go_to_worst(action == Action::NextWorst);
+                return true;
+            }
+            Action::SetKeyPose => {
+                let is_key = self.document().keys.contains_key(&here);
+                let edit = if is_key { Edit::ClearKey { frame: here } } else { Edit::SetKey { frame: here } };
+                self.edit(edit, None);
+                return true;
+            }
+            Action::ClearTrack => {
+                self.edit(Edit::ClearEstimates, None);
+                return true;
+            }
+            Action::Play => {
+                self.next_played = if self.next_played.is_some() { None } else { Some(self.now) };
+                return true;
+            }
+            _ => return false,
+        };
+        self.follows_tracker = false;
+        self.interrupt_fit();
+        self.go_to_frame(frame.min(last));
+        true
+    }
+
+    /// The pose on the screen.
+    pub(super) fn shown_pose(&self) -> &Pose {
+        self.session.shown_pose(self.document(), &self.selection)
+    }
+
+    fn set_pose(&mut self, pose: Pose, what: String) {
+        self.interrupt_fit();
+        self.edit(Edit::SetPose { frame: self.selection.frame, pose, what }, None);
+    }
+
+    /// Goes on to the next frame when it is time, as long as frames are played.
+    pub(super) fn play(&mut self, ctx: &egui::Context) {
+        let Some(due) = self.next_played else { return };
+        let Some(take) = &self.session.take else {
+            self.next_played = None;
+            return;
+        };
+        let wait = 1.0 / take.frame_rate.max(1.0);
+        let count = take.frame_count();
+        // Pictures that are not there yet hold the film.
+        if self.now >= due && self.session.frames.get(self.selection.frame).is_some() {
+            let next = self.selection.frame + 1;
+            if next >= count {
+                self.next_played = None;
+                return;
+            }
+            self.go_to_frame(next);
+            self.next_played = Some(self.now.max(due) + wait);
+        }
+        ctx.request_repaint_after(std::time::Duration::from_secs_f64(wait));
+    }
+}
+
+/// The pose with the other side's limb, and all that hangs from it, turned as this side's is.
+fn mirrored(model: &backlit_tracking::body::Model, pose: &Pose, rotation: usize) -> Pose {
+    let all = posing::mirror(model, pose);
+    let mut result = pose.clone();
+    for (index, &owner) in model.rotation_owners().iter().enumerate() {
+        let other = model.limbs()[model.mirrored_limb(owner)].rotation;
+        // What follows the selected rotation on this side is copied to the other.
+        if model.rotation_follows(other, rotation) && other != index {
+            result.rotations[index] = all.rotations[index];
+        }
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use backlit_tracking::body::{Parameters, builtin};
+
+    use super::*;
+
+    #[test]
+    fn mirroring_an_arm_moves_the_other_arm_only() {
+        let model = builtin::full_body();
+        let step: Vec<f64> = (0..48).map(|i| 0.3 * (f64::from(i) * 1.3).sin()).collect();
+        let pose = Pose::rest(&model).retract(Parameters::Tangent, &step);
+        let arm = model.limbs()[model.limb_index("right upper arm").unwrap()].rotation;
+        let after = mirrored(&model, &pose, arm);
+        let changed: Vec<&str> = model
+            .rotation_owners()
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| after.rotations[*index] != pose.rotations[*index])
+            .map(|(_, owner)| model.limbs()[*owner].name.as_str())
+            .collect();
+        assert_eq!(changed, ["left upper arm", "left forearm"]);
+    }
+}

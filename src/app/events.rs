@@ -1,0 +1,193 @@
+//! What the worker said.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::App;
+use crate::action::Action;
+use crate::document::{CameraUse, Document, Estimate, Origin, TakeSource};
+use crate::edit::Edit;
+use crate::footage::Footage;
+use crate::history::History;
+use crate::panels::camera_tile::Wipe;
+use crate::panels::tiles::TileLook;
+use crate::picture::ViewMode;
+use crate::selection::Selection;
+use crate::session::{RunEnding, RunStep};
+use crate::worker::{Event, FitJob, Lane, Predicted, Report};
+
+impl App {
+    /// Takes in all that has happened since the last frame.
+    pub(super) fn hear_worker(&mut self) {
+        for report in self.worker.poll() {
+            match report {
+                Report::Event(event) => self.hear(event),
+                Report::Panicked(lane, text) => {
+                    let what =
+                        format!("Something broke while working ({lane:?}): {text}. Your work is unharmed.");
+                    self.notices.error(what);
+                    self.ended(lane);
+                }
+                Report::Ended(lane) => self.ended(lane),
+            }
+        }
+    }
+
+    fn hear(&mut self, event: Event) {
+        match event {
+            Event::TakeOpened { footage, project } => self.take_opened(&footage, project),
+            Event::FrameLoaded(frame) => {
+                self.session.frames.insert(frame);
+                self.session.generation += 1;
+            }
+            Event::Surveyed(extents) => self.session.subject = extents,
+            Event::Predicted(predicted) => self.show_prediction(predicted),
+            Event::FitStep(step, predicted) => self.fit_step(*step, predicted),
+            Event::FitEnded(ending) => self.finish_run(ending),
+            Event::FrameTracked(frame, estimate) => self.frame_tracked(frame, estimate),
+            Event::Saved { path, revision, is_autosave } => self.saved(path, revision, is_autosave),
+            Event::Failed(text) => self.notices.error(text),
+        }
+    }
+
+    fn show_prediction(&mut self, predicted: Arc<Predicted>) {
+        self.session.predict_seconds = Some(predicted.seconds);
+        self.session.predicted = Some(predicted);
+        self.session.generation += 1;
+    }
+
+    fn fit_step(&mut self, step: RunStep, predicted: Arc<Predicted>) {
+        self.session.step_seconds = Some(step.seconds);
+        if self.selection.step.is_none() {
+            self.session.predicted = Some(predicted.clone());
+            self.session.generation += 1;
+        }
+        self.session.live_prediction = Some(predicted);
+        if let Some(run) = self.session.live.and_then(|live| self.session.runs.get_mut(live)) {
+            run.steps.push(step);
+        }
+    }
+
+    /// The steps asked for are done, or the fit has ended: its pose becomes the frame's.
+    pub(super) fn finish_run(&mut self, ending: Option<RunEnding>) {
+        let Some(run) = self.session.live.and_then(|live| self.session.runs.get_mut(live)) else { return };
+        let stays_live = ending.is_none();
+        run.ending = ending;
+        if run.steps.is_empty() {
+            // It could not begin.
+            self.session.live = None;
+            self.session.runs.retain(|run| !run.steps.is_empty());
+            return;
+        }
+        let frame = run.frame;
+        let steps = run.steps.len() - 1;
+        let Some(last) = run.steps.last().cloned() else { return };
+        let predicted = self.session.live_prediction.as_ref().filter(|predicted| predicted.pose == last.pose);
+        let estimate = Estimate {
+            pose: last.pose,
+            origin: Origin::Fit,
+            cost: last.mismatch,
+            rms: predicted.and_then(|predicted| predicted.rms).unwrap_or_default(),
+            iou: predicted.and_then(|predicted| predicted.iou()),
+            steps,
+            lost: false,
+        };
+        if steps > 0 {
+            let gesture = self.run_gesture;
+            self.edit(Edit::AddEstimate { frame, estimate: Arc::new(estimate) }, gesture);
+        }
+        if !stays_live {
+            self.pending_steps = 0;
+        }
+    }
+
+    fn frame_tracked(&mut self, frame: usize, estimate: Arc<Estimate>) {
+        let gesture = self.run_gesture;
+        self.edit(Edit::AddEstimate { frame, estimate }, gesture);
+        if let Some(tracking) = &mut self.session.tracking {
+            tracking.done += 1;
+        }
+        if self.follows_tracker {
+            self.go_to_frame(frame);
+        }
+    }
+
+    fn ended(&mut self, lane: Lane) {
+        match lane {
+            Lane::Fit if self.pending_steps > 0 => {
+                let steps = std::mem::take(&mut self.pending_steps);
+                self.run_gesture = Some(self.new_gesture());
+                self.worker.request(Lane::Fit, FitJob::go_on(self.live.clone(), Some(steps)));
+            }
+            Lane::Track => {
+                if let Some(tracking) = self.session.tracking.take() {
+                    let text = if tracking.done == tracking.total {
+                        format!("Tracked {} frames.", tracking.done)
+                    } else {
+                        format!("Stopped after {} of {} frames.", tracking.done, tracking.total)
+                    };
+                    let undo = (tracking.done > 0).then_some(Action::Undo);
+                    self.notices.info(self.now, text, undo);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<(Box<Document>, PathBuf)>) {
+        for lane in [Lane::Predict, Lane::Load, Lane::Survey, Lane::Fit, Lane::Track] {
+            self.worker.drop_lane(lane);
+        }
+        self.session.reset(Some(footage.clone()));
+        if let Some(TakeSource::Path(path)) = &footage.source {
+            self.look.remember(path.clone());
+        }
+        let (history, path) = match project {
+            // What was left unsaved belongs to no file yet.
+            Some((document, path)) if self.is_autosave(&path) => (History::unsaved(*document), None),
+            Some((document, path)) => (History::new(*document), Some(path)),
+            None => (History::new(document_of(footage)), None),
+        };
+        let document = history.document();
+        self.selection = Selection::default();
+        let first = document.model.rotation_owners()[0];
+        self.selection.joint = Selection::joint_of(&document.model, first);
+        self.history = history;
+        self.project = path;
+        self.alone = None;
+        self.pair = [0, 1.min(footage.cameras.len() - 1)];
+        self.held = None;
+        self.pending_steps = 0;
+        self.autosaved = None;
+        let cameras = footage.cameras.len();
+        self.tiles = [vec![TileLook::default(); cameras], debug_tiles(cameras)];
+    }
+}
+
+/// A new document about a take.
+fn document_of(footage: &Footage) -> Document {
+    let mut document = Document::new((**footage.model()).clone());
+    document.take = footage.source.clone();
+    document.start = Arc::new(footage.start());
+    document.measurement = Arc::new(footage.measurement().to_vec());
+    let camera = |camera: &Arc<backlit_tracking::camera::Camera>| CameraUse {
+        name: camera.name().to_owned(),
+        used: true,
+        weight: 1.0,
+    };
+    document.cameras = Arc::new(footage.cameras.iter().map(camera).collect());
+    document
+}
+
+/// The debug layout begins with the residual, and the report's overlay wiped against the footage.
+fn debug_tiles(cameras: usize) -> Vec<TileLook> {
+    let mut tiles = vec![TileLook::default(); cameras];
+    if let Some(tile) = tiles.first_mut() {
+        tile.mode = ViewMode::Residual;
+    }
+    if let Some(tile) = tiles.get_mut(1) {
+        tile.mode = ViewMode::ReportOverlay;
+        tile.wipe = Some(Wipe { other: ViewMode::Tinted, at: 0.6 });
+    }
+    tiles
+}

@@ -1,0 +1,267 @@
+//! Stepping, running, refitting and tracking.
+
+use std::sync::Arc;
+
+use backlit_tracking::body::Model;
+use backlit_tracking::render::RendererKind;
+use backlit_tracking::track::FitOptions;
+
+use super::App;
+use crate::edit::Edit;
+use crate::panels::words;
+use crate::selection::StepRef;
+use crate::session::{Run, Tracking};
+use crate::worker::{FitJob, FitStart, Lane, Scene, TrackJob};
+
+/// Which part of the body is fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Part {
+    Limb,
+    Chain,
+    Body,
+}
+
+impl App {
+    /// All that a prediction of this frame depends on, but the pose.
+    pub(super) fn scene(&self) -> Option<Scene> {
+        let document = self.document();
+        let take = self.session.take.as_ref()?;
+        Some(Scene {
+            model: document.model.clone(),
+            cameras: take.cameras.clone(),
+            uses: document.cameras.clone(),
+            fit: document.fit.clone(),
+            frame: self.session.frames.get(self.selection.frame).cloned(),
+        })
+    }
+
+    /// One step, or all of them: of the run that is live, if the pose on the screen is its last one and
+    /// nothing that it depends on has changed; else of a new run.
+    pub(super) fn step(&mut self, steps: Option<usize>) {
+        if self.worker.is_busy(Lane::Fit) {
+            self.pending_steps += steps.unwrap_or(0);
+            return;
+        }
+        let goes_on = self.session.live.filter(|live| self.can_go_on(*live));
+        self.run_gesture = Some(self.new_gesture());
+        if let Some(live) = goes_on {
+            self.selection.step = None;
+            if let Some(run) = self.session.runs.get_mut(live) {
+                run.ending = None;
+            }
+            self.worker.request(Lane::Fit, FitJob::go_on(self.live.clone(), steps));
+        } else {
+            self.begin(None, None, steps);
+        }
+    }
+
+    fn can_go_on(&self, live: usize) -> bool {
+        let Some(run) = self.session.runs.get(live) else { return false };
+        let Some(last) = run.steps.last() else { return false };
+        let shown = self.session.shown_pose(self.document(), &self.selection);
+        let same_scene = self.session.live_scene.as_ref().zip(self.scene()).is_some_and(|(a, b)| a.is(&b));
+        run.frame == self.selection.frame && *shown == last.pose && same_scene
+    }
+
+    /// Fits a part of the body from the pose on the screen, to the end.
+    pub(super) fn refit(&mut self, part: Part) {
+        let model = self.document().model.clone();
+        let limb = self.selection.limb(&model);
+        let name = match part {
+            Part::Limb => Some(format!("Refit {}", model.limbs()[limb].name)),
+            Part::Chain => Some(format!("Refit chain of {}", model.limbs()[limb].name)),
+            Part::Body => None,
+        };
+        self.run_gesture = Some(self.new_gesture());
+        self.begin(name, free_rotations(&model, limb, part), None);
+    }
+
+    fn begin(&mut self, name: Option<String>, free: Option<Vec<bool>>, steps: Option<usize>) {
+        let Some(scene) = self.scene() else { return };
+        let pose = self.session.shown_pose(self.document(), &self.selection).clone();
+        let fit = scene.fit.clone();
+        let colour = self.session.runs.len();
+        self.session.runs.push(Run {
+            name: name.unwrap_or_else(|| words::fit_name(&fit)),
+            detail: words::fit_detail(&fit),
+            frame: self.selection.frame,
+            colour,
+            steps: Vec::new(),
+            stages: fit.stages.iter().map(|stage| words::short_ramp(stage.ramp)).collect(),
+            ending: None,
+            is_shown: true,
+        });
+        self.session.live = Some(colour);
+        self.session.live_scene = Some(scene.clone());
+        self.selection.step = None;
+        let start = FitStart { scene, pose, free };
+        self.worker.request(Lane::Fit, FitJob::begin(start, self.live.clone(), steps));
+    }
+
+    /// Ends a fit that is going on, because its pose is about to change: what it has done stays as a run.
+    pub(super) fn interrupt_fit(&mut self) {
+        if !self.worker.is_busy(Lane::Fit) {
+            return;
+        }
+        self.worker.drop_lane(Lane::Fit);
+        self.pending_steps = 0;
+        self.finish_run(Some(crate::session::RunEnding::Stopped));
+        self.session.live = None;
+    }
+
+    /// Goes to the step before or after the one on the screen.
+    pub(super) fn look_at_neighbour(&mut self, later: bool) {
+        let Some(run) = self.session.run_of(&self.selection) else { return };
+        let Some(last) = self.session.runs.get(run).and_then(|run| run.steps.len().checked_sub(1)) else {
+            return;
+        };
+        let at = self.selection.step.map_or(last, |step| step.step);
+        let step = if later { (at + 1).min(last) } else { at.saturating_sub(1) };
+        // The newest step is the document's pose, as long as nobody has changed that.
+        let is_newest = step == last
+            && self.session.runs[run].steps[last].pose == *self.document().pose_at(self.selection.frame);
+        self.selection.step = (!is_newest).then_some(StepRef { run, step });
+    }
+
+    /// Makes the step on the screen the frame's pose.
+    pub(super) fn branch(&mut self) {
+        let Some(at) = self.selection.step else { return };
+        let Some(step) = self.session.step(at) else { return };
+        let what = format!("Branch at step {}", at.step);
+        let edit = Edit::SetPose { frame: self.selection.frame, pose: step.pose.clone(), what };
+        self.edit(edit, None);
+    }
+
+    /// Changes the choices of the fit.
+    pub(super) fn set_fit(&mut self, options: FitOptions, what: String) {
+        self.edit(Edit::SetFit { options: Box::new(options), what }, None);
+    }
+
+    /// Switches the renderer.
+    pub(super) fn set_renderer(&mut self, renderer: RendererKind) {
+        let options = FitOptions { renderer, ..(*self.document().fit).clone() };
+        self.set_fit(options, format!("Switch to {}", words::renderer_name(renderer).to_lowercase()));
+    }
+
+    /// Tracks from the frame on the screen to the end or the beginning.
+    pub(super) fn track(&mut self, backwards: bool) {
+        self.interrupt_fit();
+        let (Some(take), Some(scene)) = (self.session.take.clone(), self.scene()) else { return };
+        let (here, count) = (self.selection.frame, take.frame_count());
+        let start = self.session.shown_pose(self.document(), &self.selection).clone();
+        let document = self.document();
+        // A frame that was fitted from here needs no second fit.
+        let is_fitted = document.estimates.get(&here).is_some_and(|found| !found.lost && found.pose == start);
+        let mut frames: std::collections::VecDeque<usize> =
+            if backwards { (0..=here).rev().collect() } else { (here..count).collect() };
+        if is_fitted && frames.len() > 1 {
+            frames.pop_front();
+        }
+        let mut keys = (*document.keys).clone();
+        keys.remove(&here);
+        let total = frames.len();
+        let job = TrackJob::new(take, document.measurement.clone(), scene, start, Arc::new(keys), frames);
+        match job {
+            Ok(job) => {
+                let job = if is_fitted { job.continuing_from(here) } else { job };
+                self.run_gesture = Some(self.new_gesture());
+                self.session.tracking = Some(Tracking { done: 0, total, backwards });
+                self.follows_tracker = true;
+                self.selection.step = None;
+                self.worker.request(Lane::Track, job);
+            }
+            Err(error) => self.notices.error(format!("The tracker cannot begin: {error}.")),
+        }
+    }
+
+    /// Stops fit and tracker; what is done stays.
+    pub(super) fn stop(&mut self) {
+        self.pending_steps = 0;
+        self.worker.cancel(Lane::Fit);
+        self.worker.cancel(Lane::Track);
+    }
+
+    /// Goes to the nearest frame on a side whose overlap is among the worst tenth.
+    pub(super) fn go_to_worst(&mut self, later: bool) {
+        let mut found: Vec<(f64, usize)> = self
+            .document()
+            .estimates
+            .iter()
+            .map(|(frame, found)| (if found.lost { -1.0 } else { found.iou.unwrap_or(1.0) }, *frame))
+            .collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found.truncate(found.len().div_ceil(10));
+        let here = self.selection.frame;
+        let frames = found.into_iter().map(|(_, frame)| frame);
+        let next = if later {
+            let frames: Vec<usize> = frames.collect();
+            frames
+                .iter()
+                .copied()
+                .filter(|frame| *frame > here)
+                .min()
+                .or_else(|| frames.iter().copied().min())
+        } else {
+            let frames: Vec<usize> = frames.collect();
+            frames
+                .iter()
+                .copied()
+                .filter(|frame| *frame < here)
+                .max()
+                .or_else(|| frames.iter().copied().max())
+        };
+        if let Some(frame) = next {
+            self.follows_tracker = false;
+            self.go_to_frame(frame);
+        }
+    }
+}
+
+/// Rotations that a refit may move; `None` for all of them and the root.
+fn free_rotations(model: &Model, limb: usize, part: Part) -> Option<Vec<bool>> {
+    let rotation = model.limbs()[limb].rotation;
+    let mut free = vec![false; model.rotation_count()];
+    match part {
+        Part::Body => return None,
+        Part::Limb => free[rotation] = true,
+        Part::Chain => {
+            // Up to the trunk: a rotation with more than one child belongs to several chains.
+            let children = |parent: usize| {
+                model.rotation_parents().iter().filter(|other| **other == Some(parent)).count()
+            };
+            let mut next = Some(rotation);
+            while let Some(at) = next {
+                free[at] = true;
+                next = model.rotation_parents()[at].filter(|parent| children(*parent) == 1);
+            }
+            for (index, slot) in free.iter_mut().enumerate() {
+                *slot |= model.rotation_follows(index, rotation);
+            }
+        }
+    }
+    Some(free)
+}
+
+#[cfg(test)]
+mod tests {
+    use backlit_tracking::body::builtin;
+
+    use super::*;
+
+    #[test]
+    fn a_chain_goes_from_the_trunk_to_the_hand() {
+        let model = builtin::full_body();
+        let arm = model.limb_index("right upper arm").unwrap();
+        let free = free_rotations(&model, arm, Part::Chain).unwrap();
+        let names: Vec<&str> = model
+            .rotation_owners()
+            .iter()
+            .zip(&free)
+            .filter(|(_, free)| **free)
+            .map(|(owner, _)| model.limbs()[*owner].name.as_str())
+            .collect();
+        assert_eq!(names, ["right clavicle", "right upper arm", "right forearm"]);
+        assert_eq!(free_rotations(&model, arm, Part::Limb).unwrap().iter().filter(|f| **f).count(), 1);
+        assert_eq!(free_rotations(&model, arm, Part::Body), None);
+    }
+}

@@ -1,0 +1,104 @@
+//! The window's picture without a display: the real app, painted on the CPU.
+
+use std::time::{Duration, Instant};
+
+use anyhow::ensure;
+use egui::Vec2;
+use image::RgbaImage;
+
+use super::{App, AppOptions, Opening};
+use crate::action::Action;
+use crate::look::{Layout, Look};
+use crate::raster::Headless;
+use crate::theme::Theme;
+
+/// What the picture shows.
+#[derive(Debug, Clone)]
+pub struct PictureOptions {
+    /// Dark or light.
+    pub theme: Theme,
+    /// What the window is arranged for.
+    pub layout: Layout,
+    /// Size of the window in points.
+    pub size: Vec2,
+    /// Pixels per point.
+    pub pixels_per_point: f32,
+    /// The frame.
+    pub frame: usize,
+    /// Steps of the fit to do on that frame: `None` runs it to the end.
+    pub steps: Option<usize>,
+    /// How long to wait for the work, before the picture is taken as it is.
+    pub patience: Duration,
+}
+
+impl Default for PictureOptions {
+    fn default() -> Self {
+        Self {
+            theme: Theme::Dark,
+            layout: Layout::Pose,
+            size: Vec2::new(1600.0, 1000.0),
+            pixels_per_point: 1.0,
+            frame: 0,
+            steps: Some(0),
+            patience: Duration::from_secs(300),
+        }
+    }
+}
+
+/// Opens something in a window that nobody sees, goes to the frame, fits it as asked, and paints the window
+/// once there is nothing more to do.
+///
+/// # Errors
+/// It cannot be opened: the error says why.
+pub fn headless_picture(opening: Opening, options: &PictureOptions) -> anyhow::Result<RgbaImage> {
+    let mut window = Headless::new(options.size.x, options.size.y, options.pixels_per_point);
+    let look = Look { theme: options.theme, layout: options.layout, ..Look::default() };
+    let mut app =
+        App::new(window.ctx.clone(), AppOptions { look, data_folder: None, opening: Some(opening) })?;
+    settle(&mut window, &mut app, options.patience);
+    if app.session.take.is_none() {
+        let why = app.notices.all().last().map_or("nothing was opened", |notice| notice.text.as_str());
+        anyhow::bail!("{why}");
+    }
+    let count = app.session.frame_count();
+    ensure!(options.frame < count, "there is no frame {}; the take has {count}", options.frame);
+    app.go_to_frame(options.frame);
+    settle(&mut window, &mut app, options.patience);
+    let context = window.ctx.clone();
+    if options.steps.is_none() {
+        app.act(Action::Run, &context);
+        settle(&mut window, &mut app, options.patience);
+    }
+    for _ in 0..options.steps.unwrap_or(0) {
+        app.act(Action::Step, &context);
+        settle(&mut window, &mut app, options.patience);
+    }
+    Ok(settle(&mut window, &mut app, options.patience))
+}
+
+/// Runs frames until nothing is being worked on and nothing moves.
+fn settle(window: &mut Headless, app: &mut App, patience: Duration) -> RgbaImage {
+    let start = Instant::now();
+    loop {
+        window.frames(1, Vec::new(), |ui| app.frame(ui));
+        if app.is_idle() || start.elapsed() > patience {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    // Sizes settle over two frames; times are not the picture's business.
+    app.freeze_times();
+    window.frames(3, Vec::new(), |ui| {
+        app.frame(ui);
+        app.freeze_times();
+    })
+}
+
+impl App {
+    /// Forgets how long things took, so that a picture is the same every time.
+    fn freeze_times(&mut self) {
+        self.frame_seconds = f64::NAN;
+        self.session.step_seconds = None;
+        self.session.predict_seconds = None;
+    }
+}

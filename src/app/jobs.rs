@@ -1,0 +1,43 @@
+//! What the screen lacks is asked of the worker.
+
+use super::App;
+use crate::worker::{Lane, LoadJob, PredictJob, SurveyJob};
+
+impl App {
+    /// Asks for the frame and for the prediction on the screen, where they are missing or old.
+    pub(super) fn request_jobs(&mut self) {
+        self.session.is_stepping = self.worker.is_busy(Lane::Fit);
+        let Some(take) = self.session.take.clone() else { return };
+        let frame = self.selection.frame;
+        let measurement = self.document().measurement.clone();
+        let is_missing = self.session.frames.get(frame).is_none();
+        if let Some(shown) = self.session.frames.get(frame) {
+            self.session.last_frame = Some(shown.clone());
+        }
+        if is_missing && !(self.worker.is_busy(Lane::Load) && self.session.loading == Some(frame)) {
+            self.session.loading = Some(frame);
+            self.worker.request(Lane::Load, LoadJob::new(take.clone(), measurement.clone(), frame));
+        }
+        if self.session.subject.is_empty() && !is_missing && !self.worker.is_busy(Lane::Survey) {
+            self.worker.request(Lane::Survey, SurveyJob::new(take, measurement));
+        }
+        self.request_prediction();
+    }
+
+    fn request_prediction(&mut self) {
+        let Some(scene) = self.scene() else { return };
+        let pose = self.shown_pose().clone();
+        let shown = self.session.predicted.clone();
+        self.session.is_stale = !shown.as_ref().is_some_and(|shown| shown.is_of(&scene, &pose));
+        if !self.session.is_stale {
+            return;
+        }
+        let wanted = self.session.wanted.as_ref();
+        let is_coming = self.worker.is_busy(Lane::Predict)
+            && wanted.is_some_and(|(other, other_pose)| *other_pose == pose && other.is(&scene));
+        if !is_coming {
+            self.session.wanted = Some((scene.clone(), pose.clone()));
+            self.worker.request(Lane::Predict, PredictJob { scene, pose, earlier: shown });
+        }
+    }
+}

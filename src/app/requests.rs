@@ -1,0 +1,72 @@
+//! Applying what the panels asked for.
+
+use super::App;
+use super::state::Opening;
+use crate::edit::Edit;
+use crate::history::Gesture;
+use crate::showing::{Intents, Request};
+
+impl App {
+    /// Applies edits, then requests, then commands.
+    pub(super) fn apply(&mut self, intents: Intents, ctx: &egui::Context) {
+        for (edit, gesture) in intents.edits {
+            if matches!(edit, Edit::SetPose { .. }) {
+                self.interrupt_fit();
+            }
+            self.edit(edit, gesture);
+        }
+        for request in intents.requests {
+            self.request(request);
+        }
+        for action in intents.actions {
+            self.act(action, ctx);
+        }
+    }
+
+    /// Makes a change, and what follows from it for the selection.
+    pub(super) fn edit(&mut self, edit: Edit, gesture: Option<Gesture>) {
+        let sets_pose = matches!(edit, Edit::SetPose { .. });
+        let remeasures = matches!(edit, Edit::SetMeasurement(_));
+        match self.history.apply(edit, gesture) {
+            Ok(()) => {
+                if sets_pose {
+                    // The pose on the screen is now the document's again.
+                    self.selection.step = None;
+                }
+                if remeasures {
+                    self.session.frames.clear();
+                }
+            }
+            Err(error) => self.notices.error(format!("That cannot be done: {error}.")),
+        }
+    }
+
+    fn request(&mut self, request: Request) {
+        match request {
+            Request::Frame(frame) => {
+                self.follows_tracker = false;
+                self.interrupt_fit();
+                self.go_to_frame(frame);
+            }
+            Request::Joint(joint) => self.selection.joint = joint,
+            Request::Camera(camera) => self.make_active(camera),
+            Request::Step(step) => {
+                if let Some(run) = self.session.runs.get(step.run) {
+                    self.selection.frame = run.frame;
+                    self.selection.step = Some(step);
+                }
+            }
+            Request::ShowRun(run, is_shown) => {
+                if let Some(run) = self.session.runs.get_mut(run) {
+                    run.is_shown = is_shown;
+                }
+            }
+            Request::Tile(camera, event) => self.tile_event(camera, event),
+            Request::Layout(layout) => self.look.layout = layout,
+            Request::Open(source) => self.open(Opening::Take(source)),
+            Request::CloseNotice(id) => self.notices.close(id),
+            Request::HoldNotice(id) => self.notices.hold(id, self.now),
+            Request::Recover(take_it) => self.recover(take_it),
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Which panels there are, and where.
+
+use egui::{CentralPanel, Frame, Ui, pos2};
+
+use super::App;
+use super::hand::dragged_joint;
+use super::state::Overlay;
+use crate::look::Layout;
+use crate::panels::tiles::TilesLook;
+use crate::panels::{
+    about, convergence, empty, notice_cards, right_panel, shortcuts, status_bar, tiles, timeline, toolbar,
+};
+use crate::showing::{Busy, Intents, Request, Showing};
+use crate::theme::size;
+use crate::worker::Lane;
+
+impl App {
+    /// What the panels may look at.
+    pub(super) fn showing(&self) -> Showing<'_> {
+        Showing {
+            history: &self.history,
+            session: &self.session,
+            selection: &self.selection,
+            look: &self.look,
+            notices: &self.notices,
+            busy: Busy {
+                opening: self.worker.is_busy(Lane::Open),
+                loading: self.worker.is_busy(Lane::Load),
+                fitting: self.worker.is_busy(Lane::Fit),
+                tracking: self.worker.is_busy(Lane::Track),
+            },
+            project: self.project.as_deref(),
+            has_clipboard: self.clipboard.is_some(),
+            is_playing: self.next_played.is_some(),
+            doing: self.doing.as_deref(),
+            frame_seconds: self.frame_seconds,
+        }
+    }
+
+    /// Shows all panels.
+    pub(super) fn show(&mut self, ui: &mut Ui, intents: &mut Intents) {
+        if ui.input(|input| !input.events.is_empty()) && self.held.is_none() && !intents.actions.is_empty() {
+            self.doing = None;
+        }
+        if let Some(next) = self.notices.tick(self.now) {
+            ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64((next - self.now).max(0.0)));
+        }
+        let window = ui.max_rect();
+        let showing = self.showing();
+        toolbar::ui(ui, &showing, intents);
+        status_bar::ui(ui, &showing, intents);
+        let mut notices_from = pos2(window.right(), window.bottom() - size::STATUS_BAR);
+        if showing.session.take.is_some() {
+            if self.look.panel {
+                right_panel::ui(ui, &showing, intents);
+            }
+            let centre = ui.available_rect_before_wrap();
+            let frame = Frame::NONE;
+            CentralPanel::default().frame(frame).show(ui, |ui| {
+                notices_from = pos2(centre.right(), centre.bottom());
+                if self.alone.is_none() {
+                    timeline::ui(ui, &showing, intents, window.height());
+                    notices_from.y = ui.available_rect_before_wrap().bottom();
+                    if self.look.layout == Layout::Debug {
+                        convergence::ui(ui, &showing, intents);
+                    }
+                }
+                tiles::ui(ui, &showing, &self.tiles_look(), intents);
+            });
+        } else {
+            empty::ui(ui, &showing, intents, self.recovery.as_deref());
+        }
+        for id in notice_cards::ui(ui, &showing, intents, notices_from) {
+            intents.request(Request::HoldNotice(id));
+        }
+        self.show_overlay(ui, intents);
+    }
+
+    fn tiles_look(&self) -> TilesLook<'_> {
+        let held = self.held.as_ref();
+        TilesLook {
+            tiles: &self.tiles[usize::from(self.look.layout == Layout::Debug)],
+            alone: self.alone,
+            pair: self.pair,
+            dragged: held.and_then(|held| Some((held.camera, dragged_joint(held.drag)?))),
+        }
+    }
+
+    fn show_overlay(&mut self, ui: &Ui, intents: &mut Intents) {
+        let Some(mut overlay) = self.overlay.take() else { return };
+        let stays = match &mut overlay {
+            Overlay::Palette(palette) => palette.ui(ui, &self.showing(), intents),
+            Overlay::Shortcuts(search) => shortcuts::ui(ui, search),
+            Overlay::Messages => about::messages(ui, &self.notices),
+            Overlay::About => about::about(ui),
+        };
+        if stays {
+            self.overlay = Some(overlay);
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! The document with its history, and all that is around it.
+
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use backlit_tracking::body::{Pose, builtin};
+use backlit_tracking::io::Take;
+
+use super::hand::Held;
+use crate::document::{Document, TakeSource};
+use crate::history::{Gesture, History};
+use crate::look::{Layout, Look};
+use crate::notices::Notices;
+use crate::panels::palette::Palette;
+use crate::panels::tiles::TileLook;
+use crate::selection::Selection;
+use crate::session::Session;
+use crate::worker::{Event, LiveFit, Worker};
+
+/// What the window begins with.
+#[derive(Debug, Default)]
+pub struct AppOptions {
+    /// The arrangement of the last time.
+    pub look: Look,
+    /// Folder for the copy of unsaved work; without one nothing is kept for the next start.
+    pub data_folder: Option<PathBuf>,
+    /// What is opened at once.
+    pub opening: Option<Opening>,
+}
+
+/// Something to open.
+#[derive(Debug)]
+pub enum Opening {
+    /// A take.
+    Take(TakeSource),
+    /// A take that has been read.
+    Ready(Box<Take>),
+    /// A project file.
+    Project(PathBuf),
+}
+
+/// What lies over the window.
+#[derive(Debug)]
+pub(super) enum Overlay {
+    Palette(Palette),
+    Shortcuts(String),
+    Messages,
+    About,
+}
+
+/// What a file dialog was asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum DialogKind {
+    Take,
+    Project,
+    SaveAs,
+}
+
+/// What a file dialog was asked for, and the file that was chosen.
+pub(super) type DialogAnswer = (DialogKind, PathBuf);
+
+/// The inspector.
+#[derive(Debug)]
+pub struct App {
+    pub(super) history: History,
+    pub(super) selection: Selection,
+    pub(super) session: Session,
+    pub(super) look: Look,
+    pub(super) notices: Notices,
+    pub(super) worker: Worker<Event>,
+    pub(super) live: LiveFit,
+    /// Steps that were asked for while one was being made.
+    pub(super) pending_steps: usize,
+    /// The gesture of the run of fit or tracker that is going on.
+    pub(super) run_gesture: Option<Gesture>,
+    /// Whether the screen follows the tracker.
+    pub(super) follows_tracker: bool,
+    pub(super) held: Option<Held>,
+    /// By layout, then by camera.
+    pub(super) tiles: [Vec<TileLook>; 2],
+    pub(super) alone: Option<usize>,
+    /// The two cameras that are shown where there is room for two.
+    pub(super) pair: [usize; 2],
+    pub(super) clipboard: Option<Pose>,
+    pub(super) project: Option<PathBuf>,
+    pub(super) overlay: Option<Overlay>,
+    pub(super) doing: Option<String>,
+    /// When the next frame is played, if any is.
+    pub(super) next_played: Option<f64>,
+    pub(super) data_folder: Option<PathBuf>,
+    pub(super) recovery: Option<String>,
+    pub(super) autosaved: Option<(u64, f64)>,
+    pub(super) dialog_sender: Sender<DialogAnswer>,
+    pub(super) dialog_answers: Receiver<DialogAnswer>,
+    pub(super) next_gesture: u64,
+    pub(super) now: f64,
+    pub(super) frame_seconds: f64,
+    pub(super) shown_theme: Option<crate::theme::Theme>,
+    pub(super) context: egui::Context,
+}
+
+impl App {
+    /// The window's state. `context` is woken when the worker has news.
+    ///
+    /// # Errors
+    /// The system gives no thread.
+    pub fn new(context: egui::Context, options: AppOptions) -> anyhow::Result<Self> {
+        let worker = Worker::start({
+            let context = context.clone();
+            move || context.request_repaint()
+        })?;
+        let (dialog_sender, dialog_answers) = channel();
+        let mut app = Self {
+            history: History::new(Document::new(builtin::full_body())),
+            selection: Selection::default(),
+            session: Session::default(),
+            look: options.look,
+            notices: Notices::default(),
+            worker,
+            live: LiveFit::default(),
+            pending_steps: 0,
+            run_gesture: None,
+            follows_tracker: false,
+            held: None,
+            tiles: [Vec::new(), Vec::new()],
+            alone: None,
+            pair: [0, 1],
+            clipboard: None,
+            project: None,
+            overlay: None,
+            doing: None,
+            next_played: None,
+            data_folder: options.data_folder,
+            recovery: None,
+            autosaved: None,
+            dialog_sender,
+            dialog_answers,
+            next_gesture: 1,
+            now: 0.0,
+            frame_seconds: 0.0,
+            shown_theme: None,
+            context,
+        };
+        app.look_for_unsaved_work();
+        if let Some(opening) = options.opening {
+            app.open(opening);
+        }
+        Ok(app)
+    }
+
+    /// The document as it is.
+    #[must_use]
+    pub fn document(&self) -> &Document {
+        self.history.document()
+    }
+
+    /// What is selected.
+    #[must_use]
+    pub fn selection(&self) -> &Selection {
+        &self.selection
+    }
+
+    /// The derived data.
+    #[must_use]
+    pub fn session(&self) -> &Session {
+        &self.session
+    }
+
+    /// What was said.
+    #[must_use]
+    pub fn notices(&self) -> &Notices {
+        &self.notices
+    }
+
+    /// Whether nothing is being read, fitted or drawn anew: what is on the screen is whole.
+    #[must_use]
+    pub fn is_idle(&self) -> bool {
+        self.worker.is_idle() && !self.session.is_stale
+    }
+
+    /// Goes to a frame.
+    pub fn go_to_frame(&mut self, frame: usize) {
+        if self.selection.frame != frame {
+            self.selection.go_to_frame(frame, self.session.frame_count());
+        }
+    }
+
+    /// A gesture that was not used before.
+    pub(super) fn new_gesture(&mut self) -> Gesture {
+        // Far from those of the panels, which count from one.
+        self.next_gesture += 1;
+        Gesture(u64::MAX - self.next_gesture)
+    }
+
+    /// How the tiles of the layout look.
+    pub(super) fn tiles_mut(&mut self) -> &mut Vec<TileLook> {
+        &mut self.tiles[usize::from(self.look.layout == Layout::Debug)]
+    }
+
+    /// Hands the theme to egui when it has changed.
+    pub(super) fn apply_theme(&mut self, ui: &mut egui::Ui) {
+        if self.shown_theme != Some(self.look.theme) {
+            crate::theme::apply(ui.ctx(), self.look.theme);
+            // This frame has begun in the old one.
+            let style = ui.ctx().style_of(self.look.theme.to_egui());
+            ui.set_style(style);
+            self.shown_theme = Some(self.look.theme);
+        }
+    }
+}

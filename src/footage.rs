@@ -1,0 +1,169 @@
+//! A take's pictures as everything else wants them: on the ideal pinhole grid, with their silhouettes.
+
+use std::sync::{Arc, OnceLock};
+
+use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::camera::{Camera, Rectification};
+use backlit_tracking::io::Take;
+use backlit_tracking::segment::{Background, SegmentOptions, segment};
+use backlit_tracking::silhouette::{Label, Mask, SignedDistance};
+use image::RgbImage;
+
+use crate::document::TakeSource;
+
+/// A take with everything that is made once for all its frames.
+#[derive(Debug)]
+pub struct Footage {
+    /// Where it came from; `None` for one that was made in memory.
+    pub source: Option<TakeSource>,
+    /// What it is called.
+    pub name: String,
+    /// Frames per second.
+    pub frame_rate: f64,
+    /// The cameras of the pictures: without distortion.
+    pub cameras: Arc<Vec<Arc<Camera>>>,
+    take: Take,
+    rectifications: Vec<Rectification>,
+    backgrounds: Vec<OnceLock<Result<Option<Background>, String>>>,
+}
+
+/// One camera's picture of one frame, on the ideal pinhole grid.
+#[derive(Debug, Clone)]
+pub struct CameraFrame {
+    /// The picture.
+    pub image: Option<Arc<RgbImage>>,
+    /// Its silhouette.
+    pub mask: Option<Arc<Mask>>,
+    /// Distance from the silhouette's border.
+    pub distance: Option<Arc<SignedDistance>>,
+    /// Why something is missing.
+    pub problem: Option<String>,
+}
+
+impl Footage {
+    /// Prepares a take.
+    #[must_use]
+    pub fn new(take: Take, source: Option<TakeSource>) -> Self {
+        let cameras = take.rig().cameras();
+        Self {
+            source,
+            name: take.name().to_owned(),
+            frame_rate: take.frame_rate(),
+            cameras: Arc::new(cameras.iter().map(|camera| Arc::new(camera.without_distortion())).collect()),
+            rectifications: cameras.iter().map(Rectification::new).collect(),
+            backgrounds: cameras.iter().map(|_| OnceLock::new()).collect(),
+            take,
+        }
+    }
+
+    /// Number of frames.
+    #[must_use]
+    pub fn frame_count(&self) -> usize {
+        self.take.frame_count()
+    }
+
+    /// The body of the take.
+    #[must_use]
+    pub fn model(&self) -> &Arc<Model> {
+        self.take.model()
+    }
+
+    /// The pose to start from: the take's own, or one that stands before the cameras.
+    #[must_use]
+    pub fn start(&self) -> Pose {
+        self.take.start().cloned().unwrap_or_else(|| {
+            let mut pose = Pose::rest(self.take.model());
+            pose.root = middle_of_view(&self.cameras);
+            pose
+        })
+    }
+
+    /// How the take says that silhouettes are made, camera by camera.
+    #[must_use]
+    pub fn measurement(&self) -> &[SegmentOptions] {
+        self.take.measurement()
+    }
+
+    /// The take itself.
+    #[must_use]
+    pub fn take(&self) -> &Take {
+        &self.take
+    }
+
+    /// Reads, rectifies and segments one camera's picture. What goes wrong is said in the result: the other
+    /// cameras and the picture without its silhouette are still of use.
+    #[must_use]
+    pub fn load(&self, camera: usize, frame: usize, options: &SegmentOptions) -> CameraFrame {
+        let mut result = CameraFrame { image: None, mask: None, distance: None, problem: None };
+        match self.rectified(camera, frame) {
+            Ok(image) => {
+                match self.segmented(camera, &image, options) {
+                    Ok(mask) => {
+                        result.distance = Some(Arc::new(SignedDistance::from_mask(&mask)));
+                        result.mask = Some(Arc::new(mask));
+                    }
+                    Err(problem) => result.problem = Some(problem),
+                }
+                result.image = Some(Arc::new(image));
+            }
+            Err(problem) => result.problem = Some(problem),
+        }
+        result
+    }
+
+    fn rectified(&self, camera: usize, frame: usize) -> Result<RgbImage, String> {
+        let raw = self.take.frame(camera, frame).map_err(|error| error.to_string())?;
+        let rectification = self.rectifications.get(camera).ok_or("no such camera")?;
+        rectification.rectify(&raw).ok_or_else(|| "the picture is not of the camera’s size".to_owned())
+    }
+
+    fn segmented(&self, camera: usize, image: &RgbImage, options: &SegmentOptions) -> Result<Mask, String> {
+        let background = self.backgrounds[camera].get_or_init(|| self.background(camera));
+        let background = match background {
+            Ok(Some(background)) => background,
+            Ok(None) => return Err("the take has no background pictures of this camera".to_owned()),
+            Err(problem) => return Err(problem.clone()),
+        };
+        let mut mask = segment(image, background, options).map_err(|error| error.to_string())?;
+        let rectification = &self.rectifications[camera];
+        if !rectification.is_identity() {
+            let width = mask.width();
+            for (index, label) in mask.labels_mut().iter_mut().enumerate() {
+                if !rectification.has_data(index % width, index / width) {
+                    *label = Label::Unknown;
+                }
+            }
+        }
+        Ok(mask)
+    }
+
+    fn background(&self, camera: usize) -> Result<Option<Background>, String> {
+        let raw = self.take.background(camera).map_err(|error| error.to_string())?;
+        let rectify = |image: &RgbImage| self.rectifications[camera].rectify(image);
+        let plates: Option<Vec<RgbImage>> = raw.iter().map(rectify).collect();
+        let plates = plates.ok_or("a background picture is not of the camera’s size")?;
+        match plates.as_slice() {
+            [] => Ok(None),
+            [plate] => Ok(Some(Background::from_plate(plate))),
+            frames => Background::from_frames(frames).map(Some).map_err(|error| error.to_string()),
+        }
+    }
+}
+
+/// The point that is nearest to all optical axes; metres in front of the camera if there is only one.
+fn middle_of_view(cameras: &[Arc<Camera>]) -> glam::DVec3 {
+    use glam::{DMat3, DVec3};
+    /// Distance from a single camera, metres.
+    const BEFORE: f64 = 3.0;
+    let (mut sum, mut right) = (DMat3::ZERO, DVec3::ZERO);
+    for camera in cameras {
+        let axis = camera.camera_from_world().rotation.transpose().z_axis;
+        let across = DMat3::IDENTITY - DMat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z);
+        // A little pull towards the point before the camera keeps parallel axes solvable.
+        let weight = 1e-3;
+        sum += across + DMat3::IDENTITY * weight;
+        right += across * camera.centre() + weight * (camera.centre() + BEFORE * axis);
+    }
+    let middle = sum.inverse() * right;
+    if middle.is_finite() { middle } else { DVec3::ZERO }
+}

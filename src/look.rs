@@ -1,0 +1,100 @@
+//! How the window is arranged: kept from start to start, not in the document and not undone.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use crate::theme::{Theme, size};
+
+/// What the window is arranged for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Layout {
+    /// Large views for setting a pose by hand.
+    #[default]
+    Pose,
+    /// Views above the convergence plot and its steps.
+    Debug,
+}
+
+impl Layout {
+    /// The layouts with their names.
+    pub const ALL: [(Self, &'static str); 2] = [(Self::Pose, "Pose"), (Self::Debug, "Debug")];
+
+    /// Width of the right panel at first.
+    #[must_use]
+    pub const fn panel_width(self) -> f32 {
+        match self {
+            Self::Pose => size::RIGHT_PANEL,
+            Self::Debug => size::RIGHT_PANEL_DEBUG,
+        }
+    }
+}
+
+/// Most recent takes that are offered.
+const MAX_RECENT: usize = 5;
+
+/// The arrangement.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Look {
+    /// Dark or light.
+    pub theme: Theme,
+    /// What it is arranged for.
+    pub layout: Layout,
+    /// Whether the right panel is there.
+    pub panel: bool,
+    /// Whether the timeline has its lanes.
+    pub lanes: bool,
+    /// Whether zoom and pan go together in all views.
+    pub linked_zoom: bool,
+    /// Takes that were opened last, the newest first.
+    pub recent: Vec<PathBuf>,
+    /// Changes with *Reset layout*, so that egui forgets sizes and open sections.
+    pub generation: u32,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self {
+            theme: Theme::Dark,
+            layout: Layout::Pose,
+            panel: true,
+            lanes: true,
+            linked_zoom: false,
+            recent: Vec::new(),
+            generation: 0,
+        }
+    }
+}
+
+impl Look {
+    /// Puts a take at the head of the recent ones.
+    pub fn remember(&mut self, path: PathBuf) {
+        self.recent.retain(|other| *other != path);
+        self.recent.insert(0, path);
+        self.recent.truncate(MAX_RECENT);
+    }
+
+    /// The arrangement as it was at first; theme and recent takes stay.
+    pub fn reset(&mut self) {
+        let generation = self.generation.wrapping_add(1);
+        let recent = std::mem::take(&mut self.recent);
+        *self = Self { theme: self.theme, layout: self.layout, recent, generation, ..Self::default() };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn recent_takes_are_few_and_different() {
+        let mut look = Look::default();
+        for name in ["a", "b", "c", "a", "d", "e", "f"] {
+            look.remember(PathBuf::from(name));
+        }
+        let names: Vec<_> = look.recent.iter().map(|path| path.to_string_lossy().into_owned()).collect();
+        assert_eq!(names, ["f", "e", "d", "a", "c"]);
+    }
+}

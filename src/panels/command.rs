@@ -1,0 +1,95 @@
+//! Commands as buttons and menu rows: what cannot be used is grey, and its tooltip says why.
+
+use egui::{AsIdSalt, Button, Response, Ui, vec2};
+
+use crate::action::Action;
+use crate::history::Gesture;
+use crate::showing::{Intents, Showing, unavailable};
+use crate::theme::size;
+use crate::widgets::{Icon, icon_button, primary_button};
+
+/// Adds a widget for a command, grey where it cannot be used, and asks for the command on a click.
+fn command(
+    ui: &mut Ui,
+    showing: &Showing<'_>,
+    intents: &mut Intents,
+    action: Action,
+    add: impl FnOnce(&mut Ui, &str) -> Response,
+) -> Response {
+    let why_not = unavailable(action, showing);
+    let tooltip = why_not.map_or_else(|| action.tooltip(), |why| format!("{}\n{why}.", action.tooltip()));
+    let response = ui.add_enabled_ui(why_not.is_none(), |ui| add(ui, &tooltip)).inner;
+    if response.clicked() {
+        intents.act(action);
+    }
+    response
+}
+
+/// A square button.
+pub(super) fn icon(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, action: Action, icon: Icon) {
+    command(ui, showing, intents, action, |ui, tooltip| icon_button(ui, icon, action.text(), tooltip));
+}
+
+/// A button with the command's text.
+pub(super) fn button(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, action: Action) {
+    named_button(ui, showing, intents, action, action.text());
+}
+
+/// A button with a shorter text.
+pub(super) fn named_button(
+    ui: &mut Ui,
+    showing: &Showing<'_>,
+    intents: &mut Intents,
+    action: Action,
+    text: &str,
+) {
+    command(ui, showing, intents, action, |ui, tooltip| {
+        let button = ui.add(Button::new(text).min_size(vec2(0.0, size::BUTTON)));
+        button.on_hover_text(tooltip).on_disabled_hover_text(tooltip)
+    });
+}
+
+/// The one button in the accent.
+pub(super) fn primary(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, action: Action) {
+    command(ui, showing, intents, action, |ui, tooltip| {
+        primary_button(ui, action.text()).on_hover_text(tooltip).on_disabled_hover_text(tooltip)
+    });
+}
+
+/// A row of a menu, with its keys.
+pub(super) fn menu_row(
+    ui: &mut Ui,
+    showing: &Showing<'_>,
+    intents: &mut Intents,
+    action: Action,
+    text: &str,
+) {
+    let response = command(ui, showing, intents, action, |ui, tooltip| {
+        let button = Button::new(text).shortcut_text(action.keys_text().unwrap_or_default());
+        ui.add(button).on_hover_text(tooltip).on_disabled_hover_text(tooltip)
+    });
+    if response.clicked() {
+        ui.close();
+    }
+}
+
+/// The gesture of a widget that is being dragged: every drag has one of its own. `None` when it changes
+/// without a drag.
+pub(super) fn gesture(ui: &Ui, key: impl AsIdSalt, response: &Response) -> Option<Gesture> {
+    let id = ui.scope_id().with(key);
+    if response.drag_started() {
+        let gesture = next_gesture(ui.ctx());
+        ui.data_mut(|data| data.insert_temp(id, gesture));
+    }
+    (response.dragged() || response.drag_stopped()).then(|| ui.data(|data| data.get_temp(id))).flatten()
+}
+
+/// A gesture that was not used before.
+pub(crate) fn next_gesture(ctx: &egui::Context) -> Gesture {
+    let id = egui::Id::unique("newest gesture");
+    ctx.data_mut(|data| {
+        let newest: &mut u64 = data.get_temp_mut_or_default(id);
+        *newest += 1;
+        Gesture(*newest)
+    })
+}

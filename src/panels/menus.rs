@@ -1,0 +1,96 @@
+//! The menus: every command stands in one of them.
+
+use egui::Ui;
+
+use super::command::menu_row;
+use crate::action::{Action, Menu};
+use crate::document::TakeSource;
+use crate::showing::{Intents, Request, Showing};
+use crate::theme;
+
+/// All menus in a row, or one menu of menus where there is little room.
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, folded: bool) {
+    if folded {
+        ui.menu_button("Menu", |ui| {
+            for menu in Menu::ALL {
+                ui.menu_button(menu.text(), |ui| contents(ui, showing, intents, menu));
+            }
+        });
+    } else {
+        for menu in Menu::ALL {
+            ui.menu_button(menu.text(), |ui| contents(ui, showing, intents, menu));
+        }
+    }
+}
+
+fn contents(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, menu: Menu) {
+    ui.set_min_width(230.0);
+    for action in Action::in_menu(menu) {
+        if is_hidden(action, showing) {
+            continue;
+        }
+        if begins_group(action) {
+            ui.separator();
+        }
+        let text = match action {
+            Action::Undo => with_object("Undo", showing.history.undo_text()),
+            Action::Redo => with_object("Redo", showing.history.redo_text()),
+            _ => action.text().to_owned(),
+        };
+        menu_row(ui, showing, intents, action, &text);
+        if action == Action::OpenProject {
+            recent(ui, showing, intents);
+        }
+    }
+}
+
+fn with_object(verb: &str, object: Option<&str>) -> String {
+    object.map_or_else(|| verb.to_owned(), |object| format!("{verb}: {object}"))
+}
+
+/// Cameras that the take does not have.
+fn is_hidden(action: Action, showing: &Showing<'_>) -> bool {
+    let count = showing.session.camera_count();
+    (count..8).any(|index| Action::camera_alone(index) == Some(action))
+}
+
+const fn begins_group(action: Action) -> bool {
+    use Action as A;
+    matches!(
+        action,
+        A::OpenProject
+            | A::Save
+            | A::Quit
+            | A::CopyPose
+            | A::Mirror
+            | A::NextJoint
+            | A::ToggleTheme
+            | A::FitSubject
+            | A::ViewFootage
+            | A::Camera1
+            | A::EarlierStep
+            | A::RefitLimb
+            | A::RendererCapsule
+            | A::PresetReport
+            | A::ClearRuns
+            | A::SetKeyPose
+            | A::PreviousFrame
+            | A::Play
+            | A::Messages
+    )
+}
+
+fn recent(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    if showing.look.recent.is_empty() {
+        return;
+    }
+    ui.separator();
+    ui.label(egui::RichText::new("Recent takes").small().color(theme::palette(ui).text3));
+    for path in &showing.look.recent {
+        let name = path.file_name().map_or_else(|| path.to_string_lossy(), |name| name.to_string_lossy());
+        if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+            intents.request(Request::Open(TakeSource::Path(path.clone())));
+            ui.close();
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! The status bar: one sentence on the left, four numbers on the right that stay in their places.
+
+use egui::{Align, Frame, Layout as Direction, Margin, Panel, RichText, Sense, Ui, vec2};
+
+use super::command;
+use crate::action::Action;
+use crate::format;
+use crate::picture::joint_name;
+use crate::showing::{Intents, Showing};
+use crate::theme::{self, size, space};
+use crate::widgets::Icon;
+
+/// The status bar.
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    let frame = Frame::NONE.fill(palette.raised).inner_margin(Margin::symmetric(8, 0));
+    Panel::bottom("status bar").exact_size(size::STATUS_BAR).resizable(false).frame(frame).show(ui, |ui| {
+        ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+            numbers(ui, showing);
+            ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
+                let (rect, _) = ui.allocate_exact_size(vec2(size::ICON, size::ICON), Sense::hover());
+                Icon::Info.paint_scaled(ui.painter(), rect, palette.text3, 0.85);
+                if showing.busy.is_long() && !showing.busy.opening {
+                    command::named_button(ui, showing, intents, Action::Stop, "Cancel");
+                }
+                let text = RichText::new(sentence(showing)).small().color(palette.text2);
+                ui.add(egui::Label::new(text).truncate());
+            });
+        });
+    });
+}
+
+/// What is happening, or what one may do.
+fn sentence(showing: &Showing<'_>) -> String {
+    let session = showing.session;
+    if let Some(doing) = showing.doing {
+        return doing.to_owned();
+    }
+    if let Some(tracking) = session.tracking {
+        let direction = if tracking.backwards { " back" } else { "" };
+        return format!("Tracking{direction}, {} of {} frames.", tracking.done, tracking.total);
+    }
+    if showing.busy.opening {
+        return "Opening the take…".to_owned();
+    }
+    if session.take.is_none() {
+        return "Open a take, or drop its folder anywhere.".to_owned();
+    }
+    if showing.busy.fitting {
+        return "The fit is running. Esc stops it; all steps stay.".to_owned();
+    }
+    if let Some(step) = showing.selection.step {
+        let steps = session.runs.get(step.run).map_or(0, |run| run.steps.len().saturating_sub(1));
+        return format!(
+            "Looking at step {} of {steps}. Comma and period go on; an edit here branches.",
+            step.step
+        );
+    }
+    if let Some(run) = session.runs.iter().rfind(|run| run.frame == showing.selection.frame)
+        && run.ending.is_some()
+    {
+        let steps = run.steps.len().saturating_sub(1);
+        return format!("{}: {steps} steps. {}.", run.name, run.ending_text());
+    }
+    if showing.busy.loading {
+        return "Reading the frame…".to_owned();
+    }
+    let joint = joint_name(&showing.document().model, showing.selection.joint);
+    format!("Drag the {joint} in any view, or press Space for one step of the fit.")
+}
+
+fn numbers(ui: &mut Ui, showing: &Showing<'_>) {
+    let session = showing.session;
+    let rms = session.predicted.as_ref().and_then(|predicted| predicted.rms);
+    ui.spacing_mut().item_spacing.x = space::GROUP;
+    let seconds = |value: Option<f64>| value.map_or_else(|| format::MISSING.to_owned(), format::duration);
+    let entries = [
+        (
+            "CPU frame",
+            format::duration(showing.frame_seconds),
+            140.0,
+            "Time that the window needed for its last frame",
+        ),
+        ("step", seconds(session.step_seconds), 104.0, "Time of the last step of the fit"),
+        (
+            "IoU",
+            session.iou().map_or_else(|| format::MISSING.to_owned(), format::ratio),
+            76.0,
+            "Intersection over union of body and silhouettes, all cameras together",
+        ),
+        (
+            "RMS",
+            rms.map_or_else(|| format::MISSING.to_owned(), |rms| format::number(rms, 1)),
+            72.0,
+            "Root mean square of D − Λ, in grey levels, all cameras together",
+        ),
+    ];
+    let palette = theme::palette(ui);
+    for (name, value, width, tooltip) in entries {
+        let stale = session.is_stale && matches!(name, "IoU" | "RMS");
+        let colour = if stale { palette.text3 } else { palette.text2 };
+        let text = RichText::new(format!("{name} {value}")).monospace().color(colour);
+        ui.allocate_ui_with_layout(
+            vec2(width, size::STATUS_BAR),
+            Direction::right_to_left(Align::Center),
+            |ui| ui.label(text).on_hover_text(tooltip),
+        );
+    }
+}

@@ -1,0 +1,138 @@
+//! Everything derived from document and footage: pictures, silhouettes, predictions, runs of the fit. It can
+//! be made again at any time and is never saved.
+
+mod frames;
+mod run;
+
+use std::sync::Arc;
+
+use backlit_tracking::body::Pose;
+
+pub use frames::{FrameCache, FrameData};
+pub use run::{Run, RunEnding, RunStep};
+
+use crate::document::Document;
+use crate::footage::Footage;
+use crate::selection::{Selection, StepRef};
+use crate::worker::{Extent, Predicted, Scene};
+
+/// The derived data.
+#[derive(Debug, Default)]
+pub struct Session {
+    /// The take that is open.
+    pub take: Option<Arc<Footage>>,
+    /// Decoded frames and their silhouettes.
+    pub frames: FrameCache,
+    /// The silhouettes that the pose on the screen predicts. While a newer one is made, the old stays.
+    pub predicted: Option<Arc<Predicted>>,
+    /// Whether [`predicted`](Self::predicted) is of an older pose than the one on the screen.
+    pub is_stale: bool,
+    /// Runs of the fit, the newest last.
+    pub runs: Vec<Run>,
+    /// The newest run, if it may go on.
+    pub live: Option<usize>,
+    /// What that run depends on.
+    pub live_scene: Option<Scene>,
+    /// What the last step of that run predicts.
+    pub live_prediction: Option<Arc<Predicted>>,
+    /// Whether that run is being stepped right now.
+    pub is_stepping: bool,
+    /// The frame that is being loaded.
+    pub loading: Option<usize>,
+    /// The frame that was shown last: it stays until the next one is there.
+    pub last_frame: Option<Arc<FrameData>>,
+    /// Changes with the pictures on the screen.
+    pub generation: u64,
+    /// The prediction that was asked for last.
+    pub wanted: Option<(Scene, Pose)>,
+    /// Where the subject is over the whole take, by camera.
+    pub subject: Vec<Option<Extent>>,
+    /// What the tracker is doing.
+    pub tracking: Option<Tracking>,
+    /// Time of the last step of a fit, in seconds.
+    pub step_seconds: Option<f64>,
+    /// Time of the last prediction, in seconds.
+    pub predict_seconds: Option<f64>,
+}
+
+/// The state of a run of the tracker.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tracking {
+    /// Frames done.
+    pub done: usize,
+    /// Frames to do in all.
+    pub total: usize,
+    /// Whether it goes towards the first frame.
+    pub backwards: bool,
+}
+
+impl Session {
+    /// Number of frames of the take, zero without one.
+    #[must_use]
+    pub fn frame_count(&self) -> usize {
+        self.take.as_ref().map_or(0, |take| take.frame_count())
+    }
+
+    /// Number of cameras, zero without a take.
+    #[must_use]
+    pub fn camera_count(&self) -> usize {
+        self.take.as_ref().map_or(0, |take| take.cameras.len())
+    }
+
+    /// The pose on the screen: that of the step that is looked at, or of the run that is going on, or the
+    /// document's.
+    #[must_use]
+    pub fn shown_pose<'a>(&'a self, document: &'a Document, selection: &Selection) -> &'a Pose {
+        let live = || {
+            let run = self.runs.get(self.live.filter(|_| self.is_stepping)?)?;
+            run.steps.last().filter(|_| run.frame == selection.frame)
+        };
+        let step = selection.step.and_then(|step| self.step(step)).or_else(live);
+        step.map_or_else(|| document.pose_at(selection.frame), |step| &step.pose)
+    }
+
+    /// A frame, or the one that was shown last as long as it is not there.
+    #[must_use]
+    pub fn shown_frame(&self, frame: usize) -> Option<&Arc<FrameData>> {
+        self.frames.get(frame).or(self.last_frame.as_ref())
+    }
+
+    /// Whether a prediction's data are those of the frame on the screen.
+    #[must_use]
+    pub fn is_of_shown_frame(&self, predicted: &Predicted, frame: usize) -> bool {
+        let shown = self.shown_frame(frame);
+        predicted.scene.frame.as_ref().zip(shown).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
+    }
+
+    /// A step of a run.
+    #[must_use]
+    pub fn step(&self, at: StepRef) -> Option<&RunStep> {
+        self.runs.get(at.run)?.steps.get(at.step)
+    }
+
+    /// The run that is looked at, or else the newest one of a frame.
+    #[must_use]
+    pub fn run_of(&self, selection: &Selection) -> Option<usize> {
+        match selection.step {
+            Some(step) if step.run < self.runs.len() => Some(step.run),
+            _ => self.runs.iter().rposition(|run| run.frame == selection.frame),
+        }
+    }
+
+    /// Intersection over union of all cameras together, of the prediction on the screen.
+    #[must_use]
+    pub fn iou(&self) -> Option<f64> {
+        self.predicted.as_ref()?.iou()
+    }
+
+    /// Forgets what was made of another take.
+    pub fn reset(&mut self, take: Option<Arc<Footage>>) {
+        *self = Self { take, ..Self::default() };
+    }
+
+    /// Forgets silhouettes and what follows from them: the measurement's settings have changed.
+    pub fn forget_measurements(&mut self) {
+        self.frames.clear();
+        self.predicted = None;
+    }
+}

@@ -1,0 +1,70 @@
+//! Decoded, rectified and segmented frames, the newest few.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use crate::footage::CameraFrame;
+
+/// Frames that are kept.
+const CAPACITY: usize = 48;
+
+/// All cameras' pictures of one frame.
+#[derive(Debug, Clone)]
+pub struct FrameData {
+    /// The frame.
+    pub frame: usize,
+    /// By camera.
+    pub cameras: Vec<CameraFrame>,
+}
+
+impl FrameData {
+    /// Whether at least one camera has a silhouette.
+    #[must_use]
+    pub fn has_mask(&self) -> bool {
+        self.cameras.iter().any(|camera| camera.mask.is_some())
+    }
+}
+
+/// The frames that were loaded last.
+#[derive(Debug, Default)]
+pub struct FrameCache {
+    frames: VecDeque<Arc<FrameData>>,
+}
+
+impl FrameCache {
+    /// A frame, if it is there.
+    #[must_use]
+    pub fn get(&self, frame: usize) -> Option<&Arc<FrameData>> {
+        self.frames.iter().find(|data| data.frame == frame)
+    }
+
+    /// Keeps a frame and, if there are too many, drops the one that was loaded first.
+    pub fn insert(&mut self, data: Arc<FrameData>) {
+        self.frames.retain(|other| other.frame != data.frame);
+        if self.frames.len() == CAPACITY {
+            self.frames.pop_front();
+        }
+        self.frames.push_back(data);
+    }
+
+    /// Forgets all frames.
+    pub fn clear(&mut self) {
+        self.frames.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_newest_frames_are_kept() {
+        let mut cache = FrameCache::default();
+        for frame in 0..CAPACITY + 2 {
+            cache.insert(Arc::new(FrameData { frame, cameras: Vec::new() }));
+        }
+        assert!(cache.get(1).is_none() && cache.get(2).is_some() && cache.get(CAPACITY + 1).is_some());
+        cache.insert(Arc::new(FrameData { frame: 5, cameras: Vec::new() }));
+        assert!(cache.get(2).is_some(), "a frame that is loaded again replaces itself");
+    }
+}

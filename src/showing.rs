@@ -1,0 +1,196 @@
+//! What panels read, and what they ask for.
+
+use std::path::Path;
+
+use crate::action::Action;
+use crate::document::{Document, TakeSource};
+use crate::edit::Edit;
+use crate::history::{Gesture, History};
+use crate::look::{Layout, Look};
+use crate::notices::Notices;
+use crate::panels::camera_tile::TileEvent;
+use crate::picture::JointId;
+use crate::selection::{Selection, StepRef};
+use crate::session::Session;
+
+/// All that a panel may look at while a frame is drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct Showing<'a> {
+    /// The document with its past.
+    pub history: &'a History,
+    /// Derived data.
+    pub session: &'a Session,
+    /// What is selected.
+    pub selection: &'a Selection,
+    /// The arrangement.
+    pub look: &'a Look,
+    /// What was said.
+    pub notices: &'a Notices,
+    /// Work in progress.
+    pub busy: Busy,
+    /// The project file, if there is one.
+    pub project: Option<&'a Path>,
+    /// Whether a pose was copied.
+    pub has_clipboard: bool,
+    /// Whether frames are being played.
+    pub is_playing: bool,
+    /// The sentence of the status bar about what the hand is doing.
+    pub doing: Option<&'a str>,
+    /// Time that the last frame of the window took, in seconds.
+    pub frame_seconds: f64,
+}
+
+/// Which lanes of the worker have work.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "lanes work independently of each other")]
+pub struct Busy {
+    /// A take is being opened.
+    pub opening: bool,
+    /// The frame is being read and segmented.
+    pub loading: bool,
+    /// A fit is running.
+    pub fitting: bool,
+    /// The tracker is running.
+    pub tracking: bool,
+}
+
+impl Busy {
+    /// Whether a bar under the toolbar says that something takes its time.
+    #[must_use]
+    pub fn is_long(self) -> bool {
+        self.opening || self.fitting || self.tracking
+    }
+}
+
+impl<'a> Showing<'a> {
+    /// The document.
+    #[must_use]
+    pub fn document(&self) -> &'a Document {
+        self.history.document()
+    }
+}
+
+/// Something a panel asks for that is neither an edit nor a command of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Request {
+    /// Go to a frame.
+    Frame(usize),
+    /// Hold a joint.
+    Joint(JointId),
+    /// Make a camera's tile the active one.
+    Camera(usize),
+    /// Look at a step of a run.
+    Step(StepRef),
+    /// Show or hide a run's curve.
+    ShowRun(usize, bool),
+    /// What the user did in a camera's tile.
+    Tile(usize, TileEvent),
+    /// How the window is arranged.
+    Layout(Layout),
+    /// Open a take.
+    Open(TakeSource),
+    /// Close a notice.
+    CloseNotice(u64),
+    /// A notice is under the pointer: it stays.
+    HoldNotice(u64),
+    /// Take what an earlier start of the program left unsaved, or leave it.
+    Recover(bool),
+}
+
+/// What the panels ask for in one frame.
+#[derive(Debug, Default)]
+pub struct Intents {
+    /// Changes of the document, each with its gesture.
+    pub edits: Vec<(Edit, Option<Gesture>)>,
+    /// Commands.
+    pub actions: Vec<Action>,
+    /// Everything else.
+    pub requests: Vec<Request>,
+}
+
+impl Intents {
+    /// Asks for a change that is undone by itself.
+    pub fn edit(&mut self, edit: Edit) {
+        self.edits.push((edit, None));
+    }
+
+    /// Asks for a change that is part of a drag.
+    pub fn drag(&mut self, edit: Edit, gesture: Gesture) {
+        self.edits.push((edit, Some(gesture)));
+    }
+
+    /// Asks for a command.
+    pub fn act(&mut self, action: Action) {
+        self.actions.push(action);
+    }
+
+    /// Asks for something else.
+    pub fn request(&mut self, request: Request) {
+        self.requests.push(request);
+    }
+}
+
+/// Why a command cannot be used now, in a sentence without its full stop; `None` if it can.
+#[must_use]
+pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str> {
+    use Action as A;
+    const NO_TAKE: &str = "Open a take first";
+    let (session, selection, document) = (showing.session, showing.selection, showing.document());
+    let because = |is_so: bool, why: &'static str| is_so.then_some(why);
+    let no_take = because(session.take.is_none(), NO_TAKE);
+    let frames = session.frame_count();
+    let no_fit = || {
+        let no_camera = document.used_cameras().next().is_none();
+        let no_mask = session.frames.get(selection.frame).is_none_or(|frame| !frame.has_mask());
+        no_take
+            .or(because(no_camera, "No camera is used in the fit: tick one beside its view"))
+            .or(because(no_mask, "This frame has no silhouette yet"))
+            .or(because(showing.busy.tracking, "The tracker is at work"))
+    };
+    let run = session.run_of(selection).and_then(|run| session.runs.get(run).map(|r| (run, r)));
+    match action {
+        A::Undo => because(showing.history.undo_text().is_none(), "There is nothing to undo"),
+        A::Redo => because(showing.history.redo_text().is_none(), "There is nothing to redo"),
+        A::PastePose => because(!showing.has_clipboard, "No pose was copied yet"),
+        A::Save => no_take,
+        A::Camera1
+        | A::Camera2
+        | A::Camera3
+        | A::Camera4
+        | A::Camera5
+        | A::Camera6
+        | A::Camera7
+        | A::Camera8 => {
+            let index = (0..8).find(|index| A::camera_alone(*index) == Some(action)).unwrap_or(0);
+            no_take.or(because(index >= session.camera_count(), "The take has fewer cameras"))
+        }
+        A::Step | A::Run | A::RefitLimb | A::RefitChain | A::RefitBody => {
+            no_fit().or(because(showing.busy.fitting && action != A::Step, "The fit is running"))
+        }
+        A::Stop => because(!showing.busy.fitting && !showing.busy.tracking, "Nothing is running"),
+        A::StepBack | A::EarlierStep => match (run, selection.step) {
+            (None, _) => Some("This frame has no run yet: press Space to step"),
+            (Some(_), Some(StepRef { step: 0, .. })) => Some("This is the start of the run"),
+            (Some((_, run)), _) => because(run.steps.len() < 2, "The run has no step yet"),
+        },
+        A::LaterStep | A::Branch => because(selection.step.is_none(), "This is the newest step of the run"),
+        A::ClearRuns => because(session.runs.is_empty(), "There are no runs"),
+        A::TrackForward | A::TrackBack => no_take
+            .or(because(document.used_cameras().next().is_none(), "No camera is used in the fit"))
+            .or(because(showing.busy.tracking, "The tracker is at work"))
+            .or(because(action == A::TrackBack && selection.frame == 0, "This is the first frame")),
+        A::ClearTrack => because(document.estimates.is_empty(), "No frame is tracked yet"),
+        A::NextWorst | A::PreviousWorst => because(document.estimates.is_empty(), "No frame is tracked yet"),
+        A::PreviousFrame | A::TenFramesBack | A::FirstFrame => {
+            no_take.or(because(selection.frame == 0, "This is the first frame"))
+        }
+        A::NextFrame | A::TenFramesOn | A::LastFrame => {
+            no_take.or(because(selection.frame + 1 >= frames, "This is the last frame"))
+        }
+        A::Play => no_take.or(because(frames < 2, "The take has one frame")),
+        A::SaveAs | A::CopyPose | A::Mirror | A::PinJoint | A::ResetLimb | A::ResetBody | A::SetKeyPose => {
+            no_take
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,66 @@
+//! The one thread that works while the window draws: typed jobs in, events out.
+//!
+//! Every kind of work has a [`Lane`]. A new job supersedes the one of its lane: that one is cancelled, and
+//! events of it that are still on their way are dropped by their generation. Jobs work in short steps, so a
+//! prediction for a drag does not wait for a tracker. Dropping the [`Worker`] cancels everything. A panic in a
+//! job is an event, and the thread lives on.
+
+mod fit;
+mod load;
+mod open;
+mod predict;
+mod queue;
+mod save;
+mod survey;
+mod track;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+pub use fit::{FitJob, FitStart, LiveFit};
+pub use load::LoadJob;
+pub use open::OpenJob;
+pub use predict::{CameraPrediction, PredictJob, Predicted, Scene};
+pub use queue::{Job, Lane, Outbox, Report, Step, Worker};
+pub use save::SaveJob;
+pub use survey::{Extent, SurveyJob};
+pub use track::TrackJob;
+
+use crate::document::{Document, Estimate};
+use crate::footage::Footage;
+use crate::session::{FrameData, RunEnding, RunStep};
+
+/// What the jobs say.
+#[derive(Debug)]
+pub enum Event {
+    /// A take was opened, and the project that named it, if it was one.
+    TakeOpened {
+        /// The take.
+        footage: Arc<Footage>,
+        /// The project and its file.
+        project: Option<(Box<Document>, PathBuf)>,
+    },
+    /// A frame was read and segmented.
+    FrameLoaded(Arc<FrameData>),
+    /// Where the subject is over the whole take, by camera.
+    Surveyed(Vec<Option<Extent>>),
+    /// What a pose predicts.
+    Predicted(Arc<Predicted>),
+    /// A step of the fit; the first is the start.
+    FitStep(Box<RunStep>, Arc<Predicted>),
+    /// The fit has ended or was stopped; `None` if it may go on.
+    FitEnded(Option<RunEnding>),
+    /// A frame was tracked.
+    FrameTracked(usize, Arc<Estimate>),
+    /// A project was written.
+    Saved {
+        /// The file.
+        path: PathBuf,
+        /// The document's revision.
+        revision: u64,
+        /// Whether it is the copy for the next start.
+        is_autosave: bool,
+    },
+    /// Something did not work; what it was.
+    Failed(String),
+}

@@ -1,0 +1,194 @@
+//! What a pose predicts in every camera, and how that compares with the data.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use backlit_tracking::body::{Kinematics, Model, Pose};
+use backlit_tracking::camera::Camera;
+use backlit_tracking::render::{Prediction, predict};
+use backlit_tracking::silhouette::{Measurement, Overlap};
+use backlit_tracking::track::{Evidence, FitOptions, FitView};
+
+use super::{Event, Job, Outbox, Step};
+use crate::document::CameraUse;
+use crate::picture::body_outline;
+use crate::session::FrameData;
+
+/// All that a prediction depends on, but the pose.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// The body.
+    pub model: Arc<Model>,
+    /// The cameras without distortion.
+    pub cameras: Arc<Vec<Arc<Camera>>>,
+    /// Which of them count, and how much.
+    pub uses: Arc<Vec<CameraUse>>,
+    /// How poses are fitted: the last stage's ramp is what is shown.
+    pub fit: Arc<FitOptions>,
+    /// The frame's pictures, once they are there.
+    pub frame: Option<Arc<FrameData>>,
+}
+
+impl Scene {
+    /// Whether both are of the very same parts.
+    #[must_use]
+    pub fn is(&self, other: &Self) -> bool {
+        let same_frame = match (&self.frame, &other.frame) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (None, None) => true,
+            _ => false,
+        };
+        same_frame
+            && Arc::ptr_eq(&self.model, &other.model)
+            && Arc::ptr_eq(&self.uses, &other.uses)
+            && Arc::ptr_eq(&self.fit, &other.fit)
+            && Arc::ptr_eq(&self.cameras, &other.cameras)
+    }
+
+    /// What the cameras that count contribute to a fit.
+    #[must_use]
+    pub fn views(&self) -> Vec<FitView> {
+        let Some(frame) = &self.frame else { return Vec::new() };
+        let parts = self.cameras.iter().zip(self.uses.iter()).zip(&frame.cameras);
+        let view = |((camera, used), data): ((&Arc<Camera>, &CameraUse), &crate::footage::CameraFrame)| {
+            let mask = data.mask.clone().filter(|_| used.used && used.weight > 0.0)?;
+            Some(FitView { camera: camera.clone(), evidence: Evidence::Mask(mask), weight: used.weight })
+        };
+        parts.filter_map(view).collect()
+    }
+}
+
+/// One camera's prediction.
+#[derive(Debug, Clone)]
+pub struct CameraPrediction {
+    /// Λ, with the owner of each pixel.
+    pub prediction: Prediction,
+    /// D as the last stage looks at it.
+    pub data: Option<Arc<Measurement>>,
+    /// Body against silhouette.
+    pub overlap: Option<Overlap>,
+    /// The body's outline, in pixel coordinates.
+    pub outlines: Vec<Vec<[f32; 2]>>,
+}
+
+/// What a pose predicts in every camera.
+#[derive(Debug, Clone)]
+pub struct Predicted {
+    /// What else it depends on.
+    pub scene: Scene,
+    /// The pose.
+    pub pose: Pose,
+    /// By camera.
+    pub cameras: Vec<CameraPrediction>,
+    /// Σ w (D − Λ)² over the cameras that count: one measure for all stages and runs.
+    pub mismatch: f64,
+    /// Root of its mean, grey levels.
+    pub rms: Option<f64>,
+    /// Each limb's part of the mismatch.
+    pub mismatch_by_limb: Vec<f64>,
+    /// How long it took, in seconds.
+    pub seconds: f64,
+}
+
+impl Predicted {
+    /// Predicts and compares. `data` is reused from an earlier prediction of the same scene.
+    #[must_use]
+    pub fn new(scene: &Scene, pose: &Pose, earlier: Option<&Self>) -> Self {
+        let start = Instant::now();
+        let kinematics = Kinematics::new(&scene.model, pose);
+        let ramp = scene.fit.final_ramp();
+        let reusable = earlier.filter(|earlier| earlier.scene.is(scene));
+        let mut result = Self {
+            scene: scene.clone(),
+            pose: pose.clone(),
+            cameras: Vec::with_capacity(scene.cameras.len()),
+            mismatch: 0.0,
+            rms: None,
+            mismatch_by_limb: vec![0.0; scene.model.limbs().len()],
+            seconds: 0.0,
+        };
+        let mut weight = 0.0;
+        for (index, camera) in scene.cameras.iter().enumerate() {
+            let prediction = predict(&scene.model, &kinematics, camera, scene.fit.renderer, ramp);
+            let data = match reusable {
+                Some(earlier) => earlier.cameras[index].data.clone(),
+                None => scene.data(index),
+            };
+            let mask = scene.frame.as_ref().and_then(|frame| frame.cameras.get(index)?.mask.clone());
+            let overlap = mask.and_then(|mask| Overlap::between(&mask, &prediction.lambda).ok());
+            if let (Some(data), Some(used)) = (&data, scene.uses.get(index).filter(|used| used.used)) {
+                weight += result.compare(&prediction, data, used.weight);
+            }
+            let outlines = body_outline(&prediction.lambda, prediction.width, prediction.height);
+            result.cameras.push(CameraPrediction { prediction, data, overlap, outlines });
+        }
+        result.rms = (weight > 0.0).then(|| (result.mismatch / weight).sqrt());
+        result.seconds = start.elapsed().as_secs_f64();
+        result
+    }
+
+    /// Adds a camera's mismatch and returns the weight of its pixels.
+    fn compare(&mut self, prediction: &Prediction, data: &Measurement, camera_weight: f64) -> f64 {
+        let mut sum = 0.0;
+        let mut weight = 0.0;
+        let pixels = prediction.lambda.iter().zip(&prediction.owner).zip(data.values()).zip(data.weights());
+        for (((lambda, owner), value), pixel_weight) in pixels {
+            let pixel_weight = f64::from(*pixel_weight) * camera_weight;
+            let residual = f64::from(*value) - f64::from(*lambda);
+            let cost = pixel_weight * residual * residual;
+            weight += pixel_weight;
+            sum += cost;
+            if let Some(limb) = self.mismatch_by_limb.get_mut(usize::from(*owner)) {
+                *limb += cost;
+            }
+        }
+        self.mismatch += sum;
+        weight
+    }
+
+    /// Intersection over union of the cameras that count, all together.
+    #[must_use]
+    pub fn iou(&self) -> Option<f64> {
+        let used = self.cameras.iter().zip(self.scene.uses.iter()).filter(|(_, used)| used.used);
+        used.filter_map(|(camera, _)| camera.overlap).reduce(Overlap::merge)?.iou()
+    }
+
+    /// Whether it is of this pose and these parts.
+    #[must_use]
+    pub fn is_of(&self, scene: &Scene, pose: &Pose) -> bool {
+        self.pose == *pose && self.scene.is(scene)
+    }
+}
+
+impl Scene {
+    /// D of a camera, as the last stage looks at it.
+    fn data(&self, camera: usize) -> Option<Arc<Measurement>> {
+        let frame = self.frame.as_ref()?.cameras.get(camera)?;
+        let stage = self.fit.stages.last()?;
+        let view = FitView {
+            camera: self.cameras[camera].clone(),
+            evidence: Evidence::Mask(frame.mask.clone()?),
+            weight: 1.0,
+        };
+        Some(view.data(stage, frame.distance.as_deref()))
+    }
+}
+
+/// A prediction for the window.
+#[derive(Debug)]
+pub struct PredictJob {
+    /// What it depends on.
+    pub scene: Scene,
+    /// The pose.
+    pub pose: Pose,
+    /// The prediction on the screen, whose data may be reused.
+    pub earlier: Option<Arc<Predicted>>,
+}
+
+impl Job<Event> for PredictJob {
+    fn step(&mut self, out: &Outbox<Event>) -> Step {
+        let predicted = Predicted::new(&self.scene, &self.pose, self.earlier.as_deref());
+        out.send(Event::Predicted(Arc::new(predicted)));
+        Step::Done
+    }
+}
