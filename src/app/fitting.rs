@@ -2,16 +2,18 @@
 
 use std::sync::Arc;
 
-use backlit_tracking::body::Model;
+use backlit_tracking::body::{Model, Parameters};
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::track::FitOptions;
 
 use super::App;
 use crate::edit::Edit;
+use crate::look::Layout;
 use crate::panels::words;
+use crate::picture::ViewMode;
 use crate::selection::StepRef;
 use crate::session::{Run, Tracking};
-use crate::worker::{FitJob, FitStart, Lane, Scene, TrackJob};
+use crate::worker::{Derivatives, FitJob, FitStart, Lane, Scene, TrackJob};
 
 /// Which part of the body is fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,7 +34,22 @@ impl App {
             uses: document.cameras.clone(),
             fit: document.fit.clone(),
             frame: self.session.frames.get(self.selection.frame).cloned(),
+            derivatives: self.derivatives(),
         })
+    }
+
+    /// Which derivatives the tiles show. The Jacobian's column is that of the held limb's flexion.
+    fn derivatives(&self) -> Derivatives {
+        let tiles = &self.tiles[usize::from(self.look.layout == Layout::Debug)];
+        let shows = |mode| {
+            tiles.iter().any(|tile| tile.mode == mode || tile.wipe.is_some_and(|wipe| wipe.other == mode))
+        };
+        let model = &self.document().model;
+        let rotation = model.limbs()[self.selection.limb(model)].rotation;
+        Derivatives {
+            gradient: shows(ViewMode::Gradient),
+            column: shows(ViewMode::JacobianColumn).then(|| Parameters::Tangent.first_column(rotation)),
+        }
     }
 
     /// One step, or all of them: of the run that is live, if the pose on the screen is its last one and

@@ -34,7 +34,9 @@ impl App {
         }
         let wanted = self.session.wanted.as_ref();
         let is_coming = self.worker.is_busy(Lane::Predict)
-            && wanted.is_some_and(|(other, other_pose)| *other_pose == pose && other.is(&scene));
+            && wanted.is_some_and(|(other, other_pose)| {
+                *other_pose == pose && other.is(&scene) && other.derivatives == scene.derivatives
+            });
         if !is_coming {
             self.session.wanted = Some((scene.clone(), pose.clone()));
             self.worker.request(Lane::Predict, PredictJob { scene, pose, earlier: shown });

@@ -173,6 +173,8 @@ fn tile(
         mask: frame.and_then(|frame| frame.mask.as_deref()),
         data: camera_prediction.filter(|_| is_of_frame).and_then(|camera| camera.data.as_deref()),
         prediction,
+        gradient: camera_prediction.and_then(|camera| camera.gradient.as_ref()),
+        jacobian: camera_prediction.and_then(|camera| camera.jacobian.as_ref()),
         limb_colours: &common.colours,
     };
     let limbs = project_limbs(&document.model, &common.kinematics, camera);

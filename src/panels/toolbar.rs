@@ -183,6 +183,8 @@ pub(crate) fn view_mode_of(action: Action) -> Option<ViewMode> {
         Action::ViewTinted => ViewMode::Tinted,
         Action::ViewReport => ViewMode::ReportOverlay,
         Action::ViewOwner => ViewMode::OwnerLimb,
+        Action::ViewGradient => ViewMode::Gradient,
+        Action::ViewJacobian => ViewMode::JacobianColumn,
         _ => return None,
     })
 }

@@ -20,7 +20,7 @@ use std::sync::Arc;
 pub use fit::{FitJob, FitStart, LiveFit};
 pub use load::LoadJob;
 pub use open::OpenJob;
-pub use predict::{CameraPrediction, PredictJob, Predicted, Scene};
+pub use predict::{CameraPrediction, Derivatives, PredictJob, Predicted, Scene};
 pub use queue::{Job, Lane, Outbox, Report, Step, Worker};
 pub use save::SaveJob;
 pub use survey::{Extent, SurveyJob};

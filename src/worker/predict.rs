@@ -3,15 +3,15 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use backlit_tracking::body::{Kinematics, Model, Pose};
+use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::render::{Prediction, predict};
+use backlit_tracking::render::{Prediction, View};
 use backlit_tracking::silhouette::{Measurement, Overlap};
 use backlit_tracking::track::{Evidence, FitOptions, FitView};
 
 use super::{Event, Job, Outbox, Step};
 use crate::document::CameraUse;
-use crate::picture::body_outline;
+use crate::picture::{Derivative, body_outline, gradient_magnitudes, jacobian_column};
 use crate::session::FrameData;
 
 /// All that a prediction depends on, but the pose.
@@ -27,10 +27,21 @@ pub struct Scene {
     pub fit: Arc<FitOptions>,
     /// The frame's pictures, once they are there.
     pub frame: Option<Arc<FrameData>>,
+    /// Which derivatives are looked at.
+    pub derivatives: Derivatives,
+}
+
+/// Which derivatives of the prediction are looked at.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Derivatives {
+    /// How strongly each pixel pulls.
+    pub gradient: bool,
+    /// A column of the tangent Jacobian.
+    pub column: Option<usize>,
 }
 
 impl Scene {
-    /// Whether both are of the very same parts.
+    /// Whether both are of the very same parts, whatever derivatives are looked at.
     #[must_use]
     pub fn is(&self, other: &Self) -> bool {
         let same_frame = match (&self.frame, &other.frame) {
@@ -67,6 +78,10 @@ pub struct CameraPrediction {
     pub data: Option<Arc<Measurement>>,
     /// Body against silhouette.
     pub overlap: Option<Overlap>,
+    /// How strongly each pixel pulls, if that was asked for.
+    pub gradient: Option<Derivative>,
+    /// A column of the Jacobian, if that was asked for.
+    pub jacobian: Option<Derivative>,
     /// The body's outline, in pixel coordinates.
     pub outlines: Vec<Vec<[f32; 2]>>,
 }
@@ -109,7 +124,8 @@ impl Predicted {
         };
         let mut weight = 0.0;
         for (index, camera) in scene.cameras.iter().enumerate() {
-            let prediction = predict(&scene.model, &kinematics, camera, scene.fit.renderer, ramp);
+            let view = View::new(&scene.model, &kinematics, camera, scene.fit.renderer, ramp);
+            let prediction = Prediction::of(&view);
             let data = match reusable {
                 Some(earlier) => earlier.cameras[index].data.clone(),
                 None => scene.data(index),
@@ -119,8 +135,13 @@ impl Predicted {
             if let (Some(data), Some(used)) = (&data, scene.uses.get(index).filter(|used| used.used)) {
                 weight += result.compare(&prediction, data, used.weight);
             }
+            let gradient = scene.derivatives.gradient.then(|| gradient_magnitudes(&view));
+            let column = scene.derivatives.column;
+            let jacobian = column
+                .and_then(|column| jacobian_column(&view, &kinematics, camera, Parameters::Tangent, column));
             let outlines = body_outline(&prediction.lambda, prediction.width, prediction.height);
-            result.cameras.push(CameraPrediction { prediction, data, overlap, outlines });
+            let camera = CameraPrediction { prediction, data, overlap, gradient, jacobian, outlines };
+            result.cameras.push(camera);
         }
         result.rms = (weight > 0.0).then(|| (result.mismatch / weight).sqrt());
         result.seconds = start.elapsed().as_secs_f64();
@@ -156,7 +177,7 @@ impl Predicted {
     /// Whether it is of this pose and these parts.
     #[must_use]
     pub fn is_of(&self, scene: &Scene, pose: &Pose) -> bool {
-        self.pose == *pose && self.scene.is(scene)
+        self.pose == *pose && self.scene.is(scene) && self.scene.derivatives == scene.derivatives
     }
 }
 
