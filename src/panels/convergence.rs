@@ -20,6 +20,9 @@ use crate::widgets::{checkbox, segmented};
 const HEAD: f32 = 30.0;
 /// Height of the row of steps.
 const STEPS: f32 = 52.0;
+/// Smallest height of the panel; it begins with that where the centre is lower than `LOW`.
+const LEAST_HEIGHT: f32 = 220.0;
+const LOW: f32 = 720.0;
 /// The plot's list of runs folds below this width.
 const LIST_FROM: f32 = 760.0;
 /// Curves begin here on the logarithmic scale.
@@ -64,9 +67,11 @@ impl Scale {
 /// The panel.
 pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
     let frame = Frame::NONE.fill(theme::palette(ui).panel).inner_margin(Margin::symmetric(8, 4));
-    Panel::bottom(("convergence", showing.look.generation))
-        .default_size(size::CONVERGENCE)
-        .size_range(220.0..=560.0)
+    let is_low = ui.max_rect().height() < LOW;
+    let height = if is_low { LEAST_HEIGHT } else { size::CONVERGENCE };
+    Panel::bottom(("convergence", is_low, showing.look.generation))
+        .default_size(height)
+        .size_range(LEAST_HEIGHT..=560.0)
         .resizable(true)
         .frame(frame)
         .show(ui, |ui| {
@@ -187,7 +192,8 @@ fn decade_marks(input: egui_plot::GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let decades = (low.floor() as i32)..=(high.ceil() as i32);
     let mark = |value: f64| GridMark { value: value.log10(), step_size: 1.0 };
-    decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|digit| mark(digit * 10f64.powi(decade)))).collect()
+    let marks = decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|digit| mark(digit * 10f64.powi(decade))));
+    marks.filter(|mark| (low..=high).contains(&mark.value)).collect()
 }
 
 /// Marks at even steps of 1, 2 or 5 times a power of ten.
