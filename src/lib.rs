@@ -2,6 +2,7 @@
 
 pub mod action;
 pub mod app;
+pub mod builtin_take;
 pub mod cli;
 pub mod document;
 pub mod edit;

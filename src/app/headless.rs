@@ -27,6 +27,8 @@ pub struct PictureOptions {
     pub frame: usize,
     /// Steps of the fit to do on that frame: `None` runs it to the end.
     pub steps: Option<usize>,
+    /// Whether to track the take from its first to its last frame before that.
+    pub track: bool,
     /// How long to wait for the work, before the picture is taken as it is.
     pub patience: Duration,
 }
@@ -40,6 +42,7 @@ impl Default for PictureOptions {
             pixels_per_point: 1.0,
             frame: 0,
             steps: Some(0),
+            track: false,
             patience: Duration::from_secs(300),
         }
     }
@@ -62,9 +65,13 @@ pub fn headless_picture(opening: Opening, options: &PictureOptions) -> anyhow::R
     }
     let count = app.session.frame_count();
     ensure!(options.frame < count, "there is no frame {}; the take has {count}", options.frame);
+    let context = window.ctx.clone();
+    if options.track {
+        app.act(Action::TrackForward, &context);
+        settle(&mut window, &mut app, options.patience);
+    }
     app.go_to_frame(options.frame);
     settle(&mut window, &mut app, options.patience);
-    let context = window.ctx.clone();
     if options.steps.is_none() {
         app.act(Action::Run, &context);
         settle(&mut window, &mut app, options.patience);

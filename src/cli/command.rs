@@ -1,13 +1,18 @@
 //! The commands and their help.
 
+use std::path::PathBuf;
+
 use clap::{Parser, Subcommand};
 
-use super::{fit, render, silhouettes, track};
+use super::{fit, render, screenshot, silhouettes, track};
 
-const ABOUT: &str = "Fits an articulated body to its silhouettes and shows how.";
+const ABOUT: &str =
+    "Fits an articulated body to its silhouettes and shows how. Without a command it opens the window.";
 
 const EXAMPLES: &str = "\
 Examples:
+  backlit                     the window, on the built-in take
+  backlit TAKE                the window, on a take of yours or a .backlit project
   backlit track TAKE --out results
   backlit fit TAKE --frame 12
   backlit render --model full_body --cameras cameras.json --pose pose.json --out pictures
@@ -17,11 +22,13 @@ Lengths are metres, angles radians unless a unit is given; quaternions are w x y
 
 /// The program's arguments.
 #[derive(Debug, Parser)]
-#[command(name = "backlit", version, about = ABOUT, after_help = EXAMPLES)]
+#[command(name = "backlit", version, about = ABOUT, after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
 pub struct Cli {
-    /// What to do.
+    /// What to open in the window: a take's folder, its take.toml, or a .backlit file [default: the built-in take]
+    pub take: Option<PathBuf>,
+    /// What to do; without it the window opens.
     #[command(subcommand)]
-    pub command: Command,
+    pub command: Option<Command>,
 }
 
 /// One thing to do.
@@ -33,6 +40,8 @@ pub enum Command {
     Fit(fit::FitArguments),
     /// Fit frame after frame of a take; report joint errors, overlap and times
     Track(track::TrackArguments),
+    /// Draw the window without a display and write its picture
+    Screenshot(screenshot::ScreenshotArguments),
     /// Write the silhouettes of a take as pictures
     Silhouettes(silhouettes::SilhouetteArguments),
 }

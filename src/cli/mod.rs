@@ -11,6 +11,8 @@
 //! | [`track_report`], [`track_files`] | what a track is worth, and the files with it |
 //! | [`silhouettes`] | `backlit silhouettes` |
 //! | [`take_options`] | options that choose frames, cameras and start |
+//! | [`inspector`] | `backlit [TAKE]`: the window, or what it would have shown |
+//! | [`screenshot`] | `backlit screenshot` |
 //! | [`table`] | tables for people |
 //! | [`output`] | standard output and folders |
 //!
@@ -20,8 +22,10 @@ pub mod command;
 pub mod evidence;
 pub mod fit;
 pub mod fit_options;
+pub mod inspector;
 pub mod output;
 pub mod render;
+pub mod screenshot;
 pub mod silhouettes;
 pub mod table;
 pub mod take_options;
@@ -42,10 +46,12 @@ pub fn run() -> ExitCode {
         Err(error) => return usage(&error),
     };
     let result = match cli.command {
-        Command::Render(arguments) => render::run(&arguments),
-        Command::Fit(arguments) => fit::run(&arguments),
-        Command::Track(arguments) => track::run(&arguments),
-        Command::Silhouettes(arguments) => silhouettes::run(&arguments),
+        None => inspector::run(cli.take.as_deref()),
+        Some(Command::Render(arguments)) => render::run(&arguments),
+        Some(Command::Fit(arguments)) => fit::run(&arguments),
+        Some(Command::Track(arguments)) => track::run(&arguments),
+        Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),
+        Some(Command::Silhouettes(arguments)) => silhouettes::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

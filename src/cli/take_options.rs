@@ -109,6 +109,12 @@ pub struct StartArguments {
 }
 
 impl StartArguments {
+    /// Nothing asked for: the take's own start, else its reference, without noise.
+    #[must_use]
+    pub fn none() -> Self {
+        Self { start: None, start_noise: None, seed: 0 }
+    }
+
     /// The pose to begin `frame` with.
     ///
     /// # Errors

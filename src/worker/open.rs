@@ -58,7 +58,7 @@ impl OpenJob {
 /// Opens a take from where it is.
 fn open_take(source: &TakeSource) -> anyhow::Result<Footage> {
     let take = match source {
-        TakeSource::BuiltIn => anyhow::bail!("there is no built-in take yet"),
+        TakeSource::BuiltIn => crate::builtin_take::open()?,
         TakeSource::Path(path) => Take::open(path)?,
     };
     Ok(Footage::new(take, Some(source.clone())))

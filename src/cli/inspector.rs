@@ -1,0 +1,52 @@
+//! `backlit [TAKE]`: the window; where there is no display, what it would have shown.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use backlit_tracking::io::{Footage, images};
+use backlit_tracking::track::{FitOptions, Tracker};
+use image::DynamicImage;
+
+use super::output;
+use super::take_options::{self, StartArguments};
+use super::track::follow;
+use super::track_report::TrackReport;
+use crate::app::{Opening, PictureOptions, headless_picture, opening_of};
+use crate::builtin_take;
+use crate::document::TakeSource;
+use crate::window::open_window;
+
+/// The picture of the window, in the working folder.
+const PICTURE: &str = "backlit-window.png";
+
+/// Opens the window, or tracks the take and writes the window's picture if there is none.
+///
+/// # Errors
+/// What cannot be opened, or a picture that cannot be written.
+pub fn run(path: Option<&Path>) -> anyhow::Result<()> {
+    let opening = || path.map_or(Opening::Take(TakeSource::BuiltIn), opening_of);
+    let Err(no_window) = open_window(Some(opening())) else { return Ok(()) };
+    output::complain(&format!("No window: {no_window:#}. Going on without one."));
+    let footage = match path {
+        Some(path) => take_options::open(path)?,
+        None => Footage::new(builtin_take::open()?),
+    };
+    output::print(&format!("Tracking \"{}\" with the robust preset.\n\n", footage.take().name()))?;
+    output::print(&track(&footage)?.text())?;
+    let picture = headless_picture(opening(), &PictureOptions { track: true, ..PictureOptions::default() })?;
+    let file = PathBuf::from(PICTURE);
+    images::write_png(&file, &DynamicImage::ImageRgba8(picture))?;
+    output::print(&format!("\nPicture of the window: {}\n", std::path::absolute(&file)?.display()))
+}
+
+/// Tracks all of a take with the robust preset.
+fn track(footage: &Footage) -> anyhow::Result<TrackReport> {
+    let take = footage.take();
+    let frames: Vec<usize> = (0..take.frame_count()).collect();
+    let cameras: Vec<usize> = (0..take.rig().count()).collect();
+    let start = StartArguments::none().pose(take, 0)?;
+    let tracker = Tracker::new(Arc::clone(take.model()), FitOptions::default(), start)?;
+    let mut report = TrackReport::new(take, &cameras);
+    follow(footage, &cameras, &frames, tracker, &mut report, |_| Ok(()))?;
+    Ok(report)
+}
