@@ -72,7 +72,8 @@ impl Figure {
         }
         // The hem hangs from the waist and stands off a little.
         let loose = 0.010 * cloth;
-        let hem = frustum(pelvis, [0.2, 0.142 * girth + loose], [-0.052, 0.188 * girth + loose], 0.75, 0.012);
+        let behind = pelvis + DVec3::new(0.0, 0.012, 0.0);
+        let hem = frustum(behind, [0.2, 0.142 * girth + loose], [-0.052, 0.19 * girth + loose], 0.8, 0.012);
         shirt = smooth_min(shirt, hem, 0.06);
         shirt = displaced(shirt, || {
             let drape = noise(DVec3::new(pelvis.x * 17.0, pelvis.y * 17.0, pelvis.z * 5.0 + pelvis.x * 9.0))

@@ -126,7 +126,8 @@ impl PlatePixel {
         let (centre, radius) = figure.bounding_ball();
         let near = self.position.distance(centre) < radius + CONTACT_REACH;
         let open = if near { open_sky(figure, self.position, self.normal, CONTACT_REACH) } else { 1.0 };
-        let mut light = self.own + self.ambient * open;
+        // Light from the floor around still comes in below the figure.
+        let mut light = self.own + self.ambient * (0.4 + 0.6 * open);
         for (lamp, arriving) in LAMPS.iter().zip(self.lamps) {
             if arriving.max_element() > 1e-4 {
                 light += arriving * lamp_seen(figure, self.position, self.normal, lamp);

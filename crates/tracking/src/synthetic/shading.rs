@@ -23,14 +23,14 @@ pub(super) const LAMPS: [Lamp; 3] = [
         half_u: DVec3::new(0.4, 0.0, 0.0),
         half_v: DVec3::new(0.0, 0.28, 0.0),
         normal: DVec3::NEG_Z,
-        radiance: DVec3::new(29.0, 26.6, 23.0),
+        radiance: DVec3::new(24.0, 22.2, 19.5),
     },
     Lamp {
         centre: DVec3::new(-1.2, -1.5, 2.7),
         half_u: DVec3::new(0.5, 0.0, 0.0),
         half_v: DVec3::new(0.0, 0.35, 0.0),
         normal: DVec3::NEG_Z,
-        radiance: DVec3::new(4.6, 4.4, 4.1),
+        radiance: DVec3::new(5.6, 5.4, 5.0),
     },
     Lamp {
         centre: DVec3::new(-3.5, -0.7, 1.55),
@@ -66,7 +66,7 @@ impl Lamp {
 /// Light that reaches a surface from all sides: the ceiling above, the floor below.
 pub(super) fn ambient(normal: DVec3) -> DVec3 {
     let up = 0.5 + 0.5 * normal.z;
-    DVec3::new(0.17, 0.135, 0.105).lerp(DVec3::new(0.29, 0.305, 0.325), up)
+    DVec3::new(0.2, 0.16, 0.125).lerp(DVec3::new(0.34, 0.355, 0.375), up)
 }
 
 /// How a piece of the room looks. Three numbers are a reflectance, one number tells copies apart.
@@ -109,8 +109,8 @@ pub(super) fn room_colours(hit: &RoomHit) -> (DVec3, DVec3) {
         Surface::Floor => floor(p),
         Surface::Ceiling => ceiling(p),
         Surface::Cardboard => {
-            let tape = if p.x.abs() < 0.03 { 1.35 } else { 1.0 };
-            DVec3::new(0.46, 0.31, 0.17) * (tape * (1.0 + 0.07 * noise(p * 25.0)))
+            let tape = if p.x.abs() < 0.03 { 1.2 } else { 1.0 };
+            DVec3::new(0.62, 0.5, 0.35) * (tape * (1.0 + 0.07 * noise(p * 25.0)))
         }
         Surface::Curtain => DVec3::new(0.5, 0.44, 0.32) * (0.8 + 0.25 * (p.x * 75.0).sin()),
         Surface::Radiator => DVec3::splat(0.66 + 0.12 * (p.x * 70.0).sin()),
@@ -141,7 +141,7 @@ fn floor(p: DVec3) -> DVec3 {
     let gap = if edge_x > 0.478 || edge_y > 0.4975 { 0.5 } else { 1.0 };
     let grain = noise(DVec3::new(p.x * 60.0, p.y * 5.0, row))
         + 0.5 * noise(DVec3::new(p.x * 150.0, p.y * 11.0, plank));
-    DVec3::new(0.47 + 0.05 * tint, 0.335 + 0.045 * tint, 0.215 + 0.035 * tint) * (gap * (1.0 + 0.11 * grain))
+    DVec3::new(0.52 + 0.05 * tint, 0.425 + 0.045 * tint, 0.325 + 0.04 * tint) * (gap * (1.0 + 0.11 * grain))
 }
 
 fn ceiling(p: DVec3) -> DVec3 {
@@ -296,7 +296,7 @@ fn shoe(p: DVec3) -> (DVec3, f64) {
 
 fn skin(touch: &Touch) -> DVec3 {
     let p = touch.local;
-    let base = DVec3::new(0.57, 0.34, 0.235) * (1.0 + 0.04 * noise(p * 30.0));
+    let base = DVec3::new(0.5, 0.27, 0.18) * (1.0 + 0.04 * noise(p * 30.0));
     if touch.part != Part::Head || p.y < 0.03 {
         return base;
     }
