@@ -7,6 +7,7 @@ use backlit_tracking::camera::{Camera, Rectification};
 use backlit_tracking::io::Take;
 use backlit_tracking::segment::{Background, SegmentOptions, segment};
 use backlit_tracking::silhouette::{Label, Mask, SignedDistance};
+use backlit_tracking::track::start;
 use image::RgbImage;
 
 use crate::document::TakeSource;
@@ -68,11 +69,15 @@ impl Footage {
         self.take.model()
     }
 
-    /// The pose to start from: the take's own, or one that stands before the cameras.
+    /// The pose to start from: the take's own, else the one that its reference shows in the first frame, else
+    /// one at rest before the cameras.
     #[must_use]
     pub fn start(&self) -> Pose {
-        self.take.start().cloned().unwrap_or_else(|| {
-            let mut pose = Pose::rest(self.take.model());
+        let from_reference = || {
+            self.take.reference().and_then(|reference| start::from_joints(self.model(), &reference.joints(0)))
+        };
+        self.take.start().cloned().or_else(from_reference).unwrap_or_else(|| {
+            let mut pose = Pose::rest(self.model());
             pose.root = middle_of_view(&self.cameras);
             pose
         })

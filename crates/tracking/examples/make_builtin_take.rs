@@ -130,8 +130,16 @@ fn take_file(rig: &Rig) -> Result<String, std::fmt::Error> {
         )?;
     }
     out.push_str("\n[reference]\nkeypoints = \"truth.csv\"\n");
+    out.push_str(MEASUREMENT);
     Ok(out)
 }
+
+/// Hands are three pixels wide here, so nothing is opened; the floor's shadow may hide a foot, so it is unknown.
+const MEASUREMENT: &str = "
+[measurement]
+opening_px = 0
+shadow = { darkest = 0.3, colour_tolerance = 14.0, gradient_tolerance = 20.0, unknown = true }
+";
 
 const README: &str = "\
 # The built-in take
