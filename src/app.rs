@@ -2,7 +2,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`state`] | [`App`]: the document with its history, and all that is around it |
+//! | `state` | [`App`]: the document with its history, and all that is around it |
 //! | `events` | what the worker said |
 //! | `requests`, `commands` | what the panels and the keys asked for |
 //! | `hand` | dragging in a camera's view |

@@ -93,7 +93,7 @@ impl FromStr for Iterations {
         if text == "end" {
             return Ok(Self(None));
         }
-        text.parse().map(|count| Self(Some(count))).map_err(|_| "expected a number, or end")
+        text.parse().ok().map(|count| Self(Some(count))).ok_or("expected a number, or end")
     }
 }
 

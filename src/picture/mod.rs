@@ -13,7 +13,7 @@
 //! | [`outline`] | the body's outline by marching squares |
 //! | [`limbs`] | limbs projected to capsules of the picture |
 //! | [`joints`] | the joints that can be dragged, and their names |
-//! | [`sight_ray`] | one camera's ray as another camera sees it |
+//! | [`mod@sight_ray`] | one camera's ray as another camera sees it |
 
 mod data;
 pub mod derivative;

@@ -26,7 +26,7 @@ pub enum Grip {
     Limb(usize),
 }
 
-/// What is under `pointer`: the nearest joint within [`REACH`], else the nearest to the camera of the limbs there.
+/// What is under `pointer`: the nearest joint within reach, else the nearest to the camera of the limbs there.
 pub fn grip_at(
     pointer: Pos2,
     view: &ViewTransform,
