@@ -71,6 +71,13 @@ impl Notices {
         }
     }
 
+    /// Closes all cards; they stay among the messages.
+    pub fn close_all(&mut self) {
+        for notice in &mut self.kept {
+            notice.is_open = false;
+        }
+    }
+
     /// Closes the cards whose time is over, and says when the next one's will be.
     pub fn tick(&mut self, now: f64) -> Option<f64> {
         let mut next: Option<f64> = None;

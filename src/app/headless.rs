@@ -69,6 +69,8 @@ pub fn headless_picture(opening: Opening, options: &PictureOptions) -> anyhow::R
     if options.track {
         app.act(Action::TrackForward, &context);
         settle(&mut window, &mut app, options.patience);
+        // A card over a view is for who has just tracked.
+        app.notices.close_all();
     }
     app.go_to_frame(options.frame);
     settle(&mut window, &mut app, options.patience);
