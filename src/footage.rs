@@ -1,12 +1,12 @@
-//! A take's pictures as everything else wants them: on the ideal pinhole grid, with their silhouettes.
+//! A take's pictures as the window wants them: what can be had of each camera, and why the rest cannot.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use backlit_tracking::body::{Model, Pose};
-use backlit_tracking::camera::{Camera, Rectification};
-use backlit_tracking::io::Take;
-use backlit_tracking::segment::{Background, SegmentOptions, segment};
-use backlit_tracking::silhouette::{Label, Mask, SignedDistance};
+use backlit_tracking::camera::Camera;
+use backlit_tracking::io::{self, Take};
+use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::silhouette::{Mask, SignedDistance};
 use backlit_tracking::track::start;
 use image::RgbImage;
 
@@ -23,9 +23,7 @@ pub struct Footage {
     pub frame_rate: f64,
     /// The cameras of the pictures: without distortion.
     pub cameras: Arc<Vec<Arc<Camera>>>,
-    take: Take,
-    rectifications: Vec<Rectification>,
-    backgrounds: Vec<OnceLock<Result<Option<Background>, String>>>,
+    inner: io::Footage,
 }
 
 /// One camera's picture of one frame, on the ideal pinhole grid.
@@ -45,28 +43,21 @@ impl Footage {
     /// Prepares a take.
     #[must_use]
     pub fn new(take: Take, source: Option<TakeSource>) -> Self {
-        let cameras = take.rig().cameras();
-        Self {
-            source,
-            name: take.name().to_owned(),
-            frame_rate: take.frame_rate(),
-            cameras: Arc::new(cameras.iter().map(|camera| Arc::new(camera.without_distortion())).collect()),
-            rectifications: cameras.iter().map(Rectification::new).collect(),
-            backgrounds: cameras.iter().map(|_| OnceLock::new()).collect(),
-            take,
-        }
+        let (name, frame_rate) = (take.name().to_owned(), take.frame_rate());
+        let inner = io::Footage::new(take);
+        Self { source, name, frame_rate, cameras: Arc::new(inner.cameras().to_vec()), inner }
     }
 
     /// Number of frames.
     #[must_use]
     pub fn frame_count(&self) -> usize {
-        self.take.frame_count()
+        self.inner.take().frame_count()
     }
 
     /// The body of the take.
     #[must_use]
     pub fn model(&self) -> &Arc<Model> {
-        self.take.model()
+        self.inner.take().model()
     }
 
     /// The pose to start from: the take's own, else the one that its reference shows in the first frame, else
@@ -74,9 +65,12 @@ impl Footage {
     #[must_use]
     pub fn start(&self) -> Pose {
         let from_reference = || {
-            self.take.reference().and_then(|reference| start::from_joints(self.model(), &reference.joints(0)))
+            self.inner
+                .take()
+                .reference()
+                .and_then(|reference| start::from_joints(self.model(), &reference.joints(0)))
         };
-        self.take.start().cloned().or_else(from_reference).unwrap_or_else(|| {
+        self.inner.take().start().cloned().or_else(from_reference).unwrap_or_else(|| {
             let mut pose = Pose::rest(self.model());
             pose.root = middle_of_view(&self.cameras);
             pose
@@ -86,13 +80,13 @@ impl Footage {
     /// How the take says that silhouettes are made, camera by camera.
     #[must_use]
     pub fn measurement(&self) -> &[SegmentOptions] {
-        self.take.measurement()
+        self.inner.take().measurement()
     }
 
     /// The take itself.
     #[must_use]
     pub fn take(&self) -> &Take {
-        &self.take
+        self.inner.take()
     }
 
     /// Reads, rectifies and segments one camera's picture. What goes wrong is said in the result: the other
@@ -100,58 +94,20 @@ impl Footage {
     #[must_use]
     pub fn load(&self, camera: usize, frame: usize, options: &SegmentOptions) -> CameraFrame {
         let mut result = CameraFrame { image: None, mask: None, distance: None, problem: None };
-        match self.rectified(camera, frame) {
+        match self.inner.picture(camera, frame) {
             Ok(image) => {
-                match self.segmented(camera, &image, options) {
+                match self.inner.mask(camera, &image, options) {
                     Ok(mask) => {
                         result.distance = Some(Arc::new(SignedDistance::from_mask(&mask)));
                         result.mask = Some(Arc::new(mask));
                     }
-                    Err(problem) => result.problem = Some(problem),
+                    Err(problem) => result.problem = Some(problem.to_string()),
                 }
                 result.image = Some(Arc::new(image));
             }
-            Err(problem) => result.problem = Some(problem),
+            Err(problem) => result.problem = Some(problem.to_string()),
         }
         result
-    }
-
-    fn rectified(&self, camera: usize, frame: usize) -> Result<RgbImage, String> {
-        let raw = self.take.frame(camera, frame).map_err(|error| error.to_string())?;
-        let rectification = self.rectifications.get(camera).ok_or("no such camera")?;
-        rectification.rectify(&raw).ok_or_else(|| "the picture is not of the camera’s size".to_owned())
-    }
-
-    fn segmented(&self, camera: usize, image: &RgbImage, options: &SegmentOptions) -> Result<Mask, String> {
-        let background = self.backgrounds[camera].get_or_init(|| self.background(camera));
-        let background = match background {
-            Ok(Some(background)) => background,
-            Ok(None) => return Err("the take has no background pictures of this camera".to_owned()),
-            Err(problem) => return Err(problem.clone()),
-        };
-        let mut mask = segment(image, background, options).map_err(|error| error.to_string())?;
-        let rectification = &self.rectifications[camera];
-        if !rectification.is_identity() {
-            let width = mask.width();
-            for (index, label) in mask.labels_mut().iter_mut().enumerate() {
-                if !rectification.has_data(index % width, index / width) {
-                    *label = Label::Unknown;
-                }
-            }
-        }
-        Ok(mask)
-    }
-
-    fn background(&self, camera: usize) -> Result<Option<Background>, String> {
-        let raw = self.take.background(camera).map_err(|error| error.to_string())?;
-        let rectify = |image: &RgbImage| self.rectifications[camera].rectify(image);
-        let plates: Option<Vec<RgbImage>> = raw.iter().map(rectify).collect();
-        let plates = plates.ok_or("a background picture is not of the camera’s size")?;
-        match plates.as_slice() {
-            [] => Ok(None),
-            [plate] => Ok(Some(Background::from_plate(plate))),
-            frames => Background::from_frames(frames).map(Some).map_err(|error| error.to_string()),
-        }
     }
 }
 

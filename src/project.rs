@@ -4,11 +4,11 @@
 //! back to the bit.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use backlit_tracking::body::{Model, ModelError, ModelSpec, Pose, PoseError};
+use backlit_tracking::io::{FileError, atomic};
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::track::FitOptions;
 use backlit_tracking::track::options::OptionsError;
@@ -30,6 +30,8 @@ const MAX_BYTES: u64 = 256 << 20;
 pub enum ProjectError {
     #[error("{}: {source}", path.display())]
     Io { path: PathBuf, source: std::io::Error },
+    #[error(transparent)]
+    Write(#[from] FileError),
     #[error("{}: the file has {bytes} bytes; a project has at most {MAX_BYTES}", path.display())]
     TooLarge { path: PathBuf, bytes: u64 },
     #[error("{}: {source}", path.display())]
@@ -121,7 +123,7 @@ pub fn write_project(path: &Path, document: &Document) -> Result<(), ProjectErro
     let file = to_file(document);
     let json = serde_json::to_vec_pretty(&file)
         .map_err(|source| ProjectError::Json { path: path.to_owned(), source })?;
-    write_atomically(path, &json).map_err(|source| ProjectError::Io { path: path.to_owned(), source })
+    Ok(atomic::write(path, &json)?)
 }
 
 /// Reads a document; it is equal to the one that was written.
@@ -292,24 +294,6 @@ fn estimate(pose: Pose, record: &EstimateRecord) -> Estimate {
         steps: record.steps,
         lost: record.lost,
     }
-}
-
-/// Writes a file beside its place, then moves it there.
-fn write_atomically(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let mut name = std::ffi::OsString::from(".");
-    name.push(path.file_name().unwrap_or_default());
-    name.push(format!(".{}.part", std::process::id()));
-    let part = path.with_file_name(name);
-    let written = std::fs::File::create(&part).and_then(|mut file| {
-        file.write_all(bytes)?;
-        file.sync_all()
-    });
-    let moved = written.and_then(|()| std::fs::rename(&part, path));
-    if moved.is_err() {
-        // What is half written is of no use; the first error says why.
-        let _ = std::fs::remove_file(&part);
-    }
-    moved
 }
 
 #[cfg(test)]
