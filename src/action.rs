@@ -327,8 +327,6 @@ impl Action {
 pub fn keys_text(keys: &KeyboardShortcut) -> String {
     match keys.logical_key {
         Key::Questionmark => "?".to_owned(),
-        Key::Comma => ",".to_owned(),
-        Key::Period => ".".to_owned(),
         Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown => {
             keys.format(&ModifierNames::NAMES, false).replace("Arrow", "")
         }
@@ -377,7 +375,7 @@ mod tests {
     #[test]
     fn keys_are_written_plainly() {
         assert_eq!(Action::Redo.keys_text().as_deref(), Some("Ctrl+Shift+Z"));
-        assert_eq!(Action::EarlierStep.keys_text().as_deref(), Some(","));
+        assert_eq!(Action::EarlierStep.keys_text().as_deref(), Some("Comma"));
         assert_eq!(Action::NextFrame.keys_text().as_deref(), Some("Right"));
         assert!(Action::Palette.tooltip().ends_with("Ctrl+K"));
     }

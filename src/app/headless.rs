@@ -104,8 +104,8 @@ fn settle(window: &mut Headless, app: &mut App, patience: Duration) -> RgbaImage
 }
 
 impl App {
-    /// Forgets how long things took, so that a picture is the same every time.
-    fn freeze_times(&mut self) {
+    /// Forgets how long things took, so that a picture of the next frame is the same every time.
+    pub fn freeze_times(&mut self) {
         self.frame_seconds = f64::NAN;
         self.session.step_seconds = None;
         self.session.predict_seconds = None;

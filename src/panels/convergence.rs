@@ -28,8 +28,15 @@ const LIST_FROM: f32 = 760.0;
 /// Curves begin here on the logarithmic scale.
 const LEAST: f64 = 1e-3;
 
-/// The axis of steps is so much longer than the runs: their names stand at their ends.
-const LABEL_ROOM: f64 = 1.14;
+/// The axis of steps is so much longer than the runs, in points: their names stand at their ends.
+const LABEL_ROOM: f64 = 112.0;
+/// Room of the axis of heights, and the least that is left for the curves.
+const AXIS: f64 = 56.0;
+const LEAST_CURVES: f64 = 120.0;
+/// Marks of the axis of steps are so many of the plot's finest divisions apart, or their numbers are not written.
+const MARK_SPACING: f64 = 10.0;
+/// With fewer marks at 1, 2 and 5 the logarithmic axis has even ones.
+const LEAST_MARKS: usize = 3;
 
 /// What is plotted.
 #[derive(Clone, Copy, PartialEq)]
@@ -85,7 +92,8 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
                 plot(ui, showing, intents, scale, vec2(width - 8.0, plot_height));
                 if list {
                     let area = vec2(size::RUN_LIST - 8.0, plot_height);
-                    ui.allocate_ui(area, |ui| runs::ui(ui, showing, intents, plot_height));
+                    let down = Direction::top_down(Align::Min);
+                    ui.allocate_ui_with_layout(area, down, |ui| runs::ui(ui, showing, intents, plot_height));
                 }
             });
             steps::ui(ui, showing, intents);
@@ -122,7 +130,7 @@ fn plot(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, scale: Scale,
         return empty(ui, showing, area);
     }
     let current = showing.selection.step.or_else(|| newest(showing));
-    let bounds = bounds(&shown, scale);
+    let bounds = bounds(&shown, scale, f64::from(area.x));
     let response = Plot::new("convergence plot")
         .width(area.x)
         .height(area.y)
@@ -179,21 +187,25 @@ fn newest(showing: &Showing<'_>) -> Option<StepRef> {
 
 fn step_marks(input: egui_plot::GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
-    let span = (high - low).max(1.0);
-    let step =
-        [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0].into_iter().find(|s| span / s <= 12.0).unwrap_or(200.0);
+    let apart = input.base_step_size * MARK_SPACING;
+    let step = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0].into_iter().find(|s| *s >= apart).unwrap_or(200.0);
     let first = (low / step).ceil() as i64;
     let last = (high / step).floor() as i64;
     (first..=last).map(|k| GridMark { value: k as f64 * step, step_size: step }).collect()
 }
 
-/// Marks at 1, 2 and 5 of each decade; the axis is of logarithms.
+/// Marks at 1, 2 and 5 of each decade, or even ones where those are too few; the axis is of logarithms.
 fn decade_marks(input: egui_plot::GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let decades = (low.floor() as i32)..=(high.ceil() as i32);
     let mark = |value: f64| GridMark { value: value.log10(), step_size: 1.0 };
     let marks = decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|digit| mark(digit * 10f64.powi(decade))));
-    marks.filter(|mark| (low..=high).contains(&mark.value)).collect()
+    let marks: Vec<GridMark> = marks.filter(|mark| (low..=high).contains(&mark.value)).collect();
+    if marks.len() >= LEAST_MARKS {
+        return marks;
+    }
+    let even = even_marks(egui_plot::GridInput { bounds: (10f64.powf(low), 10f64.powf(high)), ..input });
+    even.into_iter().filter(|even| even.value > 0.0).map(|even| mark(even.value)).collect()
 }
 
 /// Marks at even steps of 1, 2 or 5 times a power of ten.
@@ -207,7 +219,7 @@ fn even_marks(input: egui_plot::GridInput) -> Vec<GridMark> {
     marks.map(|k| GridMark { value: k as f64 * step, step_size: step }).collect()
 }
 
-fn bounds(runs: &[(usize, &Run)], scale: Scale) -> [(f64, f64); 2] {
+fn bounds(runs: &[(usize, &Run)], scale: Scale, width: f64) -> [(f64, f64); 2] {
     let mut last = 5.0_f64;
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for (_, run) in runs {
@@ -221,7 +233,8 @@ fn bounds(runs: &[(usize, &Run)], scale: Scale) -> [(f64, f64); 2] {
     if !scale.log {
         low = 0.0;
     }
-    let last = last * LABEL_ROOM;
+    let room = (width - AXIS).max(LABEL_ROOM + LEAST_CURVES);
+    let last = last * room / (room - LABEL_ROOM);
     let pad = (0.08 * (high - low)).max(if scale.log { 0.05 } else { 0.08 * high.abs() }).max(1e-9);
     [(-0.4, last + 1.2), (low - pad, high + pad)]
 }

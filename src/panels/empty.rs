@@ -11,7 +11,7 @@ use crate::theme::{self, title};
 /// The empty state, with work that an earlier start left unsaved, if there is any.
 pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, recovery: Option<&str>) {
     let palette = theme::palette(ui);
-    CentralPanel::default().frame(Frame::NONE.fill(palette.well)).show(ui, |ui| {
+    CentralPanel::default().frame(Frame::NONE.fill(palette.panel)).show(ui, |ui| {
         ui.with_layout(Direction::top_down(Align::Center), |ui| {
             ui.add_space((ui.available_height() * 0.30).max(40.0));
             if showing.busy.opening {

@@ -47,7 +47,7 @@ fn card(ui: &mut Ui, notice: &Notice, intents: &mut Intents) {
     frame.show(ui, |ui| {
         ui.set_width(size::NOTICE - 20.0);
         ui.horizontal_top(|ui| {
-            let (rect, mark) = ui.allocate_exact_size(vec2(size::ICON, 18.0), Sense::hover());
+            let (rect, mark) = ui.allocate_exact_size(vec2(size::ICON, size::BUTTON), Sense::hover());
             mark.widget_info(|| egui::WidgetInfo::labeled(Role::Image, true, "Notice"));
             icon.paint(ui.painter(), rect, colour);
             ui.with_layout(Direction::right_to_left(Align::Min), |ui| {
@@ -61,7 +61,13 @@ fn card(ui: &mut Ui, notice: &Notice, intents: &mut Intents) {
                     intents.request(Request::CloseNotice(notice.id));
                 }
                 ui.with_layout(Direction::left_to_right(Align::Min), |ui| {
-                    ui.add(egui::Label::new(RichText::new(&notice.text).color(palette.text)).wrap());
+                    let text = egui::Label::new(RichText::new(&notice.text).color(palette.text)).wrap();
+                    // The first line stands level with the icon and the buttons.
+                    let line = ui.text_style_height(&egui::TextStyle::Body);
+                    let above = (0.5 * (size::BUTTON - line)).round() as i8;
+                    Frame::NONE
+                        .inner_margin(Margin { top: above, ..Margin::ZERO })
+                        .show(ui, |ui| ui.add(text));
                 });
             });
         });

@@ -4,7 +4,7 @@ use egui::{Button, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui, vec2};
 
 use crate::action::Action;
 use crate::showing::{Intents, Showing, unavailable};
-use crate::theme;
+use crate::theme::{self, size};
 
 /// What has been typed, and which row is marked.
 #[derive(Debug, Default)]
@@ -66,7 +66,9 @@ fn row(ui: &mut Ui, showing: &Showing<'_>, action: Action, is_marked: bool, scro
     let why_not = unavailable(action, showing);
     let text = format!("{}: {}", action.menu().text(), action.text());
     let keys = action.keys_text().unwrap_or_default();
-    let button = Button::selectable(is_marked, text).shortcut_text(keys).min_size(vec2(440.0, 24.0));
+    let button = Button::selectable(is_marked, text)
+        .shortcut_text(keys)
+        .min_size(vec2(ui.available_width(), size::BUTTON));
     let response = ui.add_enabled(why_not.is_none(), button);
     if is_marked && scroll {
         response.scroll_to_me(None);

@@ -47,7 +47,7 @@ pub(super) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open
     let name = action_of(fit.renderer).text().to_lowercase();
     let ramps = words::ramps(fit);
     section(ui, "Renderer", &format!("{name}, {ramps}"), open, |ui| {
-        kind_box(ui, showing, intents, ui.available_width() - 8.0);
+        kind_box(ui, showing, intents, ui.available_width());
         if let RendererKind::SphereTree { spheres } = fit.renderer {
             let mut count = spheres.unwrap_or(0) as f64;
             let row = SliderRow {

@@ -10,7 +10,6 @@ use super::toolbar::choice;
 use super::words::{self, preset_like};
 use crate::action::Action;
 use crate::edit::Edit;
-use crate::format;
 use crate::showing::{Intents, Showing};
 use crate::theme::{self, size, space};
 use crate::widgets::{number_field, row_name, section, segmented};
@@ -45,7 +44,7 @@ pub(super) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open
     section(ui, "Solver", &summary, open, |ui| {
         let mut options = fit.clone();
         ui.spacing_mut().item_spacing.y = 6.0;
-        row(ui, "Preset", |ui| preset_box(ui, showing, intents, ui.available_width() - 8.0));
+        row(ui, "Preset", |ui| preset_box(ui, showing, intents, ui.available_width()));
         row(ui, "Update", |ui| {
             let choices = [(Parameters::Tangent, "Tangent"), (Parameters::Raw, "Raw")];
             segmented(ui, &mut options.parameters, &choices).on_hover_text(
@@ -64,17 +63,20 @@ pub(super) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open
             ui.label(RichText::new(text).monospace().color(theme::palette(ui).text))
                 .on_hover_text("Outer width of the ramp, stage by stage; a preset sets them");
         });
-        row(ui, "Priors", |ui| {
+        row(ui, "Pull back", |ui| {
             number_field(ui, "Proximal prior", &mut options.proximal_weight, 0, "", 1.0, FIELD)
-                .on_hover_text("Pull towards the pose that the fit began with");
+                .on_hover_text("Proximal prior: pull towards the pose that the fit began with");
+            hint(ui, "to the start");
+        });
+        row(ui, "Untwist", |ui| {
             number_field(ui, "Twist prior", &mut options.rest_weight, 0, "", 1.0, FIELD)
-                .on_hover_text("Pull of every limb’s twist towards none");
+                .on_hover_text("Twist prior: pull of every limb’s twist towards none");
+            hint(ui, "to no twist");
         });
         row(ui, "Limits", |ui| {
             number_field(ui, "Joint limits", &mut options.limit_weight, 0, "", 5.0, FIELD)
                 .on_hover_text("How hard joints are held within their limits");
-            let words = format!("{} stages", format::count(options.stages.len() as i64));
-            ui.label(RichText::new(words).small().color(theme::palette(ui).text3));
+            hint(ui, "of the joints");
         });
         sanitise(&mut options);
         if options != *fit {
@@ -91,6 +93,11 @@ fn row(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
         row_name(ui, name, NAME);
         contents(ui);
     });
+}
+
+/// What a field is about, behind it.
+fn hint(ui: &mut Ui, text: &str) {
+    ui.label(RichText::new(text).small().color(theme::palette(ui).text3));
 }
 
 /// Fields cannot go below zero.

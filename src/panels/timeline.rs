@@ -134,7 +134,11 @@ fn summary(showing: &Showing<'_>) -> String {
     let lost = found.values().filter(|estimate| estimate.lost).count();
     let lost = if lost > 0 { format!(", {lost} lost") } else { String::new() };
     let keys = document.keys.len();
-    let keys = if keys == 1 { ", 1 key".to_owned() } else { format!(", {keys} keys") };
+    let keys = match keys {
+        0 => String::new(),
+        1 => ", 1 key pose".to_owned(),
+        _ => format!(", {keys} key poses"),
+    };
     let count = found.len();
     if count == 1 {
         format!("Frame {first} fitted{mean}{lost}{keys}")

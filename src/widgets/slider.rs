@@ -107,8 +107,7 @@ impl<'a> ValueSlider<'a> {
         let palette = theme::palette(ui);
         let painter = ui.painter();
         let radius = CornerRadius::same(2);
-        let well = if ui.visuals().dark_mode { palette.field } else { palette.active };
-        painter.rect_filled(rail, radius, well);
+        painter.rect_filled(rail, radius, palette.active);
         let handle = self.position(rail, *self.value);
         let origin = self.position(rail, self.origin);
         let mut trail = rail;
