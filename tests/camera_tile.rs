@@ -2,6 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a made-up scene that cannot be made should fail the test")]
 
+#[path = "support/snapshots.rs"]
+mod snapshots;
 mod support;
 
 use backlit::panels::{CameraTileInput, Drag, TileEvent, Wipe, camera_tile};
@@ -17,10 +19,12 @@ use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::render::{Prediction, Ramp, RendererKind, View, predict};
 use backlit_tracking::silhouette::{Label, Mask, Measurement, Overlap, SignedDistance};
 use egui::{Color32, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Role, pos2, vec2};
+use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use egui_kittest::{Harness, SnapshotResults};
 use glam::{DQuat, DVec3};
 use image::{Rgb, RgbImage};
+
+use snapshots::{Snapshots, theme_name};
 
 const SIZE: [usize; 2] = [136, 240];
 
@@ -188,32 +192,26 @@ const NARROW: [f32; 2] = [256.0, 276.0];
 #[test]
 fn view_modes_in_a_narrow_tile() {
     let scene = Scene::new();
-    let mut results = SnapshotResults::new();
+    let mut snapshots = Snapshots::default();
     for mode in ViewMode::ALL {
         let mut harness = harness(scene.input(mode), NARROW, Theme::Dark);
         harness.run();
         let name = serde_json::to_string(&mode).unwrap();
-        harness.snapshot(format!("camera_tile_{}", name.trim_matches('"').replace('-', "_")));
-        results.extend_harness(&mut harness);
+        snapshots.picture(
+            &harness.render().unwrap(),
+            &format!("camera_tile_{}", name.trim_matches('"').replace('-', "_")),
+        );
     }
 }
 
 #[test]
 fn posing_with_a_gutter_in_both_themes() {
     let scene = Scene::new();
-    let mut results = SnapshotResults::new();
+    let mut snapshots = Snapshots::default();
     for theme in Theme::ALL {
         let mut harness = harness(scene.posing(), WIDE, theme);
         harness.run();
-        harness.snapshot(format!("camera_tile_posing_{}", theme_name(theme)));
-        results.extend_harness(&mut harness);
-    }
-}
-
-fn theme_name(theme: Theme) -> &'static str {
-    match theme {
-        Theme::Dark => "dark",
-        Theme::Light => "light",
+        snapshots.picture(&harness.render().unwrap(), &format!("camera_tile_posing_{}", theme_name(theme)));
     }
 }
 
@@ -221,7 +219,7 @@ fn theme_name(theme: Theme) -> &'static str {
 fn sight_ray_wipe_hover_card_and_empty_tiles() {
     let scene = Scene::new();
     let ray = scene.ray();
-    let mut results = SnapshotResults::new();
+    let mut snapshots = Snapshots::default();
     let mut shot = |input: CameraTileInput<'_>, size, theme, hover: Option<Pos2>, name: &str| {
         let mut harness = harness(input, size, theme);
         harness.run();
@@ -229,8 +227,7 @@ fn sight_ray_wipe_hover_card_and_empty_tiles() {
             harness.hover_at(at);
             harness.run();
         }
-        harness.snapshot(name);
-        results.extend_harness(&mut harness);
+        snapshots.picture(&harness.render().unwrap(), name);
     };
     let with_ray = CameraTileInput { sight_ray: Some(&ray), is_active: false, ..scene.posing() };
     shot(with_ray, WIDE, Theme::Dark, None, "camera_tile_sight_ray");
@@ -289,7 +286,7 @@ fn a_joint_is_dragged_by_its_handle() {
     assert!(target_px.x > start.x + 5.0 && (target_px.y - start.y).abs() < 1e-3, "{target_px} from {start}");
     harness.get_by_label("Dragging right wrist");
     harness.get_by_label("Esc: put back");
-    harness.snapshot("camera_tile_dragging");
+    Snapshots::default().picture(&harness.render().unwrap(), "camera_tile_dragging");
     harness.drop_at(wrist + vec2(20.0, 0.0));
     harness.run();
     assert!(taken(&mut harness).contains(&TileEvent::DragEnd));
@@ -347,7 +344,7 @@ fn the_view_mode_is_chosen_from_the_header() {
     harness.run();
     harness.get_by_label("Camera 1, view mode: Tinted overlay on footage").click();
     harness.run();
-    harness.snapshot("camera_tile_mode_menu");
+    Snapshots::default().picture(&harness.render().unwrap(), "camera_tile_mode_menu");
     harness.get_by_label_contains("Residual").click();
     harness.run();
     assert!(taken(&mut harness).contains(&TileEvent::SetMode(ViewMode::Residual)));

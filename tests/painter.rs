@@ -1,5 +1,7 @@
 //! The CPU painter on known shapes, and a gallery of the theme in both of its versions.
 
+#[path = "support/snapshots.rs"]
+mod snapshots;
 mod support;
 
 use backlit::format;
@@ -15,6 +17,8 @@ use egui::{
 };
 use egui_kittest::kittest::Queryable;
 use image::RgbaImage;
+
+use snapshots::{Snapshots, theme_name};
 
 const RED: Color32 = Color32::from_rgb(255, 0, 0);
 
@@ -262,27 +266,22 @@ fn icons(ui: &mut Ui) {
     }
 }
 
-fn gallery_snapshot(theme: Theme, name: &str) {
+fn gallery_snapshot(theme: Theme) {
     let mut harness = support::harness_builder(SIZE, theme)
         .build_ui_state(|ui, gallery: &mut Gallery| gallery.ui(ui), Gallery::default());
     harness.run();
-    harness.snapshot(name);
-    // The comparison above forgives what it takes for antialiasing. The painter promises every bit.
-    let path = format!("{}/tests/snapshots/{name}.png", env!("CARGO_MANIFEST_DIR"));
-    let stored = image::open(path).expect("the snapshot was just compared").to_rgba8();
-    let painted = harness.render().expect("the CPU painter does not fail");
-    let differing = stored.pixels().zip(painted.pixels()).filter(|(a, b)| a != b).count();
-    assert_eq!(differing, 0, "{name}: pixels that differ; UPDATE_SNAPSHOTS=force writes the picture anew");
+    let picture = harness.render().expect("the CPU painter does not fail");
+    Snapshots::default().picture(&picture, &format!("gallery_{}", theme_name(theme)));
 }
 
 #[test]
 fn the_gallery_in_the_dark_theme() {
-    gallery_snapshot(Theme::Dark, "gallery_dark");
+    gallery_snapshot(Theme::Dark);
 }
 
 #[test]
 fn the_gallery_in_the_light_theme() {
-    gallery_snapshot(Theme::Light, "gallery_light");
+    gallery_snapshot(Theme::Light);
 }
 
 #[test]

@@ -2,61 +2,40 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
 
+#[path = "support/app_window.rs"]
+mod app_window;
 mod support;
 #[path = "support/take.rs"]
 mod take;
 
-use std::time::{Duration, Instant};
+use std::path::Path;
+use std::time::Instant;
 
 use backlit::app::{App, AppOptions, Opening, opening_of};
 use backlit::look::{Layout, Look};
 use backlit::project::read_project;
-use backlit::theme::Theme;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-/// Nothing of the tiny take may take longer.
-const PATIENCE: Duration = Duration::from_secs(120);
+use app_window::{PATIENCE, click, open_sized, press, settle};
 
 fn open(options: AppOptions) -> Harness<'static, App> {
     open_sized(options, vec2(1500.0, 900.0))
-}
-
-fn open_sized(options: AppOptions, size: egui::Vec2) -> Harness<'static, App> {
-    let app = App::new(egui::Context::default(), options).unwrap();
-    let theme = Theme::Dark;
-    let builder = support::harness_builder(size, theme);
-    let mut harness = builder.build_ui_state(|ui, app: &mut App| app.frame(ui), app);
-    settle(&mut harness);
-    harness
 }
 
 fn open_arm() -> Harness<'static, App> {
     open(AppOptions { opening: Some(Opening::Ready(Box::new(take::take()))), ..AppOptions::default() })
 }
 
-/// Runs frames until the worker has nothing to do and the screen shows it.
-fn settle(harness: &mut Harness<'_, App>) {
-    let start = Instant::now();
-    harness.run_steps(2);
-    while !harness.state().is_idle() {
-        assert!(start.elapsed() < PATIENCE, "the worker hangs");
-        std::thread::sleep(Duration::from_millis(1));
-        harness.step();
+/// Writes the take to a folder.
+fn write_take(folder: &Path) {
+    for (path, bytes) in take::files() {
+        let path = folder.join(path);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
     }
-    harness.run_steps(2);
-}
-
-fn click(harness: &mut Harness<'_, App>, label: &str) {
-    harness.get_by_role_and_label(Role::Button, label).click();
-    settle(harness);
-}
-
-fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
-    harness.key_press_modifiers(modifiers, key);
-    settle(harness);
 }
 
 fn pointer(at: Pos2, pressed: bool) -> Event {
@@ -137,7 +116,7 @@ fn from_a_take_to_a_track_and_back_to_the_saved_file() {
 #[test]
 fn a_project_of_a_folder_is_reopened_equal() {
     let folder = tempfile::tempdir().unwrap();
-    take::write(folder.path());
+    write_take(folder.path());
     let mut harness = open(AppOptions { opening: Some(opening_of(folder.path())), ..AppOptions::default() });
     drag(&mut harness, "right elbow, Camera 2", vec2(20.0, 20.0));
     let path = folder.path().join("work.backlit");
@@ -243,7 +222,7 @@ fn a_folder_without_a_take_is_an_error_that_names_the_file() {
 #[test]
 fn unsaved_work_is_offered_at_the_next_start() {
     let (folder, data) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    take::write(folder.path());
+    write_take(folder.path());
     let options =
         |opening| AppOptions { data_folder: Some(data.path().to_owned()), opening, ..AppOptions::default() };
     let mut harness = open(options(Some(opening_of(folder.path()))));

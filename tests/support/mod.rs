@@ -3,7 +3,7 @@
 use backlit::raster::{Canvas, TextureStore};
 use backlit::theme::{self, Theme};
 use egui::{Context, FullOutput, TexturesDelta, Vec2};
-use egui_kittest::{HarnessBuilder, SnapshotOptions, TestRenderer};
+use egui_kittest::{HarnessBuilder, TestRenderer};
 use image::RgbaImage;
 
 #[derive(Default)]
@@ -26,15 +26,11 @@ impl TestRenderer for CpuRenderer {
     }
 }
 
-/// A window of `size` points in `theme`. Its `snapshot(name)` compares with `tests/snapshots/NAME.png` and
-/// allows no pixel to differ, except where the difference looks like antialiasing, which the comparison
-/// forgives by itself. `UPDATE_SNAPSHOTS=1` writes pictures that fail anew, `UPDATE_SNAPSHOTS=force` all.
+/// A window of `size` points in `theme`.
 pub(crate) fn harness_builder<State>(size: impl Into<Vec2>, theme: Theme) -> HarnessBuilder<State> {
-    let snapshots = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/snapshots");
     HarnessBuilder::default()
         .with_size(size)
         .with_theme(theme.to_egui())
         .with_context_setup(move |ctx| theme::apply(ctx, theme))
-        .with_options(SnapshotOptions::new().threshold(0.0).max_failed_pixels(0).output_path(snapshots))
         .renderer(CpuRenderer::default())
 }

@@ -81,15 +81,6 @@ pub(crate) fn take() -> Take {
     Take::from_files(Arc::new(MemoryFiles::new(files())), Path::new("take.toml")).unwrap()
 }
 
-/// Writes the take to a folder.
-pub(crate) fn write(folder: &Path) {
-    for (path, bytes) in files() {
-        let path = folder.join(path);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, bytes).unwrap();
-    }
-}
-
 /// The pose in which a frame was drawn.
 pub(crate) fn truth(model: &Model, frame: usize) -> Pose {
     let mut pose = Pose::rest(model);

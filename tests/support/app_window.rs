@@ -1,0 +1,44 @@
+//! The whole window, driven by label and role.
+
+use std::time::{Duration, Instant};
+
+use backlit::app::{App, AppOptions};
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, Vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+
+/// Nothing of the tiny take may take longer.
+pub(crate) const PATIENCE: Duration = Duration::from_secs(120);
+
+/// A window of `size` points, when nothing is being worked on any more.
+pub(crate) fn open_sized(options: AppOptions, size: Vec2) -> Harness<'static, App> {
+    let theme = options.look.theme;
+    let app = App::new(egui::Context::default(), options).unwrap();
+    let builder = crate::support::harness_builder(size, theme);
+    let mut harness = builder.build_ui_state(|ui, app: &mut App| app.frame(ui), app);
+    settle(&mut harness);
+    harness
+}
+
+/// Runs frames until the worker has nothing to do and the screen shows it.
+pub(crate) fn settle(harness: &mut Harness<'_, App>) {
+    let start = Instant::now();
+    harness.run_steps(2);
+    while !harness.state().is_idle() {
+        assert!(start.elapsed() < PATIENCE, "the worker hangs");
+        std::thread::sleep(Duration::from_millis(1));
+        harness.step();
+    }
+    harness.run_steps(2);
+}
+
+pub(crate) fn click(harness: &mut Harness<'_, App>, label: &str) {
+    harness.get_by_role_and_label(Role::Button, label).click();
+    settle(harness);
+}
+
+pub(crate) fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
+    harness.key_press_modifiers(modifiers, key);
+    settle(harness);
+}
