@@ -8,6 +8,7 @@ mod support;
 #[path = "support/take.rs"]
 mod take;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
@@ -230,9 +231,51 @@ fn unsaved_work_is_offered_at_the_next_start() {
     let left = harness.state().document().clone();
     eframe::App::on_exit(harness.state_mut(), None);
     drop(harness);
-    let mut harness = open(options(None));
+    // It comes before what is to be opened, whose own copy would take its place.
+    let mut harness = open(options(Some(opening_of(folder.path()))));
+    assert!(harness.state().session().take.is_none());
     click(&mut harness, "Restore");
     assert_eq!(*harness.state().document(), left);
+    eframe::App::on_exit(harness.state_mut(), None);
+    drop(harness);
+    let mut harness = open(options(Some(opening_of(folder.path()))));
+    click(&mut harness, "Leave it");
+    assert!(harness.state().session().take.is_some());
+    assert_ne!(*harness.state().document(), left);
+    let again = open(options(None));
+    assert!(again.query_by_role_and_label(Role::Button, "Restore").is_none());
+}
+
+/// What eframe keeps from start to start.
+#[derive(Default)]
+struct Storage(BTreeMap<String, String>);
+
+impl eframe::Storage for Storage {
+    fn get_string(&self, key: &str) -> Option<String> {
+        self.0.get(key).cloned()
+    }
+
+    fn set_string(&mut self, key: &str, value: String) {
+        self.0.insert(key.to_owned(), value);
+    }
+
+    fn remove_string(&mut self, key: &str) {
+        self.0.remove(key);
+    }
+
+    fn flush(&mut self) {}
+}
+
+#[test]
+fn the_arrangement_is_kept() {
+    let mut harness = open_arm();
+    press(&mut harness, Modifiers::NONE, Key::F2);
+    press(&mut harness, Modifiers::COMMAND, Key::B);
+    press(&mut harness, Modifiers::COMMAND, Key::T);
+    let mut storage = Storage::default();
+    eframe::App::save(harness.state_mut(), &mut storage);
+    let kept: Look = eframe::get_value(&storage, "look").unwrap();
+    assert_eq!(kept, Look { layout: Layout::Debug, panel: false, lanes: false, ..Look::default() });
 }
 
 #[test]

@@ -167,12 +167,17 @@ impl App {
         }
     }
 
-    /// Takes the unsaved work of an earlier start, or forgets it.
+    /// Takes the unsaved work of an earlier start, or forgets it and opens what was to be opened.
     pub(super) fn recover(&mut self, take_it: bool) {
         self.recovery = None;
         match self.autosave_path().filter(|_| take_it) {
             Some(path) => self.open(Opening::Project(path)),
-            None => self.forget_unsaved_work(),
+            None => {
+                self.forget_unsaved_work();
+                if let Some(opening) = self.postponed.take() {
+                    self.open(opening);
+                }
+            }
         }
     }
 

@@ -89,6 +89,8 @@ pub struct App {
     pub(super) next_played: Option<f64>,
     pub(super) data_folder: Option<PathBuf>,
     pub(super) recovery: Option<String>,
+    /// What is opened when the unsaved work is left.
+    pub(super) postponed: Option<Opening>,
     pub(super) autosaved: Option<(u64, f64)>,
     pub(super) dialog_sender: Sender<DialogAnswer>,
     pub(super) dialog_answers: Receiver<DialogAnswer>,
@@ -132,6 +134,7 @@ impl App {
             next_played: None,
             data_folder: options.data_folder,
             recovery: None,
+            postponed: None,
             autosaved: None,
             dialog_sender,
             dialog_answers,
@@ -142,8 +145,10 @@ impl App {
             context,
         };
         app.look_for_unsaved_work();
-        if let Some(opening) = options.opening {
-            app.open(opening);
+        match options.opening {
+            Some(opening) if app.recovery.is_none() => app.open(opening),
+            // First the unsaved work: once something else is open, its own copy would take that one's place.
+            opening => app.postponed = opening,
         }
         Ok(app)
     }

@@ -27,7 +27,7 @@ pub(super) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
             let run_index = showing.session.run_of(showing.selection);
             let run = run_index.and_then(|run| Some((run, showing.session.runs.get(run)?)));
             let Some((index, run)) = run else {
-                ui.label(RichText::new("No step yet").color(theme::palette(ui).text3));
+                ui.label(RichText::new("No step on this frame yet").color(theme::palette(ui).text3));
                 return;
             };
             let last = run.steps.len().saturating_sub(1);
