@@ -24,7 +24,7 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, reco
             let text = "Open a take, or look around in the built-in one";
             ui.label(RichText::new(text).text_style(title()).color(palette.text));
             ui.add_space(16.0);
-            ui.allocate_ui_with_layout(vec2(236.0, 28.0), Direction::left_to_right(Align::Center), |ui| {
+            ui.allocate_ui_with_layout(vec2(182.0, 28.0), Direction::left_to_right(Align::Center), |ui| {
                 primary(ui, showing, intents, Action::OpenTake);
                 named_button(ui, showing, intents, Action::OpenBuiltIn, "Built-in take");
             });
@@ -50,7 +50,7 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, reco
 fn offer(ui: &mut Ui, intents: &mut Intents, text: &str) {
     ui.label(text);
     ui.add_space(6.0);
-    ui.allocate_ui_with_layout(vec2(168.0, 28.0), Direction::left_to_right(Align::Center), |ui| {
+    ui.allocate_ui_with_layout(vec2(130.0, 28.0), Direction::left_to_right(Align::Center), |ui| {
         if ui.button("Restore").clicked() {
             intents.request(Request::Recover(true));
         }
