@@ -1,8 +1,9 @@
 //! The commands and their help.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use clap::{Parser, Subcommand};
+use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser, Subcommand};
 
 use super::{fit, render, screenshot, silhouettes, track};
 
@@ -44,4 +45,21 @@ pub enum Command {
     Screenshot(screenshot::ScreenshotArguments),
     /// Write the silhouettes of a take as pictures
     Silhouettes(silhouettes::SilhouetteArguments),
+}
+
+/// The complaint about a word that is neither a command nor something to open. A path with a folder or an ending
+/// is no word, even where there is nothing.
+#[must_use]
+pub fn no_such_command(word: &Path) -> Option<clap::Error> {
+    if word.exists() || word.extension().is_some() || word.components().count() != 1 {
+        return None;
+    }
+    let command = Cli::command();
+    let names: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
+    let message = format!(
+        "\"{}\" is neither a command ({}) nor a take; see backlit --help\n",
+        word.display(),
+        names.join(", ")
+    );
+    Some(clap::Error::raw(ErrorKind::InvalidSubcommand, message))
 }

@@ -43,7 +43,7 @@ pub struct FitArguments {
     #[arg(requires = "frame", conflicts_with_all = ["model", "cameras", "masks", "measurement"])]
     take: Option<PathBuf>,
     /// The take's frame, counted from 0
-    #[arg(long, value_name = "K", requires = "take")]
+    #[arg(long, value_name = "K", requires = "take", allow_negative_numbers = true)]
     frame: Option<usize>,
     /// Body model.
     #[arg(long, required_unless_present = "take", help = MODEL_HELP)]
@@ -89,6 +89,9 @@ pub fn run(arguments: &FitArguments) -> anyhow::Result<()> {
     if arguments.measurement.is_some() && takes_default_ramp {
         // The preset's stages look at masks in their own ways; grey levels are what they are.
         options = options.with_ramp(Ramp::Half);
+    }
+    if let Some(path) = &arguments.out {
+        output::check_folder_of(path)?;
     }
     let problem = read(arguments)?;
     let model = Arc::clone(&problem.model);

@@ -20,7 +20,7 @@ pub struct RendererArguments {
     #[arg(long, value_name = "SOLID")]
     pub renderer: Option<RendererKind>,
     /// Equal spheres along each limb, with the sphere tree [default: the limb's own, else 1 + ⌈2·length/radius⌉]
-    #[arg(long, value_name = "N", requires = "renderer", value_parser = clap::value_parser!(u16).range(1..=MAX_SPHERES as i64))]
+    #[arg(long, value_name = "N", requires = "renderer", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=MAX_SPHERES as i64))]
     pub spheres: Option<u16>,
 }
 
@@ -82,11 +82,11 @@ pub struct SolverArguments {
     #[arg(long, value_enum)]
     pub parameters: Option<ParametersWord>,
     /// Damping at the start of a stage, in units of the mean of JᵀJ's diagonal [default: the preset's]
-    #[arg(long, value_name = "FACTOR", value_parser = not_negative)]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = not_negative)]
     pub damping: Option<f64>,
     /// Most iterations in all, rejected ones too, shared equally among the preset's stages
     /// [default: report 25, robust 60]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub iterations: Option<usize>,
     /// Run all iterations, whatever the cost does
     #[arg(long)]

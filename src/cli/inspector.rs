@@ -3,10 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use anyhow::anyhow;
 use backlit_tracking::io::{Footage, images};
 use backlit_tracking::track::{FitOptions, Tracker};
 use image::DynamicImage;
 
+use super::command::no_such_command;
 use super::output;
 use super::take_options::{self, StartArguments};
 use super::track::follow;
@@ -22,8 +24,14 @@ const PICTURE: &str = "backlit-window.png";
 /// Opens the window, or tracks the take and writes the window's picture if there is none.
 ///
 /// # Errors
-/// What cannot be opened, or a picture that cannot be written.
+/// What is not there or cannot be opened, or a picture that cannot be written.
 pub fn run(path: Option<&Path>) -> anyhow::Result<()> {
+    if let Some(path) = path.filter(|path| !path.exists()) {
+        return Err(match no_such_command(path) {
+            Some(error) => error.into(),
+            None => anyhow!("{}: there is no such file or folder", path.display()),
+        });
+    }
     let opening = || path.map_or(Opening::Take(TakeSource::BuiltIn), opening_of);
     let Err(no_window) = open_window(Some(opening())) else { return Ok(()) };
     output::complain(&format!("No window: {no_window:#}. Going on without one."));

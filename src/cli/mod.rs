@@ -35,15 +35,15 @@ pub mod track_report;
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 
-use command::{Cli, Command};
+use command::{Cli, Command, no_such_command};
 
 /// Parses the program's arguments, does what they say, and reports errors.
 pub fn run() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(error) => return usage(&error),
+        Err(error) => return usage(&stray_word().unwrap_or(error)),
     };
     let result = match cli.command {
         None => inspector::run(cli.take.as_deref()),
@@ -63,6 +63,14 @@ pub fn run() -> ExitCode {
             }
         },
     }
+}
+
+/// The complaint about a first argument that is no option, no command and no file, whatever follows it.
+fn stray_word() -> Option<clap::Error> {
+    let first = std::env::args_os().nth(1)?;
+    let is_known =
+        first.to_string_lossy().starts_with('-') || Cli::command().find_subcommand(&first).is_some();
+    if is_known { None } else { no_such_command(first.as_ref()) }
 }
 
 /// Help goes to standard output, a command that makes no sense to standard error.

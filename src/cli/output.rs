@@ -41,6 +41,21 @@ pub fn make_folder(folder: &Path) -> anyhow::Result<()> {
     fs::create_dir_all(folder).with_context(|| format!("{}: the folder cannot be made", folder.display()))
 }
 
+/// Checks that a file's folder is there, before work is done that the file is to hold.
+///
+/// # Errors
+/// It is not there; the message names file and folder.
+pub fn check_folder_of(file: &Path) -> anyhow::Result<()> {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        bail!("{}: cannot be written: there is no folder {}", file.display(), folder.display());
+    }
+    if file.is_dir() {
+        bail!("{}: is a folder; expected the name of a file", file.display());
+    }
+    Ok(())
+}
+
 /// Checks that a camera's name can be a file's.
 ///
 /// # Errors

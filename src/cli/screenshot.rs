@@ -8,6 +8,7 @@ use clap::{Args, ValueEnum};
 use egui::Vec2;
 use image::DynamicImage;
 
+use super::output;
 use crate::app::{Opening, PictureOptions, headless_picture, opening_of};
 use crate::document::TakeSource;
 use crate::look::Layout;
@@ -34,16 +35,16 @@ pub struct ScreenshotArguments {
     #[arg(long, value_enum, default_value_t = LayoutWord::Pose)]
     layout: LayoutWord,
     /// Frame, counted from 0
-    #[arg(long, value_name = "K", default_value_t = 0)]
+    #[arg(long, value_name = "K", default_value_t = 0, allow_negative_numbers = true)]
     frame: usize,
     /// Iterations of the fit to do on it, or the word end
-    #[arg(long, value_name = "I", default_value = "0")]
+    #[arg(long, value_name = "I", default_value = "0", allow_negative_numbers = true)]
     iteration: Iterations,
     /// Track the whole take first, so that the timeline shows it
     #[arg(long)]
     track: bool,
     /// Pixels per point: 2 draws everything twice as large
-    #[arg(long, value_name = "SCALE", default_value_t = 1.0)]
+    #[arg(long, value_name = "SCALE", default_value_t = 1.0, allow_negative_numbers = true)]
     scale: f32,
     /// PNG file to write
     #[arg(long, value_name = "FILE")]
@@ -107,6 +108,7 @@ pub fn run(arguments: &ScreenshotArguments) -> anyhow::Result<()> {
         "--scale is {}; expected 0.5 to 4",
         arguments.scale
     );
+    output::check_folder_of(&arguments.out)?;
     let opening = arguments.take.as_deref().map_or(Opening::Take(TakeSource::BuiltIn), opening_of);
     let options = PictureOptions {
         theme: match arguments.theme {

@@ -6,7 +6,6 @@ use std::str::FromStr;
 use anyhow::{Context, bail};
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::io::pose_file::{self, Quaternions};
-use backlit_tracking::io::take::Joint;
 use backlit_tracking::io::{Footage, Take};
 use backlit_tracking::track::metrics::ReferenceJoints;
 use backlit_tracking::track::start;
@@ -18,10 +17,10 @@ use clap::error::ErrorKind;
 #[command(next_help_heading = "Which part of the take")]
 pub struct PartArguments {
     /// Frames A to B, B left out: A..B, A.., ..B; or A..=B with B, or one frame K [default: all]
-    #[arg(long, value_name = "A..B")]
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     pub frames: Option<FrameRange>,
     /// Every so many frames
-    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "K", default_value_t = 1, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
     pub every: u32,
     /// Names of the cameras to use, with commas [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
@@ -78,13 +77,14 @@ impl FromStr for FrameRange {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         const EXPECTED: &str = "expected A..B, A.., ..B, A..=B or one frame";
-        let number = |text: &str| text.parse::<usize>().ok().ok_or(EXPECTED);
+        let number =
+            |text: &str| text.parse().ok().filter(|&frame: &usize| frame < usize::MAX).ok_or(EXPECTED);
         let Some((first, last)) = text.split_once("..") else {
             let frame = number(text)?;
-            return Ok(Self { first: frame, past: Some(frame.saturating_add(1)) });
+            return Ok(Self { first: frame, past: Some(frame + 1) });
         };
         let past = match last.strip_prefix('=') {
-            Some(last) => Some(number(last)?.saturating_add(1)),
+            Some(last) => Some(number(last)? + 1),
             None if last.is_empty() => None,
             None => Some(number(last)?),
         };
@@ -101,10 +101,10 @@ pub struct StartArguments {
     #[arg(long, value_name = "POSE")]
     pub start: Option<PathBuf>,
     /// Noise on it: an angle for every rotation and a distance for the root, e.g. 5deg,3cm
-    #[arg(long, value_name = "ANGLE,DISTANCE")]
+    #[arg(long, value_name = "ANGLE,DISTANCE", allow_hyphen_values = true)]
     pub start_noise: Option<StartNoise>,
     /// Seed of the noise
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u64,
 }
 
@@ -121,13 +121,20 @@ impl StartArguments {
     /// A pose file that cannot be read, or nothing to begin with.
     pub fn pose(&self, take: &Take, frame: usize) -> anyhow::Result<Pose> {
         let pose = match &self.start {
-            Some(path) if path == Path::new("reference") => from_reference(take, frame)?,
+            Some(path) if path == Path::new("reference") => {
+                from_reference(take, frame).with_context(|| {
+                    format!("--start reference: the take has no reference keypoints in frame {frame}")
+                })?
+            }
             Some(path) => pose_file::read(path, take.model(), Quaternions::Normalised)?,
             None => match take.start() {
                 Some(pose) => pose.clone(),
-                None => {
-                    from_reference(take, frame).context("the take has no `start`; give one with --start")?
-                }
+                None => from_reference(take, frame).with_context(|| {
+                    format!(
+                        "the take has no `start`, and no reference keypoints in frame {frame} to make one from; \
+                         give a pose with --start POSE"
+                    )
+                })?,
             },
         };
         Ok(self.with_noise(take.model(), pose))
@@ -155,20 +162,14 @@ impl StartArguments {
     }
 }
 
-fn from_reference(take: &Take, frame: usize) -> anyhow::Result<Pose> {
+fn from_reference(take: &Take, frame: usize) -> Option<Pose> {
     start::from_joints(take.model(), &reference_joints(take, frame))
-        .with_context(|| format!("the take has no reference keypoints in frame {frame} to begin with"))
 }
 
 /// The take's reference keypoints of a frame; none if it has none.
 #[must_use]
 pub fn reference_joints(take: &Take, frame: usize) -> ReferenceJoints {
-    let Some(reference) = take.reference() else { return ReferenceJoints::new() };
-    let limb = |joint| match joint {
-        Joint::Root => None,
-        Joint::End(limb) => Some(limb),
-    };
-    reference.frame(frame).map(|(_, joint, position)| (limb(joint), position)).collect()
+    take.reference().map(|reference| reference.joints(frame)).unwrap_or_default()
 }
 
 /// Opens a take: its folder or its take file.
@@ -176,6 +177,9 @@ pub fn reference_joints(take: &Take, frame: usize) -> ReferenceJoints {
 /// # Errors
 /// What is wrong with it, by file, line, camera and frame.
 pub fn open(path: &Path) -> anyhow::Result<Footage> {
+    if path.is_dir() && !path.join("take.toml").exists() {
+        bail!("{}: has no take.toml; expected a take's folder or its take file", path.display());
+    }
     Ok(Footage::new(Take::open(path)?))
 }
 
@@ -222,7 +226,7 @@ mod tests {
         assert_eq!(range("3.."), Some((3, None)));
         assert_eq!(range("..7"), Some((0, Some(7))));
         assert_eq!(range("5"), Some((5, Some(6))));
-        for text in ["", "a..b", "-1..2", "1...2", "3..=", "1,2"] {
+        for text in ["", "a..b", "-1..2", "1...2", "3..=", "1,2", "18446744073709551615"] {
             assert_eq!(range(text), None, "{text}");
         }
     }

@@ -85,7 +85,10 @@ pub fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     }
     if let Err(error) = tracked {
         let (done, all, folder) = (report.track().frames.len(), frames.len(), arguments.out.display());
-        return Err(error.context(format!("stopped after {done} of {all} frames, which are in {folder}")));
+        return Err(match done {
+            0 => error,
+            _ => error.context(format!("stopped after {done} of {all} frames, which are in {folder}")),
+        });
     }
     if arguments.json { output::print_json(&report.summary()) } else { output::print(&report.text()) }
 }

@@ -143,7 +143,8 @@ impl TrackReport {
     pub fn text(&self) -> String {
         let summary = self.summary();
         let lost = if summary.lost == 0 { "none".to_owned() } else { summary.lost.to_string() };
-        let mut out = format!("{} frames tracked, {lost} lost\n", summary.frames);
+        let frames = if summary.frames == 1 { "frame" } else { "frames" };
+        let mut out = format!("{} {frames} tracked, {lost} lost\n", summary.frames);
         if let Some(errors) = &summary.joint_error_mm {
             let mut table = Table::new(["joint error, mm", "mean", "median", "95 %", "max"]);
             let row = |name: &str, d: &Distances| {

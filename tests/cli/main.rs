@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 mod fit;
+mod golden;
 mod render;
 mod scene;
 mod track;

@@ -8,7 +8,7 @@ use backlit_tracking::io::images;
 use crate::scene::{RENDER, Scene};
 
 /// Shape and values of an array of doubles.
-fn read_npy(path: &Path) -> (String, Vec<f64>) {
+pub(crate) fn read_npy(path: &Path) -> (String, Vec<f64>) {
     let bytes = fs::read(path).unwrap();
     assert_eq!(&bytes[..6], b"\x93NUMPY");
     let end = bytes.iter().position(|&byte| byte == b'\n').unwrap() + 1;

@@ -33,7 +33,9 @@ fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> std::io::Result<()
     // Temporary files are private by custom; this one is going to be an ordinary file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut out = BufWriter::new(builder.tempfile_in(folder)?);
+    // Of its error, only the kind: the rest names the temporary file, which says nothing to anybody.
+    let file = builder.tempfile_in(folder).map_err(|error| std::io::Error::from(error.kind()))?;
+    let mut out = BufWriter::new(file);
     write(&mut out)?;
     let file = out.into_inner().map_err(std::io::IntoInnerError::into_error)?;
     if let Ok(old) = std::fs::metadata(&target) {

@@ -69,7 +69,16 @@ impl<'a> Reader<'a> {
     pub(super) fn rig(&self, spec: &TakeSpec) -> Result<Rig, FileError> {
         let path = self.footage.join(self.expand(&spec.cameras.calibration, "cameras.calibration")?);
         let options = CalibrationOptions { size: spec.cameras.size, metres_per_unit: spec.units.metres() };
-        let all = calibration::read_from(self.files, &path, options)?;
+        let all =
+            calibration::read_from(self.files, &path, options).map_err(|error| match &spec.footage {
+                // Where even the cameras are missing, it is the footage that lies elsewhere.
+                Some(footage) if error.is_missing() => self.field(
+                    footage,
+                    "footage",
+                    format!("the folder of the footage, but there is no {}", path.display()),
+                ),
+                _ => error,
+            })?;
         let mut cameras = Vec::with_capacity(spec.views.len());
         for view in &spec.views {
             let index = all
