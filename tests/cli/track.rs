@@ -212,6 +212,10 @@ fn bad_takes_are_explained() {
     expect(&TAKE.replace("frame_rate", "framerate"), &["take.toml, line 3", "framerate"]);
     expect(&TAKE.replace("background = \"side/plate.png\"\n", ""), &["camera \"side\"", "background"]);
     expect(&TAKE.replace("name = \"side\"", "name = \"back\""), &["take.toml, line ", "back", "front, side"]);
+    let elsewhere = TAKE.replace("model", "footage = \"${NOWHERE:-gone}/wave\"\nmodel");
+    expect(&elsewhere, &["take.toml, line 4", "`footage`", "${NOWHERE:-gone}/wave", "cameras.json"]);
+    let (without, _) = TAKE.split_once("[reference]").unwrap();
+    expect(&without.replace("start = \"start.json\"\n", ""), &["no `start`", "frame 0", "--start POSE"]);
     assert!(!scene.path("out/track.json").exists());
     scene.write("wave/take.toml", TAKE);
     let replace = |name: &str, picture: Option<RgbImage>| {
@@ -226,6 +230,7 @@ fn bad_takes_are_explained() {
     replace("wave/side/02.png", None);
     scene.fails("track wave --out out", 1, &["side/02.png", "camera \"side\""]);
     scene.fails("track nowhere --out out", 1, &["nowhere"]);
+    scene.fails("track wave/front --out out", 1, &["wave/front", "no take.toml"]);
 }
 
 #[test]
