@@ -155,7 +155,11 @@ fn missing_frames_are_told_by_camera_file_and_frame() {
             "t/footage/a/empty_0.png",
             "camera \"a\", background: t/footage/a/empty_0.png: there is no such file",
         ),
-        ("t/footage/cameras.json", "t/footage/cameras.json: there is no such file"),
+        (
+            "t/footage/cameras.json",
+            "t/take.toml, line 4: `footage` is \"${BACKLIT_NO_SUCH_VARIABLE:-footage}\"; expected the folder of the \
+             footage, but there is no t/footage/cameras.json",
+        ),
         ("t/start.json", "t/start.json: there is no such file"),
     ];
     for (path, expected) in cases {
