@@ -1,6 +1,8 @@
 //! The committed built-in take: it opens, its files agree with the generator and with each other, and the
 //! standard segmentation finds the person where the truth says.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
+
 use std::path::{Path, PathBuf};
 
 use backlit_tracking::body::Kinematics;
