@@ -1,6 +1,6 @@
 //! A take's pictures as the window wants them: what can be had of each camera, and why the rest cannot.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::Camera;
@@ -33,10 +33,18 @@ pub struct CameraFrame {
     pub image: Option<Arc<RgbImage>>,
     /// Its silhouette.
     pub mask: Option<Arc<Mask>>,
-    /// Distance from the silhouette's border.
-    pub distance: Option<Arc<SignedDistance>>,
+    distance: OnceLock<SignedDistance>,
     /// Why something is missing.
     pub problem: Option<String>,
+}
+
+impl CameraFrame {
+    /// Distance from the silhouette's border, measured when it is first asked for; `None` without a silhouette.
+    #[must_use]
+    pub fn distance(&self) -> Option<&SignedDistance> {
+        let mask = self.mask.as_ref()?;
+        Some(self.distance.get_or_init(|| SignedDistance::from_mask(mask)))
+    }
 }
 
 impl Footage {
@@ -93,14 +101,11 @@ impl Footage {
     /// cameras and the picture without its silhouette are still of use.
     #[must_use]
     pub fn load(&self, camera: usize, frame: usize, options: &SegmentOptions) -> CameraFrame {
-        let mut result = CameraFrame { image: None, mask: None, distance: None, problem: None };
+        let mut result = CameraFrame { image: None, mask: None, distance: OnceLock::new(), problem: None };
         match self.inner.picture(camera, frame) {
             Ok(image) => {
                 match self.inner.mask(camera, &image, options) {
-                    Ok(mask) => {
-                        result.distance = Some(Arc::new(SignedDistance::from_mask(&mask)));
-                        result.mask = Some(Arc::new(mask));
-                    }
+                    Ok(mask) => result.mask = Some(Arc::new(mask)),
                     Err(problem) => result.problem = Some(problem.to_string()),
                 }
                 result.image = Some(Arc::new(image));

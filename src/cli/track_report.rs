@@ -83,7 +83,7 @@ impl TrackReport {
     /// Adds a frame that took so many milliseconds.
     pub fn add(&mut self, take: &Take, estimate: FrameEstimate, time_ms: f64) {
         let reference = reference_joints(take, estimate.frame);
-        self.errors.add(take.model(), estimate.frame, &estimate.pose, &reference);
+        self.errors.add(take.model(), &estimate.pose, &reference);
         self.times_ms.push(time_ms);
         self.last_iou = estimate.iou();
         self.track.frames.insert(estimate.frame, estimate);

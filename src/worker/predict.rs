@@ -191,7 +191,7 @@ impl Scene {
             evidence: Evidence::Mask(frame.mask.clone()?),
             weight: 1.0,
         };
-        Some(view.data(stage, frame.distance.as_deref()))
+        Some(view.data(stage, frame.distance()))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Stopping long work from outside, and hearing how far it is.
+//! Stopping long work from outside.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -24,13 +24,4 @@ impl CancelToken {
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
-}
-
-/// How far a long piece of work is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Progress {
-    /// Parts done.
-    pub done: usize,
-    /// Parts in all.
-    pub total: usize,
 }

@@ -81,7 +81,7 @@
 //! |---|---|
 //! | [`body`] | the articulated body: limbs, poses, kinematics, the models that come with the program |
 //! | [`camera`] | calibrated cameras: pinhole, lens, place, rectification |
-//! | [`cancel`] | stopping long work, and how far it is |
+//! | [`cancel`] | stopping long work |
 //! | [`geometry`] | rotations and distances of rays, with their derivatives |
 //! | [`optimize`] | least squares: normal equations, Gauss-Newton, Levenberg-Marquardt, derivative checks |
 //! | [`render`] | the soft silhouette Λ of a pose in a camera, and ∂Λ/∂X |

@@ -14,7 +14,6 @@ pub type ReferenceJoints = Vec<(Option<usize>, DVec3)>;
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct JointErrors {
     by_joint: BTreeMap<String, Vec<f64>>,
-    by_frame: BTreeMap<usize, Vec<f64>>,
 }
 
 /// Statistics of distances, millimetres.
@@ -58,7 +57,7 @@ fn percentile(sorted: &[f64], fraction: f64) -> f64 {
 
 impl JointErrors {
     /// Adds one frame's distances.
-    pub fn add(&mut self, model: &Model, frame: usize, pose: &Pose, reference: &ReferenceJoints) {
+    pub fn add(&mut self, model: &Model, pose: &Pose, reference: &ReferenceJoints) {
         let kinematics = Kinematics::new(model, pose);
         for (limb, expected) in reference {
             let (name, found) = match limb {
@@ -67,7 +66,6 @@ impl JointErrors {
             };
             let error_mm = 1000.0 * found.distance(*expected);
             self.by_joint.entry(name).or_default().push(error_mm);
-            self.by_frame.entry(frame).or_default().push(error_mm);
         }
     }
 
@@ -84,15 +82,6 @@ impl JointErrors {
         self.by_joint
             .iter()
             .filter_map(|(name, errors)| Some((name.as_str(), Statistics::of(errors)?)))
-            .collect()
-    }
-
-    /// Mean of each frame.
-    #[must_use]
-    pub fn mean_by_frame(&self) -> BTreeMap<usize, f64> {
-        self.by_frame
-            .iter()
-            .map(|(&frame, errors)| (frame, errors.iter().sum::<f64>() / errors.len() as f64))
             .collect()
     }
 }

@@ -14,8 +14,6 @@ use crate::silhouette::{Mask, Overlap};
 
 /// A frame counts as lost below this overlap of model and silhouettes (IoU).
 pub const LOST_BELOW_IOU: f64 = 0.4;
-/// How much of the last motion is taken to go on.
-const CARRY_ON: f64 = 1.0;
 
 /// What the tracker found in one frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -152,10 +150,7 @@ impl Tracker {
     /// Predicts the next start: the motion between the last two frames goes on.
     fn advance(&mut self, frame: usize, pose: &Pose) {
         self.next_start = match &self.last {
-            Some((before, from)) if *before != frame => {
-                let step: Vec<f64> = pose.local(from).iter().map(|x| x * CARRY_ON).collect();
-                pose.retract(Parameters::Tangent, &step)
-            }
+            Some((before, from)) if *before != frame => pose.retract(Parameters::Tangent, &pose.local(from)),
             _ => pose.clone(),
         };
         self.last = Some((frame, pose.clone()));
