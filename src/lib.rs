@@ -13,6 +13,7 @@ pub mod look;
 pub mod notices;
 pub mod panels;
 pub mod picture;
+pub mod plot;
 pub mod project;
 pub mod raster;
 pub mod selection;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
-use super::{fit, render, screenshot, silhouettes, track};
+use super::{experiment, fit, render, screenshot, silhouettes, track};
 
 const ABOUT: &str =
     "Fits an articulated body to its silhouettes and shows how. Without a command it opens the window.";
@@ -45,6 +45,8 @@ pub enum Command {
     Screenshot(screenshot::ScreenshotArguments),
     /// Write the silhouettes of a take as pictures
     Silhouettes(silhouettes::SilhouetteArguments),
+    /// Run an experiment of the report again: numbers, a table and plots
+    Experiment(experiment::ExperimentArguments),
 }
 
 /// The complaint about a word that is neither a command nor something to open. A path with a folder or an ending

@@ -10,6 +10,7 @@
 //! | [`track`] | `backlit track` |
 //! | [`track_report`], [`track_files`] | what a track is worth, and the files with it |
 //! | [`silhouettes`] | `backlit silhouettes` |
+//! | [`experiment`] | `backlit experiment`: one file an experiment |
 //! | [`take_options`] | options that choose frames, cameras and start |
 //! | [`inspector`] | `backlit [TAKE]`: the window, or what it would have shown |
 //! | [`screenshot`] | `backlit screenshot` |
@@ -20,6 +21,7 @@
 
 pub mod command;
 pub mod evidence;
+pub mod experiment;
 pub mod fit;
 pub mod fit_options;
 pub mod inspector;
@@ -52,6 +54,7 @@ pub fn run() -> ExitCode {
         Some(Command::Track(arguments)) => track::run(&arguments),
         Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),
         Some(Command::Silhouettes(arguments)) => silhouettes::run(&arguments),
+        Some(Command::Experiment(arguments)) => experiment::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -9,6 +9,7 @@ use super::command::button;
 use super::{runs, steps};
 use crate::action::Action;
 use crate::format;
+use crate::plot::marks::{decade_marks, even_marks};
 use crate::selection::StepRef;
 use crate::session::Run;
 use crate::showing::{Intents, Request, Showing};
@@ -35,8 +36,6 @@ const AXIS: f64 = 56.0;
 const LEAST_CURVES: f64 = 120.0;
 /// Marks of the axis of steps are so many of the plot's finest divisions apart, or their numbers are not written.
 const MARK_SPACING: f64 = 10.0;
-/// With fewer marks at 1, 2 and 5 the logarithmic axis has even ones.
-const LEAST_MARKS: usize = 3;
 
 /// What is plotted.
 #[derive(Clone, Copy, PartialEq)]
@@ -192,31 +191,6 @@ fn step_marks(input: egui_plot::GridInput) -> Vec<GridMark> {
     let first = (low / step).ceil() as i64;
     let last = (high / step).floor() as i64;
     (first..=last).map(|k| GridMark { value: k as f64 * step, step_size: step }).collect()
-}
-
-/// Marks at 1, 2 and 5 of each decade, or even ones where those are too few; the axis is of logarithms.
-fn decade_marks(input: egui_plot::GridInput) -> Vec<GridMark> {
-    let (low, high) = input.bounds;
-    let decades = (low.floor() as i32)..=(high.ceil() as i32);
-    let mark = |value: f64| GridMark { value: value.log10(), step_size: 1.0 };
-    let marks = decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|digit| mark(digit * 10f64.powi(decade))));
-    let marks: Vec<GridMark> = marks.filter(|mark| (low..=high).contains(&mark.value)).collect();
-    if marks.len() >= LEAST_MARKS {
-        return marks;
-    }
-    let even = even_marks(egui_plot::GridInput { bounds: (10f64.powf(low), 10f64.powf(high)), ..input });
-    even.into_iter().filter(|even| even.value > 0.0).map(|even| mark(even.value)).collect()
-}
-
-/// Marks at even steps of 1, 2 or 5 times a power of ten.
-fn even_marks(input: egui_plot::GridInput) -> Vec<GridMark> {
-    let (low, high) = input.bounds;
-    let rough = ((high - low) / 5.0).max(f64::MIN_POSITIVE);
-    let decade = 10f64.powf(rough.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].map(|digit| digit * decade).into_iter().find(|s| *s >= rough);
-    let step = step.unwrap_or(rough);
-    let marks = (low / step).ceil() as i64..=(high / step).floor() as i64;
-    marks.map(|k| GridMark { value: k as f64 * step, step_size: step }).collect()
 }
 
 fn bounds(runs: &[(usize, &Run)], scale: Scale, width: f64) -> [(f64, f64); 2] {

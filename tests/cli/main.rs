@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod experiment;
 mod fit;
 mod golden;
 mod render;

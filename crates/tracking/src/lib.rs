@@ -82,6 +82,7 @@
 //! | [`body`] | the articulated body: limbs, poses, kinematics, the models that come with the program |
 //! | [`camera`] | calibrated cameras: pinhole, lens, place, rectification |
 //! | [`cancel`] | stopping long work |
+//! | [`experiment`] | the report's experiments on simulated data |
 //! | [`geometry`] | rotations and distances of rays, with their derivatives |
 //! | [`optimize`] | least squares: normal equations, Gauss-Newton, Levenberg-Marquardt, derivative checks |
 //! | [`render`] | the soft silhouette Λ of a pose in a camera, and ∂Λ/∂X |
@@ -99,6 +100,7 @@
 pub mod body;
 pub mod camera;
 pub mod cancel;
+pub mod experiment;
 pub mod geometry;
 pub mod io;
 pub mod optimize;

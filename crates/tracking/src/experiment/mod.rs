@@ -1,0 +1,21 @@
+//! The report's experiments, to be run again: what was claimed, on simulated data of known truth.
+//!
+//! Every experiment is a file with `Options` (what to vary, with defaults that are the report's conditions where
+//! those are known), a `run` that can be cancelled and says how far it is, and a `Report` of plain numbers that
+//! can be written as it is. The same options give the same numbers.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`fig51`] | Fig. 5.1: one limb seen from the side, three renderers |
+//! | [`curve`] | one fit, iteration by iteration, against its truth |
+//! | [`scene`] | simulated data: grey levels and masks of a pose |
+//! | [`progress`] | how far an experiment is, and why one cannot run |
+
+pub mod curve;
+pub mod fig51;
+pub mod progress;
+pub mod scene;
+
+pub use curve::Curve;
+pub use progress::{ExperimentError, Progress};
+pub use scene::Simulation;

@@ -1,0 +1,65 @@
+//! Simulated data of a pose: what the cameras of an experiment see.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::ExperimentError;
+use crate::body::{Kinematics, Model, Pose};
+use crate::camera::Camera;
+use crate::render::{Ramp, RendererKind, View, prediction};
+use crate::silhouette::{Label, Mask, MaskError, Measurement};
+use crate::track::{Evidence, FitView};
+
+/// How data are made of a known pose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Simulation {
+    /// The renderer's own grey levels Λ(truth): data and model agree perfectly, as in the report's simulations.
+    #[default]
+    Prediction,
+    /// A hard mask, as segmentation gives one: subject where the ray through the pixel's centre meets a capsule.
+    Mask,
+}
+
+/// The exact silhouette of a pose's capsules: no grey levels, no noise.
+///
+/// # Errors
+/// The camera's pictures are larger than a mask may be.
+pub fn hard_mask(model: &Model, pose: &Pose, camera: &Camera) -> Result<Mask, MaskError> {
+    // This ramp is half grey where the ray touches the surface.
+    let levels = levels(model, pose, camera, RendererKind::Capsule, Ramp::Half);
+    let label = |level: f64| if level < 127.5 { Label::Subject } else { Label::Background };
+    Mask::new(camera.width(), camera.height(), levels.into_iter().map(label).collect())
+}
+
+/// What one camera sees of a pose, as a fit takes it. `renderer` and `ramp` make the grey levels of
+/// [`Simulation::Prediction`].
+///
+/// # Errors
+/// The camera's pictures are larger than data may be.
+pub fn view(
+    model: &Model,
+    truth: &Pose,
+    camera: &Arc<Camera>,
+    simulation: Simulation,
+    renderer: RendererKind,
+    ramp: Ramp,
+) -> Result<FitView, ExperimentError> {
+    let evidence = match simulation {
+        Simulation::Mask => Evidence::Mask(Arc::new(hard_mask(model, truth, camera)?)),
+        Simulation::Prediction => {
+            let values: Vec<f32> =
+                levels(model, truth, camera, renderer, ramp).into_iter().map(|level| level as f32).collect();
+            let weights = vec![1.0; values.len()];
+            let data = Measurement::new(camera.width(), camera.height(), values, weights)?;
+            Evidence::Measurement(Arc::new(data))
+        }
+    };
+    Ok(FitView { camera: Arc::clone(camera), evidence, weight: 1.0 })
+}
+
+fn levels(model: &Model, pose: &Pose, camera: &Camera, renderer: RendererKind, ramp: Ramp) -> Vec<f64> {
+    let kinematics = Kinematics::new(model, pose);
+    prediction::levels(&View::new(model, &kinematics, camera, renderer, ramp))
+}

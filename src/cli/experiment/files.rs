@@ -1,0 +1,63 @@
+//! The files of an experiment, and the table on the screen.
+
+use std::path::Path;
+
+use anyhow::Context;
+use backlit_tracking::io::atomic;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{DynamicImage, RgbaImage};
+use serde::Serialize;
+
+use super::arguments::OutputArguments;
+use crate::cli::output;
+use crate::plot::Figure;
+
+/// Name and version of the files with the numbers.
+const FORMAT: &str = "backlit-experiment 1";
+
+/// An experiment's file.
+#[derive(Debug, Serialize)]
+struct Document<'a, O, R> {
+    format: &'static str,
+    experiment: &'a str,
+    options: &'a O,
+    report: &'a R,
+}
+
+/// Writes the numbers to `NAME.json` and each figure to its `NAME.png`, then prints the table, or the numbers.
+///
+/// # Errors
+/// The folder or a file cannot be written.
+pub fn finish<O: Serialize, R: Serialize>(
+    arguments: &OutputArguments,
+    name: &str,
+    options: &O,
+    report: &R,
+    figures: &[(String, Figure)],
+    table: &str,
+) -> anyhow::Result<()> {
+    let document = Document { format: FORMAT, experiment: name, options, report };
+    output::make_folder(&arguments.out)?;
+    let numbers = serde_json::to_string_pretty(&document).context("the numbers")? + "\n";
+    let path = arguments.out.join(format!("{name}.json"));
+    atomic::write(&path, numbers.as_bytes())?;
+    let mut written = vec![path];
+    for (name, figure) in figures {
+        let path = arguments.out.join(format!("{name}.png"));
+        write_small(&path, figure.picture(arguments.theme.into()))?;
+        written.push(path);
+    }
+    if arguments.json {
+        return output::print(&numbers);
+    }
+    let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
+    output::print(&format!("{table}\nWritten: {}\n", names.join(", ")))
+}
+
+/// Plots are flat: they get much smaller without filters and with all the time that compression takes.
+fn write_small(path: &Path, picture: RgbaImage) -> anyhow::Result<()> {
+    let mut bytes = Vec::new();
+    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::NoFilter);
+    DynamicImage::ImageRgba8(picture).into_rgb8().write_with_encoder(encoder).context("a plot")?;
+    Ok(atomic::write(path, &bytes)?)
+}

@@ -1,0 +1,11 @@
+//! Plots as pictures, drawn by the window's own painter without a display: what `backlit experiment` writes.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`figure`] | [`Figure`]: a title, axes with their units, and what is drawn between them |
+//! | [`marks`] | where an axis has its marks |
+
+pub mod figure;
+pub mod marks;
+
+pub use figure::{Axis, Figure, Line};
