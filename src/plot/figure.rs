@@ -158,6 +158,12 @@ impl Figure {
     fn legend(&self, ui: &mut Ui, palette: &Palette) {
         ui.horizontal_wrapped(|ui| {
             for line in self.lines.iter().filter(|line| !line.is_faint) {
+                // A name stays beside its piece of line.
+                let font = egui::TextStyle::Body.resolve(ui.style());
+                let name = ui.painter().layout_no_wrap(line.name.clone(), font, palette.text);
+                if ui.available_size_before_wrap().x < SAMPLE + theme::space::WIDGET + name.size().x {
+                    ui.end_row();
+                }
                 let (rect, _) = ui.allocate_exact_size(vec2(SAMPLE, theme::size::ROW), Sense::hover());
                 let style = run_style(line.style);
                 let stroke = Stroke::new(style.width, style.colour);
@@ -170,7 +176,7 @@ impl Figure {
                     }
                 }
                 ui.painter().circle_filled(rect.center(), mark::ACCEPTED_RADIUS, style.colour);
-                ui.label(RichText::new(&line.name).color(palette.text));
+                ui.label(name);
                 ui.add_space(theme::space::GROUP);
             }
         });

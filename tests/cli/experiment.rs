@@ -22,9 +22,34 @@ fn the_single_limb_is_measured_plotted_and_told() {
 }
 
 #[test]
+fn every_experiment_writes_its_numbers_and_plots() {
+    let scene = Scene::new();
+    let commands = [
+        ("fig5.2", "--starts 2", "fig5.2-cost.png", "capsule, tangent LM"),
+        ("fig5.3", "--starts 2 --start-noise 3deg,1cm --data mask", "fig5.3-joints.png", "2 of 2"),
+        ("fig5.5", "--starts 1 --frames 3", "fig5.5-joints.png", "Robust, masks"),
+        ("fig5.6", "--starts 1 --frames 3", "fig5.6-overlap.png", "Report 2004, masks"),
+        ("bias", "--starts 1 --cameras 1,2 --size 48x36", "bias.png", "thesis, hard mask: 2"),
+    ];
+    for (name, options, plot, words) in commands {
+        let said = scene.ok(&format!("experiment {name} {options} --out results"));
+        assert!(said.contains(words) && said.contains(plot), "{name}: {said}");
+        assert!(scene.path("results").join(plot).is_file(), "{name}");
+        let read = || std::fs::read_to_string(scene.path(&format!("results/{name}.json"))).unwrap();
+        let first = read();
+        scene.ok(&format!("experiment {name} {options} --out results"));
+        assert!(first == read(), "{name} gave other numbers the second time");
+    }
+}
+
+#[test]
 fn senseless_experiments_are_explained() {
     let scene = Scene::new();
     scene.fails("experiment fig9.9", 2, &["fig9.9"]);
     scene.fails("experiment fig5.1 --offset nan", 1, &["offset_m", "finite"]);
     scene.fails("experiment fig5.1 --distance 0", 1, &["fx"]);
+    scene.fails("experiment fig5.2 --starts 0", 1, &["starts", "1 or more"]);
+    scene.fails("experiment fig5.5 --frames 0", 1, &["frames", "1 or more"]);
+    scene.fails("experiment bias --cameras 5", 1, &["cameras", "1 to 4"]);
+    scene.fails("experiment bias --size 0x9", 2, &["--size", "WIDTHxHEIGHT"]);
 }

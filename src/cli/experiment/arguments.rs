@@ -1,10 +1,12 @@
 //! Options that all experiments share.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use backlit_tracking::experiment::Simulation;
 use clap::{Args, ValueEnum};
 
+use crate::cli::take_options::StartNoise;
 use crate::theme::Theme;
 
 /// Where the results go, and how they look.
@@ -65,5 +67,35 @@ impl From<DataWord> for Simulation {
             DataWord::Prediction => Self::Prediction,
             DataWord::Mask => Self::Mask,
         }
+    }
+}
+
+/// How far the random starts are from the truth.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct NoiseArguments {
+    /// How far every joint of a start is turned and its root moved, e.g. 5deg,3cm [default: the experiment's own]
+    #[arg(long, value_name = "ANGLE,DISTANCE")]
+    start_noise: Option<StartNoise>,
+}
+
+impl NoiseArguments {
+    /// Radians and metres, or those of the experiment.
+    #[must_use]
+    pub fn or(&self, angle_rad: f64, distance_m: f64) -> (f64, f64) {
+        self.start_noise.map_or((angle_rad, distance_m), |noise| (noise.angle_rad, noise.distance_m))
+    }
+}
+
+/// Pixels across and down.
+#[derive(Debug, Clone, Copy)]
+pub struct PictureSize(pub [u64; 2]);
+
+impl FromStr for PictureSize {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let side = |text: &str| text.parse().ok().filter(|side| (1..=4096).contains(side));
+        let sides = text.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
+        sides.map(Self).ok_or("expected WIDTHxHEIGHT, 1 to 4096 pixels each")
     }
 }

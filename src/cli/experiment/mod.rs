@@ -4,11 +4,19 @@
 //! |---|---|
 //! | [`arguments`] | options that all experiments share |
 //! | [`files`] | the files of an experiment, and the table on the screen |
+//! | [`waiting`] | the bar while one runs |
 //! | [`fig51`] | `backlit experiment fig5.1` |
+//! | [`fig52`] | `backlit experiment fig5.2` and `fig5.3` |
+//! | [`fig55`] | `backlit experiment fig5.5` and `fig5.6` |
+//! | [`bias`] | `backlit experiment bias` |
 
 pub mod arguments;
+pub mod bias;
 pub mod fig51;
+pub mod fig52;
+pub mod fig55;
 pub mod files;
+pub mod waiting;
 
 use clap::{Args, Subcommand};
 
@@ -29,6 +37,20 @@ enum Experiment {
     /// One limb seen from the side: the cylinder never moves along its axis, capsule and sphere tree do
     #[command(name = "fig5.1")]
     Fig51(fig51::Arguments),
+    /// The upper body before one camera, from many starts: cost and joint error per iteration
+    #[command(name = "fig5.2")]
+    Fig52(fig52::Arguments),
+    /// The same from the same starts before two cameras
+    #[command(name = "fig5.3")]
+    Fig53(fig52::Arguments),
+    /// The upper body followed through a simulated sequence, 192 × 144 pixels: joint error and overlap per frame
+    #[command(name = "fig5.5")]
+    Fig55(fig55::Arguments),
+    /// The same with 48 × 36 pixels
+    #[command(name = "fig5.6")]
+    Fig56(fig55::Arguments),
+    /// Where a fit ends that began at the truth: the bias of each ramp on hard masks, by number of cameras
+    Bias(bias::Arguments),
 }
 
 /// Runs the experiment.
@@ -38,5 +60,10 @@ enum Experiment {
 pub fn run(arguments: &ExperimentArguments) -> anyhow::Result<()> {
     match &arguments.experiment {
         Experiment::Fig51(arguments) => fig51::run(arguments),
+        Experiment::Fig52(arguments) => fig52::run(arguments, "fig5.2", 1),
+        Experiment::Fig53(arguments) => fig52::run(arguments, "fig5.3", 2),
+        Experiment::Fig55(arguments) => fig55::run(arguments, "fig5.5", [192, 144]),
+        Experiment::Fig56(arguments) => fig55::run(arguments, "fig5.6", [48, 36]),
+        Experiment::Bias(arguments) => bias::run(arguments),
     }
 }

@@ -7,14 +7,22 @@
 //! | file | holds |
 //! |---|---|
 //! | [`fig51`] | Fig. 5.1: one limb seen from the side, three renderers |
+//! | [`fig52`] | Figs. 5.2 and 5.3: the upper body from many starts, one camera and two |
+//! | [`fig55`] | Figs. 5.5 and 5.6: a simulated sequence, large and tiny pictures |
+//! | [`bias`] | where fits go that begin at the truth, by ramp, data and cameras |
 //! | [`curve`] | one fit, iteration by iteration, against its truth |
 //! | [`scene`] | simulated data: grey levels and masks of a pose |
+//! | [`upper_body`] | the upper body before its cameras: poses, a movement |
 //! | [`progress`] | how far an experiment is, and why one cannot run |
 
+pub mod bias;
 pub mod curve;
 pub mod fig51;
+pub mod fig52;
+pub mod fig55;
 pub mod progress;
 pub mod scene;
+pub mod upper_body;
 
 pub use curve::Curve;
 pub use progress::{ExperimentError, Progress};

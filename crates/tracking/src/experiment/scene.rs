@@ -8,7 +8,7 @@ use super::ExperimentError;
 use crate::body::{Kinematics, Model, Pose};
 use crate::camera::Camera;
 use crate::render::{Ramp, RendererKind, View, prediction};
-use crate::silhouette::{Label, Mask, MaskError, Measurement};
+use crate::silhouette::{Label, Mask, MaskError, Measurement, Overlap};
 use crate::track::{Evidence, FitView};
 
 /// How data are made of a known pose.
@@ -62,4 +62,27 @@ pub fn view(
 fn levels(model: &Model, pose: &Pose, camera: &Camera, renderer: RendererKind, ramp: Ramp) -> Vec<f64> {
     let kinematics = Kinematics::new(model, pose);
     prediction::levels(&View::new(model, &kinematics, camera, renderer, ramp))
+}
+
+/// How well a pose, drawn with hard edges, covers the hard masks of the truth: all cameras together.
+///
+/// # Errors
+/// A camera's pictures are larger than a mask may be.
+pub fn overlap(
+    model: &Model,
+    pose: &Pose,
+    truth: &Pose,
+    cameras: &[Arc<Camera>],
+    renderer: RendererKind,
+) -> Result<Overlap, ExperimentError> {
+    let mut all = Overlap::default();
+    for camera in cameras {
+        let drawn: Vec<f32> =
+            levels(model, pose, camera, renderer, Ramp::Half).into_iter().map(|level| level as f32).collect();
+        // Both are as large as the camera's pictures.
+        if let Ok(one) = Overlap::between(&hard_mask(model, truth, camera)?, &drawn) {
+            all = all.merge(one);
+        }
+    }
+    Ok(all)
 }

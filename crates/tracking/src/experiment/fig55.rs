@@ -1,0 +1,236 @@
+//! Figs. 5.5 and 5.6: the upper body followed through a simulated sequence, at 192 × 144 and at 48 × 36 pixels.
+//!
+//! Two cameras see a smooth movement of 50 frames; every frame may take 25 iterations and starts where constant
+//! velocity leads. The report's method is given both its own grey levels, as in a simulation, and hard masks, as
+//! in life; all others see hard masks. Joint error and overlap with the hard masks are measured in every frame.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::curve::mean_joint_error_mm;
+use super::fig52::medians;
+use super::{ExperimentError, Progress, Simulation, scene, upper_body};
+use crate::body::{Model, Parameters, Pose, builtin};
+use crate::camera::Camera;
+use crate::cancel::CancelToken;
+use crate::optimize::Method;
+use crate::render::Ramp;
+use crate::track::metrics::Statistics;
+use crate::track::start::perturb;
+use crate::track::tracker::LOST_BELOW_IOU;
+use crate::track::{FitOptions, Preset, Tracker};
+
+/// Most iterations of a frame, as in the report.
+pub const ITERATIONS: usize = 25;
+
+/// What to vary.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Options {
+    /// Pixels across and down: 192 × 144 in Fig. 5.5, 48 × 36 in Fig. 5.6.
+    pub size_px: [u64; 2],
+    /// Cameras.
+    pub cameras: usize,
+    /// Frames, from the movement's first.
+    pub frames: usize,
+    /// Number of starts in the first frame.
+    pub starts: usize,
+    /// Seed of the starts.
+    pub seed: u64,
+    /// How far every joint of a start is turned from the truth, radians.
+    pub angle_rad: f64,
+    /// How far the root of a start is from the truth, metres.
+    pub distance_m: f64,
+    /// The ways that are compared.
+    pub ways: Vec<Way>,
+}
+
+/// A way to follow: a name, what it sees, and every choice.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Way {
+    /// What it is called in tables and plots.
+    pub name: String,
+    /// How its data are made.
+    pub simulation: Simulation,
+    /// Its choices.
+    pub fit: FitOptions,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            size_px: [192, 144],
+            cameras: 2,
+            frames: 50,
+            starts: 5,
+            seed: 1,
+            angle_rad: 5f64.to_radians(),
+            distance_m: 0.03,
+            ways: ways(),
+        }
+    }
+}
+
+/// Pull towards the pose that a frame began with, in [`lm_half`]: weak, for what the cameras do not see.
+const WEAK_PRIOR: f64 = 1.0;
+
+/// Both presets with [`ITERATIONS`], the report's also on its own grey levels, and what suits tiny pictures.
+#[must_use]
+pub fn ways() -> Vec<Way> {
+    let way = |name: &str, simulation, fit: FitOptions| Way { name: name.to_owned(), simulation, fit };
+    let [report, robust] =
+        [Preset::Report, Preset::Robust].map(|preset| FitOptions::preset(preset).with_iterations(ITERATIONS));
+    vec![
+        way("Report 2004, its own grey levels", Simulation::Prediction, report.clone()),
+        way("Report 2004, masks", Simulation::Mask, report),
+        way("Robust, masks", Simulation::Mask, robust),
+        way("LM, half ramp, weak prior, masks", Simulation::Mask, lm_half()),
+    ]
+}
+
+/// Tangent Levenberg-Marquardt on hard masks with the half ramp and a weak prior, without annealing.
+#[must_use]
+pub fn lm_half() -> FitOptions {
+    FitOptions {
+        parameters: Parameters::Tangent,
+        method: Method::LevenbergMarquardt,
+        damping: 0.01,
+        proximal_weight: WEAK_PRIOR,
+        largest_turn: Some(0.3),
+        largest_move: Some(0.15),
+        ..FitOptions::preset(Preset::Report)
+    }
+    .with_ramp(Ramp::Half)
+}
+
+/// What came of it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// One entry a way.
+    pub ways: Vec<WayReport>,
+}
+
+/// What came of one way.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WayReport {
+    /// Its name.
+    pub name: String,
+    /// Median over the starts of the mean joint error, frame by frame, millimetres.
+    pub median_joint_error_mm: Vec<f64>,
+    /// Median over the starts of the overlap (IoU of all cameras together), frame by frame.
+    pub median_iou: Vec<f64>,
+    /// Joint errors of all frames of all starts, millimetres: mean, 95 % lie below, largest.
+    pub joint_error_mm: [f64; 3],
+    /// Frames of all starts that count as lost.
+    pub lost: usize,
+    /// One sequence a start.
+    pub sequences: Vec<Sequence>,
+}
+
+/// One start, followed to the end.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sequence {
+    /// Mean joint error, frame by frame, millimetres.
+    pub joint_errors_mm: Vec<f64>,
+    /// Overlap with the hard masks, all cameras together, frame by frame.
+    pub iou: Vec<f64>,
+    /// Iterations, frame by frame.
+    pub iterations: Vec<usize>,
+    /// Frames that count as lost.
+    pub lost: usize,
+}
+
+/// Follows the movement in every way from every start.
+///
+/// # Errors
+/// Options that make no sense, or `cancel`.
+pub fn run(
+    options: &Options,
+    cancel: &CancelToken,
+    mut on_progress: impl FnMut(Progress),
+) -> Result<Report, ExperimentError> {
+    for (option, value) in [("starts", options.starts), ("frames", options.frames)] {
+        if value == 0 {
+            return Err(ExperimentError::Option { option, value: 0.0, expected: "1 or more" });
+        }
+    }
+    let model = Arc::new(builtin::upper_body());
+    let cameras = upper_body::cameras(options.cameras, options.size_px)?;
+    let truths: Vec<Pose> = (0..options.frames).map(|frame| upper_body::motion(&model, frame)).collect();
+    let total = options.ways.len() * options.starts;
+    let mut ways = Vec::new();
+    for way in &options.ways {
+        let mut sequences = Vec::new();
+        for start in 0..options.starts {
+            on_progress(Progress { done: ways.len() * options.starts + start, total });
+            let seed = options.seed.wrapping_add(start as u64);
+            let from = perturb(&model, &truths[0], options.angle_rad, options.distance_m, seed);
+            sequences.push(follow(&model, &cameras, &truths, way, from, cancel)?);
+        }
+        ways.push(WayReport::of(&way.name, sequences));
+    }
+    on_progress(Progress { done: total, total });
+    Ok(Report { ways })
+}
+
+fn follow(
+    model: &Arc<Model>,
+    cameras: &[Arc<Camera>],
+    truths: &[Pose],
+    way: &Way,
+    start: Pose,
+    cancel: &CancelToken,
+) -> Result<Sequence, ExperimentError> {
+    let Way { simulation, fit, .. } = way;
+    let mut tracker = Tracker::new(Arc::clone(model), fit.clone(), start)?;
+    let mut sequence =
+        Sequence { joint_errors_mm: Vec::new(), iou: Vec::new(), iterations: Vec::new(), lost: 0 };
+    for (frame, truth) in truths.iter().enumerate() {
+        let see = |camera| scene::view(model, truth, camera, *simulation, fit.renderer, fit.final_ramp());
+        let views = cameras.iter().map(see).collect::<Result<Vec<_>, _>>()?;
+        let estimate = tracker.track_frame(frame, views, cancel)?;
+        if cancel.is_cancelled() {
+            return Err(ExperimentError::Cancelled);
+        }
+        let iou = scene::overlap(model, &estimate.pose, truth, cameras, fit.renderer)?.iou().unwrap_or(0.0);
+        sequence.joint_errors_mm.push(mean_joint_error_mm(model, &estimate.pose, truth));
+        sequence.iou.push(iou);
+        sequence.iterations.push(estimate.iterations);
+        sequence.lost += usize::from(iou < LOST_BELOW_IOU);
+    }
+    Ok(sequence)
+}
+
+impl WayReport {
+    fn of(name: &str, sequences: Vec<Sequence>) -> Self {
+        let all: Vec<f64> = sequences.iter().flat_map(|one| one.joint_errors_mm.iter().copied()).collect();
+        let overall = Statistics::of(&all);
+        Self {
+            name: name.to_owned(),
+            median_joint_error_mm: medians(sequences.iter().map(|one| one.joint_errors_mm.clone())),
+            median_iou: medians(sequences.iter().map(|one| one.iou.clone())),
+            joint_error_mm: overall.map_or([0.0; 3], |all| [all.mean, all.p95, all.max]),
+            lost: sequences.iter().map(|one| one.lost).sum(),
+            sequences,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_presets_follow_the_movement_and_the_robust_one_is_nearer() {
+        let options = Options { frames: 8, starts: 2, ..Options::default() };
+        let report = run(&options, &CancelToken::new(), |_| {}).unwrap();
+        let last = |list: &[f64]| *list.last().unwrap();
+        let [own, thesis, robust] = [0, 1, 2].map(|way| &report.ways[way]);
+        assert_eq!(thesis.sequences[0].iterations, [ITERATIONS; 8]);
+        assert!(robust.sequences.iter().all(|one| one.iterations.iter().all(|&n| n <= ITERATIONS)));
+        assert!(last(&thesis.median_joint_error_mm) < 60.0, "{:?}", thesis.median_joint_error_mm);
+        assert!(last(&own.median_joint_error_mm) < 0.5 * last(&thesis.median_joint_error_mm));
+        assert!(last(&robust.median_joint_error_mm) < 0.7 * last(&thesis.median_joint_error_mm));
+        assert!(last(&robust.median_iou) > 0.9, "{:?}", robust.median_iou);
+    }
+}
