@@ -10,13 +10,18 @@
 //!
 //! d²(x, y) = min over x' of (x − x')² + g(x', y)², where g(x', y) is the distance to the nearest seed in column x'.
 //!
-//! A first pass finds g for all columns, a second the lower envelope of the parabolas in each row. Beyond the nearest seed
-//! of its own row a pixel need not look, so each run between two seeds has an envelope of its own.
+//! A scan down and one up find g for all columns; [`RowSearch`] finds the minimum in each row. The scan up goes on one row
+//! ahead of the search, so it is never stored.
 
-use super::mask::{Label, Mask};
+use std::ops::Range;
+
+use pulp::{Arch, Simd, WithSimd};
+
+use super::mask::{Label, Mask, PixelBox};
 use super::near_distance::{MAX_MARGIN, near_distances};
+use super::row_search::RowSearch;
 
-/// Stands for "no seed in this column". Grows by less than 2²⁶ in a pass, so it can neither overflow nor be mistaken for
+/// Stands for "no seed in this column". Grows by less than 2²⁶ in a scan, so it can neither overflow nor be mistaken for
 /// a distance in an image of at most 2²⁶ pixels.
 const NO_SEED: i32 = 1 << 28;
 
@@ -39,32 +44,8 @@ impl SignedDistance {
         let (width, height) = (mask.width(), mask.height());
         let far = (width + height) as f32;
         let mut values = vec![far; width * height];
-        let mut envelope = Envelope { parabolas: Vec::with_capacity(width) };
-        let outside = column_distances(mask, Label::Subject);
-        for ((values, g), labels) in rows(&mut values, &outside, mask.labels(), width) {
-            for_runs(labels, Label::Subject, |run| {
-                envelope.build(g, &run);
-                if envelope.squared_distances(values, &run) {
-                    values[run.start..run.end].iter_mut().for_each(|value| *value = value.sqrt() - 0.5);
-                }
-            });
-        }
-        let inside = column_distances(mask, Label::Background);
-        let mut squared = vec![0.0; width];
-        for ((values, g), labels) in rows(&mut values, &inside, mask.labels(), width) {
-            if !labels.contains(&Label::Subject) {
-                continue;
-            }
-            for_runs(labels, Label::Background, |run| {
-                let pixels = run.start..run.end;
-                squared[pixels.clone()].fill((far + 0.5).powi(2));
-                envelope.build(g, &run);
-                envelope.squared_distances(&mut squared, &run);
-                let found = values[pixels.clone()].iter_mut().zip(&squared[pixels.clone()]);
-                for ((value, squared), &label) in found.zip(&labels[pixels]) {
-                    *value = if label == Label::Subject { 0.5 - squared.sqrt() } else { *value };
-                }
-            });
+        if let Some(subject) = mask.bounds() {
+            Arch::new().dispatch(Transform { mask, subject, far, values: &mut values });
         }
         Self { width, height, values }
     }
@@ -99,121 +80,118 @@ impl SignedDistance {
     }
 }
 
-/// The rows of three images of the same width, side by side.
-fn rows<'a>(
+/// The work of a transform. It is compiled once more for wider vectors, and that copy runs where the processor has them.
+struct Transform<'a> {
+    mask: &'a Mask,
+    subject: PixelBox,
+    far: f32,
     values: &'a mut [f32],
-    g: &'a [i32],
-    labels: &'a [Label],
-    width: usize,
-) -> impl Iterator<Item = ((&'a mut [f32], &'a [i32]), &'a [Label])> {
-    values.chunks_exact_mut(width).zip(g.chunks_exact(width)).zip(labels.chunks_exact(width))
 }
 
-/// For each pixel the distance to the nearest pixel with label `seed` in the same column, or at least [`NO_SEED`].
-fn column_distances(mask: &Mask, seed: Label) -> Vec<i32> {
-    let width = mask.width();
-    let mut g: Vec<i32> =
-        mask.labels().iter().map(|&label| if label == seed { 0 } else { NO_SEED }).collect();
-    for y in 1..mask.height() {
-        let (above, here) = g.split_at_mut(y * width);
-        for (here, above) in here[..width].iter_mut().zip(&above[(y - 1) * width..]) {
-            *here = (*here).min(above + 1);
+impl WithSimd for Transform<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        write_outside(simd, self.mask, self.subject, self.values);
+        write_inside(simd, self.mask, self.subject, self.far, self.values);
+    }
+}
+
+/// Writes the distance from the nearest subject pixel, less a half, to every pixel.
+#[inline(always)]
+fn write_outside<S: Simd>(simd: S, mask: &Mask, subject: PixelBox, values: &mut [f32]) {
+    let (width, columns) = (mask.width(), subject.x_min..subject.x_max + 1);
+    let mut scan = ColumnScan::new(mask, Label::Subject, columns.clone(), 0..mask.height());
+    let mut search = RowSearch::new(simd, width);
+    for y in (0..mask.height()).rev() {
+        let (above, below) = scan.up(y);
+        search.set_columns(columns.start, above, below);
+        let squared = search.minima(0..width);
+        for (value, squared) in values[y * width..][..width].iter_mut().zip(squared) {
+            *value = squared.sqrt() - 0.5;
         }
     }
-    for y in (1..mask.height()).rev() {
-        let (above, here) = g.split_at_mut(y * width);
-        for (above, here) in above[(y - 1) * width..].iter_mut().zip(&here[..width]) {
-            *above = (*above).min(here + 1);
+}
+
+/// Writes a half less the distance from the nearest background pixel to every subject pixel.
+#[inline(always)]
+fn write_inside<S: Simd>(simd: S, mask: &Mask, subject: PixelBox, far: f32, values: &mut [f32]) {
+    let (width, rows) = (mask.width(), subject.y_min..subject.y_max + 1);
+    let mut scan = ColumnScan::new(mask, Label::Background, 0..width, rows.clone());
+    let mut search = RowSearch::new(simd, width);
+    for y in rows.rev() {
+        let labels = &mask.labels()[y * width..][..width];
+        let (above, below) = scan.up(y);
+        let Some((first, last)) = ends(labels, Label::Subject) else { continue };
+        // Beyond the row's own nearest background pixels there is none that is nearer.
+        let left = labels[..first].iter().rposition(|&label| label == Label::Background).unwrap_or(0);
+        let right = labels[last..].iter().position(|&label| label == Label::Background);
+        let columns = left..right.map_or(width, |right| last + right + 1);
+        search.set_columns(left, &above[columns.clone()], &below[columns]);
+        let squared = search.minima(first..last + 1);
+        let found = values[y * width + first..].iter_mut().zip(squared).zip(&labels[first..]);
+        for ((value, squared), &label) in found {
+            let distance = squared.sqrt().min(far + 0.5);
+            *value = if label == Label::Subject { 0.5 - distance } else { *value };
         }
     }
-    g
 }
 
-/// A run of pixels without seed, and the row's seeds at its ends where there are any: `[first, start)` has at most one
-/// pixel, and so has `[end, last)`.
-struct Run {
-    first: usize,
-    start: usize,
-    end: usize,
-    last: usize,
+/// The first and the last pixel with a label, if there is one.
+#[inline(always)]
+fn ends(labels: &[Label], label: Label) -> Option<(usize, usize)> {
+    let first = labels.iter().position(|&other| other == label);
+    first.zip(labels.iter().rposition(|&other| other == label))
 }
 
-/// Calls `visit` for every maximal run of pixels that do not have the label `seed`.
-fn for_runs(labels: &[Label], seed: Label, mut visit: impl FnMut(Run)) {
-    let mut x = 0;
-    while let Some(skipped) = labels[x..].iter().position(|&label| label != seed) {
-        let start = x + skipped;
-        let end = labels[start..].iter().position(|&label| label == seed).map_or(labels.len(), |n| start + n);
-        visit(Run { first: start.saturating_sub(1), start, end, last: (end + 1).min(labels.len()) });
-        x = end;
-    }
+/// Distances of pixels to the nearest seed in their column, for some columns and rows: at least [`NO_SEED`] without one.
+struct ColumnScan<'a> {
+    mask: &'a Mask,
+    seed: Label,
+    columns: Range<usize>,
+    first_row: usize,
+    /// To the nearest seed at or above each pixel.
+    above: Vec<i32>,
+    /// To the nearest seed at or below each pixel of the row that the scan up has come to.
+    below: Vec<i32>,
 }
 
-/// The parabola (x − apex)² + height, as a function of x, and where it meets the one left of it in the envelope: at
-/// x = `crossing` / (2 `gap`).
-#[derive(Clone, Copy, Debug, Default)]
-struct Parabola {
-    apex: f64,
-    height: f64,
-    gap: f64,
-    crossing: f64,
-}
-
-impl Parabola {
-    /// This parabola as the right neighbour of `left`.
-    fn after(self, left: Self) -> Self {
-        let gap = self.apex - left.apex;
-        Self { gap, crossing: self.height - left.height + gap * (self.apex + left.apex), ..self }
-    }
-}
-
-/// The lower envelope of parabolas, from left to right. Kept between rows only to save allocations.
-#[derive(Debug)]
-struct Envelope {
-    parabolas: Vec<Parabola>,
-}
-
-impl Envelope {
-    /// The envelope of the columns of a run.
-    fn build(&mut self, g: &[i32], run: &Run) {
-        self.parabolas.clear();
-        for (x, &g) in (run.first..run.last).zip(&g[run.first..run.last]) {
-            if g >= NO_SEED {
-                continue;
+impl<'a> ColumnScan<'a> {
+    /// Scans down through the rows, and up from the last row of the image to where the rows end.
+    #[inline(always)]
+    fn new(mask: &'a Mask, seed: Label, columns: Range<usize>, rows: Range<usize>) -> Self {
+        let mut above = Vec::with_capacity(rows.len() * columns.len());
+        let below = vec![NO_SEED; columns.len()];
+        let mut scan = Self { mask, seed, columns, first_row: rows.start, above: Vec::new(), below };
+        for y in 0..rows.end {
+            scan.step(y);
+            if y >= rows.start {
+                above.extend_from_slice(&scan.below);
             }
-            let mut new =
-                Parabola { apex: x as f64, height: f64::from(g) * f64::from(g), ..Parabola::default() };
-            while let Some(&last) = self.parabolas.last() {
-                new = new.after(last);
-                // The last parabola is nowhere the lowest if it meets its left neighbour no earlier than the new one.
-                // Exact while (w² + h²)·w < 2⁵³, that is for sides up to 100 000 pixels.
-                let hidden = self.parabolas.len() > 1 && last.crossing * new.gap >= new.crossing * last.gap;
-                if !hidden {
-                    break;
-                }
-                self.parabolas.pop();
-            }
-            self.parabolas.push(new);
         }
+        scan.below.fill(NO_SEED);
+        for y in (rows.end..mask.height()).rev() {
+            scan.step(y);
+        }
+        Self { above, ..scan }
     }
 
-    /// Writes d² for each pixel of the run. If there is no parabola it leaves the pixels alone and returns false.
-    fn squared_distances(&self, values: &mut [f32], run: &Run) -> bool {
-        let mut x = run.start;
-        for (index, parabola) in self.parabolas.iter().enumerate() {
-            let end = match self.parabolas.get(index + 1) {
-                // A float cast rounds down, and to 0 what is left of the image.
-                Some(next) => ((0.5 * next.crossing / next.gap + 1.0) as usize).clamp(x, run.end),
-                None => run.end,
-            };
-            let (apex, height) = (parabola.apex as f32, parabola.height as f32);
-            for (offset, value) in values[x..end].iter_mut().enumerate() {
-                let distance = (x + offset) as f32 - apex;
-                *value = distance * distance + height;
-            }
-            x = end;
+    /// Goes on to row `y`, which follows from below, and gives the distances up and down from it.
+    #[inline(always)]
+    fn up(&mut self, y: usize) -> (&[i32], &[i32]) {
+        self.step(y);
+        let width = self.columns.len();
+        (&self.above[(y - self.first_row) * width..][..width], &self.below)
+    }
+
+    /// Carries the distances on to row `y`, which is the next up or down.
+    #[inline(always)]
+    fn step(&mut self, y: usize) {
+        let labels = &self.mask.labels()[y * self.mask.width()..][self.columns.clone()];
+        for (nearest, &label) in self.below.iter_mut().zip(labels) {
+            *nearest = if label == self.seed { 0 } else { *nearest + 1 };
         }
-        !self.parabolas.is_empty()
     }
 }
 
@@ -268,6 +246,39 @@ mod tests {
                     "pixel {i}: {found} instead of {expected} in\n{mask}"
                 );
             }
+        }
+    }
+
+    /// Wide and sparse, so that a row has several blocks and the nearest seed is often far.
+    fn wide_mask() -> impl Strategy<Value = Mask> {
+        let seeds = proptest::collection::vec((0..160_usize, 0..7_usize, 0..3_usize), 0..9);
+        (1..160_usize, 1..7_usize, 0..3_usize, seeds).prop_map(|(width, height, ground, seeds)| {
+            let labels = [Label::Background, Label::Subject, Label::Unknown];
+            let mut mask = Mask::filled(width, height, labels[ground]).unwrap();
+            for (x, y, label) in seeds {
+                mask.labels_mut()[y % height * width + x % width] = labels[label];
+            }
+            mask
+        })
+    }
+
+    fn by_scalars(mask: &Mask) -> Vec<f32> {
+        let far = (mask.width() + mask.height()) as f32;
+        let mut values = vec![far; mask.labels().len()];
+        if let Some(subject) = mask.bounds() {
+            Transform { mask, subject, far, values: &mut values }.with_simd(pulp::Scalar::new());
+        }
+        values
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(150))]
+
+        #[test]
+        fn wide_rows_equal_brute_force(mask in wide_mask()) {
+            let (distance, expected) = (SignedDistance::from_mask(&mask), brute_force(&mask));
+            prop_assert_eq!(distance.values(), &expected, "in\n{}", mask);
+            prop_assert_eq!(by_scalars(&mask), expected, "in\n{}", mask);
         }
     }
 

@@ -238,15 +238,22 @@ impl Mask {
 
     /// The smallest box that holds every subject pixel, or none if there is no such pixel.
     pub fn bounds(&self) -> Option<PixelBox> {
-        let mut bounds: Option<PixelBox> = None;
-        for (y, row) in self.labels.chunks_exact(self.width).enumerate() {
-            let Some(first) = row.iter().position(|&label| label == Label::Subject) else { continue };
-            let last = row.iter().rposition(|&label| label == Label::Subject).unwrap_or(first);
-            bounds = Some(bounds.map_or(PixelBox { x_min: first, y_min: y, x_max: last, y_max: y }, |b| {
-                PixelBox { x_min: b.x_min.min(first), x_max: b.x_max.max(last), y_max: y, ..b }
-            }));
+        let any = |labels: &[Label]| {
+            labels.iter().map(|&label| u8::from(label == Label::Subject)).fold(0, |any, one| any | one) != 0
+        };
+        let mut rows = self.labels.chunks_exact(self.width);
+        let y_min = rows.position(any)?;
+        let y_max = rows.rposition(any).map_or(y_min, |y| y_min + 1 + y);
+        // All rows on top of each other: the columns with a subject.
+        let mut columns = vec![0_u8; self.width];
+        for row in self.labels.chunks_exact(self.width).take(y_max + 1).skip(y_min) {
+            for (column, &label) in columns.iter_mut().zip(row) {
+                *column |= u8::from(label == Label::Subject);
+            }
         }
-        bounds
+        let x_min = columns.iter().position(|&column| column != 0)?;
+        let x_max = columns.iter().rposition(|&column| column != 0)?;
+        Some(PixelBox { x_min, y_min, x_max, y_max })
     }
 }
 

@@ -16,6 +16,7 @@ mod mask;
 mod measurement;
 mod near_distance;
 mod overlap;
+mod row_search;
 
 pub use contour::contours;
 pub use distance::SignedDistance;

@@ -4,6 +4,8 @@
 //! branches: for the few dozen pixels that a ramp needs this beats the envelope of parabolas. A block of pixels stops
 //! looking once k² reaches its largest d², so pixels near the border are cheap.
 
+use pulp::{Arch, Simd, WithSimd};
+
 use super::mask::{Label, Mask, PixelBox};
 
 /// Distances of this many pixels or more are all the same: its square is the largest that fits 16 bits.
@@ -13,7 +15,7 @@ const FAR_PX: i16 = 181;
 pub(super) const MAX_MARGIN: usize = 160;
 
 /// Pixels that are worked on together.
-const BLOCK: usize = 16;
+const BLOCK: usize = 32;
 
 /// How many columns on either side are looked at between two looks at the largest distance of a block.
 const STEPS: usize = 4;
@@ -21,12 +23,36 @@ const STEPS: usize = 4;
 /// The signed distances of a mask, row by row: exact up to `margin` − ½, at least that beyond, and `far` outside the box
 /// of the subject grown by `margin`. The margin is at most [`MAX_MARGIN`].
 pub(super) fn near_distances(mask: &Mask, subject: PixelBox, margin: usize, far: f32) -> Vec<f32> {
+    Arch::new().dispatch(NearDistances { mask, subject, margin, far })
+}
+
+/// The arguments of [`near_distances`], whose work is compiled once more for wider vectors.
+struct NearDistances<'a> {
+    mask: &'a Mask,
+    subject: PixelBox,
+    margin: usize,
+    far: f32,
+}
+
+impl WithSimd for NearDistances<'_> {
+    type Output = Vec<f32>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Vec<f32> {
+        let Self { mask, subject, margin, far } = self;
+        distances(mask, subject, margin, far)
+    }
+}
+
+#[inline(always)]
+fn distances(mask: &Mask, subject: PixelBox, margin: usize, far: f32) -> Vec<f32> {
     let width = mask.width();
     let span = |min: usize, max: usize, size: usize| min.saturating_sub(margin)..(max + margin + 1).min(size);
     let columns = span(subject.x_min, subject.x_max, width);
     let rows = span(subject.y_min, subject.y_max, mask.height());
     let labels: Vec<&[Label]> = rows.clone().map(|y| &mask.labels()[y * width..][columns.clone()]).collect();
-    let [outside, inside] = [Label::Subject, Label::Background].map(|seed| column_distances(&labels, seed));
+    let outside = column_distances(&labels, Label::Subject);
+    let inside = column_distances(&labels, Label::Background);
     let mut search = Search::new(columns.len(), margin);
     let mut values = vec![far; mask.labels().len()];
     for (row, (y, labels)) in rows.zip(labels).enumerate() {
@@ -47,6 +73,7 @@ pub(super) fn near_distances(mask: &Mask, subject: PixelBox, margin: usize, far:
 }
 
 /// For each pixel the distance to the nearest pixel with label `seed` in the same column, at most [`FAR_PX`].
+#[inline(always)]
 fn column_distances(labels: &[&[Label]], seed: Label) -> Vec<i16> {
     let width = labels.first().map_or(0, |row| row.len());
     let mut g: Vec<i16> = Vec::with_capacity(width * labels.len());
@@ -85,6 +112,7 @@ impl Search {
     }
 
     /// The squared distances of a row with these column distances (and a few entries more, to fill a block).
+    #[inline(always)]
     fn squared_distances(&mut self, g: &[i16]) -> &[i16] {
         let margin = self.margin;
         for (square, &g) in self.squares[margin..].iter_mut().zip(g) {
