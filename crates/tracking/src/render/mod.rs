@@ -10,11 +10,13 @@
 //! | [`primitive`] | one solid in camera axes, seen along a ray |
 //! | [`view`] | all solids of a pose prepared for one camera, with conservative pixel boxes |
 //! | [`wrench`] | a pixel's gradient as force and moment on its limb |
+//! | [`joint_forces`] | the same as forces at the limb's two joints |
 //! | [`prediction`] | Λ as a picture, with owner and depth |
 //! | [`jacobian`] | the dense ∂Λ/∂X, for tests, inspection and export |
 //! | [`kernels`] | which primitive wins each pixel of a row |
 
 pub mod jacobian;
+pub mod joint_forces;
 pub mod kernels;
 pub mod prediction;
 pub mod primitive;

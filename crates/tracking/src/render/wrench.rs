@@ -11,6 +11,8 @@ use std::ops::AddAssign;
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, SMatrix, SVector};
 
+use super::joint_forces::JointBlock;
+
 /// A force with its moment and stretch about the limb's first joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Wrench {
@@ -53,17 +55,19 @@ impl AddAssign for Wrench {
     }
 }
 
-/// Σ w h hᵀ (upper triangle) and Σ w h ρ over the pixels of one limb.
+/// What the pixels of one limb pull: Σ w h hᵀ (upper triangle) and Σ w h ρ, and beside it the part that is
+/// known as forces at the limb's joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WrenchBlock {
     products: [f64; 28],
     forces: [f64; 7],
     pixels: usize,
+    joints: JointBlock,
 }
 
 impl Default for WrenchBlock {
     fn default() -> Self {
-        Self { products: [0.0; 28], forces: [0.0; 7], pixels: 0 }
+        Self { products: [0.0; 28], forces: [0.0; 7], pixels: 0, joints: JointBlock::default() }
     }
 }
 
@@ -97,13 +101,24 @@ impl WrenchBlock {
         self.pixels += 1;
     }
 
-    /// Whether no pixel was added.
+    /// Adds forces at the limb's joints.
+    pub fn add_joints(&mut self, joints: &JointBlock) {
+        self.joints += *joints;
+    }
+
+    /// Whether nothing was added but forces at joints.
     #[must_use]
-    pub fn is_empty(&self) -> bool {
+    pub fn has_no_wrench(&self) -> bool {
         self.pixels == 0
     }
 
-    /// M = Σ w h hᵀ and m = Σ w h ρ, turned from camera to world axes.
+    /// What was added as forces at the limb's joints, camera axes.
+    #[must_use]
+    pub fn joints(&self) -> &JointBlock {
+        &self.joints
+    }
+
+    /// M = Σ w h hᵀ and m = Σ w h ρ of all but the forces at joints, turned from camera to world axes.
     #[must_use]
     pub fn in_world(&self, camera_from_world: DMat3) -> (SMatrix<f64, 7, 7>, SVector<f64, 7>) {
         // Force and moment turn, each with itself and with the other; the stretch is a number.

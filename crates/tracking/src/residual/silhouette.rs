@@ -3,14 +3,16 @@
 //! Pixels that no limb comes near have Λ = 255 and no gradient: their cost is a constant of the data,
 //! corrected over the spans that limbs touch. The work grows with the area of the limbs, not with the picture.
 
-use nalgebra::{SMatrix, SVector};
+use glam::DVec3;
+use nalgebra::{SMatrix, SVector, Vector3};
 
 use crate::body::kinematics::MovingColumn;
 use crate::body::{Kinematics, Parameters};
 use crate::camera::Camera;
 use crate::optimize::NormalEquations;
 use crate::render::View;
-use crate::render::kernels::lanes::{Grid, Lanes, PADDING};
+use crate::render::joint_forces::JointBlock;
+use crate::render::kernels::lanes::{Grid, Lanes};
 use crate::render::kernels::scalar::RowWinners;
 use crate::render::ramp::BACKGROUND;
 use crate::render::wrench::WrenchBlock;
@@ -29,20 +31,9 @@ impl SampledData {
     /// Takes every `stride`-th pixel, from the middle of the first block.
     #[must_use]
     pub fn new(measurement: &Measurement, stride: usize) -> Self {
-        let stride = stride.max(1);
-        let offset = stride / 2;
-        let count = |side: usize| side.saturating_sub(offset).div_ceil(stride);
-        let (columns, rows) = (count(measurement.width()), count(measurement.height()));
-        let pitch = columns.next_multiple_of(PADDING);
-        let mut grid = Grid {
-            columns,
-            rows,
-            pitch,
-            stride,
-            offset,
-            values: vec![BACKGROUND as f32; rows * pitch],
-            weights: vec![0.0; rows * pitch],
-        };
+        let mut grid =
+            Grid::new(measurement.width(), measurement.height(), stride, BACKGROUND as f32);
+        let Grid { columns, rows, pitch, stride, offset, .. } = grid;
         let (mut empty_cost, mut total_weight) = (0.0, 0.0);
         for row in 0..rows {
             let from = (offset + row * stride) * measurement.width() + offset;
@@ -113,38 +104,49 @@ pub struct KernelMemory {
     row: RowWinners,
 }
 
-/// Wrench sums of all limbs over all cameras, in world axes.
+/// Sums of all limbs over all cameras, in world axes.
 #[derive(Debug, Clone)]
 pub struct WorldBlocks {
-    products: Vec<SMatrix<f64, 7, 7>>,
-    forces: Vec<SVector<f64, 7>>,
+    joints: Vec<JointBlock>,
+    /// Of limbs whose pull is not all at their joints.
+    wrenches: Vec<Option<(SMatrix<f64, 7, 7>, SVector<f64, 7>)>>,
 }
 
 impl WorldBlocks {
     /// Nothing yet.
     #[must_use]
     pub fn new(limbs: usize) -> Self {
-        Self { products: vec![SMatrix::zeros(); limbs], forces: vec![SVector::zeros(); limbs] }
+        Self { joints: vec![JointBlock::default(); limbs], wrenches: vec![None; limbs] }
     }
 
     /// Forgets everything.
     pub fn clear(&mut self) {
-        self.products.fill(SMatrix::zeros());
-        self.forces.fill(SVector::zeros());
+        self.joints.fill(JointBlock::default());
+        self.wrenches.fill(None);
     }
 
     /// Whether no pixel of any camera pulls at any limb: the body is out of every picture.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.products.iter().all(|products| products.trace() == 0.0)
+        let no_wrench = |sums: &Option<(SMatrix<f64, 7, 7>, _)>| {
+            sums.as_ref().is_none_or(|(products, _)| products.trace() == 0.0)
+        };
+        self.joints.iter().all(JointBlock::is_empty) && self.wrenches.iter().all(no_wrench)
     }
 
     /// Adds one camera's blocks with the camera's weight.
     pub fn add(&mut self, camera: &Camera, blocks: &[WrenchBlock], weight: f64) {
-        for (limb, block) in blocks.iter().enumerate().filter(|(_, block)| !block.is_empty()) {
-            let (products, forces) = block.in_world(camera.camera_from_world().rotation);
-            self.products[limb] += products * weight;
-            self.forces[limb] += forces * weight;
+        let camera_from_world = camera.camera_from_world().rotation;
+        for (limb, block) in blocks.iter().enumerate() {
+            if !block.joints().is_empty() {
+                self.joints[limb] += block.joints().in_world(camera_from_world, weight);
+            }
+            if !block.has_no_wrench() {
+                let (products, forces) = block.in_world(camera_from_world);
+                let sums = self.wrenches[limb].get_or_insert_with(Default::default);
+                sums.0 += products * weight;
+                sums.1 += forces * weight;
+            }
         }
     }
 
@@ -156,23 +158,61 @@ impl WorldBlocks {
         columns: &mut Vec<MovingColumn>,
         equations: &mut NormalEquations,
     ) {
-        for (limb, (products, forces)) in self.products.iter().zip(&self.forces).enumerate() {
-            if products[(0, 0)] == 0.0 && products[(1, 1)] == 0.0 && products[(2, 2)] == 0.0 {
+        for (limb, (joints, wrenches)) in self.joints.iter().zip(&self.wrenches).enumerate() {
+            if joints.is_empty() && wrenches.is_none() {
                 continue;
             }
             kinematics.moving_columns_into(limb, parameters, columns);
-            for (first, a) in columns.iter().enumerate() {
-                let motion = SVector::from(a.motion);
-                let pushed = products * motion;
-                equations.jtr[a.index] += motion.dot(forces);
-                for b in &columns[first..] {
-                    let sum = pushed.dot(&SVector::from(b.motion));
-                    equations.jtj[(a.index, b.index)] += sum;
-                    if a.index != b.index {
-                        equations.jtj[(b.index, a.index)] += sum;
-                    }
-                }
+            if !joints.is_empty() {
+                add_joints(joints, kinematics.ends()[limb] - kinematics.starts()[limb], columns, equations);
+            }
+            if let Some((products, forces)) = wrenches {
+                add_wrenches(products, forces, columns, equations);
             }
         }
     }
+}
+
+fn add_wrenches(
+    products: &SMatrix<f64, 7, 7>,
+    forces: &SVector<f64, 7>,
+    columns: &[MovingColumn],
+    equations: &mut NormalEquations,
+) {
+    for (first, a) in columns.iter().enumerate() {
+        let motion = SVector::from(a.motion);
+        let pushed = products * motion;
+        equations.jtr[a.index] += motion.dot(forces);
+        for b in &columns[first..] {
+            let sum = pushed.dot(&SVector::from(b.motion));
+            equations.jtj[(a.index, b.index)] += sum;
+            if a.index != b.index {
+                equations.jtj[(b.index, a.index)] += sum;
+            }
+        }
+    }
+}
+
+/// The columns move the first joint by v and the limb's axis a by u = ω × a + σ a.
+fn add_joints(block: &JointBlock, axis: DVec3, columns: &[MovingColumn], equations: &mut NormalEquations) {
+    let axis = Vector3::from(axis.to_array());
+    for (first, a) in columns.iter().enumerate() {
+        let (v, u) = joint_rates(a, &axis);
+        let at_start = block.ff * v + block.fg * u;
+        let at_axis = block.fg.tr_mul(&v) + block.gg * u;
+        equations.jtr[a.index] += v.dot(&block.f) + u.dot(&block.g);
+        for b in &columns[first..] {
+            let (v, u) = joint_rates(b, &axis);
+            let sum = at_start.dot(&v) + at_axis.dot(&u);
+            equations.jtj[(a.index, b.index)] += sum;
+            if a.index != b.index {
+                equations.jtj[(b.index, a.index)] += sum;
+            }
+        }
+    }
+}
+
+fn joint_rates(column: &MovingColumn, axis: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+    let [vx, vy, vz, wx, wy, wz, scaling] = column.motion;
+    (Vector3::new(vx, vy, vz), Vector3::new(wx, wy, wz).cross(axis) + axis * scaling)
 }

@@ -1,0 +1,224 @@
+//! Any solid in f32 lanes: winners, residuals and sums of one camera in one go.
+//!
+//! Rays are e = (x, y, 1), not normalised, on the plane z = 1. With the first joint p0 = z₀ ê₀, δ = e − ê₀ and
+//! the axis in units of that depth, a = z₀ A:
+//!
+//! | quantity | on a row (y fixed) |
+//! |---|---|
+//! | e × A = ê₀ × A + δ × A | linear in δx |
+//! | e × ê₀ = δ × ê₀ | linear in δx, exact near the joint |
+//! | t = −(e × ê₀)·(e × A) / \|e × A\|² | closest point of the axis; clamped to 0 … 1 for round ends |
+//! | d² = z₀² \|e × ê₀ + t e × A\|² / \|e\|² | squared distance of the ray |
+//!
+//! Clamping t takes in the hemispherical ends, since all of the limb lies in front of the camera: views in
+//! which it does not are left to [`scalar`](super::scalar). Of equal spheres evenly spread along a limb the
+//! nearest is the one whose t is nearest to the closest point's, so they are a capsule with t rounded. A
+//! sphere of its own is a capsule without length. A flat cap can be hit only where a sphere of the ramp's reach
+//! about its joint is seen, so a cylinder costs more than a capsule only there.
+//!
+//! Per band of rows: spans and ground (columns that any solid may touch), winners solid by solid, cost, pull
+//! solid by solid. On a row a solid touches the interval between the two straight lines that outline the
+//! infinite cylinder of its reach, cut to its pixel box. Work grows with the area of these spans.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `grid` | one camera's data, packed |
+//! | `solid` | constants of a solid, spans |
+//! | `winners` | the darkest solid of every pixel |
+//! | `pull` | forces of the pixels that a solid has won, summed |
+//! | `sums` | a solid's sums as a block |
+
+mod grid;
+mod pull;
+mod solid;
+mod sums;
+mod winners;
+
+use pulp::{Arch, Simd, WithSimd};
+
+pub use grid::Grid;
+
+use self::pull::{Collected, RowData};
+use self::solid::LaneSolid;
+use self::sums::SUMS;
+use self::winners::{Band, Row};
+use crate::render::View;
+use crate::render::primitive::Solid;
+use crate::render::ramp::BACKGROUND;
+use crate::render::wrench::WrenchBlock;
+
+/// Pixels of a band: what is known of them stays in the second cache.
+const BAND_PIXELS: usize = 8 * 1024;
+/// A joint nearer to the camera plane than this many reaches is left to the scalar kernel.
+const NEAREST_REACHES: f64 = 1.5;
+
+/// Memory of the kernel, reused from call to call.
+#[derive(Debug, Clone, Default)]
+pub struct Lanes {
+    xs: Vec<f32>,
+    band: Band,
+    solids: Vec<LaneSolid>,
+    spans: Vec<[u32; 2]>,
+    touched: Vec<[u32; 2]>,
+    collected: Collected,
+    totals: Vec<[f64; SUMS]>,
+}
+
+impl Lanes {
+    /// Whether the kernel can take a view: all well in front of the camera, no lens.
+    #[must_use]
+    pub fn can_take(view: &View) -> bool {
+        view.is_pinhole()
+            && view.primitives().iter().all(|primitive| {
+                let near = NEAREST_REACHES * primitive.ramp.reach();
+                match primitive.solid {
+                    Solid::Capsule { p0, p1 } | Solid::Cylinder { p0, p1 } => p0.z.min(p1.z) > near,
+                    Solid::Spheres { p0, p1, count } => count > 1 && p0.z.min(p1.z) > near,
+                    Solid::Sphere { centre, .. } => centre.z > near,
+                }
+            })
+    }
+
+    /// Adds every limb's pull and returns Σ w ((D − Λ)² − (D − 255)²): what limbs change of the cost.
+    ///
+    /// `blocks` has one entry per limb of the model. [`can_take`](Self::can_take) must hold.
+    pub fn accumulate(&mut self, view: &View, grid: &Grid, blocks: &mut [WrenchBlock]) -> f64 {
+        self.prepare(view, grid);
+        let cost = Arch::new().dispatch(Pass { lanes: self, grid, view });
+        for (solid, totals) in self.solids.iter().zip(&self.totals) {
+            solid.add_to(totals, &mut blocks[solid.limb]);
+        }
+        cost
+    }
+
+    fn prepare(&mut self, view: &View, grid: &Grid) {
+        let pinhole = view.pinhole();
+        self.xs.clear();
+        let (start, step) = ((grid.offset as f64 - pinhole.cx) / pinhole.fx, grid.stride as f64 / pinhole.fx);
+        self.xs.extend((0..grid.pitch).map(|column| (start + column as f64 * step) as f32));
+        self.band.resize(grid.band_rows() * grid.pitch);
+        self.collected.reserve();
+        self.solids.clear();
+        self.spans.clear();
+        self.touched.clear();
+        self.touched.resize(grid.rows, [u32::MAX, 0]);
+        for primitive in view.primitives() {
+            let Some(mut solid) = LaneSolid::new(primitive, pinhole, grid) else { continue };
+            solid.spans = self.spans.len();
+            let [first, last] = solid.rows;
+            for (row, touched) in (first..last).zip(&mut self.touched[first..last]) {
+                let span = solid.span(row);
+                self.spans.push(span);
+                if span[0] < span[1] {
+                    *touched = [touched[0].min(span[0]), touched[1].max(span[1])];
+                }
+            }
+            self.solids.push(solid);
+        }
+        self.totals.clear();
+        self.totals.resize(self.solids.len(), [0.0; SUMS]);
+    }
+}
+
+impl Grid {
+    fn band_rows(&self) -> usize {
+        (BAND_PIXELS / self.pitch.max(1)).clamp(8, self.rows.max(8))
+    }
+}
+
+struct Pass<'a> {
+    lanes: &'a mut Lanes,
+    grid: &'a Grid,
+    view: &'a View,
+}
+
+impl WithSimd for Pass<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let Self { lanes, grid, view } = self;
+        let pinhole = view.pinhole();
+        let (start, step) = ((grid.offset as f64 - pinhole.cy) / pinhole.fy, grid.stride as f64 / pinhole.fy);
+        let y = |row: usize| (start + row as f64 * step) as f32;
+        let mut cost = 0.0;
+        for first in (0..grid.rows).step_by(grid.band_rows()) {
+            let rows = first..(first + grid.band_rows()).min(grid.rows);
+            cost += lanes.band(simd, rows, grid, y);
+        }
+        cost
+    }
+}
+
+impl Lanes {
+    /// One band of rows: ground, winners, cost, pull.
+    #[inline(always)]
+    fn band<S: Simd>(
+        &mut self,
+        simd: S,
+        rows: std::ops::Range<usize>,
+        grid: &Grid,
+        y: impl Fn(usize) -> f32,
+    ) -> f64 {
+        let Self { xs, band, solids, spans, touched, collected, totals } = self;
+        let start = |row: usize| (row - rows.start) * grid.pitch;
+        for row in rows.clone() {
+            if touched[row][0] < touched[row][1] {
+                band.open_row(simd, start(row), xs, y(row), touched[row]);
+            }
+        }
+        let rows_of = |solid: &LaneSolid| solid.rows[0].max(rows.start)..solid.rows[1].min(rows.end);
+        let row_of = |solid: &LaneSolid, row: usize| {
+            let span = spans[solid.spans + row - solid.rows[0]];
+            (span[0] < span[1]).then(|| Row { row, start: start(row), y: y(row), xs, span })
+        };
+        for (index, solid) in solids.iter().enumerate() {
+            for row in rows_of(solid).filter_map(|row| row_of(solid, row)) {
+                band.challenge(simd, solid, index, &row);
+            }
+        }
+        let mut cost = 0.0;
+        for row in rows.clone() {
+            let [from, to] = touched[row];
+            if from < to {
+                let row = Row { row, start: start(row), y: y(row), xs, span: touched[row] };
+                cost += row_cost(simd, &row, band, grid.row(row.row));
+            }
+        }
+        for (index, (solid, totals)) in solids.iter().zip(totals).enumerate() {
+            for row in rows_of(solid).filter_map(|row| row_of(solid, row)) {
+                collected.pull_row(simd, (solid, index), &row, band, grid.row(row.row), totals);
+            }
+            collected.flush(simd, solid, totals);
+        }
+        cost
+    }
+}
+
+impl Grid {
+    #[inline(always)]
+    fn row(&self, row: usize) -> RowData<'_> {
+        let entries = row * self.pitch..(row + 1) * self.pitch;
+        RowData { values: &self.values[entries.clone()], weights: &self.weights[entries] }
+    }
+}
+
+/// Σ w ((D − Λ)² − (D − 255)²) over the touched pixels of a row.
+#[inline(always)]
+fn row_cost<S: Simd>(simd: S, row: &Row<'_>, band: &Band, data: RowData<'_>) -> f64 {
+    let span = row.columns::<S>();
+    let (levels, _) = S::as_simd_f32s(&band.levels[row.start + span.start..row.start + span.end]);
+    let (values, _) = S::as_simd_f32s(&data.values[span.clone()]);
+    let (weights, _) = S::as_simd_f32s(&data.weights[span]);
+    let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
+    let white = simd.splat_f32s(BACKGROUND as f32);
+    let mut sum = zero;
+    for ((&level, &value), &weight) in levels.iter().zip(values).zip(weights) {
+        let level = simd.min_f32s(simd.max_f32s(level, zero), one);
+        let residual = simd.negate_mul_add_e_f32s(level, white, value);
+        let empty = simd.sub_f32s(value, white);
+        let squares = simd.negate_mul_add_e_f32s(empty, empty, simd.mul_f32s(residual, residual));
+        sum = simd.mul_add_e_f32s(weight, squares, sum);
+    }
+    f64::from(simd.reduce_sum_f32s(sum))
+}
