@@ -27,6 +27,9 @@ const RAMPS: [Ramp; 6] = [
 ];
 /// Difference of an entry of the normal equations from f32 lanes, over the largest.
 const EQUATION_TOLERANCE: f64 = 1e-4;
+/// The same where flat caps are seen: as a cap's plane turns edge-on its gradient grows without bound, and the
+/// rounding of the ray's own coordinates with it.
+const FLAT_CAP_TOLERANCE: f64 = 1e-3;
 /// Relative difference of the cost.
 const COST_TOLERANCE: f64 = 1e-5;
 
@@ -103,16 +106,18 @@ fn compare(
     if (lanes_cost - scalar_cost).abs() > COST_TOLERANCE * scalar_cost.max(1.0) {
         failures.push(format!("{name}: cost {lanes_cost} instead of {scalar_cost}"));
     }
+    let tolerance =
+        if renderer == RendererKind::Cylinder { FLAT_CAP_TOLERANCE } else { EQUATION_TOLERANCE };
     let found = equations(model, pose, camera, &lanes);
     let expected = equations(model, pose, camera, &scalar);
     let scale = expected.jtj.diagonal().amax().max(1.0);
     let worst = (&found.jtj - &expected.jtj).amax() / scale;
-    if worst > EQUATION_TOLERANCE || !worst.is_finite() {
+    if worst > tolerance || !worst.is_finite() {
         failures.push(format!("{name}: JᵀJ differs by {worst:.1e} of {scale:.3e}"));
     }
     let scale = (scale * scalar_cost.max(1.0)).sqrt();
     let worst = (&found.jtr - &expected.jtr).amax() / scale;
-    if worst > EQUATION_TOLERANCE || !worst.is_finite() {
+    if worst > tolerance || !worst.is_finite() {
         failures.push(format!("{name}: Jᵀρ differs by {worst:.1e} of {scale:.3e}"));
     }
 }
@@ -126,6 +131,8 @@ fn lanes_are_the_scalar_kernel() {
     for (model_name, model, renderer) in [
         ("upper", builtin::upper_body(), capsule),
         ("full", builtin::full_body(), capsule),
+        ("upper", builtin::upper_body(), RendererKind::Cylinder),
+        ("full", builtin::full_body(), RendererKind::Cylinder),
         ("upper", builtin::upper_body(), spheres),
         ("upper, own spheres", with_own_spheres(&builtin::upper_body()), spheres),
     ] {

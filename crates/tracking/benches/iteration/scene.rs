@@ -75,7 +75,7 @@ fn camera(index: usize, count: usize, width: u64, height: u64) -> Camera {
     let azimuth = 0.4 + std::f64::consts::PI * index as f64 / count.max(2) as f64;
     let centre = DVec3::new(2.6 * azimuth.sin(), 0.8, 2.6 * azimuth.cos());
     let place = CameraFromWorld::looking_at(centre, DVec3::new(0.0, 0.35, 0.0), DVec3::Y);
-    let f = 1.56 * width as f64;
+    let f = 2.08 * height as f64;
     let (cx, cy) = (width as f64 / 2.0 - 0.5, height as f64 / 2.0 - 0.5);
     let pinhole = Intrinsics { fx: f, fy: f, cx, cy };
     Camera::new(&format!("camera {index}"), [width, height], pinhole, Distortion::None, place)

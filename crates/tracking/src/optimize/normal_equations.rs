@@ -27,8 +27,8 @@ impl NormalEquations {
 
     /// Forgets everything, keeps the memory.
     pub fn clear(&mut self) {
-        self.jtj.fill(0.0);
-        self.jtr.fill(0.0);
+        self.jtj.as_mut_slice().fill(0.0);
+        self.jtr.as_mut_slice().fill(0.0);
         self.cost = 0.0;
     }
 

@@ -31,17 +31,11 @@ impl SampledData {
     /// Takes every `stride`-th pixel, from the middle of the first block.
     #[must_use]
     pub fn new(measurement: &Measurement, stride: usize) -> Self {
-        let mut grid =
-            Grid::new(measurement.width(), measurement.height(), stride, BACKGROUND as f32);
-        let Grid { columns, rows, pitch, stride, offset, .. } = grid;
+        let grid = Grid::new(measurement.width(), measurement.values(), measurement.weights(), stride);
         let (mut empty_cost, mut total_weight) = (0.0, 0.0);
-        for row in 0..rows {
-            let from = (offset + row * stride) * measurement.width() + offset;
-            for column in 0..columns {
-                let (source, slot) = (from + column * stride, row * pitch + column);
-                let (value, weight) = (measurement.values()[source], measurement.weights()[source]);
-                grid.values[slot] = value;
-                grid.weights[slot] = weight;
+        for row in 0..grid.rows {
+            let data = grid.row(row);
+            for (&value, &weight) in data.values.iter().zip(data.weights).take(grid.columns) {
                 empty_cost += f64::from(weight) * (f64::from(value) - BACKGROUND).powi(2);
                 total_weight += f64::from(weight);
             }
@@ -68,20 +62,20 @@ impl SampledData {
 
     /// The same by the reference kernel, in f64, one pixel at a time.
     pub fn accumulate_scalar(&self, view: &View, row: &mut RowWinners, blocks: &mut [WrenchBlock]) -> f64 {
-        let Grid { rows, pitch, stride, offset, ref values, ref weights, .. } = self.grid;
+        let Grid { rows, stride, offset, .. } = self.grid;
         let mut cost = self.empty_cost;
         for grid_row in 0..rows {
-            let y = offset + grid_row * stride;
+            let (y, data) = (self.grid.pixel(grid_row), self.grid.row(grid_row));
             row.find(view, y, stride, offset);
             let mut row_cost = 0.0;
             for x in row.touched().step_by(stride) {
                 let Some(winner) = row.winner(x) else { continue };
-                let slot = grid_row * pitch + (x - offset) / stride;
-                let weight = f64::from(weights[slot]);
+                let column = (x - offset) / stride;
+                let weight = f64::from(data.weights[column]);
                 if weight == 0.0 {
                     continue;
                 }
-                let data = f64::from(values[slot]);
+                let data = f64::from(data.values[column]);
                 let residual = data - BACKGROUND * row.level(x).clamp(0.0, 1.0);
                 row_cost += weight * (residual * residual - (data - BACKGROUND).powi(2));
                 if row.level(x) > 0.0 {

@@ -17,32 +17,64 @@ pub struct Grid {
     /// First sampled pixel, across and down: the middle of the first block.
     pub offset: usize,
     /// D, rows × pitch.
-    pub values: Vec<f32>,
-    /// Weights, rows × pitch; zero in the padding.
-    pub weights: Vec<f32>,
+    values: Vec<f32>,
+    /// Weights, rows × pitch or one row for all; zero in the padding.
+    weights: Vec<f32>,
+}
+
+/// Data of one row, from its first column on.
+#[derive(Debug, Clone, Copy)]
+pub struct RowData<'a> {
+    /// D.
+    pub values: &'a [f32],
+    /// Weights.
+    pub weights: &'a [f32],
 }
 
 impl Grid {
-    /// A grid of background without weight over a picture of this size.
+    /// Every `stride`-th pixel of row-major pictures D and its weights, `width` pixels across, from the middle
+    /// of the first block on.
     #[must_use]
-    pub fn new(width: usize, height: usize, stride: usize, background: f32) -> Self {
+    pub fn new(width: usize, values: &[f32], weights: &[f32], stride: usize) -> Self {
+        let height = values.len() / width.max(1);
         let stride = stride.max(1);
         let offset = stride / 2;
         let count = |side: usize| side.saturating_sub(offset).div_ceil(stride);
         let (columns, rows) = (count(width), count(height));
         let pitch = (columns + PADDING).next_multiple_of(PADDING);
-        Self {
-            columns,
-            rows,
-            pitch,
-            stride,
-            offset,
-            values: vec![background; rows * pitch],
-            weights: vec![0.0; rows * pitch],
+        let mut grid = Self { columns, rows, pitch, stride, offset, values: Vec::new(), weights: Vec::new() };
+        grid.values = grid.sampled(width, values);
+        // Pictures without unknown pixels spare the memory's bandwidth.
+        if weights.iter().all(|&weight| weight.to_bits() == 1.0f32.to_bits()) {
+            grid.weights = vec![0.0; pitch];
+            grid.weights[..columns].fill(1.0);
+        } else {
+            grid.weights = grid.sampled(width, weights);
         }
+        grid
+    }
+
+    fn sampled(&self, width: usize, picture: &[f32]) -> Vec<f32> {
+        let mut sampled = vec![0.0; self.rows * self.pitch];
+        for (row, target) in sampled.chunks_exact_mut(self.pitch).enumerate() {
+            let source = &picture[self.pixel(row) * width..][..width];
+            let source = source.iter().skip(self.offset).step_by(self.stride);
+            target.iter_mut().zip(source).for_each(|(target, &value)| *target = value);
+        }
+        sampled
+    }
+
+    /// The data of a row.
+    #[inline(always)]
+    #[must_use]
+    pub fn row(&self, row: usize) -> RowData<'_> {
+        let entries = row * self.pitch..(row + 1) * self.pitch;
+        let weights = if self.weights.len() == self.pitch { &self.weights[..] } else { &self.weights[entries.clone()] };
+        RowData { values: &self.values[entries], weights }
     }
 
     /// Pixel coordinate of a sampled column or row.
+    #[inline]
     #[must_use]
     pub fn pixel(&self, index: usize) -> usize {
         self.offset + index * self.stride

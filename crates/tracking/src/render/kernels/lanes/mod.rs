@@ -38,7 +38,8 @@ use pulp::{Arch, Simd, WithSimd};
 
 pub use grid::Grid;
 
-use self::pull::{Collected, RowData};
+use self::grid::RowData;
+use self::pull::Collected;
 use self::solid::LaneSolid;
 use self::sums::SUMS;
 use self::winners::{Band, Row};
@@ -192,14 +193,6 @@ impl Lanes {
             collected.flush(simd, solid, totals);
         }
         cost
-    }
-}
-
-impl Grid {
-    #[inline(always)]
-    fn row(&self, row: usize) -> RowData<'_> {
-        let entries = row * self.pitch..(row + 1) * self.pitch;
-        RowData { values: &self.values[entries.clone()], weights: &self.weights[entries] }
     }
 }
 

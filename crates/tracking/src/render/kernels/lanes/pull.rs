@@ -13,6 +13,7 @@
 use glam::Vec3;
 use pulp::Simd;
 
+use super::grid::RowData;
 use super::solid::{LaneSolid, Shape};
 use super::sums::{CAPS, DEPTH, SUMS};
 use super::winners::{Band, END_CAP, FlatHit, Row, START_CAP};
@@ -30,13 +31,6 @@ const MOST_LANES: usize = 16;
 pub(super) struct Collected {
     vectors: Vec<f32>,
     groups: usize,
-}
-
-/// Data of one row, from its first column on.
-#[derive(Clone, Copy)]
-pub(super) struct RowData<'a> {
-    pub values: &'a [f32],
-    pub weights: &'a [f32],
 }
 
 impl Collected {

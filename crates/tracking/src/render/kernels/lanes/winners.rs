@@ -98,7 +98,7 @@ impl Band {
             let measure = if solid.ramp.is_linear { simd.sqrt_f32s(squared) } else { squared };
             let level = simd.mul_add_e_f32s(slope, measure, offset);
             let darker = simd.less_than_f32s(level, levels[i]);
-            levels[i] = simd.select_f32s(darker, level, levels[i]);
+            levels[i] = simd.min_f32s(level, levels[i]);
             owners[i] = simd.select_u32s(darker, owner, owners[i]);
             fractions[i] = simd.select_f32s(darker, nearest.fraction, fractions[i]);
         }
