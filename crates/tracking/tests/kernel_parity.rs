@@ -106,8 +106,7 @@ fn compare(
     if (lanes_cost - scalar_cost).abs() > COST_TOLERANCE * scalar_cost.max(1.0) {
         failures.push(format!("{name}: cost {lanes_cost} instead of {scalar_cost}"));
     }
-    let tolerance =
-        if renderer == RendererKind::Cylinder { FLAT_CAP_TOLERANCE } else { EQUATION_TOLERANCE };
+    let tolerance = if renderer == RendererKind::Cylinder { FLAT_CAP_TOLERANCE } else { EQUATION_TOLERANCE };
     let found = equations(model, pose, camera, &lanes);
     let expected = equations(model, pose, camera, &scalar);
     let scale = expected.jtj.diagonal().amax().max(1.0);

@@ -69,7 +69,8 @@ impl Grid {
     #[must_use]
     pub fn row(&self, row: usize) -> RowData<'_> {
         let entries = row * self.pitch..(row + 1) * self.pitch;
-        let weights = if self.weights.len() == self.pitch { &self.weights[..] } else { &self.weights[entries.clone()] };
+        let weights =
+            if self.weights.len() == self.pitch { &self.weights[..] } else { &self.weights[entries.clone()] };
         RowData { values: &self.values[entries], weights }
     }
 

@@ -73,7 +73,9 @@ impl Collected {
             let weight = simd.select_f32s(active, weights[i], zero);
             let residual = simd.negate_mul_add_e_f32s(level, white, values[i]);
             let mut force = match solid.shape {
-                Shape::Capsule | Shape::Spheres { .. } => round(simd, solid, xs[i], row.y, fractions[i], norms[i]),
+                Shape::Capsule | Shape::Spheres { .. } => {
+                    round(simd, solid, xs[i], row.y, fractions[i], norms[i])
+                }
                 Shape::Cylinder { .. } => flat(simd, solid, xs[i], row.y, fractions[i], norms[i]),
             };
             if solid.ramp.is_linear {
@@ -134,7 +136,14 @@ struct Force<S: Simd> {
 
 /// The axis, a round end or a sphere at fraction t.
 #[inline(always)]
-fn round<S: Simd>(simd: S, solid: &LaneSolid, x: S::f32s, y: f32, t: S::f32s, inverse_norm: S::f32s) -> Force<S> {
+fn round<S: Simd>(
+    simd: S,
+    solid: &LaneSolid,
+    x: S::f32s,
+    y: f32,
+    t: S::f32s,
+    inverse_norm: S::f32s,
+) -> Force<S> {
     let splat = |value: f32| simd.splat_f32s(value);
     let start = solid.start_point();
     let along = |a: f32, p: f32| simd.mul_add_e_f32s(t, splat(a), splat(p));
@@ -152,7 +161,14 @@ fn round<S: Simd>(simd: S, solid: &LaneSolid, x: S::f32s, y: f32, t: S::f32s, in
 
 /// The axis between its joints, or one of the flat caps.
 #[inline(always)]
-fn flat<S: Simd>(simd: S, solid: &LaneSolid, x: S::f32s, y: f32, mark: S::f32s, inverse_norm: S::f32s) -> Force<S> {
+fn flat<S: Simd>(
+    simd: S,
+    solid: &LaneSolid,
+    x: S::f32s,
+    y: f32,
+    mark: S::f32s,
+    inverse_norm: S::f32s,
+) -> Force<S> {
     let splat = |value: f32| simd.splat_f32s(value);
     let (zero, one) = (splat(0.0), splat(1.0));
     let t = simd.min_f32s(simd.max_f32s(mark, zero), one);

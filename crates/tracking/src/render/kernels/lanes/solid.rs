@@ -101,7 +101,9 @@ impl LaneSolid {
     /// Constants of a primitive; `None` if it touches no sampled pixel.
     pub(super) fn new(primitive: &Primitive, pinhole: &Intrinsics, grid: &Grid) -> Option<Self> {
         let (p0, p1) = match primitive.solid {
-            Solid::Capsule { p0, p1 } | Solid::Cylinder { p0, p1 } | Solid::Spheres { p0, p1, .. } => (p0, p1),
+            Solid::Capsule { p0, p1 } | Solid::Cylinder { p0, p1 } | Solid::Spheres { p0, p1, .. } => {
+                (p0, p1)
+            }
             Solid::Sphere { centre, .. } => (centre, centre),
         };
         let bounds = GridBox::new(&primitive.bounds, grid);
@@ -114,7 +116,9 @@ impl LaneSolid {
         let shape = match primitive.solid {
             Solid::Capsule { .. } | Solid::Sphere { .. } => Shape::Capsule,
             Solid::Spheres { count, .. } => Shape::Spheres { gaps: (count - 1) as f32 },
-            Solid::Cylinder { .. } => Shape::Cylinder { caps: [p0, p1].map(|p| GridBox::around(p, reach, pinhole, grid)) },
+            Solid::Cylinder { .. } => {
+                Shape::Cylinder { caps: [p0, p1].map(|p| GridBox::around(p, reach, pinhole, grid)) }
+            }
         };
         Some(Self {
             limb: primitive.limb,
@@ -164,7 +168,8 @@ impl GridBox {
 
     fn around(centre: DVec3, reach: f64, pinhole: &Intrinsics, grid: &Grid) -> Self {
         let pixels = |count: usize| grid.pixel(count.saturating_sub(1)) + 1;
-        let bounds = PixelBox::around(centre, centre, reach, pinhole, pixels(grid.columns), pixels(grid.rows));
+        let bounds =
+            PixelBox::around(centre, centre, reach, pinhole, pixels(grid.columns), pixels(grid.rows));
         Self::new(&bounds, grid)
     }
 
@@ -209,11 +214,7 @@ impl Edges {
     /// a ray e comes within reach where |e·v| cos φ < (e·w) sin φ.
     fn new(p0: DVec3, a: DVec3, reach: f64, pinhole: &Intrinsics, grid: &Grid, columns: [usize; 2]) -> Self {
         let columns = columns.map(|column| column as f64);
-        let mut edges = Self {
-            low: [0.0, f64::NEG_INFINITY],
-            high: [0.0, f64::INFINITY],
-            columns,
-        };
+        let mut edges = Self { low: [0.0, f64::NEG_INFINITY], high: [0.0, f64::INFINITY], columns };
         let Some(along) = a.try_normalize() else { return edges };
         let across = p0 - along * p0.dot(along);
         let distance = across.length();

@@ -84,8 +84,9 @@ impl LaneSolid {
             depth.force += DVec3::Z * 0.5;
             let depth = SVector::from(depth.to_array());
             let with = wrench_of * vector(&s[DEPTH..DEPTH + 3], factor);
-            products +=
-                with * depth.transpose() + depth * with.transpose() + depth * depth.transpose() * s[DEPTH + 6];
+            products += with * depth.transpose()
+                + depth * with.transpose()
+                + depth * depth.transpose() * s[DEPTH + 6];
             forces += depth * s[DEPTH + 7];
         }
         (products, forces)

@@ -36,7 +36,14 @@ impl Band {
 
     /// Empties columns of a row, whose first entry is `start`.
     #[inline(always)]
-    pub(super) fn open_row<S: Simd>(&mut self, simd: S, start: usize, xs: &[f32], y: f32, [from, to]: [u32; 2]) {
+    pub(super) fn open_row<S: Simd>(
+        &mut self,
+        simd: S,
+        start: usize,
+        xs: &[f32],
+        y: f32,
+        [from, to]: [u32; 2],
+    ) {
         let (from, to) = (from as usize, to as usize + S::F32_LANES);
         let to = to.min(xs.len());
         self.levels[start + from..start + to].fill(1.0);
@@ -53,13 +60,7 @@ impl Band {
 
     /// Lets a solid win the pixels of one row's span in which it is darker than those before it.
     #[inline(always)]
-    pub(super) fn challenge<S: Simd>(
-        &mut self,
-        simd: S,
-        solid: &LaneSolid,
-        index: usize,
-        row: &Row<'_>,
-    ) {
+    pub(super) fn challenge<S: Simd>(&mut self, simd: S, solid: &LaneSolid, index: usize, row: &Row<'_>) {
         let span = row.columns::<S>();
         let (xs, _) = S::as_simd_f32s(&row.xs[span.clone()]);
         let here = row.start + span.start..row.start + span.end;
@@ -85,7 +86,8 @@ impl Band {
                             let squared = hit.squared(simd, joint.z / solid.start.z);
                             let closer = simd.less_than_f32s(squared, nearest.squared);
                             nearest.squared = simd.select_f32s(closer, squared, nearest.squared);
-                            nearest.fraction = simd.select_f32s(closer, simd.splat_f32s(mark), nearest.fraction);
+                            nearest.fraction =
+                                simd.select_f32s(closer, simd.splat_f32s(mark), nearest.fraction);
                         }
                     }
                     nearest
