@@ -76,6 +76,12 @@ pub enum Action {
     Play,
     NextWorst,
     PreviousWorst,
+    ShowSingleLimb,
+    ShowOneCamera,
+    ShowTwoCameras,
+    ShowSequence,
+    ShowTinySequence,
+    ShowBias,
     Palette,
     Shortcuts,
     Messages,
@@ -91,12 +97,14 @@ pub enum Menu {
     View,
     Fit,
     Track,
+    Demonstrate,
     Help,
 }
 
 impl Menu {
     /// All menus.
-    pub const ALL: [Self; 6] = [Self::File, Self::Edit, Self::View, Self::Fit, Self::Track, Self::Help];
+    pub const ALL: [Self; 7] =
+        [Self::File, Self::Edit, Self::View, Self::Fit, Self::Track, Self::Demonstrate, Self::Help];
 
     /// The menu's label.
     #[must_use]
@@ -107,6 +115,7 @@ impl Menu {
             Self::View => "View",
             Self::Fit => "Fit",
             Self::Track => "Track",
+            Self::Demonstrate => "Demonstrate",
             Self::Help => "Help",
         }
     }
@@ -221,6 +230,12 @@ const TABLE: &[Command] = &{
     row(M::Track, A::Play, "Play or pause", "Play the frames with their poses", &[key(Key::P)]),
     row(M::Track, A::NextWorst, "Next worst", "Go to the next frame with a poor fit", &[key(Key::N)]),
     row(M::Track, A::PreviousWorst, "Previous worst", "Go to the poor fit before", &[shift(Key::N)]),
+    row(M::Demonstrate, A::ShowSingleLimb, "Fig. 5.1: one limb, three renderers", "One limb seen from the side: capsule and sphere tree come home, the cylinder stays", &[]),
+    row(M::Demonstrate, A::ShowOneCamera, "Fig. 5.2: upper body, one camera", "The cost falls, yet the arms are off where the camera cannot see it", &[]),
+    row(M::Demonstrate, A::ShowTwoCameras, "Fig. 5.3: upper body, two cameras", "The same start with a second camera, the report's steps beside tangent ones", &[]),
+    row(M::Demonstrate, A::ShowSequence, "Fig. 5.5: simulated sequence", "50 frames of silhouettes in two cameras, to be tracked", &[]),
+    row(M::Demonstrate, A::ShowTinySequence, "Fig. 5.6: tiny pictures", "The same frames with 48 × 36 pixels", &[]),
+    row(M::Demonstrate, A::ShowBias, "Bias of a ramp", "Fits that begin at the true pose, and leave it", &[]),
     row(M::Help, A::Palette, "Find a command…", "Type a few letters of any command", &[ctrl(Key::K)]),
     row(M::Help, A::Shortcuts, "Keys", "All keys, searchable", &[key(Key::Questionmark)]),
     row(M::Help, A::Messages, "Messages", "What the program has said since it was started", &[]),

@@ -7,12 +7,14 @@
 //! | `requests`, `commands` | what the panels and the keys asked for |
 //! | `hand` | dragging in a camera's view |
 //! | `fitting` | stepping, running, refitting, tracking |
+//! | `demonstrating` | demonstrations and their runs, one after the other |
 //! | `files` | takes, projects, dialogs, autosave and recovery |
 //! | `jobs` | what the screen lacks is asked of the worker |
 //! | `screen` | which panels there are, and where |
 //! | `headless` | the window's picture without a display |
 
 mod commands;
+mod demonstrating;
 mod events;
 mod files;
 mod fitting;
@@ -43,6 +45,7 @@ impl App {
         self.play(ui.ctx());
         self.autosave();
         self.request_jobs();
+        self.go_on_demonstrating();
         self.frame_seconds = began.elapsed().as_secs_f64();
     }
 }

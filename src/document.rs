@@ -11,11 +11,15 @@ use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::track::FitOptions;
 
+use crate::demonstration::Demonstration;
+
 /// Where the footage of a document comes from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum TakeSource {
     /// The take that comes with the program.
     BuiltIn,
+    /// A simulated take, made anew when it is opened.
+    Demonstration(Demonstration),
     /// A folder with a `take.toml`, or the file itself.
     Path(PathBuf),
 }

@@ -4,13 +4,17 @@ use std::sync::{Arc, OnceLock};
 
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::Camera;
+use backlit_tracking::experiment::Simulation;
 use backlit_tracking::io::{self, Take};
 use backlit_tracking::segment::SegmentOptions;
-use backlit_tracking::silhouette::{Mask, SignedDistance};
-use backlit_tracking::track::start;
-use image::RgbImage;
+use backlit_tracking::silhouette::{Label, Mask, Measurement, SignedDistance};
+use backlit_tracking::track::{DataView, Evidence, start};
+use image::{DynamicImage, RgbImage};
 
 use crate::document::TakeSource;
+
+/// Grey levels below this are the subject's.
+const HALF_GREY: u8 = 128;
 
 /// A take with everything that is made once for all its frames.
 #[derive(Debug)]
@@ -34,6 +38,8 @@ pub struct CameraFrame {
     /// Its silhouette.
     pub mask: Option<Arc<Mask>>,
     distance: OnceLock<SignedDistance>,
+    /// Grey levels D that stand for the silhouette wherever D is looked at as it is; of simulations.
+    pub grey_levels: Option<Arc<Measurement>>,
     /// Why something is missing.
     pub problem: Option<String>,
 }
@@ -44,6 +50,30 @@ impl CameraFrame {
     pub fn distance(&self) -> Option<&SignedDistance> {
         let mask = self.mask.as_ref()?;
         Some(self.distance.get_or_init(|| SignedDistance::from_mask(mask)))
+    }
+
+    /// What a fit takes of it where D is looked at by `data`; `None` without a silhouette.
+    #[must_use]
+    pub fn evidence(&self, data: DataView) -> Option<Evidence> {
+        match &self.grey_levels {
+            Some(levels) if data == DataView::Hard => Some(Evidence::Measurement(levels.clone())),
+            _ => self.mask.clone().map(Evidence::Mask),
+        }
+    }
+
+    /// Takes a simulated picture, whose grey levels are the silhouette: no segmentation.
+    fn simulate(&mut self, image: RgbImage, simulation: Simulation) {
+        let grey = DynamicImage::ImageRgb8(image.clone()).into_luma8();
+        let label = |pixel: &u8| if *pixel < HALF_GREY { Label::Subject } else { Label::Background };
+        let labels = grey.as_raw().iter().map(label).collect();
+        match Mask::new(grey.width() as usize, grey.height() as usize, labels) {
+            Ok(mask) => self.mask = Some(Arc::new(mask)),
+            Err(problem) => self.problem = Some(problem.to_string()),
+        }
+        if simulation == Simulation::Prediction {
+            self.grey_levels = Some(Arc::new(Measurement::from_gray(&grey)));
+        }
+        self.image = Some(Arc::new(image));
     }
 }
 
@@ -101,7 +131,20 @@ impl Footage {
     /// cameras and the picture without its silhouette are still of use.
     #[must_use]
     pub fn load(&self, camera: usize, frame: usize, options: &SegmentOptions) -> CameraFrame {
-        let mut result = CameraFrame { image: None, mask: None, distance: OnceLock::new(), problem: None };
+        let mut result = CameraFrame {
+            image: None,
+            mask: None,
+            distance: OnceLock::new(),
+            grey_levels: None,
+            problem: None,
+        };
+        if let Some(TakeSource::Demonstration(which)) = &self.source {
+            match self.inner.picture(camera, frame) {
+                Ok(image) => result.simulate(image, which.simulation()),
+                Err(problem) => result.problem = Some(problem.to_string()),
+            }
+            return result;
+        }
         match self.inner.picture(camera, frame) {
             Ok(image) => {
                 match self.inner.mask(camera, &image, options) {

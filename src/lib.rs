@@ -4,6 +4,7 @@ pub mod action;
 pub mod app;
 pub mod builtin_take;
 pub mod cli;
+pub mod demonstration;
 pub mod document;
 pub mod edit;
 pub mod footage;

@@ -16,6 +16,7 @@ use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::demonstration::Demonstration;
 use crate::document::{CameraUse, Document, Estimate, Origin, TakeSource};
 
 /// Name and version of the project file's format.
@@ -75,6 +76,7 @@ struct ProjectFile {
 #[serde(rename_all = "kebab-case")]
 enum TakeRecord {
     BuiltIn,
+    Demonstration(Demonstration),
     Path(PathBuf),
 }
 
@@ -158,6 +160,7 @@ fn to_file(document: &Document) -> ProjectFile {
         format: FORMAT.to_owned(),
         take: document.take.as_ref().map(|take| match take {
             TakeSource::BuiltIn => TakeRecord::BuiltIn,
+            TakeSource::Demonstration(which) => TakeRecord::Demonstration(*which),
             TakeSource::Path(path) => TakeRecord::Path(path.clone()),
         }),
         model: model.to_spec(),
@@ -234,6 +237,7 @@ impl Reader<'_> {
         Ok(Document {
             take: file.take.map(|take| match take {
                 TakeRecord::BuiltIn => TakeSource::BuiltIn,
+                TakeRecord::Demonstration(which) => TakeSource::Demonstration(which),
                 TakeRecord::Path(path) => TakeSource::Path(path),
             }),
             model: Arc::new(model),

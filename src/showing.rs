@@ -36,6 +36,8 @@ pub struct Showing<'a> {
     pub is_playing: bool,
     /// The sentence of the status bar about what the hand is doing.
     pub doing: Option<&'a str>,
+    /// What the open demonstration shows, until that is closed.
+    pub explanation: Option<&'a str>,
     /// Time that the last frame of the window took, in seconds.
     pub frame_seconds: f64,
 }
@@ -91,6 +93,8 @@ pub enum Request {
     Open(TakeSource),
     /// Close a notice.
     CloseNotice(u64),
+    /// Close the explanation of a demonstration.
+    CloseExplanation,
     /// A notice is under the pointer: it stays.
     HoldNotice(u64),
     /// Take what an earlier start of the program left unsaved, or leave it.

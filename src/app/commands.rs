@@ -4,6 +4,7 @@ use backlit_tracking::body::Pose;
 use backlit_tracking::track::{FitOptions, posing};
 
 use super::App;
+use super::demonstrating::demonstration_of;
 use super::fitting::Part;
 use super::state::{DialogKind, Opening, Overlay};
 use crate::action::Action;
@@ -65,6 +66,10 @@ impl App {
     }
 
     fn act_on_files(&mut self, action: Action, ctx: &egui::Context) -> bool {
+        if let Some(which) = demonstration_of(action) {
+            self.open(Opening::Take(TakeSource::Demonstration(which)));
+            return true;
+        }
         match action {
             Action::OpenTake => self.ask_for_file(DialogKind::Take),
             Action::OpenBuiltIn => self.open(Opening::Take(TakeSource::BuiltIn)),

@@ -148,6 +148,7 @@ impl App {
             Some((document, path)) => (History::new(*document), Some(path)),
             None => (History::new(document_of(footage)), None),
         };
+        let is_new = path.is_none() && !history.is_dirty();
         let document = history.document();
         self.selection = Selection::default();
         let first = document.model.rotation_owners()[0];
@@ -159,8 +160,15 @@ impl App {
         self.held = None;
         self.pending_steps = 0;
         self.autosaved = None;
+        self.prepared = None;
+        self.explanation = None;
         let cameras = footage.cameras.len();
         self.tiles = [vec![TileLook::default(); cameras], debug_tiles(cameras)];
+        if let Some(TakeSource::Demonstration(which)) = &footage.source
+            && is_new
+        {
+            self.demonstrate(*which);
+        }
     }
 }
 
@@ -175,7 +183,12 @@ fn document_of(footage: &Footage) -> Document {
         used: true,
         weight: 1.0,
     };
-    document.cameras = Arc::new(footage.cameras.iter().map(camera).collect());
+    let mut cameras: Vec<CameraUse> = footage.cameras.iter().map(camera).collect();
+    if let Some(TakeSource::Demonstration(which)) = &footage.source {
+        document.fit = Arc::new(which.fit());
+        cameras.iter_mut().skip(which.used_cameras()).for_each(|camera| camera.used = false);
+    }
+    document.cameras = Arc::new(cameras);
     document
 }
 

@@ -157,6 +157,9 @@ impl App {
                     Some(TakeSource::Path(path)) => {
                         path.file_name().map_or_else(|| "a take".into(), |n| n.to_string_lossy().into_owned())
                     }
+                    Some(TakeSource::Demonstration(which)) => {
+                        format!("the demonstration \"{}\"", which.name())
+                    }
                     _ => "the built-in take".to_owned(),
                 };
                 let frames = document.estimates.len() + document.keys.len();

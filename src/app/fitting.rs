@@ -93,7 +93,7 @@ impl App {
         self.begin(name, free_rotations(&model, limb, part), None);
     }
 
-    fn begin(&mut self, name: Option<String>, free: Option<Vec<bool>>, steps: Option<usize>) {
+    pub(super) fn begin(&mut self, name: Option<String>, free: Option<Vec<bool>>, steps: Option<usize>) {
         let Some(scene) = self.scene() else { return };
         let pose = self.session.shown_pose(self.document(), &self.selection).clone();
         let fit = scene.fit.clone();
@@ -117,6 +117,7 @@ impl App {
 
     /// Ends a fit that is going on, because its pose is about to change: what it has done stays as a run.
     pub(super) fn interrupt_fit(&mut self) {
+        self.stop_demonstrating();
         if !self.worker.is_busy(Lane::Fit) {
             return;
         }
@@ -194,6 +195,7 @@ impl App {
     /// Stops fit and tracker; what is done stays.
     pub(super) fn stop(&mut self) {
         self.pending_steps = 0;
+        self.stop_demonstrating();
         self.worker.cancel(Lane::Fit);
         self.worker.cancel(Lane::Track);
     }

@@ -65,6 +65,7 @@ impl App {
             Request::Layout(layout) => self.look.layout = layout,
             Request::Open(source) => self.open(Opening::Take(source)),
             Request::CloseNotice(id) => self.notices.close(id),
+            Request::CloseExplanation => self.explanation = None,
             Request::HoldNotice(id) => self.notices.hold(id, self.now),
             Request::Recover(take_it) => self.recover(take_it),
         }

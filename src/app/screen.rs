@@ -8,7 +8,8 @@ use super::state::Overlay;
 use crate::look::Layout;
 use crate::panels::tiles::TilesLook;
 use crate::panels::{
-    about, convergence, empty, notice_cards, right_panel, shortcuts, status_bar, tiles, timeline, toolbar,
+    about, convergence, empty, explanation, notice_cards, right_panel, shortcuts, status_bar, tiles,
+    timeline, toolbar,
 };
 use crate::showing::{Busy, Intents, Request, Showing};
 use crate::theme::size;
@@ -33,6 +34,7 @@ impl App {
             has_clipboard: self.clipboard.is_some(),
             is_playing: self.next_played.is_some(),
             doing: self.doing.as_deref(),
+            explanation: self.explanation,
             frame_seconds: self.frame_seconds,
         }
     }
@@ -58,6 +60,7 @@ impl App {
             let frame = Frame::NONE;
             CentralPanel::default().frame(frame).show(ui, |ui| {
                 notices_from = pos2(centre.right(), centre.bottom());
+                explanation::ui(ui, &showing, intents);
                 if self.alone.is_none() {
                     timeline::ui(ui, &showing, intents, window.height());
                     notices_from.y = ui.available_rect_before_wrap().bottom();

@@ -6,6 +6,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use backlit_tracking::body::{Pose, builtin};
 use backlit_tracking::io::Take;
 
+use super::demonstrating::Prepared;
 use super::hand::Held;
 use crate::document::{Document, TakeSource};
 use crate::history::{Gesture, History};
@@ -76,6 +77,9 @@ pub struct App {
     /// Whether the screen follows the tracker.
     pub(super) follows_tracker: bool,
     pub(super) held: Option<Held>,
+    /// The demonstration that is being prepared.
+    pub(super) prepared: Option<Prepared>,
+    pub(super) explanation: Option<&'static str>,
     /// By layout, then by camera.
     pub(super) tiles: [Vec<TileLook>; 2],
     pub(super) alone: Option<usize>,
@@ -124,6 +128,8 @@ impl App {
             run_gesture: None,
             follows_tracker: false,
             held: None,
+            prepared: None,
+            explanation: None,
             tiles: [Vec::new(), Vec::new()],
             alone: None,
             pair: [0, 1],
@@ -180,7 +186,7 @@ impl App {
     /// Whether nothing is being read, fitted or drawn anew: what is on the screen is whole.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        self.worker.is_idle() && !self.session.is_stale
+        self.worker.is_idle() && !self.session.is_stale && self.prepared.is_none()
     }
 
     /// Goes to a frame.

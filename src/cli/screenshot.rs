@@ -10,6 +10,7 @@ use image::DynamicImage;
 
 use super::output;
 use crate::app::{Opening, PictureOptions, headless_picture, opening_of};
+use crate::demonstration::Demonstration;
 use crate::document::TakeSource;
 use crate::look::Layout;
 use crate::theme::Theme;
@@ -25,6 +26,9 @@ const SIDES: std::ops::RangeInclusive<u16> = 200..=8192;
 pub struct ScreenshotArguments {
     /// Take or project: a take's folder, its take.toml, or a .backlit file [default: the built-in take]
     take: Option<PathBuf>,
+    /// A demonstration instead of a take, as its menu shows it
+    #[arg(long, value_enum, value_name = "NAME", conflicts_with = "take")]
+    demonstration: Option<Demonstration>,
     /// Colours
     #[arg(long, value_enum, default_value_t = ThemeWord::Dark)]
     theme: ThemeWord,
@@ -109,7 +113,8 @@ pub fn run(arguments: &ScreenshotArguments) -> anyhow::Result<()> {
         arguments.scale
     );
     output::check_folder_of(&arguments.out)?;
-    let opening = arguments.take.as_deref().map_or(Opening::Take(TakeSource::BuiltIn), opening_of);
+    let source = arguments.demonstration.map_or(TakeSource::BuiltIn, TakeSource::Demonstration);
+    let opening = arguments.take.as_deref().map_or(Opening::Take(source), opening_of);
     let options = PictureOptions {
         theme: match arguments.theme {
             ThemeWord::Dark => Theme::Dark,

@@ -64,7 +64,7 @@ impl Scale {
     fn text(self, y: f64) -> String {
         let value = if self.log { 10f64.powf(y) } else { y };
         match self.height {
-            Height::Percent => format!("{} %", format::number(value, if value < 1.0 { 1 } else { 0 })),
+            Height::Percent => format!("{} %", format::number(value, decimals(value))),
             Height::Cost => format::cost(value),
         }
     }
@@ -119,6 +119,11 @@ fn head(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) -> Scale {
     );
     ui.data_mut(|data| data.insert_temp(id, (percent, log, rejected)));
     Scale { height: if percent { Height::Percent } else { Height::Cost }, log, rejected }
+}
+
+/// Enough decimals for the first figure of a percentage, up to four.
+fn decimals(percent: f64) -> usize {
+    if percent >= 1.0 || percent <= 0.0 { 0 } else { (-percent.log10()).ceil().clamp(1.0, 4.0) as usize }
 }
 
 fn plot(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, scale: Scale, area: egui::Vec2) {

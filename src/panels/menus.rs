@@ -76,6 +76,9 @@ const fn begins_group(action: Action) -> bool {
             | A::SetKeyPose
             | A::PreviousFrame
             | A::Play
+            | A::ShowOneCamera
+            | A::ShowSequence
+            | A::ShowBias
             | A::Messages
     )
 }

@@ -6,6 +6,7 @@ pub mod camera_tile;
 mod command;
 pub(crate) mod convergence;
 pub(crate) mod empty;
+pub(crate) mod explanation;
 mod joint;
 mod measurement;
 mod menus;

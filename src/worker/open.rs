@@ -59,6 +59,7 @@ impl OpenJob {
 fn open_take(source: &TakeSource) -> anyhow::Result<Footage> {
     let take = match source {
         TakeSource::BuiltIn => crate::builtin_take::open()?,
+        TakeSource::Demonstration(which) => which.take()?,
         TakeSource::Path(path) => Take::open(path)?,
     };
     Ok(Footage::new(take, Some(source.clone())))

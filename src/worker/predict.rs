@@ -7,7 +7,7 @@ use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::render::{Prediction, View};
 use backlit_tracking::silhouette::{Measurement, Overlap};
-use backlit_tracking::track::{Evidence, FitOptions, FitView};
+use backlit_tracking::track::{FitOptions, FitView};
 
 use super::{Event, Job, Outbox, Step};
 use crate::document::CameraUse;
@@ -60,10 +60,11 @@ impl Scene {
     #[must_use]
     pub fn views(&self) -> Vec<FitView> {
         let Some(frame) = &self.frame else { return Vec::new() };
+        let looks = self.fit.stages.last().map(|stage| stage.data).unwrap_or_default();
         let parts = self.cameras.iter().zip(self.uses.iter()).zip(&frame.cameras);
         let view = |((camera, used), data): ((&Arc<Camera>, &CameraUse), &crate::footage::CameraFrame)| {
-            let mask = data.mask.clone().filter(|_| used.used && used.weight > 0.0)?;
-            Some(FitView { camera: camera.clone(), evidence: Evidence::Mask(mask), weight: used.weight })
+            let evidence = data.evidence(looks).filter(|_| used.used && used.weight > 0.0)?;
+            Some(FitView { camera: camera.clone(), evidence, weight: used.weight })
         };
         parts.filter_map(view).collect()
     }
@@ -188,7 +189,7 @@ impl Scene {
         let stage = self.fit.stages.last()?;
         let view = FitView {
             camera: self.cameras[camera].clone(),
-            evidence: Evidence::Mask(frame.mask.clone()?),
+            evidence: frame.evidence(stage.data)?,
             weight: 1.0,
         };
         Some(view.data(stage, frame.distance()))

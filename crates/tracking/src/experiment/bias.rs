@@ -59,6 +59,20 @@ impl Look {
             Data::Distance => format!("{}, distances", self.ramp),
         }
     }
+
+    /// The fit that goes down to the least cost: tangent Levenberg-Marquardt without priors.
+    #[must_use]
+    pub fn fit(&self) -> FitOptions {
+        let data = if self.data == Data::Distance { DataView::Distance } else { DataView::Hard };
+        let (iterations, tolerance) = (ITERATIONS, Some(TOLERANCE));
+        FitOptions {
+            parameters: Parameters::Tangent,
+            method: Method::LevenbergMarquardt,
+            damping: DAMPING,
+            stages: vec![Stage { ramp: self.ramp, data, stride: 1, iterations, tolerance }],
+            ..FitOptions::preset(Preset::Report)
+        }
+    }
 }
 
 /// What to vary.
@@ -186,21 +200,7 @@ fn bias_mm(
 ) -> Result<f64, ExperimentError> {
     let views = cameras.iter().map(|camera| view(model, truth, camera, look.data));
     let views = views.collect::<Result<Vec<_>, _>>()?;
-    let data = if look.data == Data::Distance { DataView::Distance } else { DataView::Hard };
-    let fit = FitOptions {
-        parameters: Parameters::Tangent,
-        method: Method::LevenbergMarquardt,
-        damping: DAMPING,
-        stages: vec![Stage {
-            ramp: look.ramp,
-            data,
-            stride: 1,
-            iterations: ITERATIONS,
-            tolerance: Some(TOLERANCE),
-        }],
-        ..FitOptions::preset(Preset::Report)
-    };
-    let curve = Curve::of("", model, truth, views, truth, fit, cancel)?;
+    let curve = Curve::of("", model, truth, views, truth, look.fit(), cancel)?;
     Ok(curve.final_joint_error_mm())
 }
 

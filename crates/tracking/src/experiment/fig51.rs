@@ -33,7 +33,7 @@ pub struct Options {
     pub offset_m: f64,
     /// Pixels across and down.
     pub size_px: [u64; 2],
-    /// How the data are made.
+    /// How the data are made: the same for all renderers, grey levels by the capsule.
     pub simulation: Simulation,
     /// The solver; its renderer is replaced by each of the three.
     pub fit: FitOptions,
@@ -123,12 +123,13 @@ pub fn run(
     for &distance_m in &options.distances_m {
         let camera = Arc::new(camera(distance_m, options.size_px)?);
         let mut curves = Vec::new();
+        let ramp = options.fit.final_ramp();
+        let view = scene::view(&model, &truth, &camera, options.simulation, RendererKind::Capsule, ramp)?;
         for renderer in RENDERERS {
             on_progress(Progress { done: parts.len() * RENDERERS.len() + curves.len(), total });
             let fit = FitOptions { renderer, ..options.fit.clone() };
-            let ramp = fit.final_ramp();
-            let view = scene::view(&model, &truth, &camera, options.simulation, renderer, ramp)?;
-            curves.push(Curve::of(renderer.name(), &model, &truth, vec![view], &start, fit, cancel)?);
+            let views = vec![view.clone()];
+            curves.push(Curve::of(renderer.name(), &model, &truth, views, &start, fit, cancel)?);
         }
         parts.push(Part { distance_m, curves });
     }

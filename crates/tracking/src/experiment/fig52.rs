@@ -20,6 +20,9 @@ use crate::track::{FitOptions, Preset};
 /// A fit ends well when its mean joint error is below this, millimetres.
 pub const GOOD_MM: f64 = 20.0;
 
+/// Damping at the start of Levenberg-Marquardt, in units of mean(diag JᵀJ).
+pub const LM_DAMPING: f64 = 0.01;
+
 /// A way to fit: a name and every choice.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Way {
@@ -74,7 +77,7 @@ pub fn ways() -> Vec<Way> {
     let mended = FitOptions {
         parameters: Parameters::Tangent,
         method: Method::LevenbergMarquardt,
-        damping: 0.01,
+        damping: LM_DAMPING,
         ..report.clone()
     };
     vec![

@@ -8,7 +8,7 @@ use super::ExperimentError;
 use crate::body::{Kinematics, Model, Pose};
 use crate::camera::Camera;
 use crate::render::{Ramp, RendererKind, View, prediction};
-use crate::silhouette::{Label, Mask, MaskError, Measurement, Overlap};
+use crate::silhouette::{Label, Mask, MaskError, Measurement, MeasurementError, Overlap};
 use crate::track::{Evidence, FitView};
 
 /// How data are made of a known pose.
@@ -49,14 +49,27 @@ pub fn view(
     let evidence = match simulation {
         Simulation::Mask => Evidence::Mask(Arc::new(hard_mask(model, truth, camera)?)),
         Simulation::Prediction => {
-            let values: Vec<f32> =
-                levels(model, truth, camera, renderer, ramp).into_iter().map(|level| level as f32).collect();
-            let weights = vec![1.0; values.len()];
-            let data = Measurement::new(camera.width(), camera.height(), values, weights)?;
-            Evidence::Measurement(Arc::new(data))
+            Evidence::Measurement(Arc::new(grey_levels(model, truth, camera, renderer, ramp)?))
         }
     };
     Ok(FitView { camera: Arc::clone(camera), evidence, weight: 1.0 })
+}
+
+/// The soft silhouette of a pose as data: every pixel of full weight.
+///
+/// # Errors
+/// Numbers out of range, which no valid pose gives.
+pub fn grey_levels(
+    model: &Model,
+    pose: &Pose,
+    camera: &Camera,
+    renderer: RendererKind,
+    ramp: Ramp,
+) -> Result<Measurement, MeasurementError> {
+    let values: Vec<f32> =
+        levels(model, pose, camera, renderer, ramp).into_iter().map(|level| level as f32).collect();
+    let weights = vec![1.0; values.len()];
+    Measurement::new(camera.width(), camera.height(), values, weights)
 }
 
 fn levels(model: &Model, pose: &Pose, camera: &Camera, renderer: RendererKind, ramp: Ramp) -> Vec<f64> {

@@ -1,0 +1,104 @@
+//! Which demonstrations there are, their names and explanations.
+
+use clap::ValueEnum;
+use serde::{Deserialize, Serialize};
+
+/// A demonstration, named in files and on the command line as its experiment is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, ValueEnum)]
+pub enum Demonstration {
+    /// One limb seen from the side, three renderers.
+    #[serde(rename = "fig5.1")]
+    #[value(name = "fig5.1")]
+    SingleLimb,
+    /// The upper body before one camera.
+    #[serde(rename = "fig5.2")]
+    #[value(name = "fig5.2")]
+    OneCamera,
+    /// The same before two cameras.
+    #[serde(rename = "fig5.3")]
+    #[value(name = "fig5.3")]
+    TwoCameras,
+    /// A simulated sequence.
+    #[serde(rename = "fig5.5")]
+    #[value(name = "fig5.5")]
+    Sequence,
+    /// The same in tiny pictures.
+    #[serde(rename = "fig5.6")]
+    #[value(name = "fig5.6")]
+    TinySequence,
+    /// Fits that begin at the truth, by ramp.
+    #[serde(rename = "bias")]
+    #[value(name = "bias")]
+    Bias,
+}
+
+impl Demonstration {
+    /// All of them, in the order of the menu.
+    pub const ALL: [Self; 6] =
+        [Self::SingleLimb, Self::OneCamera, Self::TwoCameras, Self::Sequence, Self::TinySequence, Self::Bias];
+
+    /// What its take is called.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::SingleLimb => "Fig. 5.1: one limb",
+            Self::OneCamera => "Fig. 5.2: one camera",
+            Self::TwoCameras => "Fig. 5.3: two cameras",
+            Self::Sequence => "Fig. 5.5: a sequence",
+            Self::TinySequence => "Fig. 5.6: tiny pictures",
+            Self::Bias => "Bias of a ramp",
+        }
+    }
+
+    /// What is shown, and what to look at and to try.
+    #[must_use]
+    pub const fn explanation(self) -> &'static str {
+        match self {
+            Self::SingleLimb => {
+                "One limb, seen from the side, began 10 cm off along its axis. Capsule and sphere tree came home. \
+                 The cylinder is on the screen: it stays at 100 % of its start, because from the side its flat \
+                 ends cover no pixel and nothing pulls along the axis. Press G: the hatched pixels have no \
+                 gradient. A click on a curve shows that step."
+            }
+            Self::OneCamera => {
+                "Only camera 1 counts. Its view fits and the cost falls, yet camera 2, which does not count, shows \
+                 limbs that are off where one camera cannot see: in depth. To go on with both, tick \"Used in the \
+                 fit\" in the menu at the right of camera 2's header and press Enter."
+            }
+            Self::TwoCameras => {
+                "The same start as with one camera, and both count: the joints come home. The report's fit falls \
+                 steadily; Levenberg-Marquardt on tangent steps is at the truth after a dozen. Not from every \
+                 start: backlit experiment fig5.3 tries twenty. Press Comma and Period to go through the steps."
+            }
+            Self::Sequence => {
+                "50 frames of silhouettes in two cameras. Track forward follows them with the robust preset. \
+                 Then choose Report 2004 as the preset, go to the first frame and track again: N leads to the \
+                 worst frames."
+            }
+            Self::TinySequence => {
+                "The same 50 frames in pictures of 48 × 36 pixels. Track forward follows them; an arm is two \
+                 pixels wide here, and that is all there is to go by."
+            }
+            Self::Bias => {
+                "Only camera 1 counts, and every run began at the true pose: without bias it would stay there. The \
+                 thesis ramp is half grey outside the limb's surface, so its cost is less where the body is \
+                 further away; camera 2 shows how far it went. Ramps that are half grey on the surface stay \
+                 nearer: click a run to see where it ended."
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_and_command_line_say_the_same_word() {
+        for demonstration in Demonstration::ALL {
+            let in_files = serde_json::to_value(demonstration).unwrap();
+            let on_the_line = demonstration.to_possible_value().unwrap();
+            assert_eq!(in_files, on_the_line.get_name());
+        }
+    }
+}
