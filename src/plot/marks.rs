@@ -5,10 +5,28 @@ use egui_plot::{GridInput, GridMark};
 /// With fewer marks at 1, 2 and 5 a logarithmic axis has even ones.
 const LEAST_MARKS: usize = 3;
 
-/// Marks at 1, 2 and 5 of each decade, or even ones where those are too few; the axis is of logarithms.
+/// Points of a plot's finest division.
+const DIVISION: f64 = 8.0;
+/// A decade has marks at 1, 2 and 5 if it is at least so many points long.
+const ROOMY_DECADE: f64 = 80.0;
+/// Else only whole decades have marks, at least so many points apart.
+const LEAST_APART: f64 = 30.0;
+
+/// Marks at 1, 2 and 5 of each decade, or at whole decades where there is less room, or even ones where those are
+/// too few; the axis is of logarithms.
 #[must_use]
 pub fn decade_marks(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
+    let decade = DIVISION / input.base_step_size;
+    if decade < ROOMY_DECADE {
+        let step = (LEAST_APART / decade).ceil().max(1.0);
+        let marks = (low / step).ceil() as i64..=(high / step).floor() as i64;
+        let marks: Vec<GridMark> =
+            marks.map(|k| GridMark { value: k as f64 * step, step_size: step }).collect();
+        if marks.len() >= LEAST_MARKS {
+            return marks;
+        }
+    }
     let decades = (low.floor() as i32)..=(high.ceil() as i32);
     let mark = |value: f64| GridMark { value: value.log10(), step_size: 1.0 };
     let marks = decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|digit| mark(digit * 10f64.powi(decade))));
@@ -40,4 +58,30 @@ pub fn number(value: f64, step: f64) -> String {
     }
     let decimals = (-step.abs().max(f64::MIN_POSITIVE).log10().floor()).clamp(0.0, 6.0) as usize;
     format!("{value:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn values(low: f64, high: f64, points: f64) -> Vec<f64> {
+        let base_step_size = DIVISION * (high - low) / points;
+        let marks = decade_marks(GridInput { bounds: (low, high), base_step_size });
+        marks.iter().map(|mark| 10f64.powf(mark.value)).collect()
+    }
+
+    fn assert_near(found: &[f64], expected: &[f64]) {
+        let same = found.len() == expected.len()
+            && found.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-9);
+        assert!(same, "{found:?}");
+    }
+
+    #[test]
+    fn logarithmic_marks_keep_apart() {
+        assert_near(&values(-0.1, 1.1, 200.0), &[1.0, 2.0, 5.0, 10.0]);
+        assert_near(&values(-2.1, 2.1, 200.0), &[0.01, 0.1, 1.0, 10.0, 100.0]);
+        assert_near(&values(-4.1, 2.1, 100.0), &[0.0001, 0.01, 1.0, 100.0]);
+        // Too few round ones: even ones.
+        assert_near(&values(1.9, 2.01, 200.0), &[80.0, 85.0, 90.0, 95.0, 100.0]);
+    }
 }
