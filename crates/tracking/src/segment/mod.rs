@@ -7,14 +7,16 @@
 //! Equation numbers are those of P. Kaimakis, "Markerless Motion Capture", University of Cambridge, 2004.
 
 mod background;
+mod bit_image;
 mod components;
 mod dont_know;
 mod exposure;
 mod morphology;
 mod shadow;
 mod subtraction;
+mod threshold;
 
 pub use background::{Background, BackgroundError};
 pub use dont_know::DontKnowOptions;
 pub use shadow::ShadowOptions;
-pub use subtraction::{BETA, SegmentError, SegmentOptions, segment};
+pub use subtraction::{BETA, SegmentError, SegmentOptions, Segmenter, segment};

@@ -4,12 +4,15 @@
 //! The largest of the three z-scores decides, not their sum: noise is then judged channel by channel, and a difference in
 //! one colour alone (skin before wood) is not diluted by the others.
 
+use std::sync::Arc;
+
 use image::RgbImage;
 use serde::{Deserialize, Serialize};
 
 use super::background::Background;
 use super::dont_know::{DontKnowOptions, dark_places};
 use super::shadow::{ShadowOptions, shadows};
+use super::threshold::{Limits, Threshold};
 use super::{components, exposure, morphology};
 use crate::silhouette::{Label, Mask, MaskError, Region};
 
@@ -126,7 +129,7 @@ impl SegmentOptions {
     }
 }
 
-/// Finds the subject in a frame.
+/// Finds the subject in a frame. For many frames of one camera [`Segmenter`] does the same.
 ///
 /// # Errors
 ///
@@ -137,16 +140,65 @@ pub fn segment(
     background: &Background,
     options: &SegmentOptions,
 ) -> Result<Mask, SegmentError> {
+    options.check()?;
+    find_subject(frame, background, options, None)
+}
+
+/// A background and options, made ready for many frames.
+///
+/// Where the exposure is not matched ([`SegmentOptions::match_exposure`]), the levels that are background are the same in
+/// every frame, and are worked out once. The masks are those of [`segment`], to the bit.
+#[derive(Clone, Debug)]
+pub struct Segmenter {
+    background: Arc<Background>,
+    options: SegmentOptions,
+    limits: Option<Limits>,
+}
+
+impl Segmenter {
+    /// Makes a background ready.
+    ///
+    /// # Errors
+    ///
+    /// If an option is not a usable number.
+    pub fn new(background: Arc<Background>, options: SegmentOptions) -> Result<Self, SegmentError> {
+        options.check()?;
+        let fixed = !options.match_exposure;
+        let limits = fixed.then(|| Limits::new(&background, options.z_threshold, options.noise_floor));
+        Ok(Self { background, options, limits })
+    }
+
+    /// Finds the subject in a frame.
+    ///
+    /// # Errors
+    ///
+    /// If the frame and the background differ in size, or if the frame has no pixels or more than
+    /// [`MAX_PIXELS`](crate::silhouette::MAX_PIXELS).
+    pub fn segment(&self, frame: &RgbImage) -> Result<Mask, SegmentError> {
+        find_subject(frame, &self.background, &self.options, self.limits.as_ref())
+    }
+}
+
+/// [`segment`] with options that were checked, and with limits that were made from them or without.
+fn find_subject(
+    frame: &RgbImage,
+    background: &Background,
+    options: &SegmentOptions,
+    limits: Option<&Limits>,
+) -> Result<Mask, SegmentError> {
     let (width, height) = (frame.width() as usize, frame.height() as usize);
     if (width, height) != (background.width(), background.height()) {
         let background = (background.width(), background.height());
         return Err(SegmentError::SizeMismatch { frame: (width, height), background });
     }
-    options.check()?;
     let mut mask = Mask::filled(width, height, Label::Background)?;
     let gains = if options.match_exposure { exposure::gains(frame, background) } else { [1.0; 3] };
+    let threshold = Threshold { gains, z: options.z_threshold, noise_floor: options.noise_floor };
 
-    let mut subject = foreground(frame, background, gains, options.z_threshold, options.noise_floor);
+    let mut subject = match limits {
+        Some(limits) => limits.foreground(frame),
+        None => threshold.foreground(frame, background),
+    };
     if let Some(region) = options.region {
         clear_outside(&mut subject, width, region, 0);
     }
@@ -157,8 +209,7 @@ pub fn segment(
             *label = if shadow == 1 { shadow_options.label() } else { *label };
         }
     }
-    subject = morphology::open(&subject, width, options.opening_px);
-    subject = morphology::close(&subject, width, options.closing_px);
+    subject = morphology::open_and_close(&subject, width, options.opening_px, options.closing_px);
     if options.min_component_px > 1 {
         components::drop_small(&mut subject, width, options.min_component_px, 0.0);
     }
@@ -176,9 +227,9 @@ pub fn segment(
     }
     if let Some(dont_know) = &options.dont_know {
         let dark = dark_places(frame, background, gains, dont_know);
-        let sure = |index| is_off(frame, background, gains, dont_know.sure_z, options.noise_floor, index);
+        let surely = Threshold { z: dont_know.sure_z, ..threshold };
         for (index, (label, dark)) in mask.labels_mut().iter_mut().zip(dark).enumerate() {
-            if dark == 1 && !(*label == Label::Subject && sure(index)) {
+            if dark == 1 && !(*label == Label::Subject && surely.is_off(frame, background, index)) {
                 *label = Label::Unknown;
             }
         }
@@ -187,47 +238,6 @@ pub fn segment(
         clear_outside(mask.labels_mut(), width, region, Label::Background);
     }
     Ok(mask)
-}
-
-/// For each pixel whether some channel is off by more than `z` deviations.
-fn foreground(
-    frame: &RgbImage,
-    background: &Background,
-    gains: [f32; 3],
-    z: f32,
-    noise_floor: f32,
-) -> Vec<u8> {
-    // The three channels of a row are one run of numbers, which suits the vector unit.
-    let row = 3 * background.width();
-    let row_gains = gains.repeat(background.width());
-    let mut off = vec![0_u8; row];
-    let mut foreground = Vec::with_capacity(background.mean().len());
-    let mean = background.mean().as_flattened().chunks_exact(row);
-    let deviation = background.deviation().as_flattened().chunks_exact(row);
-    for (i, (mu, sigma)) in frame.as_raw().chunks_exact(row).zip(mean.zip(deviation)) {
-        let numbers = off.iter_mut().zip(i).zip(mu.iter().zip(sigma)).zip(&row_gains);
-        for (((off, &i), (&mu, &sigma)), &gain) in numbers {
-            *off = u8::from((f32::from(i) - gain * mu).abs() > z * sigma.max(noise_floor));
-        }
-        foreground.extend(off.chunks_exact(3).map(|off| off[0] | off[1] | off[2]));
-    }
-    foreground
-}
-
-/// Whether some channel of one pixel is off by more than `z` deviations.
-fn is_off(
-    frame: &RgbImage,
-    background: &Background,
-    gains: [f32; 3],
-    z: f32,
-    noise_floor: f32,
-    index: usize,
-) -> bool {
-    let (mean, deviation) = (background.mean()[index], background.deviation()[index]);
-    (0..3).any(|c| {
-        let difference = f32::from(frame.as_raw()[3 * index + c]) - gains[c] * mean[c];
-        difference.abs() > z * deviation[c].max(noise_floor)
-    })
 }
 
 /// Writes `value` to all pixels outside a region.

@@ -12,6 +12,7 @@
 use image::GrayImage;
 use serde::{Deserialize, Serialize};
 
+use super::box_average::box_average;
 use super::distance::SignedDistance;
 use super::mask::{Label, Mask};
 
@@ -148,30 +149,17 @@ impl Measurement {
     /// The share of background among the known pixels of the box of (2 · `radius_px` + 1)² around each pixel. The box is
     /// cut at the image's border. Radius 0 is [`Self::from_mask_hard`].
     pub fn from_mask_averaged(mask: &Mask, radius_px: usize) -> Self {
-        let (width, height) = (mask.width(), mask.height());
-        let mut sums = ColumnSums::new(width);
-        let mut values = Vec::with_capacity(width * height);
-        let mut prefix = Vec::with_capacity(width + 1);
-        let row = |y: usize| &mask.labels()[y * width..(y + 1) * width];
-        (0..radius_px.min(height)).for_each(|y| sums.add(row(y)));
-        for y in 0..height {
-            if let Some(entering) = y.checked_add(radius_px).filter(|&entering| entering < height) {
-                sums.add(row(entering));
-            }
-            if let Some(leaving) = y.checked_sub(radius_px + 1) {
-                sums.remove(row(leaving));
-            }
-            sums.prefix_into(&mut prefix);
-            for x in 0..width {
-                let [low, high] = [x.saturating_sub(radius_px), x.saturating_add(radius_px + 1).min(width)];
-                let (known, background) = (prefix[high].0 - prefix[low].0, prefix[high].1 - prefix[low].1);
-                values.push(match known {
-                    0 => UNKNOWN_LEVEL,
-                    _ => BACKGROUND_LEVEL * background as f32 / known as f32,
-                });
-            }
-        }
-        Self { width, height, values, weights: mask_weights(mask) }
+        let mut averaged = Self { width: 0, height: 0, values: Vec::new(), weights: Vec::new() };
+        averaged.average(mask, radius_px);
+        averaged
+    }
+
+    /// Becomes [`Self::from_mask_averaged`], in the memory that it has: for one frame after the other.
+    pub fn average(&mut self, mask: &Mask, radius_px: usize) {
+        (self.width, self.height) = (mask.width(), mask.height());
+        self.weights.clear();
+        self.weights.extend(mask.labels().iter().map(weight));
+        box_average(mask, radius_px, [BACKGROUND_LEVEL, UNKNOWN_LEVEL], &mut self.values);
     }
 
     /// D = 255 · clip((sd + `inner_px`) / (`inner_px` + `outer_px`), 0, 1), weighed by the mask.
@@ -255,45 +243,13 @@ impl Measurement {
 }
 
 /// Full weight for what is known.
+fn weight(label: &Label) -> f32 {
+    if *label == Label::Unknown { 0.0 } else { 1.0 }
+}
+
+/// The weights of all pixels.
 fn mask_weights(mask: &Mask) -> Vec<f32> {
-    mask.labels().iter().map(|&label| if label == Label::Unknown { 0.0 } else { 1.0 }).collect()
-}
-
-/// How many known and how many background pixels each column has in the rows added so far.
-struct ColumnSums {
-    known: Vec<u32>,
-    background: Vec<u32>,
-}
-
-impl ColumnSums {
-    fn new(width: usize) -> Self {
-        Self { known: vec![0; width], background: vec![0; width] }
-    }
-
-    fn add(&mut self, row: &[Label]) {
-        for ((known, background), &label) in self.known.iter_mut().zip(&mut self.background).zip(row) {
-            *known += u32::from(label != Label::Unknown);
-            *background += u32::from(label == Label::Background);
-        }
-    }
-
-    fn remove(&mut self, row: &[Label]) {
-        for ((known, background), &label) in self.known.iter_mut().zip(&mut self.background).zip(row) {
-            *known -= u32::from(label != Label::Unknown);
-            *background -= u32::from(label == Label::Background);
-        }
-    }
-
-    /// The sums of all columns left of each; one entry more than there are columns.
-    fn prefix_into(&self, prefix: &mut Vec<(u32, u32)>) {
-        prefix.clear();
-        let mut sum = (0, 0);
-        prefix.push(sum);
-        for (known, background) in self.known.iter().zip(&self.background) {
-            sum = (sum.0 + known, sum.1 + background);
-            prefix.push(sum);
-        }
-    }
+    mask.labels().iter().map(weight).collect()
 }
 
 #[cfg(test)]
@@ -322,7 +278,7 @@ mod tests {
     fn averages_count_known_pixels_of_the_box() {
         let mask = example();
         assert_eq!(Measurement::from_mask_averaged(&mask, 0), Measurement::from_mask_hard(&mask));
-        for radius in [1_usize, 2, 9, usize::MAX - 1] {
+        for radius in [1_usize, 2, 7, 8, usize::MAX - 1] {
             let averaged = Measurement::from_mask_averaged(&mask, radius);
             for (i, &value) in averaged.values().iter().enumerate() {
                 let near = |j: usize| (i % 5).abs_diff(j % 5) <= radius && (i / 5).abs_diff(j / 5) <= radius;

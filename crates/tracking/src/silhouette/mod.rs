@@ -10,6 +10,7 @@
 //! Throughout, pixel centres lie at integer coordinates, x to the right and y down; images are stored row by row. Grey
 //! levels run from 0 (subject) to 255 (background). Image *files* of masks are the other way round: white is the subject.
 
+mod box_average;
 mod contour;
 mod distance;
 mod mask;

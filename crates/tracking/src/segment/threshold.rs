@@ -1,0 +1,193 @@
+//! The deviation test: a pixel is foreground if |i − g µ| > β max(σ, floor) in some channel.
+//!
+//! Where the gain g is known to be 1, the levels that pass the test are an interval for each pixel and channel, the same in
+//! every frame: [`Limits`]. Comparing bytes with bytes is many times faster than fetching µ and σ.
+
+use image::RgbImage;
+use pulp::{Arch, Simd, WithSimd};
+
+use super::background::Background;
+
+/// The test, apart from the background.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Threshold {
+    /// g of red, green and blue.
+    pub(super) gains: [f32; 3],
+    /// β.
+    pub(super) z: f32,
+    /// The smallest deviation that is believed, grey levels.
+    pub(super) noise_floor: f32,
+}
+
+impl Threshold {
+    /// For each pixel whether some channel is off.
+    pub(super) fn foreground(&self, frame: &RgbImage, background: &Background) -> Vec<u8> {
+        Arch::new().dispatch(ByDeviation { threshold: self, frame, background })
+    }
+
+    /// Whether some channel of one pixel is off.
+    pub(super) fn is_off(&self, frame: &RgbImage, background: &Background, index: usize) -> bool {
+        let (mean, deviation) = (background.mean()[index], background.deviation()[index]);
+        let levels = &frame.as_raw()[3 * index..];
+        (0..3).any(|c| self.is_level_off(levels[c], self.gains[c], mean[c], deviation[c]))
+    }
+
+    #[inline(always)]
+    fn is_level_off(&self, level: u8, gain: f32, mean: f32, deviation: f32) -> bool {
+        (f32::from(level) - gain * mean).abs() > self.z * deviation.max(self.noise_floor)
+    }
+}
+
+/// The work of [`Threshold::foreground`], compiled once more for wider vectors.
+struct ByDeviation<'a> {
+    threshold: &'a Threshold,
+    frame: &'a RgbImage,
+    background: &'a Background,
+}
+
+impl WithSimd for ByDeviation<'_> {
+    type Output = Vec<u8>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Vec<u8> {
+        let Self { threshold, frame, background } = self;
+        // The three channels of a row are one run of numbers, which suits vectors.
+        let row = 3 * background.width();
+        let row_gains = threshold.gains.repeat(background.width());
+        let mut off = vec![0_u8; row];
+        let mut foreground = vec![0_u8; background.mean().len()];
+        let mean = background.mean().as_flattened().chunks_exact(row);
+        let deviation = background.deviation().as_flattened().chunks_exact(row);
+        let rows = frame.as_raw().chunks_exact(row).zip(mean.zip(deviation));
+        for (foreground, (levels, (mu, sigma))) in foreground.chunks_exact_mut(background.width()).zip(rows) {
+            let numbers = off.iter_mut().zip(levels).zip(mu.iter().zip(sigma)).zip(&row_gains);
+            for (((off, &level), (&mu, &sigma)), &gain) in numbers {
+                *off = u8::from(threshold.is_level_off(level, gain, mu, sigma));
+            }
+            any_channel(&off, foreground);
+        }
+        foreground
+    }
+}
+
+/// For each pixel and channel the levels that are background.
+#[derive(Clone, Debug)]
+pub(super) struct Limits {
+    width: usize,
+    low: Vec<u8>,
+    /// Below `low` where no level is background.
+    high: Vec<u8>,
+}
+
+impl Limits {
+    /// The levels that pass a test with gains of 1.
+    pub(super) fn new(background: &Background, z: f32, noise_floor: f32) -> Self {
+        let threshold = Threshold { gains: [1.0; 3], z, noise_floor };
+        let [mean, deviation] = [background.mean(), background.deviation()].map(<[_]>::as_flattened);
+        let limits = mean.iter().zip(deviation).map(|(&mean, &deviation)| {
+            let is_off = |level: u8| threshold.is_level_off(level, 1.0, mean, deviation);
+            interval(mean, z * deviation.max(noise_floor), is_off)
+        });
+        let (low, high) = limits.unzip();
+        Self { width: background.width(), low, high }
+    }
+
+    /// For each pixel whether some channel is off.
+    pub(super) fn foreground(&self, frame: &RgbImage) -> Vec<u8> {
+        Arch::new().dispatch(ByLimits { limits: self, frame })
+    }
+}
+
+/// The first and the last level that are not off, or (1, 0). They lie next to `mean` ± `reach`, but rounding decides which.
+fn interval(mean: f32, reach: f32, is_off: impl Fn(u8) -> bool) -> (u8, u8) {
+    // A float cast saturates.
+    let mut low = (mean - reach).ceil() as u8;
+    while low > 0 && !is_off(low - 1) {
+        low -= 1;
+    }
+    while is_off(low) {
+        if low == u8::MAX || f32::from(low) > mean {
+            return (1, 0);
+        }
+        low += 1;
+    }
+    let mut high = ((mean + reach).floor() as u8).max(low);
+    while high < u8::MAX && !is_off(high + 1) {
+        high += 1;
+    }
+    while is_off(high) {
+        high -= 1;
+    }
+    (low, high)
+}
+
+/// The work of [`Limits::foreground`], compiled once more for wider vectors.
+struct ByLimits<'a> {
+    limits: &'a Limits,
+    frame: &'a RgbImage,
+}
+
+impl WithSimd for ByLimits<'_> {
+    type Output = Vec<u8>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Vec<u8> {
+        let Limits { width, low, high } = self.limits;
+        let row = 3 * width;
+        let mut off = vec![0_u8; row];
+        let mut foreground = vec![0_u8; low.len() / 3];
+        let rows =
+            self.frame.as_raw().chunks_exact(row).zip(low.chunks_exact(row).zip(high.chunks_exact(row)));
+        for (foreground, (levels, (low, high))) in foreground.chunks_exact_mut(*width).zip(rows) {
+            for ((off, &level), (&low, &high)) in off.iter_mut().zip(levels).zip(low.iter().zip(high)) {
+                *off = u8::from(level < low) | u8::from(level > high);
+            }
+            any_channel(&off, foreground);
+        }
+        foreground
+    }
+}
+
+/// For each pixel whether one of its three channels is set.
+#[inline(always)]
+fn any_channel(channels: &[u8], pixels: &mut [u8]) {
+    for (pixel, channels) in pixels.iter_mut().zip(channels.as_chunks::<3>().0) {
+        *pixel = channels[0] | channels[1] | channels[2];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use image::Rgb;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn limits_decide_as_the_test_does(
+            first in any::<[u8; 3]>(),
+            second in any::<[u8; 3]>(),
+            z in prop_oneof![Just(0.0_f32), 0.0..6_f32, Just(1e30)],
+            noise_floor in prop_oneof![Just(0.0_f32), 0.0..300_f32, Just(5.0)],
+        ) {
+            let frames = [first, second, second].map(|colour| RgbImage::from_pixel(256, 1, Rgb(colour)));
+            let plate = Background::from_plate(&frames[0]);
+            let all_levels = RgbImage::from_fn(256, 1, |x, _| Rgb([x as u8; 3]));
+            for background in [plate, Background::from_frames(&frames).unwrap()] {
+                let threshold = Threshold { gains: [1.0; 3], z, noise_floor };
+                let limits = Limits::new(&background, z, noise_floor);
+                for channel in 0..3 {
+                    let mut frame = RgbImage::from_pixel(256, 1, Rgb(second));
+                    for (pixel, level) in frame.pixels_mut().zip(all_levels.pixels()) {
+                        pixel.0[channel] = level.0[channel];
+                    }
+                    let expected: Vec<u8> =
+                        (0..256).map(|index| u8::from(threshold.is_off(&frame, &background, index))).collect();
+                    prop_assert_eq!(&limits.foreground(&frame), &expected, "limits, channel {}", channel);
+                    prop_assert_eq!(&threshold.foreground(&frame, &background), &expected, "channel {}", channel);
+                }
+            }
+        }
+    }
+}
