@@ -8,7 +8,7 @@ const LEAST_MARKS: usize = 3;
 /// Points of a plot's finest division.
 const DIVISION: f64 = 8.0;
 /// A decade has marks at 1, 2 and 5 if it is at least so many points long.
-const ROOMY_DECADE: f64 = 80.0;
+const ROOMY_DECADE: f64 = 50.0;
 /// Else only whole decades have marks, at least so many points apart.
 const LEAST_APART: f64 = 30.0;
 
