@@ -14,6 +14,12 @@ use rayon::prelude::*;
 
 /// Largest share of derivatives that may lie at a kink.
 const MOST_SKIPPED: f64 = 0.001;
+/// The same where limbs reach the camera: their candidates end at its plane.
+const MOST_SKIPPED_ACROSS: f64 = 0.01;
+/// The same where a single pixel may be the kink.
+const MOST_SKIPPED_THIN: f64 = 0.2;
+/// The same where rays run along the axis, between the two ends.
+const MOST_SKIPPED_END_ON: f64 = 0.02;
 
 const RAMPS: [Ramp; 4] =
     [Ramp::Thesis, Ramp::Half, Ramp::Width { px: 0.6 }, Ramp::Distance { inner_px: 0.5, outer_px: 2.0 }];
@@ -77,6 +83,8 @@ fn column_name(model: &Model, parameters: Parameters, column: usize) -> String {
 struct Case<'a> {
     name: String,
     model: &'a Model,
+    /// Where the limbs are.
+    pose: Pose,
     renderer: RendererKind,
     ramp: Ramp,
     parameters: Parameters,
@@ -84,15 +92,21 @@ struct Case<'a> {
 }
 
 impl Case<'_> {
+    /// How many pixels have a gradient.
+    fn active(&self) -> usize {
+        let Case { model, renderer, ramp, parameters, camera, ref pose, .. } = *self;
+        let kinematics = Kinematics::new(model, pose);
+        let view = View::new(model, &kinematics, camera, renderer, ramp);
+        let jacobian = dense_jacobian(&view, &kinematics, camera, parameters);
+        jacobian.row_iter().filter(|row| row.amax() > 0.0).count()
+    }
+
     fn check(&self) -> GradientCheck {
-        let Case { model, renderer, ramp, parameters, camera, .. } = *self;
-        let pose = pose(model, parameters);
-        let mut kinematics = Kinematics::new(model, &pose);
+        let Case { model, renderer, ramp, parameters, camera, ref pose, .. } = *self;
+        let mut kinematics = Kinematics::new(model, pose);
         let mut view = View::new(model, &kinematics, camera, renderer, ramp);
         let jacobian = dense_jacobian(&view, &kinematics, camera, parameters);
         let owners = prediction::Prediction::of(&view).owner;
-        let active = jacobian.row_iter().filter(|row| row.amax() > 0.0).count();
-        assert!(active > 60, "{}: only {active} pixels have a gradient", self.name);
         let name = |pixel: usize, column: usize| {
             let limb = model.limbs().get(usize::from(owners[pixel])).map_or("none", |limb| &limb.name);
             let (x, y) = (pixel % camera.width(), pixel / camera.width());
@@ -109,16 +123,31 @@ impl Case<'_> {
     }
 }
 
+fn renderers<'a>(plain: &'a Model, own: &'a Model) -> [(&'static str, &'a Model, RendererKind); 4] {
+    [
+        ("cylinder", plain, RendererKind::Cylinder),
+        ("capsule", plain, RendererKind::Capsule),
+        ("equal spheres", plain, RendererKind::SphereTree { spheres: Some(5) }),
+        ("own spheres", own, RendererKind::SphereTree { spheres: None }),
+    ]
+}
+
+/// Checks all cases and only then complains, of all at once.
+fn assert_all_match(cases: &[Case], most_skipped: f64) {
+    let checks: Vec<GradientCheck> = cases.par_iter().map(Case::check).collect();
+    for (case, check) in cases.iter().zip(&checks) {
+        assert!(check.skipped_share() < most_skipped, "{}: {check}", case.name);
+    }
+    let mut all = GradientCheck::default();
+    checks.into_iter().for_each(|check| all += check);
+    assert!(all.passes(), "{all}");
+}
+
 #[test]
 fn jacobians_match_differences() {
     let plain = builtin::upper_body();
     let own = body_with_own_spheres();
-    let renderers = [
-        ("cylinder", &plain, RendererKind::Cylinder),
-        ("capsule", &plain, RendererKind::Capsule),
-        ("equal spheres", &plain, RendererKind::SphereTree { spheres: Some(5) }),
-        ("own spheres", &own, RendererKind::SphereTree { spheres: None }),
-    ];
+    let renderers = renderers(&plain, &own);
     let cameras = [("pinhole", camera(Distortion::None, [44, 36])), ("lens", camera(LENS, [44, 36]))];
     let mut cases = Vec::new();
     for (shape, model, renderer) in renderers {
@@ -126,18 +155,115 @@ fn jacobians_match_differences() {
             for parameters in [Parameters::Raw, Parameters::Tangent] {
                 for (lens, camera) in &cameras {
                     let name = format!("{shape}, {ramp}, {parameters:?}, {lens}");
-                    cases.push(Case { name, model, renderer, ramp, parameters, camera });
+                    let pose = pose(model, parameters);
+                    cases.push(Case { name, model, pose, renderer, ramp, parameters, camera });
                 }
             }
         }
     }
-    let checks: Vec<GradientCheck> = cases.par_iter().map(Case::check).collect();
-    for (case, check) in cases.iter().zip(&checks) {
-        assert!(check.skipped_share() < MOST_SKIPPED, "{}: {check}", case.name);
+    for case in &cases {
+        assert!(case.active() > 60, "{}: only {} pixels have a gradient", case.name, case.active());
     }
-    let mut all = GradientCheck::default();
-    checks.into_iter().for_each(|check| all += check);
-    assert!(all.passes(), "{all}");
+    assert_all_match(&cases, MOST_SKIPPED);
+}
+
+/// Limbs behind the camera, across its plane and around its centre, through a pinhole and a lens.
+#[test]
+fn jacobians_match_differences_of_limbs_across_the_camera() {
+    let (plain, own) = (builtin::upper_body(), body_with_own_spheres());
+    let cameras = [("pinhole", camera(Distortion::None, [20, 16])), ("lens", camera(LENS, [20, 16]))];
+    let mut cases = Vec::new();
+    for (shape, model, renderer) in renderers(&plain, &own) {
+        for ramp in RAMPS {
+            for parameters in [Parameters::Raw, Parameters::Tangent] {
+                for (lens, camera) in &cameras {
+                    let (centre, axis) =
+                        (camera.centre(), camera.camera_from_world().rotation.transpose().z_axis);
+                    for depth in [-0.2, 0.02, 0.3, 0.55, 0.8] {
+                        let name = format!("{shape}, {ramp}, {parameters:?}, {lens}, root at {depth} m");
+                        let pose = Pose { root: centre + axis * depth, ..pose(model, parameters) };
+                        cases.push(Case { name, model, pose, renderer, ramp, parameters, camera });
+                    }
+                }
+            }
+        }
+    }
+    let seen = cases.iter().filter(|case| case.active() > 20).count();
+    assert!(3 * seen > cases.len(), "only {seen} of {} see a limb", cases.len());
+    assert_all_match(&cases, MOST_SKIPPED_ACROSS);
+}
+
+/// Pictures of one pixel, one column and one row.
+#[test]
+fn jacobians_match_differences_in_thin_pictures() {
+    let (plain, own) = (builtin::upper_body(), body_with_own_spheres());
+    let mut cases = Vec::new();
+    let cameras: Vec<Camera> = [[1, 1], [1, 40], [40, 1], [2, 3]]
+        .into_iter()
+        .flat_map(|size| {
+            [Distortion::None, LENS].map(|lens| {
+                // A pixel sees what forty do.
+                let camera = camera(lens, size);
+                let k = *camera.intrinsics();
+                let scale = 44.0 / size[0].max(size[1]) as f64;
+                let intrinsics = Intrinsics { fx: k.fx.max(k.fy) / scale, fy: k.fx.max(k.fy) / scale, ..k };
+                Camera::new("thin", size, intrinsics, lens, *camera.camera_from_world()).unwrap()
+            })
+        })
+        .collect();
+    for (shape, model, renderer) in renderers(&plain, &own) {
+        for ramp in RAMPS {
+            for parameters in [Parameters::Raw, Parameters::Tangent] {
+                for camera in &cameras {
+                    let size = (camera.width(), camera.height());
+                    let across = camera.camera_from_world().rotation.transpose().x_axis;
+                    for shift in [0.0, 0.06, 0.1] {
+                        let mut pose = pose(model, parameters);
+                        pose.root += across * shift;
+                        let lens = camera.distortion();
+                        let name =
+                            format!("{shape}, {ramp}, {parameters:?}, {size:?}, {lens:?}, {shift} m aside");
+                        cases.push(Case { name, model, pose, renderer, ramp, parameters, camera });
+                    }
+                }
+            }
+        }
+    }
+    let seen = cases.iter().filter(|case| case.active() > 0).count();
+    assert!(3 * seen > cases.len(), "only {seen} of {} see a limb", cases.len());
+    assert_all_match(&cases, MOST_SKIPPED_THIN);
+}
+
+/// A limb seen end on: the middle rays run along its axis, the others nearly so.
+#[test]
+fn jacobians_match_differences_of_axes_parallel_to_a_ray() {
+    let model = builtin::single_limb();
+    let mut cases = Vec::new();
+    let direction = model.limbs()[0].direction;
+    let aside = direction.any_orthonormal_vector();
+    let intrinsics = Intrinsics { fx: 40.0, fy: 40.0, cx: 10.0, cy: 8.0 };
+    let place = CameraFromWorld::looking_at(DVec3::ZERO, direction, aside);
+    let cameras = [Distortion::None, LENS]
+        .map(|lens| Camera::new("end on", [21, 17], intrinsics, lens, place).unwrap());
+    let spheres = RendererKind::SphereTree { spheres: Some(3) };
+    for renderer in [RendererKind::Cylinder, RendererKind::Capsule, spheres] {
+        for ramp in RAMPS {
+            for parameters in [Parameters::Raw, Parameters::Tangent] {
+                for camera in &cameras {
+                    for (depth, shift) in [(0.6, 0.0), (0.6, 0.04), (1.5, 0.0), (1.5, 0.04)] {
+                        let root = direction * depth + aside * shift;
+                        let pose = Pose { root, ..Pose::rest(&model) };
+                        let name = format!(
+                            "{renderer}, {ramp}, {parameters:?}, {:?}, {depth} m before and {shift} m aside",
+                            camera.distortion()
+                        );
+                        cases.push(Case { name, model: &model, pose, renderer, ramp, parameters, camera });
+                    }
+                }
+            }
+        }
+    }
+    assert_all_match(&cases, MOST_SKIPPED_END_ON);
 }
 
 /// Whatever the pose and the picture, every level and derivative is a number.

@@ -192,7 +192,7 @@ fn results_are_the_same_to_the_bit() {
         let run = || run(&scene, start.clone(), FitOptions::preset(preset));
         let first = run();
         assert_eq!(first, run(), "{preset}: a second run differs");
-        for threads in [1, 2] {
+        for threads in [1, 2, 4] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             assert_eq!(first, pool.install(run), "{preset}: {threads} threads give another result");
         }

@@ -176,3 +176,81 @@ fn near_and_crossing_limbs_are_the_scalar_kernel_too() {
     }
     assert!(failures.is_empty(), "{} mismatches:\n{}", failures.len(), failures.join("\n"));
 }
+
+/// λ from the lanes, grey levels.
+const LEVEL_TOLERANCE: f64 = 5e-2;
+/// A pixel's row of the Jacobian from the lanes, over the largest row of the picture.
+const ROW_TOLERANCE: f64 = 2e-3;
+/// A datum this dark makes λ certain: cost = (λ + 255)².
+const BELOW_ALL: f32 = -255.0;
+/// Pixels whose winners or caps are so close that rounding decides, as a share of all.
+const MOST_TIES: f64 = 0.002;
+
+/// λ and its row of the Jacobian in one pixel, by a measurement in which no other pixel weighs anything.
+fn one_pixel(
+    model: &Model,
+    pose: &Pose,
+    camera: &Camera,
+    pixel: usize,
+    accumulate: impl FnOnce(&SampledData, &mut [WrenchBlock]) -> f64,
+) -> (f64, nalgebra::DVector<f64>) {
+    let pixels = camera.width() * camera.height();
+    let mut weights = vec![0.0; pixels];
+    weights[pixel] = 1.0;
+    let data = Measurement::new(camera.width(), camera.height(), vec![BELOW_ALL; pixels], weights).unwrap();
+    let mut blocks = vec![WrenchBlock::default(); model.limbs().len()];
+    let cost = accumulate(&SampledData::new(&data, 1), &mut blocks);
+    let level = cost.sqrt() + f64::from(BELOW_ALL);
+    let residual = f64::from(BELOW_ALL) - level;
+    (level, equations(model, pose, camera, &blocks).jtr / residual)
+}
+
+/// Pixel by pixel: the same pixels have a gradient, with the same level and the same row of the Jacobian.
+#[test]
+fn every_pixel_of_the_lanes_is_the_scalar_kernel_s() {
+    let mut failures = Vec::new();
+    let model = builtin::upper_body();
+    let own = with_own_spheres(&model);
+    let spheres = RendererKind::SphereTree { spheres: None };
+    for (model, renderer) in [
+        (&model, RendererKind::Capsule),
+        (&model, RendererKind::Cylinder),
+        (&model, spheres),
+        (&own, spheres),
+    ] {
+        for (seed, ramp) in RAMPS.into_iter().enumerate() {
+            let camera = camera(40, 30, 0.7 * seed as f64, 2.0);
+            let pose = start::perturb(model, &Pose::rest(model), 0.2, 0.05, seed as u64);
+            let view = view(model, &pose, &camera, renderer, ramp);
+            let name = format!("{renderer}, {} spheres of its own, {ramp}", model.limbs()[0].spheres.len());
+            let mut memory = KernelMemory::default();
+            let mut rows = Vec::new();
+            for pixel in 0..40 * 30 {
+                let fast = one_pixel(model, &pose, &camera, pixel, |data, blocks| {
+                    data.accumulate(&view, &mut memory, blocks)
+                });
+                let slow = one_pixel(model, &pose, &camera, pixel, |data, blocks| {
+                    data.accumulate_scalar(&view, &mut RowWinners::default(), blocks)
+                });
+                rows.push((fast, slow));
+            }
+            let scale = rows.iter().map(|(_, slow)| slow.1.amax()).fold(1.0, f64::max);
+            let mut ties = Vec::new();
+            for (pixel, ((fast_level, fast_row), (level, row))) in rows.iter().enumerate() {
+                let place = format!("{name}, pixel ({}, {})", pixel % 40, pixel / 40);
+                let same = (fast_level - level).abs() <= LEVEL_TOLERANCE;
+                if !same {
+                    failures.push(format!("{place}: λ is {fast_level} instead of {level}"));
+                }
+                let error = (fast_row - row).amax() / scale;
+                if error > ROW_TOLERANCE || !fast_row.iter().all(|x| x.is_finite()) {
+                    ties.push(format!("{place}: the Jacobian differs by {error:.1e}"));
+                }
+            }
+            if ties.len() as f64 > MOST_TIES * rows.len() as f64 {
+                failures.extend(ties);
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{} mismatches:\n{}", failures.len(), failures.join("\n"));
+}

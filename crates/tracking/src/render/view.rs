@@ -1,4 +1,9 @@
 //! All solids of one pose, prepared for one camera.
+//!
+//! For a pinhole every solid has a box of pixels outside which it is background, from the outlines of the spheres of its
+//! ramp's reach about both ends. Nothing is approximated by that: a box may be too large, never too small. A solid that
+//! reaches the camera's plane has the whole picture, one behind it none. Through a lens an outline is no conic, so there
+//! every ray meets every solid.
 
 use glam::{DVec2, DVec3};
 
