@@ -6,8 +6,9 @@
 use std::fmt;
 use std::time::{Duration, Instant};
 
-/// A sample repeats its work until about this long has passed, so that the clock's own cost does not count.
-const SAMPLE: Duration = Duration::from_micros(200);
+/// A sample repeats its work until about this long has passed, so that neither the clock's own cost counts nor
+/// the caches that the work before it has emptied.
+const SAMPLE: Duration = Duration::from_millis(2);
 
 /// Fewer rounds than this have no quartiles worth the name.
 const FEWEST_ROUNDS: usize = 15;

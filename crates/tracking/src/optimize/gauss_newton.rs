@@ -10,7 +10,7 @@ pub(super) fn step<P: Clone>(
     problem: &mut impl LeastSquares<Point = P>,
 ) -> Result<Iteration<P>, Termination> {
     let before = solver.equations.cost;
-    let (point, step, predicted_decrease) = solver.attempt(problem)?;
+    let (point, step_norm, predicted_decrease) = solver.attempt(problem)?;
     if !solver.trial.is_finite() {
         return Err(Termination::NotFinite);
     }
@@ -24,7 +24,7 @@ pub(super) fn step<P: Clone>(
         predicted_decrease,
         actual_decrease: before - cost,
         damping: solver.damping,
-        step_norm: step.norm(),
+        step_norm,
         gradient_max: 0.0,
         accepted: true,
     })

@@ -23,7 +23,7 @@ pub(super) fn step<P: Clone>(
 ) -> Result<Iteration<P>, Termination> {
     let before = solver.equations.cost;
     let damping = solver.damping;
-    let (point, step, predicted_decrease) = solver.attempt(problem)?;
+    let (point, step_norm, predicted_decrease) = solver.attempt(problem)?;
     let trial_cost = solver.trial.cost;
     let accepted = solver.trial.is_finite() && trial_cost < before;
     if accepted {
@@ -42,7 +42,7 @@ pub(super) fn step<P: Clone>(
         predicted_decrease,
         actual_decrease: before - trial_cost,
         damping,
-        step_norm: step.norm(),
+        step_norm,
         gradient_max: 0.0,
         accepted,
     })

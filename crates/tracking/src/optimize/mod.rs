@@ -6,11 +6,13 @@
 //! | file | holds |
 //! |---|---|
 //! | [`normal_equations`] | JᵀJ, Jᵀρ and the cost; sums of them; damped solution |
+//! | `cholesky` | factors and solves some tens of columns in lanes |
 //! | [`solver`] | options, one record an iteration, why it ended; the stepping [`Solver`] |
 //! | [`gauss_newton`] | the report's step (4.10) with a fixed damping |
 //! | [`levenberg_marquardt`] | trust by damping: a step that raises the cost is taken back |
 //! | [`gradient_check`] | analytic derivatives against differences, all mismatches by name |
 
+mod cholesky;
 pub mod gauss_newton;
 pub mod gradient_check;
 pub mod levenberg_marquardt;
@@ -18,5 +20,5 @@ pub mod normal_equations;
 pub mod solver;
 
 pub use gradient_check::GradientCheck;
-pub use normal_equations::NormalEquations;
+pub use normal_equations::{NormalEquations, StepMemory};
 pub use solver::{Iteration, LeastSquares, Method, Solver, SolverOptions, Termination};

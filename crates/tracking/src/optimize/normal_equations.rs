@@ -4,6 +4,8 @@ use std::ops::AddAssign;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::cholesky::Cholesky;
+
 /// Eigenvalues below this fraction of the largest count as null in an undamped solution.
 const NULL_EIGENVALUE: f64 = 1e-6;
 
@@ -16,6 +18,12 @@ pub struct NormalEquations {
     pub jtr: DVector<f64>,
     /// Σ w ρ².
     pub cost: f64,
+}
+
+/// Memory of [`NormalEquations::step_into`], used again from step to step.
+#[derive(Debug, Clone, Default)]
+pub struct StepMemory {
+    cholesky: Cholesky,
 }
 
 impl NormalEquations {
@@ -56,29 +64,34 @@ impl NormalEquations {
     /// pseudo-inverse's step is taken, which leaves null directions alone. Zeros if nothing pulls.
     #[must_use]
     pub fn step(&self, damping: f64) -> DVector<f64> {
+        let mut step = DVector::zeros(self.columns());
+        self.step_into(damping, &mut StepMemory::default(), &mut step);
+        step
+    }
+
+    /// The same into `step`, which must have as many entries as there are columns. Damped steps allocate
+    /// nothing once `memory` has grown.
+    pub fn step_into(&self, damping: f64, memory: &mut StepMemory, step: &mut DVector<f64>) {
         let added = damping * self.mean_diagonal();
-        if added > 0.0 {
-            let mut damped = self.jtj.clone();
-            for i in 0..self.columns() {
-                damped[(i, i)] += added;
-            }
-            if let Some(factor) = damped.cholesky() {
-                return factor.solve(&self.jtr);
-            }
+        if added > 0.0 && memory.cholesky.factor(&self.jtj, added) {
+            memory.cholesky.solve(&self.jtr, step);
+            return;
         }
         let eigen = self.jtj.clone().symmetric_eigen();
         let floor = NULL_EIGENVALUE * eigen.eigenvalues.amax();
-        let mut step = eigen.eigenvectors.tr_mul(&self.jtr);
-        for (value, eigenvalue) in step.iter_mut().zip(eigen.eigenvalues.iter()) {
+        let mut along = eigen.eigenvectors.tr_mul(&self.jtr);
+        for (value, eigenvalue) in along.iter_mut().zip(eigen.eigenvalues.iter()) {
             *value = if *eigenvalue > floor { *value / (eigenvalue + added) } else { 0.0 };
         }
-        eigen.eigenvectors * step
+        step.copy_from(&(eigen.eigenvectors * along));
     }
 
     /// By how much the linear model says that the cost falls with a step: 2 δᵀJᵀρ − δᵀJᵀJ δ.
     #[must_use]
     pub fn predicted_decrease(&self, step: &DVector<f64>) -> f64 {
-        2.0 * step.dot(&self.jtr) - (&self.jtj * step).dot(step)
+        let curved: f64 =
+            step.iter().zip(self.jtj.column_iter()).map(|(x, column)| x * column.dot(step)).sum();
+        2.0 * step.dot(&self.jtr) - curved
     }
 }
 

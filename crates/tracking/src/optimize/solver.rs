@@ -7,7 +7,7 @@ use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::{NormalEquations, gauss_newton, levenberg_marquardt};
+use super::{NormalEquations, StepMemory, gauss_newton, levenberg_marquardt};
 
 /// A least-squares problem on points that may be curved.
 pub trait LeastSquares {
@@ -159,6 +159,8 @@ pub struct Solver<P> {
     pub(super) trial: NormalEquations,
     pub(super) damping: f64,
     pub(super) rejected_in_a_row: usize,
+    step: DVector<f64>,
+    memory: StepMemory,
     done: usize,
     termination: Option<Termination>,
 }
@@ -182,6 +184,8 @@ impl<P: Clone> Solver<P> {
             equations,
             damping: options.damping,
             rejected_in_a_row: 0,
+            step: DVector::zeros(problem.columns()),
+            memory: StepMemory::default(),
             done: 0,
             termination,
         }
@@ -235,21 +239,23 @@ impl<P: Clone> Solver<P> {
         }
     }
 
-    /// Tries a step: evaluates the problem there, into `trial`.
+    /// Tries a step: evaluates the problem there, into `trial`. The point, the step's length and the foretold
+    /// decrease.
     pub(super) fn attempt(
         &mut self,
         problem: &mut impl LeastSquares<Point = P>,
-    ) -> Result<(P, DVector<f64>, f64), Termination> {
-        let mut step = self.equations.step(self.damping);
-        problem.cap(&mut step);
+    ) -> Result<(P, f64, f64), Termination> {
+        let step = &mut self.step;
+        self.equations.step_into(self.damping, &mut self.memory, step);
+        problem.cap(step);
         if !step.iter().all(|x| x.is_finite()) {
             return Err(Termination::NotFinite);
         }
-        let predicted = self.equations.predicted_decrease(&step);
-        let point = problem.retract(&self.point, &step);
+        let predicted = self.equations.predicted_decrease(step);
+        let point = problem.retract(&self.point, step);
         self.trial.clear();
         problem.evaluate(&point, &mut self.trial);
-        Ok((point, step, predicted))
+        Ok((point, self.step.norm(), predicted))
     }
 
     /// Where it stands.

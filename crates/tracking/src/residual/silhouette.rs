@@ -14,6 +14,7 @@ use crate::render::View;
 use crate::render::joint_forces::JointBlock;
 use crate::render::kernels::lanes::{Grid, Lanes};
 use crate::render::kernels::scalar::RowWinners;
+use crate::render::primitive::Primitive;
 use crate::render::ramp::BACKGROUND;
 use crate::render::wrench::WrenchBlock;
 use crate::silhouette::Measurement;
@@ -49,6 +50,12 @@ impl SampledData {
         self.total_weight
     }
 
+    /// Pixels between samples.
+    #[must_use]
+    pub fn stride(&self) -> usize {
+        self.grid.stride
+    }
+
     /// Cost Σ w (D − Λ)², and the wrench block of every limb (camera axes), by the fastest kernel that can.
     ///
     /// `blocks` has one entry per limb and comes cleared.
@@ -60,8 +67,32 @@ impl SampledData {
         }
     }
 
+    /// The cost alone, by the same kernel: to the bit what [`accumulate`](Self::accumulate) returns.
+    pub fn cost(&self, view: &View, memory: &mut KernelMemory) -> f64 {
+        if Lanes::can_take(view) {
+            (self.empty_cost + memory.lanes.cost(view, &self.grid)).max(0.0)
+        } else {
+            self.pull_scalar(view, &mut memory.row, |_, _, _, _| {})
+        }
+    }
+
     /// The same by the reference kernel, in f64, one pixel at a time.
     pub fn accumulate_scalar(&self, view: &View, row: &mut RowWinners, blocks: &mut [WrenchBlock]) -> f64 {
+        self.pull_scalar(view, row, |primitive, ray, weight, residual| {
+            if let Some(wrench) = primitive.sample(ray).wrench {
+                blocks[primitive.limb].add(wrench, weight, residual);
+            }
+        })
+    }
+
+    /// Cost of the reference kernel; `pull` hears of every pixel that is not clipped: its winner, its ray, its
+    /// weight and its residual.
+    fn pull_scalar(
+        &self,
+        view: &View,
+        row: &mut RowWinners,
+        mut pull: impl FnMut(&Primitive, DVec3, f64, f64),
+    ) -> f64 {
         let Grid { rows, stride, offset, .. } = self.grid;
         let mut cost = self.empty_cost;
         for grid_row in 0..rows {
@@ -79,10 +110,7 @@ impl SampledData {
                 let residual = data - BACKGROUND * row.level(x).clamp(0.0, 1.0);
                 row_cost += weight * (residual * residual - (data - BACKGROUND).powi(2));
                 if row.level(x) > 0.0 {
-                    let primitive = &view.primitives()[winner];
-                    if let Some(wrench) = primitive.sample(view.ray(x, y)).wrench {
-                        blocks[primitive.limb].add(wrench, weight, residual);
-                    }
+                    pull(&view.primitives()[winner], view.ray(x, y), weight, residual);
                 }
             }
             cost += row_cost;

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::DVector;
+use rayon::prelude::*;
 
 use super::evidence::FitView;
 use super::options::{FitOptions, Stage};
@@ -10,11 +11,15 @@ use crate::body::kinematics::MovingColumn;
 use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::optimize::{LeastSquares, NormalEquations};
 use crate::render::View;
+use crate::render::primitive::PixelBox;
 use crate::render::ramp::BACKGROUND;
 use crate::render::wrench::WrenchBlock;
 use crate::residual::silhouette::{KernelMemory, SampledData, WorldBlocks};
 use crate::residual::{joint_limit, proximal_prior, rest_prior};
 use crate::silhouette::SignedDistance;
+
+/// Sharing cameras among threads pays above some 200 µs of work: about so many pixels in the solids' boxes.
+const PARALLEL_PIXELS: usize = 150_000;
 
 /// One stage's cost of a pose. Keeps its memory from evaluation to evaluation.
 #[derive(Debug)]
@@ -40,6 +45,16 @@ struct CameraTerm {
     memory: KernelMemory,
     blocks: Vec<WrenchBlock>,
     cost: f64,
+}
+
+impl CameraTerm {
+    /// Sampled pixels in the boxes of all solids at the last evaluated pose: how much work it is, roughly.
+    fn area_px(&self) -> usize {
+        let area = |bounds: &PixelBox| (bounds.x1 - bounds.x0) * (bounds.y1 - bounds.y0);
+        let stride = self.data.stride();
+        self.view.primitives().iter().map(|primitive| area(&primitive.bounds)).sum::<usize>()
+            / (stride * stride)
+    }
 }
 
 impl Objective {
@@ -156,7 +171,12 @@ impl LeastSquares for Objective {
             term.blocks.fill(WrenchBlock::default());
             term.cost = term.data.accumulate(&term.view, &mut term.memory, &mut term.blocks);
         };
-        self.cameras.iter_mut().for_each(one);
+        let is_large = self.cameras.iter().map(CameraTerm::area_px).sum::<usize>() >= PARALLEL_PIXELS;
+        if is_large && self.cameras.len() > 1 && rayon::current_num_threads() > 1 {
+            self.cameras.par_iter_mut().for_each(one);
+        } else {
+            self.cameras.iter_mut().for_each(one);
+        }
         // Merged in the cameras' order: the same bits however the work was shared out.
         self.world.clear();
         self.silhouette_cost = 0.0;

@@ -34,6 +34,8 @@ mod solid;
 mod sums;
 mod winners;
 
+use std::ops::Range;
+
 use pulp::{Arch, Simd, WithSimd};
 
 pub use grid::Grid;
@@ -85,11 +87,17 @@ impl Lanes {
     /// `blocks` has one entry per limb of the model. [`can_take`](Self::can_take) must hold.
     pub fn accumulate(&mut self, view: &View, grid: &Grid, blocks: &mut [WrenchBlock]) -> f64 {
         self.prepare(view, grid);
-        let cost = Arch::new().dispatch(Pass { lanes: self, grid, view });
+        let cost = Arch::new().dispatch(Pass { lanes: self, grid, view, pulls: true });
         for (solid, totals) in self.solids.iter().zip(&self.totals) {
             solid.add_to(totals, &mut blocks[solid.limb]);
         }
         cost
+    }
+
+    /// The same change of the cost without anyone's pull.
+    pub fn cost(&mut self, view: &View, grid: &Grid) -> f64 {
+        self.prepare(view, grid);
+        Arch::new().dispatch(Pass { lanes: self, grid, view, pulls: false })
     }
 
     fn prepare(&mut self, view: &View, grid: &Grid) {
@@ -101,19 +109,10 @@ impl Lanes {
         self.collected.reserve();
         self.solids.clear();
         self.spans.clear();
-        self.touched.clear();
-        self.touched.resize(grid.rows, [u32::MAX, 0]);
         for primitive in view.primitives() {
             let Some(mut solid) = LaneSolid::new(primitive, pinhole, grid) else { continue };
             solid.spans = self.spans.len();
-            let [first, last] = solid.rows;
-            for (row, touched) in (first..last).zip(&mut self.touched[first..last]) {
-                let span = solid.span(row);
-                self.spans.push(span);
-                if span[0] < span[1] {
-                    *touched = [touched[0].min(span[0]), touched[1].max(span[1])];
-                }
-            }
+            self.spans.resize(solid.spans + solid.rows[1] - solid.rows[0], [0; 2]);
             self.solids.push(solid);
         }
         self.totals.clear();
@@ -131,6 +130,7 @@ struct Pass<'a> {
     lanes: &'a mut Lanes,
     grid: &'a Grid,
     view: &'a View,
+    pulls: bool,
 }
 
 impl WithSimd for Pass<'_> {
@@ -138,61 +138,93 @@ impl WithSimd for Pass<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let Self { lanes, grid, view } = self;
+        let Self { lanes, grid, view, pulls } = self;
         let pinhole = view.pinhole();
         let (start, step) = ((grid.offset as f64 - pinhole.cy) / pinhole.fy, grid.stride as f64 / pinhole.fy);
         let y = |row: usize| (start + row as f64 * step) as f32;
+        lanes.cut_spans(grid);
         let mut cost = 0.0;
         for first in (0..grid.rows).step_by(grid.band_rows()) {
             let rows = first..(first + grid.band_rows()).min(grid.rows);
-            cost += lanes.band(simd, rows, grid, y);
+            cost += lanes.win_band(simd, rows.clone(), grid, y);
+            if pulls {
+                lanes.pull_band(simd, rows, grid, y);
+            }
         }
         cost
     }
 }
 
 impl Lanes {
-    /// One band of rows: ground, winners, cost, pull.
+    /// The columns that each solid, and any of them, may touch on each row.
     #[inline(always)]
-    fn band<S: Simd>(
+    fn cut_spans(&mut self, grid: &Grid) {
+        self.touched.clear();
+        self.touched.resize(grid.rows, [u32::MAX, 0]);
+        for solid in &self.solids {
+            let [first, last] = solid.rows;
+            let touched = &mut self.touched[first..last];
+            let spans = &mut self.spans[solid.spans..solid.spans + last - first];
+            for (index, (touched, target)) in touched.iter_mut().zip(spans).enumerate() {
+                let span = solid.span(first + index);
+                *target = span;
+                let is_empty = span[0] >= span[1];
+                touched[0] = touched[0].min(if is_empty { u32::MAX } else { span[0] });
+                touched[1] = touched[1].max(if is_empty { 0 } else { span[1] });
+            }
+        }
+    }
+
+    /// Ground, winners and cost of one band of rows.
+    #[inline(always)]
+    fn win_band<S: Simd>(
         &mut self,
         simd: S,
-        rows: std::ops::Range<usize>,
+        rows: Range<usize>,
         grid: &Grid,
         y: impl Fn(usize) -> f32,
     ) -> f64 {
-        let Self { xs, band, solids, spans, touched, collected, totals } = self;
-        let start = |row: usize| (row - rows.start) * grid.pitch;
+        let Self { xs, band, solids, spans, touched, .. } = self;
+        // Plain loops: what an iterator calls is not compiled for the lanes.
         for row in rows.clone() {
-            if touched[row][0] < touched[row][1] {
-                band.open_row(simd, start(row), xs, y(row), touched[row]);
+            let here = Row { row, start: (row - rows.start) * grid.pitch, y: y(row), xs, span: touched[row] };
+            if here.is_touched() {
+                band.open_row(simd, &here);
             }
         }
-        let rows_of = |solid: &LaneSolid| solid.rows[0].max(rows.start)..solid.rows[1].min(rows.end);
-        let row_of = |solid: &LaneSolid, row: usize| {
-            let span = spans[solid.spans + row - solid.rows[0]];
-            (span[0] < span[1]).then(|| Row { row, start: start(row), y: y(row), xs, span })
-        };
         for (index, solid) in solids.iter().enumerate() {
-            for row in rows_of(solid).filter_map(|row| row_of(solid, row)) {
-                band.challenge(simd, solid, index, &row);
+            for row in solid.rows_in(&rows) {
+                let span = spans[solid.spans + row - solid.rows[0]];
+                let here = Row { row, start: (row - rows.start) * grid.pitch, y: y(row), xs, span };
+                if here.is_touched() {
+                    band.challenge(simd, solid, index, &here);
+                }
             }
         }
         let mut cost = 0.0;
         for row in rows.clone() {
-            let [from, to] = touched[row];
-            if from < to {
-                let row = Row { row, start: start(row), y: y(row), xs, span: touched[row] };
-                cost += row_cost(simd, &row, band, grid.row(row.row));
+            let here = Row { row, start: (row - rows.start) * grid.pitch, y: y(row), xs, span: touched[row] };
+            if here.is_touched() {
+                cost += row_cost(simd, &here, band, grid.row(row));
             }
         }
+        cost
+    }
+
+    /// Pull of one band of rows, whose winners are known.
+    #[inline(always)]
+    fn pull_band<S: Simd>(&mut self, simd: S, rows: Range<usize>, grid: &Grid, y: impl Fn(usize) -> f32) {
+        let Self { xs, band, solids, spans, collected, totals, .. } = self;
         for (index, (solid, totals)) in solids.iter().zip(totals).enumerate() {
-            for row in rows_of(solid).filter_map(|row| row_of(solid, row)) {
-                collected.pull_row(simd, (solid, index), &row, band, grid.row(row.row), totals);
+            for row in solid.rows_in(&rows) {
+                let span = spans[solid.spans + row - solid.rows[0]];
+                let here = Row { row, start: (row - rows.start) * grid.pitch, y: y(row), xs, span };
+                if here.is_touched() {
+                    collected.pull_row(simd, (solid, index), &here, band, grid.row(row), totals);
+                }
             }
             collected.flush(simd, solid, totals);
         }
-        cost
     }
 }
 

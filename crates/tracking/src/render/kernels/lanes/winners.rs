@@ -34,18 +34,11 @@ impl Band {
         }
     }
 
-    /// Empties columns of a row, whose first entry is `start`.
+    /// Empties the columns of a row, and those after them that lanes may reach.
     #[inline(always)]
-    pub(super) fn open_row<S: Simd>(
-        &mut self,
-        simd: S,
-        start: usize,
-        xs: &[f32],
-        y: f32,
-        [from, to]: [u32; 2],
-    ) {
-        let (from, to) = (from as usize, to as usize + S::F32_LANES);
-        let to = to.min(xs.len());
+    pub(super) fn open_row<S: Simd>(&mut self, simd: S, row: &Row<'_>) {
+        let &Row { start, y, xs, span: [from, to], .. } = row;
+        let (from, to) = (from as usize, (to as usize + S::F32_LANES).min(xs.len()));
         self.levels[start + from..start + to].fill(1.0);
         let (head, tail) = S::as_simd_f32s(&xs[from..to]);
         let (norms, norms_tail) = S::as_mut_simd_f32s(&mut self.inverse_norms[start + from..start + to]);
@@ -122,6 +115,11 @@ pub(super) struct Row<'a> {
 }
 
 impl Row<'_> {
+    #[inline(always)]
+    pub(super) fn is_touched(&self) -> bool {
+        self.span[0] < self.span[1]
+    }
+
     /// The span's columns, up to whole lanes.
     #[inline(always)]
     pub(super) fn columns<S: Simd>(&self) -> std::ops::Range<usize> {
