@@ -55,7 +55,7 @@ impl NormalEquations {
     /// Mean of JᵀJ's diagonal: the scale of the damping.
     #[must_use]
     pub fn mean_diagonal(&self) -> f64 {
-        self.jtj.diagonal().mean()
+        self.jtj.trace() / self.columns() as f64
     }
 
     /// The step δ of (JᵀJ + `damping` · mean(diag JᵀJ) · I) δ = Jᵀρ.
