@@ -221,6 +221,38 @@ impl Model {
         ModelSpec { format: FORMAT.into(), name: self.name.clone(), limbs: limbs.collect() }
     }
 
+    /// The same body with other lengths and radii; a limb's spheres keep their places on it and scale with its radius.
+    ///
+    /// `sizes(limb)` gives length and radius in metres.
+    ///
+    /// # Errors
+    /// The first size that is none.
+    pub fn with_sizes(&self, sizes: impl Fn(usize) -> [f64; 2]) -> Result<Self, ModelError> {
+        let mut resized = self.clone();
+        for (index, limb) in resized.limbs.iter_mut().enumerate() {
+            let [length, radius] = sizes(index);
+            for (field, value) in [("length", length), ("radius", radius)] {
+                if !is_size(value) {
+                    return Err(ModelError::Size { limb: limb.name.clone(), field, value });
+                }
+            }
+            let thicker = radius / limb.radius;
+            for sphere in &mut limb.spheres {
+                sphere.radius *= thicker;
+                sphere.offset *= thicker;
+            }
+            (limb.length, limb.radius) = (length, radius);
+        }
+        Ok(resized)
+    }
+
+    /// The same body under another name.
+    #[must_use]
+    pub fn renamed(mut self, name: &str) -> Self {
+        name.clone_into(&mut self.name);
+        self
+    }
+
     /// What the body is called.
     #[must_use]
     pub fn name(&self) -> &str {
@@ -294,6 +326,10 @@ fn unit(direction: DVec3) -> DVec3 {
     if (direction.length_squared() - 1.0).abs() < 1e-14 { direction } else { direction.normalize() }
 }
 
+fn is_size(value: f64) -> bool {
+    value.is_finite() && value > 1e-6 && value <= MAX_SIZE
+}
+
 fn check_limb(index: usize, limb: &LimbSpec) -> Result<(), ModelError> {
     let name = || limb.name.clone();
     if limb.name.trim().is_empty() {
@@ -303,7 +339,6 @@ fn check_limb(index: usize, limb: &LimbSpec) -> Result<(), ModelError> {
     if !direction_length.is_finite() || direction_length < 1e-9 {
         return Err(ModelError::Direction { limb: name(), value: limb.direction });
     }
-    let is_size = |value: f64| value.is_finite() && value > 1e-6 && value <= MAX_SIZE;
     for (field, value) in [("length", limb.length), ("radius", limb.radius)] {
         if !is_size(value) {
             return Err(ModelError::Size { limb: name(), field, value });

@@ -6,6 +6,7 @@
 //! | file | holds |
 //! |---|---|
 //! | [`ramp`] | distance to grey level: `thesis`, `half`, `width`, `distance` |
+//! | [`radius_rate`] | how a grey level changes with the limb's radius |
 //! | [`renderer`] | which solid a limb is: cylinder, capsule, sphere tree |
 //! | [`primitive`] | one solid in camera axes, seen along a ray |
 //! | [`view`] | all solids of a pose prepared for one camera, with conservative pixel boxes |
@@ -20,6 +21,7 @@ pub mod joint_forces;
 pub mod kernels;
 pub mod prediction;
 pub mod primitive;
+pub mod radius_rate;
 pub mod ramp;
 pub mod renderer;
 pub mod view;

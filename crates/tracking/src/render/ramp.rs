@@ -19,9 +19,9 @@ use thiserror::Error;
 /// The background's grey level.
 pub const BACKGROUND: f64 = 255.0;
 /// Widest inner half of a `distance` ramp, as a fraction of the radius.
-const WIDEST_INNER: f64 = 0.9;
+pub(super) const WIDEST_INNER: f64 = 0.9;
 /// Widest `width` ramp, as a fraction of the radius: there the limb's axis is just black.
-const WIDEST_WIDTH: f64 = 0.5;
+pub(super) const WIDEST_WIDTH: f64 = 0.5;
 /// Widths of this many pixels and more are a mistake.
 const WIDEST_PX: f64 = 1e6;
 /// Widths never shrink below this many metres, so that a slope stays finite.

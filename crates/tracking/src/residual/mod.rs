@@ -6,10 +6,14 @@
 //! | [`proximal_prior`] | −log(q q₀⁻¹) and root₀ − root: stay near the pose that the fit began with |
 //! | [`rest_prior`] | −twist of a limb about itself: cameras hardly see it |
 //! | [`joint_limit`] | how far flexion, sideways swing and twist lie outside their ranges |
+//! | [`body_size`] | D − Λ again, with columns for the body's lengths and radii |
+//! | [`proportion_prior`] | how far lengths and radii are from a scaled body's |
 //! | [`point`] | target − position of a joint, for posing by hand and for reference keypoints |
 
+pub mod body_size;
 pub mod joint_limit;
 pub mod point;
+pub mod proportion_prior;
 pub mod proximal_prior;
 pub mod rest_prior;
 pub mod rotation_term;

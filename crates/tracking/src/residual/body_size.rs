@@ -1,0 +1,327 @@
+//! D − Λ of every pixel with derivatives by the pose *and* by the body's sizes, in f64, one pixel at a time.
+//!
+//! A limb of length s and radius r, whose points are q = p0 + t a (a = s R v), moves with the sizes θ = log(s/s₀):
+//!
+//! - its own length: q moves by t a, so ∂λ/∂θ = k·(q − p0), the wrench's stretch;
+//! - the length of a limb m on the way to it: all of it moves by s_m R_m v_m, so ∂λ/∂θ_m = k·(s_m R_m v_m);
+//! - its own radius: ∂λ/∂θ = r ∂λ/∂r, through the ramp alone.
+//!
+//! So a pixel's row is an eight-vector h = [force, moment, stretch, r ∂λ/∂r] times the limb's 8 × n map, and sums of
+//! h hᵀ and h ρ per limb give JᵀJ and Jᵀρ exactly, as for the pose alone. This path runs once a person; the fast
+//! kernels know nothing of sizes.
+
+use std::sync::Arc;
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::body::kinematics::MovingColumn;
+use crate::body::{Kinematics, Model, Parameters, SizeKind, Sizes};
+use crate::camera::Camera;
+use crate::optimize::NormalEquations;
+use crate::render::kernels::scalar::RowWinners;
+use crate::render::primitive::Primitive;
+use crate::render::ramp::BACKGROUND;
+use crate::render::wrench::Wrench;
+use crate::render::{Ramp, View};
+use crate::silhouette::Measurement;
+
+/// Force, moment, stretch, radius.
+pub const COMPONENTS: usize = 8;
+
+/// A pixel's row on its limb, or a column of the limb's map: force and moment (or v and ω) in world axes, stretch,
+/// radius.
+pub type SizeVector = SVector<f64, COMPONENTS>;
+
+/// Σ w h hᵀ and Σ w h ρ of one limb, world axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SizeBlock {
+    products: SMatrix<f64, COMPONENTS, COMPONENTS>,
+    forces: SizeVector,
+}
+
+impl Default for SizeBlock {
+    fn default() -> Self {
+        Self { products: SMatrix::zeros(), forces: SizeVector::zeros() }
+    }
+}
+
+impl SizeBlock {
+    /// Adds another camera's sums with a weight.
+    pub fn add(&mut self, other: &Self, weight: f64) {
+        self.products += other.products * weight;
+        self.forces += other.forces * weight;
+    }
+
+    fn is_empty(&self) -> bool {
+        self.products.trace() == 0.0
+    }
+}
+
+/// One camera's data in one frame, every `stride`-th pixel.
+#[derive(Debug, Clone)]
+pub struct SizeData {
+    measurement: Arc<Measurement>,
+    stride: usize,
+    empty_cost: f64,
+    total_weight: f64,
+}
+
+impl SizeData {
+    /// Takes every `stride`-th pixel, from the middle of the first block.
+    #[must_use]
+    pub fn new(measurement: Arc<Measurement>, stride: usize) -> Self {
+        let stride = stride.max(1);
+        let (mut empty_cost, mut total_weight) = (0.0, 0.0);
+        for y in (stride / 2..measurement.height()).step_by(stride) {
+            for x in (stride / 2..measurement.width()).step_by(stride) {
+                let slot = y * measurement.width() + x;
+                let weight = f64::from(measurement.weights()[slot]);
+                empty_cost += weight * (f64::from(measurement.values()[slot]) - BACKGROUND).powi(2);
+                total_weight += weight;
+            }
+        }
+        Self { measurement, stride, empty_cost, total_weight }
+    }
+
+    /// Σ w over the sampled pixels.
+    #[must_use]
+    pub fn total_weight(&self) -> f64 {
+        self.total_weight
+    }
+
+    /// Cost Σ w (D − Λ)², and the sums of every limb. `blocks` has one entry per limb and comes cleared.
+    pub fn accumulate(
+        &self,
+        view: &View,
+        camera: &Camera,
+        ramp: Ramp,
+        row: &mut RowWinners,
+        blocks: &mut [SizeBlock],
+    ) -> f64 {
+        let (stride, offset) = (self.stride, self.stride / 2);
+        let mut cost = self.empty_cost;
+        for y in (offset..self.measurement.height()).step_by(stride) {
+            row.find(view, y, stride, offset);
+            for x in row.touched().step_by(stride) {
+                let Some(winner) = row.winner(x) else { continue };
+                let slot = y * self.measurement.width() + x;
+                let weight = f64::from(self.measurement.weights()[slot]);
+                if weight == 0.0 {
+                    continue;
+                }
+                let data = f64::from(self.measurement.values()[slot]);
+                let residual = data - BACKGROUND * row.level(x).clamp(0.0, 1.0);
+                cost += weight * (residual * residual - (data - BACKGROUND).powi(2));
+                if row.level(x) > 0.0
+                    && let Some(h) = size_vector(view, &view.primitives()[winner], camera, ramp, [x, y])
+                {
+                    let block = &mut blocks[view.primitives()[winner].limb];
+                    block.products.ger(weight, &h, &h, 1.0);
+                    block.forces.axpy(weight * residual, &h, 1.0);
+                }
+            }
+        }
+        cost.max(0.0)
+    }
+}
+
+/// A pixel's row on the limb that wins it; `None` where λ is clipped.
+#[must_use]
+pub fn size_vector(
+    view: &View,
+    primitive: &Primitive,
+    camera: &Camera,
+    ramp: Ramp,
+    [x, y]: [usize; 2],
+) -> Option<SizeVector> {
+    let sample = primitive.sample(view.ray(x, y));
+    let world_from_camera = camera.camera_from_world().rotation.transpose();
+    let Wrench { force, moment, stretch } = sample.wrench?.rotated(world_from_camera);
+    let rate = primitive.radius_rate(ramp, view.pinhole().mean_focal_px(), sample.squared);
+    let by_radius = primitive.radius * rate;
+    Some(SizeVector::from([
+        force.x, force.y, force.z, moment.x, moment.y, moment.z, stretch, by_radius,
+    ]))
+}
+
+/// A column of a limb's 8 × n map that is not zero, with its index in the state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SizeColumn {
+    /// The state's column.
+    pub index: usize,
+    /// What a unit of it does to the limb.
+    pub motion: SizeVector,
+}
+
+/// Where poses and sizes stand among the columns of a joint state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ColumnPlaces {
+    /// First column of the frame's pose.
+    pub pose: usize,
+    /// First column of the sizes.
+    pub sizes: usize,
+}
+
+/// The columns that move a limb: its pose's, and the sizes of all limbs on the way to it.
+///
+/// `path` is scratch memory.
+pub fn moving_columns(
+    sizes: &Sizes,
+    model: &Model,
+    kinematics: &Kinematics,
+    limb: usize,
+    places: ColumnPlaces,
+    path: &mut Vec<MovingColumn>,
+) -> Vec<SizeColumn> {
+    kinematics.moving_columns_into(limb, Parameters::Tangent, path);
+    let mut columns: Vec<SizeColumn> = Vec::with_capacity(path.len() + 8);
+    for &MovingColumn { index, motion: [vx, vy, vz, wx, wy, wz, scaling] } in path.iter() {
+        let motion = SizeVector::from([vx, vy, vz, wx, wy, wz, scaling, 0.0]);
+        columns.push(SizeColumn { index: places.pose + index, motion });
+    }
+    let first_size = columns.len();
+    let mut add = |column: Option<usize>, motion: SizeVector| {
+        let Some(column) = column else { return };
+        let index = places.sizes + column;
+        // Limbs on one path may share a size.
+        match columns[first_size..].iter_mut().find(|other| other.index == index) {
+            Some(other) => other.motion += motion,
+            None => columns.push(SizeColumn { index, motion }),
+        }
+    };
+    let unit = |component: usize| SizeVector::from_fn(|i, _| f64::from(u8::from(i == component)));
+    add(sizes.column(limb, SizeKind::Length), unit(6));
+    add(sizes.column(limb, SizeKind::Radius), unit(7));
+    let mut next = model.limbs()[limb].parent;
+    while let Some(ancestor) = next {
+        let bone = kinematics.ends()[ancestor] - kinematics.starts()[ancestor];
+        let moved = SizeVector::from([bone.x, bone.y, bone.z, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        add(sizes.column(ancestor, SizeKind::Length), moved);
+        next = model.limbs()[ancestor].parent;
+    }
+    columns
+}
+
+/// Maps a frame's sums to the joint state: JᵀJ += KᵀMK, Jᵀρ += Kᵀm.
+pub fn add_to(
+    blocks: &[SizeBlock],
+    sizes: &Sizes,
+    model: &Model,
+    kinematics: &Kinematics,
+    places: ColumnPlaces,
+    equations: &mut NormalEquations,
+) {
+    let mut path = Vec::new();
+    for (limb, block) in blocks.iter().enumerate().filter(|(_, block)| !block.is_empty()) {
+        let columns = moving_columns(sizes, model, kinematics, limb, places, &mut path);
+        for (first, a) in columns.iter().enumerate() {
+            let pushed = block.products * a.motion;
+            equations.jtr[a.index] += a.motion.dot(&block.forces);
+            for b in &columns[first..] {
+                let sum = pushed.dot(&b.motion);
+                equations.jtj[(a.index, b.index)] += sum;
+                if a.index != b.index {
+                    equations.jtj[(b.index, a.index)] += sum;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use nalgebra::DMatrix;
+
+    use super::*;
+    use crate::body::sizes::SizeChoice;
+    use crate::body::{Pose, builtin};
+    use crate::camera::{CameraFromWorld, Distortion, Intrinsics};
+    use crate::optimize::gradient_check::{DifferenceOptions, check_jacobian};
+    use crate::render::{RendererKind, predict};
+
+    fn camera() -> Camera {
+        let place = CameraFromWorld::looking_at(DVec3::new(1.2, 2.6, 0.7), DVec3::Z * 0.1, DVec3::Z);
+        let intrinsics = Intrinsics { fx: 42.0, fy: 42.5, cx: 19.0, cy: 23.5 };
+        Camera::new("c", [40, 48], intrinsics, Distortion::None, place).unwrap()
+    }
+
+    /// Every pixel by every column, pose and sizes, against differences of the drawn prediction.
+    #[test]
+    fn rows_match_differences() {
+        let start = Arc::new(builtin::full_body());
+        let sizes = Sizes::new(start.clone(), SizeChoice::default());
+        let theta: Vec<f64> = (0..sizes.count()).map(|i| 0.1 * (i as f64 * 1.3).sin()).collect();
+        let model = sizes.model(&theta, 0.0).unwrap();
+        let columns = Parameters::Tangent.columns(model.rotation_count());
+        let bend: Vec<f64> = (0..columns).map(|i| 0.25 * (i as f64 * 2.1).sin()).collect();
+        let pose = Pose::rest(&model).retract(Parameters::Tangent, &bend);
+        let kinematics = Kinematics::new(&model, &pose);
+        let camera = camera();
+        let ramps = [
+            Ramp::Half,
+            Ramp::Thesis,
+            Ramp::Width { px: 1.0 },
+            Ramp::Distance { inner_px: 1.5, outer_px: 6.0 },
+            Ramp::Distance { inner_px: 9.0, outer_px: 3.0 },
+        ];
+        for ramp in ramps {
+            let view = View::new(&model, &kinematics, &camera, RendererKind::Capsule, ramp);
+            let mut row = RowWinners::default();
+            let mut jacobian = DMatrix::zeros(40 * 48, columns + sizes.count());
+            let (mut path, mut filled) = (Vec::new(), 0);
+            for y in 0..48 {
+                row.find(&view, y, 1, 0);
+                for x in row.touched() {
+                    let Some(primitive) = row.winner(x).map(|winner| &view.primitives()[winner]) else {
+                        continue;
+                    };
+                    let Some(h) = size_vector(&view, primitive, &camera, ramp, [x, y]) else { continue };
+                    let places = ColumnPlaces { pose: 0, sizes: columns };
+                    for column in
+                        moving_columns(&sizes, &model, &kinematics, primitive.limb, places, &mut path)
+                    {
+                        jacobian[(y * 40 + x, column.index)] = column.motion.dot(&h);
+                        filled += 1;
+                    }
+                }
+            }
+            assert!(filled > 500, "{ramp}: {filled}");
+            let drawn = |column: usize, offset: f64| -> Vec<f64> {
+                let (mut theta, mut pose) = (theta.clone(), pose.clone());
+                if column < columns {
+                    pose = pose.nudged(Parameters::Tangent, column, offset);
+                } else {
+                    theta[column - columns] += offset;
+                }
+                let model = sizes.model(&theta, 0.0).unwrap();
+                let kinematics = Kinematics::new(&model, &pose);
+                let view = View::new(&model, &kinematics, &camera, RendererKind::Capsule, ramp);
+                let mut levels = vec![BACKGROUND; 40 * 48];
+                let mut row = RowWinners::default();
+                for y in 0..48 {
+                    row.find(&view, y, 1, 0);
+                    for x in row.touched() {
+                        levels[y * 40 + x] = BACKGROUND * row.level(x).clamp(0.0, 1.0);
+                    }
+                }
+                levels
+            };
+            let name = |pixel: usize, column: usize| {
+                let what = match column.checked_sub(columns) {
+                    None => format!("pose column {column}"),
+                    Some(size) => {
+                        let parameter = &sizes.parameters()[size];
+                        format!("{} {}", parameter.name, parameter.kind)
+                    }
+                };
+                format!("{ramp}, {what}, pixel ({}, {})", pixel % 40, pixel / 40)
+            };
+            let check = check_jacobian(&jacobian, drawn, name, &DifferenceOptions::default());
+            assert!(check.passes() && check.skipped_share() < 0.05, "{check}");
+        }
+        // What is drawn here is what everybody sees.
+        let prediction = predict(&model, &kinematics, &camera, RendererKind::Capsule, Ramp::Half);
+        assert!(prediction.lambda.iter().any(|&level| level == 0.0));
+    }
+}
