@@ -17,6 +17,7 @@ pub mod figure;
 mod furniture;
 pub mod motion;
 pub mod noise;
+pub mod people;
 pub mod render;
 pub mod room;
 mod shading;

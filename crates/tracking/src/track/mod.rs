@@ -9,10 +9,12 @@
 //! | [`posing`] | moving a body by hand: chains follow through the same optimiser |
 //! | [`start`] | where a fit begins: a pose from known joints, and noise on it |
 //! | [`tracker`] | [`Tracker`]: frame after frame |
+//! | [`fit_body`] | the person's own lengths and radii, with the poses of several frames |
 //! | [`metrics`] | joint errors against a reference |
 
 pub mod evidence;
 pub mod fit;
+pub mod fit_body;
 pub mod metrics;
 pub mod objective;
 pub mod options;
