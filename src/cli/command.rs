@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
-use super::{experiment, fit, render, screenshot, silhouettes, track};
+use super::{experiment, fit, fit_body, render, screenshot, silhouettes, track};
 
 const ABOUT: &str =
     "Fits an articulated body to its silhouettes and shows how. Without a command it opens the window.";
@@ -39,6 +39,8 @@ pub enum Command {
     Render(render::RenderArguments),
     /// Fit a pose to the silhouettes of one moment
     Fit(fit::FitArguments),
+    /// Find a person's own lengths and radii from several frames of a take
+    FitBody(fit_body::FitBodyArguments),
     /// Fit frame after frame of a take; report joint errors, overlap and times
     Track(track::TrackArguments),
     /// Draw the window without a display and write its picture

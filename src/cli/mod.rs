@@ -6,6 +6,7 @@
 //! | [`fit_options`] | options that choose renderer, ramp and solver |
 //! | [`render`] | `backlit render` |
 //! | [`fit`] | `backlit fit` |
+//! | [`fit_body`], [`fit_body_report`] | `backlit fit-body` |
 //! | [`evidence`] | silhouettes and grey levels from a folder |
 //! | [`track`] | `backlit track` |
 //! | [`track_report`], [`track_files`] | what a track is worth, and the files with it |
@@ -23,6 +24,8 @@ pub mod command;
 pub mod evidence;
 pub mod experiment;
 pub mod fit;
+pub mod fit_body;
+pub mod fit_body_report;
 pub mod fit_options;
 pub mod inspector;
 pub mod output;
@@ -51,6 +54,7 @@ pub fn run() -> ExitCode {
         None => inspector::run(cli.take.as_deref()),
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Fit(arguments)) => fit::run(&arguments),
+        Some(Command::FitBody(arguments)) => fit_body::run(&arguments),
         Some(Command::Track(arguments)) => track::run(&arguments),
         Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),
         Some(Command::Silhouettes(arguments)) => silhouettes::run(&arguments),

@@ -4,6 +4,7 @@
 
 mod experiment;
 mod fit;
+mod fit_body;
 mod golden;
 mod render;
 mod scene;

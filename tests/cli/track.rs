@@ -60,7 +60,7 @@ fn picture(scene: &Scene, camera: &Camera, pose: Option<&Pose>) -> RgbImage {
 }
 
 /// A scene with a take in `wave`.
-fn take() -> Scene {
+pub(crate) fn take() -> Scene {
     let scene = Scene::new();
     let rig = calibration::read(&scene.path("cameras.json"), CalibrationOptions::default()).unwrap();
     for camera in rig.cameras() {

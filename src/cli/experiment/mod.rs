@@ -9,6 +9,7 @@
 //! | [`fig52`] | `backlit experiment fig5.2` and `fig5.3` |
 //! | [`fig55`] | `backlit experiment fig5.5` and `fig5.6` |
 //! | [`bias`] | `backlit experiment bias` |
+//! | [`sizes`] | `backlit experiment sizes` |
 
 pub mod arguments;
 pub mod bias;
@@ -16,6 +17,7 @@ pub mod fig51;
 pub mod fig52;
 pub mod fig55;
 pub mod files;
+pub mod sizes;
 pub mod waiting;
 
 use clap::{Args, Subcommand};
@@ -51,6 +53,8 @@ enum Experiment {
     Fig56(fig55::Arguments),
     /// Where a fit ends that began at the truth: the bias of each ramp on hard masks, by number of cameras
     Bias(bias::Arguments),
+    /// Lengths and radii of people of several builds, from silhouettes and an average adult's body
+    Sizes(sizes::Arguments),
 }
 
 /// Runs the experiment.
@@ -65,5 +69,6 @@ pub fn run(arguments: &ExperimentArguments) -> anyhow::Result<()> {
         Experiment::Fig55(arguments) => fig55::run(arguments, "fig5.5", [192, 144]),
         Experiment::Fig56(arguments) => fig55::run(arguments, "fig5.6", [48, 36]),
         Experiment::Bias(arguments) => bias::run(arguments),
+        Experiment::Sizes(arguments) => sizes::run(arguments),
     }
 }

@@ -129,8 +129,8 @@ impl Sizes {
     pub fn model(&self, log_ratios: &[f64], others: f64) -> Result<Model, ModelError> {
         let limbs = self.start.limbs();
         self.start.with_sizes(|limb| {
-            let [length, radius] = self.of_limb[limb]
-                .map(|column| column.map_or(others, |column| log_ratios[column]).exp());
+            let [length, radius] =
+                self.of_limb[limb].map(|column| column.map_or(others, |column| log_ratios[column]).exp());
             [limbs[limb].length * length, limbs[limb].radius * radius]
         })
     }
@@ -144,6 +144,17 @@ impl Sizes {
             SizeKind::Length => limb.length,
             SizeKind::Radius => limb.radius,
         }
+    }
+}
+
+impl Model {
+    /// The same body, larger by a factor as a whole.
+    ///
+    /// # Errors
+    /// A size out of range.
+    pub fn scaled(&self, factor: f64) -> Result<Self, ModelError> {
+        let limbs = self.limbs();
+        self.with_sizes(|limb| [limbs[limb].length * factor, limbs[limb].radius * factor])
     }
 }
 

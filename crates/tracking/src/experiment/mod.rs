@@ -11,6 +11,7 @@
 //! | [`fig55`] | Figs. 5.5 and 5.6: a simulated sequence, large and tiny pictures |
 //! | [`bias`] | where fits go that begin at the truth, by ramp, data and cameras |
 //! | [`curve`] | one fit, iteration by iteration, against its truth |
+//! | [`sizes`] | the sizes of people of several builds, from silhouettes |
 //! | [`scene`] | simulated data: grey levels and masks of a pose |
 //! | [`upper_body`] | the upper body before its cameras: poses, a movement |
 //! | [`progress`] | how far an experiment is, and why one cannot run |
@@ -22,6 +23,7 @@ pub mod fig52;
 pub mod fig55;
 pub mod progress;
 pub mod scene;
+pub mod sizes;
 pub mod upper_body;
 
 pub use curve::Curve;

@@ -2,9 +2,11 @@
 
 use thiserror::Error;
 
+use crate::body::ModelError;
 use crate::camera::CameraError;
 use crate::silhouette::{MaskError, MeasurementError};
 use crate::track::FitError;
+use crate::track::fit_body::BodyFitError;
 
 /// How far an experiment is: units of work done, of all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,6 +29,10 @@ pub enum ExperimentError {
     Camera(#[from] CameraError),
     #[error(transparent)]
     Fit(#[from] FitError),
+    #[error("{person}: {error}")]
+    Body { person: &'static str, error: BodyFitError },
+    #[error(transparent)]
+    Model(#[from] ModelError),
     #[error(transparent)]
     Mask(#[from] MaskError),
     #[error(transparent)]

@@ -6,12 +6,15 @@
 //! - the length of a limb m on the way to it: all of it moves by s_m R_m v_m, so ∂λ/∂θ_m = k·(s_m R_m v_m);
 //! - its own radius: ∂λ/∂θ = r ∂λ/∂r, through the ramp alone.
 //!
+//! A known joint (a keypoint) has the same columns: its limb's second joint moves by v + ω × a + θ a.
+//!
 //! So a pixel's row is an eight-vector h = [force, moment, stretch, r ∂λ/∂r] times the limb's 8 × n map, and sums of
 //! h hᵀ and h ρ per limb give JᵀJ and Jᵀρ exactly, as for the pose alone. This path runs once a person; the fast
 //! kernels know nothing of sizes.
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use nalgebra::{SMatrix, SVector};
 
 use crate::body::kinematics::MovingColumn;
@@ -139,9 +142,7 @@ pub fn size_vector(
     let Wrench { force, moment, stretch } = sample.wrench?.rotated(world_from_camera);
     let rate = primitive.radius_rate(ramp, view.pinhole().mean_focal_px(), sample.squared);
     let by_radius = primitive.radius * rate;
-    Some(SizeVector::from([
-        force.x, force.y, force.z, moment.x, moment.y, moment.z, stretch, by_radius,
-    ]))
+    Some(SizeVector::from([force.x, force.y, force.z, moment.x, moment.y, moment.z, stretch, by_radius]))
 }
 
 /// A column of a limb's 8 × n map that is not zero, with its index in the state.
@@ -162,7 +163,8 @@ pub struct ColumnPlaces {
     pub sizes: usize,
 }
 
-/// The columns that move a limb: its pose's, and the sizes of all limbs on the way to it.
+/// The columns that move a limb: its pose's, and the sizes of all limbs on the way to it. Sizes that are not free are
+/// scaled as a whole: they share the column after those of the free ones.
 ///
 /// `path` is scratch memory.
 pub fn moving_columns(
@@ -181,8 +183,7 @@ pub fn moving_columns(
     }
     let first_size = columns.len();
     let mut add = |column: Option<usize>, motion: SizeVector| {
-        let Some(column) = column else { return };
-        let index = places.sizes + column;
+        let index = places.sizes + column.unwrap_or(sizes.count());
         // Limbs on one path may share a size.
         match columns[first_size..].iter_mut().find(|other| other.index == index) {
             Some(other) => other.motion += motion,
@@ -228,9 +229,51 @@ pub fn add_to(
     }
 }
 
+/// Adds w ‖target − p‖² of a joint that should be at a point in the world, with columns for the sizes: a limb's second
+/// joint, or the root.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a residual, its weight, where it stands and what it is added to"
+)]
+pub fn add_joint(
+    (limb, target): (Option<usize>, DVec3),
+    weight: f64,
+    sizes: &Sizes,
+    model: &Model,
+    kinematics: &Kinematics,
+    root: DVec3,
+    places: ColumnPlaces,
+    equations: &mut NormalEquations,
+) {
+    let (moved, place) = match limb {
+        Some(limb) => {
+            let bone = kinematics.ends()[limb] - kinematics.starts()[limb];
+            let columns = moving_columns(sizes, model, kinematics, limb, places, &mut Vec::new());
+            let end = |motion: &SizeVector| {
+                let [v, turn] = [0, 3].map(|at| DVec3::new(motion[at], motion[at + 1], motion[at + 2]));
+                v + turn.cross(bone) + motion[6] * bone
+            };
+            let moved: Vec<(usize, DVec3)> =
+                columns.iter().map(|column| (column.index, end(&column.motion))).collect();
+            (moved, kinematics.ends()[limb])
+        }
+        None => {
+            let axes = DVec3::AXES.into_iter().enumerate();
+            (axes.map(|(axis, unit)| (places.pose + axis, unit)).collect(), root)
+        }
+    };
+    let residual = target - place;
+    equations.cost += weight * residual.length_squared();
+    for &(i, a) in &moved {
+        equations.jtr[i] += weight * a.dot(residual);
+        for &(j, b) in &moved {
+            equations.jtj[(i, j)] += weight * a.dot(b);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
     use nalgebra::DMatrix;
 
     use super::*;

@@ -9,9 +9,10 @@
 //! | −b | girth: slim to broad |
 //! | −g | size: child to tall adult |
 //!
-//! Every residual is divided by its standard deviation. Segment lengths of adults spread by 4 to 6 % about their share
-//! of the stature (R. Drillis and R. Contini, "Body segment parameters", 1966; C. C. Gordon et al., ANSUR II, 2014);
-//! children differ by more, and a capsule's radius is not a girth on a tape: hence wider defaults.
+//! Every residual is divided by its standard deviation. Lengths of arm and leg bones of adults spread by about 4 %
+//! about their share of the stature (C. C. Gordon et al., ANSUR II, 2014). Heads, whose share of the stature halves
+//! between childhood and old age, and the sides and tips of a body of capsules, which no tape measures, spread by more:
+//! silhouettes show them well, so that a wide prior costs nothing.
 
 use serde::{Deserialize, Serialize};
 
@@ -36,7 +37,7 @@ pub struct Proportions {
 
 impl Default for Proportions {
     fn default() -> Self {
-        Self { size: 0.3, girth: 0.15, length: 0.08, middle_length: 0.04, radius: 0.2 }
+        Self { size: 0.3, girth: 0.15, length: 0.15, middle_length: 0.04, radius: 0.2 }
     }
 }
 

@@ -15,6 +15,7 @@ use crate::render::{Ramp, RendererKind, View, prediction};
 use crate::residual::proportion_prior::BodySizes;
 use crate::silhouette::{Overlap, SignedDistance};
 use crate::track::evidence::{Evidence, FitError, FitView};
+use crate::track::metrics::ReferenceJoints;
 use crate::track::options::Stage;
 
 /// What one frame contributes.
@@ -26,6 +27,8 @@ pub struct BodyFrame {
     pub views: Vec<FitView>,
     /// A pose near its own.
     pub start: Pose,
+    /// Joints that are known from elsewhere, a few centimetres accurate (keypoints); none is fine.
+    pub joints: ReferenceJoints,
 }
 
 /// How far a fit is.
@@ -55,8 +58,10 @@ pub enum BodyFitError {
     Proportions,
     #[error("`stages[{stage}]`: stride 0, a ramp without width or a slack that is not above 0")]
     Stage { stage: usize },
-    #[error("no length and no radius is free")]
-    NothingFree,
+    #[error(
+        "the body does not overlap the silhouettes of frame {frame} or those after it; expected a better start"
+    )]
+    Lost { frame: usize },
     #[error("stopped by you")]
     Cancelled,
 }
@@ -78,9 +83,6 @@ pub fn fit_body(
     check(options)?;
     let frames = usable(&start, frames)?;
     let sizes = Sizes::new(start.clone(), options.choice);
-    if sizes.count() == 0 {
-        return Err(BodyFitError::NothingFree);
-    }
     let (size, poses) = match size {
         Some(size) => (size, frames.iter().map(|frame| frame.start.normalized()).collect()),
         None => scale::from_silhouettes(&start, &frames, 0.0),
@@ -92,8 +94,7 @@ pub fn fit_body(
     let overlap_before = overlap(&sizes, &state, &frames);
     let (mut iterations, mut initial_rms, mut last) = (0, None, None);
     for (index, &stage) in options.stages.iter().enumerate() {
-        let mut problem =
-            BodyProblem::new(&sizes, &frames, &distances, options, stage, state.poses.clone());
+        let mut problem = BodyProblem::new(&sizes, &frames, &distances, options, stage, state.poses.clone());
         let solver_options = SolverOptions {
             method: Method::LevenbergMarquardt,
             damping: options.damping,
@@ -116,12 +117,13 @@ pub fn fit_body(
         }
         state = solver.point().clone();
         let termination = solver.termination().unwrap_or(Termination::NotFinite);
-        last = Some((solver.equations().clone(), problem.prior_unit(), problem.first_size(), rms, termination));
+        last =
+            Some((solver.equations().clone(), problem.shape_unit(), problem.first_size(), rms, termination));
     }
     let Some((equations, unit, first_size, final_rms, termination)) = last else {
         return Err(BodyFitError::NoStages);
     };
-    let seen = report::deviations(&equations, unit * options.proportion_weight, first_size);
+    let seen = report::deviations(&equations, unit, first_size);
     let overlap = [overlap_before, overlap(&sizes, &state, &frames)];
     let rms = [initial_rms.unwrap_or(final_rms), final_rms];
     let numbers = frames.iter().map(|frame| frame.frame).collect();
@@ -150,7 +152,7 @@ fn check(options: &BodyFitOptions) -> Result<(), BodyFitError> {
 /// Checked frames with a silhouette in at least one camera, without the cameras that have none.
 fn usable(model: &Model, mut frames: Vec<BodyFrame>) -> Result<Vec<BodyFrame>, BodyFitError> {
     let Some(first) = frames.first().map(|frame| frame.frame) else { return Err(BodyFitError::NoFrames) };
-    for BodyFrame { frame, views, start } in &mut frames {
+    for BodyFrame { frame, views, start, .. } in &mut frames {
         let at_frame = |error: FitError| BodyFitError::Frame { frame: *frame, error };
         start.check(model).map_err(|error: PoseError| at_frame(error.into()))?;
         for view in views.iter() {

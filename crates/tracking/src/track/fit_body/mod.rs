@@ -12,14 +12,19 @@
 //! | [`scale`] | a first guess of the body's size: from known joints, or from silhouettes' places and areas |
 //! | [`problem`] | poses and sizes as one least-squares problem |
 //! | [`fit`] | [`fit_body`]: stage after stage |
+//! | [`approach`](mod@approach) | from one frame's start to the poses of several frames, by tracking |
+//! | [`frames`] | which frames to look at |
 //! | [`report`] | what was found, and how well each size is seen |
 
+pub mod approach;
 pub mod fit;
+pub mod frames;
 pub mod options;
 pub mod problem;
 pub mod report;
 pub mod scale;
 
+pub use approach::{Approach, approach};
 pub use fit::{BodyFitError, BodyFrame, BodyProgress, fit_body};
 pub use options::{BodyFitOptions, BodyStage};
 pub use report::{BodyFit, SizeEstimate};

@@ -25,9 +25,13 @@ pub struct BodyFitOptions {
     pub choice: SizeChoice,
     /// How far people's proportions spread.
     pub proportions: Proportions,
-    /// Weight of the proportions, in 255² squared grey levels: with 1, a pixel is taken to be off by its whole range,
-    /// since the errors of a contour's pixels go together.
-    pub proportion_weight: f64,
+    /// Standard deviation of known joints about the body's, metres, against pixels that are off by their whole range.
+    /// Like proportions, each counts once a picture: with this, joints say where bones end and silhouettes the rest.
+    pub joint_deviation: f64,
+    /// Weight of the proportions, in 255² squared grey levels a picture (a camera in a frame): with 1, a picture's
+    /// pixels are taken to be off by their whole range. A body of capsules is off in the same way in every picture, so
+    /// that more pictures do not make its sizes surer.
+    pub shape_weight: f64,
     /// Stages, from far away and as a whole to near and size by size.
     pub stages: Vec<BodyStage>,
     /// Damping at the start of every stage, in units of mean(diag JᵀJ).
@@ -68,7 +72,8 @@ impl Default for BodyFitOptions {
         Self {
             choice: SizeChoice::default(),
             proportions: Proportions::default(),
-            proportion_weight: 1.0,
+            joint_deviation: 0.01,
+            shape_weight: 0.05,
             stages: stages.to_vec(),
             damping: robust.damping,
             // Poses that began with another body's sizes are to give way.

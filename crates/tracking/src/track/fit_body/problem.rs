@@ -31,6 +31,7 @@ pub struct BodyState {
 pub struct BodyProblem<'a> {
     sizes: &'a Sizes,
     options: &'a BodyFitOptions,
+    frames: &'a [BodyFrame],
     stage: BodyStage,
     /// What the proximal priors pull towards.
     references: Vec<Pose>,
@@ -58,14 +59,15 @@ impl<'a> BodyProblem<'a> {
         references: Vec<Pose>,
     ) -> Self {
         let of_frame = |(frame, (body_frame, distances)): (usize, (&'a BodyFrame, &Vec<_>))| {
-            let terms = body_frame.views.iter().zip(distances).map(move |(view, distance): (_, &Option<_>)| {
-                let data = view.data(&stage.stage, distance.as_ref());
-                Term { frame, view, data: SizeData::new(data, stage.stage.stride) }
-            });
+            let terms =
+                body_frame.views.iter().zip(distances).map(move |(view, distance): (_, &Option<_>)| {
+                    let data = view.data(&stage.stage, distance.as_ref());
+                    Term { frame, view, data: SizeData::new(data, stage.stage.stride) }
+                });
             terms.collect::<Vec<_>>()
         };
         let terms = frames.iter().zip(distances).enumerate().flat_map(of_frame).collect();
-        Self { sizes, options, stage, references, terms, silhouette_cost: 0.0 }
+        Self { sizes, options, frames, stage, references, terms, silhouette_cost: 0.0 }
     }
 
     fn pose_columns(&self) -> usize {
@@ -84,6 +86,16 @@ impl<'a> BodyProblem<'a> {
         BACKGROUND * BACKGROUND / (self.stage.stage.stride * self.stage.stage.stride) as f64
     }
 
+    /// Squared grey levels of a variance of 1 in the prior of proportions.
+    #[must_use]
+    pub fn shape_unit(&self) -> f64 {
+        self.prior_unit() * self.options.shape_weight * self.pictures()
+    }
+
+    fn pictures(&self) -> f64 {
+        self.terms.iter().map(|term| term.view.weight).sum()
+    }
+
     /// Root of the mean squared residual per pixel that has weight, grey levels, where it was evaluated last.
     #[must_use]
     pub fn rms(&self) -> f64 {
@@ -91,7 +103,7 @@ impl<'a> BodyProblem<'a> {
         if pixels > 0.0 { (self.silhouette_cost / pixels).sqrt() } else { 0.0 }
     }
 
-    fn add_silhouettes(&mut self, model: &Model, poses: &[Pose], equations: &mut NormalEquations) {
+    fn add_data(&mut self, model: &Model, poses: &[Pose], equations: &mut NormalEquations) {
         let kinematics: Vec<Kinematics> = poses.iter().map(|pose| Kinematics::new(model, pose)).collect();
         let ramp = self.stage.stage.ramp;
         let limbs = model.limbs().len();
@@ -117,9 +129,17 @@ impl<'a> BodyProblem<'a> {
             }
         }
         equations.cost += self.silhouette_cost;
+        // A keypoint is as much as all pictures of its frame, at its deviation.
+        let weight = self.prior_unit() * self.pictures()
+            / (self.frames.len() as f64 * self.options.joint_deviation.powi(2));
         for (frame, blocks) in merged.iter().enumerate() {
             let places = ColumnPlaces { pose: frame * self.pose_columns(), sizes: self.first_size() };
-            body_size::add_to(blocks, self.sizes, model, &kinematics[frame], places, equations);
+            let kinematics = &kinematics[frame];
+            body_size::add_to(blocks, self.sizes, model, kinematics, places, equations);
+            for &joint in &self.frames[frame].joints {
+                let root = poses[frame].root;
+                body_size::add_joint(joint, weight, self.sizes, model, kinematics, root, places, equations);
+            }
         }
     }
 
@@ -153,7 +173,7 @@ impl LeastSquares for BodyProblem<'_> {
             equations.cost = f64::INFINITY;
             return;
         };
-        self.add_silhouettes(&model, &state.poses, equations);
+        self.add_data(&model, &state.poses, equations);
         self.add_pose_priors(&state.poses, equations);
         proportion_prior::add(
             equations,
@@ -161,7 +181,7 @@ impl LeastSquares for BodyProblem<'_> {
             &state.body,
             &self.options.proportions,
             self.stage.slack,
-            self.prior_unit() * self.options.proportion_weight,
+            self.shape_unit(),
             self.first_size(),
         );
     }
@@ -203,5 +223,92 @@ impl LeastSquares for BodyProblem<'_> {
         if scale < 1.0 {
             *step *= scale;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::DVec3;
+
+    use super::*;
+    use crate::body::builtin;
+    use crate::body::sizes::SizeChoice;
+    use crate::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+    use crate::optimize::gradient_check::{DifferenceOptions, check_gradient};
+    use crate::silhouette::Measurement;
+    use crate::track::Evidence;
+
+    #[test]
+    fn the_gradient_is_that_of_the_cost() {
+        for (lengths, radii) in [(true, true), (true, false), (false, true), (false, false)] {
+            check_choice(SizeChoice { lengths, radii, symmetric: radii });
+        }
+    }
+
+    /// Two frames with two cameras, grey data, joints and all priors: the gradient of the whole by every column.
+    fn check_choice(choice: SizeChoice) {
+        let start = Arc::new(builtin::upper_body());
+        let sizes = Sizes::new(start.clone(), choice);
+        let camera = |centre: DVec3| {
+            let place = CameraFromWorld::looking_at(centre, DVec3::new(0.0, 0.3, 0.0), DVec3::Y);
+            let intrinsics = Intrinsics { fx: 40.0, fy: 41.0, cx: 19.5, cy: 15.5 };
+            Arc::new(Camera::new("c", [40, 32], intrinsics, Distortion::None, place).unwrap())
+        };
+        let view = |centre: DVec3, weight: f64| {
+            let values = (0..40 * 32).map(|i| 127.0 + 120.0 * (i as f32 * 0.31).sin()).collect();
+            let data = Measurement::new(40, 32, values, vec![1.0; 40 * 32]).unwrap();
+            FitView { camera: camera(centre), evidence: Evidence::Measurement(Arc::new(data)), weight }
+        };
+        let columns = Parameters::Tangent.columns(start.rotation_count());
+        let bent = |seed: f64| -> Pose {
+            let step: Vec<f64> = (0..columns).map(|i| 0.2 * (i as f64 * 1.7 + seed).sin()).collect();
+            Pose::rest(&start).retract(Parameters::Tangent, &step)
+        };
+        let frames: Vec<BodyFrame> = [0.0, 2.0]
+            .map(|seed| BodyFrame {
+                frame: seed as usize,
+                views: vec![view(DVec3::new(0.1, 0.3, 2.0), 1.0), view(DVec3::new(1.8, 0.5, 0.4), 0.5)],
+                start: bent(seed),
+                joints: vec![(None, DVec3::new(0.1, -0.05, 0.0)), (Some(5), DVec3::new(-0.4, 0.3, 0.2))],
+            })
+            .to_vec();
+        let options = BodyFitOptions::default();
+        let distances = vec![vec![None, None]; 2];
+        let mut stage = options.stages[1];
+        stage.stage.stride = 1;
+        let references = vec![bent(0.3), bent(2.2)];
+        let mut problem = BodyProblem::new(&sizes, &frames, &distances, &options, stage, references);
+        let ratios = (0..sizes.count()).map(|i| 0.1 * (i as f64 * 2.3).sin()).collect();
+        let state = BodyState {
+            poses: vec![bent(0.0), bent(2.0)],
+            body: BodySizes { log_ratios: ratios, size: 0.07, girth: -0.04 },
+        };
+        let first_size = problem.first_size();
+        let moved = |column: usize, offset: f64| {
+            let mut moved = state.clone();
+            if column < first_size {
+                let (frame, column) = (column / columns, column % columns);
+                moved.poses[frame] = moved.poses[frame].nudged(Parameters::Tangent, column, offset);
+            } else {
+                match column - first_size {
+                    size if size < sizes.count() => moved.body.log_ratios[size] += offset,
+                    size if size == sizes.count() => moved.body.size += offset,
+                    _ => moved.body.girth += offset,
+                }
+            }
+            moved
+        };
+        let name = |column: usize| match column.checked_sub(first_size) {
+            None => format!("frame {}, pose column {}", column / columns, column % columns),
+            Some(size) => sizes.parameters().get(size).map_or_else(
+                || "size or girth".to_owned(),
+                |parameter| format!("{} {}", parameter.name, parameter.kind),
+            ),
+        };
+        let options = DifferenceOptions { tolerance: 1e-5, ..DifferenceOptions::default() };
+        let check = check_gradient(&mut problem, &state, moved, name, &options);
+        assert!(check.passes() && check.skipped_share() < 0.3, "{choice:?}: {check}");
     }
 }

@@ -51,9 +51,7 @@ pub fn from_joints(model: &Model, joints: &[ReferenceJoints]) -> Option<f64> {
 pub fn from_silhouettes(model: &Model, frames: &[BodyFrame], mut size: f64) -> (f64, Vec<Pose>) {
     let mut poses: Vec<Pose> = frames.iter().map(|frame| frame.start.clone()).collect();
     for _ in 0..ROUNDS {
-        let ratio = size.exp();
-        let limbs = model.limbs();
-        let Ok(body) = model.with_sizes(|l| [limbs[l].length * ratio, limbs[l].radius * ratio]) else { break };
+        let Ok(body) = model.scaled(size.exp()) else { break };
         let mut changes = Vec::new();
         for (frame, pose) in frames.iter().zip(&mut poses) {
             let kinematics = Kinematics::new(&body, pose);

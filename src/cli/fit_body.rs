@@ -1,0 +1,264 @@
+//! `backlit fit-body`: a person's own lengths and radii, from several frames of a take.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use anyhow::{Context, bail};
+use backlit_tracking::body::sizes::SizeChoice;
+use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::io::pose_file::{self, Quaternions};
+use backlit_tracking::io::{Footage, Take, model_file};
+use backlit_tracking::track::fit_body::{
+    Approach, BodyFit, BodyFitOptions, approach, fit_body, frames, scale,
+};
+use backlit_tracking::track::metrics::ReferenceJoints;
+use backlit_tracking::track::start;
+use clap::{Args, ValueEnum};
+use indicatif::ProgressBar;
+
+use super::fit_body_report::{self, BodyReport};
+use super::output;
+use super::take_options::{self, FrameRange, PartArguments};
+
+const NOTES: &str = "\
+Sizes and the poses of all chosen frames are found together, from the silhouettes, the proportions of people and, where
+the take has them, its reference keypoints in these frames. Left and right share their sizes. The body is first scaled
+as a whole to the smallest frame, then tracked to the others. A T-pose shows lengths of arms and radii; bent elbows and
+knees show where upper and lower limbs meet: several frames of a movement are better than one.
+A size of which the silhouettes say hardly more than the proportions of people do is marked: it is a guess.
+
+Examples:
+  backlit fit-body TAKE --frames 0..300 --out person.toml
+  backlit fit-body TAKE --frames 3,40,85 --model full_body --without-keypoints --json";
+
+/// What `backlit fit-body` is told.
+#[derive(Debug, Args)]
+#[command(after_help = NOTES)]
+pub struct FitBodyArguments {
+    /// Take: its folder or its take.toml
+    take: PathBuf,
+    /// Frames: a list 3,40,85, or a range A..B of which --count frames are taken, evenly spread [default: all]
+    #[arg(long, value_name = "FRAMES", allow_hyphen_values = true)]
+    frames: Option<FrameChoice>,
+    /// How many frames of a range
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=64))]
+    count: u32,
+    /// Names of the cameras to use, with commas [default: all]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    cameras: Option<Vec<String>>,
+    /// The body to begin with: a file or single_limb, upper_body, full_body [default: the take's]
+    #[arg(long, value_name = "MODEL")]
+    model: Option<String>,
+    /// A pose near that of the smallest frame: a backlit-pose file [default: from the reference keypoints, else the
+    /// take's own start]
+    #[arg(long, value_name = "POSE")]
+    start: Option<PathBuf>,
+    /// Leave the take's reference keypoints alone
+    #[arg(long)]
+    without_keypoints: bool,
+    /// Let left and right differ
+    #[arg(long)]
+    asymmetric: bool,
+    /// Keep the proportions of all lengths, of all radii, or of both: then the body is only scaled as a whole
+    #[arg(long, value_enum, value_name = "KIND")]
+    hold: Option<HoldWord>,
+    /// Write the body to this file
+    #[arg(long, value_name = "MODEL.toml")]
+    out: Option<PathBuf>,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Sizes that stay in proportion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum HoldWord {
+    /// All lengths
+    Lengths,
+    /// All radii
+    Radii,
+    /// Both
+    Both,
+}
+
+/// Frames by number, or a range to choose from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum FrameChoice {
+    List(Vec<usize>),
+    Range(FrameRange),
+}
+
+impl FromStr for FrameChoice {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        if !text.contains(',') && text.contains("..") {
+            return text.parse().map(Self::Range);
+        }
+        let numbers: Result<Vec<usize>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+        numbers.map(Self::List).map_err(|_| "expected frames with commas (3,40,85) or a range (A..B)")
+    }
+}
+
+impl FitBodyArguments {
+    fn frames(&self, take: &Take) -> anyhow::Result<Vec<usize>> {
+        let range = match &self.frames {
+            Some(FrameChoice::List(frames)) => {
+                let count = take.frame_count();
+                if let Some(frame) = frames.iter().find(|&&frame| frame >= count) {
+                    bail!(
+                        "--frames: the take has {count} frames, counted from 0; frame {frame} is not among them"
+                    );
+                }
+                return Ok(frames.clone());
+            }
+            Some(FrameChoice::Range(range)) => Some(*range),
+            None => None,
+        };
+        let part = PartArguments { frames: range, every: 1, cameras: None };
+        Ok(frames::spread(&part.frames(take)?, self.count as usize))
+    }
+
+    fn options(&self) -> BodyFitOptions {
+        let choice = SizeChoice {
+            symmetric: !self.asymmetric,
+            lengths: !matches!(self.hold, Some(HoldWord::Lengths | HoldWord::Both)),
+            radii: !matches!(self.hold, Some(HoldWord::Radii | HoldWord::Both)),
+        };
+        BodyFitOptions { choice, ..BodyFitOptions::default() }
+    }
+}
+
+/// Finds the sizes, writes and prints.
+///
+/// # Errors
+/// A take, body or pose that cannot be read, frames without silhouettes, or a file that cannot be written.
+pub fn run(arguments: &FitBodyArguments) -> anyhow::Result<()> {
+    if let Some(out) = &arguments.out {
+        output::check_folder_of(out)?;
+    }
+    let footage = take_options::open(&arguments.take)?;
+    let take = footage.take();
+    let model = match &arguments.model {
+        Some(argument) => Arc::new(model_file::resolve(argument)?),
+        None => Arc::clone(take.model()),
+    };
+    let part = PartArguments { frames: None, every: 1, cameras: arguments.cameras.clone() };
+    let (cameras, chosen) = (part.cameras(take)?, arguments.frames(take)?);
+    let joints = |frame: usize| match arguments.without_keypoints {
+        true => ReferenceJoints::new(),
+        false => joints_of(take, &model, frame),
+    };
+    let plan = plan(arguments, take, &model, chosen, &joints)?;
+    let fit = follow_and_fit(&footage, &cameras, &model, &plan, joints, &arguments.options())?;
+    if let Some(out) = &arguments.out {
+        model_file::write(out, &fit.model)?;
+    }
+    let report = BodyReport::new(&fit);
+    if arguments.json {
+        output::print_json(&report)
+    } else {
+        output::print(&fit_body_report::text(&fit, arguments.out.as_deref()))
+    }
+}
+
+fn follow_and_fit(
+    footage: &Footage,
+    cameras: &[usize],
+    model: &Arc<Model>,
+    plan: &Approach,
+    joints: impl Fn(usize) -> ReferenceJoints,
+    options: &BodyFitOptions,
+) -> anyhow::Result<BodyFit> {
+    let spinner = ProgressBar::new_spinner();
+    spinner.enable_steady_tick(Duration::from_millis(200));
+    let cancel = CancelToken::new();
+    let (size, frames) = approach(
+        model,
+        plan,
+        options,
+        &cancel,
+        |frame| -> anyhow::Result<_> { Ok(footage.fit_views(cameras, frame)?) },
+        joints,
+        |done, all| spinner.set_message(format!("on the way: frame {done} of {all}")),
+    )?;
+    let fit = fit_body(Arc::clone(model), frames, Some(size), options, &cancel, |progress| {
+        let (stage, stages) = (progress.stage + 1, progress.stages);
+        spinner.set_message(format!("stage {stage} of {stages}, step {}", progress.iterations));
+    })?;
+    spinner.finish_and_clear();
+    let name = format!("{}, fitted", model.name().trim_end_matches(", fitted"));
+    Ok(BodyFit { model: fit.model.clone().renamed(&name), ..fit })
+}
+
+/// Where to begin, and how large the body is there.
+fn plan(
+    arguments: &FitBodyArguments,
+    take: &Take,
+    model: &Model,
+    frames: Vec<usize>,
+    joints: &impl Fn(usize) -> ReferenceJoints,
+) -> anyhow::Result<Approach> {
+    let first = frames.iter().copied().min().unwrap_or(0);
+    let known: Vec<ReferenceJoints> = frames.iter().map(|&frame| joints(frame)).collect();
+    let size = scale::from_joints(model, &known);
+    let start = match &arguments.start {
+        Some(path) => pose_file::read(path, model, Quaternions::Normalised)?,
+        None => {
+            let scaled = model.scaled(size.unwrap_or(0.0).exp())?;
+            let from_joints = || start::from_joints(&scaled, &joints_of(take, model, first));
+            from_joints().or_else(|| own_start(take, model)).with_context(|| {
+                format!(
+                    "the take has neither reference keypoints in frame {first} nor a `start` for this body; give a \
+                     pose with --start POSE"
+                )
+            })?
+        }
+    };
+    // A twentieth of a second is near enough for tracking.
+    let step = (take.frame_rate() / 20.0).round().max(1.0) as usize;
+    Ok(Approach { start, size, frames, step })
+}
+
+/// The take's reference keypoints of a frame, by the limbs of another body with the same names.
+fn joints_of(take: &Take, model: &Model, frame: usize) -> ReferenceJoints {
+    let limbs = take.model().limbs();
+    let joints = take_options::reference_joints(take, frame).into_iter();
+    let named = joints.filter_map(|(limb, place)| match limb {
+        Some(limb) => Some((Some(model.limb_index(&limbs[limb].name)?), place)),
+        None => Some((None, place)),
+    });
+    named.collect()
+}
+
+/// The take's start as a pose of another body, by the names of its limbs.
+fn own_start(take: &Take, model: &Model) -> Option<Pose> {
+    let (start, from) = (take.start()?, take.model());
+    let mut pose = Pose::rest(model);
+    pose.root = start.root;
+    for (rotation, &owner) in model.rotation_owners().iter().enumerate() {
+        if let Some(limb) = from.limb_index(&model.limbs()[owner].name) {
+            pose.rotations[rotation] = start.rotations[from.limbs()[limb].rotation];
+        }
+    }
+    Some(pose)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_a_list_or_a_range() {
+        assert_eq!("3, 40,85".parse(), Ok(FrameChoice::List(vec![3, 40, 85])));
+        assert_eq!("7".parse(), Ok(FrameChoice::List(vec![7])));
+        let range = FrameRange { first: 2, past: Some(9) };
+        assert_eq!("2..9".parse(), Ok(FrameChoice::Range(range)));
+        for text in ["", "a", "1,,2", "-1", "1..2,3"] {
+            assert!(text.parse::<FrameChoice>().is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! What `backlit fit-body` says: a table for people, and the same as JSON.
+
+use std::path::Path;
+
+use backlit_tracking::body::SizeKind;
+use backlit_tracking::track::fit_body::{BodyFit, SizeEstimate};
+use serde::Serialize;
+
+use super::table::Table;
+
+/// The result as JSON has it.
+#[derive(Debug, Serialize)]
+pub struct BodyReport {
+    frames: Vec<usize>,
+    /// Factors of the body that the fit began with.
+    size: f64,
+    girth: f64,
+    iou: Before<Option<f64>>,
+    rms: Before<f64>,
+    iterations: usize,
+    termination: &'static str,
+    sizes: Vec<SizeReport>,
+}
+
+#[derive(Debug, Serialize)]
+struct Before<T> {
+    before: T,
+    after: T,
+}
+
+/// Metres.
+#[derive(Debug, Serialize)]
+struct SizeReport {
+    limb: String,
+    kind: SizeKind,
+    start: f64,
+    found: f64,
+    deviation: f64,
+    prior_deviation: f64,
+    held_by_prior: bool,
+}
+
+impl BodyReport {
+    /// Of a fit.
+    #[must_use]
+    pub fn new(fit: &BodyFit) -> Self {
+        let size = |size: &SizeEstimate| SizeReport {
+            limb: size.name.clone(),
+            kind: size.kind,
+            start: size.start,
+            found: size.found,
+            deviation: size.deviation,
+            prior_deviation: size.prior_deviation,
+            held_by_prior: size.is_held_by_prior(),
+        };
+        Self {
+            frames: fit.frames.clone(),
+            size: fit.size,
+            girth: fit.girth,
+            iou: Before { before: fit.iou[0], after: fit.iou[1] },
+            rms: Before { before: fit.rms[0], after: fit.rms[1] },
+            iterations: fit.iterations,
+            termination: fit.termination.name(),
+            sizes: fit.sizes.iter().map(size).collect(),
+        }
+    }
+}
+
+/// The result for people.
+#[must_use]
+pub fn text(fit: &BodyFit, written: Option<&Path>) -> String {
+    let frames: Vec<String> = fit.frames.iter().map(usize::to_string).collect();
+    let percent = |factor: f64| format!("{:+.1} %", 100.0 * (factor - 1.0));
+    let mut out = format!(
+        "frames {}\nsize {}, girth {} beside it, of the body to begin with\n",
+        frames.join(", "),
+        percent(fit.size),
+        percent(fit.girth)
+    );
+    if let [Some(before), Some(after)] = fit.iou {
+        out.push_str(&format!("IoU {before:.3} scaled as a whole, {after:.3} with its own sizes\n"));
+    }
+    let mut table = Table::new(["mm", "before", "found", "±", ""]);
+    for size in &fit.sizes {
+        let mm = |metres: f64| format!("{:.1}", 1000.0 * metres);
+        let held = if size.is_held_by_prior() { "held by proportions" } else { "" };
+        let name = format!("{}, {}", size.name, size.kind);
+        table.row([name, mm(size.start), mm(size.found), mm(size.deviation), held.to_owned()]);
+    }
+    out.push('\n');
+    out.push_str(&table.to_text());
+    let of = |kind: SizeKind| {
+        let held = fit.sizes.iter().filter(|size| size.kind == kind && size.is_held_by_prior());
+        held.map(|size| size.name.as_str()).collect::<Vec<_>>().join(", ")
+    };
+    for (kind, plural) in [(SizeKind::Length, "lengths"), (SizeKind::Radius, "radii")] {
+        let names = of(kind);
+        if !names.is_empty() {
+            let sentence = format!("\nThese frames hardly show the {plural} of: {names}.\n");
+            out.push_str(&sentence);
+        }
+    }
+    if let Some(path) = written {
+        out.push_str(&format!("\nWritten: {}\n", path.display()));
+    }
+    out
+}

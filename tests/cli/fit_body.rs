@@ -1,0 +1,58 @@
+//! `backlit fit-body` on the small take of `backlit track`: a body that waves before a wall.
+
+use backlit_tracking::body::Model;
+use backlit_tracking::io::model_file;
+use serde_json::Value;
+
+use crate::scene::Scene;
+use crate::track;
+
+fn radius(model: &Model, limb: &str) -> f64 {
+    model.limbs()[model.limb_index(limb).unwrap()].radius
+}
+
+/// From a body that is a tenth too small and too slim, with keypoints and without.
+#[test]
+fn a_body_of_wrong_size_grows_to_the_silhouettes() {
+    let scene = track::take();
+    let slim = scene.model.with_sizes(|limb| {
+        let limb = &scene.model.limbs()[limb];
+        [0.9 * limb.length, 0.8 * limb.radius]
+    });
+    model_file::write(&scene.path("slim.toml"), &slim.unwrap()).unwrap();
+    for keypoints in ["", " --without-keypoints"] {
+        let command = format!("fit-body wave --model slim.toml --frames 0..=4 --count 3{keypoints}");
+        let printed = scene.ok(&format!("{command} --out person.toml --json"));
+        let report: Value = serde_json::from_str(&printed).unwrap();
+        assert_eq!(report["frames"], serde_json::json!([0, 2, 4]));
+        assert!(report["iou"]["after"].as_f64().unwrap() > 0.95, "{printed}");
+        let person = model_file::read(&scene.path("person.toml")).unwrap();
+        for limb in ["right upper arm", "left forearm", "head"] {
+            let (found, truth) = (radius(&person, limb), radius(&scene.model, limb));
+            assert!((found / truth - 1.0).abs() < 0.12, "{limb}{keypoints}: {found} {truth}");
+        }
+    }
+    let said = scene.ok("fit-body wave --frames 0,3 --out again.toml");
+    assert!(
+        said.contains("IoU") && said.contains("upper arm, length") && said.contains("again.toml"),
+        "{said}"
+    );
+}
+
+#[test]
+fn what_cannot_be_fitted_is_explained() {
+    let scene = track::take();
+    scene.fails("fit-body wave --frames 2,9", 1, &["--frames", "frame 9"]);
+    scene.fails("fit-body wave --frames two", 2, &["--frames", "3,40,85"]);
+    scene.fails("fit-body wave --out nowhere/person.toml", 1, &["nowhere"]);
+    scene.fails("fit-body wave --model nobody", 1, &["nobody", "upper_body"]);
+    scene.fails("fit-body wave --model full_body --without-keypoints --cameras back", 1, &["back"]);
+}
+
+/// The help names the command.
+#[test]
+fn help_knows_it() {
+    let scene = Scene::new();
+    let said = scene.ok("fit-body --help");
+    assert!(said.contains("--without-keypoints") && said.contains("person.toml"), "{said}");
+}
