@@ -1,6 +1,6 @@
 //! `backlit fit-body`: a person's own lengths and radii, from several frames of a take.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
 use std::time::Duration;
@@ -49,7 +49,7 @@ pub struct FitBodyArguments {
     /// Names of the cameras to use, with commas [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     cameras: Option<Vec<String>>,
-    /// The body to begin with: a file or single_limb, upper_body, full_body [default: the take's]
+    /// The body to begin with: a file, or the name of a built-in one [default: the take's]
     #[arg(long, value_name = "MODEL")]
     model: Option<String>,
     /// A pose near that of the smallest frame: a backlit-pose file [default: from the reference keypoints, else the
@@ -98,8 +98,8 @@ impl FromStr for FrameChoice {
         if !text.contains(',') && text.contains("..") {
             return text.parse().map(Self::Range);
         }
-        let numbers: Result<Vec<usize>, _> = text.split(',').map(|number| number.trim().parse()).collect();
-        numbers.map(Self::List).map_err(|_| "expected frames with commas (3,40,85) or a range (A..B)")
+        let numbers: Option<Vec<usize>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+        numbers.map(Self::List).ok_or("expected frames with commas (3,40,85) or a range (A..B)")
     }
 }
 

@@ -3,7 +3,7 @@
 //! A limb of length s and radius r, whose points are q = p0 + t a (a = s R v), moves with the sizes θ = log(s/s₀):
 //!
 //! - its own length: q moves by t a, so ∂λ/∂θ = k·(q − p0), the wrench's stretch;
-//! - the length of a limb m on the way to it: all of it moves by s_m R_m v_m, so ∂λ/∂θ_m = k·(s_m R_m v_m);
+//! - the length of a limb m on the way to it: all of it moves by that bone, aₘ, so ∂λ/∂θₘ = k·aₘ;
 //! - its own radius: ∂λ/∂θ = r ∂λ/∂r, through the ramp alone.
 //!
 //! A known joint (a keypoint) has the same columns: its limb's second joint moves by v + ω × a + θ a.

@@ -8,7 +8,7 @@ use super::options::BodyFitOptions;
 use super::problem::{BodyProblem, BodyState};
 use super::report::{self, BodyFit};
 use super::scale;
-use crate::body::{Kinematics, Model, Pose, PoseError, Sizes};
+use crate::body::{Kinematics, Model, ModelError, Pose, PoseError, Sizes};
 use crate::cancel::CancelToken;
 use crate::optimize::{Method, Solver, SolverOptions, Termination};
 use crate::render::{Ramp, RendererKind, View, prediction};
@@ -62,6 +62,8 @@ pub enum BodyFitError {
         "the body does not overlap the silhouettes of frame {frame} or those after it; expected a better start"
     )]
     Lost { frame: usize },
+    #[error(transparent)]
+    Size(#[from] ModelError),
     #[error("stopped by you")]
     Cancelled,
 }
@@ -127,8 +129,7 @@ pub fn fit_body(
     let overlap = [overlap_before, overlap(&sizes, &state, &frames)];
     let rms = [initial_rms.unwrap_or(final_rms), final_rms];
     let numbers = frames.iter().map(|frame| frame.frame).collect();
-    report::summary(&sizes, state, &seen, options, numbers, rms, overlap, iterations, termination)
-        .map_err(|_| BodyFitError::Proportions)
+    Ok(report::summary(&sizes, state, &seen, options, numbers, rms, overlap, iterations, termination)?)
 }
 
 fn check(options: &BodyFitOptions) -> Result<(), BodyFitError> {
