@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::arguments::OutputArguments;
 use super::files;
+use super::waiting::Waiting;
 use crate::cli::table::Table;
 
 /// What `backlit experiment sizes` is told.
@@ -30,7 +31,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let defaults = Options::default();
     let moments = arguments.moments.clone().unwrap_or(defaults.moments);
     let options = Options { moments, seed: arguments.seed, ..Options::default() };
-    let report = sizes::run(&options, &CancelToken::new(), |_| {})?;
+    let report = sizes::run(&options, &CancelToken::new(), Waiting::new().listener())?;
     files::finish(&arguments.output, "sizes", &options, &report, &[], &table(&report))
 }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::fit::{BodyFitError, BodyFrame, fit_body};
 use super::options::BodyFitOptions;
 use super::scale;
+use crate::body::sizes::SizeChoice;
 use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
 use crate::track::evidence::FitView;
@@ -12,8 +13,6 @@ use crate::track::metrics::ReferenceJoints;
 use crate::track::options::FitOptions;
 use crate::track::tracker::Tracker;
 
-/// Proportions in the first frame: nearly those of the start, since one frame says little of them.
-const FIRST_SLACK: f64 = 0.1;
 /// How many of a fit's stages the first frame's goes through: as far as a body of other proportions can be near.
 const FIRST_STAGES: usize = 3;
 
@@ -70,9 +69,10 @@ pub fn approach<E: From<BodyFitError>>(
         start.start = poses.into_iter().next().unwrap_or(start.start);
         size = Some(rough);
     }
-    let mut whole = options.clone();
+    // One frame says little of proportions.
+    let choice = SizeChoice { lengths: false, radii: false, ..options.choice };
+    let mut whole = BodyFitOptions { choice, ..options.clone() };
     whole.stages.truncate(FIRST_STAGES);
-    whole.stages.iter_mut().for_each(|stage| stage.slack = FIRST_SLACK);
     let scaled = fit_body(model.clone(), vec![start], size, &whole, cancel, |_| {})?;
     let pose = scaled.poses[0].clone();
     let mut tracker = Tracker::new(Arc::new(scaled.model), FitOptions::default(), pose)
