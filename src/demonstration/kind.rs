@@ -68,7 +68,7 @@ impl Demonstration {
             Self::TwoCameras => {
                 "The same start as with one camera, and both count: the joints come home. The report's fit falls \
                  steadily; Levenberg-Marquardt on tangent steps is at the truth after a dozen. Not from every \
-                 start: backlit experiment fig5.3 tries twenty. Press Comma and Period to go through the steps."
+                 start: backlit experiment fig5.3 tries a hundred. Press Comma and Period to go through the steps."
             }
             Self::Sequence => {
                 "50 frames of silhouettes in two cameras. Track forward follows them with the robust preset. \

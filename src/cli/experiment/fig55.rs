@@ -1,7 +1,7 @@
 //! `backlit experiment fig5.5` and `fig5.6`: the upper body followed through a simulated sequence.
 
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::experiment::fig55::{self, Options, Report, WayReport};
+use backlit_tracking::experiment::fig55::{self, Options, Report, Spread, WayReport};
 use clap::Args;
 
 use super::arguments::{NoiseArguments, OutputArguments, StartArguments};
@@ -51,13 +51,15 @@ pub fn run(arguments: &Arguments, name: &str, size_px: [u64; 2]) -> anyhow::Resu
 }
 
 fn table(report: &Report) -> String {
-    let mut table = Table::new(["fit", "joint error, mm: mean", "95 %", "max", "IoU", "lost frames"]);
+    let mut table =
+        Table::new(["fit", "joint error, mm: mean", "median", "95 %", "max", "IoU", "lost frames"]);
     for way in &report.ways {
-        let [mean, p95, max] = way.joint_error_mm;
+        let Spread { mean, median, p95, max } = way.joint_error_mm;
         let count = way.median_iou.len().max(1) as f64;
         table.row([
             way.name.clone(),
             format!("{mean:.1}"),
+            format!("{median:.1}"),
             format!("{p95:.1}"),
             format!("{max:.1}"),
             format!("{:.3}", way.median_iou.iter().sum::<f64>() / count),

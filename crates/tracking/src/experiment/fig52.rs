@@ -58,7 +58,7 @@ impl Default for Options {
         Self {
             cameras: 2,
             size_px: [192, 144],
-            starts: 20,
+            starts: 100,
             seed: 1,
             angle_rad: 10f64.to_radians(),
             distance_m: 0.05,

@@ -62,7 +62,7 @@ impl Default for Options {
             size_px: [192, 144],
             cameras: 2,
             frames: 50,
-            starts: 5,
+            starts: 20,
             seed: 1,
             angle_rad: 5f64.to_radians(),
             distance_m: 0.03,
@@ -119,12 +119,25 @@ pub struct WayReport {
     pub median_joint_error_mm: Vec<f64>,
     /// Median over the starts of the overlap (IoU of all cameras together), frame by frame.
     pub median_iou: Vec<f64>,
-    /// Joint errors of all frames of all starts, millimetres: mean, 95 % lie below, largest.
-    pub joint_error_mm: [f64; 3],
+    /// Mean joint errors of all frames of all starts.
+    pub joint_error_mm: Spread,
     /// Frames of all starts that count as lost.
     pub lost: usize,
     /// One sequence a start.
     pub sequences: Vec<Sequence>,
+}
+
+/// Statistics of mean joint errors, millimetres.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Spread {
+    /// Arithmetic mean.
+    pub mean: f64,
+    /// Half lie below.
+    pub median: f64,
+    /// 95 % lie below.
+    pub p95: f64,
+    /// The largest.
+    pub max: f64,
 }
 
 /// One start, followed to the end.
@@ -209,7 +222,12 @@ impl WayReport {
             name: name.to_owned(),
             median_joint_error_mm: medians(sequences.iter().map(|one| one.joint_errors_mm.clone())),
             median_iou: medians(sequences.iter().map(|one| one.iou.clone())),
-            joint_error_mm: overall.map_or([0.0; 3], |all| [all.mean, all.p95, all.max]),
+            joint_error_mm: overall.map_or_else(Spread::default, |all| Spread {
+                mean: all.mean,
+                median: all.median,
+                p95: all.p95,
+                max: all.max,
+            }),
             lost: sequences.iter().map(|one| one.lost).sum(),
             sequences,
         }
