@@ -16,10 +16,11 @@ use crate::camera::Camera;
 use crate::cancel::CancelToken;
 use crate::optimize::Method;
 use crate::render::Ramp;
+use crate::silhouette::Mask;
 use crate::track::metrics::Statistics;
 use crate::track::start::perturb;
 use crate::track::tracker::LOST_BELOW_IOU;
-use crate::track::{FitOptions, Preset, Tracker};
+use crate::track::{FitOptions, FitView, Preset, Tracker};
 
 /// Most iterations of a frame, as in the report.
 pub const ITERATIONS: usize = 25;
@@ -170,15 +171,20 @@ pub fn run(
     let model = Arc::new(builtin::upper_body());
     let cameras = upper_body::cameras(options.cameras, options.size_px)?;
     let truths: Vec<Pose> = (0..options.frames).map(|frame| upper_body::motion(&model, frame)).collect();
+    let moments = truths.into_iter().map(|truth| Moment::new(&model, &cameras, truth));
+    let moments = moments.collect::<Result<Vec<Moment>, _>>()?;
     let total = options.ways.len() * options.starts;
     let mut ways = Vec::new();
     for way in &options.ways {
+        let views = moments.iter().map(|moment| way.views(&model, &cameras, &moment.truth));
+        let views = views.collect::<Result<Vec<_>, _>>()?;
         let mut sequences = Vec::new();
         for start in 0..options.starts {
             on_progress(Progress { done: ways.len() * options.starts + start, total });
             let seed = options.seed.wrapping_add(start as u64);
-            let from = perturb(&model, &truths[0], options.angle_rad, options.distance_m, seed);
-            sequences.push(follow(&model, &cameras, &truths, way, from, cancel)?);
+            let from = perturb(&model, &moments[0].truth, options.angle_rad, options.distance_m, seed);
+            let tracker = Tracker::new(Arc::clone(&model), way.fit.clone(), from)?;
+            sequences.push(follow(&model, &cameras, &moments, &views, tracker, way, cancel)?);
         }
         ways.push(WayReport::of(&way.name, sequences));
     }
@@ -186,27 +192,52 @@ pub fn run(
     Ok(Report { ways })
 }
 
+/// One frame's truth, and its hard masks.
+struct Moment {
+    truth: Pose,
+    masks: Vec<Mask>,
+}
+
+impl Moment {
+    fn new(model: &Model, cameras: &[Arc<Camera>], truth: Pose) -> Result<Self, ExperimentError> {
+        let masks = cameras.iter().map(|camera| scene::hard_mask(model, &truth, camera));
+        let masks = masks.collect::<Result<Vec<_>, _>>()?;
+        Ok(Self { truth, masks })
+    }
+}
+
+impl Way {
+    fn views(
+        &self,
+        model: &Model,
+        cameras: &[Arc<Camera>],
+        truth: &Pose,
+    ) -> Result<Vec<FitView>, ExperimentError> {
+        let ramp = self.fit.final_ramp();
+        let see = |camera| scene::view(model, truth, camera, self.simulation, self.fit.renderer, ramp);
+        cameras.iter().map(see).collect()
+    }
+}
+
 fn follow(
-    model: &Arc<Model>,
+    model: &Model,
     cameras: &[Arc<Camera>],
-    truths: &[Pose],
+    moments: &[Moment],
+    views: &[Vec<FitView>],
+    mut tracker: Tracker,
     way: &Way,
-    start: Pose,
     cancel: &CancelToken,
 ) -> Result<Sequence, ExperimentError> {
-    let Way { simulation, fit, .. } = way;
-    let mut tracker = Tracker::new(Arc::clone(model), fit.clone(), start)?;
     let mut sequence =
         Sequence { joint_errors_mm: Vec::new(), iou: Vec::new(), iterations: Vec::new(), lost: 0 };
-    for (frame, truth) in truths.iter().enumerate() {
-        let see = |camera| scene::view(model, truth, camera, *simulation, fit.renderer, fit.final_ramp());
-        let views = cameras.iter().map(see).collect::<Result<Vec<_>, _>>()?;
-        let estimate = tracker.track_frame(frame, views, cancel)?;
+    for (frame, (moment, views)) in moments.iter().zip(views).enumerate() {
+        let estimate = tracker.track_frame(frame, views.clone(), cancel)?;
         if cancel.is_cancelled() {
             return Err(ExperimentError::Cancelled);
         }
-        let iou = scene::overlap(model, &estimate.pose, truth, cameras, fit.renderer)?.iou().unwrap_or(0.0);
-        sequence.joint_errors_mm.push(mean_joint_error_mm(model, &estimate.pose, truth));
+        let overlap = scene::overlap(model, &estimate.pose, cameras, &moment.masks, way.fit.renderer);
+        let iou = overlap.iou().unwrap_or(0.0);
+        sequence.joint_errors_mm.push(mean_joint_error_mm(model, &estimate.pose, &moment.truth));
         sequence.iou.push(iou);
         sequence.iterations.push(estimate.iterations);
         sequence.lost += usize::from(iou < LOST_BELOW_IOU);

@@ -77,25 +77,23 @@ fn levels(model: &Model, pose: &Pose, camera: &Camera, renderer: RendererKind, r
     prediction::levels(&View::new(model, &kinematics, camera, renderer, ramp))
 }
 
-/// How well a pose, drawn with hard edges, covers the hard masks of the truth: all cameras together.
-///
-/// # Errors
-/// A camera's pictures are larger than a mask may be.
+/// How well a pose, drawn with hard edges, covers masks: all cameras together. A mask that is not of its camera's
+/// size does not count.
+#[must_use]
 pub fn overlap(
     model: &Model,
     pose: &Pose,
-    truth: &Pose,
     cameras: &[Arc<Camera>],
+    masks: &[Mask],
     renderer: RendererKind,
-) -> Result<Overlap, ExperimentError> {
+) -> Overlap {
     let mut all = Overlap::default();
-    for camera in cameras {
+    for (camera, mask) in cameras.iter().zip(masks) {
         let drawn: Vec<f32> =
             levels(model, pose, camera, renderer, Ramp::Half).into_iter().map(|level| level as f32).collect();
-        // Both are as large as the camera's pictures.
-        if let Ok(one) = Overlap::between(&hard_mask(model, truth, camera)?, &drawn) {
+        if let Ok(one) = Overlap::between(mask, &drawn) {
             all = all.merge(one);
         }
     }
-    Ok(all)
+    all
 }
