@@ -370,8 +370,14 @@ fn check_limb(index: usize, limb: &LimbSpec) -> Result<(), ModelError> {
             let problem = "has no radius above 0; expected metres";
             return Err(ModelError::Sphere { limb: name(), index, problem });
         }
-        if !(sphere.at.is_finite() && sphere.offset.is_finite()) {
-            return Err(ModelError::Sphere { limb: name(), index, problem: "is not finite" });
+        let place = sphere.offset.abs().max_element().max(sphere.at.abs());
+        let is_number = sphere.at.is_finite() && sphere.offset.is_finite();
+        if !is_number || place > MAX_SIZE {
+            return Err(ModelError::Sphere {
+                limb: name(),
+                index,
+                problem: "is not finite or far off the limb",
+            });
         }
     }
     Ok(())

@@ -17,11 +17,14 @@ pub struct Pose {
     pub rotations: Vec<DQuat>,
 }
 
+/// A root farther from the origin than this, metres, is a mistake of units.
+pub const FARTHEST_ROOT: f64 = 1e6;
+
 /// Why numbers are not a pose.
 #[derive(Debug, Error, Clone, PartialEq)]
 #[expect(missing_docs, reason = "the messages say what each variant and field is")]
 pub enum PoseError {
-    #[error("`root` is {value}; expected three finite numbers in metres")]
+    #[error("`root` is {value}; expected three numbers in metres, none beyond {FARTHEST_ROOT:e}")]
     Root { value: DVec3 },
     #[error("`rotations.{limb}` is [w x y z] = {value:?}; expected four finite numbers, not all zero")]
     Rotation { limb: String, value: [f64; 4] },
@@ -41,14 +44,14 @@ impl Pose {
     /// # Errors
     /// The first number that is not one, by field.
     pub fn check(&self, model: &Model) -> Result<(), PoseError> {
-        if !self.root.is_finite() {
+        if !self.root.abs().cmple(DVec3::splat(FARTHEST_ROOT)).all() {
             return Err(PoseError::Root { value: self.root });
         }
         if self.rotations.len() != model.rotation_count() {
             return Err(PoseError::Count { found: self.rotations.len(), expected: model.rotation_count() });
         }
         for (q, &owner) in self.rotations.iter().zip(model.rotation_owners()) {
-            if !q.is_finite() || q.length_squared() < 1e-12 {
+            if !(1e-12..f64::INFINITY).contains(&q.length_squared()) {
                 let limb = model.limbs()[owner].name.clone();
                 return Err(PoseError::Rotation { limb, value: [q.w, q.x, q.y, q.z] });
             }

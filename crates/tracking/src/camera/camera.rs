@@ -7,6 +7,12 @@ use super::{Distortion, Intrinsics};
 
 /// Most pixels across or down a picture.
 pub const MAX_SIDE: u32 = 16_384;
+/// Larger numbers in a calibration (pixels, coefficients of a lens) are a mistake, and would not stay finite when squared.
+pub const LARGEST_NUMBER: f64 = 1e9;
+/// A focal length below this projects everything to one point.
+const SMALLEST_FOCAL_PX: f64 = 1e-9;
+/// A camera farther away than this, metres, is a mistake of units.
+pub const FARTHEST: f64 = 1e6;
 /// Rotations that are this far from orthonormal are refused; closer ones are mended.
 const ROTATION_TOLERANCE: f64 = 1e-3;
 
@@ -51,13 +57,13 @@ pub enum CameraError {
     Name,
     #[error("`{field}` is {value}; expected 1 to {MAX_SIDE} pixels")]
     Size { field: &'static str, value: u64 },
-    #[error("`{field}` is {value}; expected a finite number of pixels above 0")]
+    #[error("`{field}` is {value}; expected a number of pixels above 0 and at most {LARGEST_NUMBER:e}")]
     Focal { field: &'static str, value: f64 },
-    #[error("`{field}` is {value}; expected a finite number")]
+    #[error("`{field}` is {value}; expected a number of at most {LARGEST_NUMBER:e}")]
     NotFinite { field: &'static str, value: f64 },
     #[error("`rotation` is not a rotation: its rows are {error:.1e} away from orthonormal, or it mirrors")]
     Rotation { error: f64 },
-    #[error("`translation` is {value}; expected three finite numbers in metres")]
+    #[error("`translation` is {value}; expected three numbers in metres, none beyond {FARTHEST:e}")]
     Translation { value: DVec3 },
 }
 
@@ -93,18 +99,20 @@ impl Camera {
             }
         }
         for (field, value) in [("fx", intrinsics.fx), ("fy", intrinsics.fy)] {
-            if !(value.is_finite() && value > 1e-9) {
+            if !(SMALLEST_FOCAL_PX..=LARGEST_NUMBER).contains(&value) {
                 return Err(CameraError::Focal { field, value });
             }
         }
-        let mut finite = vec![("cx", intrinsics.cx), ("cy", intrinsics.cy)];
+        let mut numbers = vec![("cx", intrinsics.cx), ("cy", intrinsics.cy)];
         if let Distortion::OpenCv { k1, k2, p1, p2, k3 } = distortion {
-            finite.extend([("k1", k1), ("k2", k2), ("p1", p1), ("p2", p2), ("k3", k3)]);
+            numbers.extend([("k1", k1), ("k2", k2), ("p1", p1), ("p2", p2), ("k3", k3)]);
         }
-        if let Some(&(field, value)) = finite.iter().find(|(_, value)| !value.is_finite()) {
+        if let Some(&(field, value)) =
+            numbers.iter().find(|(_, value)| !(0.0..=LARGEST_NUMBER).contains(&value.abs()))
+        {
             return Err(CameraError::NotFinite { field, value });
         }
-        if !camera_from_world.translation.is_finite() {
+        if !camera_from_world.translation.abs().cmple(DVec3::splat(FARTHEST)).all() {
             return Err(CameraError::Translation { value: camera_from_world.translation });
         }
         let rotation = orthonormal(camera_from_world.rotation)?;

@@ -110,6 +110,21 @@ pub(super) mod tests {
         }
     }
 
+    #[test]
+    fn one_pixel_becomes_a_square() {
+        let (width, height, x, y) = (199, 90, 70, 40);
+        let mut bits = vec![0; width * height];
+        bits[y * width + x] = 1;
+        for radius in [1, 15, 16, 17, 31, 32, 33, 50, 64, 80, 150] {
+            let inside = |i: usize| (i % width).abs_diff(x) <= radius && (i / width).abs_diff(y) <= radius;
+            let expected: Vec<u8> = (0..bits.len()).map(|i| u8::from(inside(i))).collect();
+            assert!(dilate(&bits, width, radius) == expected, "radius {radius}");
+            let holes: Vec<u8> = bits.iter().map(|bit| 1 - bit).collect();
+            let expected: Vec<u8> = expected.iter().map(|bit| 1 - bit).collect();
+            assert!(erode(&holes, width, radius) == expected, "radius {radius}");
+        }
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(100))]
 

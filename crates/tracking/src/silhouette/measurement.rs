@@ -25,6 +25,14 @@ const UNKNOWN_LEVEL: f32 = 127.5;
 /// Why a measurement could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeasurementError {
+    /// The width or the height is zero.
+    #[error("a measurement needs at least one pixel, not {width} × {height}")]
+    Empty {
+        /// Width in pixels.
+        width: usize,
+        /// Height in pixels.
+        height: usize,
+    },
     /// A buffer does not have width × height entries.
     #[error("a measurement of {width} × {height} pixels cannot have {values} values and {weights} weights")]
     WrongLength {
@@ -112,13 +120,17 @@ impl Measurement {
     ///
     /// # Errors
     ///
-    /// If a buffer does not have width × height entries, if an entry is not finite or if a weight is negative.
+    /// If there is no pixel, if a buffer does not have width × height entries, if an entry is not finite or if a weight
+    /// is negative.
     pub fn new(
         width: usize,
         height: usize,
         values: Vec<f32>,
         weights: Vec<f32>,
     ) -> Result<Self, MeasurementError> {
+        if width == 0 || height == 0 {
+            return Err(MeasurementError::Empty { width, height });
+        }
         let pixels = width.checked_mul(height);
         if pixels != Some(values.len()) || pixels != Some(weights.len()) {
             let (values, weights) = (values.len(), weights.len());
@@ -285,6 +297,34 @@ mod tests {
                 let count = |label| (0..15).filter(|&j| near(j) && mask.labels()[j] == label).count() as f32;
                 let [b, s] = [Label::Background, Label::Subject].map(count);
                 assert_eq!(value, 255.0 * b / (b + s), "radius {radius}, pixel {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn full_boxes_count_every_pixel() {
+        let (width, height) = (83, 40);
+        let labels = (0..width * height).map(|i| match i * i % 11 {
+            3 => Label::Unknown,
+            4 if i % 5 != 0 => Label::Subject,
+            _ => Label::Background,
+        });
+        let mask = Mask::new(width, height, labels.collect()).unwrap();
+        let mut averaged = Measurement::from_mask_hard(&example());
+        for radius in [1, 2, 6, 7, 8, 20] {
+            averaged.average(&mask, radius);
+            assert_eq!((averaged.width(), averaged.height(), averaged.weights().len()), (83, 40, 83 * 40));
+            for (i, &value) in averaged.values().iter().enumerate() {
+                let (x, y) = (i % width, i / width);
+                let rows = y.saturating_sub(radius)..(y + radius + 1).min(height);
+                let columns = x.saturating_sub(radius)..(x + radius + 1).min(width);
+                let near = rows.flat_map(|y| mask.row(y).unwrap()[columns.clone()].iter());
+                let (mut b, mut known) = (0.0, 0.0);
+                for &label in near {
+                    b += f32::from(u8::from(label == Label::Background));
+                    known += f32::from(u8::from(label != Label::Unknown));
+                }
+                assert_eq!(value, 255.0 * b / known, "radius {radius}, pixel {i}");
             }
         }
     }
