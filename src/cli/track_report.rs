@@ -26,6 +26,8 @@ pub struct TrackReport {
 pub struct TrackSummary {
     frames: usize,
     lost: usize,
+    /// In how many frames a camera was left out because it saw nobody.
+    left_out: BTreeMap<String, usize>,
     iou: IouSummary,
     /// Millimetres; null without reference keypoints.
     joint_error_mm: Option<ErrorSummary>,
@@ -120,6 +122,13 @@ impl TrackReport {
         TrackSummary {
             frames: frames().count(),
             lost: frames().filter(|frame| frame.lost).count(),
+            left_out: frames().flat_map(|frame| &frame.empty_cameras).fold(
+                BTreeMap::new(),
+                |mut counts, name| {
+                    *counts.entry(name.clone()).or_default() += 1;
+                    counts
+                },
+            ),
             iou: IouSummary {
                 mean: mean(frames().filter_map(FrameEstimate::iou)),
                 by_camera: cameras.map(|(index, name)| (name.clone(), of_camera(index))).collect(),
@@ -145,6 +154,9 @@ impl TrackReport {
         let lost = if summary.lost == 0 { "none".to_owned() } else { summary.lost.to_string() };
         let frames = if summary.frames == 1 { "frame" } else { "frames" };
         let mut out = format!("{} {frames} tracked, {lost} lost\n", summary.frames);
+        for (camera, count) in &summary.left_out {
+            out.push_str(&format!("{camera} was left out of {count}, for it saw nobody\n"));
+        }
         if let Some(errors) = &summary.joint_error_mm {
             let mut table = Table::new(["joint error, mm", "mean", "median", "95 %", "max"]);
             let row = |name: &str, d: &Distances| {

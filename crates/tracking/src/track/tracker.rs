@@ -10,7 +10,7 @@ use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::cancel::CancelToken;
 use crate::optimize::Termination;
 use crate::render::{Ramp, View, prediction};
-use crate::silhouette::{Mask, Overlap};
+use crate::silhouette::{Label, Mask, Overlap};
 
 /// A frame counts as lost below this overlap of model and silhouettes (IoU).
 pub const LOST_BELOW_IOU: f64 = 0.4;
@@ -26,8 +26,10 @@ pub struct FrameEstimate {
     pub cost: f64,
     /// Root of the mean squared residual per pixel, grey levels.
     pub rms: f64,
-    /// Overlap of model and silhouette, camera by camera; `None` where there was no mask.
+    /// Overlap of model and silhouette, camera by camera; `None` where there was no mask or nobody in it.
     pub overlap: Vec<Option<Overlap>>,
+    /// Cameras that had nothing to say and were left out, by name.
+    pub empty_cameras: Vec<String>,
     /// Iterations, rejected ones included.
     pub iterations: usize,
     /// Whether the subject was lost: no silhouettes, or hardly any overlap with them.
@@ -59,6 +61,8 @@ pub struct Tracker {
     next_start: Pose,
     /// The last frame's number and pose.
     last: Option<(usize, Pose)>,
+    /// Whether the subject was lost there.
+    lost: bool,
 }
 
 impl Tracker {
@@ -70,7 +74,7 @@ impl Tracker {
     pub fn new(model: Arc<Model>, options: FitOptions, start: Pose) -> Result<Self, FitError> {
         start.check(&model)?;
         options.check()?;
-        Ok(Self { model, options, next_start: start.normalized(), last: None })
+        Ok(Self { model, options, next_start: start.normalized(), last: None, lost: false })
     }
 
     /// Goes on from a frame that was fitted before: the next one skips the wide first stages.
@@ -86,7 +90,10 @@ impl Tracker {
         &self.next_start
     }
 
-    /// Fits one frame. A frame without any silhouette is marked lost and keeps the predicted pose.
+    /// Fits one frame. A camera that sees nobody is left out and named. A frame in which none sees anybody is marked lost
+    /// and keeps the predicted pose.
+    ///
+    /// After a lost frame the motion is not carried on, and the search is as wide as in a first frame.
     ///
     /// # Errors
     /// Data that are not the camera's. Nothing that was tracked is lost.
@@ -99,13 +106,13 @@ impl Tracker {
         let masks: Vec<Option<Arc<Mask>>> = views
             .iter()
             .map(|view| match &view.evidence {
-                Evidence::Mask(mask) => Some(Arc::clone(mask)),
-                Evidence::Measurement(_) => None,
+                Evidence::Mask(mask) if mask.count(Label::Subject) > 0 => Some(Arc::clone(mask)),
+                _ => None,
             })
             .collect();
         let cameras: Vec<_> = views.iter().map(|view| Arc::clone(&view.camera)).collect();
         let mut options = self.options.clone();
-        if self.last.is_some() {
+        if self.last.is_some() && !self.lost {
             let skipped = options.skip_when_tracking.min(options.stages.len() - 1);
             options.stages.drain(..skipped);
         }
@@ -116,10 +123,12 @@ impl Tracker {
             cost: 0.0,
             rms: 0.0,
             overlap: vec![None; views.len()],
+            empty_cameras: Vec::new(),
             iterations: 0,
             lost: true,
             termination: None,
         };
+        let names: Vec<String> = cameras.iter().map(|camera| camera.name().to_owned()).collect();
         match Fit::new(Arc::clone(&self.model), views, start, options) {
             Ok(mut fit) => {
                 let summary = fit.run(cancel, |_| {});
@@ -128,9 +137,10 @@ impl Tracker {
                 estimate.rms = summary.final_rms;
                 estimate.iterations = summary.iterations.len();
                 estimate.termination = Some(summary.termination);
+                estimate.empty_cameras = summary.empty_cameras;
                 estimate.lost = false;
             }
-            Err(FitError::NoData { .. }) => {}
+            Err(FitError::NoData { .. }) => estimate.empty_cameras = names,
             Err(error) => return Err(error),
         }
         let kinematics = Kinematics::new(&self.model, &estimate.pose);
@@ -143,16 +153,20 @@ impl Tracker {
         if estimate.iou().is_some_and(|iou| iou < LOST_BELOW_IOU) {
             estimate.lost = true;
         }
-        self.advance(frame, &estimate.pose);
+        self.advance(&estimate);
         Ok(estimate)
     }
 
-    /// Predicts the next start: the motion between the last two frames goes on.
-    fn advance(&mut self, frame: usize, pose: &Pose) {
+    /// Predicts the next start: the motion between the last two frames goes on, unless the subject was lost.
+    fn advance(&mut self, estimate: &FrameEstimate) {
+        let (frame, pose) = (estimate.frame, &estimate.pose);
         self.next_start = match &self.last {
-            Some((before, from)) if *before != frame => pose.retract(Parameters::Tangent, &pose.local(from)),
+            Some((before, from)) if *before != frame && !estimate.lost => {
+                pose.retract(Parameters::Tangent, &pose.local(from))
+            }
             _ => pose.clone(),
         };
         self.last = Some((frame, pose.clone()));
+        self.lost = estimate.lost;
     }
 }
