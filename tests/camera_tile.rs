@@ -97,7 +97,7 @@ impl Scene {
                 Rgb([(90 + y / 3) as u8 + checker, (100 + x / 4) as u8 + checker, 120 + checker])
             }),
             outlines: body_outline(&prediction.lambda, SIZE[0], SIZE[1]),
-            limbs: project_limbs(&body, &kinematics, &camera),
+            limbs: project_limbs(&body, &kinematics, &camera, RendererKind::Capsule),
             joints: project_joints(&body, &kinematics, pose.root, &camera, |joint| joint == foot),
             overlap: Overlap::between(&mask, &prediction.lambda).unwrap(),
             colours: limb_colours(&body),

@@ -57,8 +57,8 @@ impl Demonstration {
             Self::SingleLimb => {
                 "One limb, seen from the side, began 10 cm off along its axis. Capsule and sphere tree came home. \
                  The cylinder is on the screen: it stays at 100 % of its start, because from the side its flat \
-                 ends cover no pixel and nothing pulls along the axis. Press G: the hatched pixels have no \
-                 gradient. A click on a curve shows that step."
+                 ends cover no pixel and nothing pulls along the axis. Press G: the pixels that pull lie along its \
+                 sides, none at its ends; press C, and the capsule has them there too."
             }
             Self::OneCamera => {
                 "Only camera 1 counts. Its view fits and the cost falls, yet camera 2, which does not count, shows \

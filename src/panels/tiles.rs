@@ -177,7 +177,7 @@ fn tile(
         jacobian: camera_prediction.and_then(|camera| camera.jacobian.as_ref()),
         limb_colours: &common.colours,
     };
-    let limbs = project_limbs(&document.model, &common.kinematics, camera);
+    let limbs = project_limbs(&document.model, &common.kinematics, camera, document.fit.renderer);
     let is_pinned = |joint: JointId| matches!(joint, JointId::End(limb) if document.pins.contains(&limb));
     let joints = project_joints(&document.model, &common.kinematics, common.root, camera, is_pinned);
     let ray = common.ray_in(showing, index, camera);

@@ -7,6 +7,7 @@ use std::f64::consts::TAU;
 
 use backlit_tracking::body::{Kinematics, Model};
 use backlit_tracking::camera::Camera;
+use backlit_tracking::render::RendererKind;
 use glam::DVec2;
 
 /// Limbs with an end nearer than this to the camera plane are not drawn (metres).
@@ -30,6 +31,8 @@ pub struct ProjectedLimb {
     pub start_depth_m: f64,
     /// Depth of the second joint, metres.
     pub end_depth_m: f64,
+    /// Whether its outline ends straight at the joints, as a cylinder's does from the side.
+    pub has_flat_ends: bool,
 }
 
 impl ProjectedLimb {
@@ -47,7 +50,7 @@ impl ProjectedLimb {
         1.0 / ((1.0 - share) / self.start_depth_m + share / self.end_depth_m)
     }
 
-    /// The capsule's border as a convex polygon, clockwise on the screen.
+    /// The limb's border as a convex polygon, clockwise on the screen: a capsule's, or a cylinder's seen from the side.
     pub fn outline(&self) -> Vec<DVec2> {
         let along = self.end_px - self.start_px;
         let (distance, difference) = (along.length(), self.start_radius_px - self.end_radius_px);
@@ -61,6 +64,15 @@ impl ProjectedLimb {
         }
         // The common tangents touch both discs at this angle from the axis.
         let (heading, touch) = (along.to_angle(), (difference / distance).acos());
+        if self.has_flat_ends {
+            let corner = |centre: DVec2, radius: f64, angle: f64| centre + radius * DVec2::from_angle(angle);
+            return vec![
+                corner(self.end_px, self.end_radius_px, heading - touch),
+                corner(self.end_px, self.end_radius_px, heading + touch),
+                corner(self.start_px, self.start_radius_px, heading + touch),
+                corner(self.start_px, self.start_radius_px, heading - touch),
+            ];
+        }
         let end = arc((self.end_px, self.end_radius_px), heading - touch, heading + touch);
         let start = arc((self.start_px, self.start_radius_px), heading + touch, heading + TAU - touch);
         end.chain(start).collect()
@@ -114,7 +126,12 @@ fn arc((centre, radius): (DVec2, f64), from: f64, to: f64) -> impl Iterator<Item
 }
 
 /// Every limb as a camera sees it; `None` for one that reaches behind the camera.
-pub fn project_limbs(model: &Model, kinematics: &Kinematics, camera: &Camera) -> Vec<Option<ProjectedLimb>> {
+pub fn project_limbs(
+    model: &Model,
+    kinematics: &Kinematics,
+    camera: &Camera,
+    renderer: RendererKind,
+) -> Vec<Option<ProjectedLimb>> {
     let focal = camera.intrinsics().mean_focal_px();
     let ends = kinematics.starts().iter().zip(kinematics.ends());
     model
@@ -134,6 +151,7 @@ pub fn project_limbs(model: &Model, kinematics: &Kinematics, camera: &Camera) ->
                 end_radius_px: focal * limb.radius / end_depth_m,
                 start_depth_m,
                 end_depth_m,
+                has_flat_ends: renderer == RendererKind::Cylinder,
             };
             (projected.start_px.is_finite() && projected.end_px.is_finite()).then_some(projected)
         })
@@ -151,6 +169,7 @@ mod tests {
         end_radius_px: 4.0,
         start_depth_m: 2.0,
         end_depth_m: 4.0,
+        has_flat_ends: false,
     };
 
     #[test]
@@ -181,7 +200,8 @@ mod tests {
 
     #[test]
     fn the_outline_touches_both_discs_and_is_convex() {
-        for limb in [LIMB, ProjectedLimb { end_px: DVec2::new(12.0, 21.0), ..LIMB }] {
+        let near = ProjectedLimb { end_px: DVec2::new(12.0, 21.0), ..LIMB };
+        for limb in [LIMB, near, ProjectedLimb { has_flat_ends: true, ..LIMB }] {
             let outline = limb.outline();
             for (index, point) in outline.iter().enumerate() {
                 let on_start = (point.distance(limb.start_px) - limb.start_radius_px).abs();

@@ -140,6 +140,7 @@ mod tests {
             end_radius_px: 5.0,
             start_depth_m: depth_m,
             end_depth_m: depth_m,
+            has_flat_ends: false,
         })
     }
 

@@ -1,5 +1,7 @@
 //! What the report has otherwise, or leaves unsaid, and what holds instead. `docs/report.md` lists all of it.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
+
 use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Model, ModelSpec, Parameters, Pose, builtin};

@@ -280,6 +280,7 @@ mod tests {
                 end_radius_px: 4.0,
                 start_depth_m: 3.0,
                 end_depth_m: 3.0,
+                has_flat_ends: false,
             });
             Self { body, joints, limbs, hand: Hand::default(), forearm }
         }
