@@ -15,6 +15,8 @@ use backlit_tracking::segment::{Background, SegmentOptions, Segmenter, segment};
 use backlit_tracking::silhouette::{Mask, Measurement, SignedDistance};
 use image::RgbImage;
 use image::imageops::{FilterType, resize};
+use imageproc::distance_transform::Norm;
+use imageproc::morphology;
 use timing::Table;
 
 /// How long each table may take.
@@ -63,6 +65,7 @@ fn segmentation(cameras: usize, width: u32, height: u32) {
         ready.iter().zip(&views).map(|(ready, (_, frame))| ready.segment(frame).unwrap()).collect()
     };
     let found = masks(&plain);
+    let pictures: Vec<_> = found.iter().map(Mask::to_gray).collect();
     let smooth = |masks: &[Mask], into: &mut [Measurement]| {
         for (mask, measurement) in masks.iter().zip(into) {
             measurement.average(mask, 1);
@@ -79,6 +82,12 @@ fn segmentation(cameras: usize, width: u32, height: u32) {
         .add("threshold, open 3×3, close 5×5", || drop(black_box(masks(&plain))))
         .add("smooth 3×3", || smooth(&found, &mut measurements))
         .add("threshold, open, close, smooth", || smooth(&masks(&plain), &mut others))
+        .add("open and close alone, by imageproc", || {
+            for picture in &pictures {
+                let opened = morphology::open(picture, Norm::LInf, 1);
+                black_box(morphology::close(&opened, Norm::LInf, 2));
+            }
+        })
         .add("all steps of the default options", || drop(black_box(masks(&full))))
         .run(BUDGET);
 }
