@@ -1,6 +1,6 @@
 //! The files of an experiment, and the table on the screen.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use backlit_tracking::io::atomic;
@@ -24,7 +24,7 @@ struct Document<'a, O, R> {
     report: &'a R,
 }
 
-/// Writes the numbers to `NAME.json` and each figure to its `NAME.png`, then prints the table, or the numbers.
+/// Writes the files, then prints the table, or the numbers.
 ///
 /// # Errors
 /// The folder or a file cannot be written.
@@ -36,6 +36,25 @@ pub fn finish<O: Serialize, R: Serialize>(
     figures: &[(String, Figure)],
     table: &str,
 ) -> anyhow::Result<()> {
+    let (numbers, written) = write(arguments, name, options, report, figures)?;
+    if arguments.json {
+        return output::print(&numbers);
+    }
+    let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
+    output::print(&format!("{table}\nWritten: {}\n", names.join(", ")))
+}
+
+/// Writes the numbers to `NAME.json` and each figure to its `NAME.png`; returns the numbers and all paths.
+///
+/// # Errors
+/// The folder or a file cannot be written.
+pub fn write<O: Serialize, R: Serialize>(
+    arguments: &OutputArguments,
+    name: &str,
+    options: &O,
+    report: &R,
+    figures: &[(String, Figure)],
+) -> anyhow::Result<(String, Vec<PathBuf>)> {
     let document = Document { format: FORMAT, experiment: name, options, report };
     output::make_folder(&arguments.out)?;
     let numbers = serde_json::to_string_pretty(&document).context("the numbers")? + "\n";
@@ -47,11 +66,7 @@ pub fn finish<O: Serialize, R: Serialize>(
         write_small(&path, figure.picture(arguments.theme.into()))?;
         written.push(path);
     }
-    if arguments.json {
-        return output::print(&numbers);
-    }
-    let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
-    output::print(&format!("{table}\nWritten: {}\n", names.join(", ")))
+    Ok((numbers, written))
 }
 
 /// Plots are flat: they get much smaller without filters and with all the time that compression takes.

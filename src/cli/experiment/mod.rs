@@ -10,8 +10,10 @@
 //! | [`fig55`] | `backlit experiment fig5.5` and `fig5.6` |
 //! | [`bias`] | `backlit experiment bias` |
 //! | [`sizes`] | `backlit experiment sizes` |
+//! | [`basin`] | `backlit experiment basin` |
 
 pub mod arguments;
+pub mod basin;
 pub mod bias;
 pub mod fig51;
 pub mod fig52;
@@ -55,6 +57,8 @@ enum Experiment {
     Bias(bias::Arguments),
     /// Lengths and radii of people of several builds, from silhouettes and an average adult's body
     Sizes(sizes::Arguments),
+    /// How far off a start may be: share of starts that end at the truth, by distance and number of cameras
+    Basin(basin::Arguments),
 }
 
 /// Runs the experiment.
@@ -70,5 +74,6 @@ pub fn run(arguments: &ExperimentArguments) -> anyhow::Result<()> {
         Experiment::Fig56(arguments) => fig55::run(arguments, "fig5.6", [48, 36]),
         Experiment::Bias(arguments) => bias::run(arguments),
         Experiment::Sizes(arguments) => sizes::run(arguments),
+        Experiment::Basin(arguments) => basin::run(arguments),
     }
 }

@@ -69,7 +69,7 @@ impl Look {
             parameters: Parameters::Tangent,
             method: Method::LevenbergMarquardt,
             damping: DAMPING,
-            stages: vec![Stage { ramp: self.ramp, data, stride: 1, iterations, tolerance }],
+            stages: vec![Stage { ramp: self.ramp, data, stride: 1, iterations, tolerance, priors: 1.0 }],
             ..FitOptions::preset(Preset::Report)
         }
     }

@@ -10,12 +10,15 @@
 //! | [`fig52`] | Figs. 5.2 and 5.3: the upper body from many starts, one camera and two |
 //! | [`fig55`] | Figs. 5.5 and 5.6: a simulated sequence, large and tiny pictures |
 //! | [`bias`] | where fits go that begin at the truth, by ramp, data and cameras |
+//! | [`basin`] | how far off a start may be, and still end at the truth |
+//! | [`starts`], [`starts_file`] | starts of known distance from their truth, drawn or read |
 //! | [`curve`] | one fit, iteration by iteration, against its truth |
 //! | [`sizes`] | the sizes of people of several builds, from silhouettes |
 //! | [`scene`] | simulated data: grey levels and masks of a pose |
 //! | [`upper_body`] | the upper body before its cameras: poses, a movement |
 //! | [`progress`] | how far an experiment is, and why one cannot run |
 
+pub mod basin;
 pub mod bias;
 pub mod curve;
 pub mod fig51;
@@ -24,6 +27,8 @@ pub mod fig55;
 pub mod progress;
 pub mod scene;
 pub mod sizes;
+pub mod starts;
+pub mod starts_file;
 pub mod upper_body;
 
 pub use curve::Curve;

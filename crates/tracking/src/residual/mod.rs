@@ -8,10 +8,14 @@
 //! | [`joint_limit`] | how far flexion, sideways swing and twist lie outside their ranges |
 //! | [`body_size`] | D − Λ again, with columns for the body's lengths and radii |
 //! | [`proportion_prior`] | how far lengths and radii are from a scaled body's |
+//! | [`interpenetration`] | how deep two limbs lie inside each other |
+//! | [`loss`] | how large residuals are held back: Huber, Cauchy, Tukey |
 //! | [`point`] | target − position of a joint, for posing by hand and for reference keypoints |
 
 pub mod body_size;
+pub mod interpenetration;
 pub mod joint_limit;
+pub mod loss;
 pub mod point;
 pub mod proportion_prior;
 pub mod proximal_prior;

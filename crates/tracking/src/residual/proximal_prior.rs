@@ -5,29 +5,38 @@
 
 use glam::DVec3;
 
+use super::loss::Loss;
 use super::rotation_term;
 use crate::body::{Parameters, Pose};
 use crate::geometry::rotation::{left_jacobian_inverse, log};
 use crate::optimize::NormalEquations;
 
-/// Adds the prior. Weights are in squared grey levels per rad² and per m².
+/// Adds the prior. The weight is in squared grey levels per rad²; `root_factor` is that of the root's distance
+/// in rad² per m². The loss is of each rotation's angle by itself, radians.
 pub fn add(
     equations: &mut NormalEquations,
     parameters: Parameters,
     pose: &Pose,
     reference: &Pose,
     rotation_weight: f64,
-    root_weight: f64,
+    root_factor: f64,
+    loss: Loss,
 ) {
     let residual = reference.root - pose.root;
-    equations.cost += root_weight * residual.length_squared();
+    // The loss is one of angles: the root's distance counts as the angle that costs as much.
+    let squared = root_factor * residual.length_squared();
+    equations.cost += rotation_weight * loss.cost(squared);
+    let weight = rotation_weight * root_factor * loss.weight(squared);
     for axis in 0..3 {
-        equations.jtj[(axis, axis)] += root_weight;
-        equations.jtr[axis] += root_weight * residual[axis];
+        equations.jtj[(axis, axis)] += weight;
+        equations.jtr[axis] += weight * residual[axis];
     }
     for (rotation, (q, from)) in pose.rotations.iter().zip(&reference.rotations).enumerate() {
         let phi: DVec3 = log((*q * from.inverse()).normalize());
         let jacobian = left_jacobian_inverse(phi);
-        rotation_term::add(equations, parameters, rotation, *q, jacobian, -phi, rotation_weight);
+        let squared = phi.length_squared();
+        let weight = rotation_weight * loss.weight(squared);
+        rotation_term::add(equations, parameters, rotation, *q, jacobian, -phi, weight);
+        equations.cost += rotation_weight * loss.cost(squared) - weight * squared;
     }
 }

@@ -93,11 +93,16 @@ impl FitView {
     /// The mask's distance field, exact as far as any of the stages looks; `None` for grey levels.
     #[must_use]
     pub fn distance(&self, stages: &[Stage]) -> Option<SignedDistance> {
+        self.distance_within(stages, 0.0)
+    }
+
+    /// The same, exact at least as far as `least_px`.
+    pub(super) fn distance_within(&self, stages: &[Stage], least_px: f64) -> Option<SignedDistance> {
         let reach = stages.iter().map(|stage| match stage.ramp {
             Ramp::Distance { inner_px, outer_px } => inner_px.max(outer_px) + 1.0,
             _ => 0.0,
         });
-        let reach = reach.fold(0.0, f64::max);
+        let reach = reach.fold(least_px, f64::max);
         match &self.evidence {
             Evidence::Mask(_) if reach == 0.0 => None,
             Evidence::Mask(mask) => Some(SignedDistance::from_mask_within(mask, reach as f32)),

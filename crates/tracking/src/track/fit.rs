@@ -3,8 +3,11 @@
 use std::sync::Arc;
 
 use super::evidence::{FitError, FitView};
+use super::hypotheses::{Hypothesis, HypothesisOptions, Search};
 use super::objective::Objective;
 use super::options::FitOptions;
+use super::prepared::Prepared;
+use super::sketch::Sketch;
 use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
 use crate::optimize::{NormalEquations, Solver, SolverOptions, Termination};
@@ -54,6 +57,8 @@ pub struct SolverSummary {
     pub iterations: Vec<IterationRecord>,
     /// Cameras that had nothing to say, by name.
     pub empty_cameras: Vec<String>,
+    /// What a search found before the fit, best first; empty if there was none.
+    pub hypotheses: Vec<Hypothesis>,
 }
 
 /// A fit that is stepped from outside.
@@ -74,6 +79,7 @@ pub struct Fit {
     iterations: Vec<IterationRecord>,
     empty_cameras: Vec<String>,
     termination: Option<Termination>,
+    hypotheses: Vec<Hypothesis>,
 }
 
 impl Fit {
@@ -105,41 +111,59 @@ impl Fit {
         options: FitOptions,
         free: Option<Vec<bool>>,
     ) -> Result<Self, FitError> {
-        start.check(&model)?;
-        options.check()?;
         if let Some(found) = free.as_ref().map(Vec::len)
             && found != model.rotation_count()
         {
             return Err(FitError::FreeRotations { found, expected: model.rotation_count() });
         }
-        for view in &views {
-            view.check()?;
-        }
-        let (views, empty): (Vec<FitView>, Vec<FitView>) = views.into_iter().partition(FitView::has_data);
-        let empty_cameras: Vec<String> = empty.iter().map(|view| view.camera.name().to_owned()).collect();
-        if views.is_empty() {
-            let reasons = if empty_cameras.is_empty() {
-                "no camera was given".to_owned()
-            } else {
-                format!("{} see no subject or have no weight", empty_cameras.join(", "))
-            };
-            return Err(FitError::NoData { reasons });
-        }
-        let start = start.normalized();
-        let distances: Vec<Option<SignedDistance>> =
-            views.iter().map(|view| view.distance(&options.stages)).collect();
+        let prepared = Prepared::new(&model, views, &start, &options, |_, _, _| 0.0)?;
+        let pose = prepared.start.clone();
+        Ok(Self::begin(model, prepared, options, free, 0, &pose, Vec::new()))
+    }
+
+    /// A fit that begins with a search for the best of many hypotheses ([`search`](super::hypotheses::search)) and goes
+    /// on from there with the last stage. The others are kept in the summary.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_hypotheses(
+        model: Arc<Model>,
+        views: Vec<FitView>,
+        start: &Pose,
+        options: FitOptions,
+        effort: &HypothesisOptions,
+        cancel: &CancelToken,
+    ) -> Result<Self, FitError> {
+        effort.check()?;
+        let prepared = Prepared::new(&model, views, start, &options, Sketch::reach_px)?;
+        let found = Search::run(&model, &prepared, &options, effort, cancel).found;
+        let pose = found[0].pose.clone();
+        let last = options.stages.len() - 1;
+        Ok(Self::begin(model, prepared, options, None, last, &pose, found))
+    }
+
+    fn begin(
+        model: Arc<Model>,
+        prepared: Prepared,
+        options: FitOptions,
+        free: Option<Vec<bool>>,
+        stage: usize,
+        pose: &Pose,
+        hypotheses: Vec<Hypothesis>,
+    ) -> Self {
+        let Prepared { views, distances, start, empty_cameras } = prepared;
         let (objective, solver) =
-            Self::begin_stage(&model, &views, &distances, &options, 0, &start, &start, free.clone());
+            Self::begin_stage(&model, &views, &distances, &options, stage, &start, pose, free.clone());
         let rms = objective.rms();
         let termination = objective.is_blind().then_some(Termination::NoGradient);
-        Ok(Self {
+        Self {
             initial_cost: solver.cost(),
             initial_rms: rms,
             rms,
             termination,
             reference: start,
             free,
-            stage: 0,
+            stage,
             objective,
             solver,
             iterations: Vec::new(),
@@ -148,7 +172,8 @@ impl Fit {
             options,
             views,
             distances,
-        })
+            hypotheses,
+        }
     }
 
     #[expect(clippy::too_many_arguments, reason = "the parts of a fit, before there is one")]
@@ -301,6 +326,7 @@ impl Fit {
             final_rms: self.rms,
             iterations: self.iterations.clone(),
             empty_cameras: self.empty_cameras.clone(),
+            hypotheses: self.hypotheses.clone(),
         }
     }
 }

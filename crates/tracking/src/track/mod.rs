@@ -6,23 +6,34 @@
 //! | [`evidence`] | [`FitView`]: what one camera contributes to a frame |
 //! | [`objective`] | the cost of a pose as a least-squares problem |
 //! | [`fit`] | [`Fit`]: one frame's fit, iteration by iteration, stage after stage |
+//! | [`hypotheses`] | other poses that the silhouettes allow, ranked |
+//! | [`chains`] | the body taken apart into its trunk and its arms, legs and head |
 //! | [`posing`] | moving a body by hand: chains follow through the same optimiser |
 //! | [`start`] | where a fit begins: a pose from known joints, and noise on it |
+//! | [`schedule`] | annealing by the size of what is seen |
 //! | [`tracker`] | [`Tracker`]: frame after frame |
 //! | [`fit_body`] | the person's own lengths and radii, with the poses of several frames |
 //! | [`metrics`] | joint errors against a reference |
 
+pub mod chains;
 pub mod evidence;
 pub mod fit;
 pub mod fit_body;
+pub mod hypotheses;
 pub mod metrics;
 pub mod objective;
 pub mod options;
 pub mod posing;
+mod prepared;
+mod reseed;
+pub mod schedule;
+mod sketch;
 pub mod start;
 pub mod tracker;
 
 pub use evidence::{Evidence, FitError, FitView};
 pub use fit::{Fit, IterationRecord, SolverSummary};
+pub use hypotheses::{Hypotheses, Hypothesis, HypothesisOptions};
 pub use options::{DataView, FitOptions, Preset, Stage};
+pub use schedule::Scale;
 pub use tracker::{FrameEstimate, Track, Tracker};

@@ -14,6 +14,7 @@ use crate::render::View;
 use crate::render::primitive::PixelBox;
 use crate::render::ramp::BACKGROUND;
 use crate::render::wrench::WrenchBlock;
+use crate::residual::interpenetration::{self, LimbPairs};
 use crate::residual::silhouette::{KernelMemory, SampledData, WorldBlocks};
 use crate::residual::{joint_limit, proximal_prior, rest_prior};
 use crate::silhouette::SignedDistance;
@@ -34,6 +35,8 @@ pub struct Objective {
     kinematics: Kinematics,
     world: WorldBlocks,
     columns: Vec<MovingColumn>,
+    /// Limbs that must not overlap; none where that is not asked for.
+    pairs: Option<LimbPairs>,
     silhouette_cost: f64,
 }
 
@@ -91,6 +94,7 @@ impl Objective {
             free: None,
             world: WorldBlocks::new(limbs),
             columns: Vec::new(),
+            pairs: (options.interpenetration_weight > 0.0).then(|| LimbPairs::of(&model)),
             kinematics,
             model,
             silhouette_cost: 0.0,
@@ -124,7 +128,14 @@ impl Objective {
 
     /// Squared grey levels per rad² of a prior weight of 1.
     fn prior_unit(&self) -> f64 {
-        BACKGROUND * BACKGROUND / (self.stage.stride * self.stage.stride) as f64
+        self.stage.priors * BACKGROUND * BACKGROUND / (self.stage.stride * self.stage.stride) as f64
+    }
+
+    fn add_interpenetration(&mut self, equations: &mut NormalEquations) {
+        let Some(pairs) = &self.pairs else { return };
+        let weight = self.prior_unit() * self.options.interpenetration_weight;
+        let (parameters, columns) = (self.options.parameters, &mut self.columns);
+        interpenetration::add(equations, parameters, &self.model, &self.kinematics, pairs, weight, columns);
     }
 
     fn add_priors(&self, pose: &Pose, equations: &mut NormalEquations) {
@@ -132,8 +143,8 @@ impl Objective {
         let parameters = options.parameters;
         if options.proximal_weight > 0.0 {
             let weight = unit * options.proximal_weight;
-            let root = weight * options.proximal_root_factor;
-            proximal_prior::add(equations, parameters, pose, &self.reference, weight, root);
+            let (root, loss) = (options.proximal_root_factor, options.proximal_loss);
+            proximal_prior::add(equations, parameters, pose, &self.reference, weight, root, loss);
         }
         if options.rest_weight > 0.0 {
             rest_prior::add(equations, parameters, &self.model, pose, unit * options.rest_weight);
@@ -187,6 +198,7 @@ impl LeastSquares for Objective {
         equations.cost += self.silhouette_cost;
         self.world.add_to(&self.kinematics, options.parameters, &mut self.columns, equations);
         self.add_priors(pose, equations);
+        self.add_interpenetration(equations);
         self.hold(equations);
     }
 

@@ -9,6 +9,7 @@ use thiserror::Error;
 use crate::body::Parameters;
 use crate::optimize::Method;
 use crate::render::{Ramp, RendererKind};
+use crate::residual::loss::Loss;
 
 /// How the mask is looked at. The mask is the evidence; these are views of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -40,6 +41,13 @@ pub struct Stage {
     pub iterations: usize,
     /// Stop the stage when an accepted step lowers the cost by less than this fraction.
     pub tolerance: Option<f64>,
+    /// Factor on the weights of all priors in this stage.
+    #[serde(default = "full_weight")]
+    pub priors: f64,
+}
+
+fn full_weight() -> f64 {
+    1.0
 }
 
 /// Every choice of a fit.
@@ -65,10 +73,15 @@ pub struct FitOptions {
     pub proximal_weight: f64,
     /// Weight of the root's position in that pull, per m², relative to a rotation's per rad².
     pub proximal_root_factor: f64,
+    /// How that pull grows with a rotation's angle, radians: squares hold a far start back most, robust losses
+    /// let go of what moved far.
+    pub proximal_loss: Loss,
     /// Pull of every limb's twist towards none.
     pub rest_weight: f64,
     /// Joint limits.
     pub limit_weight: f64,
+    /// Limbs inside one another, in 255² squared grey levels per m² at stride 1; 0 leaves them.
+    pub interpenetration_weight: f64,
     /// Longest turn of one joint in a step, radians; infinite steps are the report's.
     pub largest_turn: Option<f64>,
     /// Longest move of the root in a step, metres.
@@ -159,12 +172,15 @@ impl FitOptions {
                     stride: 1,
                     iterations: REPORT_ITERATIONS,
                     tolerance: None,
+                    priors: 1.0,
                 }],
                 skip_when_tracking: 0,
                 proximal_weight: 0.0,
                 proximal_root_factor: 11.0,
+                proximal_loss: Loss::Squares,
                 rest_weight: 0.0,
                 limit_weight: 0.0,
+                interpenetration_weight: 0.0,
                 largest_turn: None,
                 largest_move: None,
                 run_all: false,
@@ -181,13 +197,16 @@ impl FitOptions {
                         stride,
                         iterations: 12,
                         tolerance: Some(1e-3),
+                        priors: 1.0,
                     })
                     .to_vec(),
                 skip_when_tracking: 1,
                 proximal_weight: 30.0,
                 proximal_root_factor: 11.0,
+                proximal_loss: Loss::Squares,
                 rest_weight: 30.0,
                 limit_weight: 300.0,
+                interpenetration_weight: 0.0,
                 largest_turn: Some(0.3),
                 largest_move: Some(0.15),
                 run_all: false,
@@ -214,7 +233,7 @@ impl FitOptions {
         let last = self.stages.last().copied();
         let iterations = self.stages.iter().map(|stage| stage.iterations).sum::<usize>().max(1);
         let tolerance = last.and_then(|stage| stage.tolerance);
-        self.stages = vec![Stage { ramp, data, stride: 1, iterations, tolerance }];
+        self.stages = vec![Stage { ramp, data, stride: 1, iterations, tolerance, priors: 1.0 }];
         self.skip_when_tracking = 0;
         self
     }
@@ -246,6 +265,7 @@ impl FitOptions {
             ("proximal_root_factor", self.proximal_root_factor),
             ("rest_weight", self.rest_weight),
             ("limit_weight", self.limit_weight),
+            ("interpenetration_weight", self.interpenetration_weight),
             ("largest_turn", self.largest_turn.unwrap_or(1.0)),
             ("largest_move", self.largest_move.unwrap_or(1.0)),
         ];
@@ -256,7 +276,13 @@ impl FitOptions {
         if self.stages.is_empty() {
             return Err(OptionsError::NoStages);
         }
+        if !self.proximal_loss.is_valid() {
+            return Err(OptionsError::Loss { field: "proximal_loss" });
+        }
         for (index, stage) in self.stages.iter().enumerate() {
+            if !(stage.priors.is_finite() && stage.priors >= 0.0) {
+                return Err(OptionsError::Number { field: "stages.priors", value: stage.priors });
+            }
             if stage.stride == 0 {
                 return Err(OptionsError::Stride { index });
             }
@@ -278,6 +304,8 @@ impl FitOptions {
 pub enum OptionsError {
     #[error("`{field}` is {value}; expected a finite number, 0 or more")]
     Number { field: &'static str, value: f64 },
+    #[error("`{field}` has a scale that is not above 0; expected radians")]
+    Loss { field: &'static str },
     #[error("`stages` is empty; expected at least one stage")]
     NoStages,
     #[error("`stages[{index}].stride` is 0; expected 1 or more pixels")]

@@ -6,6 +6,7 @@ use nalgebra::DVector;
 
 use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::optimize::{LeastSquares, Method, NormalEquations, Solver, SolverOptions};
+use crate::residual::loss::Loss;
 use crate::residual::point::PointTarget;
 use crate::residual::{joint_limit, point, proximal_prior};
 
@@ -38,7 +39,8 @@ impl LeastSquares for Chain<'_> {
             point::add(equations, Parameters::Tangent, &self.kinematics, pose.root, target);
         }
         let parameters = Parameters::Tangent;
-        proximal_prior::add(equations, parameters, pose, self.reference, STIFFNESS, ROOT_STIFFNESS);
+        let (root, loss) = (ROOT_STIFFNESS / STIFFNESS, Loss::Squares);
+        proximal_prior::add(equations, parameters, pose, self.reference, STIFFNESS, root, loss);
         joint_limit::add(equations, parameters, self.model, pose, LIMIT_WEIGHT);
     }
 

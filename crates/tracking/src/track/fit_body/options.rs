@@ -65,6 +65,7 @@ impl Default for BodyFitOptions {
                 stride,
                 iterations: 20,
                 tolerance: Some(1e-3),
+                priors: 1.0,
             },
             slack,
         });

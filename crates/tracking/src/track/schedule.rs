@@ -1,0 +1,130 @@
+//! Annealing by the size of what is seen: stages as data, made for a picture's scale.
+//!
+//! A schedule in pixels is right for one picture size. What matters is how many pixels a limb is thick: the
+//! ramp begins some limbs' widths wide, narrows by halves, and ends at the report's softened form; pixels
+//! finer than a limb by far are skipped while the ramp is wide.
+
+use super::evidence::{Evidence, FitView};
+use super::options::{DataView, FitOptions, Stage};
+use crate::body::{Model, Pose};
+use crate::render::Ramp;
+
+/// Limbs nearer than this (metres) to a camera plane say nothing of the scale.
+const NEAREST_M: f64 = 0.05;
+/// Outer widths of the annealed stages, in radii of the thinnest limb.
+const OUTER_RADII: [f64; 4] = [10.0, 5.0, 2.5, 1.25];
+/// Inner width of all stages, in radii of the thinnest limb: data and prediction mean the same only inside
+/// every limb.
+const INNER_RADII: f64 = 1.0;
+/// No ramp is narrower than this, pixels: a step between two pixels has no slope.
+const NARROWEST_PX: f64 = 0.8;
+/// Widest first stage, as a fraction of the person's size in the picture.
+const WIDEST_OF_PERSON: f64 = 0.5;
+/// Pixels skipped at most.
+const COARSEST: f64 = 8.0;
+/// Iterations of an annealed stage and of the last one.
+const ITERATIONS: [usize; 2] = [15, 20];
+/// Relative decrease that ends an annealed stage and the last one.
+const TOLERANCES: [f64; 2] = [1e-3, 1e-4];
+/// Proximal weight with one camera, which sees no depth, and with more.
+const PROXIMAL: [f64; 2] = [1.0, 3.0];
+/// Pull of twists: silhouettes of two cameras tell them by where the next limb points.
+const REST: f64 = 0.5;
+
+/// How large a body appears.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scale {
+    /// Longer side of the box around the subject, pixels, in the camera that sees it largest.
+    pub person_px: f64,
+    /// Radius of the thinnest limb, pixels, in the camera that sees it smallest.
+    pub thinnest_px: f64,
+    /// Cameras that see something.
+    pub cameras: usize,
+}
+
+impl Scale {
+    /// How large the views' subjects are, and a body at the start's distance.
+    #[must_use]
+    pub fn of(model: &Model, views: &[FitView], start: &Pose) -> Self {
+        let radius = model.limbs().iter().map(|limb| limb.radius).fold(f64::INFINITY, f64::min);
+        let thinnest = views.iter().map(|view| {
+            let depth = view.camera.depth(start.root).max(NEAREST_M);
+            radius * view.camera.intrinsics().mean_focal_px() / depth
+        });
+        let person = views.iter().map(|view| match &view.evidence {
+            Evidence::Mask(mask) => {
+                mask.bounds().map_or(0.0, |b| (b.x_max - b.x_min).max(b.y_max - b.y_min) as f64)
+            }
+            Evidence::Measurement(data) => data.height() as f64,
+        });
+        Self {
+            person_px: person.fold(0.0, f64::max),
+            thinnest_px: thinnest.fold(f64::INFINITY, f64::min),
+            cameras: views.iter().filter(|view| view.has_data()).count(),
+        }
+    }
+
+    /// The stages: distance ramps from wide to narrow, then the softened form on the mask as it is.
+    #[must_use]
+    pub fn stages(&self) -> Vec<Stage> {
+        let radius = if self.thinnest_px.is_finite() { self.thinnest_px.max(NARROWEST_PX) } else { 1.0 };
+        let stride = |per_pixel: f64| (radius * per_pixel).clamp(1.0, COARSEST).floor() as usize;
+        let widest = (WIDEST_OF_PERSON * self.person_px).max(radius);
+        let annealed = OUTER_RADII.map(|radii| Stage {
+            ramp: Ramp::Distance {
+                inner_px: (INNER_RADII * radius).max(NARROWEST_PX),
+                outer_px: (radii * radius).min(widest).max(NARROWEST_PX),
+            },
+            data: DataView::Distance,
+            stride: stride(1.0),
+            iterations: ITERATIONS[0],
+            tolerance: Some(TOLERANCES[0]),
+            priors: 1.0,
+        });
+        let last = Stage {
+            ramp: Ramp::Half,
+            data: DataView::Hard,
+            stride: stride(0.5),
+            iterations: ITERATIONS[1],
+            tolerance: Some(TOLERANCES[1]),
+            priors: 1.0,
+        };
+        annealed.into_iter().chain([last]).collect()
+    }
+}
+
+impl FitOptions {
+    /// The same with the annealing and the priors that suit a scale.
+    #[must_use]
+    pub fn scaled_to(mut self, scale: &Scale) -> Self {
+        self.stages = scale.stages();
+        self.skip_when_tracking = self.skip_when_tracking.min(self.stages.len() - 1);
+        self.proximal_weight = PROXIMAL[usize::from(scale.cameras > 1)];
+        self.rest_weight = REST;
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stages_narrow_and_follow_the_scale() {
+        for (person_px, thinnest_px) in [(28.0, 1.15), (110.0, 4.6), (300.0, 7.0), (0.0, f64::INFINITY)] {
+            let scale = Scale { person_px, thinnest_px, cameras: 2 };
+            let options = FitOptions::default().scaled_to(&scale);
+            assert_eq!(options.check(), Ok(()), "{scale:?}");
+            let outer = |stage: &Stage| match stage.ramp {
+                Ramp::Distance { outer_px, .. } => outer_px,
+                _ => 0.0,
+            };
+            assert!(options.stages.windows(2).all(|two| outer(&two[0]) >= outer(&two[1])), "{scale:?}");
+            assert_eq!(options.final_ramp(), Ramp::Half);
+        }
+        let scale = |thinnest_px| Scale { person_px: 1e3, thinnest_px, cameras: 2 };
+        assert_eq!(scale(1.15).stages()[0].stride, 1);
+        assert_eq!(scale(4.6).stages()[0].stride, 4);
+        assert_eq!(scale(4.6).stages()[4].stride, 2);
+    }
+}
