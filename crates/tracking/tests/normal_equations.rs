@@ -9,7 +9,6 @@ use backlit_tracking::optimize::NormalEquations;
 use backlit_tracking::render::kernels::scalar::RowWinners;
 use backlit_tracking::render::wrench::WrenchBlock;
 use backlit_tracking::render::{Ramp, RendererKind, View, dense_jacobian, prediction};
-use backlit_tracking::residual::loss::Loss;
 use backlit_tracking::residual::point::PointTarget;
 use backlit_tracking::residual::silhouette::{KernelMemory, SampledData, WorldBlocks};
 use backlit_tracking::residual::{joint_limit, point, proximal_prior, rest_prior};
@@ -276,8 +275,7 @@ fn priors_match_differences_of_their_residuals() {
                     parameters,
                     &pose,
                     |equations, pose| {
-                        let (factor, loss) = (root / turn, Loss::Squares);
-                        proximal_prior::add(equations, parameters, pose, &reference, turn, factor, loss);
+                        proximal_prior::add(equations, parameters, pose, &reference, turn, root);
                     },
                     |pose| {
                         let turns = pose.rotations.iter().zip(&reference.rotations);

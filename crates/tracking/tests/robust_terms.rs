@@ -58,7 +58,7 @@ fn robust_proximal_priors_match_differences() {
             for parameters in BOTH {
                 let name = format!("{loss:?}, pose {phase}");
                 let add = |equations: &mut NormalEquations, pose: &Pose| {
-                    proximal_prior::add(equations, parameters, pose, &reference, 30.0, 11.0, loss);
+                    proximal_prior::add_robust(equations, parameters, pose, &reference, 30.0, 11.0, loss);
                 };
                 let cost = check_gradient(&name, parameters, &pose, add, &mut failures);
                 assert!(cost > 0.0, "{name}");

@@ -11,9 +11,22 @@ use crate::body::{Parameters, Pose};
 use crate::geometry::rotation::{left_jacobian_inverse, log};
 use crate::optimize::NormalEquations;
 
-/// Adds the prior. The weight is in squared grey levels per rad²; `root_factor` is that of the root's distance
-/// in rad² per m². The loss is of each rotation's angle by itself, radians.
+/// Adds the prior. Weights are in squared grey levels per rad² and per m².
 pub fn add(
+    equations: &mut NormalEquations,
+    parameters: Parameters,
+    pose: &Pose,
+    reference: &Pose,
+    rotation_weight: f64,
+    root_weight: f64,
+) {
+    let root_factor = root_weight / rotation_weight.max(f64::MIN_POSITIVE);
+    add_robust(equations, parameters, pose, reference, rotation_weight, root_factor, Loss::Squares);
+}
+
+/// The same with a loss of each rotation's angle by itself, radians. `root_factor` is the root's weight per m²
+/// relative to a rotation's per rad².
+pub fn add_robust(
     equations: &mut NormalEquations,
     parameters: Parameters,
     pose: &Pose,

@@ -144,7 +144,7 @@ impl Objective {
         if options.proximal_weight > 0.0 {
             let weight = unit * options.proximal_weight;
             let (root, loss) = (options.proximal_root_factor, options.proximal_loss);
-            proximal_prior::add(equations, parameters, pose, &self.reference, weight, root, loss);
+            proximal_prior::add_robust(equations, parameters, pose, &self.reference, weight, root, loss);
         }
         if options.rest_weight > 0.0 {
             rest_prior::add(equations, parameters, &self.model, pose, unit * options.rest_weight);

@@ -6,7 +6,6 @@ use nalgebra::DVector;
 
 use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::optimize::{LeastSquares, Method, NormalEquations, Solver, SolverOptions};
-use crate::residual::loss::Loss;
 use crate::residual::point::PointTarget;
 use crate::residual::{joint_limit, point, proximal_prior};
 
@@ -39,8 +38,7 @@ impl LeastSquares for Chain<'_> {
             point::add(equations, Parameters::Tangent, &self.kinematics, pose.root, target);
         }
         let parameters = Parameters::Tangent;
-        let (root, loss) = (ROOT_STIFFNESS / STIFFNESS, Loss::Squares);
-        proximal_prior::add(equations, parameters, pose, self.reference, STIFFNESS, root, loss);
+        proximal_prior::add(equations, parameters, pose, self.reference, STIFFNESS, ROOT_STIFFNESS);
         joint_limit::add(equations, parameters, self.model, pose, LIMIT_WEIGHT);
     }
 
