@@ -16,6 +16,7 @@ Examples:
   backlit TAKE                the window, on a take of yours or a .backlit project
   backlit track TAKE --out results
   backlit fit TAKE --frame 12
+  backlit experiment fig5.1 --out experiments
   backlit render --model full_body --cameras cameras.json --pose pose.json --out pictures
   backlit fit --model full_body --cameras cameras.json --start pose.json --masks masks --out fitted.json
 
