@@ -7,12 +7,14 @@
 //! | `requests`, `commands` | what the panels and the keys asked for |
 //! | `hand` | dragging in a camera's view |
 //! | `fitting` | stepping, running, refitting, tracking |
+//! | `body` | fitting the body's own sizes |
 //! | `demonstrating` | demonstrations and their runs, one after the other |
 //! | `files` | takes, projects, dialogs, autosave and recovery |
 //! | `jobs` | what the screen lacks is asked of the worker |
 //! | `screen` | which panels there are, and where |
 //! | `headless` | the window's picture without a display |
 
+mod body;
 mod commands;
 mod demonstrating;
 mod events;

@@ -52,6 +52,8 @@ pub enum Edit {
         /// Also the limb on the other side of the body.
         both_sides: bool,
     },
+    /// Another body with the same limbs: its lengths and radii were fitted.
+    SetBody(Arc<Model>),
     /// Whether a camera counts in the fit.
     UseCamera {
         /// The camera.
@@ -94,6 +96,8 @@ pub enum EditError {
     Size { limb: usize, source: ModelError },
     #[error("there is no limb {limb}; the body has {count}")]
     NoLimb { limb: usize, count: usize },
+    #[error("the body has other limbs; expected the same ones in other sizes")]
+    OtherLimbs,
     #[error("there is no camera {camera}; the take has {count}")]
     NoCamera { camera: usize, count: usize },
     #[error("the camera's weight is {weight}; expected a number from 0 on")]
@@ -120,6 +124,7 @@ impl Edit {
             },
             Self::ClearEstimates => "Clear track".to_owned(),
             Self::SetSize { .. } => "Change limb size".to_owned(),
+            Self::SetBody(_) => "Fit body".to_owned(),
             Self::UseCamera { used: true, .. } => "Use camera".to_owned(),
             Self::UseCamera { used: false, .. } => "Leave camera out".to_owned(),
             Self::WeighCamera { .. } => "Change camera weight".to_owned(),
@@ -158,6 +163,7 @@ impl Document {
             Edit::SetSize { limb, length, radius, both_sides } => {
                 self.set_size(limb, length, radius, both_sides)?;
             }
+            Edit::SetBody(model) => self.set_body(model)?,
             Edit::UseCamera { camera, used } => self.camera_mut(camera)?.used = used,
             Edit::WeighCamera { camera, weight } => {
                 if !weight.is_finite() || weight < 0.0 {
@@ -207,6 +213,19 @@ impl Document {
         Ok(())
     }
 
+    /// Poses, pins and selection count the limbs: they must be the same.
+    fn set_body(&mut self, model: Arc<Model>) -> Result<(), EditError> {
+        let limbs = |model: &Model| -> Vec<(String, Option<usize>, usize)> {
+            let limb = model.limbs().iter();
+            limb.map(|limb| (limb.name.clone(), limb.parent, limb.rotation)).collect()
+        };
+        if limbs(&model) != limbs(&self.model) {
+            return Err(EditError::OtherLimbs);
+        }
+        self.model = model;
+        Ok(())
+    }
+
     fn check_limb(&self, limb: usize) -> Result<(), EditError> {
         let count = self.model.limbs().len();
         if limb < count { Ok(()) } else { Err(EditError::NoLimb { limb, count }) }
@@ -215,5 +234,23 @@ impl Document {
     fn camera_mut(&mut self, camera: usize) -> Result<&mut CameraUse, EditError> {
         let count = self.cameras.len();
         Arc::make_mut(&mut self.cameras).get_mut(camera).ok_or(EditError::NoCamera { camera, count })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use backlit_tracking::body::builtin;
+
+    use super::*;
+
+    #[test]
+    fn a_fitted_body_has_the_same_limbs() {
+        let mut document = Document::new(builtin::upper_body());
+        let larger = Arc::new(builtin::upper_body().scaled(1.2).unwrap());
+        document.apply(Edit::SetBody(larger.clone())).unwrap();
+        assert_eq!(document.model, larger);
+        let other = Edit::SetBody(Arc::new(builtin::full_body()));
+        assert_eq!(document.apply(other), Err(EditError::OtherLimbs));
+        assert_eq!(document.model, larger);
     }
 }

@@ -49,6 +49,8 @@ pub struct Session {
     pub subject: Vec<Option<Extent>>,
     /// What the tracker is doing.
     pub tracking: Option<Tracking>,
+    /// Whether the body's own sizes are being fitted, in the tracker's place.
+    pub fitting_body: bool,
     /// Time of the last step of a fit, in seconds.
     pub step_seconds: Option<f64>,
     /// Time of the last prediction, in seconds.

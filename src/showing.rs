@@ -179,6 +179,7 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
         },
         A::LaterStep | A::Branch => because(selection.step.is_none(), "This is the newest step of the run"),
         A::ClearRuns => because(session.runs.is_empty(), "There are no runs"),
+        A::FitBody => no_fit().or(because(showing.busy.fitting, "The fit is running")),
         A::TrackForward | A::TrackBack => no_take
             .or(because(document.used_cameras().next().is_none(), "No camera is used in the fit"))
             .or(because(showing.busy.tracking, "The tracker is at work"))

@@ -201,6 +201,29 @@ fn the_palette_finds_and_does() {
     assert!(harness.query_by_role(Role::TextInput).is_none(), "Esc closes it");
 }
 
+/// A forearm that is too thin in the take's body is found as thick as it was drawn; one undo takes it back.
+#[test]
+fn the_body_is_fitted_to_tracked_frames_and_undone_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    write_take(folder.path());
+    let body = folder.path().join("arm.toml");
+    let thin = std::fs::read_to_string(&body).unwrap().replace("radius = 0.05", "radius = 0.035");
+    std::fs::write(&body, thin).unwrap();
+    let mut harness = open(AppOptions { opening: Some(opening_of(folder.path())), ..AppOptions::default() });
+    click(&mut harness, "Track forward");
+    let radius = |harness: &Harness<'_, App>| harness.state().document().model.limbs()[1].radius;
+    assert_eq!(radius(&harness), 0.035);
+    press(&mut harness, Modifiers::COMMAND, Key::K);
+    harness.get_by_role(Role::TextInput).type_text("fit body to");
+    harness.run_steps(2);
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    assert!((radius(&harness) - 0.05).abs() < 0.006, "{}", radius(&harness));
+    harness.get_by_label_contains("Fitted the body to 3 frames: IoU");
+    assert_eq!(harness.state().document().estimates.len(), take::FRAMES, "poses stay");
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(radius(&harness), 0.035);
+}
+
 #[test]
 fn what_cannot_be_used_says_why() {
     let mut harness = open(AppOptions::default());

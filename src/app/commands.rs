@@ -189,6 +189,7 @@ impl App {
             Action::RefitLimb => self.refit(Part::Limb),
             Action::RefitChain => self.refit(Part::Chain),
             Action::RefitBody => self.refit(Part::Body),
+            Action::FitBody => self.fit_body(),
             Action::ClearRuns => {
                 self.interrupt_fit();
                 self.selection.step = None;

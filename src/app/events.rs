@@ -44,6 +44,7 @@ impl App {
             Event::Predicted(predicted) => self.show_prediction(predicted),
             Event::FitStep(step, predicted) => self.fit_step(*step, predicted),
             Event::FitEnded(ending) => self.finish_run(ending),
+            Event::BodyFitted(fit) => self.body_fitted(&fit),
             Event::FrameTracked(frame, estimate) => self.frame_tracked(frame, estimate),
             Event::Saved { path, revision, is_autosave } => self.saved(path, revision, is_autosave),
             Event::Failed(text) => self.notices.error(text),
@@ -120,6 +121,7 @@ impl App {
                 self.worker.request(Lane::Fit, FitJob::go_on(self.live.clone(), Some(steps)));
             }
             Lane::Track => {
+                self.session.fitting_body = false;
                 if let Some(tracking) = self.session.tracking.take() {
                     let text = if tracking.done == tracking.total {
                         format!("Tracked {} frames.", tracking.done)

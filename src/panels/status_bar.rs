@@ -40,6 +40,9 @@ fn sentence(showing: &Showing<'_>) -> String {
         let direction = if tracking.backwards { " back" } else { "" };
         return format!("Tracking{direction}, {} of {} frames.", tracking.done, tracking.total);
     }
+    if session.fitting_body {
+        return "Fitting the body to several frames. Esc stops it; nothing is changed then.".to_owned();
+    }
     if showing.busy.opening {
         return "Opening the take…".to_owned();
     }

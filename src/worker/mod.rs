@@ -5,6 +5,7 @@
 //! prediction for a drag does not wait for a tracker. Dropping the [`Worker`] cancels everything. A panic in a
 //! job is an event, and the thread lives on.
 
+mod body;
 mod fit;
 mod load;
 mod open;
@@ -17,6 +18,7 @@ mod track;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+pub use body::BodyJob;
 pub use fit::{FitJob, FitStart, LiveFit};
 pub use load::LoadJob;
 pub use open::OpenJob;
@@ -25,6 +27,8 @@ pub use queue::{Job, Lane, Outbox, Report, Step, Worker};
 pub use save::SaveJob;
 pub use survey::{Extent, SurveyJob};
 pub use track::TrackJob;
+
+use backlit_tracking::track::fit_body::BodyFit;
 
 use crate::document::{Document, Estimate};
 use crate::footage::Footage;
@@ -52,6 +56,8 @@ pub enum Event {
     FitEnded(Option<RunEnding>),
     /// A frame was tracked.
     FrameTracked(usize, Arc<Estimate>),
+    /// The body's own sizes were found.
+    BodyFitted(Box<BodyFit>),
     /// A project was written.
     Saved {
         /// The file.
