@@ -12,7 +12,7 @@ use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::io::pose_file::{self, Quaternions};
 use backlit_tracking::io::{Footage, Take, model_file};
 use backlit_tracking::track::fit_body::{
-    Approach, BodyFit, BodyFitOptions, approach, fit_body, frames, scale,
+    Approach, BodyFit, BodyFitOptions, CLOTHED, approach, fit_body, frames, scale,
 };
 use backlit_tracking::track::metrics::ReferenceJoints;
 use backlit_tracking::track::start;
@@ -65,6 +65,9 @@ pub struct FitBodyArguments {
     /// Keep the proportions of all lengths, of all radii, or of both: then the body is only scaled as a whole
     #[arg(long, value_enum, value_name = "KIND")]
     hold: Option<HoldWord>,
+    /// How much the proportions of people count [default: 1 with keypoints; without them 20, for people in clothes]
+    #[arg(long, value_name = "FACTOR", value_parser = factor)]
+    proportions: Option<f64>,
     /// Write the body to this file
     #[arg(long, value_name = "MODEL.toml")]
     out: Option<PathBuf>,
@@ -122,13 +125,22 @@ impl FitBodyArguments {
         Ok(frames::spread(&part.frames(take)?, self.count as usize))
     }
 
-    fn options(&self) -> BodyFitOptions {
+    fn options(&self, has_joints: bool) -> BodyFitOptions {
         let choice = SizeChoice {
             symmetric: !self.asymmetric,
             lengths: !matches!(self.hold, Some(HoldWord::Lengths | HoldWord::Both)),
             radii: !matches!(self.hold, Some(HoldWord::Radii | HoldWord::Both)),
         };
-        BodyFitOptions { choice, ..BodyFitOptions::default() }
+        let proportions = self.proportions.unwrap_or(if has_joints { 1.0 } else { CLOTHED });
+        BodyFitOptions { choice, ..BodyFitOptions::default() }.with_proportions(proportions)
+    }
+}
+
+/// A finite number above 0.
+fn factor(text: &str) -> Result<f64, &'static str> {
+    match text.parse() {
+        Ok(factor) if factor > 0.0 && f64::is_finite(factor) => Ok(factor),
+        _ => Err("expected a number above 0"),
     }
 }
 
@@ -153,7 +165,8 @@ pub fn run(arguments: &FitBodyArguments) -> anyhow::Result<()> {
         false => joints_of(take, &model, frame),
     };
     let plan = plan(arguments, take, &model, chosen, &joints)?;
-    let fit = follow_and_fit(&footage, &cameras, &model, &plan, joints, &arguments.options())?;
+    let options = arguments.options(plan.frames.iter().any(|&frame| !joints(frame).is_empty()));
+    let fit = follow_and_fit(&footage, &cameras, &model, &plan, joints, &options)?;
     if let Some(out) = &arguments.out {
         model_file::write(out, &fit.model)?;
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use backlit_tracking::body::Pose;
 use backlit_tracking::segment::SegmentOptions;
-use backlit_tracking::track::fit_body::{BodyFitError, BodyFitOptions, BodyFrame, fit_body};
+use backlit_tracking::track::fit_body::{BodyFitError, BodyFitOptions, BodyFrame, CLOTHED, fit_body};
 
 use super::load::load_frame;
 use super::{Event, Job, Outbox, Scene, Step};
@@ -45,7 +45,7 @@ impl Job<Event> for BodyJob {
             return Step::Again;
         }
         let frames = std::mem::take(&mut self.read);
-        let options = BodyFitOptions::default();
+        let options = BodyFitOptions::default().with_proportions(CLOTHED);
         match fit_body(self.scene.model.clone(), frames, None, &options, out.cancel(), |_| {}) {
             Ok(fit) => out.send(Event::BodyFitted(Box::new(fit))),
             Err(BodyFitError::Cancelled) => {}

@@ -33,7 +33,7 @@ fn a_body_of_wrong_size_grows_to_the_silhouettes() {
             assert!((found - truth).abs() < 0.015, "{limb}{keypoints}: {found} {truth}");
         }
     }
-    let said = scene.ok("fit-body wave --frames 0,3 --out again.toml");
+    let said = scene.ok("fit-body wave --frames 0,3 --proportions 20 --out again.toml");
     assert!(
         said.contains("IoU") && said.contains("upper arm, length") && said.contains("again.toml"),
         "{said}"
@@ -45,6 +45,7 @@ fn what_cannot_be_fitted_is_explained() {
     let scene = track::take();
     scene.fails("fit-body wave --frames 2,9", 1, &["--frames", "frame 9"]);
     scene.fails("fit-body wave --frames two", 2, &["--frames", "3,40,85"]);
+    scene.fails("fit-body wave --proportions 0", 2, &["--proportions", "above 0"]);
     scene.fails("fit-body wave --out nowhere/person.toml", 1, &["nowhere"]);
     scene.fails("fit-body wave --model nobody", 1, &["nobody", "upper_body"]);
     scene.fails("fit-body wave --model full_body --without-keypoints --cameras back", 1, &["back"]);

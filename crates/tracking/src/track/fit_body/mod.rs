@@ -26,5 +26,5 @@ pub mod scale;
 
 pub use approach::{Approach, approach};
 pub use fit::{BodyFitError, BodyFrame, BodyProgress, fit_body};
-pub use options::{BodyFitOptions, BodyStage};
+pub use options::{BodyFitOptions, BodyStage, CLOTHED};
 pub use report::{BodyFit, SizeEstimate};

@@ -52,6 +52,19 @@ pub struct BodyFitOptions {
     pub largest_growth: f64,
 }
 
+/// What the weight of the proportions is multiplied by for people in clothes of whom no joint is known: shorts and
+/// shoes hide where bones end, the same way in all frames, and what silhouettes seem to say of it is wrong.
+pub const CLOTHED: f64 = 20.0;
+
+impl BodyFitOptions {
+    /// The same with proportions that count so many times as much.
+    #[must_use]
+    pub fn with_proportions(mut self, factor: f64) -> Self {
+        self.shape_weight *= factor;
+        self
+    }
+}
+
 /// Inner width of the distance ramps, pixels, as in the robust preset.
 const INNER_PX: f64 = 1.5;
 
