@@ -101,6 +101,7 @@ pub mod body;
 pub mod camera;
 pub mod cancel;
 pub mod experiment;
+pub mod filter;
 pub mod geometry;
 pub mod io;
 pub mod optimize;

@@ -1,0 +1,46 @@
+//! A Gaussian over a pose and its velocity.
+
+use nalgebra::{DMatrix, DVector};
+
+/// What is believed of a pose and its velocity; the mean pose itself is kept by whoever knows poses.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Belief {
+    /// Mean velocity, n numbers: tangent units per second.
+    pub velocity: DVector<f64>,
+    /// Covariance of (δ, v), 2n × 2n.
+    pub covariance: DMatrix<f64>,
+}
+
+impl Belief {
+    /// At rest, with independent standard deviations of the pose and of the velocity, n numbers each.
+    ///
+    /// # Panics
+    /// If the two differ in length.
+    #[must_use]
+    pub fn at_rest(pose_deviation: &DVector<f64>, velocity_deviation: &DVector<f64>) -> Self {
+        let n = pose_deviation.len();
+        assert_eq!(n, velocity_deviation.len(), "one velocity for every column of the pose");
+        let deviations = pose_deviation.iter().chain(velocity_deviation.iter());
+        let variances = DVector::from_iterator(2 * n, deviations.map(|deviation| deviation * deviation));
+        Self { velocity: DVector::zeros(n), covariance: DMatrix::from_diagonal(&variances) }
+    }
+
+    /// n: columns of the pose.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.velocity.len()
+    }
+
+    /// Covariance of the pose alone, n × n.
+    #[must_use]
+    pub fn pose_covariance(&self) -> DMatrix<f64> {
+        let n = self.columns();
+        self.covariance.view((0, 0), (n, n)).into_owned()
+    }
+
+    /// P_xx⁻¹, n × n: the information on the pose alone. `None` if the pose is certain in some direction.
+    #[must_use]
+    pub fn pose_information(&self) -> Option<DMatrix<f64>> {
+        self.pose_covariance().cholesky().map(|factor| factor.inverse())
+    }
+}

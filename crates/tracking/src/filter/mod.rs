@@ -1,0 +1,30 @@
+//! Poses over time: constant velocity, the iterated extended Kalman filter (6.1) and the smoother.
+//!
+//! The state is the pose and its velocity, x = (X, v). X lives on a manifold, so beliefs are Gaussians over
+//! (δ, v) with δ a step in tangent coordinates from the mean pose, n numbers each:
+//!
+//! | | |
+//! |---|---|
+//! | predict | X ← X ⊞ v Δ, v ← v, P ← F P Fᵀ + Q, F = [I ΔI; 0 I], Q from white accelerations |
+//! | update | X minimises ‖D − Λ(X)‖²/R + δᵀ P_xx⁻¹ δ, by the same steps as any fit; P⁻¹ ← P⁻¹ + JᵀJ/R |
+//! | smooth | Rauch, Tung and Striebel: backwards, C = P Fᵀ (P⁻)⁻¹, x ← x + C (xˢ − x⁻) |
+//!
+//! The update is the iterated extended Kalman filter in information form: its maximum is found by Gauss-Newton
+//! (B. M. Bell, F. W. Cathey, "The iterated Kalman filter update as a Gauss-Newton method", 1993), so as R → 0
+//! it is the plain fit, as the report derives. Nothing here knows of bodies: how a pose takes a step is the
+//! caller's.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`belief`] | mean velocity and covariance |
+//! | [`constant_velocity`] | prediction |
+//! | [`update`] | what a measurement adds |
+//! | [`smoother`] | what later frames say of earlier ones |
+
+pub mod belief;
+pub mod constant_velocity;
+pub mod smoother;
+pub mod update;
+
+pub use belief::Belief;
+pub use constant_velocity::ConstantVelocity;

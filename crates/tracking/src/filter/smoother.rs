@@ -1,0 +1,114 @@
+//! What later frames say of earlier ones (H. E. Rauch, F. Tung, C. T. Striebel, 1965).
+
+use nalgebra::{DMatrix, DVector};
+
+use super::belief::Belief;
+use super::constant_velocity::ConstantVelocity;
+
+/// One frame smoothed: the step that its filtered mean pose takes, and what is then believed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Smoothed {
+    /// From the filtered mean pose, n numbers.
+    pub step: DVector<f64>,
+    /// Velocity and covariance given all frames.
+    pub belief: Belief,
+}
+
+/// Smooths a frame by the one after it.
+///
+/// `filtered` is the belief at the frame, `predicted` what it foretold for the next one `seconds` later,
+/// `next` what is believed there given all frames, and `difference` the step from the predicted to the smoothed
+/// mean pose there. `None` if `predicted` is certain in some direction.
+#[must_use]
+pub fn smooth(
+    filtered: &Belief,
+    predicted: &Belief,
+    next: &Belief,
+    difference: &DVector<f64>,
+    seconds: f64,
+) -> Option<Smoothed> {
+    let n = filtered.columns();
+    let transition = ConstantVelocity::transition(n, seconds);
+    // Cᵀ = (P⁻)⁻¹ F P
+    let gain_transposed =
+        predicted.covariance.clone().cholesky()?.solve(&(transition * &filtered.covariance));
+    let gain: DMatrix<f64> = gain_transposed.transpose();
+    let mut correction = DVector::zeros(2 * n);
+    correction.rows_mut(0, n).copy_from(difference);
+    correction.rows_mut(n, n).copy_from(&(&next.velocity - &predicted.velocity));
+    let correction = &gain * correction;
+    let covariance =
+        &filtered.covariance + &gain * (&next.covariance - &predicted.covariance) * gain_transposed;
+    let covariance = (&covariance + covariance.transpose()) * 0.5;
+    let velocity = &filtered.velocity + correction.rows(n, n);
+    Some(Smoothed { step: correction.rows(0, n).into_owned(), belief: Belief { velocity, covariance } })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::filter::update::update;
+
+    /// One number seen in noise at five times: filter and smoother give what the joint least-squares problem
+    /// over all states gives, mean and variance.
+    #[test]
+    fn the_smoother_is_the_joint_least_squares_solution() {
+        let (seconds, variance, seen) = (0.1, 0.3, [0.2, 0.5, 0.1, 0.9, 1.4]);
+        let model = ConstantVelocity { acceleration: DVector::from_element(1, 2.0) };
+        let start = Belief::at_rest(&DVector::from_element(1, 1.0), &DVector::from_element(1, 3.0));
+        let mut filtered: Vec<(f64, Belief)> = Vec::new();
+        let mut predicted: Vec<(f64, Belief)> = Vec::new();
+        for (frame, &value) in seen.iter().enumerate() {
+            let (mean, belief) = match filtered.last() {
+                None => (0.0, start.clone()),
+                Some((mean, belief)) => {
+                    let (step, belief) = model.predict(belief, seconds);
+                    (mean + step[0], belief)
+                }
+            };
+            predicted.push((mean, belief.clone()));
+            let pose_variance = belief.pose_covariance()[(0, 0)];
+            let step = (value - mean) * pose_variance / (pose_variance + variance);
+            let products = DMatrix::from_element(1, 1, 1.0);
+            let after = update(&belief, &DVector::from_element(1, step), &products, variance).unwrap();
+            filtered.push((mean + step, after));
+            assert_eq!(filtered.len(), frame + 1);
+        }
+        let mut smoothed = vec![filtered[4].clone()];
+        for frame in (0..4).rev() {
+            let (mean, belief) = &filtered[frame];
+            let (foretold, prior) = &predicted[frame + 1];
+            let (next_mean, next) = smoothed.last().unwrap().clone();
+            let difference = DVector::from_element(1, next_mean - foretold);
+            let found = smooth(belief, prior, &next, &difference, seconds).unwrap();
+            smoothed.push((mean + found.step[0], found.belief));
+        }
+        smoothed.reverse();
+
+        let size = 10;
+        let (mut information, mut right) = (DMatrix::zeros(size, size), DVector::zeros(size));
+        let mut block = information.view_mut((0, 0), (2, 2));
+        block += start.covariance.clone().try_inverse().unwrap();
+        let none = Belief { velocity: DVector::zeros(1), covariance: DMatrix::zeros(2, 2) };
+        let noise = model.predict(&none, seconds).1.covariance.try_inverse().unwrap();
+        let transition = ConstantVelocity::transition(1, seconds);
+        for frame in 0..4 {
+            let mut difference = DMatrix::zeros(2, size);
+            difference.view_mut((0, 2 * frame), (2, 2)).copy_from(&-&transition);
+            difference.view_mut((0, 2 * frame + 2), (2, 2)).copy_from(&DMatrix::identity(2, 2));
+            information += difference.transpose() * &noise * difference;
+        }
+        for (frame, value) in seen.into_iter().enumerate() {
+            information[(2 * frame, 2 * frame)] += 1.0 / variance;
+            right[2 * frame] += value / variance;
+        }
+        let covariance = information.try_inverse().unwrap();
+        let mean = &covariance * right;
+        for (frame, (pose, belief)) in smoothed.iter().enumerate() {
+            assert!((pose - mean[2 * frame]).abs() < 1e-9, "{frame}");
+            assert!((belief.velocity[0] - mean[2 * frame + 1]).abs() < 1e-8, "{frame}");
+            let expected = covariance.view((2 * frame, 2 * frame), (2, 2));
+            assert!((&belief.covariance - expected).amax() < 1e-8, "{frame}");
+        }
+    }
+}
