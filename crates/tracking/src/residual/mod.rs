@@ -10,12 +10,14 @@
 //! | [`proportion_prior`] | how far lengths and radii are from a scaled body's |
 //! | [`interpenetration`] | how deep two limbs lie inside each other |
 //! | [`loss`] | how large residuals are held back: Huber, Cauchy, Tukey |
+//! | [`motion_prior`] | stay near what the motion so far foretells |
 //! | [`point`] | target − position of a joint, for posing by hand and for reference keypoints |
 
 pub mod body_size;
 pub mod interpenetration;
 pub mod joint_limit;
 pub mod loss;
+pub mod motion_prior;
 pub mod point;
 pub mod proportion_prior;
 pub mod proximal_prior;

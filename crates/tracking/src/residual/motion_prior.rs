@@ -1,0 +1,124 @@
+//! What the frames before say of this pose: R δᵀ Λ δ, δ the tangent step from the predicted pose, Λ = P_xx⁻¹.
+//!
+//! With R the measurement's variance in squared grey levels, the minimum of this and the silhouettes' cost is the
+//! iterated Kalman filter's update (see [`filter`](crate::filter)). ∂δ/∂ω is the inverse of the left Jacobian of
+//! each rotation's part of δ.
+
+use glam::DVec3;
+use nalgebra::{DMatrix, DVector};
+
+use crate::body::{Parameters, Pose};
+use crate::geometry::rotation::{left_jacobian_inverse, log, raw_rates};
+use crate::optimize::NormalEquations;
+
+/// A Gaussian over poses: its mean and its information in tangent columns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MotionPrior {
+    /// The predicted pose.
+    pub mean: Pose,
+    /// Λ, tangent columns × tangent columns, symmetric.
+    pub information: DMatrix<f64>,
+    /// R: squared grey levels.
+    pub variance: f64,
+}
+
+/// Adds the prior; `scale` is the weight of a pixel at the stage's stride.
+pub fn add(
+    equations: &mut NormalEquations,
+    parameters: Parameters,
+    pose: &Pose,
+    prior: &MotionPrior,
+    scale: f64,
+) {
+    let weight = scale * prior.variance;
+    let (step, rates) = step_and_rates(parameters, pose, &prior.mean);
+    let pushed = &prior.information * &step;
+    equations.cost += weight * step.dot(&pushed);
+    // The rates are block diagonal: each column of the state moves one block of three.
+    for (column, rate) in rates.iter().enumerate() {
+        let force: f64 = (0..3).map(|row| rate.by[row] * pushed[rate.first + row]).sum();
+        equations.jtr[column] -= weight * force;
+        for (other, other_rate) in rates.iter().enumerate() {
+            let block = prior.information.fixed_view::<3, 3>(rate.first, other_rate.first);
+            let sum: f64 = (0..3)
+                .map(|row| rate.by[row] * (0..3).map(|at| block[(row, at)] * other_rate.by[at]).sum::<f64>())
+                .sum();
+            equations.jtj[(column, other)] += weight * sum;
+        }
+    }
+}
+
+/// How one column of the state moves δ: three entries from `first` on.
+struct Rate {
+    first: usize,
+    by: DVec3,
+}
+
+fn step_and_rates(parameters: Parameters, pose: &Pose, mean: &Pose) -> (DVector<f64>, Vec<Rate>) {
+    let mut step = (pose.root - mean.root).to_array().to_vec();
+    let mut rates: Vec<Rate> = DVec3::AXES.into_iter().map(|by| Rate { first: 0, by }).collect();
+    for (q, from) in pose.rotations.iter().zip(&mean.rotations) {
+        let phi = log((*q * from.inverse()).normalize());
+        let jacobian = left_jacobian_inverse(phi);
+        let first = step.len();
+        step.extend(phi.to_array());
+        match parameters {
+            Parameters::Tangent => {
+                rates.extend(DVec3::AXES.into_iter().map(|axis| Rate { first, by: jacobian * axis }));
+            }
+            Parameters::Raw => {
+                rates.extend(raw_rates(*q).into_iter().map(|(turn, _)| Rate { first, by: jacobian * turn }));
+            }
+        }
+    }
+    (DVector::from_vec(step), rates)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::builtin;
+
+    /// Jᵀρ against differences of the cost, JᵀJ against differences of δ.
+    #[test]
+    fn derivatives_match_differences() {
+        let model = builtin::upper_body();
+        let turned = |amount: f64| {
+            let columns = Parameters::Tangent.columns(model.rotation_count());
+            let step: Vec<f64> = (0..columns).map(|i| amount * (1.7 * i as f64).sin()).collect();
+            Pose::rest(&model).retract(Parameters::Tangent, &step)
+        };
+        let (pose, mean) = (turned(0.5), turned(-0.4));
+        let n = Parameters::Tangent.columns(model.rotation_count());
+        let half = DMatrix::from_fn(n, n, |i, j| ((i * 5 + j * 11) as f64 * 0.37).sin());
+        let prior = MotionPrior { mean, information: &half * half.transpose(), variance: 1.5 };
+        let mut failures = Vec::new();
+        for parameters in [Parameters::Raw, Parameters::Tangent] {
+            let columns = parameters.columns(model.rotation_count());
+            let mut here = NormalEquations::zeros(columns);
+            add(&mut here, parameters, &pose, &prior, 0.25);
+            let h = 1e-6;
+            let mut differences = DMatrix::zeros(n, columns);
+            for column in 0..columns {
+                let at = |sign: f64| {
+                    let moved = pose.nudged(parameters, column, sign * h);
+                    let mut equations = NormalEquations::zeros(columns);
+                    add(&mut equations, parameters, &moved, &prior, 0.25);
+                    (equations.cost, step_and_rates(parameters, &moved, &prior.mean).0)
+                };
+                let (plus, minus) = (at(1.0), at(-1.0));
+                let numeric = (plus.0 - minus.0) / (2.0 * h);
+                if (numeric + 2.0 * here.jtr[column]).abs() > 1e-6 * here.jtr.amax() {
+                    failures.push(format!("{parameters:?} column {column}: {numeric} {}", here.jtr[column]));
+                }
+                differences.set_column(column, &((plus.1 - minus.1) / (2.0 * h)));
+            }
+            let expected = differences.transpose() * &prior.information * differences * (1.5 * 0.25);
+            let worst = (&expected - &here.jtj).amax() / expected.amax();
+            if worst > 1e-7 {
+                failures.push(format!("{parameters:?}: JᵀJ differs by {worst:.1e}"));
+            }
+        }
+        assert!(failures.is_empty(), "{}", failures.join("\n"));
+    }
+}
