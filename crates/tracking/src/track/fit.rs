@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use super::evidence::{FitError, FitView};
 use super::hypotheses::{Hypothesis, HypothesisOptions, Search};
-use super::objective::Objective;
+use super::objective::{Constraints, Objective};
 use super::options::FitOptions;
 use super::prepared::Prepared;
 use super::sketch::Sketch;
 use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
 use crate::optimize::{NormalEquations, Solver, SolverOptions, Termination};
+use crate::residual::motion_prior::MotionPrior;
 use crate::silhouette::SignedDistance;
 
 /// One iteration of a fit.
@@ -69,7 +70,7 @@ pub struct Fit {
     views: Vec<FitView>,
     distances: Vec<Option<SignedDistance>>,
     reference: Pose,
-    free: Option<Vec<bool>>,
+    constraints: Constraints,
     stage: usize,
     objective: Objective,
     solver: Solver<Pose>,
@@ -118,7 +119,8 @@ impl Fit {
         }
         let prepared = Prepared::new(&model, views, &start, &options, |_, _, _| 0.0)?;
         let pose = prepared.start.clone();
-        Ok(Self::begin(model, prepared, options, free, 0, &pose, Vec::new()))
+        let constraints = Constraints { free, motion: None };
+        Ok(Self::begin(model, prepared, options, constraints, 0, &pose, Vec::new()))
     }
 
     /// A fit that begins with a search for the best of many hypotheses ([`search`](super::hypotheses::search)) and goes
@@ -139,21 +141,37 @@ impl Fit {
         let found = Search::run(&model, &prepared, &options, effort, cancel).found;
         let pose = found[0].pose.clone();
         let last = options.stages.len() - 1;
-        Ok(Self::begin(model, prepared, options, None, last, &pose, found))
+        Ok(Self::begin(model, prepared, options, Constraints::default(), last, &pose, found))
+    }
+
+    /// A fit whose start is what the motion so far foretells: the prior takes the place of the proximal one.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_motion_prior(
+        model: Arc<Model>,
+        views: Vec<FitView>,
+        prior: MotionPrior,
+        options: FitOptions,
+    ) -> Result<Self, FitError> {
+        let prepared = Prepared::new(&model, views, &prior.mean, &options, |_, _, _| 0.0)?;
+        let pose = prepared.start.clone();
+        let constraints = Constraints { free: None, motion: Some(Arc::new(prior)) };
+        Ok(Self::begin(model, prepared, options, constraints, 0, &pose, Vec::new()))
     }
 
     fn begin(
         model: Arc<Model>,
         prepared: Prepared,
         options: FitOptions,
-        free: Option<Vec<bool>>,
+        constraints: Constraints,
         stage: usize,
         pose: &Pose,
         hypotheses: Vec<Hypothesis>,
     ) -> Self {
         let Prepared { views, distances, start, empty_cameras } = prepared;
         let (objective, solver) =
-            Self::begin_stage(&model, &views, &distances, &options, stage, &start, pose, free.clone());
+            Self::begin_stage(&model, &views, &distances, &options, stage, &start, pose, constraints.clone());
         let rms = objective.rms();
         let termination = objective.is_blind().then_some(Termination::NoGradient);
         Self {
@@ -162,7 +180,7 @@ impl Fit {
             rms,
             termination,
             reference: start,
-            free,
+            constraints,
             stage,
             objective,
             solver,
@@ -185,12 +203,12 @@ impl Fit {
         index: usize,
         reference: &Pose,
         pose: &Pose,
-        free: Option<Vec<bool>>,
+        constraints: Constraints,
     ) -> (Objective, Solver<Pose>) {
         let stage = options.stages[index];
         let mut objective =
             Objective::new(Arc::clone(model), views, distances, options, stage, reference.clone());
-        objective.hold_all_but(free);
+        objective.constrain(constraints);
         let solver_options = SolverOptions {
             method: options.method,
             damping: options.damping,
@@ -244,7 +262,7 @@ impl Fit {
                 self.stage,
                 &self.reference,
                 &pose,
-                self.free.clone(),
+                self.constraints.clone(),
             );
             self.rms = self.objective.rms();
         }
@@ -301,6 +319,12 @@ impl Fit {
     #[must_use]
     pub fn equations(&self) -> &NormalEquations {
         self.solver.equations()
+    }
+
+    /// Normal equations of what the frame says by itself where the fit stands, without any pull to another pose:
+    /// in tangent columns and as if every pixel were sampled, by the current stage's measure.
+    pub fn frame_equations(&mut self) -> NormalEquations {
+        self.objective.frame_equations(self.solver.point())
     }
 
     /// Why it ended; `None` while it may go on.

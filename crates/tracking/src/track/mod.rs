@@ -11,6 +11,7 @@
 //! | [`posing`] | moving a body by hand: chains follow through the same optimiser |
 //! | [`start`] | where a fit begins: a pose from known joints, and noise on it |
 //! | [`schedule`] | annealing by the size of what is seen |
+//! | [`motion`] | how motion is carried from frame to frame: not at all, by velocity, by a Kalman filter |
 //! | [`tracker`] | [`Tracker`]: frame after frame |
 //! | [`fit_body`] | the person's own lengths and radii, with the poses of several frames |
 //! | [`metrics`] | joint errors against a reference |
@@ -21,6 +22,7 @@ pub mod fit;
 pub mod fit_body;
 pub mod hypotheses;
 pub mod metrics;
+pub mod motion;
 pub mod objective;
 pub mod options;
 pub mod posing;
@@ -34,6 +36,7 @@ pub mod tracker;
 pub use evidence::{Evidence, FitError, FitView};
 pub use fit::{Fit, IterationRecord, SolverSummary};
 pub use hypotheses::{Hypotheses, Hypothesis, HypothesisOptions};
+pub use motion::{KalmanOptions, Motion};
 pub use options::{DataView, FitOptions, Preset, Stage};
 pub use schedule::Scale;
 pub use tracker::{FrameEstimate, Track, Tracker};

@@ -15,6 +15,7 @@ use crate::render::primitive::PixelBox;
 use crate::render::ramp::BACKGROUND;
 use crate::render::wrench::WrenchBlock;
 use crate::residual::interpenetration::{self, LimbPairs};
+use crate::residual::motion_prior::{self, MotionPrior};
 use crate::residual::silhouette::{KernelMemory, SampledData, WorldBlocks};
 use crate::residual::{joint_limit, proximal_prior, rest_prior};
 use crate::silhouette::SignedDistance;
@@ -30,14 +31,22 @@ pub struct Objective {
     stage: Stage,
     cameras: Vec<CameraTerm>,
     reference: Pose,
-    /// Rotations that may move; all when `None`.
-    free: Option<Vec<bool>>,
+    constraints: Constraints,
     kinematics: Kinematics,
     world: WorldBlocks,
     columns: Vec<MovingColumn>,
     /// Limbs that must not overlap; none where that is not asked for.
     pairs: Option<LimbPairs>,
     silhouette_cost: f64,
+}
+
+/// What a fit holds and what pulls at it besides its options.
+#[derive(Debug, Clone, Default)]
+pub struct Constraints {
+    /// Rotations that may move; all when `None`. The root's position moves only when all rotations do.
+    pub free: Option<Vec<bool>>,
+    /// What the motion so far says of the pose. It takes the place of the proximal prior.
+    pub motion: Option<Arc<MotionPrior>>,
 }
 
 #[derive(Debug)]
@@ -91,7 +100,7 @@ impl Objective {
             stage,
             cameras,
             reference,
-            free: None,
+            constraints: Constraints::default(),
             world: WorldBlocks::new(limbs),
             columns: Vec::new(),
             pairs: (options.interpenetration_weight > 0.0).then(|| LimbPairs::of(&model)),
@@ -101,9 +110,24 @@ impl Objective {
         }
     }
 
-    /// Holds everything still but these rotations; the root's position moves only when all rotations do.
-    pub fn hold_all_but(&mut self, free: Option<Vec<bool>>) {
-        self.free = free;
+    /// Constrains the pose.
+    pub fn constrain(&mut self, constraints: Constraints) {
+        self.constraints = constraints;
+    }
+
+    /// JᵀJ, Jᵀρ and cost of what a frame says by itself: silhouettes, rest and limits, without any pull to another
+    /// pose. In tangent columns and as if every pixel were sampled.
+    pub fn frame_equations(&mut self, pose: &Pose) -> NormalEquations {
+        let mut equations = NormalEquations::zeros(Parameters::Tangent.columns(self.model.rotation_count()));
+        self.look(pose);
+        self.world.add_to(&self.kinematics, Parameters::Tangent, &mut self.columns, &mut equations);
+        equations.cost = self.silhouette_cost;
+        self.add_anatomy(pose, Parameters::Tangent, &mut equations);
+        let pixels = (self.stage.stride * self.stage.stride) as f64;
+        equations.jtj *= pixels;
+        equations.jtr *= pixels;
+        equations.cost *= pixels;
+        equations
     }
 
     /// Cost of the silhouettes alone at the last evaluated pose, cameras weighted.
@@ -141,11 +165,20 @@ impl Objective {
     fn add_priors(&self, pose: &Pose, equations: &mut NormalEquations) {
         let (options, unit) = (&self.options, self.prior_unit());
         let parameters = options.parameters;
-        if options.proximal_weight > 0.0 {
+        if let Some(prior) = &self.constraints.motion {
+            let scale = 1.0 / (self.stage.stride * self.stage.stride) as f64;
+            motion_prior::add(equations, parameters, pose, prior, scale);
+        } else if options.proximal_weight > 0.0 {
             let weight = unit * options.proximal_weight;
             let (root, loss) = (options.proximal_root_factor, options.proximal_loss);
             proximal_prior::add_robust(equations, parameters, pose, &self.reference, weight, root, loss);
         }
+        self.add_anatomy(pose, parameters, equations);
+    }
+
+    /// What bodies do: limbs untwisted, joints within their limits.
+    fn add_anatomy(&self, pose: &Pose, parameters: Parameters, equations: &mut NormalEquations) {
+        let (options, unit) = (&self.options, self.prior_unit());
         if options.rest_weight > 0.0 {
             rest_prior::add(equations, parameters, &self.model, pose, unit * options.rest_weight);
         }
@@ -155,7 +188,7 @@ impl Objective {
     }
 
     fn hold(&self, equations: &mut NormalEquations) {
-        let Some(free) = &self.free else { return };
+        let Some(free) = &self.constraints.free else { return };
         let parameters = self.options.parameters;
         let held = (0..free.len()).filter(|&rotation| !free[rotation]).flat_map(|rotation| {
             let first = parameters.first_column(rotation);
@@ -170,10 +203,9 @@ impl Objective {
     }
 }
 
-impl LeastSquares for Objective {
-    type Point = Pose;
-
-    fn evaluate(&mut self, pose: &Pose, equations: &mut NormalEquations) {
+impl Objective {
+    /// Renders the pose in every camera: costs and world blocks.
+    fn look(&mut self, pose: &Pose) {
         let (model, options, ramp) = (&self.model, &self.options, self.stage.ramp);
         self.kinematics.update(model, pose);
         let kinematics = &self.kinematics;
@@ -195,8 +227,17 @@ impl LeastSquares for Objective {
             self.silhouette_cost += term.fit_view.weight * term.cost;
             self.world.add(&term.fit_view.camera, &term.blocks, term.fit_view.weight);
         }
+    }
+}
+
+impl LeastSquares for Objective {
+    type Point = Pose;
+
+    fn evaluate(&mut self, pose: &Pose, equations: &mut NormalEquations) {
+        self.look(pose);
         equations.cost += self.silhouette_cost;
-        self.world.add_to(&self.kinematics, options.parameters, &mut self.columns, equations);
+        let parameters = self.options.parameters;
+        self.world.add_to(&self.kinematics, parameters, &mut self.columns, equations);
         self.add_priors(pose, equations);
         self.add_interpenetration(equations);
         self.hold(equations);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::evidence::{Evidence, FitError, FitView};
 use super::fit::Fit;
+use super::motion::{FrameBelief, Motion, MotionFilter, Predicted};
 use super::options::FitOptions;
 use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::cancel::CancelToken;
@@ -36,6 +37,8 @@ pub struct FrameEstimate {
     pub lost: bool,
     /// Why the fit ended; `None` if there was nothing to fit.
     pub termination: Option<Termination>,
+    /// What the Kalman filter believed, where it ran.
+    pub belief: Option<FrameBelief>,
 }
 
 impl FrameEstimate {
@@ -63,6 +66,9 @@ pub struct Tracker {
     last: Option<(usize, Pose)>,
     /// Whether the subject was lost there.
     lost: bool,
+    motion: Motion,
+    filter: Option<MotionFilter>,
+    frame_seconds: f64,
 }
 
 impl Tracker {
@@ -74,7 +80,28 @@ impl Tracker {
     pub fn new(model: Arc<Model>, options: FitOptions, start: Pose) -> Result<Self, FitError> {
         start.check(&model)?;
         options.check()?;
-        Ok(Self { model, options, next_start: start.normalized(), last: None, lost: false })
+        Ok(Self {
+            model,
+            options,
+            next_start: start.normalized(),
+            last: None,
+            lost: false,
+            motion: Motion::default(),
+            filter: None,
+            frame_seconds: 1.0,
+        })
+    }
+
+    /// Carries motion from frame to frame in another way, at so many frames a second.
+    #[must_use]
+    pub fn with_motion(mut self, motion: Motion, frame_rate: f64) -> Self {
+        self.motion = motion;
+        self.frame_seconds = 1.0 / frame_rate;
+        self.filter = match motion {
+            Motion::Kalman(options) => Some(MotionFilter::new(&self.model, options)),
+            Motion::Still | Motion::Velocity => None,
+        };
+        self
     }
 
     /// Goes on from a frame that was fitted before: the next one skips the wide first stages.
@@ -116,7 +143,10 @@ impl Tracker {
             let skipped = options.skip_when_tracking.min(options.stages.len() - 1);
             options.stages.drain(..skipped);
         }
-        let start = self.next_start.clone();
+        let predicted = self.predict(frame);
+        let start = predicted.as_ref().map_or(&self.next_start, |predicted| &predicted.mean).clone();
+        let prior = self.filter.as_ref().zip(predicted.as_ref()).and_then(|(filter, p)| filter.prior(p));
+        let mut products = None;
         let mut estimate = FrameEstimate {
             frame,
             pose: start.clone(),
@@ -127,9 +157,15 @@ impl Tracker {
             iterations: 0,
             lost: true,
             termination: None,
+            belief: None,
         };
         let names: Vec<String> = cameras.iter().map(|camera| camera.name().to_owned()).collect();
-        match Fit::new(Arc::clone(&self.model), views, start, options) {
+        let model = Arc::clone(&self.model);
+        let fit = match prior {
+            Some(prior) => Fit::with_motion_prior(model, views, prior, options),
+            None => Fit::new(model, views, start, options),
+        };
+        match fit {
             Ok(mut fit) => {
                 let summary = fit.run(cancel, |_| {});
                 estimate.pose = summary.pose;
@@ -139,6 +175,7 @@ impl Tracker {
                 estimate.termination = Some(summary.termination);
                 estimate.empty_cameras = summary.empty_cameras;
                 estimate.lost = false;
+                products = self.filter.is_some().then(|| fit.frame_equations().jtj);
             }
             Err(FitError::NoData { .. }) => estimate.empty_cameras = names,
             Err(error) => return Err(error),
@@ -153,15 +190,27 @@ impl Tracker {
         if estimate.iou().is_some_and(|iou| iou < LOST_BELOW_IOU) {
             estimate.lost = true;
         }
+        if let Some(filter) = &mut self.filter {
+            let products = products.filter(|_| !estimate.lost);
+            estimate.belief = Some(filter.learn(&estimate.pose, products.as_ref(), predicted));
+        }
         self.advance(&estimate);
         Ok(estimate)
+    }
+
+    /// What the Kalman filter foretells of a frame; after a lost one it begins anew.
+    fn predict(&self, frame: usize) -> Option<Predicted> {
+        let (before, pose) = self.last.as_ref().filter(|_| !self.lost)?;
+        let frames = frame as f64 - *before as f64;
+        self.filter.as_ref()?.predict(pose, frames * self.frame_seconds)
     }
 
     /// Predicts the next start: the motion between the last two frames goes on, unless the subject was lost.
     fn advance(&mut self, estimate: &FrameEstimate) {
         let (frame, pose) = (estimate.frame, &estimate.pose);
+        let goes_on = self.motion != Motion::Still && !estimate.lost;
         self.next_start = match &self.last {
-            Some((before, from)) if *before != frame && !estimate.lost => {
+            Some((before, from)) if *before != frame && goes_on => {
                 pose.retract(Parameters::Tangent, &pose.local(from))
             }
             _ => pose.clone(),

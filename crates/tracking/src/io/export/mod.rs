@@ -52,6 +52,7 @@ pub(super) mod tests {
             iterations: 7,
             lost: false,
             termination: Some(Termination::NoDecrease),
+            belief: None,
         };
         let second = FrameEstimate {
             frame: 6,
@@ -63,6 +64,7 @@ pub(super) mod tests {
             iterations: 0,
             lost: true,
             termination: None,
+            belief: None,
         };
         Track { frames: [(4, first), (6, second)].into() }
     }
