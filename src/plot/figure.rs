@@ -76,7 +76,16 @@ impl Line {
     /// A curve of values over 0, 1, 2 …
     #[must_use]
     pub fn of_values(name: &str, style: usize, values: &[f64]) -> Self {
-        let points = values.iter().enumerate().map(|(index, &value)| [index as f64, value]).collect();
+        Self::of_points(
+            name,
+            style,
+            values.iter().enumerate().map(|(index, &value)| [index as f64, value]).collect(),
+        )
+    }
+
+    /// A curve through points.
+    #[must_use]
+    pub fn of_points(name: &str, style: usize, points: Vec<[f64; 2]>) -> Self {
         Self { name: name.to_owned(), points, style, is_faint: false }
     }
 

@@ -10,6 +10,7 @@
 //! | [`fig55`] | `backlit experiment fig5.5` and `fig5.6` |
 //! | [`bias`] | `backlit experiment bias` |
 //! | [`sizes`] | `backlit experiment sizes` |
+//! | [`track`] | `backlit experiment track` |
 //! | [`basin`] | `backlit experiment basin` |
 
 pub mod arguments;
@@ -20,6 +21,7 @@ pub mod fig52;
 pub mod fig55;
 pub mod files;
 pub mod sizes;
+pub mod track;
 pub mod waiting;
 
 use clap::{Args, Subcommand};
@@ -57,6 +59,8 @@ enum Experiment {
     Bias(bias::Arguments),
     /// Lengths and radii of people of several builds, from silhouettes and an average adult's body
     Sizes(sizes::Arguments),
+    /// The upper body followed at one to four times its speed through noisy masks, by kind of motion
+    Track(track::Arguments),
     /// How far off a start may be: share of starts that end at the truth, by distance and number of cameras
     Basin(basin::Arguments),
 }
@@ -74,6 +78,7 @@ pub fn run(arguments: &ExperimentArguments) -> anyhow::Result<()> {
         Experiment::Fig56(arguments) => fig55::run(arguments, "fig5.6", [48, 36]),
         Experiment::Bias(arguments) => bias::run(arguments),
         Experiment::Sizes(arguments) => sizes::run(arguments),
+        Experiment::Track(arguments) => track::run(arguments),
         Experiment::Basin(arguments) => basin::run(arguments),
     }
 }

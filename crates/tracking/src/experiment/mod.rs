@@ -11,6 +11,7 @@
 //! | [`fig55`] | Figs. 5.5 and 5.6: a simulated sequence, large and tiny pictures |
 //! | [`bias`] | where fits go that begin at the truth, by ramp, data and cameras |
 //! | [`basin`] | how far off a start may be, and still end at the truth |
+//! | [`track`] | the upper body followed at several speeds through noise: what carrying motion on is worth |
 //! | [`starts`], [`starts_file`] | starts of known distance from their truth, drawn or read |
 //! | [`curve`] | one fit, iteration by iteration, against its truth |
 //! | [`sizes`] | the sizes of people of several builds, from silhouettes |
@@ -29,6 +30,7 @@ pub mod scene;
 pub mod sizes;
 pub mod starts;
 pub mod starts_file;
+pub mod track;
 pub mod upper_body;
 
 pub use curve::Curve;

@@ -39,7 +39,7 @@ pub struct KalmanOptions {
 
 impl Default for KalmanOptions {
     fn default() -> Self {
-        Self { measurement_deviation: 100.0, turn_acceleration: 8.0, move_acceleration: 2.0 }
+        Self { measurement_deviation: 200.0, turn_acceleration: 8.0, move_acceleration: 2.0 }
     }
 }
 

@@ -1,0 +1,85 @@
+//! `backlit experiment track`: the upper body followed at several speeds through noisy masks.
+
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::experiment::track::{self, Options, Report};
+use clap::Args;
+
+use super::arguments::{NoiseArguments, OutputArguments, StartArguments};
+use super::files;
+use super::waiting::Waiting;
+use crate::cli::table::Table;
+use crate::plot::{Axis, Figure, Line};
+
+/// What `backlit experiment track` is told.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    start: StartArguments,
+    #[command(flatten)]
+    noise: NoiseArguments,
+    /// Frames of every track
+    #[arg(long, value_name = "N", default_value_t = 50)]
+    frames: usize,
+    /// Cameras
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    cameras: usize,
+    /// Times the movement's own speed
+    #[arg(long, value_name = "N", value_delimiter = ',', default_values_t = [1, 2, 3, 4])]
+    speeds: Vec<usize>,
+    #[command(flatten)]
+    output: OutputArguments,
+}
+
+/// Runs the experiment, writes and prints.
+///
+/// # Errors
+/// Options that make no sense, or files that cannot be written.
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let mut options = Options {
+        frames: arguments.frames,
+        cameras: arguments.cameras,
+        speeds: arguments.speeds.clone(),
+        seed: arguments.start.seed,
+        ..Options::default()
+    };
+    options.starts = arguments.start.starts.unwrap_or(options.starts);
+    (options.angle_rad, options.distance_m) = arguments.noise.or(options.angle_rad, options.distance_m);
+    let report = track::run(&options, &CancelToken::new(), Waiting::new().listener())?;
+    let figure = Figure {
+        title: "Upper body followed through noisy masks: worst frame".to_owned(),
+        subtitle: format!(
+            "{} × {} pixels, {} cameras, {} frames of {} starts",
+            options.size_px[0], options.size_px[1], options.cameras, options.frames, options.starts
+        ),
+        x: Axis::linear("times the speed"),
+        y: Axis::log("largest joint error of a frame, mm"),
+        lines: lines(&report),
+    };
+    let figures = [("track".to_owned(), figure)];
+    files::finish(&arguments.output, "track", &options, &report, &figures, &table(&report))
+}
+
+fn lines(report: &Report) -> Vec<Line> {
+    let ways = report.ways.iter().enumerate();
+    ways.map(|(style, way)| {
+        let points = way.speeds.iter().map(|found| [found.speed as f64, found.max_mm]);
+        Line::of_points(&way.name, style, points.collect())
+    })
+    .collect()
+}
+
+fn table(report: &Report) -> String {
+    let mut table = Table::new(["way", "speed", "joint error, mm: mean", "95 %", "max"]);
+    for way in &report.ways {
+        for found in &way.speeds {
+            table.row([
+                way.name.clone(),
+                format!("{}×", found.speed),
+                format!("{:.2}", found.mean_mm),
+                format!("{:.2}", found.p95_mm),
+                format!("{:.1}", found.max_mm),
+            ]);
+        }
+    }
+    table.to_text()
+}
