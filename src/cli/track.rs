@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::io::Footage;
-use backlit_tracking::track::Tracker;
-use clap::Args;
+use backlit_tracking::track::{KalmanOptions, Motion, Tracker};
+use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::fit_options::SolverArguments;
@@ -56,6 +56,32 @@ pub struct TrackArguments {
     start: StartArguments,
     #[command(flatten)]
     solver: SolverArguments,
+    /// How motion is carried from frame to frame
+    #[arg(long, value_enum, default_value_t = MotionWord::Velocity)]
+    motion: MotionWord,
+}
+
+/// How motion is carried from frame to frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum MotionWord {
+    /// Start from the last pose
+    Still,
+    /// Start where the motion between the last two frames leads
+    Velocity,
+    /// Pose and velocity by the iterated extended Kalman filter
+    Kalman,
+    /// The same, and earlier frames smoothed by later ones at the end
+    Smoothed,
+}
+
+impl From<MotionWord> for Motion {
+    fn from(word: MotionWord) -> Self {
+        match word {
+            MotionWord::Still => Self::Still,
+            MotionWord::Velocity => Self::Velocity,
+            MotionWord::Kalman | MotionWord::Smoothed => Self::Kalman(KalmanOptions::default()),
+        }
+    }
 }
 
 /// Tracks, writes and prints.
@@ -70,7 +96,8 @@ pub fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let cameras = arguments.part.cameras(take)?;
     let start = arguments.start.pose(take, frames[0])?;
     output::make_folder(&arguments.out)?;
-    let tracker = Tracker::new(Arc::clone(take.model()), options, start)?;
+    let tracker = Tracker::new(Arc::clone(take.model()), options, start)?
+        .with_motion(arguments.motion.into(), take.frame_rate());
     let mut report = TrackReport::new(take, &cameras);
     let mut written = Instant::now();
     let tracked = follow(&footage, &cameras, &frames, tracker, &mut report, |report| {
@@ -80,6 +107,7 @@ pub fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
         }
         Ok(())
     });
+    report.finish(take, arguments.motion == MotionWord::Smoothed);
     if !report.track().frames.is_empty() {
         track_files::write(&arguments.out, take, &report)?;
     }

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use backlit_tracking::io::Take;
-use backlit_tracking::track::metrics::{JointErrors, Statistics};
-use backlit_tracking::track::{FrameEstimate, Track};
+use backlit_tracking::track::metrics::{self, JointErrors, Statistics};
+use backlit_tracking::track::{FrameEstimate, Track, motion};
 use serde::Serialize;
 
 use super::table::Table;
@@ -19,6 +19,7 @@ pub struct TrackReport {
     times_ms: Vec<f64>,
     errors: JointErrors,
     last_iou: Option<f64>,
+    jitter_mm: Option<f64>,
 }
 
 /// The summary as JSON has it.
@@ -31,6 +32,8 @@ pub struct TrackSummary {
     iou: IouSummary,
     /// Millimetres; null without reference keypoints.
     joint_error_mm: Option<ErrorSummary>,
+    /// Mean second difference of all joints from frame to frame; null for fewer than three frames.
+    jitter_mm: Option<f64>,
     ms_per_frame: TimeSummary,
 }
 
@@ -44,6 +47,8 @@ struct IouSummary {
 struct ErrorSummary {
     #[serde(flatten)]
     overall: Distances,
+    /// After each joint's constant offset in its limb's frame was taken off.
+    without_offsets: Option<Distances>,
     by_joint: BTreeMap<String, Distances>,
 }
 
@@ -79,6 +84,7 @@ impl TrackReport {
             times_ms: Vec::new(),
             errors: JointErrors::default(),
             last_iou: None,
+            jitter_mm: None,
         }
     }
 
@@ -89,6 +95,21 @@ impl TrackReport {
         self.times_ms.push(time_ms);
         self.last_iou = estimate.iou();
         self.track.frames.insert(estimate.frame, estimate);
+    }
+
+    /// Ends the report: frames are smoothed by later ones, if that is asked for, and judged together.
+    ///
+    /// Overlaps and costs stay those of the poses before smoothing.
+    pub fn finish(&mut self, take: &Take, smooth: bool) {
+        if smooth {
+            self.track = motion::smoothed(&self.track);
+            self.errors = JointErrors::default();
+            for estimate in self.track.frames.values() {
+                self.errors.add(take.model(), &estimate.pose, &reference_joints(take, estimate.frame));
+            }
+        }
+        let poses = self.track.frames.values().map(|estimate| &estimate.pose);
+        self.jitter_mm = metrics::jitter_mm(take.model(), poses);
     }
 
     /// The estimates so far.
@@ -135,11 +156,13 @@ impl TrackReport {
             },
             joint_error_mm: self.errors.overall().map(|overall| ErrorSummary {
                 overall: overall.into(),
+                without_offsets: self.errors.overall_without_offsets().map(Into::into),
                 by_joint: by_joint
                     .into_iter()
                     .map(|(name, errors)| (name.to_owned(), errors.into()))
                     .collect(),
             }),
+            jitter_mm: self.jitter_mm,
             ms_per_frame: TimeSummary {
                 median: times.map_or(0.0, |times| times.median),
                 p95: times.map_or(0.0, |times| times.p95),
@@ -167,6 +190,9 @@ impl TrackReport {
                 table.row(row(name, distances));
             }
             table.row(row("all joints", &errors.overall));
+            if let Some(distances) = &errors.without_offsets {
+                table.row(row("without each joint's offset", distances));
+            }
             out.push('\n');
             out.push_str(&table.to_text());
         }
@@ -179,6 +205,9 @@ impl TrackReport {
         table.row(["all cameras".to_owned(), number(summary.iou.mean)]);
         out.push('\n');
         out.push_str(&table.to_text());
+        if let Some(jitter) = summary.jitter_mm {
+            out.push_str(&format!("\njitter (mean second difference of the joints): {jitter:.1} mm\n"));
+        }
         let TimeSummary { median, p95 } = summary.ms_per_frame;
         out.push_str(&format!("\ntime of a frame: median {median:.0} ms, 95 % within {p95:.0} ms\n"));
         out
