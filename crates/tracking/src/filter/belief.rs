@@ -38,7 +38,7 @@ impl Belief {
         self.covariance.view((0, 0), (n, n)).into_owned()
     }
 
-    /// P_xx⁻¹, n × n: the information on the pose alone. `None` if the pose is certain in some direction.
+    /// Pₓₓ⁻¹, n × n: the information on the pose alone. `None` if the pose is certain in some direction.
     #[must_use]
     pub fn pose_information(&self) -> Option<DMatrix<f64>> {
         self.pose_covariance().cholesky().map(|factor| factor.inverse())

@@ -6,7 +6,7 @@
 //! | | |
 //! |---|---|
 //! | predict | X ← X ⊞ v Δ, v ← v, P ← F P Fᵀ + Q, F = [I ΔI; 0 I], Q from white accelerations |
-//! | update | X minimises ‖D − Λ(X)‖²/R + δᵀ P_xx⁻¹ δ, by the same steps as any fit; P⁻¹ ← P⁻¹ + JᵀJ/R |
+//! | update | X minimises ‖D − Λ(X)‖²/R + δᵀ Pₓₓ⁻¹ δ, by the same steps as any fit; P⁻¹ ← P⁻¹ + JᵀJ/R |
 //! | smooth | Rauch, Tung and Striebel: backwards, C = P Fᵀ (P⁻)⁻¹, x ← x + C (xˢ − x⁻) |
 //!
 //! The update is the iterated extended Kalman filter in information form: its maximum is found by Gauss-Newton

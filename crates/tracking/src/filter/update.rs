@@ -6,9 +6,9 @@ use super::belief::Belief;
 
 /// The belief after a measurement.
 ///
-/// `step` leads from the predicted mean pose to the pose that minimises ‖D − Λ‖²/R + δᵀ P_xx⁻¹ δ, n numbers;
+/// `step` leads from the predicted mean pose to the pose that minimises ‖D − Λ‖²/R + δᵀ Pₓₓ⁻¹ δ, n numbers;
 /// `products` is JᵀJ there, n × n, without any prior; `variance` is R, squared grey levels. The velocity
-/// follows by what it has to do with the pose, v + P_vx P_xx⁻¹ δ.
+/// follows by what it has to do with the pose, v + Pᵥₓ Pₓₓ⁻¹ δ.
 ///
 /// `None` if the prior is certain of the pose in some direction or the numbers ran out of range.
 #[must_use]
@@ -45,7 +45,7 @@ mod tests {
         DMatrix::from_fn(5, 3, |i, j| ((3 * i + 7 * j) as f64).sin())
     }
 
-    /// The equations of ‖ρ − J δ‖² + R δᵀ P_xx⁻¹ δ about δ = 0.
+    /// The equations of ‖ρ − J δ‖² + R δᵀ Pₓₓ⁻¹ δ about δ = 0.
     fn equations(residual: &DVector<f64>, information: &DMatrix<f64>, variance: f64) -> NormalEquations {
         let mut equations = NormalEquations::zeros(3);
         equations.jtj = jacobian().tr_mul(&jacobian()) + information * variance;

@@ -1,4 +1,4 @@
-//! What the frames before say of this pose: R δᵀ Λ δ, δ the tangent step from the predicted pose, Λ = P_xx⁻¹.
+//! What the frames before say of this pose: R δᵀ Λ δ, δ the tangent step from the predicted pose, Λ = Pₓₓ⁻¹.
 //!
 //! With R the measurement's variance in squared grey levels, the minimum of this and the silhouettes' cost is the
 //! iterated Kalman filter's update (see [`filter`](crate::filter)). ∂δ/∂ω is the inverse of the left Jacobian of
