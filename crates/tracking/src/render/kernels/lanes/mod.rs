@@ -52,6 +52,8 @@ use crate::render::wrench::WrenchBlock;
 
 /// Pixels of a band: what is known of them stays in the second cache.
 const BAND_PIXELS: usize = 8 * 1024;
+/// Fewer rows than this would flush their sums too often.
+const LEAST_BAND_ROWS: usize = 4;
 /// A joint nearer to the camera plane than this many reaches is left to the scalar kernel.
 const NEAREST_REACHES: f64 = 1.5;
 
@@ -122,7 +124,7 @@ impl Lanes {
 
 impl Grid {
     fn band_rows(&self) -> usize {
-        (BAND_PIXELS / self.pitch.max(1)).clamp(8, self.rows.max(8))
+        (BAND_PIXELS / self.pitch.max(1)).clamp(LEAST_BAND_ROWS, self.rows.max(LEAST_BAND_ROWS))
     }
 }
 
