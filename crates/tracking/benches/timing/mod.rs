@@ -6,9 +6,15 @@
 use std::fmt;
 use std::time::{Duration, Instant};
 
-/// A sample repeats its work until about this long has passed, so that neither the clock's own cost counts nor
-/// the caches that the work before it has emptied.
+/// A sample repeats its work until about this long has passed, so that the clock's own cost does not count.
 const SAMPLE: Duration = Duration::from_millis(2);
+
+/// And at least so often, as iterations follow each other in life: the caches that the work before it has emptied
+/// count once.
+const FEWEST_RUNS: u32 = 8;
+
+/// Works that take longer than this run once a sample.
+const LONG: Duration = Duration::from_millis(50);
 
 /// Fewer rounds than this have no quartiles worth the name.
 const FEWEST_ROUNDS: usize = 15;
@@ -81,13 +87,18 @@ impl fmt::Display for Timing {
     }
 }
 
-/// How often a work fits into a sample; warms it up on the way.
+/// How often a work runs in a sample; warms it up on the way.
 fn repeats(work: &mut dyn FnMut()) -> u32 {
     let mut repeats = 1;
-    while sample(work, repeats) * f64::from(repeats) < SAMPLE.as_secs_f64() * 1e6 {
+    loop {
+        let once = sample(work, repeats);
+        let is_long = once > LONG.as_secs_f64() * 1e6;
+        let fills_the_sample = once * f64::from(repeats) >= SAMPLE.as_secs_f64() * 1e6;
+        if is_long || (fills_the_sample && repeats >= FEWEST_RUNS) {
+            return repeats;
+        }
         repeats *= 2;
     }
-    repeats
 }
 
 /// Microseconds of one run, averaged over this many.
