@@ -16,7 +16,7 @@ use super::fit_options::SolverArguments;
 use super::output;
 use super::take_options::{self, PartArguments, StartArguments};
 use super::track_files;
-use super::track_report::TrackReport;
+use super::track_report::{Smoothing, TrackReport};
 
 /// Results so far are written this often: nothing is lost if the program is stopped.
 const WRITE_EVERY: Duration = Duration::from_secs(5);
@@ -59,6 +59,9 @@ pub struct TrackArguments {
     /// How motion is carried from frame to frame
     #[arg(long, value_enum, default_value_t = MotionWord::Velocity)]
     motion: MotionWord,
+    /// Smooth every frame by so many frames after it, not by all: what a live track could show that late
+    #[arg(long, value_name = "FRAMES")]
+    lag: Option<usize>,
 }
 
 /// How motion is carried from frame to frame.
@@ -89,6 +92,9 @@ impl From<MotionWord> for Motion {
 /// # Errors
 /// A take that cannot be read. What was tracked until then is written.
 pub fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
+    if arguments.lag.is_some() && arguments.motion != MotionWord::Smoothed {
+        anyhow::bail!("--lag is for --motion smoothed");
+    }
     let options = arguments.solver.options()?;
     let footage = take_options::open(&arguments.take)?;
     let take = footage.take();
@@ -107,7 +113,8 @@ pub fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
         }
         Ok(())
     });
-    report.finish(take, arguments.motion == MotionWord::Smoothed);
+    let is_smoothed = arguments.motion == MotionWord::Smoothed;
+    report.finish(take, is_smoothed.then_some(Smoothing { lag: arguments.lag }));
     if !report.track().frames.is_empty() {
         track_files::write(&arguments.out, take, &report)?;
     }

@@ -73,6 +73,13 @@ impl From<Statistics> for Distances {
     }
 }
 
+/// How later frames smooth earlier ones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Smoothing {
+    /// So many frames after each; all where `None`.
+    pub lag: Option<usize>,
+}
+
 impl TrackReport {
     /// A report of these cameras (indices in the take).
     #[must_use]
@@ -100,9 +107,9 @@ impl TrackReport {
     /// Ends the report: frames are smoothed by later ones, if that is asked for, and judged together.
     ///
     /// Overlaps and costs stay those of the poses before smoothing.
-    pub fn finish(&mut self, take: &Take, smooth: bool) {
-        if smooth {
-            self.track = motion::smoothed(&self.track);
+    pub fn finish(&mut self, take: &Take, smoothing: Option<Smoothing>) {
+        if let Some(Smoothing { lag }) = smoothing {
+            self.track = motion::smoothed(&self.track, lag);
             self.errors = JointErrors::default();
             for estimate in self.track.frames.values() {
                 self.errors.add(take.model(), &estimate.pose, &reference_joints(take, estimate.frame));

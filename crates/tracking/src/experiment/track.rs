@@ -60,6 +60,8 @@ pub struct Way {
     pub motion: Motion,
     /// Whether later frames smooth earlier ones; needs the Kalman filter.
     pub smooth: bool,
+    /// Only so many later frames do; all where `None`.
+    pub lag: Option<usize>,
 }
 
 impl Default for Options {
@@ -80,6 +82,9 @@ impl Default for Options {
     }
 }
 
+/// Frames that the fixed-lag smoother waits.
+const LAG: usize = 5;
+
 /// The report's preset, and the robust one with every kind of motion.
 #[must_use]
 pub fn ways() -> Vec<Way> {
@@ -88,6 +93,7 @@ pub fn ways() -> Vec<Way> {
         fit: FitOptions::preset(preset),
         motion,
         smooth,
+        lag: None,
     };
     let kalman = Motion::Kalman(KalmanOptions::default());
     vec![
@@ -95,6 +101,7 @@ pub fn ways() -> Vec<Way> {
         way("Robust, from the last pose", Preset::Robust, Motion::Still, false),
         way("Robust, constant velocity", Preset::Robust, Motion::Velocity, false),
         way("Robust, Kalman", Preset::Robust, kalman, false),
+        Way { lag: Some(LAG), ..way("Robust, Kalman, 5 frames late", Preset::Robust, kalman, true) },
         way("Robust, Kalman, smoothed", Preset::Robust, kalman, true),
     ]
 }
@@ -201,7 +208,7 @@ fn follow(
         }
     }
     if way.smooth {
-        track = smoothed(&track);
+        track = smoothed(&track, way.lag);
     }
     let poses = track.frames.values().map(|estimate| &estimate.pose);
     Ok(poses.zip(&truths).map(|(pose, truth)| mean_joint_error_mm(model, pose, truth)).collect())
@@ -246,6 +253,21 @@ impl SpeedReport {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A lag that reaches every frame's end is the whole smoother, one of none the filter; between them, waiting
+    /// helps.
+    #[test]
+    fn a_fixed_lag_lies_between_filter_and_smoother() {
+        let kalman = ways().remove(3);
+        let of = |smooth, lag| Way { smooth, lag, ..kalman.clone() };
+        let ways =
+            vec![of(false, None), of(true, Some(0)), of(true, Some(3)), of(true, Some(50)), of(true, None)];
+        let options = Options { frames: 15, starts: 1, speeds: vec![1], ways, ..Options::default() };
+        let report = run(&options, &CancelToken::new(), |_| {}).unwrap();
+        let mean: Vec<f64> = report.ways.iter().map(|way| way.speeds[0].mean_mm).collect();
+        assert!((mean[0] - mean[1]).abs() < 1e-9 && (mean[3] - mean[4]).abs() < 1e-9, "{mean:?}");
+        assert!(mean[2] < mean[0] && mean[4] < 0.95 * mean[0], "{mean:?}");
+    }
 
     #[test]
     fn the_robust_preset_follows_four_times_the_speed_through_noise() {

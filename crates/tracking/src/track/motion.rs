@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3};
 use serde::{Deserialize, Serialize};
 
-use super::tracker::Track;
+use super::tracker::{FrameEstimate, Track};
 use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::filter::{Belief, ConstantVelocity, smoother, update};
 use crate::residual::motion_prior::MotionPrior;
@@ -139,39 +139,71 @@ impl FrameBelief {
     }
 }
 
-/// The track smoothed by what later frames say of earlier ones (Rauch, Tung, Striebel).
+/// The track smoothed by what later frames say of earlier ones (Rauch, Tung, Striebel): by all of them, or, with a
+/// `lag`, by so many frames after each, as a live track could show that many frames late.
 ///
 /// Frames are taken in the order in which they were tracked; a frame without a belief, or with which nothing
 /// was foretold, begins anew. Costs and overlaps stay those of the filtered poses.
 #[must_use]
-pub fn smoothed(track: &Track) -> Track {
-    let mut smoothed = track.clone();
-    let forward = |estimate: &FrameBelief| estimate.predicted.as_ref().is_none_or(|p| p.seconds >= 0.0);
-    let is_forward = track.frames.values().filter_map(|estimate| estimate.belief.as_ref()).all(forward);
-    let mut order: Vec<usize> = track.frames.keys().copied().collect();
-    if !is_forward {
+pub fn smoothed(track: &Track, lag: Option<usize>) -> Track {
+    let mut order: Vec<&FrameEstimate> = track.frames.values().collect();
+    let runs_back = |estimate: &&FrameEstimate| {
+        let predicted = estimate.belief.as_ref().and_then(|belief| belief.predicted.as_ref());
+        predicted.is_some_and(|predicted| predicted.seconds < 0.0)
+    };
+    if order.iter().any(runs_back) {
         order.reverse();
     }
-    for pair in order.windows(2).rev() {
-        let (here, next) = (&track.frames[&pair[0]], &track.frames[&pair[1]]);
-        let (Some(belief), Some(next_belief)) = (&here.belief, &next.belief) else { continue };
-        let Some(predicted) = &next_belief.predicted else { continue };
-        let later = &smoothed.frames[&pair[1]];
-        let Some(later_belief) = &later.belief else { continue };
-        let difference = DVector::from_vec(later.pose.local(&predicted.mean));
-        let found = smoother::smooth(
-            &belief.belief,
-            &predicted.belief,
-            &later_belief.belief,
-            &difference,
-            predicted.seconds,
-        );
-        if let Some(found) = found
-            && let Some(target) = smoothed.frames.get_mut(&pair[0])
+    let mut smoothed = track.clone();
+    let mut keep = |estimate: &FrameEstimate, pose: Pose, belief: Belief| {
+        if let Some(target) = smoothed.frames.get_mut(&estimate.frame)
+            && let Some(target_belief) = &mut target.belief
         {
-            target.pose = here.pose.retract(Parameters::Tangent, found.step.as_slice());
-            target.belief = Some(FrameBelief { belief: found.belief, predicted: belief.predicted.clone() });
+            target.pose = pose;
+            target_belief.belief = belief;
+        }
+    };
+    match lag {
+        None => {
+            let mut later = None;
+            for index in (0..order.len()).rev() {
+                later = smoothed_by(order[index], order.get(index + 1).copied(), later);
+                if let Some((pose, belief)) = later.clone() {
+                    keep(order[index], pose, belief);
+                }
+            }
+        }
+        Some(lag) => {
+            for index in 0..order.len() {
+                let last = (index + lag).min(order.len() - 1);
+                let mut later = None;
+                for at in (index..=last).rev() {
+                    let next = (at < last).then(|| order[at + 1]);
+                    later = smoothed_by(order[at], next, later);
+                }
+                if let Some((pose, belief)) = later {
+                    keep(order[index], pose, belief);
+                }
+            }
         }
     }
     smoothed
+}
+
+/// A frame's pose and belief given the next frame's; its own where nothing is known of a next one.
+fn smoothed_by(
+    here: &FrameEstimate,
+    next: Option<&FrameEstimate>,
+    later: Option<(Pose, Belief)>,
+) -> Option<(Pose, Belief)> {
+    let filtered = &here.belief.as_ref()?.belief;
+    let predicted = next.and_then(|next| next.belief.as_ref()?.predicted.as_ref());
+    let by_later = predicted.zip(later).and_then(|(predicted, (pose, belief))| {
+        let difference = DVector::from_vec(pose.local(&predicted.mean));
+        smoother::smooth(filtered, &predicted.belief, &belief, &difference, predicted.seconds)
+    });
+    Some(match by_later {
+        Some(found) => (here.pose.retract(Parameters::Tangent, found.step.as_slice()), found.belief),
+        None => (here.pose.clone(), filtered.clone()),
+    })
 }
