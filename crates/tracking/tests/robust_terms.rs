@@ -1,10 +1,18 @@
-//! Robust losses of priors and the interpenetration of limbs: gradients against differences of their costs.
+//! Robust losses and the interpenetration of limbs: gradients against differences of their costs; doubted pixels.
+
+use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::experiment::curve::mean_joint_error_mm;
+use backlit_tracking::experiment::{scene, upper_body};
 use backlit_tracking::optimize::NormalEquations;
 use backlit_tracking::residual::interpenetration::{self, LimbPairs};
 use backlit_tracking::residual::loss::Loss;
 use backlit_tracking::residual::proximal_prior;
+use backlit_tracking::silhouette::Label;
+use backlit_tracking::track::start::perturb;
+use backlit_tracking::track::{Evidence, Fit, FitOptions, FitView};
 use nalgebra::DVector;
 
 const BOTH: [Parameters; 2] = [Parameters::Raw, Parameters::Tangent];
@@ -90,4 +98,39 @@ fn interpenetration_matches_differences() {
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
     assert!(overlapping >= 16, "only {overlapping} poses overlap");
+}
+
+/// A small box beside an arm that segmentation took for the subject, and a slit in the trunk: fits that doubt pixels
+/// come nearer to the truth than the one that believes them all.
+#[test]
+fn doubted_pixels_pull_less() {
+    let model = Arc::new(builtin::upper_body());
+    let truth = upper_body::motion(&model, 3);
+    let cameras = upper_body::cameras(2, [192, 144]).unwrap();
+    let views: Vec<FitView> = cameras
+        .iter()
+        .map(|camera| {
+            let mut mask = scene::hard_mask(&model, &truth, camera).unwrap();
+            let bounds = mask.bounds().unwrap();
+            let width = mask.width();
+            let (middle, bottom) = ((bounds.x_min + bounds.x_max) / 2, bounds.y_max);
+            for y in bottom - 24..bottom - 8 {
+                mask.labels_mut()[y * width + bounds.x_max - 30..][..12].fill(Label::Subject);
+                mask.labels_mut()[y * width + middle..][..6].fill(Label::Background);
+            }
+            FitView { camera: Arc::clone(camera), evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
+        })
+        .collect();
+    let start = perturb(&model, &truth, 0.05, 0.02, 5);
+    let error_mm = |pixel_loss| {
+        let options = FitOptions { pixel_loss, ..FitOptions::default() };
+        let mut fit = Fit::new(Arc::clone(&model), views.clone(), start.clone(), options).unwrap();
+        let summary = fit.run(&CancelToken::new(), |_| {});
+        mean_joint_error_mm(&model, &summary.pose, &truth)
+    };
+    let believed = error_mm(Loss::Squares);
+    for loss in [Loss::Huber { scale: 30.0 }, Loss::Cauchy { scale: 30.0 }, Loss::Tukey { scale: 120.0 }] {
+        let doubted = error_mm(loss);
+        assert!(doubted < 0.6 * believed, "{loss:?}: {doubted} mm, {believed} mm where all are believed");
+    }
 }

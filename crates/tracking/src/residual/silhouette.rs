@@ -6,17 +6,18 @@
 use glam::DVec3;
 use nalgebra::{SMatrix, SVector, Vector3};
 
+use super::loss::Loss;
 use crate::body::kinematics::MovingColumn;
 use crate::body::{Kinematics, Parameters};
 use crate::camera::Camera;
 use crate::optimize::NormalEquations;
-use crate::render::View;
 use crate::render::joint_forces::JointBlock;
 use crate::render::kernels::lanes::{Grid, Lanes};
 use crate::render::kernels::scalar::RowWinners;
 use crate::render::primitive::Primitive;
 use crate::render::ramp::BACKGROUND;
 use crate::render::wrench::WrenchBlock;
+use crate::render::{View, prediction};
 use crate::silhouette::Measurement;
 
 /// One camera's data on a grid of every `stride`-th pixel.
@@ -33,6 +34,24 @@ impl SampledData {
     #[must_use]
     pub fn new(measurement: &Measurement, stride: usize) -> Self {
         let grid = Grid::new(measurement.width(), measurement.values(), measurement.weights(), stride);
+        Self::of(grid)
+    }
+
+    /// The same with pixels doubted whose residual at a pose is too large to be believed: weights times c′(ρ²), in
+    /// grey levels.
+    ///
+    /// Weights stay as they are until this is called again: the outer loop of iteratively reweighted least
+    /// squares.
+    #[must_use]
+    pub fn doubted(&self, view: &View, loss: Loss) -> Self {
+        let (width, levels) = (view.width(), prediction::levels(view));
+        Self::of(self.grid.reweighted(|x, y, value, weight| {
+            let residual = f64::from(value) - levels[y * width + x];
+            weight * loss.weight(residual * residual) as f32
+        }))
+    }
+
+    fn of(grid: Grid) -> Self {
         let (mut empty_cost, mut total_weight) = (0.0, 0.0);
         for row in 0..grid.rows {
             let data = grid.row(row);

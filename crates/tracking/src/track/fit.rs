@@ -11,8 +11,12 @@ use super::sketch::Sketch;
 use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
 use crate::optimize::{NormalEquations, Solver, SolverOptions, Termination};
+use crate::residual::loss::Loss;
 use crate::residual::motion_prior::MotionPrior;
 use crate::silhouette::SignedDistance;
+
+/// The last stages, in which pixels may be doubted.
+const DOUBTING_STAGES: usize = 2;
 
 /// One iteration of a fit.
 #[derive(Debug, Clone, PartialEq)]
@@ -209,6 +213,11 @@ impl Fit {
         let mut objective =
             Objective::new(Arc::clone(model), views, distances, options, stage, reference.clone());
         objective.constrain(constraints);
+        // A wide stage begins far off: there every pixel would be doubted.
+        if options.pixel_loss != Loss::Squares && index > 0 && index + DOUBTING_STAGES >= options.stages.len()
+        {
+            objective.doubt_pixels(pose, options.pixel_loss);
+        }
         let solver_options = SolverOptions {
             method: options.method,
             damping: options.damping,

@@ -15,6 +15,7 @@ use crate::render::primitive::PixelBox;
 use crate::render::ramp::BACKGROUND;
 use crate::render::wrench::WrenchBlock;
 use crate::residual::interpenetration::{self, LimbPairs};
+use crate::residual::loss::Loss;
 use crate::residual::motion_prior::{self, MotionPrior};
 use crate::residual::silhouette::{KernelMemory, SampledData, WorldBlocks};
 use crate::residual::{joint_limit, proximal_prior, rest_prior};
@@ -107,6 +108,16 @@ impl Objective {
             kinematics,
             model,
             silhouette_cost: 0.0,
+        }
+    }
+
+    /// Doubts pixels whose residual at a pose is too large to be believed.
+    pub fn doubt_pixels(&mut self, pose: &Pose, loss: Loss) {
+        self.kinematics.update(&self.model, pose);
+        for term in &mut self.cameras {
+            let camera = &term.fit_view.camera;
+            term.view.prepare(&self.model, &self.kinematics, camera, self.options.renderer, self.stage.ramp);
+            term.data = term.data.doubted(&term.view, loss);
         }
     }
 

@@ -76,6 +76,9 @@ pub struct FitOptions {
     /// How that pull grows with a rotation's angle, radians: squares hold a far start back most, robust losses
     /// let go of what moved far.
     pub proximal_loss: Loss,
+    /// How large a pixel's residual may be and be believed, in grey levels. Weights are renewed where each of the
+    /// last two stages begins; a fit of one stage believes every pixel.
+    pub pixel_loss: Loss,
     /// Pull of every limb's twist towards none.
     pub rest_weight: f64,
     /// Joint limits.
@@ -178,6 +181,7 @@ impl FitOptions {
                 proximal_weight: 0.0,
                 proximal_root_factor: 11.0,
                 proximal_loss: Loss::Squares,
+                pixel_loss: Loss::Squares,
                 rest_weight: 0.0,
                 limit_weight: 0.0,
                 interpenetration_weight: 0.0,
@@ -204,6 +208,7 @@ impl FitOptions {
                 proximal_weight: 30.0,
                 proximal_root_factor: 11.0,
                 proximal_loss: Loss::Squares,
+                pixel_loss: Loss::Squares,
                 rest_weight: 30.0,
                 limit_weight: 300.0,
                 interpenetration_weight: 0.0,
@@ -275,6 +280,9 @@ impl FitOptions {
         }
         if self.stages.is_empty() {
             return Err(OptionsError::NoStages);
+        }
+        if !self.pixel_loss.is_valid() {
+            return Err(OptionsError::Loss { field: "pixel_loss" });
         }
         if !self.proximal_loss.is_valid() {
             return Err(OptionsError::Loss { field: "proximal_loss" });

@@ -54,6 +54,21 @@ impl Grid {
         grid
     }
 
+    /// The same data with other weights: of every sampled pixel's column and row in the picture, its D and its
+    /// weight so far.
+    #[must_use]
+    pub fn reweighted(&self, mut weight_of: impl FnMut(usize, usize, f32, f32) -> f32) -> Self {
+        let mut weights = vec![0.0; self.rows * self.pitch];
+        for (row, target) in weights.chunks_exact_mut(self.pitch).enumerate() {
+            let data = self.row(row);
+            let entries = target.iter_mut().zip(data.values.iter().zip(data.weights)).take(self.columns);
+            for (column, (target, (&value, &weight))) in entries.enumerate() {
+                *target = weight_of(self.pixel(column), self.pixel(row), value, weight);
+            }
+        }
+        Self { weights, ..self.clone() }
+    }
+
     fn sampled(&self, width: usize, picture: &[f32]) -> Vec<f32> {
         let mut sampled = vec![0.0; self.rows * self.pitch];
         for (row, target) in sampled.chunks_exact_mut(self.pitch).enumerate() {
