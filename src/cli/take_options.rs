@@ -6,7 +6,7 @@ use std::str::FromStr;
 use anyhow::{Context, bail};
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::io::pose_file::{self, Quaternions};
-use backlit_tracking::io::{Footage, Take};
+use backlit_tracking::io::{Footage, Take, model_file};
 use backlit_tracking::track::metrics::ReferenceJoints;
 use backlit_tracking::track::start;
 use clap::Args;
@@ -181,6 +181,15 @@ pub fn open(path: &Path) -> anyhow::Result<Footage> {
         bail!("{}: has no take.toml; expected a take's folder or its take file", path.display());
     }
     Ok(Footage::new(Take::open(path)?))
+}
+
+/// The same with another body in place of the take's, if one is named: a file, or a built-in one.
+///
+/// # Errors
+/// As [`open`]; or the body cannot be read, or has not the limbs that the take's start and reference name.
+pub fn open_with_model(path: &Path, model: Option<&str>) -> anyhow::Result<Footage> {
+    let Some(model) = model else { return open(path) };
+    Ok(Footage::new(Take::open_with_model(path, model_file::resolve(model)?)?))
 }
 
 /// How far a start is moved away.

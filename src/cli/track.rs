@@ -5,10 +5,11 @@ use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant};
 
-use anyhow::Context;
+use anyhow::{Context, bail};
+use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::io::Footage;
-use backlit_tracking::track::{KalmanOptions, Motion, Tracker};
+use backlit_tracking::io::{Footage, Take};
+use backlit_tracking::track::{FitView, KalmanOptions, Motion, Preset, Search, Tracker};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -36,7 +37,8 @@ A time is from frame to frame, reading and segmentation included.
 Examples:
   backlit track TAKE --out results
   backlit track TAKE --out results --preset report --cameras cam01,cam03 --frames 10..40
-  backlit track TAKE --out results --start reference --start-noise 5deg,3cm --seed 7 --json";
+  backlit track TAKE --out results --start reference --start-noise 5deg,3cm --seed 7 --json
+  backlit track TAKE --out results --model person.toml --motion smoothed --search";
 
 /// What `backlit track` is told.
 #[derive(Debug, Args)]
@@ -50,18 +52,82 @@ pub struct TrackArguments {
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
+    /// Another body than the take's, as from fit-body: a file, or a built-in one by name
+    #[arg(long, value_name = "MODEL")]
+    model: Option<String>,
     #[command(flatten)]
     part: PartArguments,
     #[command(flatten)]
     start: StartArguments,
     #[command(flatten)]
-    solver: SolverArguments,
+    follow: FollowArguments,
+}
+
+/// How frames are followed.
+#[derive(Debug, Args)]
+pub struct FollowArguments {
+    /// The fit of a frame.
+    #[command(flatten)]
+    pub solver: SolverArguments,
     /// How motion is carried from frame to frame
     #[arg(long, value_enum, default_value_t = MotionWord::Velocity)]
-    motion: MotionWord,
+    pub motion: MotionWord,
     /// Smooth every frame by so many frames after it, not by all: what a live track could show that late
     #[arg(long, value_name = "FRAMES")]
-    lag: Option<usize>,
+    pub lag: Option<usize>,
+    /// When to look for other poses than the one downhill, in the first frame and after a lost one
+    /// [default: poor, with the report preset never]
+    #[arg(long, value_enum, value_name = "WHEN", num_args = 0..=1, default_missing_value = "always")]
+    pub search: Option<SearchWord>,
+}
+
+impl FollowArguments {
+    /// A tracker through a take that starts from this pose.
+    ///
+    /// # Errors
+    /// Options that contradict each other.
+    pub fn tracker(&self, take: &Take, start: Pose) -> anyhow::Result<Tracker> {
+        let default = match self.solver.preset {
+            Preset::Report => SearchWord::Never,
+            Preset::Robust => SearchWord::Poor,
+        };
+        let tracker = Tracker::new(Arc::clone(take.model()), self.solver.options()?, start)?;
+        let search = self.search.unwrap_or(default).into();
+        Ok(tracker.with_motion(self.motion.into(), take.frame_rate()).with_search(search))
+    }
+
+    /// How later frames smooth earlier ones, if they do.
+    ///
+    /// # Errors
+    /// A lag of what is not smoothed.
+    pub fn smoothing(&self) -> anyhow::Result<Option<Smoothing>> {
+        let is_smoothed = self.motion == MotionWord::Smoothed;
+        if self.lag.is_some() && !is_smoothed {
+            bail!("--lag is for --motion smoothed");
+        }
+        Ok(is_smoothed.then_some(Smoothing { lag: self.lag }))
+    }
+}
+
+/// When to look for other poses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SearchWord {
+    /// Never
+    Never,
+    /// Where the fit overlaps poorly: IoU below 0.9
+    Poor,
+    /// Always
+    Always,
+}
+
+impl From<SearchWord> for Search {
+    fn from(word: SearchWord) -> Self {
+        match word {
+            SearchWord::Never => Self::Never,
+            SearchWord::Poor => Self::WhenPoor,
+            SearchWord::Always => Self::Always,
+        }
+    }
 }
 
 /// How motion is carried from frame to frame.
@@ -92,18 +158,14 @@ impl From<MotionWord> for Motion {
 /// # Errors
 /// A take that cannot be read. What was tracked until then is written.
 pub fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
-    if arguments.lag.is_some() && arguments.motion != MotionWord::Smoothed {
-        anyhow::bail!("--lag is for --motion smoothed");
-    }
-    let options = arguments.solver.options()?;
-    let footage = take_options::open(&arguments.take)?;
+    let smoothing = arguments.follow.smoothing()?;
+    let footage = take_options::open_with_model(&arguments.take, arguments.model.as_deref())?;
     let take = footage.take();
     let frames = arguments.part.frames(take)?;
     let cameras = arguments.part.cameras(take)?;
     let start = arguments.start.pose(take, frames[0])?;
     output::make_folder(&arguments.out)?;
-    let tracker = Tracker::new(Arc::clone(take.model()), options, start)?
-        .with_motion(arguments.motion.into(), take.frame_rate());
+    let tracker = arguments.follow.tracker(take, start)?;
     let mut report = TrackReport::new(take, &cameras);
     let mut written = Instant::now();
     let tracked = follow(&footage, &cameras, &frames, tracker, &mut report, |report| {
@@ -113,8 +175,7 @@ pub fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
         }
         Ok(())
     });
-    let is_smoothed = arguments.motion == MotionWord::Smoothed;
-    report.finish(take, is_smoothed.then_some(Smoothing { lag: arguments.lag }));
+    report.finish(take, smoothing);
     if !report.track().frames.is_empty() {
         track_files::write(&arguments.out, take, &report)?;
     }
@@ -141,6 +202,29 @@ pub fn follow(
     report: &mut TrackReport,
     mut after_frame: impl FnMut(&TrackReport) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
+    let mut began = Instant::now();
+    each_frame(footage, cameras, frames, |frame, views, progress| {
+        let estimate = tracker
+            .track_frame(frame, views, &CancelToken::new())
+            .with_context(|| format!("frame {frame}"))?;
+        report.add(footage.take(), estimate, began.elapsed().as_secs_f64() * 1e3);
+        began = Instant::now();
+        progress.set_message(report.progress_text());
+        after_frame(report)
+    })
+}
+
+/// Hands over the evidence of these frames one by one, with a progress bar on a terminal. While one is used, the next
+/// is read and segmented.
+///
+/// # Errors
+/// The first picture that cannot be had, or what `use_frame` returns.
+pub fn each_frame(
+    footage: &Footage,
+    cameras: &[usize],
+    frames: &[usize],
+    mut use_frame: impl FnMut(usize, Vec<FitView>, &ProgressBar) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
     let progress = progress_bar(frames.len());
     let result = std::thread::scope(|scope| {
         let (sender, receiver) = sync_channel(1);
@@ -154,16 +238,9 @@ pub fn follow(
                 }
             }
         });
-        let mut began = Instant::now();
         for (frame, views) in receiver {
-            let estimate = tracker
-                .track_frame(frame, views?, &CancelToken::new())
-                .with_context(|| format!("frame {frame}"))?;
-            report.add(footage.take(), estimate, began.elapsed().as_secs_f64() * 1e3);
-            began = Instant::now();
-            progress.set_message(report.progress_text());
+            use_frame(frame, views?, &progress)?;
             progress.inc(1);
-            after_frame(report)?;
         }
         Ok(())
     });

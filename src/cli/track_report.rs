@@ -66,6 +66,34 @@ struct TimeSummary {
     p95: f64,
 }
 
+impl TrackSummary {
+    /// Mean and largest joint error, and the mean without constant offsets; none without reference keypoints.
+    #[must_use]
+    pub fn errors_mm(&self) -> [Option<f64>; 3] {
+        let errors = self.joint_error_mm.as_ref();
+        let without = errors.and_then(|errors| errors.without_offsets.as_ref());
+        [errors.map(|e| e.overall.mean), errors.map(|e| e.overall.max), without.map(|d| d.mean)]
+    }
+
+    /// Mean overlap of all cameras.
+    #[must_use]
+    pub fn iou(&self) -> Option<f64> {
+        self.iou.mean
+    }
+
+    /// Frames in which the subject was lost.
+    #[must_use]
+    pub fn lost(&self) -> usize {
+        self.lost
+    }
+
+    /// Mean second difference of the joints.
+    #[must_use]
+    pub fn jitter_mm(&self) -> Option<f64> {
+        self.jitter_mm
+    }
+}
+
 impl From<Statistics> for Distances {
     fn from(statistics: Statistics) -> Self {
         let Statistics { mean, median, p95, max, .. } = statistics;
@@ -123,6 +151,12 @@ impl TrackReport {
     #[must_use]
     pub fn track(&self) -> &Track {
         &self.track
+    }
+
+    /// Distances from the reference keypoints so far.
+    #[must_use]
+    pub fn errors(&self) -> &JointErrors {
+        &self.errors
     }
 
     /// Names of the cameras, in the order of the estimates' overlaps.

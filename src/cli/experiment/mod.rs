@@ -12,6 +12,7 @@
 //! | [`sizes`] | `backlit experiment sizes` |
 //! | [`track`] | `backlit experiment track` |
 //! | [`basin`] | `backlit experiment basin` |
+//! | [`footage`] | `backlit experiment footage` |
 
 pub mod arguments;
 pub mod basin;
@@ -20,6 +21,7 @@ pub mod fig51;
 pub mod fig52;
 pub mod fig55;
 pub mod files;
+pub mod footage;
 pub mod sizes;
 pub mod track;
 pub mod waiting;
@@ -63,6 +65,8 @@ enum Experiment {
     Track(track::Arguments),
     /// How far off a start may be: share of starts that end at the truth, by distance and number of cameras
     Basin(basin::Arguments),
+    /// A take with keypoints, tracked from many starts: how many stay near the keypoints everywhere
+    Footage(Box<footage::Arguments>),
 }
 
 /// Runs the experiment.
@@ -80,5 +84,6 @@ pub fn run(arguments: &ExperimentArguments) -> anyhow::Result<()> {
         Experiment::Sizes(arguments) => sizes::run(arguments),
         Experiment::Track(arguments) => track::run(arguments),
         Experiment::Basin(arguments) => basin::run(arguments),
+        Experiment::Footage(arguments) => footage::run(arguments),
     }
 }

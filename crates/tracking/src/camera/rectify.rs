@@ -66,6 +66,13 @@ impl Rectification {
         self.sources.get(y * self.width + x).is_none_or(|source| source.corner != NOWHERE)
     }
 
+    /// Indices of the ideal pixels without data, row by row.
+    #[must_use]
+    pub fn unseen(&self) -> Vec<usize> {
+        let sources = self.sources.iter().enumerate();
+        sources.filter(|(_, source)| source.corner == NOWHERE).map(|(index, _)| index).collect()
+    }
+
     /// The picture on the ideal grid, bilinear; black where there is no data.
     ///
     /// `None` if the picture is not of the camera's size.
@@ -88,12 +95,13 @@ impl Rectification {
             let right = if source.right > 0 { 3 } else { 0 };
             let down = if source.down > 0 { 3 * self.width } else { 0 };
             let (wx, wy) = (u32::from(source.right), u32::from(source.down));
-            for (channel, value) in mixed.iter_mut().enumerate() {
-                let at = |offset: usize| u32::from(pixels[corner + offset + channel]);
-                let top = at(0) * (STEPS - wx) + at(right) * wx;
-                let bottom = at(down) * (STEPS - wx) + at(down + right) * wx;
-                *value = ((top * (STEPS - wy) + bottom * wy + STEPS * STEPS / 2) / (STEPS * STEPS)) as u8;
+            let weights = [(STEPS - wx) * (STEPS - wy), wx * (STEPS - wy), (STEPS - wx) * wy, wx * wy];
+            let mut sums = [STEPS * STEPS / 2; 3];
+            for (weight, offset) in weights.into_iter().zip([0, right, down, down + right]) {
+                let neighbour = &pixels[corner + offset..][..3];
+                sums.iter_mut().zip(neighbour).for_each(|(sum, &level)| *sum += weight * u32::from(level));
             }
+            mixed.iter_mut().zip(sums).for_each(|(value, sum)| *value = (sum / (STEPS * STEPS)) as u8);
         }
         Some(out)
     }

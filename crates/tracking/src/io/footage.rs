@@ -20,6 +20,8 @@ pub struct Footage {
     take: Take,
     cameras: Vec<Arc<Camera>>,
     rectifications: Vec<Rectification>,
+    /// Pixels of every camera that its lens does not see.
+    unseen: Vec<Vec<usize>>,
     backgrounds: Vec<OnceLock<Background>>,
 }
 
@@ -46,9 +48,11 @@ impl Footage {
     #[must_use]
     pub fn new(take: Take) -> Self {
         let cameras = take.rig().cameras();
+        let rectifications: Vec<Rectification> = cameras.iter().map(Rectification::new).collect();
         Self {
             cameras: cameras.iter().map(|camera| Arc::new(camera.without_distortion())).collect(),
-            rectifications: cameras.iter().map(Rectification::new).collect(),
+            unseen: rectifications.iter().map(Rectification::unseen).collect(),
+            rectifications,
             backgrounds: cameras.iter().map(|_| OnceLock::new()).collect(),
             take,
         }
@@ -111,14 +115,9 @@ impl Footage {
             camera: self.cameras[camera].name().to_owned(),
             error,
         })?;
-        let rectification = &self.rectifications[camera];
-        if !rectification.is_identity() {
-            let width = mask.width();
-            for (index, label) in mask.labels_mut().iter_mut().enumerate() {
-                if !rectification.has_data(index % width, index / width) {
-                    *label = Label::Unknown;
-                }
-            }
+        let labels = mask.labels_mut();
+        for &pixel in &self.unseen[camera] {
+            labels[pixel] = Label::Unknown;
         }
         Ok(mask)
     }

@@ -76,6 +76,35 @@ pub fn lambda(view: &View) -> Vec<f32> {
     levels(view).into_iter().map(|level| level as f32).collect()
 }
 
+/// Which pixels the model covers: where λ of the view is below a half. For overlaps.
+///
+/// The pixels of [`lambda`], but found faster: a convex solid before the camera covers one stretch of a row, so
+/// that only the ends of the stretch are looked at.
+#[must_use]
+pub fn covered(view: &View) -> Vec<bool> {
+    let width = view.width();
+    let mut covered = vec![false; width * view.height()];
+    for primitive in view.primitives() {
+        let bounds = primitive.bounds;
+        // Through a lens rows are bent.
+        let is_convex = view.is_pinhole() && primitive.is_convex_before_camera();
+        for y in bounds.y0..bounds.y1 {
+            let row = &mut covered[y * width..][..width];
+            let is_dark = |&x: &usize| primitive.ramp.unclipped(primitive.squared(view.ray(x, y))) < 0.5;
+            if is_convex {
+                let mut columns = bounds.x0..bounds.x1;
+                if let Some(first) = columns.find(is_dark) {
+                    let last = columns.rfind(is_dark).unwrap_or(first);
+                    row[first..=last].fill(true);
+                }
+            } else {
+                (bounds.x0..bounds.x1).filter(is_dark).for_each(|x| row[x] = true);
+            }
+        }
+    }
+    covered
+}
+
 /// λ alone, in f64: for files that others compare.
 #[must_use]
 pub fn levels(view: &View) -> Vec<f64> {
@@ -89,4 +118,45 @@ pub fn levels(view: &View) -> Vec<f64> {
         }
     }
     levels
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::body::{Parameters, Pose, builtin};
+    use crate::camera::{CameraFromWorld, Distortion, Intrinsics};
+
+    /// All renderers, from far and from within the body, with and without a lens.
+    #[test]
+    fn covered_pixels_are_those_darker_than_half() {
+        let model = builtin::upper_body();
+        let k1 = Distortion::OpenCv { k1: -0.2, k2: 0.05, p1: 0.0, p2: 0.0, k3: 0.0 };
+        let mut seen = 0;
+        for (seed, distance) in [(0, 3.0), (1, 2.0), (2, 0.9), (3, 0.3), (4, 0.05)] {
+            let steps = 0..3 + 3 * model.rotation_count();
+            let step: Vec<f64> = steps.map(|i| 0.6 * ((seed * 7 + i * 3) as f64).sin()).collect();
+            let pose = Pose::rest(&model).retract(Parameters::Tangent, &step);
+            let kinematics = Kinematics::new(&model, &pose);
+            for lens in [Distortion::None, k1] {
+                let intrinsics = Intrinsics { fx: 90.0, fy: 85.0, cx: 31.0, cy: 40.0 };
+                let at = pose.root + DVec3::new(0.1, 0.2, distance);
+                let place = CameraFromWorld::looking_at(at, pose.root, DVec3::NEG_Y);
+                let camera = Camera::new("c", [64, 80], intrinsics, lens, place).unwrap();
+                for kind in [
+                    RendererKind::Capsule,
+                    RendererKind::Cylinder,
+                    RendererKind::SphereTree { spheres: Some(3) },
+                ] {
+                    let view = View::new(&model, &kinematics, &camera, kind, Ramp::Half);
+                    let expected: Vec<bool> =
+                        levels(&view).into_iter().map(|level| level < BACKGROUND / 2.0).collect();
+                    seen += expected.iter().filter(|&&is_covered| is_covered).count();
+                    assert!(covered(&view) == expected, "{kind} from {distance} m, {lens:?}");
+                }
+            }
+        }
+        assert!(seen > 10_000, "{seen}");
+    }
 }

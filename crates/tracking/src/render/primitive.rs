@@ -100,6 +100,17 @@ impl Primitive {
         }
     }
 
+    /// Whether its outline is convex: one convex body, all of it before the camera's plane.
+    #[must_use]
+    pub fn is_convex_before_camera(&self) -> bool {
+        let reach = self.ramp.reach();
+        match self.solid {
+            Solid::Capsule { p0, p1 } | Solid::Cylinder { p0, p1 } => p0.z.min(p1.z) > reach,
+            Solid::Sphere { centre, .. } => centre.z > reach,
+            Solid::Spheres { .. } => false,
+        }
+    }
+
     /// The nearest candidate along the unit ray u, with derivatives.
     #[must_use]
     pub fn candidate(&self, u: DVec3) -> Option<Candidate> {

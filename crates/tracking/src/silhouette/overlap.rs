@@ -42,14 +42,30 @@ impl Overlap {
         if prediction.len() != expected {
             return Err(OverlapError::WrongLength { expected, found: prediction.len() });
         }
+        Ok(Self::count(mask, prediction.iter().map(|&lambda| lambda < SUBJECT_BELOW)))
+    }
+
+    /// Compares a mask with the pixels that a model covers, row by row.
+    ///
+    /// # Errors
+    ///
+    /// If there is not one entry for each pixel of the mask.
+    pub fn of_covered(mask: &Mask, covered: &[bool]) -> Result<Self, OverlapError> {
+        let expected = mask.labels().len();
+        if covered.len() != expected {
+            return Err(OverlapError::WrongLength { expected, found: covered.len() });
+        }
+        Ok(Self::count(mask, covered.iter().copied()))
+    }
+
+    fn count(mask: &Mask, predicted: impl Iterator<Item = bool>) -> Self {
         let mut counts = Self::default();
-        for (&label, &lambda) in mask.labels().iter().zip(prediction) {
-            let predicted = lambda < SUBJECT_BELOW;
+        for (&label, predicted) in mask.labels().iter().zip(predicted) {
             counts.agreement += usize::from(label == Label::Subject && predicted);
             counts.missing += usize::from(label == Label::Subject && !predicted);
             counts.spurious += usize::from(label == Label::Background && predicted);
         }
-        Ok(counts)
+        counts
     }
 
     /// Intersection over union, in [0, 1]; none if neither side shows the subject anywhere.

@@ -39,4 +39,4 @@ pub use hypotheses::{Hypotheses, Hypothesis, HypothesisOptions};
 pub use motion::{KalmanOptions, Motion};
 pub use options::{DataView, FitOptions, Preset, Stage};
 pub use schedule::Scale;
-pub use tracker::{FrameEstimate, Track, Tracker};
+pub use tracker::{FrameEstimate, Search, Track, Tracker};

@@ -42,14 +42,26 @@ pub struct Take {
     measurement: Vec<SegmentOptions>,
 }
 
+/// The take file of a folder, or the file itself.
+fn file_of(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join(FILE_NAME) } else { path.to_owned() }
+}
+
 impl Take {
     /// Opens a take of the disk: its folder or its take file.
     ///
     /// # Errors
     /// A file is missing or wrong; the error names it, and the camera and frame where it is a picture.
     pub fn open(path: &Path) -> Result<Self, TakeError> {
-        let path = if path.is_dir() { path.join(FILE_NAME) } else { path.to_owned() };
-        Self::from_files(Arc::new(DiskFiles), &path)
+        Self::read(Arc::new(DiskFiles), &file_of(path), None)
+    }
+
+    /// The same with another body in place of the one that the take names: start pose and reference name its limbs.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_with_model(path: &Path, model: Model) -> Result<Self, TakeError> {
+        Self::read(Arc::new(DiskFiles), &file_of(path), Some(model))
     }
 
     /// Opens a take whose files come from anywhere.
@@ -57,6 +69,10 @@ impl Take {
     /// # Errors
     /// As [`open`](Self::open).
     pub fn from_files(files: Arc<dyn TakeFiles>, path: &Path) -> Result<Self, TakeError> {
+        Self::read(files, path, None)
+    }
+
+    fn read(files: Arc<dyn TakeFiles>, path: &Path, model: Option<Model>) -> Result<Self, TakeError> {
         let bytes = files.read(path, MAX_BYTES)?;
         let text = decode(path, &bytes)?;
         let spec: TakeSpec = toml_text::parse_versioned(path, text, FORMAT)?;
@@ -66,8 +82,12 @@ impl Take {
             let expected = format!("frames per second, above 0 and at most {MAX_FRAME_RATE}");
             return Err(reader.field(&spec.frame_rate, "frame_rate", expected).into());
         }
-        let model =
-            model_file::resolve_in(reader.files, &reader.folder, &reader.expand(&spec.model, "model")?)?;
+        let model = match model {
+            Some(model) => model,
+            None => {
+                model_file::resolve_in(reader.files, &reader.folder, &reader.expand(&spec.model, "model")?)?
+            }
+        };
         let start = match &spec.start {
             Some(start) => {
                 let path = reader.folder.join(reader.expand(start, "start")?);
