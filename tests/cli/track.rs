@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use backlit_tracking::body::{Kinematics, Parameters, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::io::calibration::{self, CalibrationOptions};
-use backlit_tracking::io::{images, pose_file};
+use backlit_tracking::io::{images, model_file, pose_file};
 use backlit_tracking::render::{Ramp, RendererKind, predict};
 use image::{DynamicImage, Rgb, RgbImage};
 use serde_json::Value;
@@ -123,6 +123,41 @@ fn a_take_is_tracked() {
     }
     assert_eq!(lines(scene.path("out/frames.csv")).len(), 1 + FRAMES);
     assert_eq!(lines(scene.path("out/poses.csv")).len(), 1 + FRAMES);
+}
+
+#[test]
+fn another_body_takes_the_place_of_the_take_s() {
+    let scene = take();
+    let mean = |options: &str| {
+        let printed = scene.ok(&format!("track wave --out out --json {options}"));
+        let summary: Value = serde_json::from_str(&printed).unwrap();
+        summary["joint_error_mm"]["mean"].as_f64().unwrap()
+    };
+    let small = scene.model.scaled(0.8).unwrap();
+    model_file::write(&scene.path("small.toml"), &small).unwrap();
+    assert_eq!(mean("--model upper_body").to_bits(), mean("").to_bits());
+    assert!(mean("--model small.toml") > 10.0 + mean(""));
+    let wrong = scene.command("track wave --out out --model single_limb").output().unwrap();
+    assert!(!wrong.status.success());
+}
+
+#[test]
+fn many_starts_are_counted() {
+    let scene = take();
+    let command = "experiment footage wave --starts 3 --start-noise 60deg,20cm --seed 4 --frames 0..2";
+    let held = |options: &str| {
+        let numbers: Value = serde_json::from_str(&scene.ok(&format!("{command} --json {options}"))).unwrap();
+        let starts = numbers["starts"].as_array().unwrap();
+        let seeds: Vec<u64> = starts.iter().map(|start| start["seed"].as_u64().unwrap()).collect();
+        assert_eq!(seeds, [4, 5, 6]);
+        let count = starts.iter().filter(|start| start["held"].as_bool().unwrap()).count();
+        assert_eq!(numbers["held"].as_u64(), Some(count as u64));
+        count
+    };
+    let (never, always) = (held("--search never"), held("--search"));
+    assert!(never < always, "{never} of 3 without a search, {always} with one");
+    let said = scene.ok(&format!("{command} --search"));
+    assert!(said.contains(&format!("{always} of 3 starts stay within 150 mm everywhere")), "{said}");
 }
 
 #[test]

@@ -11,7 +11,9 @@ use backlit_tracking::geometry::rotation::exp;
 use backlit_tracking::optimize::Termination;
 use backlit_tracking::render::{Ramp, RendererKind, predict};
 use backlit_tracking::silhouette::{Label, Mask};
-use backlit_tracking::track::{Evidence, Fit, FitError, FitOptions, FitView, Preset, SolverSummary};
+use backlit_tracking::track::{
+    Evidence, Fit, FitError, FitOptions, FitView, Preset, Search, SolverSummary, Tracker,
+};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -279,4 +281,31 @@ fn only_free_rotations_move() {
         let after = joint_error_mm(&scene.model, &summary.pose, &scene.truth);
         assert!(after < before, "{preset}: {before} mm became {after} mm");
     }
+}
+
+/// From far away the plain fit ends in another pose; with a search the tracker finds the right one, in a first frame
+/// and after one in which nobody was seen.
+#[test]
+fn a_tracker_that_begins_far_away_searches() {
+    let scene = scene();
+    let mut helped = 0;
+    for seed in 0..4 {
+        let start = disturbed(&scene.truth, seed, 50.0, 0.1);
+        let errors = [Search::Never, Search::WhenPoor, Search::Always].map(|search| {
+            let options = FitOptions::preset(Preset::Robust);
+            let tracker = Tracker::new(Arc::clone(&scene.model), options, start.clone()).unwrap();
+            let mut tracker = tracker.with_search(search);
+            if seed % 2 == 1 {
+                let empty = scene.views.iter().map(emptied).collect();
+                assert!(tracker.track_frame(0, empty, &CancelToken::new()).unwrap().lost);
+            }
+            let found = tracker.track_frame(1, scene.views.clone(), &CancelToken::new()).unwrap();
+            joint_error_mm(&scene.model, &found.pose, &scene.truth)
+        });
+        println!("seed {seed}: never, when poor, always: {errors:.1?} mm");
+        let [never, poor, always] = errors;
+        assert!(poor < 60.0 && always < 60.0, "seed {seed}: {errors:?}");
+        helped |= usize::from(never > 100.0) << (seed % 2);
+    }
+    assert_eq!(helped, 0b11, "the plain fit had no need of a search");
 }

@@ -88,21 +88,44 @@ pub fn covered(view: &View) -> Vec<bool> {
         let bounds = primitive.bounds;
         // Through a lens rows are bent.
         let is_convex = view.is_pinhole() && primitive.is_convex_before_camera();
+        let mut stretch = None;
         for y in bounds.y0..bounds.y1 {
             let row = &mut covered[y * width..][..width];
-            let is_dark = |&x: &usize| primitive.ramp.unclipped(primitive.squared(view.ray(x, y))) < 0.5;
+            let is_dark = |x: usize| primitive.ramp.unclipped(primitive.squared(view.ray(x, y))) < 0.5;
             if is_convex {
-                let mut columns = bounds.x0..bounds.x1;
-                if let Some(first) = columns.find(is_dark) {
-                    let last = columns.rfind(is_dark).unwrap_or(first);
+                stretch = stretch_of(bounds.x0, bounds.x1, stretch, is_dark);
+                if let Some([first, last]) = stretch {
                     row[first..=last].fill(true);
                 }
             } else {
-                (bounds.x0..bounds.x1).filter(is_dark).for_each(|x| row[x] = true);
+                (bounds.x0..bounds.x1).filter(|&x| is_dark(x)).for_each(|x| row[x] = true);
             }
         }
     }
     covered
+}
+
+/// First and last dark column of a row in which the dark ones are one stretch, looked for from where the ends of
+/// the row above were.
+fn stretch_of(
+    x0: usize,
+    x1: usize,
+    above: Option<[usize; 2]>,
+    is_dark: impl Fn(usize) -> bool,
+) -> Option<[usize; 2]> {
+    let [left, right] = above.unwrap_or([x0, x0]);
+    let first = if is_dark(left) {
+        (x0..left).rev().take_while(|&x| is_dark(x)).last().unwrap_or(left)
+    } else {
+        (left..x1).find(|&x| is_dark(x)).or_else(|| (x0..left).find(|&x| is_dark(x)))?
+    };
+    let right = right.max(first);
+    let last = if is_dark(right) {
+        (right..x1).take_while(|&x| is_dark(x)).last().unwrap_or(right)
+    } else {
+        (first..right).rev().find(|&x| is_dark(x)).unwrap_or(first)
+    };
+    Some([first, last])
 }
 
 /// λ alone, in f64: for files that others compare.

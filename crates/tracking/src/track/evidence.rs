@@ -113,6 +113,15 @@ impl FitView {
     /// D as a stage looks at it; `distance` is what [`distance`](Self::distance) gave.
     #[must_use]
     pub fn data(&self, stage: &Stage, distance: Option<&SignedDistance>) -> Arc<Measurement> {
+        self.data_at(stage, distance, 1)
+    }
+
+    /// The same where only the stage's samples count: what lies between them may weigh nothing.
+    pub(super) fn sampled_data(&self, stage: &Stage, distance: Option<&SignedDistance>) -> Arc<Measurement> {
+        self.data_at(stage, distance, stage.stride)
+    }
+
+    fn data_at(&self, stage: &Stage, distance: Option<&SignedDistance>, stride: usize) -> Arc<Measurement> {
         let mask = match &self.evidence {
             Evidence::Measurement(data) => return Arc::clone(data),
             Evidence::Mask(mask) => mask,
@@ -120,7 +129,8 @@ impl FitView {
         let data = match (stage.data, stage.ramp, distance) {
             // Sizes agree and the options' check has seen the widths: what is left is the black-and-white view.
             (DataView::Distance, Ramp::Distance { inner_px, outer_px }, Some(distance)) => {
-                Measurement::from_distance(distance, mask, inner_px as f32, outer_px as f32)
+                let (inner_px, outer_px) = (inner_px as f32, outer_px as f32);
+                Measurement::from_distance_sampled(distance, mask, inner_px, outer_px, stride)
                     .unwrap_or_else(|_| Measurement::from_mask_hard(mask))
             }
             (DataView::Averaged { radius_px }, ..) => Measurement::from_mask_averaged(mask, radius_px),
