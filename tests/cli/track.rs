@@ -144,20 +144,20 @@ fn another_body_takes_the_place_of_the_take_s() {
 #[test]
 fn many_starts_are_counted() {
     let scene = take();
-    let command = "experiment footage wave --starts 3 --start-noise 60deg,20cm --seed 4 --frames 0..2";
+    let command = "experiment footage wave --starts 6 --start-noise 40deg,10cm --seed 4 --frames 0..2";
     let held = |options: &str| {
         let numbers: Value = serde_json::from_str(&scene.ok(&format!("{command} --json {options}"))).unwrap();
         let starts = numbers["starts"].as_array().unwrap();
         let seeds: Vec<u64> = starts.iter().map(|start| start["seed"].as_u64().unwrap()).collect();
-        assert_eq!(seeds, [4, 5, 6]);
+        assert_eq!(seeds, [4, 5, 6, 7, 8, 9]);
         let count = starts.iter().filter(|start| start["held"].as_bool().unwrap()).count();
         assert_eq!(numbers["held"].as_u64(), Some(count as u64));
         count
     };
     let (never, always) = (held("--search never"), held("--search"));
-    assert!(never < always, "{never} of 3 without a search, {always} with one");
+    assert!(never < always, "{never} of 6 without a search, {always} with one");
     let said = scene.ok(&format!("{command} --search"));
-    assert!(said.contains(&format!("{always} of 3 starts stay within 150 mm everywhere")), "{said}");
+    assert!(said.contains(&format!("{always} of 6 starts stay within 150 mm everywhere")), "{said}");
 }
 
 #[test]

@@ -22,7 +22,7 @@ use crate::silhouette::{Label, Mask, Overlap};
 pub const LOST_BELOW_IOU: f64 = 0.4;
 
 /// A first fit that overlaps better than this (IoU) is not questioned. On real footage with two and four cameras, fits
-/// of the right pose begin at 0.87 and those of a wrong one reach 0.88; a search from the right one changed nothing.
+/// of the right pose begin at 0.88 and those of a wrong one reach 0.88; a search from the right one changed nothing.
 pub const SEARCH_BELOW_IOU: f64 = 0.9;
 
 /// When to look for other poses than the one downhill from the start
