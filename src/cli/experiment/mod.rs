@@ -11,6 +11,7 @@
 //! | [`bias`] | `backlit experiment bias` |
 //! | [`sizes`] | `backlit experiment sizes` |
 //! | [`track`] | `backlit experiment track` |
+//! | [`robustness`] | `backlit experiment robustness` |
 //! | [`basin`] | `backlit experiment basin` |
 //! | [`footage`] | `backlit experiment footage` |
 
@@ -22,6 +23,7 @@ pub mod fig52;
 pub mod fig55;
 pub mod files;
 pub mod footage;
+pub mod robustness;
 pub mod sizes;
 pub mod track;
 pub mod waiting;
@@ -63,6 +65,8 @@ enum Experiment {
     Sizes(sizes::Arguments),
     /// The upper body followed at one to four times its speed through noisy masks, by kind of motion
     Track(track::Arguments),
+    /// The full body with one thing wrong at a time: noise, holes, cameras, sizes, calibration
+    Robustness(robustness::Arguments),
     /// How far off a start may be: share of starts that end at the truth, by distance and number of cameras
     Basin(basin::Arguments),
     /// A take with keypoints, tracked from many starts: how many stay near the keypoints everywhere
@@ -83,6 +87,7 @@ pub fn run(arguments: &ExperimentArguments) -> anyhow::Result<()> {
         Experiment::Bias(arguments) => bias::run(arguments),
         Experiment::Sizes(arguments) => sizes::run(arguments),
         Experiment::Track(arguments) => track::run(arguments),
+        Experiment::Robustness(arguments) => robustness::run(arguments),
         Experiment::Basin(arguments) => basin::run(arguments),
         Experiment::Footage(arguments) => footage::run(arguments),
     }

@@ -12,6 +12,7 @@
 //! | [`bias`] | where fits go that begin at the truth, by ramp, data and cameras |
 //! | [`basin`] | how far off a start may be, and still end at the truth |
 //! | [`track`] | the upper body followed at several speeds through noise: what carrying motion on is worth |
+//! | [`robustness`] | the full body with one thing wrong at a time: masks, cameras, sizes |
 //! | [`starts`], [`starts_file`] | starts of known distance from their truth, drawn or read |
 //! | [`curve`] | one fit, iteration by iteration, against its truth |
 //! | [`sizes`] | the sizes of people of several builds, from silhouettes |
@@ -26,6 +27,7 @@ pub mod fig51;
 pub mod fig52;
 pub mod fig55;
 pub mod progress;
+pub mod robustness;
 pub mod scene;
 pub mod sizes;
 pub mod starts;
