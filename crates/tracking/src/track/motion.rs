@@ -1,6 +1,6 @@
 //! How motion is carried from frame to frame.
 //!
-//! [`MotionFilter`] joins the Kalman filter, which knows no bodies, to poses: the mean pose takes steps by
+//! `MotionFilter` joins the Kalman filter, which knows no bodies, to poses: the mean pose takes steps by
 //! [`Pose::retract`], differences are [`Pose::local`], both in tangent columns.
 
 use nalgebra::{DMatrix, DVector, Matrix3};
