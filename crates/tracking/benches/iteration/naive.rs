@@ -66,13 +66,19 @@ pub(crate) fn equations(
         }
         for (row, &residual) in jacobian.chunks(columns).zip(&residuals) {
             for (i, &entry) in row.iter().enumerate() {
-                let products = &mut jtj[i * columns..(i + 1) * columns];
-                products.iter_mut().zip(row).for_each(|(product, other)| *product += entry * other);
+                let products = &mut jtj[i * columns + i..(i + 1) * columns];
+                products.iter_mut().zip(&row[i..]).for_each(|(product, other)| *product += entry * other);
                 equations.jtr[i] += entry * residual;
             }
             equations.cost += residual * residual;
         }
     }
-    equations.jtj.copy_from_slice(&jtj);
+    // Symmetric: one half was summed.
+    for i in 0..columns {
+        for j in i..columns {
+            equations.jtj[(i, j)] = jtj[i * columns + j];
+            equations.jtj[(j, i)] = jtj[i * columns + j];
+        }
+    }
     equations
 }

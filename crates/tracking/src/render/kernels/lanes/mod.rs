@@ -51,7 +51,7 @@ use crate::render::ramp::BACKGROUND;
 use crate::render::wrench::WrenchBlock;
 
 /// Pixels of a band: what is known of them stays in the second cache.
-const BAND_PIXELS: usize = 8 * 1024;
+const BAND_PIXELS: usize = 4 * 1024;
 /// Fewer rows than this would flush their sums too often.
 const LEAST_BAND_ROWS: usize = 4;
 /// A joint nearer to the camera plane than this many reaches is left to the scalar kernel.
