@@ -15,17 +15,20 @@ pub enum Layout {
     Pose,
     /// Views above the convergence plot and its steps.
     Debug,
+    /// The laboratory: several ways to fit, from one start, side by side.
+    Demonstrate,
 }
 
 impl Layout {
     /// The layouts with their names.
-    pub const ALL: [(Self, &'static str); 2] = [(Self::Pose, "Pose"), (Self::Debug, "Debug")];
+    pub const ALL: [(Self, &'static str); 3] =
+        [(Self::Pose, "Pose"), (Self::Debug, "Debug"), (Self::Demonstrate, "Demonstrate")];
 
     /// Width of the right panel at first.
     #[must_use]
     pub const fn panel_width(self) -> f32 {
         match self {
-            Self::Pose => size::RIGHT_PANEL,
+            Self::Pose | Self::Demonstrate => size::RIGHT_PANEL,
             Self::Debug => size::RIGHT_PANEL_DEBUG,
         }
     }

@@ -156,6 +156,7 @@ impl App {
         match action {
             Action::LayoutPose => self.look.layout = Layout::Pose,
             Action::LayoutDebug => self.look.layout = Layout::Debug,
+            Action::LayoutDemonstrate => self.look.layout = Layout::Demonstrate,
             Action::ToggleTheme => self.look.theme = self.look.theme.toggled(),
             Action::TogglePanel => self.look.panel = !self.look.panel,
             Action::ToggleTimeline => self.look.lanes = !self.look.lanes,

@@ -8,8 +8,8 @@ use super::state::Overlay;
 use crate::look::Layout;
 use crate::panels::tiles::TilesLook;
 use crate::panels::{
-    about, convergence, empty, explanation, notice_cards, right_panel, shortcuts, status_bar, tiles,
-    timeline, toolbar,
+    about, convergence, empty, explanation, laboratory, notice_cards, right_panel, shortcuts, status_bar,
+    tiles, timeline, toolbar,
 };
 use crate::showing::{Busy, Intents, Request, Showing};
 use crate::theme::size;
@@ -53,13 +53,17 @@ impl App {
         status_bar::ui(ui, &showing, intents);
         let mut notices_from = pos2(window.right(), window.bottom() - size::STATUS_BAR);
         if showing.session.take.is_some() {
-            if self.look.panel {
+            let demonstrates = self.look.layout == Layout::Demonstrate;
+            if self.look.panel && !demonstrates {
                 right_panel::ui(ui, &showing, intents);
             }
             let centre = ui.available_rect_before_wrap();
             let frame = Frame::NONE;
             CentralPanel::default().frame(frame).show(ui, |ui| {
                 notices_from = pos2(centre.right(), centre.bottom());
+                if demonstrates {
+                    return laboratory::ui(ui, &showing, intents);
+                }
                 explanation::ui(ui, &showing, intents);
                 if self.alone.is_none() {
                     timeline::ui(ui, &showing, intents, window.height());

@@ -65,6 +65,7 @@ enum ThemeWord {
 enum LayoutWord {
     Pose,
     Debug,
+    Demonstrate,
 }
 
 /// Pixels across and down.
@@ -123,6 +124,7 @@ pub fn run(arguments: &ScreenshotArguments) -> anyhow::Result<()> {
         layout: match arguments.layout {
             LayoutWord::Pose => Layout::Pose,
             LayoutWord::Debug => Layout::Debug,
+            LayoutWord::Demonstrate => Layout::Demonstrate,
         },
         size: Vec2::new(f32::from(arguments.size.width), f32::from(arguments.size.height)),
         frame: arguments.frame,

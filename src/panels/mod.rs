@@ -8,6 +8,7 @@ pub(crate) mod convergence;
 pub(crate) mod empty;
 pub(crate) mod explanation;
 mod joint;
+pub(crate) mod laboratory;
 mod measurement;
 mod menus;
 pub(crate) mod notice_cards;

@@ -19,7 +19,7 @@ const FOLD_MENUS: f32 = 1440.0;
 /// Below this width the renderer and the preset are in the panel only.
 const FOLD_CHOICES: f32 = 1280.0;
 /// Width of the layout switch.
-const SWITCH: f32 = 160.0;
+const SWITCH: f32 = 318.0;
 /// Height of the bar that says that something takes its time.
 const BUSY: f32 = 2.0;
 
