@@ -6,6 +6,7 @@
 //! | `events` | what the worker said |
 //! | `requests`, `commands` | what the panels and the keys asked for |
 //! | `hand` | dragging in a camera's view |
+//! | `docking` | tiles of the centre: arranging, opening, closing, one alone |
 //! | `fitting` | stepping, running, refitting, tracking |
 //! | `body` | fitting the body's own sizes |
 //! | `demonstrating` | demonstrations and their runs, one after the other |
@@ -17,6 +18,7 @@
 mod body;
 mod commands;
 mod demonstrating;
+mod docking;
 mod events;
 mod files;
 mod fitting;

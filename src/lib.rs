@@ -2,6 +2,7 @@
 
 pub mod action;
 pub mod app;
+pub mod arrangement;
 pub mod builtin_take;
 pub mod cli;
 pub mod demonstration;
@@ -12,6 +13,7 @@ pub mod format;
 pub mod history;
 pub mod look;
 pub mod notices;
+pub mod pane;
 pub mod panels;
 pub mod picture;
 pub mod plot;

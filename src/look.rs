@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use crate::arrangement::{self, Kept};
+use crate::pane::Pane;
 use crate::theme::{Theme, size};
 
 /// What the window is arranged for.
@@ -53,6 +55,8 @@ pub struct Look {
     pub linked_zoom: bool,
     /// Takes that were opened last, the newest first.
     pub recent: Vec<PathBuf>,
+    /// How the user has arranged the tiles.
+    pub kept: Kept,
     /// Changes with *Reset layout*, so that egui forgets sizes and open sections.
     pub generation: u32,
 }
@@ -66,6 +70,7 @@ impl Default for Look {
             lanes: true,
             linked_zoom: false,
             recent: Vec::new(),
+            kept: Kept::default(),
             generation: 0,
         }
     }
@@ -77,6 +82,15 @@ impl Look {
         self.recent.retain(|other| *other != path);
         self.recent.insert(0, path);
         self.recent.truncate(MAX_RECENT);
+    }
+
+    /// Whether a pane is open in the layout, for a take with so many cameras.
+    #[must_use]
+    pub fn is_open(&self, pane: Pane, cameras: usize) -> bool {
+        match self.kept.get(self.layout, cameras) {
+            Some(tree) => arrangement::is_open(tree, pane),
+            None => arrangement::is_open_at_first(self.layout, pane),
+        }
     }
 
     /// The arrangement as it was at first; theme and recent takes stay.

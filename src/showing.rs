@@ -3,11 +3,13 @@
 use std::path::Path;
 
 use crate::action::Action;
+use crate::arrangement::Arrangement;
 use crate::document::{Document, TakeSource};
 use crate::edit::Edit;
 use crate::history::{Gesture, History};
 use crate::look::{Layout, Look};
 use crate::notices::Notices;
+use crate::pane::Pane;
 use crate::panels::camera_tile::TileEvent;
 use crate::picture::JointId;
 use crate::selection::{Selection, StepRef};
@@ -38,6 +40,8 @@ pub struct Showing<'a> {
     pub doing: Option<&'a str>,
     /// What the open demonstration shows, until that is closed.
     pub explanation: Option<&'a str>,
+    /// Whether a change of the layout can be taken back.
+    pub can_restore_layout: bool,
     /// Time that the last frame of the window took, in seconds.
     pub frame_seconds: f64,
 }
@@ -89,6 +93,10 @@ pub enum Request {
     Tile(usize, TileEvent),
     /// How the window is arranged.
     Layout(Layout),
+    /// What the user did with a tile.
+    Pane(Pane, PaneEvent),
+    /// The user has arranged the tiles.
+    Arrange(Box<Arrangement>),
     /// Open a take.
     Open(TakeSource),
     /// Close a notice.
@@ -99,6 +107,17 @@ pub enum Request {
     HoldNotice(u64),
     /// Take what an earlier start of the program left unsaved, or leave it.
     Recover(bool),
+}
+
+/// What the user did with a tile, whatever stands in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PaneEvent {
+    /// Asked for it in the whole window, or back.
+    ToggleAlone,
+    /// Opened it, or brought it before what it shares tabs with.
+    Open,
+    /// Closed it; its place is kept.
+    Close,
 }
 
 /// What the panels ask for in one frame.
@@ -178,6 +197,8 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
             (Some((_, run)), _) => because(run.steps.len() < 2, "The run has no step yet"),
         },
         A::LaterStep | A::Branch => because(selection.step.is_none(), "This is the newest step of the run"),
+        A::ShowScene | A::ShowConvergence | A::ArrangeTiles => no_take,
+        A::RestoreLayout => because(!showing.can_restore_layout, "The layout was not reset"),
         A::ClearRuns => because(session.runs.is_empty(), "There are no runs"),
         A::FitBody => no_fit().or(because(showing.busy.fitting, "The fit is running")),
         A::TrackForward | A::TrackBack => no_take

@@ -263,6 +263,10 @@ pub mod size {
     pub const RUN_LIST: f32 = 366.0;
     /// Smallest tile.
     pub const TILE_MIN: egui::Vec2 = egui::vec2(220.0, 200.0);
+    /// A split is taken hold of within this width.
+    pub const SPLIT_HIT: f32 = 8.0;
+    /// A split leaves a tile at least this, both ways.
+    pub const TILE_LEAST: f32 = 120.0;
     /// Gutter beside a picture.
     pub const GUTTER: f32 = 196.0;
     /// A tile this much wider than its picture has a gutter.

@@ -119,6 +119,7 @@ impl Scene {
             name: "Camera 1",
             is_active: false,
             is_expanded: false,
+            siblings: &[],
             is_linked: true,
             is_calibrated: true,
             mode,

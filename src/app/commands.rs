@@ -11,11 +11,12 @@ use crate::action::Action;
 use crate::document::TakeSource;
 use crate::edit::Edit;
 use crate::look::Layout;
+use crate::pane::Pane;
 use crate::panels::palette::Palette;
 use crate::panels::{preset_of, renderer_of, view_mode_of};
 use crate::picture::JointId;
 use crate::selection::Selection;
-use crate::showing::{Intents, unavailable};
+use crate::showing::{Intents, PaneEvent, unavailable};
 use crate::widgets::Framing;
 
 impl App {
@@ -23,7 +24,8 @@ impl App {
     /// something, keys are theirs.
     pub(super) fn read_keys(&self, ctx: &egui::Context) -> Intents {
         let mut intents = Intents::default();
-        if self.overlay.is_none() && self.held.is_none() && !egui::Popup::is_any_open(ctx) {
+        let is_moving = self.is_moving_tile(ctx);
+        if self.overlay.is_none() && self.held.is_none() && !is_moving && !egui::Popup::is_any_open(ctx) {
             intents.actions = Action::pressed(ctx);
         }
         intents
@@ -59,7 +61,7 @@ impl App {
         if !self.worker.is_idle() && (self.showing().busy.fitting || self.showing().busy.tracking) {
             return false;
         }
-        if self.alone.take().is_none() {
+        if self.docking.alone.take().is_none() {
             self.selection.step = None;
         }
         true
@@ -144,8 +146,7 @@ impl App {
             return true;
         }
         if let Some(camera) = (0..8).find(|index| Action::camera_alone(*index) == Some(action)) {
-            self.alone = if self.alone == Some(camera) { None } else { Some(camera) };
-            self.make_active(camera);
+            self.pane_event(Pane::Camera(camera), PaneEvent::ToggleAlone);
             return true;
         }
         let framing = |app: &mut Self, framing: Framing| {
@@ -160,10 +161,9 @@ impl App {
             Action::ToggleTheme => self.look.theme = self.look.theme.toggled(),
             Action::TogglePanel => self.look.panel = !self.look.panel,
             Action::ToggleTimeline => self.look.lanes = !self.look.lanes,
-            Action::ResetLayout => self.look.reset(),
             Action::FitSubject => framing(self, Framing::Subject),
             Action::WholePicture => framing(self, Framing::Whole),
-            _ => return false,
+            _ => return self.act_on_tiles(action),
         }
         true
     }

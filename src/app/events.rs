@@ -157,8 +157,8 @@ impl App {
         self.selection.joint = Selection::joint_of(&document.model, first);
         self.history = history;
         self.project = path;
-        self.alone = None;
-        self.pair = [0, 1.min(footage.cameras.len() - 1)];
+        self.docking.alone = None;
+        self.docking.pair = [0, 1.min(footage.cameras.len() - 1)];
         self.held = None;
         self.pending_steps = 0;
         self.autosaved = None;
@@ -194,15 +194,10 @@ fn document_of(footage: &Footage) -> Document {
     document
 }
 
-/// The debug layout begins with the residual, and the report's overlay wiped against the footage.
+/// The debug layout begins with the residual, and the report's overlay wiped against the footage, by turns.
 fn debug_tiles(cameras: usize) -> Vec<TileLook> {
-    let mut tiles = vec![TileLook::default(); cameras];
-    if let Some(tile) = tiles.first_mut() {
-        tile.mode = ViewMode::Residual;
-    }
-    if let Some(tile) = tiles.get_mut(1) {
-        tile.mode = ViewMode::ReportOverlay;
-        tile.wipe = Some(Wipe { other: ViewMode::Tinted, at: 0.6 });
-    }
-    tiles
+    let residual = TileLook { mode: ViewMode::Residual, ..TileLook::default() };
+    let wipe = Some(Wipe { other: ViewMode::Footage, at: 0.6 });
+    let report = TileLook { mode: ViewMode::ReportOverlay, wipe, ..TileLook::default() };
+    (0..cameras).map(|camera| if camera % 2 == 0 { residual } else { report }).collect()
 }

@@ -9,9 +9,11 @@ use super::App;
 use crate::document::Document;
 use crate::edit::Edit;
 use crate::history::Gesture;
+use crate::pane::Pane;
 use crate::panels::camera_tile::{Drag, TileEvent, Wipe};
 use crate::picture::{JointId, joint_name};
 use crate::selection::Selection;
+use crate::showing::PaneEvent;
 
 /// What the hand holds.
 #[derive(Debug, Clone)]
@@ -66,10 +68,10 @@ impl App {
                     }
                 }
             }
-            TileEvent::ToggleExpanded => {
-                self.alone = if self.alone == Some(camera) { None } else { Some(camera) };
-                self.make_active(camera);
-            }
+            TileEvent::ToggleExpanded => self.pane_event(Pane::Camera(camera), PaneEvent::ToggleAlone),
+            TileEvent::DragTile => {}
+            TileEvent::Switch(other) => self.switch_camera(camera, other),
+            TileEvent::Close => self.pane_event(Pane::Camera(camera), PaneEvent::Close),
             TileEvent::Segment => self.session.forget_measurements(),
         }
     }
@@ -78,18 +80,6 @@ impl App {
         if let Some(tile) = self.tiles_mut().get_mut(camera) {
             change(tile);
         }
-    }
-
-    /// Makes a camera's tile the active one, and shows it where there is room for two only.
-    pub(super) fn make_active(&mut self, camera: usize) {
-        if !self.pair.contains(&camera) {
-            let other = usize::from(self.pair[0] == self.selection.camera);
-            self.pair[other] = camera;
-        }
-        if self.alone.is_some() {
-            self.alone = Some(camera);
-        }
-        self.selection.camera = camera;
     }
 
     fn drag_on(&mut self, drag: Drag) {

@@ -63,6 +63,8 @@ impl App {
             }
             Request::Tile(camera, event) => self.tile_event(camera, event),
             Request::Layout(layout) => self.look.layout = layout,
+            Request::Pane(pane, event) => self.pane_event(pane, event),
+            Request::Arrange(tree) => self.arrange(*tree),
             Request::Open(source) => self.open(Opening::Take(source)),
             Request::CloseNotice(id) => self.notices.close(id),
             Request::CloseExplanation => self.explanation = None,

@@ -8,8 +8,8 @@ use super::state::Overlay;
 use crate::look::Layout;
 use crate::panels::tiles::TilesLook;
 use crate::panels::{
-    about, convergence, empty, explanation, laboratory, notice_cards, right_panel, shortcuts, status_bar,
-    tiles, timeline, toolbar,
+    about, dock, empty, explanation, laboratory, notice_cards, right_panel, shortcuts, status_bar, timeline,
+    toolbar,
 };
 use crate::showing::{Busy, Intents, Request, Showing};
 use crate::theme::size;
@@ -35,6 +35,7 @@ impl App {
             is_playing: self.next_played.is_some(),
             doing: self.doing.as_deref(),
             explanation: self.explanation,
+            can_restore_layout: self.docking.before.is_some(),
             frame_seconds: self.frame_seconds,
         }
     }
@@ -48,6 +49,7 @@ impl App {
             ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64((next - self.now).max(0.0)));
         }
         let window = ui.max_rect();
+        let mut centre_size = None;
         let showing = self.showing();
         toolbar::ui(ui, &showing, intents);
         status_bar::ui(ui, &showing, intents);
@@ -65,20 +67,21 @@ impl App {
                     return laboratory::ui(ui, &showing, intents);
                 }
                 explanation::ui(ui, &showing, intents);
-                if self.alone.is_none() {
+                if self.docking.alone.is_none() {
                     timeline::ui(ui, &showing, intents, window.height());
                     notices_from.y = ui.available_rect_before_wrap().bottom();
-                    if self.look.layout == Layout::Debug {
-                        convergence::ui(ui, &showing, intents);
-                    }
                 }
-                tiles::ui(ui, &showing, &self.tiles_look(), intents);
+                centre_size = Some(ui.available_rect_before_wrap().size());
+                dock::ui(ui, &showing, &self.tiles_look(), intents);
             });
         } else {
             empty::ui(ui, &showing, intents, self.recovery.as_deref());
         }
         for id in notice_cards::ui(ui, &showing, intents, notices_from) {
             intents.request(Request::HoldNotice(id));
+        }
+        if let Some(size) = centre_size.filter(|_| self.docking.alone.is_none()) {
+            self.docking.size = size;
         }
         self.show_overlay(ui, intents);
     }
@@ -87,8 +90,8 @@ impl App {
         let held = self.held.as_ref();
         TilesLook {
             tiles: &self.tiles[usize::from(self.look.layout == Layout::Debug)],
-            alone: self.alone,
-            pair: self.pair,
+            alone: self.docking.alone,
+            pair: self.docking.pair,
             dragged: held.and_then(|held| Some((held.camera, dragged_joint(held.drag)?))),
         }
     }

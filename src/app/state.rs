@@ -7,6 +7,7 @@ use backlit_tracking::body::{Pose, builtin};
 use backlit_tracking::io::Take;
 
 use super::demonstrating::Prepared;
+use super::docking::Docking;
 use super::hand::Held;
 use crate::document::{Document, TakeSource};
 use crate::history::{Gesture, History};
@@ -82,9 +83,8 @@ pub struct App {
     pub(super) explanation: Option<&'static str>,
     /// By layout, then by camera.
     pub(super) tiles: [Vec<TileLook>; 2],
-    pub(super) alone: Option<usize>,
-    /// The two cameras that are shown where there is room for two.
-    pub(super) pair: [usize; 2],
+    /// Tiles of the centre.
+    pub(super) docking: Docking,
     pub(super) clipboard: Option<Pose>,
     pub(super) project: Option<PathBuf>,
     pub(super) overlay: Option<Overlay>,
@@ -131,8 +131,7 @@ impl App {
             prepared: None,
             explanation: None,
             tiles: [Vec::new(), Vec::new()],
-            alone: None,
-            pair: [0, 1],
+            docking: Docking::default(),
             clipboard: None,
             project: None,
             overlay: None,

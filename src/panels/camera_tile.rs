@@ -49,6 +49,8 @@ pub struct CameraTileInput<'a> {
     pub is_active: bool,
     /// It fills the window.
     pub is_expanded: bool,
+    /// Cameras that stand behind this one, counted from zero; the header has a badge for each.
+    pub siblings: &'a [usize],
     /// It zooms and pans with the other linked tiles.
     pub is_linked: bool,
     /// There is a calibration. Without one there are pictures only.

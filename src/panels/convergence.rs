@@ -2,13 +2,14 @@
 //!
 //! Curves are of one measure for all stages and runs, so that they can be compared. A click goes to a step.
 
-use egui::{Align, Frame, Layout as Direction, Margin, Panel, RichText, Ui, pos2, vec2};
+use egui::{Align, Layout as Direction, RichText, Ui, UiBuilder, pos2, vec2};
 use egui_plot::{GridMark, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, PlotUi, Points, VLine};
 
 use super::command::button;
 use super::{runs, steps};
 use crate::action::Action;
 use crate::format;
+use crate::pane::HEADER_BUTTONS;
 use crate::plot::marks::{decade_marks, even_marks};
 use crate::selection::StepRef;
 use crate::session::Run;
@@ -21,9 +22,6 @@ use crate::widgets::{checkbox, segmented};
 const HEAD: f32 = 30.0;
 /// Height of the row of steps.
 const STEPS: f32 = 52.0;
-/// Smallest height of the panel; it begins with that where the centre is lower than `LOW`.
-const LEAST_HEIGHT: f32 = 220.0;
-const LOW: f32 = 720.0;
 /// The plot's list of runs folds below this width.
 const LIST_FROM: f32 = 760.0;
 /// Curves begin here on the logarithmic scale.
@@ -70,33 +68,26 @@ impl Scale {
     }
 }
 
-/// The panel.
+/// The panel, in all of the space that is left.
 pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
-    let frame = Frame::NONE.fill(theme::palette(ui).panel).inner_margin(Margin::symmetric(8, 4));
-    let is_low = ui.max_rect().height() < LOW;
-    let height = if is_low { LEAST_HEIGHT } else { size::CONVERGENCE };
-    Panel::bottom(("convergence", is_low, showing.look.generation))
-        .default_size(height)
-        .size_range(LEAST_HEIGHT..=560.0)
-        .resizable(true)
-        .frame(frame)
-        .show(ui, |ui| {
-            // What is not filled would shrink the panel.
-            ui.set_min_height(ui.available_height());
-            let scale = head(ui, showing, intents);
-            let list = ui.available_width() >= LIST_FROM;
-            let plot_height = (ui.available_height() - STEPS).max(80.0);
-            ui.horizontal_top(|ui| {
-                let width = ui.available_width() - if list { size::RUN_LIST } else { 0.0 };
-                plot(ui, showing, intents, scale, vec2(width - 8.0, plot_height));
-                if list {
-                    let area = vec2(size::RUN_LIST - 8.0, plot_height);
-                    let down = Direction::top_down(Align::Min);
-                    ui.allocate_ui_with_layout(area, down, |ui| runs::ui(ui, showing, intents, plot_height));
-                }
-            });
-            steps::ui(ui, showing, intents);
+    let rect = ui.available_rect_before_wrap();
+    ui.painter().rect_filled(rect, 0.0, theme::palette(ui).panel);
+    let inner = UiBuilder::new().max_rect(rect.shrink2(vec2(8.0, 0.0)));
+    ui.scope_builder(inner, |ui| {
+        let scale = head(ui, showing, intents);
+        let list = ui.available_width() >= LIST_FROM;
+        let plot_height = (ui.available_height() - STEPS).max(80.0);
+        ui.horizontal_top(|ui| {
+            let width = ui.available_width() - if list { size::RUN_LIST } else { 0.0 };
+            plot(ui, showing, intents, scale, vec2(width - 8.0, plot_height));
+            if list {
+                let area = vec2(size::RUN_LIST - 8.0, plot_height);
+                let down = Direction::top_down(Align::Min);
+                ui.allocate_ui_with_layout(area, down, |ui| runs::ui(ui, showing, intents, plot_height));
+            }
         });
+        steps::ui(ui, showing, intents);
+    });
 }
 
 fn head(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) -> Scale {
@@ -113,6 +104,7 @@ fn head(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) -> Scale {
             segmented(ui, &mut log, &[(true, "Log"), (false, "Linear")]);
             checkbox(ui, &mut rejected, "Rejected steps");
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+                ui.add_space(HEADER_BUTTONS);
                 button(ui, showing, intents, Action::ClearRuns);
             });
         },

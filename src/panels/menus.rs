@@ -5,8 +5,10 @@ use egui::Ui;
 use super::command::menu_row;
 use crate::action::{Action, Menu};
 use crate::document::TakeSource;
-use crate::showing::{Intents, Request, Showing};
+use crate::pane::Pane;
+use crate::showing::{Intents, PaneEvent, Request, Showing};
 use crate::theme;
+use crate::widgets::checkbox;
 
 /// All menus in a row, or one menu of menus where there is little room.
 pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, folded: bool) {
@@ -38,6 +40,9 @@ fn contents(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, menu: Men
             _ => action.text().to_owned(),
         };
         menu_row(ui, showing, intents, action, &text);
+        if action == Action::RestoreLayout {
+            panes(ui, showing, intents);
+        }
         if action == Action::OpenProject {
             recent(ui, showing, intents);
         }
@@ -65,6 +70,7 @@ const fn begins_group(action: Action) -> bool {
             | A::Mirror
             | A::NextJoint
             | A::ToggleTheme
+            | A::ShowScene
             | A::FitSubject
             | A::ViewFootage
             | A::Camera1
@@ -81,6 +87,24 @@ const fn begins_group(action: Action) -> bool {
             | A::ShowBias
             | A::Messages
     )
+}
+
+/// All panes of the centre, ticked while they are open.
+fn panes(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let cameras = showing.session.camera_count();
+    if cameras == 0 {
+        return;
+    }
+    ui.menu_button("Tiles", |ui| {
+        ui.set_min_width(160.0);
+        for pane in Pane::all(cameras) {
+            let mut is_open = showing.look.is_open(pane, cameras);
+            if checkbox(ui, &mut is_open, &pane.title()).on_hover_text(pane.explanation()).changed() {
+                let event = if is_open { PaneEvent::Open } else { PaneEvent::Close };
+                intents.request(Request::Pane(pane, event));
+            }
+        }
+    });
 }
 
 fn recent(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {

@@ -5,6 +5,7 @@ pub(crate) mod about;
 pub mod camera_tile;
 mod command;
 pub(crate) mod convergence;
+pub(crate) mod dock;
 pub(crate) mod empty;
 pub(crate) mod explanation;
 mod joint;

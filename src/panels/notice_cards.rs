@@ -4,6 +4,7 @@ use egui::{
     Align, Area, Button, Frame, Id, Layout as Direction, Margin, Order, RichText, Role, Sense, Ui, vec2,
 };
 
+use crate::action::Action;
 use crate::notices::{Notice, Severity};
 use crate::showing::{Intents, Request, Showing};
 use crate::theme::{self, size, space};
@@ -33,6 +34,11 @@ pub(crate) fn ui(
     held
 }
 
+/// A layout is taken back by its own command, which is *Undo* here.
+fn word(action: Action) -> &'static str {
+    if action == Action::RestoreLayout { Action::Undo.text() } else { action.text() }
+}
+
 fn card(ui: &mut Ui, notice: &Notice, intents: &mut Intents) {
     let palette = theme::palette(ui);
     let (edge, icon, colour) = match notice.severity {
@@ -55,7 +61,7 @@ fn card(ui: &mut Ui, notice: &Notice, intents: &mut Intents) {
                     intents.request(Request::CloseNotice(notice.id));
                 }
                 if let Some(action) = notice.action
-                    && ui.add(Button::new(action.text()).min_size(vec2(0.0, size::BUTTON))).clicked()
+                    && ui.add(Button::new(word(action)).min_size(vec2(0.0, size::BUTTON))).clicked()
                 {
                     intents.act(action);
                     intents.request(Request::CloseNotice(notice.id));

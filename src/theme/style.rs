@@ -39,6 +39,7 @@ fn style(theme: Theme) -> Style {
     };
     style.interaction.tooltip_delay = TOOLTIP_DELAY;
     style.interaction.selectable_labels = false;
+    style.interaction.resize_grab_radius_side = 0.5 * size::SPLIT_HIT;
     style
 }
 

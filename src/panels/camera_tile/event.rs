@@ -38,6 +38,12 @@ pub enum TileEvent {
     SetFraming(Framing),
     /// Asked for the tile in the whole window, or back.
     ToggleExpanded,
+    /// Drags the tile away by its header.
+    DragTile,
+    /// Asked for a camera that stands behind this one.
+    Switch(usize),
+    /// Asked to close the tile.
+    Close,
     /// Asked for silhouettes.
     Segment,
 }

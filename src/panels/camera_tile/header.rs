@@ -27,19 +27,22 @@ pub(super) fn show(
 ) {
     let rect = layout.header;
     ui.painter().rect_filled(rect, 0.0, theme::palette(ui).raised);
-    let back = ui.interact(rect, ui.scope_id().with("header"), Sense::click());
+    let back = ui.interact(rect, ui.scope_id().with("header"), Sense::click_and_drag());
     back.widget_info(|| WidgetInfo::labeled(Role::TitleBar, true, format!("{} header", input.name)));
     if back.double_clicked() {
         events.push(TileEvent::ToggleExpanded);
     } else if back.clicked() {
         events.push(TileEvent::Activate);
+    } else if back.drag_started() {
+        events.push(TileEvent::DragTile);
     }
     if layout.gutter.is_none() {
         back.on_hover_ui(|ui| gutter::show_overlap(ui, input));
     }
 
     let has_link = rect.width() >= LINK_FROM;
-    let buttons_width = if has_link { 3.0 } else { 2.0 } * size::BUTTON + space::ROW;
+    let badges_width = input.siblings.len() as f32 * (size::BADGE + space::ROW);
+    let buttons_width = if has_link { 3.0 } else { 2.0 } * size::BUTTON + space::ROW + badges_width;
     let (left, right) = rect.split_left_right_at_x((rect.right() - buttons_width).max(rect.left()));
     let left = Rect::from_min_max(pos2(left.left() + space::WIDGET, left.top()), left.max);
     let builder = UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center));
@@ -58,6 +61,13 @@ pub(super) fn show(
     });
     let builder = UiBuilder::new().max_rect(right).layout(Layout::left_to_right(Align::Center));
     ui.scope_builder(builder, |ui| {
+        ui.spacing_mut().item_spacing.x = space::ROW;
+        for &camera in input.siblings {
+            let tooltip = format!("Show camera {} here", camera + 1);
+            if camera_badge(ui, camera).on_hover_text(tooltip).clicked() {
+                events.push(TileEvent::Switch(camera));
+            }
+        }
         ui.spacing_mut().item_spacing.x = 0.0;
         if has_link {
             link_button(ui, input, events);
@@ -141,6 +151,12 @@ fn buttons(ui: &mut Ui, input: &CameraTileInput<'_>, has_link: bool, events: &mu
         }
         ui.separator();
         gutter::show_fit_use(ui, input, events);
+        ui.separator();
+        let close = ui.add(Button::new("Close tile"));
+        if close.on_hover_text("The View menu opens it again").clicked() {
+            events.push(TileEvent::Close);
+            ui.close();
+        }
     });
 }
 
