@@ -197,7 +197,10 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
             (Some((_, run)), _) => because(run.steps.len() < 2, "The run has no step yet"),
         },
         A::LaterStep | A::Branch => because(selection.step.is_none(), "This is the newest step of the run"),
-        A::ShowScene | A::ShowConvergence | A::ArrangeTiles => no_take,
+        A::ShowScene | A::ShowConvergence | A::ArrangeTiles => {
+            let has_none = showing.look.layout == Layout::Demonstrate;
+            no_take.or(because(has_none, "This layout has no tiles"))
+        }
         A::RestoreLayout => because(!showing.can_restore_layout, "The layout was not reset"),
         A::ClearRuns => because(session.runs.is_empty(), "There are no runs"),
         A::FitBody => no_fit().or(because(showing.busy.fitting, "The fit is running")),

@@ -5,6 +5,7 @@ use egui::Ui;
 use super::command::menu_row;
 use crate::action::{Action, Menu};
 use crate::document::TakeSource;
+use crate::look::Layout;
 use crate::pane::Pane;
 use crate::showing::{Intents, PaneEvent, Request, Showing};
 use crate::theme;
@@ -92,7 +93,7 @@ const fn begins_group(action: Action) -> bool {
 /// All panes of the centre, ticked while they are open.
 fn panes(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
     let cameras = showing.session.camera_count();
-    if cameras == 0 {
+    if cameras == 0 || showing.look.layout == Layout::Demonstrate {
         return;
     }
     ui.menu_button("Tiles", |ui| {
