@@ -12,6 +12,9 @@
 //! | `demonstrating` | demonstrations and their runs, one after the other |
 //! | `files` | takes, projects, dialogs, autosave and recovery |
 //! | `jobs` | what the screen lacks is asked of the worker |
+//! | `exported` | the state as a file, for tests from outside |
+//! | `exporting`, `twin` | exports, and the second inspector that is painted for them |
+//! | `outside` | folders and pages in other programs |
 //! | `screen` | which panels there are, and where |
 //! | `headless` | the window's picture without a display |
 
@@ -20,14 +23,18 @@ mod commands;
 mod demonstrating;
 mod docking;
 mod events;
+mod exported;
+mod exporting;
 mod files;
 mod fitting;
 mod hand;
 mod headless;
 mod jobs;
+mod outside;
 mod requests;
 mod screen;
 mod state;
+mod twin;
 
 pub use files::opening_of;
 pub(crate) use hand::moved;
@@ -39,9 +46,12 @@ impl App {
     pub fn frame(&mut self, ui: &mut egui::Ui) {
         let began = std::time::Instant::now();
         self.now = ui.input(|input| input.time);
+        // Whoever made the app may show it in another window's context.
+        self.context.clone_from(ui.ctx());
         self.apply_theme(ui);
         self.hear_worker();
         self.hear_dialogs();
+        self.hear_export();
         self.take_dropped_files(ui.ctx());
         let mut intents = self.read_keys(ui.ctx());
         self.show(ui, &mut intents);
@@ -50,6 +60,7 @@ impl App {
         self.autosave();
         self.request_jobs();
         self.go_on_demonstrating();
+        self.export_state();
         self.frame_seconds = began.elapsed().as_secs_f64();
     }
 }

@@ -8,6 +8,7 @@ pub mod cli;
 pub mod demonstration;
 pub mod document;
 pub mod edit;
+pub mod export;
 pub mod footage;
 pub mod format;
 pub mod history;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use crate::arrangement::{self, Kept};
+use crate::export::ExportChoices;
 use crate::pane::Pane;
 use crate::theme::{Theme, size};
 
@@ -57,6 +58,8 @@ pub struct Look {
     pub recent: Vec<PathBuf>,
     /// How the user has arranged the tiles.
     pub kept: Kept,
+    /// What was chosen for the last export.
+    pub export: ExportChoices,
     /// Changes with *Reset layout*, so that egui forgets sizes and open sections.
     pub generation: u32,
 }
@@ -71,6 +74,7 @@ impl Default for Look {
             linked_zoom: false,
             recent: Vec::new(),
             kept: Kept::default(),
+            export: ExportChoices::default(),
             generation: 0,
         }
     }
@@ -96,8 +100,9 @@ impl Look {
     /// The arrangement as it was at first; theme and recent takes stay.
     pub fn reset(&mut self) {
         let generation = self.generation.wrapping_add(1);
-        let recent = std::mem::take(&mut self.recent);
-        *self = Self { theme: self.theme, layout: self.layout, recent, generation, ..Self::default() };
+        let (recent, export) = (std::mem::take(&mut self.recent), std::mem::take(&mut self.export));
+        let (theme, layout) = (self.theme, self.layout);
+        *self = Self { theme, layout, recent, export, generation, ..Self::default() };
     }
 }
 

@@ -17,7 +17,7 @@ use crate::selection::{Selection, StepRef};
 use crate::worker::{Extent, Predicted, Scene};
 
 /// The derived data.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Session {
     /// The take that is open.
     pub take: Option<Arc<Footage>>,
@@ -125,6 +125,22 @@ impl Session {
     #[must_use]
     pub fn iou(&self) -> Option<f64> {
         self.predicted.as_ref()?.iou()
+    }
+
+    /// The same without any work that is going on.
+    #[must_use]
+    pub fn at_rest(&self) -> Self {
+        Self {
+            live: None,
+            live_scene: None,
+            live_prediction: None,
+            is_stepping: false,
+            loading: None,
+            wanted: None,
+            tracking: None,
+            fitting_body: false,
+            ..self.clone()
+        }
     }
 
     /// Forgets what was made of another take.

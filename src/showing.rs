@@ -11,6 +11,7 @@ use crate::look::{Layout, Look};
 use crate::notices::Notices;
 use crate::pane::Pane;
 use crate::panels::camera_tile::TileEvent;
+use crate::panels::export_dialog::ExportOrder;
 use crate::picture::JointId;
 use crate::selection::{Selection, StepRef};
 use crate::session::Session;
@@ -34,6 +35,8 @@ pub struct Showing<'a> {
     pub project: Option<&'a Path>,
     /// Whether a pose was copied.
     pub has_clipboard: bool,
+    /// Whether something was exported since the start.
+    pub has_exported: bool,
     /// Whether frames are being played.
     pub is_playing: bool,
     /// The sentence of the status bar about what the hand is doing.
@@ -58,6 +61,8 @@ pub struct Busy {
     pub fitting: bool,
     /// The tracker is running.
     pub tracking: bool,
+    /// Pictures of an export that are done, and all of them.
+    pub exporting: Option<(usize, usize)>,
 }
 
 impl Busy {
@@ -107,6 +112,10 @@ pub enum Request {
     HoldNotice(u64),
     /// Take what an earlier start of the program left unsaved, or leave it.
     Recover(bool),
+    /// Export pictures.
+    Export(Box<ExportOrder>),
+    /// Ask in a dialog of the desktop's where an export goes.
+    ChooseExportFile,
 }
 
 /// What the user did with a tile, whatever stands in it.
@@ -190,7 +199,17 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
         A::Step | A::Run | A::RefitLimb | A::RefitChain | A::RefitBody => {
             no_fit().or(because(showing.busy.fitting && action != A::Step, "The fit is running"))
         }
-        A::Stop => because(!showing.busy.fitting && !showing.busy.tracking, "Nothing is running"),
+        A::Stop => {
+            let busy = showing.busy;
+            let is_running = busy.fitting || busy.tracking || busy.exporting.is_some();
+            because(!is_running, "Nothing is running")
+        }
+        A::ExportView
+        | A::ExportWindow
+        | A::ExportSteps
+        | A::ExportFrames
+        | A::StopExport
+        | A::ShowExported => export_unavailable(action, showing),
         A::StepBack | A::EarlierStep => match (run, selection.step) {
             (None, _) => Some("This frame has no run yet: press Space to step"),
             (Some(_), Some(StepRef { step: 0, .. })) => Some("This is the start of the run"),
@@ -220,6 +239,24 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
         A::SaveAs | A::CopyPose | A::Mirror | A::PinJoint | A::ResetLimb | A::ResetBody | A::SetKeyPose => {
             no_take
         }
+        _ => None,
+    }
+}
+
+/// The same for exports.
+fn export_unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str> {
+    let is_exporting = showing.busy.exporting.is_some();
+    let has_take = showing.session.take.is_some();
+    let has_run = showing.session.run_of(showing.selection).is_some();
+    match action {
+        Action::ShowExported if showing.has_exported => None,
+        Action::ShowExported => Some("Nothing was exported since the start"),
+        Action::StopExport if is_exporting => None,
+        Action::StopExport => Some("Nothing is being exported"),
+        _ if is_exporting => Some("An export is under way"),
+        Action::ExportWindow => None,
+        _ if !has_take => Some("Open a take first"),
+        Action::ExportSteps if !has_run => Some("This frame has no run yet: press Space to step"),
         _ => None,
     }
 }

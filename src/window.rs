@@ -1,5 +1,7 @@
 //! Opening the inspector's window.
 
+use std::path::PathBuf;
+
 use anyhow::anyhow;
 use egui::ViewportBuilder;
 
@@ -19,11 +21,12 @@ pub fn has_display() -> bool {
     is_set("WAYLAND_DISPLAY") || is_set("DISPLAY")
 }
 
-/// Opens the window and returns when it is closed.
+/// Opens the window and returns when it is closed. With `state_file` it writes its state there: see
+/// [`AppOptions::state_file`].
 ///
 /// # Errors
 /// There is no display, or no window can be opened on it. The caller may go on without one.
-pub fn open_window(opening: Option<Opening>) -> anyhow::Result<()> {
+pub fn open_window(opening: Option<Opening>, state_file: Option<PathBuf>) -> anyhow::Result<()> {
     if !has_display() {
         return Err(anyhow!("there is no display (neither WAYLAND_DISPLAY nor DISPLAY is set)"));
     }
@@ -36,7 +39,7 @@ pub fn open_window(opening: Option<Opening>) -> anyhow::Result<()> {
     let options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
     let create = move |context: &eframe::CreationContext<'_>| {
         let look = context.storage.and_then(|storage| eframe::get_value(storage, "look")).unwrap_or_default();
-        let options = AppOptions { look, data_folder: eframe::storage_dir(APP_ID), opening };
+        let options = AppOptions { look, data_folder: eframe::storage_dir(APP_ID), opening, state_file };
         let app = App::new(context.egui_ctx.clone(), options)?;
         Ok(Box::new(app) as Box<dyn eframe::App>)
     };

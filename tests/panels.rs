@@ -38,7 +38,7 @@ fn open(theme: Theme, layout: Layout) -> Harness<'static, App> {
     let look = Look { theme, layout, ..Look::default() };
     let opening = Some(Opening::Ready(Box::new(take::take())));
     let width = if layout == Layout::Debug { DEBUG_WIDTH } else { WIDTH };
-    open_sized(AppOptions { look, opening, data_folder: None }, vec2(width, HEIGHT))
+    open_sized(AppOptions { look, opening, ..AppOptions::default() }, vec2(width, HEIGHT))
 }
 
 /// Compares a part of the window. Carets do not blink and times are not shown.
@@ -148,7 +148,7 @@ fn empty_state_with_an_error() {
         let look = Look { theme, recent, ..Look::default() };
         let opening = Some(opening_of("no/such/take".as_ref()));
         let window = vec2(900.0, 500.0);
-        let mut harness = open_sized(AppOptions { look, opening, data_folder: None }, window);
+        let mut harness = open_sized(AppOptions { look, opening, ..AppOptions::default() }, window);
         let rect = Rect::from_min_max(pos2(200.0, 100.0), window.to_pos2() - vec2(MARGIN, MARGIN));
         part(&mut snapshots, &mut harness, rect, &format!("panel_empty_{}", theme_name(theme)));
     }

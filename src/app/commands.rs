@@ -12,6 +12,7 @@ use crate::document::TakeSource;
 use crate::edit::Edit;
 use crate::look::Layout;
 use crate::pane::Pane;
+use crate::panels::export_dialog::Subject;
 use crate::panels::palette::Palette;
 use crate::panels::{preset_of, renderer_of, view_mode_of};
 use crate::picture::JointId;
@@ -61,8 +62,9 @@ impl App {
         if !self.worker.is_idle() && (self.showing().busy.fitting || self.showing().busy.tracking) {
             return false;
         }
-        if self.docking.alone.take().is_none() {
-            self.selection.step = None;
+        let alone = self.docking.alone.take().is_some();
+        if !alone && self.selection.step.take().is_none() {
+            self.stop_export();
         }
         true
     }
@@ -78,6 +80,12 @@ impl App {
             Action::OpenProject => self.ask_for_file(DialogKind::Project),
             Action::Save => self.save_project(),
             Action::SaveAs => self.ask_for_file(DialogKind::SaveAs),
+            Action::ExportView => self.ask_for_export(Subject::View),
+            Action::ExportWindow => self.ask_for_export(Subject::Window),
+            Action::ExportSteps => self.ask_for_export(Subject::Steps),
+            Action::ExportFrames => self.ask_for_export(Subject::Frames),
+            Action::StopExport => self.stop_export(),
+            Action::ShowExported => self.show_exported(),
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             _ => return false,
         }

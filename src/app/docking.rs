@@ -124,7 +124,8 @@ impl App {
             Action::RestoreLayout => {
                 if let Some(before) = self.docking.before.take() {
                     let (theme, recent) = (self.look.theme, std::mem::take(&mut self.look.recent));
-                    self.look = Look { theme, recent, ..*before };
+                    let export = std::mem::take(&mut self.look.export);
+                    self.look = Look { theme, recent, export, ..*before };
                     self.doing = Some("The layout is as it was.".to_owned());
                 }
             }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::App;
-use super::state::{DialogKind, Opening};
+use super::state::{DialogKind, Opening, Overlay};
 use crate::document::TakeSource;
 use crate::project::{read_project, write_project};
 use crate::worker::{Lane, OpenJob, SaveJob};
@@ -66,6 +66,10 @@ impl App {
         let answers = self.dialog_sender.clone();
         let context = self.context.clone();
         let name = self.session.take.as_ref().map_or_else(|| "project".to_owned(), |take| take.name.clone());
+        let export = match &self.overlay {
+            Some(Overlay::Export(dialog)) => dialog.wanted_name(),
+            _ => (false, String::new()),
+        };
         let thread = std::thread::Builder::new().name("backlit file dialog".to_owned()).spawn(move || {
             let dialog = rfd::FileDialog::new();
             let path = match kind {
@@ -73,6 +77,8 @@ impl App {
                 DialogKind::Project => {
                     dialog.set_title("Open project").add_filter("Backlit", &[PROJECT_EXTENSION]).pick_file()
                 }
+                DialogKind::Export if export.0 => dialog.set_title("Export to folder").pick_folder(),
+                DialogKind::Export => dialog.set_title("Export").set_file_name(&export.1).save_file(),
                 DialogKind::SaveAs => {
                     let name = format!("{name}.{PROJECT_EXTENSION}");
                     dialog.set_title("Save project").set_file_name(name).save_file()
@@ -94,6 +100,11 @@ impl App {
         while let Ok((kind, path)) = self.dialog_answers.try_recv() {
             match kind {
                 DialogKind::Take | DialogKind::Project => self.open_path(&path),
+                DialogKind::Export => {
+                    if let Some(Overlay::Export(dialog)) = &mut self.overlay {
+                        dialog.set_path(&path);
+                    }
+                }
                 DialogKind::SaveAs => {
                     let path = if path.extension().is_none() {
                         path.with_extension(PROJECT_EXTENSION)

@@ -57,7 +57,7 @@ pub fn headless_picture(opening: Opening, options: &PictureOptions) -> anyhow::R
     let mut window = Headless::new(options.size.x, options.size.y, options.pixels_per_point);
     let look = Look { theme: options.theme, layout: options.layout, ..Look::default() };
     let mut app =
-        App::new(window.ctx.clone(), AppOptions { look, data_folder: None, opening: Some(opening) })?;
+        App::new(window.ctx.clone(), AppOptions { look, opening: Some(opening), ..AppOptions::default() })?;
     settle(&mut window, &mut app, options.patience);
     if app.session.take.is_none() {
         let why = app.notices.all().last().map_or("nothing was opened", |notice| notice.text.as_str());

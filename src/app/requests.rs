@@ -1,7 +1,7 @@
 //! Applying what the panels asked for.
 
 use super::App;
-use super::state::Opening;
+use super::state::{DialogKind, Opening};
 use crate::edit::Edit;
 use crate::history::Gesture;
 use crate::showing::{Intents, Request};
@@ -70,6 +70,8 @@ impl App {
             Request::CloseExplanation => self.explanation = None,
             Request::HoldNotice(id) => self.notices.hold(id, self.now),
             Request::Recover(take_it) => self.recover(take_it),
+            Request::Export(order) => self.begin_export(*order),
+            Request::ChooseExportFile => self.ask_for_file(DialogKind::Export),
         }
     }
 }

@@ -29,9 +29,11 @@ impl App {
                 loading: self.worker.is_busy(Lane::Load),
                 fitting: self.worker.is_busy(Lane::Fit),
                 tracking: self.worker.is_busy(Lane::Track),
+                exporting: self.export_progress(),
             },
             project: self.project.as_deref(),
             has_clipboard: self.clipboard.is_some(),
+            has_exported: self.exported_to.is_some(),
             is_playing: self.next_played.is_some(),
             doing: self.doing.as_deref(),
             explanation: self.explanation,
@@ -51,6 +53,9 @@ impl App {
         let window = ui.max_rect();
         let mut centre_size = None;
         let showing = self.showing();
+        if self.picture_alone.is_some() {
+            return dock::ui(ui, &showing, &self.tiles_look(), intents);
+        }
         toolbar::ui(ui, &showing, intents);
         status_bar::ui(ui, &showing, intents);
         let mut notices_from = pos2(window.right(), window.bottom() - size::STATUS_BAR);
@@ -86,13 +91,14 @@ impl App {
         self.show_overlay(ui, intents);
     }
 
-    fn tiles_look(&self) -> TilesLook<'_> {
+    pub(super) fn tiles_look(&self) -> TilesLook<'_> {
         let held = self.held.as_ref();
         TilesLook {
             tiles: &self.tiles[usize::from(self.look.layout == Layout::Debug)],
             alone: self.docking.alone,
             pair: self.docking.pair,
             dragged: held.and_then(|held| Some((held.camera, dragged_joint(held.drag)?))),
+            picture_alone: self.picture_alone,
         }
     }
 
@@ -103,6 +109,7 @@ impl App {
             Overlay::Shortcuts(search) => shortcuts::ui(ui, search),
             Overlay::Messages => about::messages(ui, &self.notices),
             Overlay::About => about::about(ui),
+            Overlay::Export(dialog) => dialog.ui(ui, &self.showing(), intents),
         };
         if stays {
             self.overlay = Some(overlay);

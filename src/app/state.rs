@@ -8,11 +8,14 @@ use backlit_tracking::io::Take;
 
 use super::demonstrating::Prepared;
 use super::docking::Docking;
+use super::exporting::Exporting;
 use super::hand::Held;
 use crate::document::{Document, TakeSource};
 use crate::history::{Gesture, History};
 use crate::look::{Layout, Look};
 use crate::notices::Notices;
+use crate::panels::camera_tile::PictureAlone;
+use crate::panels::export_dialog::ExportDialog;
 use crate::panels::palette::Palette;
 use crate::panels::tiles::TileLook;
 use crate::selection::Selection;
@@ -28,6 +31,8 @@ pub struct AppOptions {
     pub data_folder: Option<PathBuf>,
     /// What is opened at once.
     pub opening: Option<Opening>,
+    /// File that the state is written to after each frame in which it changed, for tests from outside.
+    pub state_file: Option<PathBuf>,
 }
 
 /// Something to open.
@@ -48,6 +53,7 @@ pub(super) enum Overlay {
     Shortcuts(String),
     Messages,
     About,
+    Export(Box<ExportDialog>),
 }
 
 /// What a file dialog was asked for.
@@ -56,6 +62,7 @@ pub(super) enum DialogKind {
     Take,
     Project,
     SaveAs,
+    Export,
 }
 
 /// What a file dialog was asked for, and the file that was chosen.
@@ -81,6 +88,12 @@ pub struct App {
     /// The demonstration that is being prepared.
     pub(super) prepared: Option<Prepared>,
     pub(super) explanation: Option<&'static str>,
+    pub(super) state_file: Option<PathBuf>,
+    pub(super) exporting: Option<Exporting>,
+    /// Folder of the last export.
+    pub(super) exported_to: Option<PathBuf>,
+    /// One camera's picture and nothing else: this is the twin that an export paints.
+    pub(super) picture_alone: Option<PictureAlone>,
     /// By layout, then by camera.
     pub(super) tiles: [Vec<TileLook>; 2],
     /// Tiles of the centre.
@@ -130,6 +143,10 @@ impl App {
             held: None,
             prepared: None,
             explanation: None,
+            state_file: options.state_file,
+            exporting: None,
+            exported_to: None,
+            picture_alone: None,
             tiles: [Vec::new(), Vec::new()],
             docking: Docking::default(),
             clipboard: None,
@@ -185,7 +202,7 @@ impl App {
     /// Whether nothing is being read, fitted or drawn anew: what is on the screen is whole.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        self.worker.is_idle() && !self.session.is_stale && self.prepared.is_none()
+        self.worker.is_idle() && !self.session.is_stale && self.prepared.is_none() && self.exporting.is_none()
     }
 
     /// Goes to a frame.

@@ -28,6 +28,10 @@ Lengths are metres, angles radians unless a unit is given; quaternions are w x y
 pub struct Cli {
     /// What to open in the window: a take's folder, its take.toml, or a .backlit file [default: the built-in take]
     pub take: Option<PathBuf>,
+    /// Debugging aid: JSON file that the window writes its state to, after each frame in which it changed [default:
+    /// what the environment variable `BACKLIT_STATE` says, or none]
+    #[arg(long, value_name = "FILE")]
+    pub state: Option<PathBuf>,
     /// What to do; without it the window opens.
     #[command(subcommand)]
     pub command: Option<Command>,

@@ -21,11 +21,15 @@ use crate::window::open_window;
 /// The picture of the window, in the working folder.
 const PICTURE: &str = "backlit-window.png";
 
-/// Opens the window, or tracks the take and writes the window's picture if there is none.
+/// Names the file that the window writes its state to, where no option does.
+const STATE_VARIABLE: &str = "BACKLIT_STATE";
+
+/// Opens the window, or tracks the take and writes the window's picture if there is none. The window writes its
+/// state to `state_file`.
 ///
 /// # Errors
 /// What is not there or cannot be opened, or a picture that cannot be written.
-pub fn run(path: Option<&Path>) -> anyhow::Result<()> {
+pub fn run(path: Option<&Path>, state_file: Option<PathBuf>) -> anyhow::Result<()> {
     if let Some(path) = path.filter(|path| !path.exists()) {
         return Err(match no_such_command(path) {
             Some(error) => error.into(),
@@ -33,7 +37,9 @@ pub fn run(path: Option<&Path>) -> anyhow::Result<()> {
         });
     }
     let opening = || path.map_or(Opening::Take(TakeSource::BuiltIn), opening_of);
-    let Err(no_window) = open_window(Some(opening())) else { return Ok(()) };
+    let state_file = state_file
+        .or_else(|| std::env::var_os(STATE_VARIABLE).filter(|path| !path.is_empty()).map(PathBuf::from));
+    let Err(no_window) = open_window(Some(opening()), state_file) else { return Ok(()) };
     output::complain(&format!("No window: {no_window:#}. Going on without one."));
     let footage = match path {
         Some(path) => take_options::open(path)?,

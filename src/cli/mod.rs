@@ -51,7 +51,7 @@ pub fn run() -> ExitCode {
         Err(error) => return usage(&stray_word().unwrap_or(error)),
     };
     let result = match cli.command {
-        None => inspector::run(cli.take.as_deref()),
+        None => inspector::run(cli.take.as_deref(), cli.state),
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Fit(arguments)) => fit::run(&arguments),
         Some(Command::FitBody(arguments)) => fit_body::run(&arguments),

@@ -2,6 +2,7 @@
 //!
 //! | file | holds |
 //! |---|---|
+//! | `alone` | the picture without header and gutter, for exports |
 //! | [`event`] | [`TileEvent`]: what the user did; [`Drag`]: how a drag moves the body |
 //! | `hand` | press, travel, modifiers, Esc: the pointer's way to those events |
 //! | `header` | badge, name, view mode, link, expand, more |
@@ -10,6 +11,7 @@
 //! | `legend` | the strip under the picture |
 //! | `hover_card` | the numbers of the pixel under the pointer |
 
+mod alone;
 pub mod event;
 mod gutter;
 mod hand;
@@ -22,6 +24,7 @@ use backlit_tracking::body::Model;
 use backlit_tracking::silhouette::Overlap;
 use egui::{Id, Rect, StrokeKind, Ui, UiBuilder, pos2};
 
+pub(crate) use alone::PictureAlone;
 pub use event::{Drag, TileEvent};
 
 use crate::picture::{JointId, JointMark, PictureInput, ProjectedLimb, SightRay, ViewMode};
@@ -105,6 +108,9 @@ struct TileLayout {
     header: Rect,
     picture: Rect,
     gutter: Option<Rect>,
+    /// What the picture leaves free at its foot for the legend.
+    reserved: f32,
+    has_legend: bool,
 }
 
 impl TileLayout {
@@ -115,10 +121,11 @@ impl TileLayout {
         let below = Rect::from_min_max(pos2(tile.left(), header.bottom()), tile.max);
         let shown = Framing::Whole.view(below, size_px, None).picture_rect(size_px).width();
         if below.width() - shown < size::GUTTER_FROM {
-            return Self { header, picture: below, gutter: None };
+            let reserved = legend::RESERVED;
+            return Self { header, picture: below, gutter: None, reserved, has_legend: true };
         }
         let (picture, gutter) = below.split_left_right_at_x(below.right() - size::GUTTER);
-        Self { header, picture, gutter: Some(gutter) }
+        Self { header, picture, gutter: Some(gutter), reserved: 0.0, has_legend: true }
     }
 }
 

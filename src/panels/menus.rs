@@ -66,6 +66,7 @@ const fn begins_group(action: Action) -> bool {
         action,
         A::OpenProject
             | A::Save
+            | A::ExportView
             | A::Quit
             | A::CopyPose
             | A::Mirror

@@ -8,6 +8,7 @@ pub(crate) mod convergence;
 pub(crate) mod dock;
 pub(crate) mod empty;
 pub(crate) mod explanation;
+pub(crate) mod export_dialog;
 mod joint;
 pub(crate) mod laboratory;
 mod measurement;

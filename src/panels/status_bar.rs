@@ -23,6 +23,11 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
                 if showing.busy.is_long() && !showing.busy.opening {
                     command::named_button(ui, showing, intents, Action::Stop, "Cancel");
                 }
+                if let Some((done, total)) = showing.busy.exporting {
+                    command::button(ui, showing, intents, Action::StopExport);
+                    let text = format!("Exporting, {done} of {total}.");
+                    ui.label(RichText::new(text).small().color(palette.text2));
+                }
                 let text = RichText::new(sentence(showing)).small().color(palette.text2);
                 ui.add(egui::Label::new(text).truncate());
             });

@@ -6,7 +6,7 @@ use backlit_tracking::body::Kinematics;
 use backlit_tracking::camera::Camera;
 use egui::{Rect, Role, Ui, WidgetInfo, pos2};
 
-use super::camera_tile::{CameraTileInput, TileEvent, Wipe, camera_tile};
+use super::camera_tile::{CameraTileInput, PictureAlone, TileEvent, Wipe, camera_tile};
 use crate::pane::Pane;
 use crate::picture::{
     JointId, PictureInput, SightRay, ViewMode, limb_colours, project_joints, project_limbs, sight_ray,
@@ -43,6 +43,8 @@ pub(crate) struct TilesLook<'a> {
     pub(crate) pair: [usize; 2],
     /// The camera in whose view a joint is dragged, and the joint.
     pub(crate) dragged: Option<(usize, JointId)>,
+    /// One camera's picture and nothing else, for an export.
+    pub(crate) picture_alone: Option<PictureAlone>,
 }
 
 /// What all tiles have in common.
@@ -146,6 +148,10 @@ pub(super) fn camera(
         weight: uses.map_or(1.0, |used| used.weight),
         shows_hover_card: true,
     };
+    if let Some(alone) = look.picture_alone {
+        alone.ui(ui, &input);
+        return false;
+    }
     let mut is_dragged = false;
     for event in camera_tile(ui, &input) {
         match event {

@@ -45,13 +45,10 @@ impl Headless {
     ///
     /// egui settles sizes over two frames, so three show a new window as it stays.
     pub fn frames(&mut self, count: usize, events: Vec<Event>, mut ui: impl FnMut(&mut Ui)) -> RgbaImage {
-        let mut events = events;
-        for _ in 1..count {
-            let input = self.input(std::mem::take(&mut events));
-            let mut output = self.ctx.run_ui(input, &mut ui);
-            self.textures.update(&mut output.textures_delta);
-        }
-        let input = self.input(events);
+        let unpainted = count.saturating_sub(1);
+        let (first, last) = if unpainted > 0 { (events, Vec::new()) } else { (Vec::new(), events) };
+        self.run(unpainted, first, &mut ui);
+        let input = self.input(last);
         let mut output = self.ctx.run_ui(input, &mut ui);
         self.textures.update(&mut output.textures_delta);
         let primitives = self.ctx.tessellate(output.shapes, output.pixels_per_point);
@@ -60,6 +57,21 @@ impl Headless {
         let mut canvas = Canvas::new(size_px.x as u32, size_px.y as u32, background);
         canvas.paint(output.pixels_per_point, &primitives, &self.textures);
         canvas.image()
+    }
+
+    /// Runs `count` frames of `ui` and paints none of them. The first of them receives `events`.
+    pub fn run(&mut self, count: usize, events: Vec<Event>, mut ui: impl FnMut(&mut Ui)) {
+        let mut events = events;
+        for _ in 0..count {
+            let input = self.input(std::mem::take(&mut events));
+            let mut output = self.ctx.run_ui(input, &mut ui);
+            self.textures.update(&mut output.textures_delta);
+        }
+    }
+
+    /// Gives the window another size, in points, from the next frame on.
+    pub fn resize(&mut self, size: egui::Vec2) {
+        self.size = size.max(vec2(1.0, 1.0));
     }
 
     fn input(&mut self, events: Vec<Event>) -> RawInput {

@@ -26,7 +26,7 @@ impl FrameData {
 }
 
 /// The frames that were loaded last.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct FrameCache {
     frames: VecDeque<Arc<FrameData>>,
 }

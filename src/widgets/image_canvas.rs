@@ -226,6 +226,11 @@ pub fn cached_texture(
     handle
 }
 
+/// Forgets all textures of [`cached_texture`]: they are made anew when they are next shown.
+pub fn forget_textures(ctx: &Context) {
+    ctx.data_mut(|data| data.remove_by_type::<CachedTexture>());
+}
+
 /// The image with every n-th row and column, so that no side is longer than a texture's can be.
 fn within_side(image: ColorImage, side: usize) -> ColorImage {
     let [width, height] = image.size;

@@ -37,7 +37,8 @@ const MAP_WORDS: f32 = 160.0;
 /// Height of a map's bar.
 const BAR: f32 = 6.0;
 
-pub(super) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, shown: ViewMode) {
+/// Shows the strip, if there is anything to say, and returns its height.
+pub(super) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, shown: ViewMode) -> f32 {
     let has_gutter = layout.gutter.is_some();
     let legend = match shown.legend() {
         // The gutter's bar and counts are this legend.
@@ -46,7 +47,7 @@ pub(super) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, sh
     };
     let note = (!has_gutter).then(|| note(input)).flatten();
     if legend == Legend::None && note.is_none() {
-        return;
+        return 0.0;
     }
     let palette = Theme::Dark.palette();
     let fonts = [TextStyle::Small, TextStyle::Monospace].map(|style| style.resolve(ui.style()));
@@ -87,6 +88,7 @@ pub(super) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, sh
     }
     let node = ui.interact(strip, ui.scope_id().with("legend"), Sense::hover());
     node.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("Legend: {}", words.join(", "))));
+    height
 }
 
 /// An entry laid out.

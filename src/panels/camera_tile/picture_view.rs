@@ -25,6 +25,7 @@ const WIPE_HEIGHT: f32 = 0.6;
 /// Width of the wipe's line.
 const WIPE_WIDTH: f32 = 1.5;
 
+/// Shows the picture and says how high its legend is.
 pub(super) fn show(
     ui: &Ui,
     id: Id,
@@ -32,11 +33,10 @@ pub(super) fn show(
     input: &CameraTileInput<'_>,
     state: &mut TileState,
     events: &mut Vec<TileEvent>,
-) {
+) -> f32 {
     let rect = layout.picture;
     let size_px = input.picture.size;
-    let reserved = if layout.gutter.is_none() { legend::RESERVED } else { 0.0 };
-    let free = Rect::from_min_max(rect.min, pos2(rect.right(), rect.bottom() - reserved));
+    let free = Rect::from_min_max(rect.min, pos2(rect.right(), rect.bottom() - layout.reserved));
     let mut view = input.framing.view(free, size_px, input.subject_px);
     let response = ui.interact(rect, id.with("picture"), Sense::DRAG);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("{} picture", input.name)));
@@ -67,8 +67,8 @@ pub(super) fn show(
     if let Some(wipe) = wipe {
         paint_wipe(&painter, rect, wipe);
     }
-    legend::show(ui, layout, input, shown);
     show_card(ui, id, &response, &view, input, state);
+    if layout.has_legend { legend::show(ui, layout, input, shown) } else { 0.0 }
 }
 
 /// One view mode in one part of the picture.

@@ -1,0 +1,289 @@
+//! What matters of the window, as a JSON file that is written anew whenever it changes: for tests that drive
+//! the window from outside, and for looking into a window that misbehaves. `docs/formats.md` describes it.
+
+use std::collections::{BTreeMap, HashMap};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use egui::accesskit::{Node, NodeId, Role, Toggled, TreeUpdate};
+use egui::{Context, FullOutput};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::App;
+use super::state::Overlay;
+use crate::document::TakeSource;
+use crate::notices::{Notice, Severity};
+use crate::picture::joint_name;
+use crate::session::Run;
+use crate::worker::Lane;
+
+/// Name and version of the file's format.
+const FORMAT: &str = "backlit-state 1";
+
+/// Writes the state after each frame in which it changed.
+#[derive(Debug)]
+struct StateWriter {
+    path: PathBuf,
+    /// What the app says of itself.
+    state: Value,
+    /// What was written last, without its serial number.
+    written: Option<Exported>,
+    serial: u64,
+    has_failed: bool,
+}
+
+/// The file's content.
+#[derive(Debug, Serialize, PartialEq)]
+struct Exported {
+    pixels_per_point: f32,
+    state: Value,
+    widgets: Vec<Widget>,
+}
+
+/// A widget that has a name.
+#[derive(Debug, Serialize, PartialEq)]
+struct Widget {
+    name: String,
+    role: String,
+    /// Left, top, width, height in points of the window.
+    rect: [f64; 4],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    value: Option<Value>,
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    disabled: bool,
+}
+
+impl egui::Plugin for StateWriter {
+    fn debug_name(&self) -> &'static str {
+        "exported state"
+    }
+
+    fn output_hook(&mut self, _ctx: &Context, output: &mut FullOutput) {
+        let Some(update) = &output.platform_output.accesskit_update else { return };
+        let exported = Exported {
+            pixels_per_point: output.pixels_per_point,
+            state: self.state.clone(),
+            widgets: widgets(update),
+        };
+        if self.written.as_ref() != Some(&exported) {
+            self.serial += 1;
+            let result = write(&self.path, self.serial, &exported);
+            if let (Err(error), false) = (&result, self.has_failed) {
+                tracing::error!("{}: the state was not written: {error}", self.path.display());
+            }
+            self.has_failed = result.is_err();
+            self.written = Some(exported);
+        }
+    }
+}
+
+/// Whole or not at all, and without waiting for the disk: who reads it reads it now.
+fn write(path: &Path, serial: u64, exported: &Exported) -> std::io::Result<()> {
+    let mut content = serde_json::to_value(exported)?;
+    if let Some(fields) = content.as_object_mut() {
+        fields.insert("format".to_owned(), json!(FORMAT));
+        fields.insert("serial".to_owned(), json!(serial));
+    }
+    let mut part = path.as_os_str().to_owned();
+    part.push(".part");
+    let mut file = std::fs::File::create(&part)?;
+    file.write_all(&serde_json::to_vec_pretty(&content)?)?;
+    drop(file);
+    std::fs::rename(&part, path)
+}
+
+/// The nodes that have a name, in the order of the tree.
+fn widgets(update: &TreeUpdate) -> Vec<Widget> {
+    let nodes: HashMap<NodeId, &Node> = update.nodes.iter().map(|(id, node)| (*id, node)).collect();
+    let Some(tree) = &update.tree else { return Vec::new() };
+    let mut widgets = Vec::new();
+    let mut rest = vec![tree.root];
+    while let Some(id) = rest.pop() {
+        let Some(node) = nodes.get(&id) else { continue };
+        rest.extend(node.children().iter().rev());
+        if let (Some(name), Some(bounds), false) = (name_of(node, &nodes), node.bounds(), node.is_hidden()) {
+            let rect =
+                [bounds.x0, bounds.y0, bounds.width(), bounds.height()].map(|x| (x * 10.0).round() / 10.0);
+            let disabled = node.is_disabled();
+            let role = format!("{:?}", node.role());
+            widgets.push(Widget { name, role, rect, value: value_of(node), disabled });
+        }
+    }
+    widgets
+}
+
+/// What a node is called: by itself, by the nodes that label it, or by its own text.
+fn name_of(node: &Node, nodes: &HashMap<NodeId, &Node>) -> Option<String> {
+    let own = |node: &Node| node.label().or_else(|| node.value()).map(str::to_owned);
+    let labels = || {
+        let texts: Vec<String> =
+            node.labelled_by().iter().filter_map(|id| nodes.get(id).and_then(|node| own(node))).collect();
+        (!texts.is_empty()).then(|| texts.join(" "))
+    };
+    let text = || (node.role() == Role::Label).then(|| own(node)).flatten();
+    node.label().map(str::to_owned).or_else(labels).or_else(text).filter(|name| !name.is_empty())
+}
+
+fn value_of(node: &Node) -> Option<Value> {
+    let toggled = node.toggled().map(|toggled| json!(toggled == Toggled::True));
+    let number = || node.numeric_value().map(|value| json!(value));
+    let selected = || node.is_selected().map(|selected| json!(selected));
+    let text = || node.value().filter(|_| node.role() != Role::Label).map(|text| json!(text));
+    toggled.or_else(selected).or_else(number).or_else(text)
+}
+
+impl App {
+    /// Hands the state of this frame to who writes it, if anybody does.
+    pub(super) fn export_state(&self) {
+        let Some(path) = &self.state_file else { return };
+        let state = self.exported_state();
+        let writer = self.context.plugin_opt::<StateWriter>().unwrap_or_else(|| {
+            self.context.enable_accesskit();
+            let path = path.clone();
+            let writer =
+                StateWriter { path, state: Value::Null, written: None, serial: 0, has_failed: false };
+            self.context.add_plugin(writer);
+            // The widgets are named from the next frame on.
+            self.context.request_repaint();
+            self.context.plugin::<StateWriter>()
+        });
+        writer.lock().state = state;
+    }
+
+    /// What matters of the window.
+    fn exported_state(&self) -> Value {
+        let (session, selection, document) = (&self.session, &self.selection, self.document());
+        let model = &document.model;
+        let pose = self.shown_pose();
+        let rotations: BTreeMap<&str, [f64; 4]> = model
+            .rotation_owners()
+            .iter()
+            .zip(&pose.rotations)
+            .map(|(&owner, q)| (model.limbs()[owner].name.as_str(), [q.w, q.x, q.y, q.z]))
+            .collect();
+        let step = selection.step.map(|step| json!({"run": step.run, "step": step.step}));
+        json!({
+            "idle": self.is_idle(),
+            "busy": self.busy_lanes(),
+            "take": self.exported_take(),
+            "project": self.project,
+            "unsaved": self.history.is_dirty(),
+            "recovery": self.recovery,
+            "undo": self.history.undo_text(),
+            "redo": self.history.redo_text(),
+            "frame": selection.frame,
+            "camera": selection.camera,
+            "joint": joint_name(model, selection.joint),
+            "limb": model.limbs()[selection.limb(model)].name,
+            "held": self.held.is_some(),
+            "step": step,
+            "pose": {"root": pose.root.to_array(), "rotations": rotations},
+            "cost": session.predicted.as_ref().map(|predicted| predicted.mismatch),
+            "rms": session.predicted.as_ref().and_then(|predicted| predicted.rms),
+            "iou": session.iou(),
+            "stale": session.is_stale,
+            "renderer": document.fit.renderer.name(),
+            "runs": session.runs.iter().map(run).collect::<Vec<_>>(),
+            "cameras": self.exported_cameras(),
+            "layout": self.look.layout,
+            "theme": self.look.theme,
+            "panel": self.look.panel,
+            "lanes": self.look.lanes,
+            "alone": self.docking.alone.map(|pane| pane.title()),
+            "playing": self.next_played.is_some(),
+            "track": self.exported_track(),
+            "notices": self.notices.cards().map(notice).collect::<Vec<_>>(),
+            "messages": self.notices.all().len(),
+            "over": self.overlay.as_ref().map(overlay_name),
+        })
+    }
+
+    fn busy_lanes(&self) -> Vec<String> {
+        let lanes = [Lane::Predict, Lane::Open, Lane::Load, Lane::Save, Lane::Fit, Lane::Survey, Lane::Track];
+        let busy = lanes.into_iter().filter(|lane| self.worker.is_busy(*lane));
+        busy.map(|lane| format!("{lane:?}").to_lowercase()).collect()
+    }
+
+    fn exported_take(&self) -> Value {
+        let Some(take) = &self.session.take else { return Value::Null };
+        let source = match &take.source {
+            Some(TakeSource::BuiltIn) => json!("built-in"),
+            Some(TakeSource::Demonstration(which)) => json!({"demonstration": which.name()}),
+            Some(TakeSource::Path(path)) => json!({"path": path}),
+            None => Value::Null,
+        };
+        json!({
+            "name": take.name,
+            "source": source,
+            "frames": self.session.frame_count(),
+            "cameras": self.session.camera_count(),
+            "loaded": self.session.frames.get(self.selection.frame).is_some(),
+        })
+    }
+
+    fn exported_cameras(&self) -> Vec<Value> {
+        let predicted = self.session.predicted.as_ref();
+        let tiles = self.tiles_look().tiles;
+        let camera = |(index, camera): (usize, &crate::document::CameraUse)| {
+            let overlap = predicted.and_then(|predicted| predicted.cameras.get(index)?.overlap);
+            let tile = tiles.get(index);
+            json!({
+                "name": camera.name,
+                "used": camera.used,
+                "weight": camera.weight,
+                "mode": tile.map(|tile| tile.mode),
+                "wipe": tile.and_then(|tile| tile.wipe).map(|wipe| json!({"other": wipe.other, "at": wipe.at})),
+                "iou": overlap.and_then(|overlap| overlap.iou()),
+            })
+        };
+        self.document().cameras.iter().enumerate().map(camera).collect()
+    }
+
+    fn exported_track(&self) -> Value {
+        let document = self.document();
+        let lost = document.estimates.iter().filter(|(_, found)| found.lost).map(|(frame, _)| *frame);
+        let running = self.session.tracking.map(
+            |tracking| json!({"done": tracking.done, "total": tracking.total, "backwards": tracking.backwards}),
+        );
+        json!({
+            "frames": document.estimates.len(),
+            "first": document.estimates.keys().next(),
+            "last": document.estimates.keys().next_back(),
+            "lost": lost.collect::<Vec<_>>(),
+            "keys": document.keys.keys().collect::<Vec<_>>(),
+            "running": running,
+        })
+    }
+}
+
+fn run(run: &Run) -> Value {
+    json!({
+        "name": run.name,
+        "detail": run.detail,
+        "frame": run.frame,
+        "steps": run.steps.len().saturating_sub(1),
+        "rejected": run.steps.iter().filter(|step| !step.accepted).count(),
+        "cost": run.steps.last().map(|step| step.mismatch),
+        "ending": run.ending.as_ref().map(|_| run.ending_text()),
+        "shown": run.is_shown,
+    })
+}
+
+fn notice(notice: &Notice) -> Value {
+    json!({
+        "text": notice.text,
+        "error": notice.severity == Severity::Error,
+        "action": notice.action.map(|action| action.text()),
+    })
+}
+
+fn overlay_name(overlay: &Overlay) -> &'static str {
+    match overlay {
+        Overlay::Palette(_) => "palette",
+        Overlay::Shortcuts(_) => "keys",
+        Overlay::Messages => "messages",
+        Overlay::About => "about",
+        Overlay::Export(_) => "export",
+    }
+}
