@@ -1,6 +1,8 @@
 //! Λ as a picture.
 
+use super::kernels::lanes::Lanes;
 use super::kernels::scalar::RowWinners;
+use super::primitive::Solid;
 use super::ramp::BACKGROUND;
 use super::{Ramp, RendererKind, View};
 use crate::body::{Kinematics, Model};
@@ -76,56 +78,34 @@ pub fn lambda(view: &View) -> Vec<f32> {
     levels(view).into_iter().map(|level| level as f32).collect()
 }
 
+/// λ/255 of the lanes this near to a half is looked at again in f64. Their error is a hundredth of it.
+const DOUBT: f32 = 2e-3;
+
 /// Which pixels the model covers: where λ of the view is below a half. For overlaps.
 ///
-/// The pixels of [`lambda`], but found faster: a convex solid before the camera covers one stretch of a row, so
-/// that only the ends of the stretch are looked at.
+/// The pixels of [`lambda`], but found by the fast kernel where that can: pixels about which f32 might be wrong are
+/// decided by the plain one.
 #[must_use]
 pub fn covered(view: &View) -> Vec<bool> {
     let width = view.width();
-    let mut covered = vec![false; width * view.height()];
-    for primitive in view.primitives() {
-        let bounds = primitive.bounds;
-        // Through a lens rows are bent.
-        let is_convex = view.is_pinhole() && primitive.is_convex_before_camera();
-        let mut stretch = None;
-        for y in bounds.y0..bounds.y1 {
-            let row = &mut covered[y * width..][..width];
-            let is_dark = |x: usize| primitive.ramp.unclipped(primitive.squared(view.ray(x, y))) < 0.5;
-            if is_convex {
-                stretch = stretch_of(bounds.x0, bounds.x1, stretch, is_dark);
-                if let Some([first, last]) = stretch {
-                    row[first..=last].fill(true);
-                }
-            } else {
-                (bounds.x0..bounds.x1).filter(|&x| is_dark(x)).for_each(|x| row[x] = true);
-            }
-        }
+    // On the rim of a flat cap λ jumps, and f32 may jump elsewhere.
+    let has_caps =
+        view.primitives().iter().any(|primitive| matches!(primitive.solid, Solid::Cylinder { .. }));
+    if has_caps || !Lanes::can_take(view) {
+        return levels(view).into_iter().map(|level| level < BACKGROUND / 2.0).collect();
     }
+    let mut covered = vec![false; width * view.height()];
+    let is_dark = |x: usize, y: usize| {
+        let ray = view.ray(x, y);
+        let mut near = view.primitives().iter().filter(|primitive| primitive.bounds.contains(x, y));
+        near.any(|primitive| primitive.ramp.unclipped(primitive.squared(ray)) < 0.5)
+    };
+    Lanes::default().look(view, |y, from, levels| {
+        for ((x, covered), &level) in (from..).zip(&mut covered[y * width + from..]).zip(levels) {
+            *covered = if (level - 0.5).abs() < DOUBT { is_dark(x, y) } else { level < 0.5 };
+        }
+    });
     covered
-}
-
-/// First and last dark column of a row in which the dark ones are one stretch, looked for from where the ends of
-/// the row above were.
-fn stretch_of(
-    x0: usize,
-    x1: usize,
-    above: Option<[usize; 2]>,
-    is_dark: impl Fn(usize) -> bool,
-) -> Option<[usize; 2]> {
-    let [left, right] = above.unwrap_or([x0, x0]);
-    let first = if is_dark(left) {
-        (x0..left).rev().take_while(|&x| is_dark(x)).last().unwrap_or(left)
-    } else {
-        (left..x1).find(|&x| is_dark(x)).or_else(|| (x0..left).find(|&x| is_dark(x)))?
-    };
-    let right = right.max(first);
-    let last = if is_dark(right) {
-        (right..x1).take_while(|&x| is_dark(x)).last().unwrap_or(right)
-    } else {
-        (first..right).rev().find(|&x| is_dark(x)).unwrap_or(first)
-    };
-    Some([first, last])
 }
 
 /// λ alone, in f64: for files that others compare.

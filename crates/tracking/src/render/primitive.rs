@@ -100,17 +100,6 @@ impl Primitive {
         }
     }
 
-    /// Whether its outline is convex: one convex body, all of it before the camera's plane.
-    #[must_use]
-    pub fn is_convex_before_camera(&self) -> bool {
-        let reach = self.ramp.reach();
-        match self.solid {
-            Solid::Capsule { p0, p1 } | Solid::Cylinder { p0, p1 } => p0.z.min(p1.z) > reach,
-            Solid::Sphere { centre, .. } => centre.z > reach,
-            Solid::Spheres { .. } => false,
-        }
-    }
-
     /// The nearest candidate along the unit ray u, with derivatives.
     #[must_use]
     pub fn candidate(&self, u: DVec3) -> Option<Candidate> {
@@ -202,6 +191,12 @@ impl PixelBox {
     #[must_use]
     pub fn whole(width: usize, height: usize) -> Self {
         Self { x0: 0, x1: width, y0: 0, y1: height }
+    }
+
+    /// Whether a pixel is in it.
+    #[must_use]
+    pub fn contains(&self, x: usize, y: usize) -> bool {
+        (self.x0..self.x1).contains(&x) && (self.y0..self.y1).contains(&y)
     }
 
     /// Whether it holds no pixel.

@@ -37,6 +37,13 @@ impl SampledData {
         Self::of(grid)
     }
 
+    /// The same of a picture of a width and a height whose D and weight are worked out, pixel by pixel: what lies
+    /// between the samples is never asked for.
+    #[must_use]
+    pub fn of_pixels(size: [usize; 2], stride: usize, data: impl Fn(usize) -> (f32, f32)) -> Self {
+        Self::of(Grid::of_pixels(size, stride, data))
+    }
+
     /// The same with pixels doubted whose residual at a pose is too large to be believed: weights times c′(ρ²), in
     /// grey levels.
     ///
@@ -52,15 +59,23 @@ impl SampledData {
     }
 
     fn of(grid: Grid) -> Self {
-        let (mut empty_cost, mut total_weight) = (0.0, 0.0);
+        // Several sums side by side do not wait for one another. What pads a row weighs nothing.
+        const LANES: usize = 8;
+        let (mut costs, mut weights) = ([0.0; LANES], [0.0; LANES]);
         for row in 0..grid.rows {
             let data = grid.row(row);
-            for (&value, &weight) in data.values.iter().zip(data.weights).take(grid.columns) {
-                empty_cost += f64::from(weight) * (f64::from(value) - BACKGROUND).powi(2);
-                total_weight += f64::from(weight);
+            let (values, row_weights) =
+                (data.values.as_chunks::<LANES>().0, data.weights.as_chunks::<LANES>().0);
+            for (values, row_weights) in values.iter().zip(row_weights) {
+                for lane in 0..LANES {
+                    let weight = f64::from(row_weights[lane]);
+                    let from_background = f64::from(values[lane]) - BACKGROUND;
+                    costs[lane] += weight * (from_background * from_background);
+                    weights[lane] += weight;
+                }
             }
         }
-        Self { grid, empty_cost, total_weight }
+        Self { grid, empty_cost: costs.iter().sum(), total_weight: weights.iter().sum() }
     }
 
     /// Σ w over the sampled pixels: what the cost is divided by for a mean.

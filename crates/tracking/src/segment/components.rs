@@ -1,9 +1,11 @@
-//! Connected components of a binary image (bytes 0 or 1, row by row): drop small ones, fill small holes.
+//! Connected components of a binary image: drop small ones, fill small holes.
 //!
 //! Components are joined from runs of equal pixels, row by row, by union-find with path halving. The older run is always
 //! the root, so the numbering does not depend on anything but the image.
 
 use std::ops::Range;
+
+use super::bit_image::BitImage;
 
 /// Which neighbours belong together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,58 +17,57 @@ enum Connectivity {
 }
 
 /// Clears every 8-connected component with fewer pixels than `min_px` or than `min_fraction` of the largest one.
-pub(super) fn drop_small(bits: &mut [u8], width: usize, min_px: usize, min_fraction: f32) {
-    let components = Components::find(bits, width, 1, Connectivity::Eight);
+pub(super) fn drop_small(image: &mut BitImage, min_px: usize, min_fraction: f32) {
+    let components = Components::find(image, true, Connectivity::Eight);
     let largest = components.sizes.iter().copied().max().unwrap_or(0);
     let limit = min_px.max((f64::from(min_fraction) * largest as f64).ceil() as usize);
-    components.paint(bits, 0, |root| components.sizes[root] < limit);
+    components.paint(image, false, |root| components.sizes[root] < limit);
 }
 
 /// Sets every hole of at most `max_px` pixels: a 4-connected component of clear pixels that does not reach the image's
 /// border.
-pub(super) fn fill_holes(bits: &mut [u8], width: usize, max_px: usize) {
-    let components = Components::find(bits, width, 0, Connectivity::Four);
-    components.paint(bits, 1, |root| components.sizes[root] <= max_px && !components.at_border[root]);
+pub(super) fn fill_holes(image: &mut BitImage, max_px: usize) {
+    let components = Components::find(image, false, Connectivity::Four);
+    components.paint(image, true, |root| components.sizes[root] <= max_px && !components.at_border[root]);
+}
+
+/// A run of equal pixels.
+#[derive(Clone, Debug)]
+struct Run {
+    y: usize,
+    columns: Range<usize>,
 }
 
 /// The runs of one value, joined. Entries of `sizes` and `at_border` count only at roots.
+#[derive(Default)]
 struct Components {
-    runs: Vec<Range<usize>>,
+    runs: Vec<Run>,
     parents: Vec<usize>,
     sizes: Vec<usize>,
     at_border: Vec<bool>,
 }
 
 impl Components {
-    fn find(bits: &[u8], width: usize, value: u8, connectivity: Connectivity) -> Self {
-        let mut found =
-            Self { runs: Vec::new(), parents: Vec::new(), sizes: Vec::new(), at_border: Vec::new() };
-        if width == 0 {
-            return found;
-        }
+    fn find(image: &BitImage, value: bool, connectivity: Connectivity) -> Self {
+        let mut found = Self::default();
         let reach = usize::from(connectivity == Connectivity::Eight);
         let mut above = 0..0;
-        for (y, row) in bits.chunks_exact(width).enumerate() {
+        for y in 0..image.height {
             let first = found.runs.len();
             let mut candidate = above.start;
-            let mut x = 0;
-            while let Some(skipped) = row[x..].iter().position(|&bit| bit == value) {
-                let start = x + skipped;
-                let end = row[start..].iter().position(|&bit| bit != value).map_or(width, |n| start + n);
-                let run = y * width + start..y * width + end;
-                let at_border = y == 0 || (y + 1) * width == bits.len() || start == 0 || end == width;
-                found.push(run.clone(), at_border);
+            for columns in image.runs(y, value) {
+                let is_at_side = columns.start == 0 || columns.end == image.width;
+                found
+                    .push(Run { y, columns: columns.clone() }, is_at_side || y == 0 || y + 1 == image.height);
                 // The runs above that reach this one; the last of them may reach the next one too.
-                while candidate < above.end && found.runs[candidate].end + width + reach <= run.start {
+                while candidate < above.end && found.runs[candidate].columns.end + reach <= columns.start {
                     candidate += 1;
                 }
-                let touching =
-                    (candidate..above.end).take_while(|&c| found.runs[c].start + width < run.end + reach);
-                let touching: Range<usize> = candidate..candidate + touching.count();
-                for other in touching {
-                    found.join(other);
+                let mut touching = candidate;
+                while touching < above.end && found.runs[touching].columns.start < columns.end + reach {
+                    found.join(touching);
+                    touching += 1;
                 }
-                x = end;
             }
             above = first..found.runs.len();
         }
@@ -77,9 +78,9 @@ impl Components {
         found
     }
 
-    fn push(&mut self, run: Range<usize>, at_border: bool) {
+    fn push(&mut self, run: Run, at_border: bool) {
         self.parents.push(self.runs.len());
-        self.sizes.push(run.len());
+        self.sizes.push(run.columns.len());
         self.at_border.push(at_border);
         self.runs.push(run);
     }
@@ -104,10 +105,10 @@ impl Components {
     }
 
     /// Writes `value` to the components whose root is chosen.
-    fn paint(&self, bits: &mut [u8], value: u8, choose: impl Fn(usize) -> bool) {
+    fn paint(&self, image: &mut BitImage, value: bool, choose: impl Fn(usize) -> bool) {
         for (run, &root) in self.runs.iter().zip(&self.parents) {
             if choose(root) {
-                bits[run.clone()].fill(value);
+                image.fill(run.y, run.columns.clone(), value);
             }
         }
     }
@@ -117,12 +118,11 @@ impl Components {
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::morphology::tests::bits;
     use super::*;
 
     #[test]
     fn small_components_go_and_diagonal_neighbours_stay_together() {
-        let (mut image, width) = bits(
+        let mut image = BitImage::from_ascii(
             "
             #....##
             .#...##
@@ -130,8 +130,8 @@ mod tests {
             ......#
         ",
         );
-        drop_small(&mut image, width, 3, 0.0);
-        let (expected, _) = bits(
+        drop_small(&mut image, 3, 0.0);
+        let expected = BitImage::from_ascii(
             "
             #....##
             .#...##
@@ -140,8 +140,8 @@ mod tests {
         ",
         );
         assert_eq!(image, expected);
-        drop_small(&mut image, width, 0, 0.9);
-        let (expected, _) = bits(
+        drop_small(&mut image, 0, 0.9);
+        let expected = BitImage::from_ascii(
             "
             .....##
             .....##
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn small_inner_holes_are_filled() {
-        let (mut image, width) = bits(
+        let mut image = BitImage::from_ascii(
             "
             .######..
             ##.#..#.#
@@ -162,8 +162,8 @@ mod tests {
             #######.#
         ",
         );
-        fill_holes(&mut image, width, 2);
-        let (expected, _) = bits(
+        fill_holes(&mut image, 2);
+        let expected = BitImage::from_ascii(
             "
             .######..
             ####..#.#
@@ -172,8 +172,8 @@ mod tests {
         ",
         );
         assert_eq!(image, expected);
-        fill_holes(&mut image, width, 4);
-        let (expected, _) = bits(
+        fill_holes(&mut image, 4);
+        let expected = BitImage::from_ascii(
             "
             .######..
             #######.#
@@ -213,16 +213,17 @@ mod tests {
         ) {
             let bits = &bits[..70 / width * width];
             let connectivity = if eight { Connectivity::Eight } else { Connectivity::Four };
-            let found = Components::find(bits, width, value, connectivity);
+            let found = Components::find(&BitImage::from_bytes(bits, width), value == 1, connectivity);
+            let start = |run: usize| found.runs[run].y * width + found.runs[run].columns.start;
             let mut labels = vec![None; bits.len()];
             for run in 0..found.runs.len() {
                 let root = found.parents[run];
-                labels[found.runs[run].clone()].fill(Some(found.runs[root].start));
+                labels[start(run)..][..found.runs[run].columns.len()].fill(Some(start(root)));
             }
             let expected = flood(bits, width, value, eight);
             prop_assert_eq!(&labels, &expected);
             for root in (0..found.runs.len()).filter(|&run| found.parents[run] == run) {
-                let label = Some(found.runs[root].start);
+                let label = Some(start(root));
                 prop_assert_eq!(found.sizes[root], labels.iter().filter(|&&other| other == label).count());
             }
         }

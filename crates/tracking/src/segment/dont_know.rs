@@ -4,10 +4,11 @@
 //! Such pixels, and those close by, become unknown: they neither pull nor push a limb.
 
 use image::RgbImage;
+use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
 use super::background::Background;
-use super::morphology;
+use super::bit_image::BitImage;
 
 /// Where nobody can tell subject from background.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,23 +28,48 @@ impl Default for DontKnowOptions {
     }
 }
 
-/// For each pixel whether it is dark in both, or close to such a pixel.
+/// The pixels that are dark in both, and those close by.
 pub(super) fn dark_places(
     frame: &RgbImage,
     background: &Background,
     gains: [f32; 3],
     options: &DontKnowOptions,
-) -> Vec<u8> {
-    let row = 3 * background.width();
-    let row_gains = gains.repeat(background.width());
-    let mut channels = vec![0_u8; row];
-    let mut dark = Vec::with_capacity(background.mean().len());
-    let level = options.dark_level;
-    for (i, mu) in frame.as_raw().chunks_exact(row).zip(background.mean().as_flattened().chunks_exact(row)) {
-        for (((dark, &i), &mu), &gain) in channels.iter_mut().zip(i).zip(mu).zip(&row_gains) {
-            *dark = u8::from(f32::from(i) <= level) & u8::from(gain * mu <= level);
+) -> BitImage {
+    let mut dark = Arch::new().dispatch(DarkInFrame { frame, level: options.dark_level });
+    let (width, means, level) = (background.width(), background.mean(), options.dark_level);
+    dark.retain(|x, y| {
+        let mean = means[y * width + x];
+        (0..3).all(|c| gains[c] * mean[c] <= level)
+    });
+    dark.dilate(options.grow_px);
+    dark
+}
+
+/// The pixels of a frame none of whose channels is brighter than a level; compiled once more for wider vectors.
+struct DarkInFrame<'a> {
+    frame: &'a RgbImage,
+    level: f32,
+}
+
+impl WithSimd for DarkInFrame<'_> {
+    type Output = BitImage;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> BitImage {
+        let (width, height) = (self.frame.width() as usize, self.frame.height() as usize);
+        // Levels are whole numbers; a float cast rounds down and saturates.
+        let level = self.level as u8;
+        let (mut channels, mut pixels) = (vec![0_u8; 3 * width], vec![0_u8; width]);
+        let mut dark = BitImage::empty(width, height);
+        for (y, levels) in self.frame.as_raw().chunks_exact(3 * width).enumerate() {
+            for (dark, &found) in channels.iter_mut().zip(levels) {
+                *dark = u8::from(found <= level);
+            }
+            for (dark, channels) in pixels.iter_mut().zip(channels.as_chunks::<3>().0) {
+                *dark = channels[0] & channels[1] & channels[2];
+            }
+            dark.set_row(y, &pixels);
         }
-        dark.extend(channels.chunks_exact(3).map(|dark| dark[0] & dark[1] & dark[2]));
+        dark
     }
-    morphology::dilate(&dark, background.width(), options.grow_px)
 }

@@ -21,23 +21,31 @@ const FEWEST: usize = 64;
 
 /// The gain of red, green and blue by which the background must be multiplied to look like the frame.
 pub(super) fn gains(frame: &RgbImage, background: &Background) -> [f32; 3] {
-    let width = background.width();
-    let sampled: Vec<usize> = (0..background.height())
-        .step_by(STRIDE)
-        .flat_map(|y| (0..width).step_by(STRIDE).map(move |x| y * width + x))
-        .collect();
-    [0, 1, 2].map(|channel| {
-        let mut ratios: Vec<f32> = sampled
-            .iter()
-            .map(|&index| (f32::from(frame.as_raw()[3 * index + channel]), background.mean()[index][channel]))
-            .filter(|&(i, mu)| (DARKEST..=BRIGHTEST).contains(&mu) && i <= BRIGHTEST)
-            .map(|(i, mu)| i / mu)
-            .collect();
-        if ratios.len() < FEWEST {
+    let (width, height) = (background.width(), background.height());
+    let (levels, means) = (frame.as_raw().as_chunks::<3>().0, background.mean());
+    let most = width.div_ceil(STRIDE) * height.div_ceil(STRIDE);
+    // Ratios are not negative, so their bits are in the order of the numbers.
+    let mut ratios = [0, 1, 2].map(|_| vec![0_u32; most]);
+    let mut counts = [0; 3];
+    for y in (0..height).step_by(STRIDE) {
+        let row = y * width..(y + 1) * width;
+        let pixels = levels[row.clone()].iter().zip(&means[row]).step_by(STRIDE);
+        for (level, mean) in pixels {
+            for c in 0..3 {
+                // Written in any case, and kept if it counts: a branch would be guessed wrong too often.
+                let (i, mu) = (f32::from(level[c]), mean[c]);
+                ratios[c][counts[c]] = (i / mu).to_bits();
+                counts[c] += usize::from((mu >= DARKEST) & (mu <= BRIGHTEST) & (i <= BRIGHTEST));
+            }
+        }
+    }
+    [0, 1, 2].map(|c| {
+        let found = &mut ratios[c][..counts[c]];
+        if found.len() < FEWEST {
             return 1.0;
         }
-        let middle = ratios.len() / 2;
-        *ratios.select_nth_unstable_by(middle, f32::total_cmp).1
+        let middle = found.len() / 2;
+        f32::from_bits(*found.select_nth_unstable(middle).1)
     })
 }
 

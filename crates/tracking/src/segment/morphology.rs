@@ -1,46 +1,109 @@
-//! Opening and closing of a binary image by a square of (2r + 1)² pixels.
+//! Growing, shrinking, opening and closing of a binary image by a square of (2r + 1)² pixels.
 //!
-//! Images are bytes, 0 or 1, row by row; the work is done on [`BitImage`]s, 64 pixels at a time. The square is separable,
-//! and the extremum over a window of n pixels needs only about log₂ n combinations of shifted copies (1, 2, 4 … pixels, the
-//! last one overlapping).
+//! The square is separable, and the extremum over a window of n pixels needs only about log₂ n combinations of shifted
+//! copies (1, 2, 4 … pixels, the last one overlapping).
 //!
 //! What lies outside the image never decides: it counts as set when eroding and as clear when dilating.
 
-use super::bit_image::BitImage;
+use super::bit_image::{BitImage, PADDING};
 
-/// Removes what a square of (2 · `opening` + 1)² pixels does not fit into, then fills the gaps that one of
-/// (2 · `closing` + 1)² does not fit into.
-pub(super) fn open_and_close(bits: &[u8], width: usize, opening: usize, closing: usize) -> Vec<u8> {
-    let mut image = BitImage::from_bytes(bits, width);
-    image.erode(opening);
-    image.dilate(opening + closing);
-    image.erode(closing);
-    image.to_bytes()
-}
+impl BitImage {
+    /// Removes what a square of (2 · `opening` + 1)² pixels does not fit into, then fills the gaps that one of
+    /// (2 · `closing` + 1)² does not fit into.
+    pub(super) fn open_and_close(&mut self, opening: usize, closing: usize) {
+        self.erode(opening);
+        self.dilate(opening + closing);
+        self.erode(closing);
+    }
 
-/// Sets every pixel within `radius` of a set one, along rows and along columns.
-pub(super) fn dilate(bits: &[u8], width: usize, radius: usize) -> Vec<u8> {
-    let mut image = BitImage::from_bytes(bits, width);
-    image.dilate(radius);
-    image.to_bytes()
+    /// Sets every pixel within `radius` of a set one, along rows and along columns.
+    pub(super) fn dilate(&mut self, radius: usize) {
+        // A larger radius than the image is not different from one that covers it.
+        let (mut along_rows, along_columns) = (radius.min(self.width), radius.min(self.height));
+        if along_columns > 0 {
+            self.dilate_columns(along_columns);
+        }
+        while along_rows > 0 {
+            // Growing twice is growing by the sum.
+            let step = along_rows.min(PADDING);
+            self.dilate_rows(step);
+            along_rows -= step;
+        }
+    }
+
+    /// Clears every pixel within `radius` of a clear one, along rows and along columns.
+    pub(super) fn erode(&mut self, radius: usize) {
+        self.invert();
+        self.dilate(radius);
+        self.invert();
+    }
+
+    /// At most by [`PADDING`].
+    fn dilate_rows(&mut self, radius: usize) {
+        // Shifted by the radius, a pixel's window begins at the pixel itself. The padding takes what leaves the row.
+        let shifted = |words: &[u64], at: usize| words[at] << radius | words[at - 1] >> (64 - radius);
+        let mut window: Vec<u64> = Vec::with_capacity(self.words.len());
+        window.push(self.words[0] << radius);
+        window.extend((1..self.words.len()).map(|at| shifted(&self.words, at)));
+        let mut covered = 1;
+        while covered < 2 * radius + 1 {
+            let shift = covered.min(2 * radius + 1 - covered);
+            for at in 1..window.len() {
+                window[at - 1] |= window[at - 1] >> shift | window[at] << (64 - shift);
+            }
+            if let Some(last) = window.last_mut() {
+                *last |= *last >> shift;
+            }
+            covered += shift;
+        }
+        self.words = window;
+        self.clear_padding();
+    }
+
+    /// At most by the height.
+    fn dilate_columns(&mut self, radius: usize) {
+        let border = radius * self.pitch;
+        let mut rows = Vec::with_capacity(self.words.len() + 2 * border);
+        rows.resize(border, 0);
+        rows.extend_from_slice(&self.words);
+        rows.resize(self.words.len() + 2 * border, 0);
+        let mut covered = 1;
+        while covered < 2 * radius + 1 {
+            let shift = covered.min(2 * radius + 1 - covered) * self.pitch;
+            rows = rows.iter().zip(&rows[shift..]).map(|(a, b)| a | b).collect();
+            covered += shift / self.pitch;
+        }
+        self.words = rows;
+    }
+
+    fn invert(&mut self) {
+        self.words.iter_mut().for_each(|word| *word = !*word);
+        self.clear_padding();
+    }
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use imageproc::distance_transform::Norm;
     use proptest::prelude::*;
 
     use super::*;
 
-    /// Bytes of an ASCII image of `#` and `.`, and its width.
-    pub(in crate::segment) fn bits(text: &str) -> (Vec<u8>, usize) {
-        let rows: Vec<&str> = text.split_whitespace().collect();
-        (rows.concat().bytes().map(|character| u8::from(character == b'#')).collect(), rows[0].len())
+    fn open_and_close(image: &BitImage, opening: usize, closing: usize) -> BitImage {
+        let mut image = image.clone();
+        image.open_and_close(opening, closing);
+        image
+    }
+
+    fn dilate(bits: &[u8], width: usize, radius: usize) -> Vec<u8> {
+        let mut image = BitImage::from_bytes(bits, width);
+        image.dilate(radius);
+        image.to_bytes()
     }
 
     #[test]
     fn opening_removes_specks_and_thin_lines() {
-        let (before, width) = bits(
+        let before = BitImage::from_ascii(
             "
             #......
             ..###..
@@ -49,7 +112,7 @@ pub(super) mod tests {
             .......
         ",
         );
-        let (after, _) = bits(
+        let after = BitImage::from_ascii(
             "
             .......
             ..###..
@@ -58,12 +121,12 @@ pub(super) mod tests {
             .......
         ",
         );
-        assert_eq!(open_and_close(&before, width, 1, 0), after);
+        assert_eq!(open_and_close(&before, 1, 0), after);
     }
 
     #[test]
     fn closing_fills_gaps_and_leaves_the_border_alone() {
-        let (before, width) = bits(
+        let before = BitImage::from_ascii(
             "
             ###.###
             ###.###
@@ -72,7 +135,7 @@ pub(super) mod tests {
             .......
         ",
         );
-        let (after, _) = bits(
+        let after = BitImage::from_ascii(
             "
             #######
             #######
@@ -81,7 +144,7 @@ pub(super) mod tests {
             .......
         ",
         );
-        assert_eq!(open_and_close(&before, width, 0, 1), after);
+        assert_eq!(open_and_close(&before, 0, 1), after);
     }
 
     fn erode(bits: &[u8], width: usize, radius: usize) -> Vec<u8> {
@@ -142,7 +205,7 @@ pub(super) mod tests {
             let picture = image::GrayImage::from_raw(width as u32, 6, picture).unwrap();
             let opened = imageproc::morphology::open(&picture, Norm::LInf, opening as u8);
             let expected = imageproc::morphology::close(&opened, Norm::LInf, closing as u8);
-            let found = open_and_close(&bits, width, opening, closing);
+            let found = open_and_close(&BitImage::from_bytes(&bits, width), opening, closing).to_bytes();
             prop_assert_eq!(found.iter().map(|bit| 255 * bit).collect::<Vec<u8>>(), expected.into_raw());
         }
     }

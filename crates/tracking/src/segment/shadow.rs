@@ -11,6 +11,7 @@ use image::RgbImage;
 use serde::{Deserialize, Serialize};
 
 use super::background::Background;
+use super::bit_image::BitImage;
 use crate::silhouette::Label;
 
 /// When a pixel that differs from the background is only a shadow (or a weak reflection) on it.
@@ -42,21 +43,24 @@ impl ShadowOptions {
     }
 }
 
-/// For each pixel whether it is foreground by its brightness alone.
-pub(super) fn shadows(
-    foreground: &[u8],
+/// Clears the foreground that is so by its brightness alone, pixel by pixel; `on_shadow` hears of each by its index.
+pub(super) fn clear_shadows(
+    foreground: &mut BitImage,
     frame: &RgbImage,
     background: &Background,
     gains: [f32; 3],
     options: &ShadowOptions,
-) -> Vec<u8> {
+    mut on_shadow: impl FnMut(usize),
+) {
     let (width, height) = (background.width(), background.height());
-    let colour = |index: usize| [0, 1, 2].map(|c| f32::from(frame.as_raw()[3 * index + c]));
+    let (levels, means) = (frame.as_raw().as_chunks::<3>().0, background.mean());
+    let colour = |index: usize| levels[index].map(f32::from);
     let expected = |index: usize| {
-        let mean = background.mean()[index];
+        let mean = means[index];
         [0, 1, 2].map(|c| mean[c] * gains[c])
     };
-    let is_shadow = |index: usize| {
+    let is_shadow = |x: usize, y: usize| {
+        let index = y * width + x;
         let (i, mu) = (colour(index), expected(index));
         let ratio = luma(i) / luma(mu).max(1.0);
         if !(options.darkest..=options.brightest).contains(&ratio)
@@ -64,7 +68,6 @@ pub(super) fn shadows(
         {
             return false;
         }
-        let (x, y) = (index % width, index / width);
         let along_x = [index - usize::from(x > 0), index + usize::from(x + 1 < width)];
         let along_y = [index - width * usize::from(y > 0), index + width * usize::from(y + 1 < height)];
         [along_x, along_y].into_iter().all(|[a, b]| {
@@ -72,7 +75,13 @@ pub(super) fn shadows(
             0.5 * (difference(b) - difference(a)).abs() <= options.gradient_tolerance
         })
     };
-    foreground.iter().enumerate().map(|(index, &bit)| u8::from(bit == 1 && is_shadow(index))).collect()
+    foreground.retain(|x, y| {
+        let is_shadow = is_shadow(x, y);
+        if is_shadow {
+            on_shadow(y * width + x);
+        }
+        !is_shadow
+    });
 }
 
 /// Brightness as the eye weighs it (BT.601).
@@ -101,8 +110,12 @@ mod tests {
             }
         }
         let background = Background::from_plate(&plate);
-        let found = shadows(&foreground, &frame, &background, [1.0; 3], &ShadowOptions::default());
-        found.iter().map(|&bit| usize::from(bit)).sum()
+        let mut foreground = BitImage::from_bytes(&foreground, 12);
+        let mut count = 0;
+        let options = ShadowOptions::default();
+        clear_shadows(&mut foreground, &frame, &background, [1.0; 3], &options, |_| count += 1);
+        assert_eq!(foreground.to_bytes().iter().map(|&bit| usize::from(bit)).sum::<usize>(), 16 - count);
+        count
     }
 
     #[test]

@@ -11,9 +11,9 @@ use serde::{Deserialize, Serialize};
 
 use super::background::Background;
 use super::dont_know::{DontKnowOptions, dark_places};
-use super::shadow::{ShadowOptions, shadows};
+use super::shadow::{ShadowOptions, clear_shadows};
 use super::threshold::{Limits, Threshold};
-use super::{components, exposure, morphology};
+use super::{components, exposure};
 use crate::silhouette::{Label, Mask, MaskError, Region};
 
 /// The z-score that normal noise exceeds, on either side, once in 10⁴ pixels.
@@ -200,57 +200,45 @@ fn find_subject(
         None => threshold.foreground(frame, background),
     };
     if let Some(region) = options.region {
-        clear_outside(&mut subject, width, region, 0);
+        subject.retain(|x, y| region.contains(x, y));
     }
-    if let Some(shadow_options) = &options.shadow {
-        let shadow = shadows(&subject, frame, background, gains, shadow_options);
-        for ((subject, shadow), label) in subject.iter_mut().zip(shadow).zip(mask.labels_mut()) {
-            *subject &= 1 - shadow;
-            *label = if shadow == 1 { shadow_options.label() } else { *label };
-        }
+    if let Some(shadow) = &options.shadow {
+        let (labels, label) = (mask.labels_mut(), shadow.label());
+        clear_shadows(&mut subject, frame, background, gains, shadow, |index| labels[index] = label);
     }
-    subject = morphology::open_and_close(&subject, width, options.opening_px, options.closing_px);
+    subject.open_and_close(options.opening_px, options.closing_px);
     if options.min_component_px > 1 {
-        components::drop_small(&mut subject, width, options.min_component_px, 0.0);
+        components::drop_small(&mut subject, options.min_component_px, 0.0);
     }
     if options.min_group_fraction > 0.0 {
-        let mut groups = morphology::dilate(&subject, width, options.group_px);
-        components::drop_small(&mut groups, width, 0, options.min_group_fraction);
-        subject.iter_mut().zip(groups).for_each(|(subject, group)| *subject &= group);
+        let mut groups = subject.clone();
+        groups.dilate(options.group_px);
+        components::drop_small(&mut groups, 0, options.min_group_fraction);
+        subject.intersect(&groups);
     }
     if options.fill_holes_px > 0 {
-        components::fill_holes(&mut subject, width, options.fill_holes_px);
+        components::fill_holes(&mut subject, options.fill_holes_px);
     }
 
-    for (label, &subject) in mask.labels_mut().iter_mut().zip(&subject) {
-        *label = if subject == 1 { Label::Subject } else { *label };
+    for (y, row) in mask.labels_mut().chunks_exact_mut(width).enumerate() {
+        subject.runs(y, true).for_each(|run| row[run].fill(Label::Subject));
     }
     if let Some(dont_know) = &options.dont_know {
-        let dark = dark_places(frame, background, gains, dont_know);
         let surely = Threshold { z: dont_know.sure_z, ..threshold };
-        for (index, (label, dark)) in mask.labels_mut().iter_mut().zip(dark).enumerate() {
-            if dark == 1 && !(*label == Label::Subject && surely.is_off(frame, background, index)) {
-                *label = Label::Unknown;
-            }
+        let mut dark = dark_places(frame, background, gains, dont_know);
+        dark.retain(|x, y| !(subject.get(x, y) && surely.is_off(frame, background, y * width + x)));
+        for (y, row) in mask.labels_mut().chunks_exact_mut(width).enumerate() {
+            dark.runs(y, true).for_each(|run| row[run].fill(Label::Unknown));
         }
     }
     if let Some(region) = options.region {
-        clear_outside(mask.labels_mut(), width, region, Label::Background);
-    }
-    Ok(mask)
-}
-
-/// Writes `value` to all pixels outside a region.
-fn clear_outside<T: Copy>(pixels: &mut [T], width: usize, region: Region, value: T) {
-    let (columns, rows) = (region.columns(width), region.rows(pixels.len() / width));
-    for (y, row) in pixels.chunks_exact_mut(width).enumerate() {
-        if rows.contains(&y) {
-            row[..columns.start].fill(value);
-            row[columns.end..].fill(value);
-        } else {
-            row.fill(value);
+        for (index, label) in mask.labels_mut().iter_mut().enumerate() {
+            if !region.contains(index % width, index / width) {
+                *label = Label::Background;
+            }
         }
     }
+    Ok(mask)
 }
 
 #[cfg(test)]

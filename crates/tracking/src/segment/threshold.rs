@@ -7,6 +7,7 @@ use image::RgbImage;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::background::Background;
+use super::bit_image::BitImage;
 
 /// The test, apart from the background.
 #[derive(Clone, Copy, Debug)]
@@ -21,7 +22,7 @@ pub(super) struct Threshold {
 
 impl Threshold {
     /// For each pixel whether some channel is off.
-    pub(super) fn foreground(&self, frame: &RgbImage, background: &Background) -> Vec<u8> {
+    pub(super) fn foreground(&self, frame: &RgbImage, background: &Background) -> BitImage {
         Arch::new().dispatch(ByDeviation { threshold: self, frame, background })
     }
 
@@ -46,25 +47,27 @@ struct ByDeviation<'a> {
 }
 
 impl WithSimd for ByDeviation<'_> {
-    type Output = Vec<u8>;
+    type Output = BitImage;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Vec<u8> {
+    fn with_simd<S: Simd>(self, _: S) -> BitImage {
         let Self { threshold, frame, background } = self;
         // The three channels of a row are one run of numbers, which suits vectors.
         let row = 3 * background.width();
         let row_gains = threshold.gains.repeat(background.width());
         let mut off = vec![0_u8; row];
-        let mut foreground = vec![0_u8; background.mean().len()];
+        let mut pixels = vec![0_u8; background.width()];
+        let mut foreground = BitImage::empty(background.width(), background.height());
         let mean = background.mean().as_flattened().chunks_exact(row);
         let deviation = background.deviation().as_flattened().chunks_exact(row);
         let rows = frame.as_raw().chunks_exact(row).zip(mean.zip(deviation));
-        for (foreground, (levels, (mu, sigma))) in foreground.chunks_exact_mut(background.width()).zip(rows) {
+        for (y, (levels, (mu, sigma))) in rows.enumerate() {
             let numbers = off.iter_mut().zip(levels).zip(mu.iter().zip(sigma)).zip(&row_gains);
             for (((off, &level), (&mu, &sigma)), &gain) in numbers {
                 *off = u8::from(threshold.is_level_off(level, gain, mu, sigma));
             }
-            any_channel(&off, foreground);
+            any_channel(&off, &mut pixels);
+            foreground.set_row(y, &pixels);
         }
         foreground
     }
@@ -93,7 +96,7 @@ impl Limits {
     }
 
     /// For each pixel whether some channel is off.
-    pub(super) fn foreground(&self, frame: &RgbImage) -> Vec<u8> {
+    pub(super) fn foreground(&self, frame: &RgbImage) -> BitImage {
         Arch::new().dispatch(ByLimits { limits: self, frame })
     }
 }
@@ -128,21 +131,23 @@ struct ByLimits<'a> {
 }
 
 impl WithSimd for ByLimits<'_> {
-    type Output = Vec<u8>;
+    type Output = BitImage;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Vec<u8> {
+    fn with_simd<S: Simd>(self, _: S) -> BitImage {
         let Limits { width, low, high } = self.limits;
         let row = 3 * width;
         let mut off = vec![0_u8; row];
-        let mut foreground = vec![0_u8; low.len() / 3];
+        let mut pixels = vec![0_u8; *width];
+        let mut foreground = BitImage::empty(*width, low.len() / row);
         let rows =
             self.frame.as_raw().chunks_exact(row).zip(low.chunks_exact(row).zip(high.chunks_exact(row)));
-        for (foreground, (levels, (low, high))) in foreground.chunks_exact_mut(*width).zip(rows) {
+        for (y, (levels, (low, high))) in rows.enumerate() {
             for ((off, &level), (&low, &high)) in off.iter_mut().zip(levels).zip(low.iter().zip(high)) {
                 *off = u8::from(level < low) | u8::from(level > high);
             }
-            any_channel(&off, foreground);
+            any_channel(&off, &mut pixels);
+            foreground.set_row(y, &pixels);
         }
         foreground
     }
@@ -184,8 +189,8 @@ mod tests {
                     }
                     let expected: Vec<u8> =
                         (0..256).map(|index| u8::from(threshold.is_off(&frame, &background, index))).collect();
-                    prop_assert_eq!(&limits.foreground(&frame), &expected, "limits, channel {}", channel);
-                    prop_assert_eq!(&threshold.foreground(&frame, &background), &expected, "channel {}", channel);
+                    prop_assert_eq!(&limits.foreground(&frame).to_bytes(), &expected, "limits, channel {}", channel);
+                    prop_assert_eq!(&threshold.foreground(&frame, &background).to_bytes(), &expected, "channel {}", channel);
                 }
             }
         }

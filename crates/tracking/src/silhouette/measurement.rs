@@ -146,15 +146,7 @@ impl Measurement {
 
     /// The mask as it is: 0 on the subject, 255 on background, no weight where nothing is known.
     pub fn from_mask_hard(mask: &Mask) -> Self {
-        let values = mask
-            .labels()
-            .iter()
-            .map(|label| match label {
-                Label::Subject => 0.0,
-                Label::Background => BACKGROUND_LEVEL,
-                Label::Unknown => UNKNOWN_LEVEL,
-            })
-            .collect();
+        let values = mask.labels().iter().map(hard_level).collect();
         Self { width: mask.width(), height: mask.height(), values, weights: mask_weights(mask) }
     }
 
@@ -185,40 +177,14 @@ impl Measurement {
         inner_px: f32,
         outer_px: f32,
     ) -> Result<Self, MeasurementError> {
-        Self::from_distance_sampled(distance, mask, inner_px, outer_px, 1)
-    }
-
-    /// The same at every `stride`-th pixel, from the middle of the first block on; all others weigh nothing.
-    pub(crate) fn from_distance_sampled(
-        distance: &SignedDistance,
-        mask: &Mask,
-        inner_px: f32,
-        outer_px: f32,
-        stride: usize,
-    ) -> Result<Self, MeasurementError> {
         let (width, height) = (mask.width(), mask.height());
         if (distance.width(), distance.height()) != (width, height) {
             let distance = (distance.width(), distance.height());
             return Err(MeasurementError::SizeMismatch { distance, mask: (width, height) });
         }
-        let total = inner_px + outer_px;
-        if !(inner_px >= 0.0 && outer_px >= 0.0 && total.is_normal() && total.recip().is_normal()) {
-            return Err(MeasurementError::InvalidRamp { inner_px, outer_px });
-        }
-        let level = |sd: f32| BACKGROUND_LEVEL * ((sd + inner_px) / total).clamp(0.0, 1.0);
-        if stride <= 1 {
-            let values = distance.values().iter().map(|&sd| level(sd)).collect();
-            return Ok(Self { width, height, values, weights: mask_weights(mask) });
-        }
-        // Fresh zeros cost nothing until they are touched.
-        let (mut values, mut weights) = (vec![0.0; width * height], vec![0.0; width * height]);
-        for y in (stride / 2..height).step_by(stride) {
-            for pixel in (y * width + stride / 2..(y + 1) * width).step_by(stride) {
-                values[pixel] = level(distance.values()[pixel]);
-                weights[pixel] = weight(&mask.labels()[pixel]);
-            }
-        }
-        Ok(Self { width, height, values, weights })
+        let ramp = DistanceRamp::new(inner_px, outer_px)?;
+        let values = distance.values().iter().map(|&sd| ramp.level(sd)).collect();
+        Ok(Self { width, height, values, weights: mask_weights(mask) })
     }
 
     /// Grey levels as they are (0 = subject), each of full weight.
@@ -273,8 +239,46 @@ impl Measurement {
     }
 }
 
+/// The grey level of a signed distance: D = 255 · clip((sd + wᵢ) / (wᵢ + wₒ), 0, 1).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DistanceRamp {
+    inner_px: f32,
+    /// Grey levels a pixel.
+    slope: f32,
+}
+
+impl DistanceRamp {
+    /// A ramp of these widths inside and outside the border.
+    pub(crate) fn new(inner_px: f32, outer_px: f32) -> Result<Self, MeasurementError> {
+        let total_px = inner_px + outer_px;
+        if !(inner_px >= 0.0
+            && outer_px >= 0.0
+            && total_px.is_normal()
+            && (BACKGROUND_LEVEL / total_px).is_normal())
+        {
+            return Err(MeasurementError::InvalidRamp { inner_px, outer_px });
+        }
+        Ok(Self { inner_px, slope: BACKGROUND_LEVEL / total_px })
+    }
+
+    /// D at a signed distance in pixels.
+    #[inline(always)]
+    pub(crate) fn level(self, sd: f32) -> f32 {
+        ((sd + self.inner_px) * self.slope).clamp(0.0, BACKGROUND_LEVEL)
+    }
+}
+
+/// Black for the subject, white for background, grey where nothing is known.
+pub(crate) fn hard_level(label: &Label) -> f32 {
+    match label {
+        Label::Subject => 0.0,
+        Label::Background => BACKGROUND_LEVEL,
+        Label::Unknown => UNKNOWN_LEVEL,
+    }
+}
+
 /// Full weight for what is known.
-fn weight(label: &Label) -> f32 {
+pub(crate) fn weight(label: &Label) -> f32 {
     if *label == Label::Unknown { 0.0 } else { 1.0 }
 }
 
@@ -286,25 +290,6 @@ fn mask_weights(mask: &Mask) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn samples_are_those_of_the_whole_measurement() {
-        let mask = example();
-        let distance = SignedDistance::from_mask(&mask);
-        let whole = Measurement::from_distance(&distance, &mask, 1.0, 2.0).unwrap();
-        for stride in 2..9 {
-            let sampled = Measurement::from_distance_sampled(&distance, &mask, 1.0, 2.0, stride).unwrap();
-            for y in 0..mask.height() {
-                for x in 0..mask.width() {
-                    let at = y * mask.width() + x;
-                    let is_sample = x % stride == stride / 2 && y % stride == stride / 2;
-                    let weight = if is_sample { whole.weights[at] } else { 0.0 };
-                    assert_eq!(sampled.weights[at].to_bits(), weight.to_bits(), "{x} {y}, stride {stride}");
-                    assert!(!is_sample || sampled.values[at].to_bits() == whole.values[at].to_bits());
-                }
-            }
-        }
-    }
 
     fn example() -> Mask {
         Mask::from_ascii(

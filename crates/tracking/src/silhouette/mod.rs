@@ -14,7 +14,7 @@ mod box_average;
 mod contour;
 mod distance;
 mod mask;
-mod measurement;
+pub(crate) mod measurement;
 mod near_distance;
 mod overlap;
 mod row_search;

@@ -42,7 +42,7 @@ impl Overlap {
         if prediction.len() != expected {
             return Err(OverlapError::WrongLength { expected, found: prediction.len() });
         }
-        Ok(Self::count(mask, prediction.iter().map(|&lambda| lambda < SUBJECT_BELOW)))
+        Ok(Self::count(mask, prediction, |&lambda| lambda < SUBJECT_BELOW))
     }
 
     /// Compares a mask with the pixels that a model covers, row by row.
@@ -55,15 +55,24 @@ impl Overlap {
         if covered.len() != expected {
             return Err(OverlapError::WrongLength { expected, found: covered.len() });
         }
-        Ok(Self::count(mask, covered.iter().copied()))
+        Ok(Self::count(mask, covered, |&is_covered| is_covered))
     }
 
-    fn count(mask: &Mask, predicted: impl Iterator<Item = bool>) -> Self {
+    fn count<T>(mask: &Mask, predicted: &[T], is_subject: impl Fn(&T) -> bool) -> Self {
         let mut counts = Self::default();
-        for (&label, predicted) in mask.labels().iter().zip(predicted) {
-            counts.agreement += usize::from(label == Label::Subject && predicted);
-            counts.missing += usize::from(label == Label::Subject && !predicted);
-            counts.spurious += usize::from(label == Label::Background && predicted);
+        // Runs that a byte can count: many of them are counted at once.
+        const RUN: usize = u8::MAX as usize;
+        for (labels, predicted) in mask.labels().chunks(RUN).zip(predicted.chunks(RUN)) {
+            let [mut agreement, mut missing, mut spurious] = [0_u8; 3];
+            for (&label, predicted) in labels.iter().zip(predicted) {
+                let predicted = is_subject(predicted);
+                agreement += u8::from(label == Label::Subject) & u8::from(predicted);
+                missing += u8::from(label == Label::Subject) & u8::from(!predicted);
+                spurious += u8::from(label == Label::Background) & u8::from(predicted);
+            }
+            counts.agreement += usize::from(agreement);
+            counts.missing += usize::from(missing);
+            counts.spurious += usize::from(spurious);
         }
         counts
     }

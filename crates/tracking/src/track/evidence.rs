@@ -8,6 +8,8 @@ use super::options::{DataView, OptionsError, Stage};
 use crate::body::PoseError;
 use crate::camera::Camera;
 use crate::render::Ramp;
+use crate::residual::silhouette::SampledData;
+use crate::silhouette::measurement::{self, DistanceRamp};
 use crate::silhouette::{Label, Mask, Measurement, SignedDistance};
 
 /// The data of one camera in one frame.
@@ -81,7 +83,7 @@ impl FitView {
     pub fn has_data(&self) -> bool {
         self.weight > 0.0
             && match &self.evidence {
-                Evidence::Mask(mask) => mask.count(Label::Subject) > 0,
+                Evidence::Mask(mask) => mask.labels().contains(&Label::Subject),
                 Evidence::Measurement(data) => data
                     .values()
                     .iter()
@@ -113,15 +115,6 @@ impl FitView {
     /// D as a stage looks at it; `distance` is what [`distance`](Self::distance) gave.
     #[must_use]
     pub fn data(&self, stage: &Stage, distance: Option<&SignedDistance>) -> Arc<Measurement> {
-        self.data_at(stage, distance, 1)
-    }
-
-    /// The same where only the stage's samples count: what lies between them may weigh nothing.
-    pub(super) fn sampled_data(&self, stage: &Stage, distance: Option<&SignedDistance>) -> Arc<Measurement> {
-        self.data_at(stage, distance, stage.stride)
-    }
-
-    fn data_at(&self, stage: &Stage, distance: Option<&SignedDistance>, stride: usize) -> Arc<Measurement> {
         let mask = match &self.evidence {
             Evidence::Measurement(data) => return Arc::clone(data),
             Evidence::Mask(mask) => mask,
@@ -129,13 +122,77 @@ impl FitView {
         let data = match (stage.data, stage.ramp, distance) {
             // Sizes agree and the options' check has seen the widths: what is left is the black-and-white view.
             (DataView::Distance, Ramp::Distance { inner_px, outer_px }, Some(distance)) => {
-                let (inner_px, outer_px) = (inner_px as f32, outer_px as f32);
-                Measurement::from_distance_sampled(distance, mask, inner_px, outer_px, stride)
+                Measurement::from_distance(distance, mask, inner_px as f32, outer_px as f32)
                     .unwrap_or_else(|_| Measurement::from_mask_hard(mask))
             }
             (DataView::Averaged { radius_px }, ..) => Measurement::from_mask_averaged(mask, radius_px),
             _ => Measurement::from_mask_hard(mask),
         };
         Arc::new(data)
+    }
+
+    /// The stage's samples of [`data`](Self::data): what lies between them is not worked out where that can be
+    /// spared.
+    pub(super) fn sampled_data(&self, stage: &Stage, distance: Option<&SignedDistance>) -> SampledData {
+        let whole = || SampledData::new(&self.data(stage, distance), stage.stride);
+        let Evidence::Mask(mask) = &self.evidence else { return whole() };
+        let (size, labels) = ([mask.width(), mask.height()], mask.labels());
+        match (stage.data, stage.ramp, distance) {
+            (DataView::Distance, Ramp::Distance { inner_px, outer_px }, Some(distance)) => {
+                let Ok(ramp) = DistanceRamp::new(inner_px as f32, outer_px as f32) else { return whole() };
+                // As long as the labels, which spares looking twice.
+                let sd = &distance.values()[..labels.len()];
+                let data = |pixel: usize| (ramp.level(sd[pixel]), measurement::weight(&labels[pixel]));
+                SampledData::of_pixels(size, stage.stride, data)
+            }
+            (DataView::Averaged { .. }, ..) => whole(),
+            _ => SampledData::of_pixels(size, stage.stride, |pixel| {
+                (measurement::hard_level(&labels[pixel]), measurement::weight(&labels[pixel]))
+            }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::{Kinematics, builtin};
+    use crate::camera::{CameraFromWorld, Distortion, Intrinsics};
+    use crate::render::{RendererKind, View};
+    use crate::residual::silhouette::KernelMemory;
+    use glam::DVec3;
+
+    /// The shortcut and the whole measurement are the same data to the bit.
+    #[test]
+    fn samples_are_those_of_the_whole_measurement() {
+        let (width, height): (usize, usize) = (83, 61);
+        let labels = (0..width * height).map(|i| match (i % width, i / width) {
+            (x, y) if (x * y) % 17 == 3 => Label::Unknown,
+            (x, y) if (30..55).contains(&x) && (20..50).contains(&y) => Label::Subject,
+            _ => Label::Background,
+        });
+        let mask = Arc::new(Mask::new(width, height, labels.collect()).unwrap());
+        let intrinsics = Intrinsics { fx: 90.0, fy: 85.0, cx: 31.0, cy: 40.0 };
+        let place = CameraFromWorld::looking_at(DVec3::new(0.1, 0.2, 3.0), DVec3::ZERO, DVec3::NEG_Y);
+        let camera = Camera::new("c", [83, 61], intrinsics, Distortion::None, place).unwrap();
+        let model = builtin::upper_body();
+        let kinematics = Kinematics::new(&model, &crate::body::Pose::rest(&model));
+        let view = FitView { camera: Arc::new(camera), evidence: Evidence::Mask(mask), weight: 1.0 };
+        let ramps = [
+            (Ramp::Distance { inner_px: 1.0, outer_px: 6.0 }, DataView::Distance),
+            (Ramp::Half, DataView::Hard),
+            (Ramp::Half, DataView::Averaged { radius_px: 1 }),
+        ];
+        for ((ramp, data), stride) in ramps.into_iter().flat_map(|ramp| (1..9).map(move |s| (ramp, s))) {
+            let stage = Stage { ramp, data, stride, iterations: 1, tolerance: None, priors: 1.0 };
+            let distance = view.distance(&[stage]);
+            let whole = SampledData::new(&view.data(&stage, distance.as_ref()), stride);
+            let samples = view.sampled_data(&stage, distance.as_ref());
+            let seen = View::new(&model, &kinematics, &view.camera, RendererKind::Capsule, ramp);
+            let [a, b] = [&whole, &samples].map(|data| {
+                (data.total_weight().to_bits(), data.cost(&seen, &mut KernelMemory::default()).to_bits())
+            });
+            assert_eq!(a, b, "{ramp} {data:?}, stride {stride}");
+        }
     }
 }

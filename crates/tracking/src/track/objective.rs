@@ -88,7 +88,7 @@ impl Objective {
             .iter()
             .zip(distances)
             .map(|(view, distance)| CameraTerm {
-                data: SampledData::new(&view.sampled_data(&stage, distance.as_ref()), stage.stride),
+                data: view.sampled_data(&stage, distance.as_ref()),
                 view: View::new(&model, &kinematics, &view.camera, options.renderer, stage.ramp),
                 memory: KernelMemory::default(),
                 blocks: vec![WrenchBlock::default(); limbs],

@@ -85,7 +85,7 @@ struct Sight {
 impl Sight {
     fn of(views: &[FitView]) -> Self {
         let mask = |view: &FitView| match &view.evidence {
-            Evidence::Mask(mask) if mask.count(Label::Subject) > 0 => Some(Arc::clone(mask)),
+            Evidence::Mask(mask) if mask.labels().contains(&Label::Subject) => Some(Arc::clone(mask)),
             _ => None,
         };
         Self {

@@ -36,22 +36,41 @@ impl Grid {
     /// of the first block on.
     #[must_use]
     pub fn new(width: usize, values: &[f32], weights: &[f32], stride: usize) -> Self {
-        let height = values.len() / width.max(1);
+        let size = [width, values.len() / width.max(1)];
+        Self::of_pixels(size, stride, |pixel| (values[pixel], weights[pixel]))
+    }
+
+    /// The same of a picture of a width and a height whose D and weight are worked out, pixel by pixel.
+    #[must_use]
+    #[inline]
+    pub fn of_pixels(size: [usize; 2], stride: usize, data: impl Fn(usize) -> (f32, f32)) -> Self {
         let stride = stride.max(1);
         let offset = stride / 2;
-        let count = |side: usize| side.saturating_sub(offset).div_ceil(stride);
-        let (columns, rows) = (count(width), count(height));
+        let [columns, rows] = size.map(|side| side.saturating_sub(offset).div_ceil(stride));
         let pitch = (columns + PADDING).next_multiple_of(PADDING);
-        let mut grid = Self { columns, rows, pitch, stride, offset, values: Vec::new(), weights: Vec::new() };
-        grid.values = grid.sampled(width, values);
-        // Pictures without unknown pixels spare the memory's bandwidth.
-        if weights.iter().all(|&weight| weight.to_bits() == 1.0f32.to_bits()) {
-            grid.weights = vec![0.0; pitch];
-            grid.weights[..columns].fill(1.0);
-        } else {
-            grid.weights = grid.sampled(width, weights);
+        let (mut values, mut weights) = (vec![0.0; rows * pitch], vec![0.0; rows * pitch]);
+        let mut all_weigh_one = true;
+        for row in 0..rows {
+            let first = (offset + row * stride) * size[0] + offset;
+            let pixels = (first..).step_by(stride).take(columns);
+            let entries = values[row * pitch..].iter_mut().zip(&mut weights[row * pitch..]);
+            for (pixel, (value, weight)) in pixels.zip(entries) {
+                (*value, *weight) = data(pixel);
+                all_weigh_one &= weight.to_bits() == 1.0f32.to_bits();
+            }
         }
-        grid
+        // Pictures without unknown pixels spare the memory's bandwidth.
+        if all_weigh_one {
+            weights.truncate(pitch);
+        }
+        Self { columns, rows, pitch, stride, offset, values, weights }
+    }
+
+    /// Every pixel of a picture of a width and a height, without data: for looking at the winners alone.
+    #[must_use]
+    pub(super) fn without_data([columns, rows]: [usize; 2]) -> Self {
+        let pitch = (columns + PADDING).next_multiple_of(PADDING);
+        Self { columns, rows, pitch, stride: 1, ..Self::default() }
     }
 
     /// The same data with other weights: of every sampled pixel's column and row in the picture, its D and its
@@ -67,16 +86,6 @@ impl Grid {
             }
         }
         Self { weights, ..self.clone() }
-    }
-
-    fn sampled(&self, width: usize, picture: &[f32]) -> Vec<f32> {
-        let mut sampled = vec![0.0; self.rows * self.pitch];
-        for (row, target) in sampled.chunks_exact_mut(self.pitch).enumerate() {
-            let source = &picture[self.pixel(row) * width..][..width];
-            let source = source.iter().skip(self.offset).step_by(self.stride);
-            target.iter_mut().zip(source).for_each(|(target, &value)| *target = value);
-        }
-        sampled
     }
 
     /// The data of a row.

@@ -102,6 +102,14 @@ impl Lanes {
         Arch::new().dispatch(Pass { lanes: self, grid, view, pulls: false })
     }
 
+    /// Looks at every pixel of a view row by row: `see` hears of a row, of the first column that any solid may touch,
+    /// and of λ/255 from there on, before clipping. [`can_take`](Self::can_take) must hold.
+    pub fn look(&mut self, view: &View, see: impl FnMut(usize, usize, &[f32])) {
+        let grid = Grid::without_data([view.width(), view.height()]);
+        self.prepare(view, &grid);
+        Arch::new().dispatch(Look { lanes: self, grid: &grid, view, see });
+    }
+
     fn prepare(&mut self, view: &View, grid: &Grid) {
         let pinhole = view.pinhole();
         self.xs.clear();
@@ -148,12 +156,44 @@ impl WithSimd for Pass<'_> {
         let mut cost = 0.0;
         for first in (0..grid.rows).step_by(grid.band_rows()) {
             let rows = first..(first + grid.band_rows()).min(grid.rows);
-            cost += lanes.win_band(simd, rows.clone(), grid, y);
+            lanes.win_band(simd, rows.clone(), grid, y);
+            cost += lanes.cost_of_band(simd, rows.clone(), grid, y);
             if pulls {
                 lanes.pull_band(simd, rows, grid, y);
             }
         }
         cost
+    }
+}
+
+/// [`Lanes::look`] as it is dispatched.
+struct Look<'a, F> {
+    lanes: &'a mut Lanes,
+    grid: &'a Grid,
+    view: &'a View,
+    see: F,
+}
+
+impl<F: FnMut(usize, usize, &[f32])> WithSimd for Look<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { lanes, grid, view, mut see } = self;
+        let pinhole = view.pinhole();
+        let y = |row: usize| ((row as f64 - pinhole.cy) / pinhole.fy) as f32;
+        lanes.cut_spans(grid);
+        for first in (0..grid.rows).step_by(grid.band_rows()) {
+            let rows = first..(first + grid.band_rows()).min(grid.rows);
+            lanes.win_band(simd, rows.clone(), grid, y);
+            for row in rows {
+                let [from, to] = lanes.touched[row].map(|column| column as usize);
+                if from < to {
+                    let start = (row - first) * grid.pitch;
+                    see(row, from, &lanes.band.levels[start + from..start + to.min(grid.columns)]);
+                }
+            }
+        }
     }
 }
 
@@ -177,15 +217,9 @@ impl Lanes {
         }
     }
 
-    /// Ground, winners and cost of one band of rows.
+    /// Ground and winners of one band of rows.
     #[inline(always)]
-    fn win_band<S: Simd>(
-        &mut self,
-        simd: S,
-        rows: Range<usize>,
-        grid: &Grid,
-        y: impl Fn(usize) -> f32,
-    ) -> f64 {
+    fn win_band<S: Simd>(&mut self, simd: S, rows: Range<usize>, grid: &Grid, y: impl Fn(usize) -> f32) {
         let Self { xs, band, solids, spans, touched, .. } = self;
         // Plain loops: what an iterator calls is not compiled for the lanes.
         for row in rows.clone() {
@@ -203,6 +237,18 @@ impl Lanes {
                 }
             }
         }
+    }
+
+    /// Cost of one band of rows, whose winners are known.
+    #[inline(always)]
+    fn cost_of_band<S: Simd>(
+        &self,
+        simd: S,
+        rows: Range<usize>,
+        grid: &Grid,
+        y: impl Fn(usize) -> f32,
+    ) -> f64 {
+        let Self { xs, band, touched, .. } = self;
         let mut cost = 0.0;
         for row in rows.clone() {
             let here = Row { row, start: (row - rows.start) * grid.pitch, y: y(row), xs, span: touched[row] };

@@ -1,0 +1,119 @@
+//! One frame from pixels to pose on one thread: segmentation, distances, the robust fit.
+//!
+//! `BACKLIT_DATA=… cargo bench -p backlit-tracking --bench frame`
+//!
+//! The real footage, four cameras of 272 × 480, full body; without `BACKLIT_DATA` the built-in take. The pictures are
+//! decoded and rectified beforehand. Frames are followed in their order, as a tracker does, and each is timed once a
+//! round: the figures are of all frames of all rounds.
+
+#![expect(clippy::unwrap_used, reason = "a measurement without its input is none")]
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::io::{Footage, Take};
+use backlit_tracking::silhouette::{Mask, SignedDistance};
+use backlit_tracking::track::{Evidence, FitOptions, FitView, Motion, Preset, Tracker, start};
+use image::RgbImage;
+
+/// Passes over all frames.
+const ROUNDS: usize = 5;
+
+/// How far the distances of a tracked frame reach: the widest ramp of its stages and a pixel.
+const REACH_PX: f32 = 13.0;
+
+fn main() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let real =
+        std::env::var_os("BACKLIT_DATA").map(PathBuf::from).filter(|data| data.join("balancing").is_dir());
+    let (name, take) = match real {
+        Some(_) => ("Real footage", "../../tests/takes/balancing"),
+        None => ("Built-in take (no BACKLIT_DATA)", "../../assets/take"),
+    };
+    let footage = Footage::new(Take::open(&folder.join(take)).unwrap());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    pool.install(|| table(name, &footage));
+}
+
+fn table(name: &str, footage: &Footage) {
+    let take = footage.take();
+    let cameras = take.rig().count();
+    let pictures: Vec<Vec<RgbImage>> = (0..take.frame_count())
+        .map(|frame| (0..cameras).map(|camera| footage.picture(camera, frame).unwrap()).collect())
+        .collect();
+    let begin =
+        take.start().cloned().or_else(|| start::from_joints(take.model(), &take.reference()?.joints(0)));
+    let mut parts: [Part; 4] =
+        ["segmentation", "distances within 13 px", "fit, distances included", "whole frame"].map(Part::new);
+    let mut iterations = Vec::new();
+    for round in 0..=ROUNDS {
+        let options = FitOptions::preset(Preset::Robust);
+        let tracker = Tracker::new(Arc::clone(take.model()), options, begin.clone().unwrap()).unwrap();
+        let mut tracker = tracker.with_motion(Motion::Velocity, take.frame_rate());
+        for (frame, pictures) in pictures.iter().enumerate() {
+            let began = Instant::now();
+            let masks: Vec<Arc<Mask>> = pictures
+                .iter()
+                .enumerate()
+                .map(|(camera, picture)| {
+                    Arc::new(footage.mask(camera, picture, &take.measurement()[camera]).unwrap())
+                })
+                .collect();
+            let segmented = began.elapsed().as_secs_f64();
+            let views = masks.iter().zip(footage.cameras()).map(|(mask, camera)| FitView {
+                camera: Arc::clone(camera),
+                evidence: Evidence::Mask(Arc::clone(mask)),
+                weight: 1.0,
+            });
+            let found = tracker.track_frame(frame, views.collect(), &CancelToken::new()).unwrap();
+            let whole = began.elapsed().as_secs_f64();
+            let again = Instant::now();
+            masks.iter().for_each(|mask| {
+                drop(std::hint::black_box(SignedDistance::from_mask_within(mask, REACH_PX)))
+            });
+            // The first frame begins from far, and the first round warms up.
+            if frame > 0 && round > 0 {
+                let times = [segmented, again.elapsed().as_secs_f64(), whole - segmented, whole];
+                parts.iter_mut().zip(times).for_each(|(part, seconds)| part.ms.push(1e3 * seconds));
+                iterations.push(found.iterations as f64);
+            }
+        }
+    }
+    let size = footage.cameras()[0].as_ref();
+    println!(
+        "\n{name}: {cameras} × {} × {}, {} frames × {ROUNDS}, one thread",
+        size.width(),
+        size.height(),
+        take.frame_count()
+    );
+    println!("{:<28} {:>10} {:>10} {:>10} {:>10}", "", "median ms", "quarter", "3 quarters", "95 %");
+    parts.iter_mut().for_each(Part::print);
+    println!("{:<28} {:>10.1}", "iterations, mean", iterations.iter().sum::<f64>() / iterations.len() as f64);
+}
+
+/// Times of one part of the work, by frame.
+struct Part {
+    name: &'static str,
+    ms: Vec<f64>,
+}
+
+impl Part {
+    fn new(name: &'static str) -> Self {
+        Self { name, ms: Vec::new() }
+    }
+
+    fn print(&mut self) {
+        self.ms.sort_by(f64::total_cmp);
+        let at = |share: f64| self.ms[((self.ms.len() - 1) as f64 * share) as usize];
+        println!(
+            "{:<28} {:>10.2} {:>10.2} {:>10.2} {:>10.2}",
+            self.name,
+            at(0.5),
+            at(0.25),
+            at(0.75),
+            at(0.95)
+        );
+    }
+}
