@@ -17,9 +17,9 @@ use crate::cancel::CancelToken;
 use crate::optimize::Method;
 use crate::render::Ramp;
 use crate::silhouette::Mask;
+use crate::track::lost::LOST_BELOW_IOU;
 use crate::track::metrics::Statistics;
 use crate::track::start::perturb;
-use crate::track::tracker::LOST_BELOW_IOU;
 use crate::track::{FitOptions, FitView, Preset, Tracker};
 
 /// Most iterations of a frame, as in the report.

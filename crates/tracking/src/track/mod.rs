@@ -12,6 +12,7 @@
 //! | [`start`] | where a fit begins: a pose from known joints, and noise on it |
 //! | [`schedule`] | annealing by the size of what is seen |
 //! | [`motion`] | how motion is carried from frame to frame: not at all, by velocity, by a Kalman filter |
+//! | [`lost`] | noticing that a track was lost |
 //! | [`tracker`] | [`Tracker`]: frame after frame |
 //! | [`fit_body`] | the person's own lengths and radii, with the poses of several frames |
 //! | [`metrics`] | joint errors against a reference |
@@ -21,6 +22,7 @@ pub mod evidence;
 pub mod fit;
 pub mod fit_body;
 pub mod hypotheses;
+pub mod lost;
 pub mod metrics;
 pub mod motion;
 pub mod objective;
@@ -36,6 +38,7 @@ pub mod tracker;
 pub use evidence::{Evidence, FitError, FitView};
 pub use fit::{Fit, IterationRecord, SolverSummary};
 pub use hypotheses::{Hypotheses, Hypothesis, HypothesisOptions};
+pub use lost::Lost;
 pub use motion::{KalmanOptions, Motion};
 pub use options::{DataView, FitOptions, Preset, Stage};
 pub use schedule::Scale;

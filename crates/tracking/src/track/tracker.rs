@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::evidence::{Evidence, FitError, FitView};
 use super::fit::{Fit, SolverSummary};
 use super::hypotheses::HypothesisOptions;
+use super::lost::{Lost, UsualCost};
 use super::motion::{FrameBelief, Motion, MotionFilter, Predicted};
 use super::options::FitOptions;
 use crate::body::{Kinematics, Model, Parameters, Pose};
@@ -17,9 +18,6 @@ use crate::optimize::Termination;
 use crate::render::{Ramp, RendererKind, View, prediction};
 use crate::residual::motion_prior::MotionPrior;
 use crate::silhouette::{Label, Mask, Overlap};
-
-/// A frame counts as lost below this overlap of model and silhouettes (IoU).
-pub const LOST_BELOW_IOU: f64 = 0.4;
 
 /// A first fit that overlaps better than this (IoU) is not questioned. On real footage with two and four cameras, fits
 /// of the right pose begin at 0.88 and those of a wrong one reach 0.88; a search from the right one changed nothing.
@@ -56,8 +54,10 @@ pub struct FrameEstimate {
     pub empty_cameras: Vec<String>,
     /// Iterations, rejected ones included.
     pub iterations: usize,
-    /// Whether the subject was lost: no silhouettes, or hardly any overlap with them.
+    /// Whether the subject, or a limb of it, was lost.
     pub lost: bool,
+    /// Why; `None` unless it was lost.
+    pub lost_because: Option<Lost>,
     /// Why the fit ended; `None` if there was nothing to fit.
     pub termination: Option<Termination>,
     /// What the Kalman filter believed, where it ran.
@@ -105,6 +105,14 @@ impl Sight {
     }
 }
 
+/// A frame's fit.
+struct Attempt {
+    fit: Fit,
+    summary: SolverSummary,
+    overlap: Vec<Option<Overlap>>,
+    lost: Option<Lost>,
+}
+
 /// Estimates by frame, in the order of the frames.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Track {
@@ -122,6 +130,7 @@ pub struct Tracker {
     last: Option<(usize, Pose)>,
     /// Whether the subject was lost there.
     lost: bool,
+    usual: UsualCost,
     motion: Motion,
     search: Search,
     filter: Option<MotionFilter>,
@@ -143,6 +152,7 @@ impl Tracker {
             next_start: start.normalized(),
             last: None,
             lost: false,
+            usual: UsualCost::default(),
             motion: Motion::default(),
             search: Search::default(),
             filter: None,
@@ -185,8 +195,9 @@ impl Tracker {
     /// Fits one frame. A camera that sees nobody is left out and named. A frame in which none sees anybody is marked lost
     /// and keeps the predicted pose.
     ///
-    /// After a lost frame the motion is not carried on, and the search is as wide as in a first frame, other poses
-    /// included where that is asked for ([`with_search`](Self::with_search)).
+    /// A frame that looks lost ([`Lost`]) is fitted once more, as widely as a first frame, other poses included where that
+    /// is asked for ([`with_search`](Self::with_search)); the better fit stays. After a lost frame the motion is not
+    /// carried on, and the next one begins as widely.
     ///
     /// # Errors
     /// Data that are not the camera's. Nothing that was tracked is lost.
@@ -197,81 +208,135 @@ impl Tracker {
         cancel: &CancelToken,
     ) -> Result<FrameEstimate, FitError> {
         let sight = Sight::of(&views);
-        let predicted = self.predict(frame);
+        let mut predicted = self.predict(frame);
         let start = predicted.as_ref().map_or(&self.next_start, |predicted| &predicted.mean).clone();
         let prior = self.filter.as_ref().zip(predicted.as_ref()).and_then(|(filter, p)| filter.prior(p));
-        let mut products = None;
-        let mut estimate = FrameEstimate {
-            frame,
-            pose: start.clone(),
-            cost: 0.0,
-            rms: 0.0,
-            overlap: vec![None; views.len()],
-            empty_cameras: Vec::new(),
-            iterations: 0,
-            lost: true,
-            termination: None,
-            belief: None,
+        let begins = self.last.is_none() || self.lost;
+        let again = (!begins).then(|| views.clone());
+        let found = if begins {
+            self.fit_widely(views, &start, &sight, cancel)
+        } else {
+            self.follow(views, start.clone(), prior, cancel)
         };
-        match self.fit(views, start, prior, &sight, cancel) {
-            Ok((mut fit, summary)) => {
-                estimate.pose = summary.pose;
-                estimate.cost = summary.final_cost;
-                estimate.rms = summary.final_rms;
-                estimate.iterations = summary.iterations.len();
-                estimate.termination = Some(summary.termination);
-                estimate.empty_cameras = summary.empty_cameras;
-                estimate.lost = false;
-                products = self.filter.is_some().then(|| fit.frame_equations().jtj);
-            }
-            Err(FitError::NoData { .. }) => {
-                estimate.empty_cameras =
-                    sight.cameras.iter().map(|camera| camera.name().to_owned()).collect();
-            }
+        let (fit, summary) = match found {
+            Ok(found) => found,
+            Err(FitError::NoData { .. }) => return Ok(self.nobody(frame, start, &sight, predicted)),
             Err(error) => return Err(error),
+        };
+        let mut attempt = self.attempt(fit, summary, &sight);
+        if let Some(views) = again.filter(|_| attempt.lost.is_some() && !cancel.is_cancelled()) {
+            let (fit, summary) = self.fit_widely(views, &start, &sight, cancel)?;
+            let wider = self.attempt(fit, summary, &sight);
+            if wider.summary.final_rms < attempt.summary.final_rms {
+                attempt = wider;
+                // Where the motion was wrong it says nothing of what follows.
+                predicted = None;
+            }
         }
-        estimate.overlap = sight.overlap(&self.model, &estimate.pose, self.options.renderer);
-        if estimate.iou().is_some_and(|iou| iou < LOST_BELOW_IOU) {
-            estimate.lost = true;
-        }
-        if let Some(filter) = &mut self.filter {
-            let products = products.filter(|_| !estimate.lost);
-            estimate.belief = Some(filter.learn(&estimate.pose, products.as_ref(), predicted));
-        }
-        self.advance(&estimate);
-        Ok(estimate)
+        Ok(self.keep(frame, attempt, predicted))
     }
 
-    /// Fits a frame from a start, or from what the motion foretells; a first one and one after a lost one with
-    /// all stages, and with a search where that is asked for.
-    fn fit(
+    /// A fit that has run, and how it is judged.
+    fn attempt(&self, fit: Fit, summary: SolverSummary, sight: &Sight) -> Attempt {
+        let overlap = sight.overlap(&self.model, &summary.pose, self.options.renderer);
+        let lost = self.usual.judge(summary.final_rms, iou(&overlap));
+        Attempt { fit, summary, overlap, lost }
+    }
+
+    /// Learns from a frame's fit.
+    fn keep(&mut self, frame: usize, attempt: Attempt, predicted: Option<Predicted>) -> FrameEstimate {
+        let Attempt { mut fit, summary, overlap, lost } = attempt;
+        self.usual.remember(summary.final_rms, lost);
+        let belief = self.filter.as_mut().map(|filter| {
+            let products = lost.is_none().then(|| fit.frame_equations().jtj);
+            filter.learn(&summary.pose, products.as_ref(), predicted)
+        });
+        let estimate = FrameEstimate {
+            frame,
+            pose: summary.pose,
+            cost: summary.final_cost,
+            rms: summary.final_rms,
+            overlap,
+            empty_cameras: summary.empty_cameras,
+            iterations: summary.iterations.len(),
+            lost: lost.is_some(),
+            lost_because: lost,
+            termination: Some(summary.termination),
+            belief,
+        };
+        self.advance(&estimate);
+        estimate
+    }
+
+    /// A frame in which there is nobody: the pose is the predicted one.
+    fn nobody(
+        &mut self,
+        frame: usize,
+        pose: Pose,
+        sight: &Sight,
+        predicted: Option<Predicted>,
+    ) -> FrameEstimate {
+        let belief = self.filter.as_mut().map(|filter| filter.learn(&pose, None, predicted));
+        let estimate = FrameEstimate {
+            frame,
+            overlap: sight.overlap(&self.model, &pose, self.options.renderer),
+            pose,
+            cost: 0.0,
+            rms: 0.0,
+            empty_cameras: sight.cameras.iter().map(|camera| camera.name().to_owned()).collect(),
+            iterations: 0,
+            lost: true,
+            lost_because: Some(Lost::Nobody),
+            termination: None,
+            belief,
+        };
+        self.advance(&estimate);
+        estimate
+    }
+
+    /// Fits a frame near the one before: from a start, or from what the motion foretells, without the widest stages.
+    fn follow(
         &self,
         views: Vec<FitView>,
         start: Pose,
         prior: Option<MotionPrior>,
+        cancel: &CancelToken,
+    ) -> Result<(Fit, SolverSummary), FitError> {
+        let (model, mut options) = (Arc::clone(&self.model), self.options.clone());
+        let skipped = options.skip_when_tracking.min(options.stages.len() - 1);
+        options.stages.drain(..skipped);
+        let mut fit = match prior {
+            Some(prior) => Fit::with_motion_prior(model, views, prior, options),
+            None => Fit::new(model, views, start, options),
+        }?;
+        let summary = fit.run(cancel, |_| {});
+        Ok((fit, summary))
+    }
+
+    /// Fits a frame from far away: with all stages, and with a search where that is asked for.
+    fn fit_widely(
+        &self,
+        views: Vec<FitView>,
+        start: &Pose,
         sight: &Sight,
         cancel: &CancelToken,
     ) -> Result<(Fit, SolverSummary), FitError> {
-        let (model, mut options) = (&self.model, self.options.clone());
-        let begins = self.last.is_none() || self.lost;
-        if !begins {
-            let skipped = options.skip_when_tracking.min(options.stages.len() - 1);
-            options.stages.drain(..skipped);
+        let (model, options) = (&self.model, self.options.clone());
+        if self.search == Search::Always {
+            return self.search(views, start, options, cancel);
         }
-        if !begins || self.search != Search::Always {
-            let again = (begins && self.search == Search::WhenPoor).then(|| views.clone());
-            let mut fit = match prior {
-                Some(prior) => Fit::with_motion_prior(Arc::clone(model), views, prior, options.clone()),
-                None => Fit::new(Arc::clone(model), views, start.clone(), options.clone()),
-            }?;
-            let summary = fit.run(cancel, |_| {});
-            let overlap = || iou(&sight.overlap(model, &summary.pose, options.renderer));
-            let Some(again) = again.filter(|_| overlap().is_some_and(|iou| iou < SEARCH_BELOW_IOU)) else {
-                return Ok((fit, summary));
-            };
-            return self.search(again, &start, options, cancel);
+        let again = (self.search == Search::WhenPoor).then(|| views.clone());
+        let mut fit = Fit::new(Arc::clone(model), views, start.clone(), options.clone())?;
+        let summary = fit.run(cancel, |_| {});
+        let overlap = || iou(&sight.overlap(model, &summary.pose, options.renderer));
+        let is_poor = || {
+            overlap().is_some_and(|iou| iou < SEARCH_BELOW_IOU)
+                || self.usual.judge(summary.final_rms, None).is_some()
+        };
+        match again.filter(|_| is_poor()) {
+            Some(views) => self.search(views, start, options, cancel),
+            None => Ok((fit, summary)),
         }
-        self.search(views, &start, options, cancel)
     }
 
     fn search(

@@ -51,6 +51,7 @@ pub(super) mod tests {
             empty_cameras: Vec::new(),
             iterations: 7,
             lost: false,
+            lost_because: None,
             termination: Some(Termination::NoDecrease),
             belief: None,
         };
@@ -63,6 +64,7 @@ pub(super) mod tests {
             empty_cameras: Vec::new(),
             iterations: 0,
             lost: true,
+            lost_because: Some(crate::track::Lost::Nobody),
             termination: None,
             belief: None,
         };

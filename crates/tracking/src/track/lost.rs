@@ -1,0 +1,134 @@
+//! Noticing that a track was lost: by overlap, and by a cost that is not the track's usual one.
+//!
+//! Overlap of the whole body is blind for one limb: a forearm in the wrong place costs a few hundredths of the IoU. Its
+//! pixels are missing in one place and spurious in another, though, so that the mean squared residual, which changes by a
+//! few per cent from frame to frame, rises by half.
+
+use std::collections::VecDeque;
+use std::fmt;
+
+/// A frame counts as lost below this overlap of model and silhouettes (IoU).
+pub const LOST_BELOW_IOU: f64 = 0.4;
+
+/// A frame counts as lost above this multiple of the track's usual RMS. On real footage frames that were fitted well
+/// stay below 1.1, every sixth frame alone below 1.2.
+pub const LOST_ABOVE_RMS_RATIO: f64 = 1.35;
+
+/// And only if it rose by so many grey levels: clean simulations leave hardly any, and twice that is no loss.
+const LEAST_RISE: f64 = 4.0;
+
+/// The usual RMS is the median of so many frames.
+const REMEMBERED: usize = 10;
+
+/// With fewer frames nothing is usual.
+const FEWEST: usize = 3;
+
+/// Why a frame counts as lost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Lost {
+    /// No camera sees anybody.
+    Nobody,
+    /// Hardly any overlap of model and silhouettes.
+    Overlap {
+        /// IoU of all cameras together.
+        iou: f64,
+    },
+    /// The residual is not the track's usual one: a limb is elsewhere, or something else is in the silhouette.
+    Cost {
+        /// RMS over the usual one.
+        ratio: f64,
+    },
+}
+
+impl fmt::Display for Lost {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Nobody => f.write_str("no camera sees anybody"),
+            Self::Overlap { iou } => write!(f, "model and silhouettes overlap by {iou:.2} only"),
+            Self::Cost { ratio } => {
+                write!(f, "the residual is {ratio:.1} times the usual one: a limb may be lost")
+            }
+        }
+    }
+}
+
+/// The RMS of the last frames that were fitted well.
+#[derive(Debug, Clone, Default)]
+pub(super) struct UsualCost {
+    last: VecDeque<f64>,
+    /// Frames in a row whose cost was too high.
+    too_high: usize,
+}
+
+impl UsualCost {
+    /// How a fitted frame is lost, if it is.
+    pub(super) fn judge(&self, rms: f64, iou: Option<f64>) -> Option<Lost> {
+        match iou {
+            Some(iou) if iou < LOST_BELOW_IOU => Some(Lost::Overlap { iou }),
+            _ => {
+                let usual = self.usual()?;
+                let ratio = rms / usual;
+                (ratio > LOST_ABOVE_RMS_RATIO && rms - usual > LEAST_RISE).then_some(Lost::Cost { ratio })
+            }
+        }
+    }
+
+    /// Remembers a frame as it was judged. A cost that stays high becomes the usual one: the scene has changed.
+    pub(super) fn remember(&mut self, rms: f64, lost: Option<Lost>) {
+        match lost {
+            None => self.too_high = 0,
+            Some(Lost::Cost { .. }) if self.too_high + 1 >= REMEMBERED => *self = Self::default(),
+            Some(Lost::Cost { .. }) => {
+                self.too_high += 1;
+                return;
+            }
+            Some(_) => return,
+        }
+        if self.last.len() == REMEMBERED {
+            self.last.pop_front();
+        }
+        self.last.push_back(rms);
+    }
+
+    /// The median.
+    fn usual(&self) -> Option<f64> {
+        if self.last.len() < FEWEST {
+            return None;
+        }
+        let mut sorted: Vec<f64> = self.last.iter().copied().collect();
+        sorted.sort_by(f64::total_cmp);
+        Some(sorted[sorted.len() / 2]).filter(|&usual| usual > 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cost_that_jumps_is_lost_and_one_that_stays_is_usual() {
+        let mut usual = UsualCost::default();
+        assert_eq!(usual.judge(100.0, Some(0.9)), None, "nothing is usual yet");
+        for frame in 0..20 {
+            let rms = 20.0 + 0.3 * f64::from(frame);
+            assert_eq!(usual.judge(rms, Some(0.9)), None, "frame {frame}");
+            usual.remember(rms, None);
+        }
+        assert!(matches!(usual.judge(36.0, Some(0.8)), Some(Lost::Cost { ratio }) if ratio > 1.4));
+        assert_eq!(usual.judge(36.0, Some(0.1)), Some(Lost::Overlap { iou: 0.1 }));
+        let mut lost = 0;
+        for _ in 0..30 {
+            let found = usual.judge(36.0, Some(0.8));
+            lost += usize::from(found.is_some());
+            usual.remember(36.0, found);
+        }
+        assert_eq!(lost, REMEMBERED);
+    }
+
+    #[test]
+    fn a_perfect_fit_is_no_measure() {
+        let mut usual = UsualCost::default();
+        (0..5).for_each(|_| usual.remember(0.0, None));
+        assert_eq!(usual.judge(3.0, None), None);
+    }
+}
