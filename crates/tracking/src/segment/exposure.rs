@@ -35,7 +35,7 @@ pub(super) fn gains(frame: &RgbImage, background: &Background) -> [f32; 3] {
                 // Written in any case, and kept if it counts: a branch would be guessed wrong too often.
                 let (i, mu) = (f32::from(level[c]), mean[c]);
                 ratios[c][counts[c]] = (i / mu).to_bits();
-                counts[c] += usize::from((mu >= DARKEST) & (mu <= BRIGHTEST) & (i <= BRIGHTEST));
+                counts[c] += usize::from((DARKEST..=BRIGHTEST).contains(&mu) & (i <= BRIGHTEST));
             }
         }
     }
