@@ -15,6 +15,7 @@
 //! | [`lost`] | noticing that a track was lost |
 //! | [`tracker`] | [`Tracker`]: frame after frame |
 //! | [`fit_body`] | the person's own lengths and radii, with the poses of several frames |
+//! | [`observability`] | what the cameras see of a pose and what not: directions, covariances, sets of cameras |
 //! | [`metrics`] | joint errors against a reference |
 
 pub mod chains;
@@ -26,6 +27,7 @@ pub mod lost;
 pub mod metrics;
 pub mod motion;
 pub mod objective;
+pub mod observability;
 pub mod options;
 pub mod posing;
 mod prepared;

@@ -1,0 +1,153 @@
+//! How well the cameras know each joint: covariance in the world, and its ellipse in a picture.
+//!
+//! With p the joint, K = ∂p/∂δ, H⁺ the pseudo-inverse of the seen directions and N the null ones,
+//!
+//! ```text
+//! Cov(p) = σ²κ K H⁺ Kᵀ       m², what is seen
+//! U(p)   = K N Nᵀ Kᵀ         m², moves of the joint for a unit step of what is not seen: no bound
+//! ```
+//!
+//! and in a picture A Cov Aᵀ and A U Aᵀ with A = ∂pixel/∂p.
+
+use glam::{DVec2, DVec3};
+use nalgebra::{DMatrix, Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
+
+use super::directions::Spectrum;
+use super::information::FrameInformation;
+use crate::body::{Kinematics, Model, Parameters};
+use crate::camera::Camera;
+use crate::track::motion::FrameBelief;
+
+/// A joint that null directions move by less than this for a unit step, metres, is not moved by them: rounding.
+const MOVED_BY_NULL_M: f64 = 1e-6;
+
+/// What is known of one joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointUncertainty {
+    /// The limb whose second joint it is; `None` for the root.
+    pub limb: Option<usize>,
+    /// Where it is, world metres.
+    pub at: DVec3,
+    /// Covariance of what is seen of it, world m².
+    pub covariance: Matrix3<f64>,
+    /// K N Nᵀ Kᵀ: zero where every move of the joint is seen.
+    pub unseen: Matrix3<f64>,
+}
+
+/// A joint's uncertainty in a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImageEllipse {
+    /// Where the joint is, pixels.
+    pub centre: DVec2,
+    /// Half axes of one standard deviation, pixels, the longer first.
+    pub half_axes: [DVec2; 2],
+    /// Unit vectors along which nothing bounds it: none, one, or both of the picture's.
+    pub unseen: Vec<DVec2>,
+}
+
+impl JointUncertainty {
+    /// Whether some move of the joint is not seen at all.
+    #[must_use]
+    pub fn is_unbounded(&self) -> bool {
+        self.unseen.symmetric_eigenvalues().max() > MOVED_BY_NULL_M.powi(2)
+    }
+
+    /// Standard deviation in the worst direction, metres; infinite where nothing bounds it.
+    #[must_use]
+    pub fn worst_deviation_m(&self) -> f64 {
+        if self.is_unbounded() {
+            return f64::INFINITY;
+        }
+        self.covariance.symmetric_eigenvalues().max().max(0.0).sqrt()
+    }
+
+    /// The same in a camera's picture, to first order, for an ideal pinhole. `None` behind the camera.
+    #[must_use]
+    pub fn ellipse(&self, camera: &Camera) -> Option<ImageEllipse> {
+        let centre = camera.project(self.at)?;
+        let by_point = pixel_by_point(camera, self.at);
+        let [long, short] = axes(&(by_point * self.covariance * by_point.transpose()));
+        let unseen = by_point * self.unseen * by_point.transpose();
+        // A metre of the joint is so many pixels: rounding is measured by that.
+        let least = MOVED_BY_NULL_M * camera.intrinsics().mean_focal_px() / camera.depth(self.at).max(1e-9);
+        let unseen = axes(&unseen).into_iter().filter(|axis| axis.length() > least);
+        Some(ImageEllipse {
+            centre,
+            half_axes: [long, short],
+            unseen: unseen.map(DVec2::normalize).collect(),
+        })
+    }
+
+    /// The joint as a Kalman filter believes it: everything is bounded by the motion so far.
+    #[must_use]
+    pub fn of_belief(belief: &FrameBelief, model: &Model, kinematics: &Kinematics) -> Vec<Self> {
+        let one = |limb| Self {
+            limb: Some(limb),
+            at: kinematics.ends()[limb],
+            covariance: belief.joint_covariance(kinematics, limb),
+            unseen: Matrix3::zeros(),
+        };
+        (0..model.limbs().len()).map(one).collect()
+    }
+}
+
+/// A = ∂pixel/∂p of an ideal pinhole, pixels per metre.
+fn pixel_by_point(camera: &Camera, point: DVec3) -> Matrix2x3<f64> {
+    let place = camera.camera_from_world();
+    let (k, p) = (camera.intrinsics(), place.transform(point));
+    let by_camera = Matrix2x3::new(
+        k.fx / p.z,
+        0.0,
+        -k.fx * p.x / (p.z * p.z),
+        0.0,
+        k.fy / p.z,
+        -k.fy * p.y / (p.z * p.z),
+    );
+    // Columns one after the other: what nalgebra takes for columns too.
+    by_camera * Matrix3::from_column_slice(&place.rotation.to_cols_array())
+}
+
+/// Half axes of a symmetric 2 × 2 matrix, the longer first.
+fn axes(matrix: &Matrix2<f64>) -> [DVec2; 2] {
+    let eigen = matrix.symmetric_eigen();
+    let half = |index: usize| {
+        let axis: Vector2<f64> = eigen.eigenvectors.column(index).into_owned();
+        DVec2::new(axis[0], axis[1]) * eigen.eigenvalues[index].max(0.0).sqrt()
+    };
+    let (a, b) = (half(0), half(1));
+    if a.length() >= b.length() { [a, b] } else { [b, a] }
+}
+
+/// Root first, then every limb's second joint.
+pub(super) fn joint_uncertainties(
+    information: &FrameInformation,
+    spectrum: &Spectrum,
+    deviation: f64,
+) -> Vec<JointUncertainty> {
+    let (kinematics, model) = (&information.kinematics, &information.model);
+    let columns = spectrum.values.len();
+    let mut root = DMatrix::zeros(3, columns);
+    root.fill_diagonal(1.0);
+    let one = |limb: Option<usize>| {
+        let mut by_step = match limb {
+            Some(limb) => kinematics.end_jacobian(limb, Parameters::Tangent),
+            None => root.clone(),
+        };
+        for axis in 0..3 {
+            by_step.column_mut(axis).scale_mut(information.lever);
+        }
+        let moves = by_step * &spectrum.vectors;
+        let (mut covariance, mut unseen) = (Matrix3::zeros(), Matrix3::zeros());
+        for (index, column) in moves.column_iter().enumerate() {
+            let by = Vector3::new(column[0], column[1], column[2]);
+            if index < spectrum.rank {
+                covariance += by * by.transpose() * (deviation * deviation / spectrum.values[index]);
+            } else {
+                unseen += by * by.transpose();
+            }
+        }
+        let at = limb.map_or(information.pose.root, |limb| kinematics.ends()[limb]);
+        JointUncertainty { limb, at, covariance, unseen }
+    };
+    std::iter::once(None).chain((0..model.limbs().len()).map(Some)).map(one).collect()
+}
