@@ -8,6 +8,8 @@
 //! | `hand` | dragging in a camera's view |
 //! | `docking` | tiles of the centre: arranging, opening, closing, one alone |
 //! | `fitting` | stepping, running, refitting, tracking |
+//! | `curves` | runs named, removed, brought back, exported |
+//! | `background` | the second worker: experiments, files made of results |
 //! | `body` | fitting the body's own sizes |
 //! | `demonstrating` | demonstrations and their runs, one after the other |
 //! | `files` | takes, projects, dialogs, autosave and recovery |
@@ -18,8 +20,10 @@
 //! | `screen` | which panels there are, and where |
 //! | `headless` | the window's picture without a display |
 
+mod background;
 mod body;
 mod commands;
+mod curves;
 mod demonstrating;
 mod docking;
 mod events;
@@ -50,6 +54,7 @@ impl App {
         self.context.clone_from(ui.ctx());
         self.apply_theme(ui);
         self.hear_worker();
+        self.hear_background();
         self.hear_dialogs();
         self.hear_export();
         self.take_dropped_files(ui.ctx());

@@ -50,6 +50,19 @@ pub fn cost(value: f64) -> String {
     format!("{value:.1e}").replace('-', "\u{2212}")
 }
 
+/// A number with as few digits as say it to four figures: `0.01`, `30`, `1.5e−6`.
+pub fn short(value: f64) -> String {
+    if !value.is_finite() {
+        return MISSING.to_owned();
+    }
+    if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) {
+        return cost(value);
+    }
+    let before = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
+    let text = number(value, (3.0 - before).clamp(0.0, 8.0) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
 /// A dimensionless ratio with three decimals: `0.804`.
 pub fn ratio(value: f64) -> String {
     number(value, 3)
@@ -130,6 +143,14 @@ mod tests {
         assert_eq!(cost(-31.0), "\u{2212}3.1e1");
         assert_eq!(cost(0.0), "0");
         assert_eq!(cost(f64::INFINITY), MISSING);
+    }
+
+    #[test]
+    fn short_numbers_have_no_digits_to_spare() {
+        assert_eq!([0.01, 30.0, 0.0, 1.5, 12_345.0].map(short), ["0.01", "30", "0", "1.5", "12345"]);
+        assert_eq!(short(-0.25), "\u{2212}0.25");
+        assert_eq!(short(1.5e-6), "1.5e\u{2212}6");
+        assert_eq!(short(f64::NAN), MISSING);
     }
 
     #[test]

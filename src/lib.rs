@@ -5,6 +5,7 @@ pub mod app;
 pub mod arrangement;
 pub mod builtin_take;
 pub mod cli;
+pub mod curves;
 pub mod demonstration;
 pub mod document;
 pub mod edit;

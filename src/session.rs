@@ -3,13 +3,15 @@
 
 mod frames;
 mod run;
+mod run_names;
 
 use std::sync::Arc;
 
 use backlit_tracking::body::Pose;
 
 pub use frames::{FrameCache, FrameData};
-pub use run::{Run, RunEnding, RunStep};
+pub use run::{Run, RunChoices, RunEnding, RunStep};
+pub use run_names::name_runs;
 
 use crate::document::Document;
 use crate::footage::Footage;
@@ -29,6 +31,10 @@ pub struct Session {
     pub is_stale: bool,
     /// Runs of the fit, the newest last.
     pub runs: Vec<Run>,
+    /// Runs that were begun so far: the number of the newest one.
+    pub runs_begun: usize,
+    /// The runs before some were removed, until that cannot be undone any more.
+    pub removed: Option<RemovedRuns>,
     /// The newest run, if it may go on.
     pub live: Option<usize>,
     /// What that run depends on.
@@ -55,6 +61,15 @@ pub struct Session {
     pub step_seconds: Option<f64>,
     /// Time of the last prediction, in seconds.
     pub predict_seconds: Option<f64>,
+}
+
+/// The runs as they were before some were removed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RemovedRuns {
+    /// All of them, removed or not.
+    pub runs: Vec<Run>,
+    /// The document's revision when that was done: a later change of the document is undone first.
+    pub revision: u64,
 }
 
 /// The state of a run of the tracker.
@@ -110,6 +125,23 @@ impl Session {
     #[must_use]
     pub fn step(&self, at: StepRef) -> Option<&RunStep> {
         self.runs.get(at.run)?.steps.get(at.step)
+    }
+
+    /// The first step of an earlier run on a frame that ended at this pose, if it is not that run's start: the run's
+    /// number, and the step.
+    #[must_use]
+    pub fn step_with_pose(&self, frame: usize, pose: &Pose) -> Option<(usize, usize)> {
+        let found = |run: &Run| {
+            let step = run.steps.iter().position(|step| step.pose == *pose)?;
+            (step > 0).then_some((run.number, step))
+        };
+        self.runs.iter().filter(|run| run.frame == frame).find_map(found)
+    }
+
+    /// The first colour that no run has.
+    #[must_use]
+    pub fn free_colour(&self) -> usize {
+        (0..).find(|colour| self.runs.iter().all(|run| run.colour != *colour)).unwrap_or_default()
     }
 
     /// The run that is looked at, or else the newest one of a frame.

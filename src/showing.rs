@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::action::Action;
 use crate::arrangement::Arrangement;
+use crate::curves::{CurvesLook, CurvesRequest};
 use crate::document::{Document, TakeSource};
 use crate::edit::Edit;
 use crate::history::{Gesture, History};
@@ -31,6 +32,8 @@ pub struct Showing<'a> {
     pub notices: &'a Notices,
     /// Work in progress.
     pub busy: Busy,
+    /// What the convergence plot shows.
+    pub curves: CurvesLook,
     /// The project file, if there is one.
     pub project: Option<&'a Path>,
     /// Whether a pose was copied.
@@ -94,6 +97,8 @@ pub enum Request {
     Step(StepRef),
     /// Show or hide a run's curve.
     ShowRun(usize, bool),
+    /// A wish of the convergence panel.
+    Curves(CurvesRequest),
     /// What the user did in a camera's tile.
     Tile(usize, TileEvent),
     /// How the window is arranged.
@@ -181,7 +186,10 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
     };
     let run = session.run_of(selection).and_then(|run| session.runs.get(run).map(|r| (run, r)));
     match action {
-        A::Undo => because(showing.history.undo_text().is_none(), "There is nothing to undo"),
+        A::Undo => {
+            let nothing = showing.history.undo_text().is_none() && session.removed.is_none();
+            because(nothing, "There is nothing to undo")
+        }
         A::Redo => because(showing.history.redo_text().is_none(), "There is nothing to redo"),
         A::PastePose => because(!showing.has_clipboard, "No pose was copied yet"),
         A::Save => no_take,
@@ -221,7 +229,10 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
             no_take.or(because(has_none, "This layout has no tiles"))
         }
         A::RestoreLayout => because(!showing.can_restore_layout, "The layout was not reset"),
-        A::ClearRuns => because(session.runs.is_empty(), "There are no runs"),
+        A::RestoreRuns => because(session.removed.is_none(), "No run was removed"),
+        A::ClearRuns | A::ExportCurves | A::ExportPlot => {
+            because(session.runs.is_empty(), "There are no runs")
+        }
         A::FitBody => no_fit().or(because(showing.busy.fitting, "The fit is running")),
         A::TrackForward | A::TrackBack => no_take
             .or(because(document.used_cameras().next().is_none(), "No camera is used in the fit"))

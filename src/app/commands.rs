@@ -98,6 +98,7 @@ impl App {
         let rotation = model.limbs()[limb].rotation;
         let name = model.limbs()[limb].name.clone();
         match action {
+            Action::Undo if self.removed_runs_last() => self.restore_runs(),
             Action::Undo | Action::Redo => {
                 self.interrupt_fit();
                 self.selection.step = None;
@@ -199,12 +200,10 @@ impl App {
             Action::RefitChain => self.refit(Part::Chain),
             Action::RefitBody => self.refit(Part::Body),
             Action::FitBody => self.fit_body(),
-            Action::ClearRuns => {
-                self.interrupt_fit();
-                self.selection.step = None;
-                self.session.runs.clear();
-                self.session.live = None;
-            }
+            Action::ClearRuns => self.clear_runs(),
+            Action::RestoreRuns => self.restore_runs(),
+            Action::ExportCurves => self.ask_for_file(DialogKind::Curves),
+            Action::ExportPlot => self.ask_for_file(DialogKind::Plot),
             Action::TrackForward => self.track(false),
             Action::TrackBack => self.track(true),
             _ => return false,

@@ -66,6 +66,10 @@ impl App {
         self.session.live_prediction = Some(predicted);
         if let Some(run) = self.session.live.and_then(|live| self.session.runs.get_mut(live)) {
             run.steps.push(step);
+            if run.steps.len() == 1 {
+                // Its start is known now, and whether it is another than those of the runs before.
+                self.name_runs();
+            }
         }
     }
 
@@ -78,6 +82,7 @@ impl App {
             // It could not begin.
             self.session.live = None;
             self.session.runs.retain(|run| !run.steps.is_empty());
+            self.name_runs();
             return;
         }
         let frame = run.frame;

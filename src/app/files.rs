@@ -83,6 +83,8 @@ impl App {
                     let name = format!("{name}.{PROJECT_EXTENSION}");
                     dialog.set_title("Save project").set_file_name(name).save_file()
                 }
+                DialogKind::Curves => export_dialog(dialog, "Export curves", &name, "csv"),
+                DialogKind::Plot => export_dialog(dialog, "Export plot", &name, "png"),
             };
             if let Some(path) = path {
                 // The window may be gone by now.
@@ -113,6 +115,8 @@ impl App {
                     };
                     self.save_to(&path);
                 }
+                DialogKind::Curves => self.export_curves_to(&path),
+                DialogKind::Plot => self.export_plot_to(&path),
             }
         }
     }
@@ -199,6 +203,12 @@ impl App {
     pub(super) fn is_autosave(&self, path: &Path) -> bool {
         self.autosave_path().is_some_and(|autosave| autosave == path)
     }
+}
+
+/// Asks where something is to be written; the name that is offered is the take's.
+fn export_dialog(dialog: rfd::FileDialog, title: &str, name: &str, extension: &str) -> Option<PathBuf> {
+    let dialog = dialog.set_title(title).add_filter(extension.to_uppercase(), &[extension]);
+    dialog.set_file_name(format!("{name} {}.{extension}", title.trim_start_matches("Export "))).save_file()
 }
 
 /// What a path is to be opened as.

@@ -12,7 +12,7 @@ use crate::look::Layout;
 use crate::panels::words;
 use crate::picture::ViewMode;
 use crate::selection::StepRef;
-use crate::session::{Run, Tracking};
+use crate::session::{Run, RunChoices, Tracking};
 use crate::worker::{Derivatives, FitJob, FitStart, Lane, Scene, TrackJob};
 
 /// Which part of the body is fitted.
@@ -85,30 +85,44 @@ impl App {
         let model = self.document().model.clone();
         let limb = self.selection.limb(&model);
         let name = match part {
-            Part::Limb => Some(format!("Refit {}", model.limbs()[limb].name)),
-            Part::Chain => Some(format!("Refit chain of {}", model.limbs()[limb].name)),
+            Part::Limb => Some(model.limbs()[limb].name.clone()),
+            Part::Chain => Some(format!("chain of {}", model.limbs()[limb].name)),
             Part::Body => None,
         };
         self.run_gesture = Some(self.new_gesture());
-        self.begin(name, free_rotations(&model, limb, part), None);
+        let free = free_rotations(&model, limb, part).zip(name);
+        self.begin(None, free.map(|(free, name)| (name, free)), None);
     }
 
-    pub(super) fn begin(&mut self, name: Option<String>, free: Option<Vec<bool>>, steps: Option<usize>) {
+    /// Begins a run: with a name of its own or one that is made of its choices; of all the body or of a part, with
+    /// that part's name and the rotations that may move.
+    pub(super) fn begin(
+        &mut self,
+        name: Option<String>,
+        part: Option<(String, Vec<bool>)>,
+        steps: Option<usize>,
+    ) {
         let Some(scene) = self.scene() else { return };
         let pose = self.session.shown_pose(self.document(), &self.selection).clone();
+        let (part, free) = part.unzip();
         let fit = scene.fit.clone();
-        let colour = self.session.runs.len();
-        self.session.runs.push(Run {
-            name: name.unwrap_or_else(|| words::fit_name(&fit)),
+        self.session.runs_begun += 1;
+        let branched_from = self.session.step_with_pose(self.selection.frame, &pose);
+        let run = Run {
+            number: self.session.runs_begun,
+            is_named: name.is_some(),
+            name: name.unwrap_or_default(),
             detail: words::fit_detail(&fit),
             frame: self.selection.frame,
-            colour,
-            steps: Vec::new(),
+            colour: self.session.free_colour(),
             stages: fit.stages.iter().map(|stage| words::short_ramp(stage.ramp)).collect(),
-            ending: None,
+            choices: RunChoices { fit, cameras: scene.uses.clone(), part, branched_from },
             is_shown: true,
-        });
-        self.session.live = Some(colour);
+            ..Run::default()
+        };
+        self.session.live = Some(self.session.runs.len());
+        self.session.runs.push(run);
+        self.name_runs();
         self.session.live_scene = Some(scene.clone());
         self.selection.step = None;
         let start = FitStart { scene, pose, free };

@@ -59,8 +59,10 @@ impl App {
             Request::ShowRun(run, is_shown) => {
                 if let Some(run) = self.session.runs.get_mut(run) {
                     run.is_shown = is_shown;
+                    self.name_runs();
                 }
             }
+            Request::Curves(request) => self.curves_request(request),
             Request::Tile(camera, event) => self.tile_event(camera, event),
             Request::Layout(layout) => self.look.layout = layout,
             Request::Pane(pane, event) => self.pane_event(pane, event),

@@ -31,6 +31,7 @@ impl App {
                 tracking: self.worker.is_busy(Lane::Track),
                 exporting: self.export_progress(),
             },
+            curves: self.curves,
             project: self.project.as_deref(),
             has_clipboard: self.clipboard.is_some(),
             has_exported: self.exported_to.is_some(),

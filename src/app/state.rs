@@ -6,10 +6,12 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use backlit_tracking::body::{Pose, builtin};
 use backlit_tracking::io::Take;
 
+use super::background::Background;
 use super::demonstrating::Prepared;
 use super::docking::Docking;
 use super::exporting::Exporting;
 use super::hand::Held;
+use crate::curves::CurvesLook;
 use crate::document::{Document, TakeSource};
 use crate::history::{Gesture, History};
 use crate::look::{Layout, Look};
@@ -63,6 +65,8 @@ pub(super) enum DialogKind {
     Project,
     SaveAs,
     Export,
+    Curves,
+    Plot,
 }
 
 /// What a file dialog was asked for, and the file that was chosen.
@@ -77,6 +81,7 @@ pub struct App {
     pub(super) look: Look,
     pub(super) notices: Notices,
     pub(super) worker: Worker<Event>,
+    pub(super) background: Background,
     pub(super) live: LiveFit,
     /// Steps that were asked for while one was being made.
     pub(super) pending_steps: usize,
@@ -85,6 +90,7 @@ pub struct App {
     /// Whether the screen follows the tracker.
     pub(super) follows_tracker: bool,
     pub(super) held: Option<Held>,
+    pub(super) curves: CurvesLook,
     /// The demonstration that is being prepared.
     pub(super) prepared: Option<Prepared>,
     pub(super) explanation: Option<&'static str>,
@@ -136,11 +142,13 @@ impl App {
             look: options.look,
             notices: Notices::default(),
             worker,
+            background: Background::start(&context)?,
             live: LiveFit::default(),
             pending_steps: 0,
             run_gesture: None,
             follows_tracker: false,
             held: None,
+            curves: CurvesLook::default(),
             prepared: None,
             explanation: None,
             state_file: options.state_file,
@@ -199,10 +207,19 @@ impl App {
         &self.notices
     }
 
+    /// Closes the cards of notices; they stay among the messages.
+    pub fn close_notices(&mut self) {
+        self.notices.close_all();
+    }
+
     /// Whether nothing is being read, fitted or drawn anew: what is on the screen is whole.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        self.worker.is_idle() && !self.session.is_stale && self.prepared.is_none() && self.exporting.is_none()
+        self.worker.is_idle()
+            && self.background.is_idle()
+            && !self.session.is_stale
+            && self.prepared.is_none()
+            && self.exporting.is_none()
     }
 
     /// Goes to a frame.

@@ -67,8 +67,7 @@ fn sentence(showing: &Showing<'_>) -> String {
     if let Some(run) = session.runs.iter().rfind(|run| run.frame == showing.selection.frame)
         && run.ending.is_some()
     {
-        let steps = run.steps.len().saturating_sub(1);
-        return format!("{}: {steps} steps. {}.", run.name, run.ending_text());
+        return format!("{}: {}. {}.", run.name, run.reached_text(), run.ending_text());
     }
     if showing.busy.loading {
         return "Reading the frame…".to_owned();

@@ -4,6 +4,7 @@ use egui::{Align, Align2, Layout as Direction, Rect, RichText, Sense, Stroke, Ui
 
 use super::command::{button, icon};
 use crate::action::Action;
+use crate::curves::Quantity;
 use crate::format;
 use crate::selection::StepRef;
 use crate::session::{Run, RunStep};
@@ -55,6 +56,9 @@ fn slider(ui: &mut Ui, intents: &mut Intents, index: usize, run: &Run, at: usize
             intents.request(Request::Step(StepRef { run: index, step }));
         }
     }
+    if let Some(step) = step_by_key(ui, &response, at, run.last_step()) {
+        intents.request(Request::Step(StepRef { run: index, step }));
+    }
     let palette = theme::palette(ui);
     let painter = ui.painter();
     painter.rect_filled(rail, 1.5, palette.widget);
@@ -78,8 +82,31 @@ fn slider(ui: &mut Ui, intents: &mut Intents, index: usize, run: &Run, at: usize
             painter.text(pos2(x(step), rail.top() - 4.0), Align2::LEFT_BOTTOM, label, font, palette.text2);
         }
     }
-    let fill = if response.hovered() { palette.text } else { palette.text2 };
+    let response =
+        response.on_hover_text("Drag or click to look at a step; the arrow keys once it has the focus");
+    let fill = if response.hovered() || response.has_focus() { palette.text } else { palette.text2 };
     painter.circle(pos2(x(at), rail.center().y), HANDLE, fill, Stroke::new(1.0, palette.panel));
+}
+
+/// The step that the arrow keys go to while the slider has the focus.
+fn step_by_key(ui: &Ui, response: &egui::Response, at: usize, last: usize) -> Option<usize> {
+    if response.clicked() || response.dragged() {
+        response.request_focus();
+    }
+    if !response.has_focus() {
+        return None;
+    }
+    let filter = egui::EventFilter { horizontal_arrows: true, ..egui::EventFilter::default() };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+    let pressed = |key| ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, key));
+    let step = if pressed(egui::Key::ArrowLeft) {
+        at.saturating_sub(1)
+    } else if pressed(egui::Key::ArrowRight) {
+        (at + 1).min(last)
+    } else {
+        return None;
+    };
+    (step != at).then_some(step)
 }
 
 fn words(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, run: &Run, at: usize) {
@@ -96,18 +123,17 @@ fn sentence(step: &RunStep, index: usize) -> String {
     if index == 0 {
         return "The start of the run.".to_owned();
     }
-    let before = step.cost + if step.accepted { step.fell } else { 0.0 };
-    let share = |value: f64| if before > 0.0 { value / before } else { 0.0 };
-    let foretold = format::percent(share(step.foretold));
+    let share = |value: Option<f64>| {
+        value.map_or_else(|| format::MISSING.to_owned(), |share| Quantity::Percent.text_of(100.0 * share))
+    };
+    let fell = step.fell_share().map(f64::abs);
+    let foretold = share(step.foretold_share());
     if step.accepted && step.fell >= 0.0 {
-        format!("Accepted. Cost fell by {}, {foretold} foretold.", format::percent(share(step.fell)))
+        format!("Accepted. Cost fell by {}, {foretold} foretold.", share(fell))
     } else if step.accepted {
-        format!(
-            "Taken, though the cost rose by {}; {foretold} fall foretold.",
-            format::percent(share(-step.fell))
-        )
+        format!("Taken, though the cost rose by {}; {foretold} fall foretold.", share(fell))
     } else {
-        let rose = format::percent(share(step.trial_cost - step.cost));
-        format!("Rejected: the cost would have risen by {rose}. Damping {}.", format::cost(step.damping))
+        let damping = format::short(step.damping);
+        format!("Rejected: the cost would have risen by {}. Damping {damping}.", share(fell))
     }
 }

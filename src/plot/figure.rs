@@ -4,7 +4,7 @@ use egui::{CentralPanel, Frame, Margin, RichText, Sense, Shape, Stroke, Ui, vec2
 use egui_plot::{GridInput, LineStyle, MarkerShape, Plot, PlotPoints, PlotUi, Points};
 use image::RgbaImage;
 
-use super::marks;
+use super::{marks, png};
 use crate::raster::Headless;
 use crate::theme::data_colours::mark;
 use crate::theme::{self, Palette, Theme, run_style};
@@ -67,6 +67,10 @@ pub struct Line {
     pub points: Vec<[f64; 2]>,
     /// Index of its colour and dash ([`run_style`]).
     pub style: usize,
+    /// Points with a ×, beside the curve.
+    pub crosses: Vec<[f64; 2]>,
+    /// Upright bars: x, and both ends. They say how sure a point is.
+    pub bars: Vec<[f64; 3]>,
     /// Whether it is drawn thin and without dots: one of many that a thick curve stands for. It has no name in
     /// the legend.
     pub is_faint: bool,
@@ -86,7 +90,21 @@ impl Line {
     /// A curve through points.
     #[must_use]
     pub fn of_points(name: &str, style: usize, points: Vec<[f64; 2]>) -> Self {
-        Self { name: name.to_owned(), points, style, is_faint: false }
+        Self { name: name.to_owned(), points, style, ..Self::default() }
+    }
+
+    /// The same with a × at each of these points.
+    #[must_use]
+    pub fn with_crosses(mut self, crosses: Vec<[f64; 2]>) -> Self {
+        self.crosses = crosses;
+        self
+    }
+
+    /// The same with upright bars: x, and both ends.
+    #[must_use]
+    pub fn with_bars(mut self, bars: Vec<[f64; 3]>) -> Self {
+        self.bars = bars;
+        self
     }
 
     /// The same, drawn as one of many.
@@ -123,6 +141,14 @@ impl Figure {
             let frame = Frame::NONE.fill(palette.panel).inner_margin(Margin::symmetric(14, 10));
             CentralPanel::default().frame(frame).show(ui, |ui| self.ui(ui, palette));
         })
+    }
+
+    /// The picture as the bytes of a PNG file.
+    ///
+    /// # Errors
+    /// None that is known: the picture is small.
+    pub fn png(&self, theme: Theme) -> anyhow::Result<Vec<u8>> {
+        png(self.picture(theme))
     }
 
     fn ui(&self, ui: &mut Ui, palette: &Palette) {
@@ -233,6 +259,13 @@ impl Figure {
         let (name, width) =
             if line.is_faint { ("", theme::size::HAIRLINE) } else { (line.name.as_str(), style.width) };
         let colour = if line.is_faint { style.colour.gamma_multiply(0.45) } else { style.colour };
+        let crosses: Vec<[f64; 2]> = line.crosses.iter().map(place).collect();
+        let crosses = Points::new(name, PlotPoints::from(crosses)).color(colour);
+        plot.points(crosses.radius(0.5 * mark::REJECTED_SIZE).shape(MarkerShape::Cross));
+        for &[x, low, high] in &line.bars {
+            let ends: Vec<[f64; 2]> = [[x, low], [x, high]].iter().map(place).collect();
+            plot.line(egui_plot::Line::new(name, PlotPoints::from(ends)).color(colour).width(1.0));
+        }
         for piece in line.points.split(|point| !(point[0].is_finite() && point[1].is_finite())) {
             let points: Vec<[f64; 2]> = piece.iter().map(place).collect();
             let curve = egui_plot::Line::new(name, PlotPoints::from(points.clone()));

@@ -4,8 +4,11 @@
 //! |---|---|
 //! | [`figure`] | [`Figure`]: a title, axes with their units, and what is drawn between them |
 //! | [`marks`] | where an axis has its marks |
+//! | [`png`](mod@png) | figures as PNG files |
 
 pub mod figure;
 pub mod marks;
+pub mod png;
 
 pub use figure::{Axis, Figure, Line};
+pub use png::png;

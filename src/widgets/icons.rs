@@ -33,6 +33,7 @@ pub enum Icon {
     Pin,
     Warning,
     Info,
+    Pencil,
     Close,
     Check,
 }
@@ -57,7 +58,7 @@ use Mark::{Arc, Dot, Fill, Line, Loop, Ring};
 
 impl Icon {
     /// All icons.
-    pub const ALL: [Self; 26] = [
+    pub const ALL: [Self; 27] = [
         Self::Undo,
         Self::Redo,
         Self::StepBack,
@@ -82,6 +83,7 @@ impl Icon {
         Self::Pin,
         Self::Warning,
         Self::Info,
+        Self::Pencil,
         Self::Close,
         Self::Check,
     ];
@@ -171,6 +173,10 @@ impl Icon {
                 Dot(7.0, 10.4, 0.9),
             ],
             Self::Info => &[Ring(7.0, 7.0, 5.6), Line(&[(7.0, 6.4), (7.0, 10.2)]), Dot(7.0, 4.2, 0.9)],
+            Self::Pencil => &[
+                Loop(&[(9.8, 1.8), (12.2, 4.2), (4.8, 11.6), (1.8, 12.2), (2.4, 9.2)]),
+                Line(&[(8.2, 3.4), (10.6, 5.8)]),
+            ],
             Self::Close => &[Line(&[(3.2, 3.2), (10.8, 10.8)]), Line(&[(10.8, 3.2), (3.2, 10.8)])],
             Self::Check => &[Line(&[(2.6, 7.4), (5.6, 10.4), (11.4, 3.8)])],
         }

@@ -67,12 +67,14 @@ impl FitJob {
             let first = RunStep {
                 pose: fit.pose().clone(),
                 mismatch: last.mismatch,
+                rms: last.rms.unwrap_or_default(),
                 cost: fit.cost(),
                 trial_cost: fit.cost(),
                 foretold: 0.0,
                 fell: 0.0,
                 seconds: 0.0,
                 damping: start.scene.fit.damping,
+                step_norm: 0.0,
                 stage: 0,
                 accepted: true,
             };
@@ -117,7 +119,7 @@ impl Job<Event> for FitJob {
         if record.accepted {
             running.last = Arc::new(Predicted::new(&running.scene, &record.pose, Some(&running.last)));
         }
-        let step = run_step(&record, running.last.mismatch, seconds);
+        let step = run_step(&record, &running.last, seconds);
         out.send(Event::FitStep(Box::new(step), running.last.clone()));
         self.left = self.left.map(|left| left.saturating_sub(1));
         Step::Again
@@ -134,15 +136,17 @@ fn ending_of(termination: Termination, is_annealed: bool) -> RunEnding {
     }
 }
 
-fn run_step(record: &IterationRecord, mismatch: f64, seconds: f64) -> RunStep {
+fn run_step(record: &IterationRecord, predicted: &Predicted, seconds: f64) -> RunStep {
     RunStep {
         pose: record.pose.clone(),
-        mismatch,
+        mismatch: predicted.mismatch,
+        rms: predicted.rms.unwrap_or_default(),
         cost: record.cost,
         trial_cost: record.trial_cost,
         foretold: record.predicted_decrease,
         fell: record.actual_decrease,
         damping: record.damping,
+        step_norm: record.step_norm,
         seconds,
         stage: record.stage,
         accepted: record.accepted,

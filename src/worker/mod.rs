@@ -14,6 +14,7 @@ mod queue;
 mod save;
 mod survey;
 mod track;
+mod write;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -27,6 +28,7 @@ pub use queue::{Job, Lane, Outbox, Report, Step, Worker};
 pub use save::SaveJob;
 pub use survey::{Extent, SurveyJob};
 pub use track::TrackJob;
+pub use write::WriteJob;
 
 use backlit_tracking::track::fit_body::BodyFit;
 
@@ -67,6 +69,15 @@ pub enum Event {
         /// Whether it is the copy for the next start.
         is_autosave: bool,
     },
+    /// Something did not work; what it was.
+    Failed(String),
+}
+
+/// What the jobs of the second worker say: of experiments and of files.
+#[derive(Debug)]
+pub enum BackgroundEvent {
+    /// A file was written.
+    Written(PathBuf),
     /// Something did not work; what it was.
     Failed(String),
 }

@@ -131,7 +131,7 @@ fn figure(report: &Report, starts: usize) -> Figure {
         name: if basin.cameras == 1 { "one camera".to_owned() } else { format!("{} cameras", basin.cameras) },
         points: basin.success.iter().map(|(&degrees, &found)| [f64::from(degrees), 100.0 * found]).collect(),
         style,
-        is_faint: false,
+        ..Line::default()
     };
     Figure {
         title: "Basin: starts that end within 20 mm of the truth".to_owned(),

@@ -74,7 +74,7 @@ fn figure(report: &Report, options: &Options) -> Figure {
                 name: look.name.clone(),
                 points: look.biases.iter().map(|bias| [bias.cameras as f64, bias.mean_mm]).collect(),
                 style,
-                is_faint: false,
+                ..Line::default()
             })
             .collect(),
     }

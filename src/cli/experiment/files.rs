@@ -1,11 +1,9 @@
 //! The files of an experiment, and the table on the screen.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Context;
 use backlit_tracking::io::atomic;
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{DynamicImage, RgbaImage};
 use serde::Serialize;
 
 use super::arguments::OutputArguments;
@@ -63,16 +61,8 @@ pub fn write<O: Serialize, R: Serialize>(
     let mut written = vec![path];
     for (name, figure) in figures {
         let path = arguments.out.join(format!("{name}.png"));
-        write_small(&path, figure.picture(arguments.theme.into()))?;
+        atomic::write(&path, &figure.png(arguments.theme.into())?)?;
         written.push(path);
     }
     Ok((numbers, written))
-}
-
-/// Plots are flat: they get much smaller without filters and with all the time that compression takes.
-fn write_small(path: &Path, picture: RgbaImage) -> anyhow::Result<()> {
-    let mut bytes = Vec::new();
-    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::NoFilter);
-    DynamicImage::ImageRgba8(picture).into_rgb8().write_with_encoder(encoder).context("a plot")?;
-    Ok(atomic::write(path, &bytes)?)
 }

@@ -1,0 +1,20 @@
+//! What the convergence plot shows.
+
+use super::Quantity;
+
+/// The choices above the plot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CurvesLook {
+    /// What is plotted.
+    pub quantity: Quantity,
+    /// Whether its axis is logarithmic.
+    pub is_log: bool,
+    /// Whether rejected steps have marks.
+    pub rejected: bool,
+}
+
+impl Default for CurvesLook {
+    fn default() -> Self {
+        Self { quantity: Quantity::Percent, is_log: true, rejected: true }
+    }
+}

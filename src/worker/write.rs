@@ -1,0 +1,42 @@
+//! Files that are made of what the session holds: tables, plots, numbers.
+
+use std::path::PathBuf;
+
+use backlit_tracking::io::atomic;
+
+use super::{BackgroundEvent, Job, Outbox, Step};
+
+/// Makes the bytes of a file.
+type Make = Box<dyn FnOnce() -> anyhow::Result<Vec<u8>> + Send>;
+
+/// Makes a file and writes it.
+pub struct WriteJob {
+    path: PathBuf,
+    make: Option<Make>,
+}
+
+impl WriteJob {
+    /// What is to be written where; `make` runs on the worker's thread.
+    pub fn new(path: PathBuf, make: impl FnOnce() -> anyhow::Result<Vec<u8>> + Send + 'static) -> Self {
+        Self { path, make: Some(Box::new(make)) }
+    }
+}
+
+impl std::fmt::Debug for WriteJob {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("WriteJob").field("path", &self.path).finish_non_exhaustive()
+    }
+}
+
+impl Job<BackgroundEvent> for WriteJob {
+    fn step(&mut self, out: &Outbox<BackgroundEvent>) -> Step {
+        let Some(make) = self.make.take() else { return Step::Done };
+        let path = std::mem::take(&mut self.path);
+        let written = make().and_then(|bytes| Ok(atomic::write(&path, &bytes)?));
+        out.send(match written {
+            Ok(()) => BackgroundEvent::Written(path),
+            Err(error) => BackgroundEvent::Failed(format!("{} was not written: {error:#}.", path.display())),
+        });
+        Step::Done
+    }
+}
