@@ -24,7 +24,7 @@ use snapshots::{Snapshots, theme_name};
 fn open(theme: Theme, size: Vec2) -> Harness<'static, App> {
     let look = Look { theme, layout: Layout::Debug, ..Look::default() };
     let opening = Some(Opening::Ready(Box::new(take::take())));
-    open_sized(AppOptions { look, opening, data_folder: None }, size)
+    open_sized(AppOptions { look, opening, ..AppOptions::default() }, size)
 }
 
 fn open_dark() -> Harness<'static, App> {
