@@ -14,7 +14,7 @@ use crate::body::{Kinematics, Model, Pose};
 use crate::cancel::CancelToken;
 use crate::render::RendererKind;
 use crate::track::metrics::Statistics;
-use crate::track::{Fit, FitOptions, FitView, HypothesisOptions, Preset, Scale};
+use crate::track::{Fit, FitOptions, FitView, HypothesisOptions, Preset};
 
 /// Below this mean distance a fit has found its truth, millimetres.
 pub const SUCCESS_MM: f64 = 20.0;
@@ -126,9 +126,7 @@ fn fit(
     cancel: &CancelToken,
 ) -> Result<Pose, ExperimentError> {
     let mut fit = FitOptions { renderer: options.renderer, ..FitOptions::preset(options.preset) };
-    if options.scaled {
-        fit = fit.scaled_to(&Scale::of(&start.model, &views, &start.start));
-    }
+    fit.to_scale &= options.scaled;
     let model = Arc::clone(&start.model);
     let mut fit = match &options.hypotheses {
         Some(effort) => Fit::with_hypotheses(model, views, &start.start, fit, effort, cancel)?,

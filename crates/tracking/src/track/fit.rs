@@ -121,6 +121,7 @@ impl Fit {
         {
             return Err(FitError::FreeRotations { found, expected: model.rotation_count() });
         }
+        let options = options.at_scale(&model, &views, &start);
         let prepared = Prepared::new(&model, views, &start, &options, |_, _, _| 0.0)?;
         let pose = prepared.start.clone();
         let constraints = Constraints { free, motion: None };
@@ -141,6 +142,7 @@ impl Fit {
         cancel: &CancelToken,
     ) -> Result<Self, FitError> {
         effort.check()?;
+        let options = options.at_scale(&model, &views, start);
         let prepared = Prepared::new(&model, views, start, &options, Sketch::reach_px)?;
         let found = Search::run(&model, &prepared, &options, effort, cancel).found;
         let pose = found[0].pose.clone();
@@ -158,6 +160,7 @@ impl Fit {
         prior: MotionPrior,
         options: FitOptions,
     ) -> Result<Self, FitError> {
+        let options = options.at_scale(&model, &views, &prior.mean);
         let prepared = Prepared::new(&model, views, &prior.mean, &options, |_, _, _| 0.0)?;
         let pose = prepared.start.clone();
         let constraints = Constraints { free: None, motion: Some(Arc::new(prior)) };
@@ -286,6 +289,12 @@ impl Fit {
             }
         }
         self.summary()
+    }
+
+    /// Its choices: what it was given, made to the scale of its views where that was asked for.
+    #[must_use]
+    pub fn options(&self) -> &FitOptions {
+        &self.options
     }
 
     /// Where it stands.

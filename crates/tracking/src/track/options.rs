@@ -67,6 +67,10 @@ pub struct FitOptions {
     pub damping: f64,
     /// Stages of the first frame, from far away.
     pub stages: Vec<Stage>,
+    /// Whether the stages are made to suit how large the body appears ([`at_scale`](Self::at_scale)): they are
+    /// meant for a person of some hundred pixels.
+    #[serde(default)]
+    pub to_scale: bool,
     /// How many of the first stages a tracked frame skips: it starts near.
     pub skip_when_tracking: usize,
     /// Pull towards the pose that the fit began with.
@@ -177,6 +181,7 @@ impl FitOptions {
                     tolerance: None,
                     priors: 1.0,
                 }],
+                to_scale: false,
                 skip_when_tracking: 0,
                 proximal_weight: 0.0,
                 proximal_root_factor: 11.0,
@@ -204,6 +209,7 @@ impl FitOptions {
                         priors: 1.0,
                     })
                     .to_vec(),
+                to_scale: true,
                 skip_when_tracking: 1,
                 proximal_weight: 30.0,
                 proximal_root_factor: 11.0,
@@ -239,7 +245,7 @@ impl FitOptions {
         let iterations = self.stages.iter().map(|stage| stage.iterations).sum::<usize>().max(1);
         let tolerance = last.and_then(|stage| stage.tolerance);
         self.stages = vec![Stage { ramp, data, stride: 1, iterations, tolerance, priors: 1.0 }];
-        self.skip_when_tracking = 0;
+        (self.to_scale, self.skip_when_tracking) = (false, 0);
         self
     }
 
@@ -247,6 +253,7 @@ impl FitOptions {
     /// is left over. Stages without a share are dropped.
     #[must_use]
     pub fn with_iterations(mut self, iterations: usize) -> Self {
+        self.to_scale = false;
         let stages = self.stages.len().max(1);
         let (share, left_over) = (iterations / stages, iterations % stages);
         for (index, stage) in self.stages.iter_mut().enumerate() {

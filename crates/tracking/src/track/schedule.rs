@@ -31,6 +31,13 @@ const PROXIMAL: [f64; 2] = [1.0, 3.0];
 /// Pull of twists: silhouettes of two cameras tell them by where the next limb points.
 const REST: f64 = 0.5;
 
+/// Radius of the thinnest limb that the robust preset's stages are meant for, pixels.
+const MEANT_FOR_PX: f64 = 4.6;
+/// Doublings at most.
+const MOST_DOUBLINGS: f64 = 4.0;
+/// A person smaller than this, pixels, is tiny.
+const TINY_PX: f64 = 64.0;
+
 /// How large a body appears.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
@@ -64,6 +71,12 @@ impl Scale {
         }
     }
 
+    /// Whether the person is but a few dozen pixels tall.
+    #[must_use]
+    pub fn is_tiny(&self) -> bool {
+        self.person_px < TINY_PX
+    }
+
     /// The stages: distance ramps from wide to narrow, then the softened form on the mask as it is.
     #[must_use]
     pub fn stages(&self) -> Vec<Stage> {
@@ -94,6 +107,37 @@ impl Scale {
 }
 
 impl FitOptions {
+    /// The choices as they are meant for these views and a start near their subjects: themselves, unless they are
+    /// made to follow the scale ([`to_scale`](Self::to_scale)).
+    ///
+    /// Where the thinnest limb is twice as thick as the stages are meant for, one twice as wide and as coarse goes
+    /// before them; so for every doubling. A person of a few dozen pixels gets the annealing by limbs' widths
+    /// ([`Scale::stages`]) and weak priors.
+    #[must_use]
+    pub fn at_scale(self, model: &Model, views: &[FitView], start: &Pose) -> Self {
+        if !self.to_scale {
+            return self;
+        }
+        let scale = Scale::of(model, views, start);
+        let mut options = if scale.is_tiny() { self.scaled_to(&scale) } else { self.widened_to(&scale) };
+        options.to_scale = false;
+        options
+    }
+
+    fn widened_to(mut self, scale: &Scale) -> Self {
+        let doublings = (scale.thinnest_px / MEANT_FOR_PX).log2().round();
+        let doublings = if doublings.is_finite() { doublings.clamp(0.0, MOST_DOUBLINGS) as usize } else { 0 };
+        for _ in 0..doublings {
+            let Some(&first) = self.stages.first() else { break };
+            let Ramp::Distance { inner_px, outer_px } = first.ramp else { break };
+            let ramp = Ramp::Distance { inner_px, outer_px: 2.0 * outer_px };
+            let stride = (2 * first.stride).min(COARSEST as usize).max(first.stride);
+            self.stages.insert(0, Stage { ramp, stride, ..first });
+            self.skip_when_tracking += 1;
+        }
+        self
+    }
+
     /// The same with the annealing and the priors that suit a scale.
     #[must_use]
     pub fn scaled_to(mut self, scale: &Scale) -> Self {
@@ -108,6 +152,26 @@ impl FitOptions {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_presets_stages_grow_with_the_limbs() {
+        let outer = |options: &FitOptions| -> Vec<f64> {
+            let width = |stage: &Stage| match stage.ramp {
+                Ramp::Distance { outer_px, .. } => outer_px,
+                _ => 0.0,
+            };
+            options.stages.iter().map(width).collect()
+        };
+        let preset = FitOptions::default();
+        let scale = |thinnest_px| Scale { person_px: 300.0, thinnest_px, cameras: 2 };
+        for thinnest_px in [0.0, 3.3, 6.4, f64::INFINITY, f64::NAN] {
+            assert_eq!(preset.clone().widened_to(&scale(thinnest_px)), preset, "{thinnest_px}");
+        }
+        let wider = preset.clone().widened_to(&scale(15.0));
+        assert_eq!(outer(&wider), [96.0, 48.0, 24.0, 12.0, 6.0, 3.0, 1.5]);
+        assert_eq!((wider.skip_when_tracking, wider.stages[0].stride), (3, 8));
+        assert_eq!(wider.check(), Ok(()));
+    }
 
     #[test]
     fn stages_narrow_and_follow_the_scale() {

@@ -302,7 +302,8 @@ impl Tracker {
         prior: Option<MotionPrior>,
         cancel: &CancelToken,
     ) -> Result<(Fit, SolverSummary), FitError> {
-        let (model, mut options) = (Arc::clone(&self.model), self.options.clone());
+        let model = Arc::clone(&self.model);
+        let mut options = self.options.clone().at_scale(&model, &views, &start);
         let skipped = options.skip_when_tracking.min(options.stages.len() - 1);
         options.stages.drain(..skipped);
         let mut fit = match prior {
