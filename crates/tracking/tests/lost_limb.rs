@@ -1,6 +1,8 @@
 //! One limb that leaves its place between two frames: hardly any overlap is lost, yet the tracker notices by the cost,
 //! and finds the limb again in the same frame where it may search.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
+
 use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};

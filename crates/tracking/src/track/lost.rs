@@ -11,7 +11,7 @@ use std::fmt;
 pub const LOST_BELOW_IOU: f64 = 0.4;
 
 /// A frame counts as lost above this multiple of the track's usual RMS. On real footage frames that were fitted well
-/// stay below 1.1, every sixth frame alone below 1.2.
+/// stay below 1.14, with two cameras and with every sixth frame alone too.
 pub const LOST_ABOVE_RMS_RATIO: f64 = 1.35;
 
 /// And only if it rose by so many grey levels: clean simulations leave hardly any, and twice that is no loss.
