@@ -106,6 +106,8 @@ impl App {
         let pose = self.session.shown_pose(self.document(), &self.selection).clone();
         let (part, free) = part.unzip();
         let fit = scene.fit.clone();
+        // The fit makes its stages to the scale of what is seen: these are the ones that its steps will name.
+        let stages = (*fit).clone().at_scale(&scene.model, &scene.views(), &pose).stages;
         self.session.runs_begun += 1;
         let branched_from = self.session.step_with_pose(self.selection.frame, &pose);
         let run = Run {
@@ -115,7 +117,7 @@ impl App {
             detail: words::fit_detail(&fit),
             frame: self.selection.frame,
             colour: self.session.free_colour(),
-            stages: fit.stages.iter().map(|stage| words::short_ramp(stage.ramp)).collect(),
+            stages: stages.iter().map(|stage| words::short_ramp(stage.ramp)).collect(),
             choices: RunChoices { fit, cameras: scene.uses.clone(), part, branched_from },
             is_shown: true,
             ..Run::default()

@@ -71,7 +71,7 @@ fn table(name: &str, footage: &Footage) {
             let whole = began.elapsed().as_secs_f64();
             let again = Instant::now();
             masks.iter().for_each(|mask| {
-                drop(std::hint::black_box(SignedDistance::from_mask_within(mask, REACH_PX)))
+                drop(std::hint::black_box(SignedDistance::from_mask_within(mask, REACH_PX)));
             });
             // The first frame begins from far, and the first round warms up.
             if frame > 0 && round > 0 {
