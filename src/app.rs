@@ -5,7 +5,8 @@
 //! | `state` | [`App`]: the document with its history, and all that is around it |
 //! | `events` | what the worker said |
 //! | `requests`, `commands` | what the panels and the keys asked for |
-//! | `hand` | dragging in a camera's view |
+//! | `hand` | dragging in a camera's view, nudging |
+//! | `clipboard` | poses to and from the system's clipboard |
 //! | `docking` | tiles of the centre: arranging, opening, closing, one alone |
 //! | `fitting` | stepping, running, refitting, tracking |
 //! | `curves` | runs named, removed, brought back, exported |
@@ -22,6 +23,7 @@
 
 mod background;
 mod body;
+mod clipboard;
 mod commands;
 mod curves;
 mod demonstrating;
@@ -41,7 +43,7 @@ mod state;
 mod twin;
 
 pub use files::opening_of;
-pub(crate) use hand::moved;
+pub(crate) use hand::nudge_of;
 pub use headless::{PictureOptions, headless_picture};
 pub use state::{App, AppOptions, Opening};
 

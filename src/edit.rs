@@ -54,6 +54,11 @@ pub enum Edit {
     },
     /// Another body with the same limbs: its lengths and radii were fitted.
     SetBody(Arc<Model>),
+    /// Makes the whole body larger or smaller.
+    ScaleBody {
+        /// All lengths and radii are multiplied by it.
+        factor: f64,
+    },
     /// Whether a camera counts in the fit.
     UseCamera {
         /// The camera.
@@ -94,6 +99,8 @@ pub enum EditError {
     Pose { frame: usize, source: PoseError },
     #[error("the size of limb {limb} is wrong: {source}")]
     Size { limb: usize, source: ModelError },
+    #[error("the body cannot be of that size: {source}")]
+    Scale { source: ModelError },
     #[error("there is no limb {limb}; the body has {count}")]
     NoLimb { limb: usize, count: usize },
     #[error("the body has other limbs; expected the same ones in other sizes")]
@@ -125,6 +132,7 @@ impl Edit {
             Self::ClearEstimates => "Clear track".to_owned(),
             Self::SetSize { .. } => "Change limb size".to_owned(),
             Self::SetBody(_) => "Fit body".to_owned(),
+            Self::ScaleBody { .. } => "Scale body".to_owned(),
             Self::UseCamera { used: true, .. } => "Use camera".to_owned(),
             Self::UseCamera { used: false, .. } => "Leave camera out".to_owned(),
             Self::WeighCamera { .. } => "Change camera weight".to_owned(),
@@ -164,6 +172,10 @@ impl Document {
                 self.set_size(limb, length, radius, both_sides)?;
             }
             Edit::SetBody(model) => self.set_body(model)?,
+            Edit::ScaleBody { factor } => {
+                let scaled = self.model.scaled(factor).map_err(|source| EditError::Scale { source })?;
+                self.model = Arc::new(scaled);
+            }
             Edit::UseCamera { camera, used } => self.camera_mut(camera)?.used = used,
             Edit::WeighCamera { camera, weight } => {
                 if !weight.is_finite() || weight < 0.0 {

@@ -8,6 +8,7 @@ use crate::arrangement::{self, Kept};
 use crate::export::ExportChoices;
 use crate::pane::Pane;
 use crate::theme::{Theme, size};
+use crate::view_settings::ViewSettings;
 
 /// What the window is arranged for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -54,6 +55,8 @@ pub struct Look {
     pub lanes: bool,
     /// Whether zoom and pan go together in all views.
     pub linked_zoom: bool,
+    /// How all camera views look.
+    pub views: ViewSettings,
     /// Takes that were opened last, the newest first.
     pub recent: Vec<PathBuf>,
     /// How the user has arranged the tiles.
@@ -72,6 +75,7 @@ impl Default for Look {
             panel: true,
             lanes: true,
             linked_zoom: false,
+            views: ViewSettings::default(),
             recent: Vec::new(),
             kept: Kept::default(),
             export: ExportChoices::default(),

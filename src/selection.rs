@@ -22,13 +22,16 @@ pub struct Selection {
     pub camera: usize,
     /// The joint that is held.
     pub joint: JointId,
+    /// Of the limbs that turn with the held joint, the one whose size is looked at; another one stands for the limb
+    /// that owns the rotation.
+    pub part: Option<usize>,
     /// The step on the screen, while the user looks back into a run; otherwise the document's pose is shown.
     pub step: Option<StepRef>,
 }
 
 impl Default for Selection {
     fn default() -> Self {
-        Self { frame: 0, camera: 0, joint: JointId::Root, step: None }
+        Self { frame: 0, camera: 0, joint: JointId::Root, part: None, step: None }
     }
 }
 
@@ -41,6 +44,16 @@ impl Selection {
             JointId::End(limb) => model.limbs().get(limb).map_or(0, |limb| limb.rotation),
         };
         model.rotation_owners()[rotation]
+    }
+
+    /// The limb whose size is looked at.
+    #[must_use]
+    pub fn sized_limb(&self, model: &Model) -> usize {
+        let owner = self.limb(model);
+        let rotation = model.limbs()[owner].rotation;
+        let part =
+            self.part.filter(|part| model.limbs().get(*part).is_some_and(|limb| limb.rotation == rotation));
+        part.unwrap_or(owner)
     }
 
     /// The joint by which a limb is held: the outermost one that turns with it.

@@ -2,6 +2,7 @@
 //! be made again at any time and is never saved.
 
 mod frames;
+mod refitted;
 mod run;
 mod run_names;
 
@@ -10,6 +11,7 @@ use std::sync::Arc;
 use backlit_tracking::body::Pose;
 
 pub use frames::{FrameCache, FrameData};
+pub use refitted::Refitted;
 pub use run::{Run, RunChoices, RunEnding, RunStep};
 pub use run_names::name_runs;
 
@@ -41,6 +43,10 @@ pub struct Session {
     pub live_scene: Option<Scene>,
     /// What the last step of that run predicts.
     pub live_prediction: Option<Arc<Predicted>>,
+    /// What the run that is going on refits, if it does.
+    pub refitting: Option<String>,
+    /// The last refit of each frame.
+    pub refits: std::collections::BTreeMap<usize, Refitted>,
     /// Whether that run is being stepped right now.
     pub is_stepping: bool,
     /// The frame that is being loaded.

@@ -16,6 +16,7 @@ use crate::panels::export_dialog::ExportOrder;
 use crate::picture::JointId;
 use crate::selection::{Selection, StepRef};
 use crate::session::Session;
+use crate::view_settings::ViewSettings;
 
 /// All that a panel may look at while a frame is drawn.
 #[derive(Debug, Clone, Copy)]
@@ -36,8 +37,6 @@ pub struct Showing<'a> {
     pub curves: CurvesLook,
     /// The project file, if there is one.
     pub project: Option<&'a Path>,
-    /// Whether a pose was copied.
-    pub has_clipboard: bool,
     /// Whether something was exported since the start.
     pub has_exported: bool,
     /// Whether frames are being played.
@@ -101,6 +100,10 @@ pub enum Request {
     Curves(CurvesRequest),
     /// What the user did in a camera's tile.
     Tile(usize, TileEvent),
+    /// Look at the size of this limb, of those that turn with the held joint.
+    Part(usize),
+    /// How all camera views look.
+    Views(ViewSettings),
     /// How the window is arranged.
     Layout(Layout),
     /// What the user did with a tile.
@@ -190,8 +193,17 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
             let nothing = showing.history.undo_text().is_none() && session.removed.is_none();
             because(nothing, "There is nothing to undo")
         }
+        A::NudgeLeft
+        | A::NudgeRight
+        | A::NudgeUp
+        | A::NudgeDown
+        | A::NudgeFarLeft
+        | A::NudgeFarRight
+        | A::NudgeFarUp
+        | A::NudgeFarDown
+        | A::Wipe
+        | A::Blink => no_take,
         A::Redo => because(showing.history.redo_text().is_none(), "There is nothing to redo"),
-        A::PastePose => because(!showing.has_clipboard, "No pose was copied yet"),
         A::Save => no_take,
         A::Camera1
         | A::Camera2
@@ -247,9 +259,15 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
             no_take.or(because(selection.frame + 1 >= frames, "This is the last frame"))
         }
         A::Play => no_take.or(because(frames < 2, "The take has one frame")),
-        A::SaveAs | A::CopyPose | A::Mirror | A::PinJoint | A::ResetLimb | A::ResetBody | A::SetKeyPose => {
-            no_take
-        }
+        A::SaveAs
+        | A::CopyPose
+        | A::PastePose
+        | A::Mirror
+        | A::MirrorPose
+        | A::PinJoint
+        | A::ResetLimb
+        | A::ResetBody
+        | A::SetKeyPose => no_take,
         _ => None,
     }
 }

@@ -6,12 +6,13 @@
 mod snapshots;
 mod support;
 
-use backlit::panels::{CameraTileInput, Drag, TileEvent, Wipe, camera_tile};
+use backlit::panels::{CameraTileInput, Comparison, Drag, TileEvent, TileLook, camera_tile};
 use backlit::picture::{
     Derivative, JointId, JointMark, PictureInput, ProjectedLimb, SightRay, ViewMode, body_outline,
     gradient_magnitudes, jacobian_column, limb_colours, project_joints, project_limbs, sight_ray,
 };
 use backlit::theme::Theme;
+use backlit::view_settings::ViewSettings;
 use backlit::widgets::Framing;
 use backlit_tracking::body::builtin::full_body;
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
@@ -20,7 +21,7 @@ use backlit_tracking::render::{Prediction, Ramp, RendererKind, View, predict};
 use backlit_tracking::silhouette::{Label, Mask, Measurement, Overlap, SignedDistance};
 use egui::{Color32, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Role, pos2, vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use glam::{DQuat, DVec3};
 use image::{Rgb, RgbImage};
 
@@ -122,9 +123,8 @@ impl Scene {
             siblings: &[],
             is_linked: true,
             is_calibrated: true,
-            mode,
-            wipe: None,
-            framing: Framing::Subject,
+            look: TileLook { mode, ..TileLook::default() },
+            settings: ViewSettings::default(),
             subject_px: Some(Rect::from_min_max(pos2(20.0, 25.0), pos2(115.0, 222.0))),
             picture: PictureInput {
                 size: SIZE,
@@ -137,7 +137,11 @@ impl Scene {
                 limb_colours: &self.colours,
             },
             generation: 1,
+            camera: Some(&self.camera),
+            raw_camera: Some(&self.camera),
             body: &self.body,
+            quick_outline: None,
+            sized: None,
             outlines: &self.outlines,
             limbs: &self.limbs,
             joints: &[],
@@ -170,6 +174,10 @@ impl Scene {
     }
 }
 
+fn wipe(mode: ViewMode, other: ViewMode, wipe_at: f32) -> TileLook {
+    TileLook { mode, other, comparison: Some(Comparison::Wipe), wipe_at, ..TileLook::default() }
+}
+
 /// The held wrist as the other camera sees it: pixel and depth.
 fn sight_ray_target(scene: &Scene) -> (glam::DVec2, f64) {
     let wrist = scene.joint(scene.wrist);
@@ -194,15 +202,100 @@ const NARROW: [f32; 2] = [256.0, 276.0];
 fn view_modes_in_a_narrow_tile() {
     let scene = Scene::new();
     let mut snapshots = Snapshots::default();
-    for mode in ViewMode::ALL {
-        let mut harness = harness(scene.input(mode), NARROW, Theme::Dark);
+    for (mode, theme) in ViewMode::ALL.into_iter().flat_map(|mode| Theme::ALL.map(|theme| (mode, theme))) {
+        let mut harness = harness(scene.input(mode), NARROW, theme);
         harness.run();
         let name = serde_json::to_string(&mode).unwrap();
-        snapshots.picture(
-            &harness.render().unwrap(),
-            &format!("camera_tile_{}", name.trim_matches('"').replace('-', "_")),
-        );
+        let name = name.trim_matches('"').replace('-', "_");
+        snapshots.picture(&harness.render().unwrap(), &format!("camera_tile_{name}_{}", theme_name(theme)));
     }
+}
+
+#[test]
+fn calibration_size_handles_and_large_pixels() {
+    let scene = Scene::new();
+    let raw_lens = Distortion::OpenCv { k1: -0.3, k2: 0.0, p1: 0.0, p2: 0.0, k3: 0.0 };
+    let (size, intrinsics) = (SIZE.map(|side| side as u64), *scene.camera.intrinsics());
+    let raw = Camera::new("camera", size, intrinsics, raw_lens, *scene.camera.camera_from_world()).unwrap();
+    let mut snapshots = Snapshots::default();
+    let mut shot = |input: CameraTileInput<'_>, name: &str| {
+        let mut harness = harness(input, NARROW, Theme::Dark);
+        harness.run();
+        snapshots.picture(&harness.render().unwrap(), name);
+    };
+    let marks = ViewSettings { calibration_marks: true, ..ViewSettings::default() };
+    let look = TileLook { framing: Framing::Whole, mode: ViewMode::Footage, ..TileLook::default() };
+    let plain = scene.input(ViewMode::Footage);
+    let marked =
+        CameraTileInput { settings: marks, look, raw_camera: Some(&raw), limbs: &[], outlines: &[], ..plain };
+    shot(marked, "camera_tile_calibration");
+    let handles = ViewSettings { size_handles: true, ..ViewSettings::default() };
+    let thigh = scene.body.limb_index("left thigh").unwrap();
+    shot(
+        CameraTileInput { settings: handles, sized: Some(thigh), ..scene.posing() },
+        "camera_tile_size_handles",
+    );
+    let framing = Framing::Free { zoom: 16.0, offset: [-0.12, -0.12] };
+    let near = TileLook { framing, ..scene.posing().look };
+    shot(CameraTileInput { look: near, ..scene.posing() }, "camera_tile_pixel_grid");
+}
+
+#[test]
+fn sizes_are_dragged_by_their_handles() {
+    let scene = Scene::new();
+    let forearm = scene.body.limb_index("left forearm").unwrap();
+    let settings = ViewSettings { size_handles: true, ..ViewSettings::default() };
+    let framing = Framing::Free { zoom: 3.0, offset: [0.08, 0.0] };
+    let look = TileLook { framing, ..scene.posing().look };
+    let input = CameraTileInput { settings, look, sized: Some(forearm), ..scene.posing() };
+    let mut harness = harness(input, WIDE, Theme::Dark);
+    harness.run();
+    for (label, is_length) in
+        [("left forearm length, Camera 1", true), ("left forearm radius, Camera 1", false)]
+    {
+        let handle = centre(&harness, label);
+        harness.hover_at(handle);
+        harness.run();
+        harness.drag_at(handle);
+        harness.run();
+        harness.hover_at(handle + vec2(9.0, 0.0));
+        harness.run();
+        harness.get_by_label("Esc: put back");
+        harness.drop_at(handle + vec2(9.0, 0.0));
+        harness.run();
+        let events = taken(&mut harness);
+        let is_drag = |event: &TileEvent| match event {
+            TileEvent::DragStart(Drag::Length { limb, .. }) => is_length && *limb == forearm,
+            TileEvent::DragStart(Drag::Radius { limb, .. }) => !is_length && *limb == forearm,
+            _ => false,
+        };
+        assert!(events.iter().any(is_drag), "{label}: {events:?}");
+    }
+}
+
+#[test]
+fn the_hover_card_is_held_by_a_key() {
+    let scene = Scene::new();
+    let look = TileLook { mode: ViewMode::Gradient, ..TileLook::default() };
+    let input = CameraTileInput { shows_hover_card: true, look, ..scene.input(ViewMode::Gradient) };
+    let mut harness = harness(input, [416.0, 276.0], Theme::Dark);
+    harness.hover_at(pos2(122.0, 186.0));
+    harness.run();
+    let title = |harness: &Harness<'_, Events>| {
+        harness.get_by_label_contains("Pixel ").accesskit_node().value().unwrap_or_default()
+    };
+    for label in ["Data D ", "Prediction Λ ", "Residual D − Λ ", "Owner ", "d / r ", "Distance ", " / m"]
+    {
+        harness.get_by_label_contains(label);
+    }
+    let first = title(&harness);
+    harness.key_down(Key::H);
+    harness.hover_at(pos2(140.0, 120.0));
+    harness.run();
+    assert_eq!(title(&harness), first);
+    harness.key_up(Key::H);
+    harness.run();
+    assert_ne!(title(&harness), first);
 }
 
 #[test]
@@ -232,8 +325,10 @@ fn sight_ray_wipe_hover_card_and_empty_tiles() {
     };
     let with_ray = CameraTileInput { sight_ray: Some(&ray), is_active: false, ..scene.posing() };
     shot(with_ray, WIDE, Theme::Dark, None, "camera_tile_sight_ray");
-    let wipe = Some(Wipe { other: ViewMode::Footage, at: 0.55 });
-    let wiped = CameraTileInput { wipe, ..scene.input(ViewMode::ReportOverlay) };
+    let wiped = CameraTileInput {
+        look: wipe(ViewMode::ReportOverlay, ViewMode::Footage, 0.55),
+        ..scene.input(ViewMode::ReportOverlay)
+    };
     shot(wiped, [316.0, 336.0], Theme::Dark, None, "camera_tile_wipe");
     for theme in Theme::ALL {
         let hovered = CameraTileInput { shows_hover_card: true, ..scene.input(ViewMode::Residual) };
@@ -320,7 +415,11 @@ fn escape_cancels_a_drag_and_shift_changes_the_depth() {
 fn a_limb_is_turned_by_its_body() {
     let scene = Scene::new();
     let framing = Framing::Free { zoom: 3.0, offset: [0.08, 0.0] };
-    let mut harness = harness(CameraTileInput { framing, ..scene.posing() }, WIDE, Theme::Dark);
+    let mut harness = harness(
+        CameraTileInput { look: TileLook { framing, ..scene.posing().look }, ..scene.posing() },
+        WIDE,
+        Theme::Dark,
+    );
     harness.run();
     let elbow = centre(&harness, "left elbow, Camera 1");
     let wrist = centre(&harness, "left wrist, Camera 1");
@@ -422,8 +521,8 @@ fn the_wheel_zooms_and_the_right_button_pans() {
 fn silhouettes_can_be_asked_for_and_the_wipe_moved() {
     let scene = Scene::new();
     let picture = PictureInput { mask: None, data: None, ..scene.input(ViewMode::Data).picture };
-    let wipe = Some(Wipe { other: ViewMode::Prediction, at: 0.5 });
-    let input = CameraTileInput { picture, overlap: None, wipe, ..scene.input(ViewMode::Footage) };
+    let look = wipe(ViewMode::Footage, ViewMode::Prediction, 0.5);
+    let input = CameraTileInput { picture, overlap: None, look, ..scene.input(ViewMode::Footage) };
     let mut harness = harness(input, WIDE, Theme::Dark);
     harness.run();
     harness.get_by_label("Segment").click();

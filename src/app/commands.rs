@@ -6,6 +6,7 @@ use backlit_tracking::track::{FitOptions, posing};
 use super::App;
 use super::demonstrating::demonstration_of;
 use super::fitting::Part;
+use super::hand::nudge_of;
 use super::state::{DialogKind, Opening, Overlay};
 use crate::action::Action;
 use crate::document::TakeSource;
@@ -14,8 +15,8 @@ use crate::look::Layout;
 use crate::pane::Pane;
 use crate::panels::export_dialog::Subject;
 use crate::panels::palette::Palette;
-use crate::panels::{preset_of, renderer_of, view_mode_of};
-use crate::picture::JointId;
+use crate::panels::{Comparison, dragged_until_now, preset_of, renderer_of, rotation_tree, view_mode_of};
+use crate::picture::{JointId, ViewMode};
 use crate::selection::Selection;
 use crate::showing::{Intents, PaneEvent, unavailable};
 use crate::widgets::Framing;
@@ -23,25 +24,26 @@ use crate::widgets::Framing;
 impl App {
     /// The commands whose keys were pressed. While something lies over the window, or the hand holds
     /// something, keys are theirs.
-    pub(super) fn read_keys(&self, ctx: &egui::Context) -> Intents {
+    pub(super) fn read_keys(&mut self, ctx: &egui::Context) -> Intents {
         let mut intents = Intents::default();
         let is_moving = self.is_moving_tile(ctx);
         if self.overlay.is_none() && self.held.is_none() && !is_moving && !egui::Popup::is_any_open(ctx) {
             intents.actions = Action::pressed(ctx);
+            intents.actions.extend(self.read_clipboard(ctx));
         }
         intents
     }
 
     /// Does a command, if it can be used now.
     pub(super) fn act(&mut self, action: Action, ctx: &egui::Context) {
-        if action == Action::Stop && self.let_go() {
+        if action == Action::Stop && (self.put_back(ctx) || self.let_go()) {
             return;
         }
         if unavailable(action, &self.showing()).is_some() {
             return;
         }
         if self.act_on_files(action, ctx)
-            || self.act_on_pose(action)
+            || self.act_on_pose(action, ctx)
             || self.act_on_view(action)
             || self.act_on_fit(action)
             || self.act_on_frames(action)
@@ -55,6 +57,18 @@ impl App {
             Action::About => Some(Overlay::About),
             _ => None,
         };
+    }
+
+    /// Esc while a slider or a field is dragged: what that has changed is as it was.
+    fn put_back(&mut self, ctx: &egui::Context) -> bool {
+        let Some(gesture) = dragged_until_now(ctx) else { return false };
+        let before = self.history.revision();
+        self.history.put_back(gesture);
+        let is_back = self.history.revision() != before;
+        if is_back {
+            self.doing = Some("Put back.".to_owned());
+        }
+        is_back
     }
 
     /// Esc: what runs is stopped first; else a camera that fills the window goes back, else a step is left.
@@ -92,7 +106,11 @@ impl App {
         true
     }
 
-    fn act_on_pose(&mut self, action: Action) -> bool {
+    fn act_on_pose(&mut self, action: Action, ctx: &egui::Context) -> bool {
+        if let Some(by_px) = nudge_of(action) {
+            self.nudge(by_px);
+            return true;
+        }
         let model = self.document().model.clone();
         let limb = self.selection.limb(&model);
         let rotation = model.limbs()[limb].rotation;
@@ -108,14 +126,11 @@ impl App {
                     self.doing = Some(format!("{verb}: {what}."));
                 }
             }
-            Action::CopyPose => {
-                self.clipboard = Some(self.shown_pose().clone());
-                self.doing = Some("Copied the pose of this frame.".to_owned());
-            }
-            Action::PastePose => {
-                if let Some(pose) = self.clipboard.clone() {
-                    self.set_pose(pose, "Paste pose".to_owned());
-                }
+            Action::CopyPose => self.copy_pose(ctx),
+            Action::PastePose => self.paste_pose(ctx),
+            Action::MirrorPose => {
+                let pose = posing::mirror(&model, self.shown_pose());
+                self.set_pose(pose, "Mirror pose".to_owned());
             }
             Action::Mirror => {
                 let pose = mirrored(&model, self.shown_pose(), rotation);
@@ -137,9 +152,11 @@ impl App {
                 self.set_pose(start, "Reset body".to_owned());
             }
             Action::NextJoint | Action::PreviousJoint => {
-                let count = model.rotation_count();
-                let by = if action == Action::NextJoint { 1 } else { count - 1 };
-                let owner = model.rotation_owners()[(rotation + by) % count];
+                // In the order of the tree in the Pose section.
+                let rows = rotation_tree(&model);
+                let here = rows.iter().position(|(row, _)| *row == rotation).unwrap_or(0);
+                let by = if action == Action::NextJoint { 1 } else { rows.len() - 1 };
+                let owner = model.rotation_owners()[rows[(here + by) % rows.len()].0];
                 self.selection.joint = Selection::joint_of(&model, owner);
             }
             _ => return false,
@@ -149,9 +166,7 @@ impl App {
 
     fn act_on_view(&mut self, action: Action) -> bool {
         if let Some(mode) = view_mode_of(action) {
-            for tile in self.tiles_mut() {
-                (tile.mode, tile.wipe) = (mode, None);
-            }
+            self.show_mode(mode);
             return true;
         }
         if let Some(camera) = (0..8).find(|index| Action::camera_alone(*index) == Some(action)) {
@@ -170,11 +185,45 @@ impl App {
             Action::ToggleTheme => self.look.theme = self.look.theme.toggled(),
             Action::TogglePanel => self.look.panel = !self.look.panel,
             Action::ToggleTimeline => self.look.lanes = !self.look.lanes,
+            Action::Wipe | Action::Blink => {
+                let comparison = if action == Action::Wipe { Comparison::Wipe } else { Comparison::Blink };
+                let camera = self.selection.camera;
+                if let Some(tile) = self.tiles_mut().get_mut(camera) {
+                    tile.toggle(comparison);
+                }
+            }
+            Action::LinkZoom => {
+                self.look.linked_zoom = !self.look.linked_zoom;
+                let what = if self.look.linked_zoom { "together" } else { "each by itself" };
+                self.doing = Some(format!("Views zoom and pan {what}."));
+            }
+            Action::CalibrationMarks => self.look.views.calibration_marks ^= true,
+            Action::PixelGrid => self.look.views.pixel_grid ^= true,
+            Action::SizeHandles => {
+                self.look.views.size_handles ^= true;
+                if self.look.views.size_handles {
+                    let what =
+                        "Drag the diamonds: at its end for the limb's length, at its outline for its radius.";
+                    self.doing = Some(what.to_owned());
+                }
+            }
             Action::FitSubject => framing(self, Framing::Subject),
             Action::WholePicture => framing(self, Framing::Whole),
             _ => return self.act_on_tiles(action),
         }
         true
+    }
+
+    /// Shows a mode in all views. The Jacobian's, chosen again, goes on to its next axis.
+    fn show_mode(&mut self, mode: ViewMode) {
+        let is_shown = self.tiles_mut().iter().all(|tile| tile.mode == mode && tile.comparison.is_none());
+        if is_shown && mode == ViewMode::JacobianColumn {
+            self.look.views.axis = self.look.views.axis.next();
+            self.doing = Some(format!("Jacobian column: {}.", self.look.views.axis.label().to_lowercase()));
+        }
+        for tile in self.tiles_mut() {
+            (tile.mode, tile.comparison) = (mode, None);
+        }
     }
 
     fn act_on_fit(&mut self, action: Action) -> bool {

@@ -39,7 +39,7 @@ impl App {
         self.notices.close_all();
         self.explanation = Some(which.explanation());
         for tile in &mut self.tiles[1] {
-            (tile.mode, tile.wipe) = (ViewMode::Residual, None);
+            (tile.mode, tile.comparison) = (ViewMode::Residual, None);
         }
         self.prepared = Some(Prepared { runs: runs.into(), gesture: self.new_gesture() });
     }

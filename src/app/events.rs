@@ -9,11 +9,10 @@ use crate::document::{CameraUse, Document, Estimate, Origin, TakeSource};
 use crate::edit::Edit;
 use crate::footage::Footage;
 use crate::history::History;
-use crate::panels::camera_tile::Wipe;
-use crate::panels::tiles::TileLook;
+use crate::panels::camera_tile::{Comparison, TileLook};
 use crate::picture::ViewMode;
 use crate::selection::Selection;
-use crate::session::{RunEnding, RunStep};
+use crate::session::{Refitted, RunEnding, RunStep};
 use crate::worker::{Event, FitJob, Lane, Predicted, Report};
 
 impl App {
@@ -88,6 +87,12 @@ impl App {
         let frame = run.frame;
         let steps = run.steps.len() - 1;
         let Some(last) = run.steps.last().cloned() else { return };
+        let before = run.steps.first().map_or(last.mismatch, |first| first.mismatch);
+        let ending = run.ending_text();
+        if let Some(what) = self.session.refitting.take_if(|_| !stays_live) {
+            let refitted = Refitted { what, before, after: last.mismatch, steps, ending };
+            self.session.refits.insert(frame, refitted);
+        }
         let predicted = self.session.live_prediction.as_ref().filter(|predicted| predicted.pose == last.pose);
         let estimate = Estimate {
             pose: last.pose,
@@ -202,7 +207,12 @@ fn document_of(footage: &Footage) -> Document {
 /// The debug layout begins with the residual, and the report's overlay wiped against the footage, by turns.
 fn debug_tiles(cameras: usize) -> Vec<TileLook> {
     let residual = TileLook { mode: ViewMode::Residual, ..TileLook::default() };
-    let wipe = Some(Wipe { other: ViewMode::Footage, at: 0.6 });
-    let report = TileLook { mode: ViewMode::ReportOverlay, wipe, ..TileLook::default() };
+    let report = TileLook {
+        mode: ViewMode::ReportOverlay,
+        other: ViewMode::Footage,
+        comparison: Some(Comparison::Wipe),
+        wipe_at: 0.6,
+        ..TileLook::default()
+    };
     (0..cameras).map(|camera| if camera % 2 == 0 { residual } else { report }).collect()
 }

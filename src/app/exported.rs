@@ -14,6 +14,7 @@ use super::App;
 use super::state::Overlay;
 use crate::document::TakeSource;
 use crate::notices::{Notice, Severity};
+use crate::panels::Comparison;
 use crate::picture::joint_name;
 use crate::session::Run;
 use crate::worker::Lane;
@@ -224,16 +225,18 @@ impl App {
 
     fn exported_cameras(&self) -> Vec<Value> {
         let predicted = self.session.predicted.as_ref();
-        let tiles = self.tiles_look().tiles;
+        let tiles = self.tiles_look().views.tiles;
         let camera = |(index, camera): (usize, &crate::document::CameraUse)| {
             let overlap = predicted.and_then(|predicted| predicted.cameras.get(index)?.overlap);
             let tile = tiles.get(index);
+            let compared = |way| tile.filter(|tile| tile.comparison == Some(way));
             json!({
                 "name": camera.name,
                 "used": camera.used,
                 "weight": camera.weight,
                 "mode": tile.map(|tile| tile.mode),
-                "wipe": tile.and_then(|tile| tile.wipe).map(|wipe| json!({"other": wipe.other, "at": wipe.at})),
+                "wipe": compared(Comparison::Wipe).map(|tile| json!({"other": tile.other, "at": tile.wipe_at})),
+                "blink": compared(Comparison::Blink).map(|tile| json!({"other": tile.other})),
                 "iou": overlap.and_then(|overlap| overlap.iou()),
             })
         };

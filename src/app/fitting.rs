@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use backlit_tracking::body::{Model, Parameters};
+use backlit_tracking::body::Model;
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::track::FitOptions;
 
@@ -38,17 +38,15 @@ impl App {
         })
     }
 
-    /// Which derivatives the tiles show. The Jacobian's column is that of the held limb's flexion.
+    /// Which derivatives the tiles show. The Jacobian's column is that of the held limb's chosen axis.
     fn derivatives(&self) -> Derivatives {
         let tiles = &self.tiles[usize::from(self.look.layout == Layout::Debug)];
-        let shows = |mode| {
-            tiles.iter().any(|tile| tile.mode == mode || tile.wipe.is_some_and(|wipe| wipe.other == mode))
-        };
+        let shows = |mode| tiles.iter().any(|tile| tile.shows(mode));
         let model = &self.document().model;
         let rotation = model.limbs()[self.selection.limb(model)].rotation;
         Derivatives {
             gradient: shows(ViewMode::Gradient),
-            column: shows(ViewMode::JacobianColumn).then(|| Parameters::Tangent.first_column(rotation)),
+            column: shows(ViewMode::JacobianColumn).then(|| self.look.views.axis.column(rotation)),
         }
     }
 
@@ -90,8 +88,10 @@ impl App {
             Part::Body => None,
         };
         self.run_gesture = Some(self.new_gesture());
+        let what = name.clone().unwrap_or_else(|| "Refit body".to_owned());
         let free = free_rotations(&model, limb, part).zip(name);
         self.begin(None, free.map(|(free, name)| (name, free)), None);
+        self.session.refitting = Some(what);
     }
 
     /// Begins a run: with a name of its own or one that is made of its choices; of all the body or of a part, with
@@ -102,6 +102,7 @@ impl App {
         part: Option<(String, Vec<bool>)>,
         steps: Option<usize>,
     ) {
+        self.session.refitting = None;
         let Some(scene) = self.scene() else { return };
         let pose = self.session.shown_pose(self.document(), &self.selection).clone();
         let (part, free) = part.unzip();

@@ -9,6 +9,10 @@ use crate::showing::{Intents, Request};
 impl App {
     /// Applies edits, then requests, then commands.
     pub(super) fn apply(&mut self, intents: Intents, ctx: &egui::Context) {
+        if !(intents.edits.is_empty() && intents.requests.is_empty() && intents.actions.is_empty()) {
+            // What was asked for in this frame is seen in the next.
+            ctx.request_repaint();
+        }
         for (edit, gesture) in intents.edits {
             if matches!(edit, Edit::SetPose { .. }) {
                 self.interrupt_fit();
@@ -49,6 +53,8 @@ impl App {
                 self.go_to_frame(frame);
             }
             Request::Joint(joint) => self.selection.joint = joint,
+            Request::Part(part) => self.selection.part = Some(part),
+            Request::Views(settings) => self.look.views = settings,
             Request::Camera(camera) => self.make_active(camera),
             Request::Step(step) => {
                 if let Some(run) = self.session.runs.get(step.run) {

@@ -3,7 +3,6 @@
 use egui::{CentralPanel, Frame, Ui, pos2};
 
 use super::App;
-use super::hand::dragged_joint;
 use super::state::Overlay;
 use crate::look::Layout;
 use crate::panels::tiles::TilesLook;
@@ -33,7 +32,6 @@ impl App {
             },
             curves: self.curves,
             project: self.project.as_deref(),
-            has_clipboard: self.clipboard.is_some(),
             has_exported: self.exported_to.is_some(),
             is_playing: self.next_played.is_some(),
             doing: self.doing.as_deref(),
@@ -93,14 +91,7 @@ impl App {
     }
 
     pub(super) fn tiles_look(&self) -> TilesLook<'_> {
-        let held = self.held.as_ref();
-        TilesLook {
-            tiles: &self.tiles[usize::from(self.look.layout == Layout::Debug)],
-            alone: self.docking.alone,
-            pair: self.docking.pair,
-            dragged: held.and_then(|held| Some((held.camera, dragged_joint(held.drag)?))),
-            picture_alone: self.picture_alone,
-        }
+        TilesLook { views: self.camera_views(), alone: self.docking.alone, pair: self.docking.pair }
     }
 
     fn show_overlay(&mut self, ui: &Ui, intents: &mut Intents) {

@@ -3,23 +3,23 @@
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use backlit_tracking::body::{Pose, builtin};
+use backlit_tracking::body::builtin;
 use backlit_tracking::io::Take;
 
 use super::background::Background;
+use super::clipboard::Clipboard;
 use super::demonstrating::Prepared;
 use super::docking::Docking;
 use super::exporting::Exporting;
-use super::hand::Held;
+use super::hand::{Held, Nudging};
 use crate::curves::CurvesLook;
 use crate::document::{Document, TakeSource};
 use crate::history::{Gesture, History};
 use crate::look::{Layout, Look};
 use crate::notices::Notices;
-use crate::panels::camera_tile::PictureAlone;
+use crate::panels::camera_tile::{PictureAlone, TileLook};
 use crate::panels::export_dialog::ExportDialog;
 use crate::panels::palette::Palette;
-use crate::panels::tiles::TileLook;
 use crate::selection::Selection;
 use crate::session::Session;
 use crate::worker::{Event, LiveFit, Worker};
@@ -91,6 +91,7 @@ pub struct App {
     pub(super) follows_tracker: bool,
     pub(super) held: Option<Held>,
     pub(super) curves: CurvesLook,
+    pub(super) nudging: Option<Nudging>,
     /// The demonstration that is being prepared.
     pub(super) prepared: Option<Prepared>,
     pub(super) explanation: Option<&'static str>,
@@ -104,7 +105,7 @@ pub struct App {
     pub(super) tiles: [Vec<TileLook>; 2],
     /// Tiles of the centre.
     pub(super) docking: Docking,
-    pub(super) clipboard: Option<Pose>,
+    pub(super) clipboard: Clipboard,
     pub(super) project: Option<PathBuf>,
     pub(super) overlay: Option<Overlay>,
     pub(super) doing: Option<String>,
@@ -149,6 +150,7 @@ impl App {
             follows_tracker: false,
             held: None,
             curves: CurvesLook::default(),
+            nudging: None,
             prepared: None,
             explanation: None,
             state_file: options.state_file,
@@ -157,7 +159,7 @@ impl App {
             picture_alone: None,
             tiles: [Vec::new(), Vec::new()],
             docking: Docking::default(),
-            clipboard: None,
+            clipboard: Clipboard::default(),
             project: None,
             overlay: None,
             doing: None,

@@ -6,40 +6,46 @@
 //! | [`event`] | [`TileEvent`]: what the user did; [`Drag`]: how a drag moves the body |
 //! | `hand` | press, travel, modifiers, Esc: the pointer's way to those events |
 //! | `header` | badge, name, view mode, link, expand, more |
-//! | `picture_view` | texture, outline, limbs, joints, sight ray, wipe |
+//! | [`look`] | [`TileLook`]: which view mode or modes, and which part of the picture |
+//! | `pane` | the tiles of all cameras: what each is given |
+//! | `linked` | how linked views go along with a zoom or pan |
+//! | `picture_view` | texture, outline, limbs, joints, sight ray |
+//! | `comparison` | wipe and blink between two modes |
 //! | `gutter` | overlap, use in the fit, what the hand does |
 //! | `legend` | the strip under the picture |
 //! | `hover_card` | the numbers of the pixel under the pointer |
 
 mod alone;
+mod comparison;
 pub mod event;
 mod gutter;
 mod hand;
 mod header;
 mod hover_card;
 mod legend;
+mod linked;
+pub mod look;
+mod pane;
 mod picture_view;
+mod tile_menu;
 
 use backlit_tracking::body::Model;
 use backlit_tracking::silhouette::Overlap;
-use egui::{Id, Rect, StrokeKind, Ui, UiBuilder, pos2};
+use egui::{Context, Id, Rect, StrokeKind, Ui, UiBuilder, pos2};
+use glam::DVec2;
 
 pub(crate) use alone::PictureAlone;
 pub use event::{Drag, TileEvent};
+pub(crate) use linked::point_at;
+pub use look::{Comparison, TileLook};
+pub(crate) use pane::{CameraPanes, CameraViews};
 
-use crate::picture::{JointId, JointMark, PictureInput, ProjectedLimb, SightRay, ViewMode};
+use crate::picture::{JointId, JointMark, PictureInput, ProjectedLimb, SightRay};
 use crate::theme::{self, size};
-use crate::widgets::Framing;
+use crate::view_settings::ViewSettings;
+use crate::widgets::{Framing, ViewTransform};
+use backlit_tracking::camera::Camera;
 use hand::Hand;
-
-/// Two view modes side by side in one picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wipe {
-    /// What is right of the handle; the tile's own mode is left of it.
-    pub other: ViewMode,
-    /// Where the handle is: 0 at the left edge of the picture, 1 at the right.
-    pub at: f32,
-}
 
 /// All that a tile shows. It keeps nothing but the pointer's state and its textures.
 #[derive(Clone, Copy, Debug)]
@@ -58,28 +64,34 @@ pub struct CameraTileInput<'a> {
     pub is_linked: bool,
     /// There is a calibration. Without one there are pictures only.
     pub is_calibrated: bool,
-    /// What the picture shows.
-    pub mode: ViewMode,
-    /// A second mode beside it.
-    pub wipe: Option<Wipe>,
-    /// Which part of the picture.
-    pub framing: Framing,
+    /// What it shows of the picture.
+    pub look: TileLook,
+    /// What all views share.
+    pub settings: ViewSettings,
     /// Bounds of mask and body over the take, in pixel coordinates.
     pub subject_px: Option<Rect>,
     /// Footage, data and prediction.
     pub picture: PictureInput<'a>,
     /// Changes whenever anything in `picture` does. Textures are made anew only then.
     pub generation: u64,
+    /// The calibration, for the marks of it.
+    pub camera: Option<&'a Camera>,
+    /// The camera with its lens, for the edge of what that saw.
+    pub raw_camera: Option<&'a Camera>,
     /// The body that is posed.
     pub body: &'a Model,
     /// The body's outline: see [`body_outline`](crate::picture::body_outline).
     pub outlines: &'a [Vec<[f32; 2]>],
+    /// What is drawn instead while that is of an earlier pose: the outline of `limbs`.
+    pub quick_outline: Option<&'a [Vec<DVec2>]>,
     /// Its limbs: see [`project_limbs`](crate::picture::project_limbs). Empty for none.
     pub limbs: &'a [Option<ProjectedLimb>],
     /// Its joints: see [`project_joints`](crate::picture::project_joints). Empty where nothing is to be dragged.
     pub joints: &'a [JointMark],
     /// The joint that is held; its limb is marked too.
     pub selected: Option<JointId>,
+    /// The limb whose size has handles, where the settings want them.
+    pub sized: Option<usize>,
     /// The ray of the joint that is dragged in another view.
     pub sight_ray: Option<&'a SightRay>,
     /// How prediction and mask overlap; `None` without a mask.
@@ -127,6 +139,15 @@ impl TileLayout {
         let (picture, gutter) = below.split_left_right_at_x(below.right() - size::GUTTER);
         Self { header, picture, gutter: Some(gutter), reserved: 0.0, has_legend: true }
     }
+}
+
+/// The view that a camera's tile had when it was last shown.
+fn stored_view(ctx: &Context, index: usize) -> Option<ViewTransform> {
+    ctx.data(|data| data.get_temp(view_id(index)))
+}
+
+fn view_id(index: usize) -> Id {
+    Id::unique(("view of camera", index))
 }
 
 /// Shows a camera's tile in all of the space that `ui` has, and says what the user did.

@@ -1,6 +1,6 @@
 //! Commands as buttons and menu rows: what cannot be used is grey, and its tooltip says why.
 
-use egui::{AsIdSalt, Button, Response, Ui, vec2};
+use egui::{AsIdSalt, Button, Id, Response, Ui, vec2};
 
 use crate::action::Action;
 use crate::history::Gesture;
@@ -73,20 +73,38 @@ pub(super) fn menu_row(
     }
 }
 
-/// The gesture of a widget that is being dragged: every drag has one of its own. `None` when it changes
-/// without a drag.
+/// The gesture of a widget that the pointer holds, from the press on: every press has one of its own. `None` when it
+/// changes otherwise.
 pub(super) fn gesture(ui: &Ui, key: impl AsIdSalt, response: &Response) -> Option<Gesture> {
     let id = ui.scope_id().with(key);
-    if response.drag_started() {
+    let is_down = response.is_pointer_button_down_on();
+    if is_down && ui.input(|input| input.pointer.any_pressed()) {
         let gesture = next_gesture(ui.ctx());
         ui.data_mut(|data| data.insert_temp(id, gesture));
     }
-    (response.dragged() || response.drag_stopped()).then(|| ui.data(|data| data.get_temp(id))).flatten()
+    let is_held = is_down || response.dragged();
+    let gesture: Option<Gesture> = (is_held || response.drag_stopped() || response.clicked())
+        .then(|| ui.data(|data| data.get_temp(id)))
+        .flatten();
+    if let Some(gesture) = gesture.filter(|_| is_held) {
+        let pass = ui.ctx().cumulative_pass_nr();
+        ui.data_mut(|data| data.insert_temp(Id::unique(DRAGGED), (gesture, pass)));
+    }
+    gesture
+}
+
+/// Name of the gesture of the widget that was dragged last.
+const DRAGGED: &str = "dragged gesture";
+
+/// The gesture of a widget that was dragged until this frame of the window: Esc has ended it.
+pub(crate) fn dragged_until_now(ctx: &egui::Context) -> Option<Gesture> {
+    let (gesture, pass): (Gesture, u64) = ctx.data(|data| data.get_temp(Id::unique(DRAGGED)))?;
+    (ctx.cumulative_pass_nr() <= pass + 2).then_some(gesture)
 }
 
 /// A gesture that was not used before.
 pub(crate) fn next_gesture(ctx: &egui::Context) -> Gesture {
-    let id = egui::Id::unique("newest gesture");
+    let id = Id::unique("newest gesture");
     ctx.data_mut(|data| {
         let newest: &mut u64 = data.get_temp_mut_or_default(id);
         *newest += 1;

@@ -7,8 +7,9 @@ use egui::{
 };
 use egui_tiles::{Behavior, EditAction, ResizeState, TabState, Tabs, TileId, Tiles, UiResponse};
 
+use super::camera_tile::CameraPanes;
 use super::convergence;
-use super::tiles::{self, Common, TilesLook};
+use super::tiles::TilesLook;
 use crate::action::Action;
 use crate::arrangement::{Arrangement, Centre, automatic, has_strip, panes_with, snap};
 use crate::pane::{HEADER_BUTTONS, Pane};
@@ -27,7 +28,7 @@ const DROP_TINT: f32 = 0.22;
 pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, look: &TilesLook<'_>, intents: &mut Intents) {
     let mut rect = ui.available_rect_before_wrap();
     ui.painter().rect_filled(rect, 0.0, theme::palette(ui).well);
-    let common = Common::new(showing, look);
+    let common = CameraPanes::new(showing, look.views);
     if let Some(pane) = look.alone {
         let input = Contents { showing, look, common: &common, pane, siblings: &[] };
         contents(ui, rect, &input, intents);
@@ -75,7 +76,7 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, look: &TilesLook<'_>, inten
 struct Contents<'a> {
     showing: &'a Showing<'a>,
     look: &'a TilesLook<'a>,
-    common: &'a Common,
+    common: &'a CameraPanes<'a>,
     pane: Pane,
     /// Cameras that stand behind this one.
     siblings: &'a [usize],
@@ -94,7 +95,7 @@ fn contents(ui: &mut Ui, rect: Rect, input: &Contents<'_>, intents: &mut Intents
         }
         match pane {
             Pane::Camera(index) => {
-                dragged = tiles::camera(ui, showing, look, common, (index, siblings), intents);
+                dragged = common.show(ui, index, siblings, intents);
             }
             Pane::Scene => {}
             Pane::Convergence => convergence::ui(ui, showing, intents),
@@ -182,7 +183,7 @@ fn strip_of_cameras(
 struct Dock<'a> {
     showing: &'a Showing<'a>,
     look: &'a TilesLook<'a>,
-    common: &'a Common,
+    common: &'a CameraPanes<'a>,
     /// Whether cameras that stand behind one are named in its header.
     shows_siblings: bool,
     intents: &'a mut Intents,

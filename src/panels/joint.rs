@@ -6,9 +6,9 @@ use egui::{RichText, Ui};
 use super::command::{gesture, named_button};
 use super::pose::capitalised;
 use crate::action::Action;
-use crate::app::moved;
 use crate::edit::Edit;
 use crate::picture::{JointId, joint_name};
+use crate::posing::moved;
 use crate::showing::{Intents, Showing};
 use crate::theme::{self, space};
 use crate::widgets::{SliderRow, named_section, number_field, row_name};
@@ -107,7 +107,7 @@ fn position(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, pose: &Po
             if response.changed() && value.is_finite() {
                 let mut target = point;
                 target[axis] = value;
-                let pose = moved(document, pose, joint, target);
+                let pose = moved(model, &document.pins, pose, joint, target);
                 let edit =
                     Edit::SetPose { frame: showing.selection.frame, pose, what: format!("Move {name}") };
                 intents.edits.push((edit, drag));

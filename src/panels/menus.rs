@@ -4,6 +4,7 @@ use egui::Ui;
 
 use super::command::menu_row;
 use crate::action::{Action, Menu};
+use crate::app::nudge_of;
 use crate::document::TakeSource;
 use crate::look::Layout;
 use crate::pane::Pane;
@@ -54,8 +55,11 @@ fn with_object(verb: &str, object: Option<&str>) -> String {
     object.map_or_else(|| verb.to_owned(), |object| format!("{verb}: {object}"))
 }
 
-/// Cameras that the take does not have.
+/// Cameras that the take does not have, and what only keys are good for.
 fn is_hidden(action: Action, showing: &Showing<'_>) -> bool {
+    if nudge_of(action).is_some() {
+        return true;
+    }
     let count = showing.session.camera_count();
     (count..8).any(|index| Action::camera_alone(index) == Some(action))
 }
@@ -74,7 +78,9 @@ const fn begins_group(action: Action) -> bool {
             | A::ToggleTheme
             | A::ShowScene
             | A::FitSubject
+            | A::LinkZoom
             | A::ViewFootage
+            | A::Wipe
             | A::Camera1
             | A::EarlierStep
             | A::RefitLimb

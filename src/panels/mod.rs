@@ -30,7 +30,9 @@ pub(crate) mod timeline;
 pub(crate) mod toolbar;
 pub(crate) mod words;
 
-pub use camera_tile::{CameraTileInput, Drag, TileEvent, Wipe, camera_tile};
+pub use camera_tile::{CameraTileInput, Comparison, Drag, TileEvent, TileLook, camera_tile};
+pub(crate) use command::dragged_until_now;
+pub(crate) use pose::rotation_tree;
 pub(crate) use renderer::renderer_of;
 pub(crate) use solver::preset_of;
 pub(crate) use toolbar::view_mode_of;

@@ -26,7 +26,7 @@ pub(super) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open
     section(ui, "Pose", if open { "Share of mismatch    Pin" } else { &held }, open, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         let shares = shares(showing);
-        for (rotation, depth) in tree(model) {
+        for (rotation, depth) in rotation_tree(model) {
             let limb = model.rotation_owners()[rotation];
             row(ui, showing, intents, limb, depth, shares.get(rotation).copied());
         }
@@ -40,7 +40,7 @@ pub(super) fn capitalised(name: &str) -> String {
 }
 
 /// The rotations with their depths, each followed by those that turn with it.
-fn tree(model: &Model) -> Vec<(usize, usize)> {
+pub(crate) fn rotation_tree(model: &Model) -> Vec<(usize, usize)> {
     let children = |parent: Option<usize>| {
         let parents = model.rotation_parents().iter().enumerate();
         parents.filter(move |(_, other)| **other == parent).map(|(rotation, _)| rotation).rev()
@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn limbs_stand_below_the_one_they_turn_with() {
         let model = builtin::full_body();
-        let rows = tree(&model);
+        let rows = rotation_tree(&model);
         assert_eq!(rows.len(), model.rotation_count());
         let name = |row: usize| model.limbs()[model.rotation_owners()[rows[row].0]].name.as_str();
         let arm = (0..rows.len()).find(|row| name(*row) == "right upper arm").unwrap();

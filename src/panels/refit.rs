@@ -2,29 +2,39 @@
 
 use egui::{RichText, Ui};
 
-use super::command::button;
+use super::command::named_button;
 use crate::action::Action;
-use crate::format;
 use crate::showing::{Intents, Showing};
-use crate::theme;
+use crate::theme::{self, space};
 use crate::widgets::section;
 
 /// The Refit section.
 pub(super) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
-    section(ui, "Refit", "the rest stays", open, |ui| {
+    let last = showing.session.refits.get(&showing.selection.frame);
+    let summary = last.map_or("the rest stays", |last| last.what.as_str());
+    section(ui, "Refit", if open { "the rest stays" } else { summary }, open, |ui| {
         ui.horizontal(|ui| {
-            for action in [Action::RefitLimb, Action::RefitChain, Action::RefitBody] {
-                button(ui, showing, intents, action);
+            ui.spacing_mut().item_spacing.x = 6.0;
+            let actions = [
+                (Action::RefitLimb, "Refit limb"),
+                (Action::RefitChain, "Refit chain"),
+                (Action::RefitBody, "Refit body"),
+            ];
+            for (action, text) in actions {
+                named_button(ui, showing, intents, action, text);
             }
         });
-        let last = showing.session.runs.iter().rfind(|run| run.frame == showing.selection.frame);
-        let text = match last.and_then(|run| Some((run, run.steps.first()?, run.steps.last()?))) {
-            Some((run, first, last)) => {
-                let (from, to) = (format::cost(first.mismatch), format::cost(last.mismatch));
-                format!("{}: cost {from} to {to}", run.name)
+        ui.add_space(space::ROW);
+        let palette = theme::palette(ui);
+        let small = |text: String, colour| egui::Label::new(RichText::new(text).small().color(colour)).wrap();
+        match last {
+            Some(last) => {
+                ui.add(small(last.sentence(), palette.text2));
+                ui.add(small(format!("{}.", last.ending), palette.text3));
             }
-            None => "No run on this frame yet".to_owned(),
-        };
-        ui.label(RichText::new(text).small().color(theme::palette(ui).text3));
+            None => {
+                ui.add(small("No refit of this frame yet".to_owned(), palette.text3));
+            }
+        }
     });
 }

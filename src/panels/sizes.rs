@@ -1,26 +1,33 @@
-//! The Size section: length and radius of the selected limb.
+//! The Size section: length and radius of the selected limb, and the scale of the whole body.
 
+use backlit_tracking::body::Model;
 use egui::Ui;
 
 use super::command::gesture;
+use super::pose::capitalised;
 use crate::edit::Edit;
 use crate::format;
-use crate::showing::{Intents, Showing};
+use crate::posing::{LENGTHS_M, RADII_M};
+use crate::showing::{Intents, Request, Showing};
+use crate::theme::space;
 use crate::widgets::{SliderRow, checkbox, section};
+
+/// Ends of the slider of the whole body, in percent of the take's own body.
+const SCALES: std::ops::RangeInclusive<f64> = 60.0..=150.0;
 
 /// The Size section.
 pub(super) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
     let model = &showing.document().model;
-    let limb = showing.selection.limb(model);
+    let limb = showing.selection.sized_limb(model);
     let (length, radius) = (model.limbs()[limb].length, model.limbs()[limb].radius);
     let summary = format!("{} long, radius {}", format::metres(length), format::metres(radius));
     section(ui, "Size", &summary, open, |ui| {
-        let id = ui.scope_id().with("both sides");
-        let mut both = ui.data(|data| data.get_temp(id)).unwrap_or(true);
+        parts(ui, showing, intents, limb);
+        let mut settings = showing.look.views;
         let mut sizes = [length, radius];
         let rows = [
-            ("Length", 0.02..=0.8, "Length of the limb, joint to joint"),
-            ("Radius", 0.01..=0.25, "Radius of the limb"),
+            ("Length", LENGTHS_M, "Length of the limb, joint to joint"),
+            ("Radius", RADII_M, "Radius of the limb"),
         ];
         let mut change = None;
         for (index, (name, range, tooltip)) in rows.into_iter().enumerate() {
@@ -40,12 +47,70 @@ pub(super) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open
                 change = Some(drag);
             }
         }
-        if checkbox(ui, &mut both, "Both sides").changed() {
-            ui.data_mut(|data| data.insert_temp(id, both));
-        }
         if let Some(drag) = change {
             let [length, radius] = sizes;
-            intents.edits.push((Edit::SetSize { limb, length, radius, both_sides: both }, drag));
+            let both_sides = settings.both_sides;
+            intents.edits.push((Edit::SetSize { limb, length, radius, both_sides }, drag));
+        }
+        scale(ui, showing, intents);
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = space::GROUP;
+            let both = checkbox(ui, &mut settings.both_sides, "Both sides")
+                .on_hover_text("Change the limb on the other side of the body too");
+            let handles = checkbox(ui, &mut settings.size_handles, "Handles in views").on_hover_text(
+                "Drag the diamonds in a view: length at the limb's end, radius at its outline   E",
+            );
+            if both.changed() || handles.changed() {
+                intents.request(Request::Views(settings));
+            }
+        });
+    });
+}
+
+/// The limbs that turn with the selected joint, if there are several: whose size is it?
+fn parts(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, limb: usize) {
+    let model = &showing.document().model;
+    let rotation = model.limbs()[limb].rotation;
+    let parts: Vec<usize> =
+        (0..model.limbs().len()).filter(|part| model.limbs()[*part].rotation == rotation).collect();
+    if parts.len() < 2 {
+        return;
+    }
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = egui::vec2(space::ROW, space::ROW);
+        for part in parts {
+            let name = capitalised(&model.limbs()[part].name);
+            let label = ui.selectable_label(part == limb, name);
+            if label.on_hover_text("These limbs turn together; each has its own size").clicked() {
+                intents.request(Request::Part(part));
+            }
         }
     });
+    ui.add_space(space::ROW);
+}
+
+/// The whole body, compared with that of the take.
+fn scale(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let Some(take) = &showing.session.take else { return };
+    let before = 100.0 * total_length(&showing.document().model) / total_length(take.model());
+    let mut percent = before;
+    let row = SliderRow {
+        name: "Body",
+        unit: " %",
+        decimals: 1,
+        range: SCALES,
+        limits: None,
+        origin: 100.0,
+        is_held: false,
+        tooltip: "All lengths and radii together; 100 % is as long as the take's own body",
+    };
+    let response = row.show(ui, &mut percent);
+    let drag = gesture(ui, "scale", &response);
+    if response.changed() && percent.is_finite() && percent > 0.0 {
+        intents.edits.push((Edit::ScaleBody { factor: percent / before }, drag));
+    }
+}
+
+fn total_length(model: &Model) -> f64 {
+    model.limbs().iter().map(|limb| limb.length).sum()
 }

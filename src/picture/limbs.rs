@@ -43,6 +43,36 @@ impl ProjectedLimb {
         px.distance(self.start_px.lerp(self.end_px, share)) - radius
     }
 
+    /// A point of the border beside the middle of the limb: to the right of its direction on the screen for 1, to the
+    /// left for −1.
+    pub fn side_px(&self, side: f64) -> DVec2 {
+        let across = (self.end_px - self.start_px).try_normalize().unwrap_or(DVec2::X).perp();
+        let radius = 0.5 * (self.start_radius_px + self.end_radius_px);
+        self.start_px.lerp(self.end_px, 0.5) + across * (side * radius)
+    }
+
+    /// The same limb with other radii.
+    #[must_use]
+    pub fn widened(&self, factor: f64) -> Self {
+        Self {
+            start_radius_px: self.start_radius_px * factor,
+            end_radius_px: self.end_radius_px * factor,
+            ..*self
+        }
+    }
+
+    /// Whether the boxes around two limbs meet.
+    fn is_near(&self, other: &Self) -> bool {
+        let [(min, max), (other_min, other_max)] = [self, other].map(Self::bounds);
+        min.cmple(other_max).all() && other_min.cmple(max).all()
+    }
+
+    fn bounds(&self) -> (DVec2, DVec2) {
+        let (start, end) = (DVec2::splat(self.start_radius_px), DVec2::splat(self.end_radius_px));
+        let min = (self.start_px - start).min(self.end_px - end);
+        (min, (self.start_px + start).max(self.end_px + end))
+    }
+
     /// Depth of the axis where it passes nearest to a pixel, metres.
     pub fn depth_at(&self, px: DVec2) -> f64 {
         // Along a line, 1/z is linear in the picture.
@@ -90,9 +120,10 @@ impl ProjectedLimb {
 pub fn joined_outline(limbs: &[&ProjectedLimb]) -> Vec<Vec<DVec2>> {
     let mut lines = Vec::new();
     for (index, limb) in limbs.iter().enumerate() {
-        let others = || limbs.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, limb)| limb);
+        let others = limbs.iter().enumerate().filter(|(other, _)| *other != index);
+        let near: Vec<_> = others.map(|(_, other)| other).filter(|other| limb.is_near(other)).collect();
         let mut border = subdivided(&limb.outline());
-        let is_hidden = |px: &DVec2| others().any(|other| other.distance_px(*px) < -HIDDEN_PX);
+        let is_hidden = |px: &DVec2| near.iter().any(|other| other.distance_px(*px) < -HIDDEN_PX);
         // Starting behind a hidden point, every visible run is whole.
         if let Some(hidden) = border.iter().position(is_hidden) {
             border.rotate_left(hidden);

@@ -14,7 +14,10 @@
 //! | [`limbs`] | limbs projected to capsules of the picture |
 //! | [`joints`] | the joints that can be dragged, and their names |
 //! | [`mod@sight_ray`] | one camera's ray as another camera sees it |
+//! | [`calibration_marks`] | principal point, world axes, grid and lens edge |
+//! | [`state_axis`] | the coefficient whose Jacobian column is looked at |
 
+pub mod calibration_marks;
 mod data;
 pub mod derivative;
 mod footage;
@@ -29,16 +32,19 @@ mod prediction;
 mod report_overlay;
 mod residual;
 pub mod sight_ray;
+pub mod state_axis;
 mod tinted;
 
+pub use calibration_marks::CalibrationMarks;
 pub use derivative::{Derivative, gradient_magnitudes, jacobian_column};
 pub use input::{PictureInput, Sample};
 pub use joints::{JointId, JointMark, draggable_joints, joint_name, project_joints};
 pub use limbs::{ProjectedLimb, joined_outline, project_limbs};
-pub use mode::{Legend, LegendEntry, Swatch, ViewMode};
+pub use mode::{Legend, LegendEntry, NO_CHANGE_LEGEND, NO_PULL_LEGEND, Swatch, ViewMode};
 pub use outline::body_outline;
 pub use owner_limb::limb_colours;
 pub use sight_ray::{SightRay, sight_ray};
+pub use state_axis::StateAxis;
 
 use egui::ColorImage;
 

@@ -4,7 +4,7 @@ use egui::Color32;
 use serde::{Deserialize, Serialize};
 
 use crate::theme::data_colours::{
-    AGREEMENT, MISSING, REPORT_BOTH, REPORT_DATA, REPORT_MODEL, SPURIOUS, UNKNOWN,
+    AGREEMENT, MISSING, NO_GRADIENT, REPORT_BOTH, REPORT_DATA, REPORT_MODEL, SPURIOUS, UNKNOWN,
 };
 
 /// What a camera's tile shows.
@@ -63,6 +63,8 @@ pub enum Swatch {
     Fill(Color32),
     /// The don't-know hatch.
     Hatch(Color32),
+    /// The hatch of no gradient.
+    NoGradient(Color32),
     /// Words only.
     None,
 }
@@ -83,6 +85,12 @@ const REPORT_LEGEND: &[LegendEntry] = &[
 ];
 const TINTED_LEGEND: &[LegendEntry] =
     &[fill("Agreement", AGREEMENT), fill("Missing", MISSING), fill("Spurious", SPURIOUS)];
+/// Pixels of the ramp that pull at nothing.
+pub const NO_PULL_LEGEND: &[LegendEntry] =
+    &[LegendEntry { text: "No pull", swatch: Swatch::NoGradient(NO_GRADIENT) }];
+/// Pixels of the ramp that the coefficient does not change.
+pub const NO_CHANGE_LEGEND: &[LegendEntry] =
+    &[LegendEntry { text: "No change", swatch: Swatch::NoGradient(NO_GRADIENT) }];
 const OWNER_LEGEND: &[LegendEntry] = &[LegendEntry { text: "Hue by chain", swatch: Swatch::None }];
 
 impl ViewMode {

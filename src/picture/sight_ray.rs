@@ -45,7 +45,7 @@ pub fn sight_ray(
 }
 
 /// A segment's picture, without what is behind the camera.
-fn project_segment(camera: &Camera, mut ends: [DVec3; 2]) -> Option<[DVec2; 2]> {
+pub(super) fn project_segment(camera: &Camera, mut ends: [DVec3; 2]) -> Option<[DVec2; 2]> {
     let depths = ends.map(|end| camera.depth(end));
     for (end, other) in [(0, 1), (1, 0)] {
         if depths[end] < NEAREST_M {

@@ -24,6 +24,10 @@ pub enum Grip {
     Joint(JointId),
     /// The limb of this index, by its body.
     Limb(usize),
+    /// The length of the limb of this index, by the handle beyond its end.
+    Length(usize),
+    /// The radius of the limb of this index, by a handle on its outline.
+    Radius(usize),
 }
 
 /// What is under `pointer`: the nearest joint within reach, else the nearest to the camera of the limbs there.

@@ -251,6 +251,39 @@ pub fn paint_picture(painter: &Painter, view: &ViewTransform, size_px: [usize; 2
     painter.image(texture.id(), view.picture_rect(size_px), uv, Color32::WHITE);
 }
 
+/// Lines between pixels begin to show at this size of a pixel, in points, and are whole at twice that.
+const GRID_FROM: f32 = 10.0;
+
+/// Opacity of the lines between pixels.
+const GRID_OPACITY: f32 = 0.22;
+
+/// Paints the lines between the pixels of `view` where each of them is large enough.
+pub fn paint_pixel_grid(painter: &Painter, view: &ViewTransform, size_px: [usize; 2]) {
+    let share = ((view.points_per_px - GRID_FROM) / GRID_FROM).clamp(0.0, 1.0);
+    if share == 0.0 {
+        return;
+    }
+    let shown = view.picture_rect(size_px).intersect(painter.clip_rect());
+    if !shown.is_positive() {
+        return;
+    }
+    // On dark and on bright pixels alike: a dark line with a bright one beside it.
+    let lines = [(0.0, Color32::BLACK), (1.0 / painter.pixels_per_point(), Color32::WHITE)];
+    let [min, max] = [shown.min, shown.max].map(|corner| view.px_from_screen(corner));
+    for (shift, colour) in lines {
+        let stroke =
+            egui::Stroke::new(1.0 / painter.pixels_per_point(), colour.gamma_multiply(GRID_OPACITY * share));
+        for x in (min.x + 0.5).ceil() as i64..=(max.x + 0.5).floor() as i64 {
+            let at = view.screen_from_px(DVec2::new(x as f64 - 0.5, 0.0)).x + shift;
+            painter.vline(at, shown.y_range(), stroke);
+        }
+        for y in (min.y + 0.5).ceil() as i64..=(max.y + 0.5).floor() as i64 {
+            let at = view.screen_from_px(DVec2::new(0.0, y as f64 - 0.5)).y + shift;
+            painter.hline(shown.x_range(), at, stroke);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::cell::Cell;

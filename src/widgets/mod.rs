@@ -4,6 +4,7 @@
 
 mod badge;
 mod button;
+mod calibration_marks;
 mod checkbox;
 mod handles;
 mod icons;
@@ -11,17 +12,20 @@ pub mod image_canvas;
 mod picture_marks;
 mod section;
 mod segmented;
+mod size_handles;
 mod slider;
 mod slider_row;
 
 pub use badge::{camera_badge, paint_camera_badge};
 pub use button::{icon_button, icon_toggle, primary_button};
+pub use calibration_marks::paint_calibration;
 pub use checkbox::checkbox;
 pub use handles::{Grip, JointLook, grip_at, paint_joint, paint_limbs};
 pub use icons::Icon;
 pub use image_canvas::{Framing, ViewTransform};
-pub use picture_marks::{paint_body_outline, paint_limb_edges, paint_sight_ray};
+pub use picture_marks::{paint_body_outline, paint_limb_edges, paint_quick_outline, paint_sight_ray};
 pub use section::{named_section, section};
 pub use segmented::segmented;
+pub use size_handles::SizeHandles;
 pub use slider::ValueSlider;
 pub use slider_row::{SliderRow, number_field, row_name};

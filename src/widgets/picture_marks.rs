@@ -10,7 +10,7 @@ use crate::theme::data_colours::{
 };
 
 /// Lines are cut this far outside the view, in points.
-const MARGIN: f32 = 12.0;
+pub(super) const MARGIN: f32 = 12.0;
 
 /// Paints the outline of the body: closed polylines in pixel coordinates.
 pub fn paint_body_outline(painter: &Painter, view: &ViewTransform, outlines: &[Vec<[f32; 2]>]) {
@@ -19,6 +19,17 @@ pub fn paint_body_outline(painter: &Painter, view: &ViewTransform, outlines: &[V
         for outline in outlines {
             let at = |[x, y]: &[f32; 2]| view.screen_from_px(DVec2::new(f64::from(*x), f64::from(*y)));
             painter.add(Shape::closed_line(outline.iter().map(at).collect(), stroke));
+        }
+    }
+}
+
+/// Paints the limbs' own outline: polylines in pixel coordinates, until the body's is there.
+pub fn paint_quick_outline(painter: &Painter, view: &ViewTransform, lines: &[Vec<DVec2>]) {
+    let casing = Stroke::new(mark::OUTLINE_CASING_WIDTH, CASING.gamma_multiply(BODY_OUTLINE_CASING));
+    for stroke in [casing, Stroke::new(mark::OUTLINE_WIDTH, BODY_OUTLINE)] {
+        for line in lines {
+            let points = line.iter().map(|px| view.screen_from_px(*px)).collect();
+            painter.add(Shape::line(points, stroke));
         }
     }
 }
@@ -48,7 +59,7 @@ pub fn paint_sight_ray(painter: &Painter, view: &ViewTransform, ray: &SightRay) 
 }
 
 /// The part of a segment inside a rectangle (Liang and Barsky).
-fn clipped([from, to]: [Pos2; 2], bounds: Rect) -> Option<[Pos2; 2]> {
+pub(super) fn clipped([from, to]: [Pos2; 2], bounds: Rect) -> Option<[Pos2; 2]> {
     let along = to - from;
     let (mut start, mut end) = (0.0_f32, 1.0_f32);
     for (step, room) in [

@@ -31,7 +31,8 @@ impl PictureAlone {
         input.shows_hover_card = false;
         if !self.marks {
             (input.joints, input.limbs, input.outlines) = (&[], &[], &[]);
-            (input.selected, input.sight_ray) = (None, None);
+            (input.selected, input.sight_ray, input.quick_outline) = (None, None, None);
+            input.settings.calibration_marks = false;
         }
         let id = ui.scope_id().with("picture alone");
         ui.scope_builder(UiBuilder::new().max_rect(picture), |ui| {

@@ -2,7 +2,9 @@
 
 use glam::DVec2;
 
+use super::Comparison;
 use crate::picture::{JointId, ViewMode};
+use crate::view_settings::ViewSettings;
 use crate::widgets::Framing;
 
 /// What the user did in a tile. The app applies it after the frame.
@@ -14,18 +16,24 @@ pub enum TileEvent {
     Hover(Option<[usize; 2]>),
     /// Pressed a joint.
     SelectJoint(JointId),
-    /// Pressed a limb's body. Of the limbs that turn together, it is one with a handle at its end.
+    /// Pressed a limb's body.
     SelectLimb(usize),
-    /// Began to drag.
+    /// Began to drag. Pressing a modifier on the way begins anew, from the pose that is reached.
     DragStart(Drag),
     /// Dragged on. Everything counts from the pose at the start.
     Drag(Drag),
-    /// Let go. A modifier pressed on the way ends one drag and starts the next.
+    /// Let go.
     DragEnd,
-    /// Pressed Esc: the pose at the start comes back.
+    /// Pressed Esc: all is as it was when the button went down.
     DragCancelled,
     /// Chose a view mode.
     SetMode(ViewMode),
+    /// Chose the mode that it is compared with.
+    CompareWith(ViewMode),
+    /// Began a comparison, chose its other way, or ended it.
+    SetComparison(Option<Comparison>),
+    /// Changed what all views share.
+    SetSettings(ViewSettings),
     /// Moved the wipe's handle: 0 at the left edge of the picture, 1 at the right.
     SetWipe(f32),
     /// Ticked or unticked the camera's use in the fit.
@@ -80,6 +88,24 @@ pub enum Drag {
         pivot_px: DVec2,
         /// Radians, right-handed about that ray away from the camera: clockwise as seen.
         angle_rad: f64,
+    },
+    /// A limb becomes longer or shorter by its end.
+    Length {
+        /// The limb.
+        limb: usize,
+        /// Where it was taken hold of.
+        from_px: DVec2,
+        /// Where the pointer is.
+        to_px: DVec2,
+    },
+    /// A limb becomes thicker or thinner by its outline.
+    Radius {
+        /// The limb.
+        limb: usize,
+        /// Where it was taken hold of.
+        from_px: DVec2,
+        /// Where the pointer is.
+        to_px: DVec2,
     },
     /// The whole body moves parallel to the image.
     Body {

@@ -126,19 +126,28 @@ fn show_hand(ui: &mut Ui, input: &CameraTileInput<'_>, hand: &Hand) {
         Action::Twist(limb) => format!("Twisting {}", limb_name(limb)),
         Action::Turn(limb) => format!("Turning {}", limb_name(limb)),
         Action::Body => "Moving the whole body".to_owned(),
+        Action::Length(limb) => format!("Length of {}", limb_name(limb)),
+        Action::Radius(limb) => format!("Radius of {}", limb_name(limb)),
     });
     let hovered = hand.hovered.or(hand.grip()).map(|grip| match grip {
         Grip::Joint(joint) => capitalised(&joint_name(input.body, joint)),
         Grip::Limb(limb) => capitalised(limb_name(limb)),
+        Grip::Length(limb) => format!("Length of {}", limb_name(limb)),
+        Grip::Radius(limb) => format!("Radius of {}", limb_name(limb)),
     });
     if let Some(title) = held.as_ref().or(hovered.as_ref()) {
         separator(ui);
         let colour = if held.is_some() { palette.accent_text } else { palette.text };
         ui.label(RichText::new(title).color(colour));
         ui.add_space(space::ROW);
-        let keys = [("Shift", "depth"), ("Ctrl", "twist"), ("Ctrl Shift", "whole body")];
+        let is_size = matches!(hand.hovered.or(hand.grip()), Some(Grip::Length(_) | Grip::Radius(_)));
+        let keys: &[(&str, &str)] = match () {
+            () if !is_size => &[("Shift", "depth"), ("Ctrl", "twist"), ("Ctrl Shift", "whole body")],
+            () if input.settings.both_sides => &[("Drag", "on both sides")],
+            () => &[("Drag", "this limb alone")],
+        };
         let escape = held.is_some().then_some(("Esc", "put back"));
-        for (key, act) in keys.into_iter().chain(escape) {
+        for (key, act) in keys.iter().copied().chain(escape) {
             key_row(ui, key, act);
         }
     } else if let Some(ray) = input.sight_ray {

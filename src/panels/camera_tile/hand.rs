@@ -1,5 +1,5 @@
 //! The pointer's way from a press to events: three points of travel start a drag, modifiers say which, Esc puts
-//! back. A modifier pressed or let go on the way starts the next drag from where the pointer is.
+//! back. A modifier pressed or let go on the way goes on otherwise from where the pointer is.
 
 use std::f64::consts::{PI, TAU};
 
@@ -52,6 +52,8 @@ pub(super) enum Action {
     Twist(usize),
     Turn(usize),
     Body,
+    Length(usize),
+    Radius(usize),
 }
 
 /// The pointer's state in one tile.
@@ -117,7 +119,7 @@ impl Hand {
             events.push(TileEvent::Activate);
             events.extend(under.map(|grip| match grip {
                 Grip::Joint(joint) => TileEvent::SelectJoint(joint),
-                Grip::Limb(limb) => TileEvent::SelectLimb(limb_with_handle(scene.body, limb)),
+                Grip::Limb(limb) | Grip::Length(limb) | Grip::Radius(limb) => TileEvent::SelectLimb(limb),
             }));
         }
         self.hovered = under.filter(|_| self.held.is_none());
@@ -137,7 +139,6 @@ impl Hand {
             Stage::Dragging(mut anchor) => {
                 let action = action(held.grip, pointer.modifiers, scene.body);
                 if pointer.is_down && action != anchor.action {
-                    events.push(TileEvent::DragEnd);
                     anchor = Anchor::new(action, held.grip, pointer.at, scene);
                     events.push(TileEvent::DragStart(anchor.drag(pointer.at, scene)));
                 } else if pointer.at != anchor.last {
@@ -161,14 +162,23 @@ impl Anchor {
         let origin_px = scene.view.px_from_screen(origin);
         let joint = match (action, grip) {
             (Action::Joint(joint) | Action::Depth(joint), _) | (_, Grip::Joint(joint)) => Some(joint),
-            (_, Grip::Limb(_)) => None,
+            (_, Grip::Limb(_) | Grip::Length(_) | Grip::Radius(_)) => None,
         };
         let mark = scene.joints.iter().find(|mark| Some(mark.id) == joint);
         let limb = |index: usize| scene.limbs.get(index).copied().flatten();
         let held_limb = match grip {
-            Grip::Limb(index) => limb(index),
+            Grip::Limb(index) | Grip::Length(index) | Grip::Radius(index) => limb(index),
             Grip::Joint(_) => None,
         };
+        // What moves with the pointer: the limb's end, or its outline on the side that was taken hold of.
+        let sized_px = held_limb.and_then(|limb| match action {
+            Action::Length(_) => Some(limb.end_px),
+            Action::Radius(_) => {
+                let sides = [-1.0, 1.0].map(|side| limb.side_px(side));
+                sides.into_iter().min_by(|a, b| a.distance(origin_px).total_cmp(&b.distance(origin_px)))
+            }
+            _ => None,
+        });
         let pivot = match action {
             Action::Turn(owner) => limb(owner).or(held_limb).map(|limb| limb.start_px),
             _ => None,
@@ -179,7 +189,7 @@ impl Anchor {
             origin,
             origin_px,
             last: origin,
-            joint_px: mark.map_or(origin_px, |mark| mark.px),
+            joint_px: sized_px.or(mark.map(|mark| mark.px)).unwrap_or(origin_px),
             depth_m: depth_m.unwrap_or(1.0),
             pivot_px: pivot.unwrap_or(origin_px),
             swept_rad: 0.0,
@@ -201,6 +211,12 @@ impl Anchor {
                 self.swept_rad += (change + PI).rem_euclid(TAU) - PI;
                 Drag::Turn { limb, pivot_px: self.pivot_px, angle_rad: self.swept_rad }
             }
+            Action::Length(limb) => {
+                Drag::Length { limb, from_px: self.joint_px, to_px: self.joint_px + px - self.origin_px }
+            }
+            Action::Radius(limb) => {
+                Drag::Radius { limb, from_px: self.joint_px, to_px: self.joint_px + px - self.origin_px }
+            }
             Action::Body => Drag::Body { from_px: self.origin_px, to_px: px, depth_m: self.depth_m },
         }
     }
@@ -210,6 +226,8 @@ impl Anchor {
 fn action(grip: Grip, modifiers: Modifiers, body: &Model) -> Action {
     let (shift, ctrl) = (modifiers.shift, modifiers.ctrl || modifiers.command);
     match (grip, shift, ctrl) {
+        (Grip::Length(limb), ..) => Action::Length(limb),
+        (Grip::Radius(limb), ..) => Action::Radius(limb),
         (Grip::Joint(JointId::Root), true, false) => Action::Depth(JointId::Root),
         (Grip::Joint(JointId::Root), ..) | (_, true, true) => Action::Body,
         (Grip::Joint(joint), true, false) => Action::Depth(joint),
@@ -368,11 +386,11 @@ mod tests {
         assert!(moved == joint && (ratio - 0.1_f64.exp()).abs() < 1e-6);
         let events = fixture.frame(up, "down", Modifiers::CTRL);
         let twist = Drag::Twist { limb: fixture.forearm, angle_rad: 0.0 };
-        assert_eq!(events, [TileEvent::DragEnd, TileEvent::DragStart(twist)]);
+        assert_eq!(events, [TileEvent::DragStart(twist)]);
         let events = fixture.frame(up + vec2(20.0, 0.0), "down", Modifiers::CTRL | Modifiers::SHIFT);
         let from_px = DVec2::new(60.0, 25.0);
         let body = Drag::Body { from_px, to_px: from_px, depth_m: 2.0 };
-        assert_eq!(events, [TileEvent::DragEnd, TileEvent::DragStart(body)]);
+        assert_eq!(events, [TileEvent::DragStart(body)]);
     }
 
     #[test]

@@ -1,14 +1,15 @@
 //! A tile's header: badge, name, view mode, link, expand, more.
 
 use egui::{
-    Align, Button, CornerRadius, Layout, Popup, Rect, Role, Sense, TextStyle, TextWrapMode, Ui, UiBuilder,
+    Align, CornerRadius, Layout, Popup, Rect, Role, Sense, TextStyle, TextWrapMode, Ui, UiBuilder,
     WidgetInfo, WidgetText, pos2, vec2,
 };
 
-use super::{CameraTileInput, TileEvent, TileLayout, gutter};
+use super::comparison::mode_text;
+use super::{CameraTileInput, TileEvent, TileLayout, gutter, tile_menu};
 use crate::picture::ViewMode;
 use crate::theme::{self, size, space};
-use crate::widgets::{Framing, Icon, camera_badge, checkbox, icon_button};
+use crate::widgets::{Icon, camera_badge, icon_button};
 
 /// In a narrower header the link button folds into the menu.
 const LINK_FROM: f32 = 300.0;
@@ -56,7 +57,16 @@ pub(super) fn show(
                 Rect::from_center_size(pos2(left.left() + 8.0, left.center().y), vec2(18.0, 18.0)),
             );
         }
-        let _ = ui.add(egui::Label::new(input.name).selectable(false));
+        let palette = theme::palette(ui);
+        let name = egui::RichText::new(input.name);
+        let name = if input.is_used { name } else { name.color(palette.text3) };
+        let _ = ui.add(egui::Label::new(name).selectable(false));
+        if !input.is_used && input.is_calibrated {
+            let off = egui::RichText::new("not in fit").small().color(palette.text3);
+            ui.add(egui::Label::new(off).selectable(false)).on_hover_text(
+                "This camera's silhouette does not count: tick it in the gutter or under More.",
+            );
+        }
         mode_menu(ui, input, events);
     });
     let builder = UiBuilder::new().max_rect(right).layout(Layout::left_to_right(Align::Center));
@@ -99,23 +109,10 @@ fn mode_menu(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEven
         let radius = CornerRadius::same(size::BUTTON_RADIUS);
         ui.painter().rect_stroke(rect, radius, palette.focus_ring(), egui::StrokeKind::Outside);
     }
-    let response = response.on_hover_text(input.mode.tooltip());
-    Popup::menu(&response).show(|ui| {
-        for mode in ViewMode::ALL {
-            let entry = Button::new(mode.label()).shortcut_text(mode.key()).selected(mode == input.mode);
-            if ui.add(entry).on_hover_text(mode.tooltip()).clicked() {
-                events.push(TileEvent::SetMode(mode));
-            }
-        }
-    });
-}
-
-/// The name of what the picture shows.
-fn mode_text(input: &CameraTileInput<'_>, name: fn(ViewMode) -> &'static str) -> String {
-    match input.wipe {
-        Some(wipe) => format!("{} | {}", name(input.mode), name(wipe.other).to_lowercase()),
-        None => name(input.mode).to_owned(),
-    }
+    let response = response.on_hover_text(input.look.mode.tooltip());
+    Popup::menu(&response)
+        .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
+        .show(|ui| tile_menu::modes(ui, input, events));
 }
 
 fn link_button(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) {
@@ -136,28 +133,9 @@ fn buttons(ui: &mut Ui, input: &CameraTileInput<'_>, has_link: bool, events: &mu
         events.push(TileEvent::ToggleExpanded);
     }
     let more = icon_button(ui, Icon::More, &format!("More for {}", input.name), "More");
-    Popup::menu(&more).close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
-        let choices = [("Fit subject", "F", Framing::Subject), ("Whole picture", "A", Framing::Whole)];
-        for (text, key, framing) in choices {
-            let entry = Button::new(text).shortcut_text(key).selected(input.framing == framing);
-            if ui.add(entry).clicked() {
-                events.push(TileEvent::SetFraming(framing));
-                ui.close();
-            }
-        }
-        let mut is_linked = input.is_linked;
-        if !has_link && checkbox(ui, &mut is_linked, "Zoom linked").changed() {
-            events.push(TileEvent::SetLinked(is_linked));
-        }
-        ui.separator();
-        gutter::show_fit_use(ui, input, events);
-        ui.separator();
-        let close = ui.add(Button::new("Close tile"));
-        if close.on_hover_text("The View menu opens it again").clicked() {
-            events.push(TileEvent::Close);
-            ui.close();
-        }
-    });
+    Popup::menu(&more)
+        .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
+        .show(|ui| tile_menu::more(ui, input, has_link, events));
 }
 
 /// The sign of a camera without calibration.

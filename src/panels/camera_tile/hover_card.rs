@@ -2,13 +2,13 @@
 
 use egui::{
     Area, Color32, CornerRadius, Frame, Id, Margin, Order, Pos2, Rect, Role, Sense, Stroke, TextStyle, Ui,
-    WidgetInfo, pos2, vec2,
+    Vec2, WidgetInfo, pos2, vec2,
 };
 use glam::DVec2;
 
 use super::CameraTileInput;
 use crate::format;
-use crate::picture::Sample;
+use crate::picture::{Sample, ViewMode};
 use crate::theme::data_colours::{CASING, JOINT};
 use crate::theme::{self, size};
 use crate::widgets::ViewTransform;
@@ -28,11 +28,14 @@ pub(super) fn show(
     picture: Rect,
     view: &ViewTransform,
     input: &CameraTileInput<'_>,
-    pixel: [usize; 2],
+    (pixel, is_frozen): ([usize; 2], bool),
+    mode: ViewMode,
 ) {
     let Some(sample) = input.picture.sample(pixel[0], pixel[1]) else { return };
+    let derivative = derivative_row(input, pixel, mode);
     let at = view.screen_from_px(DVec2::new(pixel[0] as f64, pixel[1] as f64));
-    let card = place(at, picture.intersect(ui.ctx().content_rect()));
+    let height = if derivative.is_some() { size::HOVER_CARD.y + ROW } else { size::HOVER_CARD.y };
+    let card = place(at, vec2(size::HOVER_CARD.x, height), picture.intersect(ui.ctx().content_rect()));
     let edge = if card.left() > at.x { card.left() } else { card.right() };
     let painter = ui.painter_at(picture);
     let leader = [at, pos2(edge, at.y.clamp(card.top(), card.bottom()))];
@@ -52,15 +55,37 @@ pub(super) fn show(
             .show(ui, |ui| {
                 ui.set_width(size::HOVER_CARD.x - 2.0 * MARGIN);
                 ui.spacing_mut().item_spacing.y = 0.0;
-                rows(ui, input, pixel, &sample);
+                rows(ui, input, (pixel, is_frozen), &sample);
+                if let Some((label, value)) = &derivative {
+                    row(ui, label, value, TextStyle::Monospace, palette.text);
+                }
             });
     });
 }
 
-fn rows(ui: &mut Ui, input: &CameraTileInput<'_>, pixel: [usize; 2], sample: &Sample) {
+/// What the picture's own colour says at a pixel, where it is a derivative.
+fn derivative_row(
+    input: &CameraTileInput<'_>,
+    pixel: [usize; 2],
+    mode: ViewMode,
+) -> Option<(&'static str, String)> {
+    let (label, derivative, unit) = match mode {
+        ViewMode::Gradient => ("Pull", input.picture.gradient?, "m"),
+        ViewMode::JacobianColumn => {
+            let unit = if input.settings.axis.is_of_root() { "m" } else { "rad" };
+            ("Jacobian", input.picture.jacobian?, unit)
+        }
+        _ => return None,
+    };
+    let value = *derivative.values.get(pixel[1] * input.picture.size[0] + pixel[0])?;
+    Some((label, format!("{} / {unit}", format::number(f64::from(value), 0))))
+}
+
+fn rows(ui: &mut Ui, input: &CameraTileInput<'_>, (pixel, is_frozen): ([usize; 2], bool), sample: &Sample) {
     let palette = theme::palette(ui);
     let title = format!("Pixel {}, {}", pixel[0], pixel[1]);
-    row(ui, &title, "", TextStyle::Body, palette.text);
+    let hint = if is_frozen { "held" } else { "H holds" };
+    title_row(ui, &title, hint);
     let number = |value: Option<f32>, decimals: usize| {
         value.map_or(format::MISSING.to_owned(), |value| format::number(f64::from(value), decimals))
     };
@@ -80,22 +105,30 @@ fn rows(ui: &mut Ui, input: &CameraTileInput<'_>, pixel: [usize; 2], sample: &Sa
     row(ui, "Distance", &depth, mono, palette.text);
 }
 
+fn title_row(ui: &mut Ui, title: &str, hint: &str) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, title));
+    let palette = theme::palette(ui);
+    let text = |at: Pos2, align, text: &str, style: TextStyle, colour| {
+        ui.painter().text(at, align, text, style.resolve(ui.style()), colour);
+    };
+    text(rect.left_center(), egui::Align2::LEFT_CENTER, title, TextStyle::Body, palette.text);
+    text(rect.right_center(), egui::Align2::RIGHT_CENTER, hint, TextStyle::Small, palette.text3);
+}
+
 fn row(ui: &mut Ui, label: &str, value: &str, style: TextStyle, colour: Color32) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
-    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{label} {value}").trim_end()));
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{label} {value}")));
     let palette = theme::palette(ui);
-    let (font, left) =
-        if value.is_empty() { (TextStyle::Body, palette.text) } else { (TextStyle::Small, palette.text2) };
-    let font = font.resolve(ui.style());
-    ui.painter().text(rect.left_center(), egui::Align2::LEFT_CENTER, label, font, left);
+    let font = TextStyle::Small.resolve(ui.style());
+    ui.painter().text(rect.left_center(), egui::Align2::LEFT_CENTER, label, font, palette.text2);
     let font = style.resolve(ui.style());
     ui.painter().text(rect.right_center(), egui::Align2::RIGHT_CENTER, value, font, colour);
 }
 
 /// The card's place: to the right of the pixel and above it; flipped where it would leave `bounds`, and moved
 /// inside where it fits on neither side.
-fn place(at: Pos2, bounds: Rect) -> Rect {
-    let card = size::HOVER_CARD;
+fn place(at: Pos2, card: Vec2, bounds: Rect) -> Rect {
     let left = if at.x + DISTANCE + card.x <= bounds.right() {
         at.x + DISTANCE
     } else if at.x - DISTANCE - card.x >= bounds.left() {
@@ -115,14 +148,14 @@ mod tests {
     fn the_card_flips_at_edges_and_is_never_under_the_pointer() {
         let bounds = Rect::from_min_max(pos2(0.0, 0.0), pos2(500.0, 400.0));
         let at = pos2(100.0, 300.0);
-        let card = place(at, bounds);
+        let card = place(at, size::HOVER_CARD, bounds);
         assert_eq!((card.left(), card.bottom()), (126.0, 300.0));
         for at in [pos2(480.0, 300.0), pos2(20.0, 20.0), pos2(490.0, 10.0), pos2(0.0, 399.0)] {
-            let card = place(at, bounds);
+            let card = place(at, size::HOVER_CARD, bounds);
             assert!(bounds.contains_rect(card), "{at:?}: {card:?}");
             assert!(!card.expand(20.0).x_range().contains(at.x), "{at:?}: {card:?}");
         }
         let narrow = Rect::from_min_max(pos2(0.0, 0.0), pos2(220.0, 200.0));
-        assert!(!place(pos2(110.0, 100.0), narrow).contains(pos2(110.0, 100.0)));
+        assert!(!place(pos2(110.0, 100.0), size::HOVER_CARD, narrow).contains(pos2(110.0, 100.0)));
     }
 }

@@ -9,7 +9,7 @@ use egui::{
 
 use super::{CameraTileInput, TileLayout};
 use crate::format;
-use crate::picture::{Derivative, Legend, LegendEntry, PictureInput, Swatch, ViewMode};
+use crate::picture::{Derivative, Legend, LegendEntry, NO_CHANGE_LEGEND, NO_PULL_LEGEND, Swatch, ViewMode};
 use crate::theme::data_colours::{MAP_LEN, PICTURE_GROUND, gradient_map, mark, residual_map};
 use crate::theme::{Palette, Theme, space};
 
@@ -58,11 +58,21 @@ pub(super) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, sh
     let items = items(&painter, legend, small, palette);
     let note = note.map(|note| painter.layout_no_wrap(note, mono.clone(), palette.text));
     let note_width = note.as_ref().map_or(0.0, |note| note.size().x);
-    let widths: Vec<f32> = match legend {
-        Legend::ResidualMap | Legend::GradientMap | Legend::JacobianMap => vec![MAP_WORDS + LEAST_BAR],
-        Legend::Entries(_) | Legend::None => items.iter().map(|item| item.width).collect(),
-    };
-    let (places, rows) = flow(&widths, note_width, width);
+    let is_map = matches!(legend, Legend::ResidualMap | Legend::GradientMap | Legend::JacobianMap);
+    let map_width = is_map.then_some(MAP_WORDS + LEAST_BAR);
+    let widths: Vec<f32> = map_width.into_iter().chain(items.iter().map(|item| item.width)).collect();
+    let (mut places, rows) = flow(&widths, note_width, width);
+    if is_map {
+        places.remove(0);
+    }
+    // The map takes what the others leave of the first row; they stand at its end.
+    let beside: f32 =
+        places.iter().zip(&items).filter(|([_, row], _)| *row == 0.0).map(|(_, item)| item.width).sum();
+    let note_beside = if rows == 1 && note_width > 0.0 { note_width + space::GROUP } else { 0.0 };
+    let map_room = width - note_beside - if beside > 0.0 { beside + space::GROUP } else { 0.0 };
+    for place in places.iter_mut().filter(|[_, row]| is_map && *row == 0.0) {
+        place[0] = map_room + space::GROUP;
+    }
 
     let height = rows as f32 * ROW + 2.0 * MARGIN;
     let strip = Rect::from_min_max(pos2(picture.left(), picture.bottom() - height), picture.max);
@@ -75,9 +85,8 @@ pub(super) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, sh
         painter.galley(at, Arc::clone(&item.galley), palette.text2);
         words.push(item.entry.text.to_owned());
     }
-    if let Some(map) = MapLegend::new(legend, &input.picture, palette) {
-        let beside = if rows == 1 && note_width > 0.0 { note_width + space::GROUP } else { 0.0 };
-        map.paint(&painter, Rect::from_min_size(origin, vec2(width - beside, 0.0)), small);
+    if let Some(map) = MapLegend::new(legend, input, palette) {
+        map.paint(&painter, Rect::from_min_size(origin, vec2(map_room, 0.0)), small);
         words.push(format!("{} to {}", map.low, map.high));
     }
     if let Some(note) = note {
@@ -100,11 +109,13 @@ struct Item {
     width: f32,
 }
 
-/// The entries of a legend; a map has none.
+/// The entries of a legend; a map's stand beside it.
 fn items(painter: &Painter, legend: Legend, font: &FontId, palette: &Palette) -> Vec<Item> {
     let entries = match legend {
         Legend::Entries(entries) => entries,
-        Legend::None | Legend::ResidualMap | Legend::GradientMap | Legend::JacobianMap => &[],
+        Legend::GradientMap => NO_PULL_LEGEND,
+        Legend::JacobianMap => NO_CHANGE_LEGEND,
+        Legend::None | Legend::ResidualMap => &[],
     };
     let item = |entry: &LegendEntry| {
         let galley = painter.layout_no_wrap(entry.text.to_owned(), font.clone(), palette.text2);
@@ -154,17 +165,30 @@ fn paint_swatch(painter: &Painter, at: Pos2, swatch: Swatch, palette: &Palette) 
         }
         Swatch::Hatch(colour) => {
             painter.rect(square, radius, PICTURE_GROUND, palette.edge(), StrokeKind::Inside);
-            let [width, period] = mark::UNKNOWN_HATCH;
-            let stroke = Stroke::new(width, colour);
-            let inside = painter.with_clip_rect(square.shrink(1.0).intersect(painter.clip_rect()));
-            let mut offset = -SWATCH;
-            while offset < SWATCH {
-                let start = square.left_top() + vec2(offset, 0.0);
-                inside.line_segment([start, start + vec2(SWATCH, SWATCH)], stroke);
-                offset += period * 0.8;
-            }
+            hatch(painter, square, mark::UNKNOWN_HATCH, colour, false);
+        }
+        Swatch::NoGradient(colour) => {
+            painter.rect(square, radius, PICTURE_GROUND, palette.edge(), StrokeKind::Inside);
+            hatch(painter, square, mark::NO_GRADIENT_HATCH, colour, true);
         }
         Swatch::None => {}
+    }
+}
+
+/// The lines of a hatch inside a swatch's edge.
+fn hatch(painter: &Painter, square: Rect, [width, period]: [f32; 2], colour: Color32, rises: bool) {
+    let stroke = Stroke::new(width, colour);
+    let inside = painter.with_clip_rect(square.shrink(1.0).intersect(painter.clip_rect()));
+    let mut offset = -SWATCH;
+    while offset < SWATCH {
+        let (start, along) = if rises {
+            (square.left_bottom(), vec2(SWATCH, -SWATCH))
+        } else {
+            (square.left_top(), vec2(SWATCH, SWATCH))
+        };
+        let start = start + vec2(offset, 0.0);
+        inside.line_segment([start, start + along], stroke);
+        offset += period * 0.8;
     }
 }
 
@@ -177,7 +201,8 @@ struct MapLegend {
 }
 
 impl MapLegend {
-    fn new(legend: Legend, picture: &PictureInput<'_>, palette: &Palette) -> Option<Self> {
+    fn new(legend: Legend, input: &CameraTileInput<'_>, palette: &Palette) -> Option<Self> {
+        let picture = &input.picture;
         let scale = |derivative: Option<&Derivative>| {
             derivative.map_or(format::MISSING.to_owned(), |d| format::cost(f64::from(d.scale)))
         };
@@ -196,7 +221,7 @@ impl MapLegend {
             }),
             Legend::JacobianMap => Some(Self {
                 low: format!("Darker −{}", scale(picture.jacobian)),
-                high: format!("{} lighter", scale(picture.jacobian)),
+                high: format!("{} lighter per {}", scale(picture.jacobian), input.settings.axis.unit()),
                 word_colours: [palette.missing_text, palette.spurious_text],
                 map: residual_map(),
             }),

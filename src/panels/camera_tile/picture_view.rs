@@ -1,29 +1,20 @@
 //! The picture with its marks, and what the pointer does in it.
 
 use egui::{
-    Align2, CursorIcon, Id, Key, Painter, Rect, Response, Role, Sense, Stroke, TextStyle, Ui, WidgetInfo,
-    pos2, vec2,
+    Align2, CursorIcon, Id, Key, Painter, Rect, Response, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
 
+use super::comparison::{self, Seen};
 use super::hand::{PointerInput, Scene, rotation_owner};
-use super::{CameraTileInput, TileEvent, TileLayout, TileState, Wipe, hover_card, legend};
-use crate::picture::{JointId, ProjectedLimb, ViewMode, compose};
-use crate::theme::data_colours::{CASING, JOINT, PICTURE_GROUND};
+use super::{CameraTileInput, TileEvent, TileLayout, TileState, hover_card, legend, view_id};
+use crate::picture::{CalibrationMarks, JointId, ProjectedLimb, ViewMode, compose};
+use crate::theme::data_colours::PICTURE_GROUND;
 use crate::theme::{Theme, size};
-use crate::widgets::image_canvas::{cached_texture, navigate, paint_picture};
+use crate::widgets::image_canvas::{cached_texture, navigate, paint_picture, paint_pixel_grid};
 use crate::widgets::{
-    Framing, Grip, JointLook, ViewTransform, grip_at, paint_body_outline, paint_joint, paint_limb_edges,
-    paint_limbs, paint_sight_ray,
+    Framing, Grip, JointLook, SizeHandles, ViewTransform, grip_at, paint_body_outline, paint_calibration,
+    paint_joint, paint_limb_edges, paint_limbs, paint_quick_outline, paint_sight_ray,
 };
-
-/// Radius of the wipe's handle.
-const WIPE_RADIUS: f32 = 11.0;
-
-/// How far down the picture the wipe's handle is.
-const WIPE_HEIGHT: f32 = 0.6;
-
-/// Width of the wipe's line.
-const WIPE_WIDTH: f32 = 1.5;
 
 /// Shows the picture and says how high its legend is.
 pub(super) fn show(
@@ -37,38 +28,47 @@ pub(super) fn show(
     let rect = layout.picture;
     let size_px = input.picture.size;
     let free = Rect::from_min_max(rect.min, pos2(rect.right(), rect.bottom() - layout.reserved));
-    let mut view = input.framing.view(free, size_px, input.subject_px);
+    let mut view = input.look.framing.view(free, size_px, input.subject_px);
     let response = ui.interact(rect, id.with("picture"), Sense::DRAG);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("{} picture", input.name)));
     if let Some(changed) = navigate(ui, &response, &view) {
         events.push(TileEvent::SetFraming(Framing::of(&changed, size_px, input.subject_px)));
         view = changed;
     }
-    let wipe = input.wipe.map(|wipe| drag_wipe(ui, id, rect, wipe, events));
+    ui.data_mut(|data| data.insert_temp(view_id(input.index), view));
+    let seen = comparison::seen(ui, id, rect, input, events);
 
     ui.painter().rect_filled(rect, 0.0, PICTURE_GROUND);
-    let shown = input.picture.shown(input.mode);
-    match wipe {
-        None => paint_part(ui, id, rect, &view, input, shown),
-        Some(wipe) => {
-            let (left, right) = rect.split_left_right_at_fraction(wipe.at);
-            paint_part(ui, id.with("left"), left, &view, input, shown);
-            paint_part(ui, id.with("right"), right, &view, input, input.picture.shown(wipe.other));
+    match seen {
+        Seen::One(mode) => paint_part(ui, id, rect, &view, input, mode),
+        Seen::Wiped(mode, other, at) => {
+            let (left, right) = rect.split_left_right_at_fraction(at);
+            paint_part(ui, id.with("left"), left, &view, input, mode);
+            paint_part(ui, id.with("right"), right, &view, input, other);
         }
     }
     let painter = ui.painter_at(rect);
-    if input.picture.frame.is_none() && shown == ViewMode::Footage {
+    if input.settings.pixel_grid {
+        paint_pixel_grid(&painter, &view, size_px);
+    }
+    if input.settings.calibration_marks
+        && let Some(camera) = input.camera
+    {
+        paint_calibration(&painter, &view, &CalibrationMarks::new(camera, input.raw_camera));
+    }
+    if input.picture.frame.is_none() && seen.mode() == ViewMode::Footage {
         let font = TextStyle::Body.resolve(ui.style());
         let colour = Theme::Dark.palette().text3;
         painter.text(rect.center(), Align2::CENTER_CENTER, "No picture for this frame", font, colour);
     }
     follow_pointer(ui, &response, &view, input, state, events);
     paint_marks(ui, &painter, id, &view, input, state);
-    if let Some(wipe) = wipe {
-        paint_wipe(&painter, rect, wipe);
+    paint_size_handles(ui, &painter, id, &view, input, state);
+    if let Seen::Wiped(_, _, at) = seen {
+        comparison::paint_wipe(&painter, rect, at);
     }
-    show_card(ui, id, &response, &view, input, state);
-    if layout.has_legend { legend::show(ui, layout, input, shown) } else { 0.0 }
+    show_card(ui, id, response.rect, &view, input, (state, seen.mode()));
+    if layout.has_legend { legend::show(ui, layout, input, seen.mode()) } else { 0.0 }
 }
 
 /// One view mode in one part of the picture.
@@ -89,7 +89,10 @@ fn paint_part(
     paint_picture(&painter, view, size_px, &texture);
     if mode.has_outline() {
         paint_limb_edges(&painter, view, input.limbs);
-        paint_body_outline(&painter, view, input.outlines);
+        match input.quick_outline {
+            Some(lines) => paint_quick_outline(&painter, view, lines),
+            None => paint_body_outline(&painter, view, input.outlines),
+        }
     }
 }
 
@@ -111,7 +114,11 @@ fn follow_pointer(
     let scene = Scene { body: input.body, joints: input.joints, limbs: input.limbs, view: *view };
     // Without handles there is nothing to hold: limbs are only shown.
     let under = inside.filter(|_| !input.joints.is_empty());
-    let under = under.and_then(|at| grip_at(at, view, input.joints, input.limbs));
+    let sized = size_handles(view, input);
+    let under = under.and_then(|at| {
+        let size = sized.and_then(|handles| handles.grip_at(at));
+        size.or_else(|| grip_at(at, view, input.joints, input.limbs))
+    });
     let is_cancelled = state.hand.grip().is_some()
         && ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape));
     if let Some(at) = at {
@@ -185,55 +192,44 @@ fn paint_marks(
     }
 }
 
+/// The handles of the selected limb's size, if they are wanted.
+fn size_handles(view: &ViewTransform, input: &CameraTileInput<'_>) -> Option<SizeHandles> {
+    let limb = input.sized.filter(|_| input.settings.size_handles && !input.joints.is_empty())?;
+    Some(SizeHandles::new(limb, input.limbs.get(limb)?.as_ref()?, view))
+}
+
+fn paint_size_handles(
+    ui: &Ui,
+    painter: &Painter,
+    id: Id,
+    view: &ViewTransform,
+    input: &CameraTileInput<'_>,
+    state: &TileState,
+) {
+    let Some((handles, limb)) = size_handles(view, input).zip(input.sized) else { return };
+    handles.paint(painter, state.hand.grip().or(state.hand.hovered));
+    let name = input.body.limbs().get(limb).map_or("limb", |limb| limb.name.as_str());
+    for (at, what) in handles.places().filter(|(at, _)| painter.clip_rect().contains(*at)) {
+        let place = Rect::from_center_size(at, vec2(size::ROW, size::ROW));
+        let node = ui.interact(place, id.with(("size", what)), Sense::hover());
+        let label = format!("{name} {what}, {}", input.name);
+        node.widget_info(|| WidgetInfo::labeled(Role::GraphicsSymbol, true, &label));
+    }
+}
+
 fn show_card(
     ui: &Ui,
     id: Id,
-    response: &Response,
+    picture: Rect,
     view: &ViewTransform,
     input: &CameraTileInput<'_>,
-    state: &mut TileState,
+    (state, mode): (&mut TileState, ViewMode),
 ) {
     let is_frozen = ui.input(|input| input.key_down(Key::H));
     if !is_frozen {
         state.card = state.hovered.filter(|_| state.hand.action().is_none());
     }
     if let Some(pixel) = state.card.filter(|_| input.shows_hover_card) {
-        hover_card::show(ui, id.with("hover card"), response.rect, view, input, pixel);
-    }
-}
-
-/// Lets the pointer move the wipe's handle.
-fn drag_wipe(ui: &Ui, id: Id, rect: Rect, wipe: Wipe, events: &mut Vec<TileEvent>) -> Wipe {
-    let at = if wipe.at.is_finite() { wipe.at.clamp(0.0, 1.0) } else { 0.5 };
-    let handle = Rect::from_center_size(wipe_handle(rect, at), vec2(size::BUTTON, size::BUTTON));
-    let response = ui.interact(handle, id.with("wipe"), Sense::drag());
-    let label = format!("Wipe to {}", wipe.other.label().to_lowercase());
-    response.widget_info(|| WidgetInfo::slider(true, f64::from(at), label.as_str()));
-    let at = match response.interact_pointer_pos().filter(|_| response.dragged()) {
-        Some(pointer) => {
-            let moved = ((pointer.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
-            events.push(TileEvent::SetWipe(moved));
-            moved
-        }
-        None => at,
-    };
-    response.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
-    Wipe { at, ..wipe }
-}
-
-fn wipe_handle(rect: Rect, at: f32) -> egui::Pos2 {
-    pos2(rect.left() + rect.width() * at, rect.top() + rect.height() * WIPE_HEIGHT)
-}
-
-fn paint_wipe(painter: &Painter, rect: Rect, wipe: Wipe) {
-    let handle = wipe_handle(rect, wipe.at);
-    painter.vline(handle.x, rect.y_range(), Stroke::new(WIPE_WIDTH + 2.0 * size::CASING, CASING));
-    painter.vline(handle.x, rect.y_range(), Stroke::new(WIPE_WIDTH, JOINT));
-    painter.circle(handle, WIPE_RADIUS, CASING, Stroke::new(WIPE_WIDTH, JOINT));
-    for side in [-1.0, 1.0] {
-        let tip = handle + vec2(side * 6.0, 0.0);
-        let back = vec2(-side * 3.0, 3.5);
-        let arrow = vec![tip + back, tip, tip + vec2(back.x, -back.y)];
-        painter.line(arrow, Stroke::new(size::ICON_STROKE, JOINT));
+        hover_card::show(ui, id.with("hover card"), picture, view, input, (pixel, is_frozen), mode);
     }
 }

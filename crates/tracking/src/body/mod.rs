@@ -19,7 +19,7 @@ pub mod pose;
 pub mod sizes;
 
 pub use kinematics::Kinematics;
-pub use limb::{JointLimits, Limb, LimbSphere, Range};
+pub use limb::{JointAngles, JointLimits, Limb, LimbSphere, Range};
 pub use model::{Model, ModelError, ModelSpec};
 pub use parameters::Parameters;
 pub use pose::{Pose, PoseError};

@@ -4,7 +4,7 @@
 use glam::{DQuat, DVec3};
 use nalgebra::DVector;
 
-use crate::body::{Kinematics, Model, Parameters, Pose};
+use crate::body::{JointAngles, JointLimits, Kinematics, Limb, Model, Parameters, Pose, Range};
 use crate::optimize::{LeastSquares, Method, NormalEquations, Solver, SolverOptions};
 use crate::residual::point::PointTarget;
 use crate::residual::{joint_limit, point, proximal_prior};
@@ -17,10 +17,16 @@ const PIN_WEIGHT: f64 = 30.0;
 const STIFFNESS: f64 = 1e-4;
 /// Pull of the root towards where it was, per m²: limbs bend before the body goes along.
 const ROOT_STIFFNESS: f64 = 0.3;
-/// Weight of joint limits, per rad².
-const LIMIT_WEIGHT: f64 = 1.0;
-/// Most iterations of one drag event.
+/// Weight of joint limits, per rad²: a hundredth of a radian stands for a tenth of a metre of the target.
+const LIMIT_WEIGHT: f64 = 100.0;
+/// Most iterations of one solve.
 const ITERATIONS: usize = 40;
+/// Most solves of one drag event. Each shifts the targets by what the priors have held back.
+const CORRECTIONS: usize = 6;
+/// A joint that is so near to where it was dragged is there, metres.
+const ARRIVED_M: f64 = 1e-4;
+/// An angle so near to its limit is at it, radians.
+const AT_LIMIT_RAD: f64 = 1e-3;
 
 struct Chain<'a> {
     model: &'a Model,
@@ -54,6 +60,10 @@ impl LeastSquares for Chain<'_> {
 /// Solves for the pose nearest to `reference` that puts joints where `targets` say.
 #[must_use]
 pub fn reach(model: &Model, reference: &Pose, targets: &[PointTarget]) -> Pose {
+    reach_from(model, reference, reference.clone(), targets)
+}
+
+fn reach_from(model: &Model, reference: &Pose, start: Pose, targets: &[PointTarget]) -> Pose {
     let mut chain = Chain { model, reference, targets, kinematics: Kinematics::new(model, reference) };
     let options = SolverOptions {
         method: Method::LevenbergMarquardt,
@@ -62,24 +72,158 @@ pub fn reach(model: &Model, reference: &Pose, targets: &[PointTarget]) -> Pose {
         tolerance: Some(1e-6),
         run_all: false,
     };
-    let mut solver = Solver::new(&mut chain, reference.clone(), options);
+    let mut solver = Solver::new(&mut chain, start, options);
     while solver.step(&mut chain).is_some() {}
     solver.point().clone()
 }
 
 /// Drags a limb's second joint to a point of the world (metres); pinned limbs' second joints stay.
 ///
-/// `reference` is the pose in which the drag began: dragging back undoes itself.
+/// Without pins the joint arrives, with them within a tenth of a millimetre where they and the limits let it: what the
+/// priors hold back is added to the targets, again and again. `reference` is the pose in which the drag began: dragging back undoes itself. No
+/// angle leaves its limits; one that was outside in `reference` may only come back.
 #[must_use]
 pub fn drag_limb_end(model: &Model, reference: &Pose, limb: usize, target: DVec3, pins: &[usize]) -> Pose {
     let kinematics = Kinematics::new(model, reference);
-    let mut targets = vec![PointTarget { limb: Some(limb), target, weight: TARGET_WEIGHT }];
-    targets.extend(pins.iter().filter(|&&pin| pin != limb).map(|&pin| PointTarget {
+    let mut wanted = vec![PointTarget { limb: Some(limb), target, weight: TARGET_WEIGHT }];
+    wanted.extend(pins.iter().filter(|&&pin| pin != limb).map(|&pin| PointTarget {
         limb: Some(pin),
         target: kinematics.ends()[pin],
         weight: PIN_WEIGHT,
     }));
-    reach(model, reference, &targets)
+    let lenient = widened(model, reference);
+    let mut shifted = wanted.clone();
+    let mut pose = reach(&lenient, reference, &shifted);
+    let mut left = f64::INFINITY;
+    for _ in 1..CORRECTIONS {
+        let ends = Kinematics::new(model, &pose);
+        let misses = wanted.iter().map(|wanted| wanted.target - ends.ends()[wanted.limb.unwrap_or(limb)]);
+        let misses: Vec<DVec3> = misses.collect();
+        let largest = misses.iter().map(|miss| miss.length()).fold(0.0, f64::max);
+        // What does not come nearer is out of reach: no pushing against a limit or a pin.
+        if largest < ARRIVED_M || largest > 0.9 * left {
+            break;
+        }
+        left = largest;
+        for (target, miss) in shifted.iter_mut().zip(misses) {
+            target.target += miss;
+        }
+        pose = reach_from(&lenient, reference, pose, &shifted);
+    }
+    let mut pose = within_limits(model, reference, &pose);
+    if wanted.len() == 1 {
+        // Nothing is pinned: the body goes along with what the limits have taken back.
+        pose.root += target - Kinematics::new(model, &pose).ends()[limb];
+    }
+    pose
+}
+
+/// An angle of a limb's own rotation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LimitedAngle {
+    /// Swing about the flexion axis.
+    Flexion,
+    /// Swing about direction × flexion axis.
+    Sideways,
+    /// Turn about the limb itself.
+    Twist,
+}
+
+impl LimitedAngle {
+    /// What people call it: "flexion", "sideways swing", "twist".
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Flexion => "flexion",
+            Self::Sideways => "sideways swing",
+            Self::Twist => "twist",
+        }
+    }
+}
+
+/// An angle that is at its limit, or beyond.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LimitReached {
+    /// The limb that owns the rotation.
+    pub limb: usize,
+    /// Which of its angles.
+    pub angle: LimitedAngle,
+    /// The limit, radians.
+    pub limit_rad: f64,
+}
+
+/// All angles of a pose that are within a thousandth of a radian of a limit, or beyond, in the order of rotations.
+#[must_use]
+pub fn limits_reached(model: &Model, pose: &Pose) -> Vec<LimitReached> {
+    let mut reached = Vec::new();
+    for (rotation, &limb) in model.rotation_owners().iter().enumerate() {
+        let Some(limits) = model.limbs()[limb].limits else { continue };
+        let angles = model.limbs()[limb].angles(pose.rotations[rotation]);
+        for (angle, value, range) in [
+            (LimitedAngle::Flexion, angles.flexion, limits.flexion),
+            (LimitedAngle::Sideways, angles.sideways, limits.sideways),
+            (LimitedAngle::Twist, angles.twist, limits.twist),
+        ] {
+            // An angle that cannot move at all is no news.
+            if range.1 - range.0 <= 2.0 * AT_LIMIT_RAD {
+                continue;
+            }
+            if value <= range.0 + AT_LIMIT_RAD {
+                reached.push(LimitReached { limb, angle, limit_rad: range.0 });
+            } else if value >= range.1 - AT_LIMIT_RAD {
+                reached.push(LimitReached { limb, angle, limit_rad: range.1 });
+            }
+        }
+    }
+    reached
+}
+
+/// The pose with every angle held to its limits; one that is outside in `reference` stays where it may come back from.
+/// A rotation that is as in `reference` is left to the bit.
+#[must_use]
+pub fn within_limits(model: &Model, reference: &Pose, pose: &Pose) -> Pose {
+    let mut held = pose.clone();
+    for (rotation, &owner) in model.rotation_owners().iter().enumerate() {
+        let limb = &model.limbs()[owner];
+        if pose.rotations[rotation] == reference.rotations[rotation] {
+            continue;
+        }
+        let Some(limits) = limits_of(limb, reference.rotations[rotation]) else { continue };
+        let angles = limb.angles(pose.rotations[rotation]);
+        let clamped = JointAngles {
+            flexion: angles.flexion.clamp(limits.flexion.0, limits.flexion.1),
+            sideways: angles.sideways.clamp(limits.sideways.0, limits.sideways.1),
+            twist: angles.twist.clamp(limits.twist.0, limits.twist.1),
+        };
+        if clamped != angles {
+            held.rotations[rotation] = limb.rotation_from_angles(clamped);
+        }
+    }
+    held
+}
+
+/// A limb's limits, wide enough for a rotation that it has.
+fn limits_of(limb: &Limb, rotation: DQuat) -> Option<JointLimits> {
+    let limits = limb.limits?;
+    let now = limb.angles(rotation);
+    let wide = |range: Range, angle: f64| Range(range.0.min(angle), range.1.max(angle));
+    Some(JointLimits {
+        flexion: wide(limits.flexion, now.flexion),
+        sideways: wide(limits.sideways, now.sideways),
+        twist: wide(limits.twist, now.twist),
+        ..limits
+    })
+}
+
+/// The model with limits that are wide enough for a pose: nothing is drawn in when a drag begins.
+fn widened(model: &Model, pose: &Pose) -> Model {
+    let mut spec = model.to_spec();
+    for (spec, limb) in spec.limbs.iter_mut().zip(model.limbs()) {
+        if limb.has_own_rotation {
+            spec.limits = limits_of(limb, pose.rotations[limb.rotation]);
+        }
+    }
+    Model::new(&spec).unwrap_or_else(|_| model.clone())
 }
 
 /// Turns a limb about its first joint by a rotation given in world axes; what grows from it turns along.
