@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::action::Action;
+use crate::app::nudge_of;
 use crate::arrangement::Arrangement;
 use crate::curves::{CurvesLook, CurvesRequest};
 use crate::document::{Document, TakeSource};
@@ -172,6 +173,7 @@ impl Intents {
 
 /// Why a command cannot be used now, in a sentence without its full stop; `None` if it can.
 #[must_use]
+#[expect(clippy::too_many_lines, reason = "one row for each reason")]
 pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str> {
     use Action as A;
     const NO_TAKE: &str = "Open a take first";
@@ -193,16 +195,8 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
             let nothing = showing.history.undo_text().is_none() && session.removed.is_none();
             because(nothing, "There is nothing to undo")
         }
-        A::NudgeLeft
-        | A::NudgeRight
-        | A::NudgeUp
-        | A::NudgeDown
-        | A::NudgeFarLeft
-        | A::NudgeFarRight
-        | A::NudgeFarUp
-        | A::NudgeFarDown
-        | A::Wipe
-        | A::Blink => no_take,
+        A::Wipe | A::Blink => no_take,
+        nudge if nudge_of(nudge).is_some() => no_take,
         A::Redo => because(showing.history.redo_text().is_none(), "There is nothing to redo"),
         A::Save => no_take,
         A::Camera1
