@@ -6,6 +6,7 @@
 //! |---|---|
 //! | g − θ of a length | a length's share of the stature; less for a limb between two others |
 //! | g + b − θ of a radius | a radius beside its length and the body's girth |
+//! | θ of the next radius − θ of a radius | a limb in the middle of a rigid part beside the one that grows from it: a rib and its side |
 //! | −b | girth: slim to broad |
 //! | −g | size: child to tall adult |
 //!
@@ -33,11 +34,13 @@ pub struct Proportions {
     pub middle_length: f64,
     /// Of a radius.
     pub radius: f64,
+    /// Of the radius of a limb in the middle of a rigid part, which silhouettes hardly show, beside that of the next limb.
+    pub neighbour: f64,
 }
 
 impl Default for Proportions {
     fn default() -> Self {
-        Self { size: 0.3, girth: 0.15, length: 0.15, middle_length: 0.04, radius: 0.2 }
+        Self { size: 0.3, girth: 0.15, length: 0.15, middle_length: 0.04, radius: 0.2, neighbour: 0.1 }
     }
 }
 
@@ -56,7 +59,7 @@ impl Proportions {
     /// Whether all are finite and above zero.
     #[must_use]
     pub fn is_valid(&self) -> bool {
-        let all = [self.size, self.girth, self.length, self.middle_length, self.radius];
+        let all = [self.size, self.girth, self.length, self.middle_length, self.radius, self.neighbour];
         all.iter().all(|deviation| deviation.is_finite() && *deviation > 0.0)
     }
 }
@@ -114,9 +117,32 @@ pub fn add(
             }
         }
     }
+    for (radius, next) in neighbours(sizes) {
+        let deviation = slack * proportions.neighbour;
+        let residual = body.log_ratios[next] - body.log_ratios[radius];
+        let row = [(first + radius, 1.0), (first + next, -1.0)];
+        add_row(equations, &row, residual, weight / (deviation * deviation));
+    }
     let weigh = |deviation: f64| weight / (deviation * deviation);
     add_row(equations, &[(size_column, 1.0)], -body.size, weigh(proportions.size));
     add_row(equations, &[(girth_column, 1.0)], -body.girth, weigh(proportions.girth));
+}
+
+/// Pairs of radii: of a limb that links two others of its own rigid part, and of the one that grows from it.
+fn neighbours(sizes: &Sizes) -> impl Iterator<Item = (usize, usize)> {
+    let (model, parameters) = (sizes.start(), sizes.parameters());
+    let (limbs, owners) = (model.limbs(), model.rotation_owners());
+    let radius_of = move |limb: usize| {
+        parameters.iter().position(|one| one.kind == SizeKind::Radius && one.limbs.contains(&limb))
+    };
+    parameters.iter().enumerate().filter_map(move |(radius, parameter)| {
+        let limb = parameter.limbs[0];
+        let rotation = limbs[limb].rotation;
+        let is_inner = is_between(model, limb) && owners[rotation] != limb;
+        let next = limbs.iter().position(|other| other.parent == Some(limb) && other.rotation == rotation)?;
+        let next = radius_of(next).filter(|&next| next != radius)?;
+        (parameter.kind == SizeKind::Radius && is_inner).then_some((radius, next))
+    })
 }
 
 fn add_row(equations: &mut NormalEquations, row: &[(usize, f64)], residual: f64, weight: f64) {
@@ -169,6 +195,17 @@ mod tests {
             let numeric = (moved(h) - moved(-h)) / (2.0 * h);
             assert!((numeric - gradient[column]).abs() < 1e-4 * (1.0 + numeric.abs()), "column {column}");
         }
+    }
+
+    #[test]
+    fn ribs_follow_the_sides_and_nothing_else_its_neighbour() {
+        let sizes = Sizes::new(Arc::new(builtin::full_body()), SizeChoice::default());
+        let name = |parameter: usize| {
+            let name = &sizes.start().limbs()[sizes.parameters()[parameter].limbs[0]].name;
+            name.rsplit(' ').next().unwrap().to_owned()
+        };
+        let pairs: Vec<_> = neighbours(&sizes).map(|(a, b)| (name(a), name(b))).collect();
+        assert_eq!(pairs, [("rib".to_owned(), "side".to_owned())]);
     }
 
     #[test]
