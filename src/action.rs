@@ -114,6 +114,7 @@ pub enum Action {
     ShowBias,
     Palette,
     Shortcuts,
+    Tour,
     Messages,
     About,
 }
@@ -298,6 +299,7 @@ const TABLE: &[Command] = &{
     row(M::Demonstrate, A::ShowBias, "Bias of a ramp", "Fits that begin at the true pose, and leave it", &[]),
     row(M::Help, A::Palette, "Find a command…", "Type a few letters of any command", &[ctrl(Key::K)]),
     row(M::Help, A::Shortcuts, "Keys", "All keys, searchable", &[key(Key::Questionmark)]),
+    row(M::Help, A::Tour, "Tour", "Seven steps on the built-in take, that you do yourself", &[]),
     row(M::Help, A::Messages, "Messages", "What the program has said since it was started", &[]),
     row(M::Help, A::About, "About Backlit", "Version, licence, and the method's source", &[]),
     ]

@@ -15,13 +15,15 @@
 //! | `demonstrating` | demonstrations and their runs, one after the other |
 //! | `files` | takes, projects, dialogs, autosave and recovery |
 //! | `jobs` | what the screen lacks is asked of the worker |
-//! | `exported` | the state as a file, for tests from outside |
+//! | `exported`, `accessible` | the state as a file, for tests from outside; where the named widgets are |
+//! | `touring` | the tour: which step, and whether it was done |
 //! | `exporting`, `twin` | exports, and the second inspector that is painted for them |
 //! | `outside` | folders and pages in other programs |
 //! | `screen` | which panels there are, and where |
 //! | `headless` | the window's picture without a display |
 
 mod background;
+mod accessible;
 mod body;
 mod clipboard;
 mod commands;
@@ -40,10 +42,12 @@ mod outside;
 mod requests;
 mod screen;
 mod state;
+mod touring;
 mod twin;
 
 pub use files::opening_of;
 pub(crate) use hand::nudge_of;
+pub(crate) use headless::headless_export;
 pub use headless::{PictureOptions, headless_picture};
 pub use state::{App, AppOptions, Opening};
 
@@ -67,6 +71,7 @@ impl App {
         self.autosave();
         self.request_jobs();
         self.go_on_demonstrating();
+        self.follow_tour();
         self.export_state();
         self.frame_seconds = began.elapsed().as_secs_f64();
     }

@@ -63,6 +63,8 @@ pub struct Look {
     pub kept: Kept,
     /// What was chosen for the last export.
     pub export: ExportChoices,
+    /// Whether the tour was offered.
+    pub tour_offered: bool,
     /// Changes with *Reset layout*, so that egui forgets sizes and open sections.
     pub generation: u32,
 }
@@ -79,6 +81,7 @@ impl Default for Look {
             recent: Vec::new(),
             kept: Kept::default(),
             export: ExportChoices::default(),
+            tour_offered: false,
             generation: 0,
         }
     }
@@ -105,8 +108,8 @@ impl Look {
     pub fn reset(&mut self) {
         let generation = self.generation.wrapping_add(1);
         let (recent, export) = (std::mem::take(&mut self.recent), std::mem::take(&mut self.export));
-        let (theme, layout) = (self.theme, self.layout);
-        *self = Self { theme, layout, recent, export, generation, ..Self::default() };
+        let (theme, layout, tour_offered) = (self.theme, self.layout, self.tour_offered);
+        *self = Self { theme, layout, recent, export, tour_offered, generation, ..Self::default() };
     }
 }
 

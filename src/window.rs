@@ -38,8 +38,11 @@ pub fn open_window(opening: Option<Opening>, state_file: Option<PathBuf>) -> any
         .with_drag_and_drop(true);
     let options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
     let create = move |context: &eframe::CreationContext<'_>| {
+        // Tests from outside begin where everybody else goes on.
+        let offers_tour = state_file.is_none();
         let look = context.storage.and_then(|storage| eframe::get_value(storage, "look")).unwrap_or_default();
-        let options = AppOptions { look, data_folder: eframe::storage_dir(APP_ID), opening, state_file };
+        let options =
+            AppOptions { look, data_folder: eframe::storage_dir(APP_ID), opening, state_file, offers_tour };
         let app = App::new(context.egui_ctx.clone(), options)?;
         Ok(Box::new(app) as Box<dyn eframe::App>)
     };

@@ -55,6 +55,10 @@ impl App {
             Action::Shortcuts => Some(Overlay::Shortcuts(String::new())),
             Action::Messages => Some(Overlay::Messages),
             Action::About => Some(Overlay::About),
+            Action::Tour => {
+                self.begin_tour();
+                None
+            }
             _ => None,
         };
     }

@@ -124,8 +124,9 @@ impl App {
             Action::RestoreLayout => {
                 if let Some(before) = self.docking.before.take() {
                     let (theme, recent) = (self.look.theme, std::mem::take(&mut self.look.recent));
-                    let export = std::mem::take(&mut self.look.export);
-                    self.look = Look { theme, recent, export, ..*before };
+                    let (export, tour_offered) =
+                        (std::mem::take(&mut self.look.export), self.look.tour_offered);
+                    self.look = Look { theme, recent, export, tour_offered, ..*before };
                     self.doing = Some("The layout is as it was.".to_owned());
                 }
             }

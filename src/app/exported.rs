@@ -1,16 +1,16 @@
 //! What matters of the window, as a JSON file that is written anew whenever it changes: for tests that drive
 //! the window from outside, and for looking into a window that misbehaves. `docs/formats.md` describes it.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use egui::accesskit::{Node, NodeId, Role, Toggled, TreeUpdate};
 use egui::{Context, FullOutput};
 use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::App;
+use super::accessible::{Named, named};
 use super::state::Overlay;
 use crate::document::TakeSource;
 use crate::notices::{Notice, Severity};
@@ -55,6 +55,15 @@ struct Widget {
     disabled: bool,
 }
 
+impl From<Named> for Widget {
+    fn from(named: Named) -> Self {
+        let (corner, size) = (named.rect.min, named.rect.size());
+        let rect = [corner.x, corner.y, size.x, size.y].map(|x| (f64::from(x) * 10.0).round() / 10.0);
+        let role = format!("{:?}", named.role);
+        Self { name: named.name, role, rect, value: named.value, disabled: named.is_disabled }
+    }
+}
+
 impl egui::Plugin for StateWriter {
     fn debug_name(&self) -> &'static str {
         "exported state"
@@ -65,7 +74,7 @@ impl egui::Plugin for StateWriter {
         let exported = Exported {
             pixels_per_point: output.pixels_per_point,
             state: self.state.clone(),
-            widgets: widgets(update),
+            widgets: named(update).into_iter().map(Widget::from).collect(),
         };
         if self.written.as_ref() != Some(&exported) {
             self.serial += 1;
@@ -92,46 +101,6 @@ fn write(path: &Path, serial: u64, exported: &Exported) -> std::io::Result<()> {
     file.write_all(&serde_json::to_vec_pretty(&content)?)?;
     drop(file);
     std::fs::rename(&part, path)
-}
-
-/// The nodes that have a name, in the order of the tree.
-fn widgets(update: &TreeUpdate) -> Vec<Widget> {
-    let nodes: HashMap<NodeId, &Node> = update.nodes.iter().map(|(id, node)| (*id, node)).collect();
-    let Some(tree) = &update.tree else { return Vec::new() };
-    let mut widgets = Vec::new();
-    let mut rest = vec![tree.root];
-    while let Some(id) = rest.pop() {
-        let Some(node) = nodes.get(&id) else { continue };
-        rest.extend(node.children().iter().rev());
-        if let (Some(name), Some(bounds), false) = (name_of(node, &nodes), node.bounds(), node.is_hidden()) {
-            let rect =
-                [bounds.x0, bounds.y0, bounds.width(), bounds.height()].map(|x| (x * 10.0).round() / 10.0);
-            let disabled = node.is_disabled();
-            let role = format!("{:?}", node.role());
-            widgets.push(Widget { name, role, rect, value: value_of(node), disabled });
-        }
-    }
-    widgets
-}
-
-/// What a node is called: by itself, by the nodes that label it, or by its own text.
-fn name_of(node: &Node, nodes: &HashMap<NodeId, &Node>) -> Option<String> {
-    let own = |node: &Node| node.label().or_else(|| node.value()).map(str::to_owned);
-    let labels = || {
-        let texts: Vec<String> =
-            node.labelled_by().iter().filter_map(|id| nodes.get(id).and_then(|node| own(node))).collect();
-        (!texts.is_empty()).then(|| texts.join(" "))
-    };
-    let text = || (node.role() == Role::Label).then(|| own(node)).flatten();
-    node.label().map(str::to_owned).or_else(labels).or_else(text).filter(|name| !name.is_empty())
-}
-
-fn value_of(node: &Node) -> Option<Value> {
-    let toggled = node.toggled().map(|toggled| json!(toggled == Toggled::True));
-    let number = || node.numeric_value().map(|value| json!(value));
-    let selected = || node.is_selected().map(|selected| json!(selected));
-    let text = || node.value().filter(|_| node.role() != Role::Label).map(|text| json!(text));
-    toggled.or_else(selected).or_else(number).or_else(text)
 }
 
 impl App {
@@ -196,6 +165,7 @@ impl App {
             "track": self.exported_track(),
             "notices": self.notices.cards().map(notice).collect::<Vec<_>>(),
             "messages": self.notices.all().len(),
+            "tour": self.tour_step(),
             "over": self.overlay.as_ref().map(overlay_name),
         })
     }

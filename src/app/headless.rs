@@ -3,12 +3,15 @@
 use std::time::{Duration, Instant};
 
 use anyhow::ensure;
+use backlit_tracking::cancel::CancelToken;
 use egui::Vec2;
 use image::RgbaImage;
 
 use super::{App, AppOptions, Opening};
 use crate::action::Action;
 use crate::look::{Layout, Look};
+use crate::panels::export_dialog::ExportOrder;
+use crate::picture::ViewMode;
 use crate::raster::Headless;
 use crate::theme::Theme;
 
@@ -54,6 +57,38 @@ impl Default for PictureOptions {
 /// # Errors
 /// It cannot be opened: the error says why.
 pub fn headless_picture(opening: Opening, options: &PictureOptions) -> anyhow::Result<RgbaImage> {
+    let (mut window, mut app) = headless_app(opening, options)?;
+    Ok(settle(&mut window, &mut app, options.patience))
+}
+
+/// The same, but instead of the window's picture it writes what the order says: one camera's picture, or a series.
+///
+/// # Errors
+/// It cannot be opened, there is no such camera, the series is empty, or the files cannot be written.
+pub(crate) fn headless_export(
+    opening: Opening,
+    options: &PictureOptions,
+    camera: Option<usize>,
+    mode: Option<ViewMode>,
+    order: &ExportOrder,
+) -> anyhow::Result<()> {
+    let (mut window, mut app) = headless_app(opening, options)?;
+    let count = app.session.camera_count();
+    if let Some(camera) = camera {
+        ensure!(camera < count, "there is no camera {}; the take has {count}", camera + 1);
+        app.selection.camera = camera;
+    }
+    if let Some(mode) = mode {
+        app.tiles_mut().iter_mut().for_each(|tile| (tile.mode, tile.wipe) = (mode, None));
+    }
+    settle(&mut window, &mut app, options.patience);
+    let export = app.export_of(order);
+    ensure!(!export.shots.is_empty(), "there is no step: say with --iteration how many to do");
+    export.run(&CancelToken::default(), &|_| {})
+}
+
+/// The app in its window, when all is done that the options ask for.
+fn headless_app(opening: Opening, options: &PictureOptions) -> anyhow::Result<(Headless, App)> {
     let mut window = Headless::new(options.size.x, options.size.y, options.pixels_per_point);
     let look = Look { theme: options.theme, layout: options.layout, ..Look::default() };
     let mut app =
@@ -82,14 +117,14 @@ pub fn headless_picture(opening: Opening, options: &PictureOptions) -> anyhow::R
         app.act(Action::Step, &context);
         settle(&mut window, &mut app, options.patience);
     }
-    Ok(settle(&mut window, &mut app, options.patience))
+    Ok((window, app))
 }
 
 /// Runs frames until nothing is being worked on and nothing moves.
 fn settle(window: &mut Headless, app: &mut App, patience: Duration) -> RgbaImage {
     let start = Instant::now();
     loop {
-        window.frames(1, Vec::new(), |ui| app.frame(ui));
+        window.run(1, Vec::new(), |ui| app.frame(ui));
         if app.is_idle() || start.elapsed() > patience {
             break;
         }

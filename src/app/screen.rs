@@ -88,6 +88,7 @@ impl App {
             self.docking.size = size;
         }
         self.show_overlay(ui, intents);
+        self.show_tour(ui);
     }
 
     pub(super) fn tiles_look(&self) -> TilesLook<'_> {

@@ -13,6 +13,7 @@ use super::docking::Docking;
 use super::exporting::Exporting;
 use super::hand::{Held, Nudging};
 use crate::curves::CurvesLook;
+use super::touring::Tour;
 use crate::document::{Document, TakeSource};
 use crate::history::{Gesture, History};
 use crate::look::{Layout, Look};
@@ -35,6 +36,8 @@ pub struct AppOptions {
     pub opening: Option<Opening>,
     /// File that the state is written to after each frame in which it changed, for tests from outside.
     pub state_file: Option<PathBuf>,
+    /// Whether the tour is offered, if it never was.
+    pub offers_tour: bool,
 }
 
 /// Something to open.
@@ -96,6 +99,7 @@ pub struct App {
     pub(super) prepared: Option<Prepared>,
     pub(super) explanation: Option<&'static str>,
     pub(super) state_file: Option<PathBuf>,
+    pub(super) tour: Option<Tour>,
     pub(super) exporting: Option<Exporting>,
     /// Folder of the last export.
     pub(super) exported_to: Option<PathBuf>,
@@ -154,6 +158,7 @@ impl App {
             prepared: None,
             explanation: None,
             state_file: options.state_file,
+            tour: None,
             exporting: None,
             exported_to: None,
             picture_alone: None,
@@ -176,6 +181,9 @@ impl App {
             shown_theme: None,
             context,
         };
+        if options.offers_tour {
+            app.offer_tour();
+        }
         app.look_for_unsaved_work();
         match options.opening {
             Some(opening) if app.recovery.is_none() => app.open(opening),

@@ -1,18 +1,23 @@
-//! `backlit screenshot`: the window's picture, without a display.
+//! `backlit screenshot`: pictures of the window or of one camera's view, without a display; a series of them too.
 
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use anyhow::Context;
 use backlit_tracking::io::images;
 use clap::{Args, ValueEnum};
 use egui::Vec2;
 use image::DynamicImage;
 
 use super::output;
-use crate::app::{Opening, PictureOptions, headless_picture, opening_of};
+use crate::app::{Opening, PictureOptions, headless_export, headless_picture, opening_of};
 use crate::demonstration::Demonstration;
 use crate::document::TakeSource;
+use crate::export::choices::{DELAYS_MS, MAX_SIDE};
+use crate::export::{ExportChoices, Part, SeriesFormat};
 use crate::look::Layout;
+use crate::panels::export_dialog::{ExportOrder, Subject};
+use crate::picture::ViewMode;
 use crate::theme::Theme;
 
 /// Sides of a picture, pixels.
@@ -20,9 +25,12 @@ const SIDES: std::ops::RangeInclusive<u16> = 200..=8192;
 
 /// What `backlit screenshot` is told.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Example:\n  backlit screenshot TAKE --frame 12 --iteration end --layout debug --out window.png"
-)]
+#[command(after_help = "\
+Examples:
+  backlit screenshot TAKE --frame 12 --iteration end --layout debug --out window.png
+  backlit screenshot TAKE --frame 12 --camera 2 --mode residual --scale 3 --out view.png
+  backlit screenshot TAKE --camera 1 --sequence iterations --out steps.gif
+  backlit screenshot TAKE --track --sequence frames --frames 0..59 --out frames")]
 pub struct ScreenshotArguments {
     /// Take or project: a take's folder, its take.toml, or a .backlit file [default: the built-in take]
     take: Option<PathBuf>,
@@ -41,18 +49,101 @@ pub struct ScreenshotArguments {
     /// Frame, counted from 0
     #[arg(long, value_name = "K", default_value_t = 0, allow_negative_numbers = true)]
     frame: usize,
-    /// Iterations of the fit to do on it, or the word end
-    #[arg(long, value_name = "I", default_value = "0", allow_negative_numbers = true)]
-    iteration: Iterations,
+    /// Iterations of the fit to do on it, or the word end [default: 0; of a sequence of iterations: end]
+    #[arg(long, value_name = "I", allow_negative_numbers = true)]
+    iteration: Option<Iterations>,
     /// Track the whole take first, so that the timeline shows it
     #[arg(long)]
     track: bool,
-    /// Pixels per point: 2 draws everything twice as large
-    #[arg(long, value_name = "SCALE", default_value_t = 1.0, allow_negative_numbers = true)]
-    scale: f32,
-    /// PNG file to write
+    /// Pixels per point of the window [default: 1], or per pixel of the footage with --camera [default: 2]
+    #[arg(long, value_name = "SCALE", allow_negative_numbers = true)]
+    scale: Option<f32>,
+    /// Only the view of this camera, counted from 1 as on its badge, with its marks and legend
+    #[arg(long, value_name = "N")]
+    camera: Option<usize>,
+    /// What the views show
+    #[arg(long, value_enum)]
+    mode: Option<ModeWord>,
+    /// Width of a camera's picture, pixels; instead of --scale
+    #[arg(long, value_name = "PIXELS", requires = "camera", conflicts_with = "scale")]
+    width: Option<u32>,
+    /// A camera's picture as framed in the window, not the whole frame
+    #[arg(long, requires = "camera")]
+    framed: bool,
+    /// Without joints and limbs
+    #[arg(long, requires = "camera")]
+    no_marks: bool,
+    /// Without the strip that explains the colours
+    #[arg(long, requires = "camera")]
+    no_legend: bool,
+    /// Many pictures: every iteration of the fit, or every frame
+    #[arg(long, value_enum)]
+    sequence: Option<SequenceWord>,
+    /// Frames of a sequence of frames, first and last [default: all]
+    #[arg(long, value_name = "FIRST..LAST", requires = "sequence")]
+    frames: Option<FrameRange>,
+    /// Time that each picture of an animated file stays, milliseconds
+    #[arg(long, value_name = "MS", default_value_t = 120, requires = "sequence")]
+    delay: u32,
+    /// An animated file ends with its last picture; without this it begins again
+    #[arg(long, requires = "sequence")]
+    once: bool,
+    /// Without iterations that were rejected
+    #[arg(long, requires = "sequence")]
+    accepted_only: bool,
+    /// PNG file to write. Of a sequence: a .gif, a .png that moves, or a folder for numbered PNGs
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+}
+
+/// What many pictures are of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SequenceWord {
+    Iterations,
+    Frames,
+}
+
+/// What a view shows.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum ModeWord {
+    Footage,
+    Data,
+    Prediction,
+    Report,
+    Tinted,
+    Residual,
+    Owner,
+    Gradient,
+    Jacobian,
+}
+
+impl ModeWord {
+    const fn mode(self) -> ViewMode {
+        match self {
+            Self::Footage => ViewMode::Footage,
+            Self::Data => ViewMode::Data,
+            Self::Prediction => ViewMode::Prediction,
+            Self::Report => ViewMode::ReportOverlay,
+            Self::Tinted => ViewMode::Tinted,
+            Self::Residual => ViewMode::Residual,
+            Self::Owner => ViewMode::OwnerLimb,
+            Self::Gradient => ViewMode::Gradient,
+            Self::Jacobian => ViewMode::JacobianColumn,
+        }
+    }
+}
+
+/// First and last frame.
+#[derive(Debug, Clone, Copy)]
+struct FrameRange([usize; 2]);
+
+impl FromStr for FrameRange {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let ends = text.split_once("..").and_then(|(a, b)| Some([a.parse().ok()?, b.parse().ok()?]));
+        ends.filter(|[first, last]| first <= last).map(Self).ok_or("expected FIRST..LAST, as in 0..59")
+    }
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -103,19 +194,16 @@ impl FromStr for Iterations {
     }
 }
 
-/// Draws the window and writes its picture.
+/// Draws the window, or a part of it, and writes the picture or the pictures.
 ///
 /// # Errors
 /// What cannot be opened, or a file that cannot be written.
 pub fn run(arguments: &ScreenshotArguments) -> anyhow::Result<()> {
-    anyhow::ensure!(
-        (0.5..=4.0).contains(&arguments.scale),
-        "--scale is {}; expected 0.5 to 4",
-        arguments.scale
-    );
     output::check_folder_of(&arguments.out)?;
+    let order = order(arguments)?;
     let source = arguments.demonstration.map_or(TakeSource::BuiltIn, TakeSource::Demonstration);
     let opening = arguments.take.as_deref().map_or(Opening::Take(source), opening_of);
+    let is_of_steps = arguments.sequence == Some(SequenceWord::Iterations);
     let options = PictureOptions {
         theme: match arguments.theme {
             ThemeWord::Dark => Theme::Dark,
@@ -128,12 +216,78 @@ pub fn run(arguments: &ScreenshotArguments) -> anyhow::Result<()> {
         },
         size: Vec2::new(f32::from(arguments.size.width), f32::from(arguments.size.height)),
         frame: arguments.frame,
-        steps: arguments.iteration.0,
+        steps: arguments.iteration.map_or(if is_of_steps { None } else { Some(0) }, |count| count.0),
         track: arguments.track,
-        pixels_per_point: arguments.scale,
+        pixels_per_point: if arguments.camera.is_none() { arguments.scale.unwrap_or(1.0) } else { 1.0 },
         ..PictureOptions::default()
     };
-    let picture = headless_picture(opening, &options)?;
-    images::write_png(&arguments.out, &DynamicImage::ImageRgba8(picture))?;
-    Ok(())
+    if arguments.camera.is_none() && arguments.sequence.is_none() && arguments.mode.is_none() {
+        let picture = headless_picture(opening, &options)?;
+        images::write_png(&arguments.out, &DynamicImage::ImageRgba8(picture))?;
+        return Ok(());
+    }
+    let camera = match arguments.camera {
+        Some(0) => anyhow::bail!("--camera is 0; cameras are counted from 1, as on their badges"),
+        camera => camera.map(|camera| camera - 1),
+    };
+    headless_export(opening, &options, camera, arguments.mode.map(ModeWord::mode), &order)
+}
+
+/// What is to be written.
+fn order(arguments: &ScreenshotArguments) -> anyhow::Result<ExportOrder> {
+    let is_view = arguments.camera.is_some();
+    let (scale, scales) = if is_view { (2.0, 0.25..=8.0) } else { (1.0, 0.5..=4.0) };
+    let scale = arguments.scale.unwrap_or(scale);
+    anyhow::ensure!(
+        scales.contains(&scale),
+        "--scale is {scale}; expected {} to {}",
+        scales.start(),
+        scales.end()
+    );
+    anyhow::ensure!(
+        DELAYS_MS.contains(&arguments.delay),
+        "--delay is {}; expected {} to {} milliseconds",
+        arguments.delay,
+        DELAYS_MS.start(),
+        DELAYS_MS.end()
+    );
+    if let Some(width) = arguments.width {
+        anyhow::ensure!(
+            (16..=MAX_SIDE).contains(&width),
+            "--width is {width}; expected 16 to {MAX_SIDE} pixels"
+        );
+    }
+    let out = &arguments.out;
+    let format = match arguments.sequence {
+        None => SeriesFormat::Pngs,
+        Some(_) => SeriesFormat::of_path(out).with_context(|| {
+            format!("{}: expected a .gif, a .png, or a folder for numbered PNGs", out.display())
+        })?,
+    };
+    anyhow::ensure!(
+        arguments.frames.is_none() || arguments.sequence == Some(SequenceWord::Frames),
+        "--frames goes with --sequence frames"
+    );
+    let choices = ExportChoices {
+        part: if is_view { Part::View } else { Part::Window },
+        view_scale: scale,
+        view_width: arguments.width,
+        whole_frame: !arguments.framed,
+        marks: !arguments.no_marks,
+        legend: !arguments.no_legend,
+        window_scale: scale,
+        format,
+        delay_ms: arguments.delay,
+        repeats: !arguments.once,
+        accepted_only: arguments.accepted_only,
+        folder: None,
+    };
+    let subject = match arguments.sequence {
+        Some(SequenceWord::Iterations) => Subject::Steps,
+        Some(SequenceWord::Frames) => Subject::Frames,
+        None if is_view => Subject::View,
+        None => Subject::Window,
+    };
+    let frames = arguments.frames.map_or([0, usize::MAX], |range| range.0);
+    Ok(ExportOrder { subject, choices, frames, path: out.clone() })
 }

@@ -28,6 +28,7 @@ mod steps;
 pub(crate) mod tiles;
 pub(crate) mod timeline;
 pub(crate) mod toolbar;
+pub(crate) mod tour;
 pub(crate) mod words;
 
 pub use camera_tile::{CameraTileInput, Comparison, Drag, TileEvent, TileLook, camera_tile};
