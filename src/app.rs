@@ -13,6 +13,7 @@
 //! | `background` | the second worker: experiments, files made of results |
 //! | `body` | fitting the body's own sizes |
 //! | `demonstrating` | demonstrations and their runs, one after the other |
+//! | `dropping` | files that are dropped on the window |
 //! | `files` | takes, projects, dialogs, autosave and recovery |
 //! | `jobs` | what the screen lacks is asked of the worker |
 //! | `exported`, `accessible` | the state as a file, for tests from outside; where the named widgets are |
@@ -30,6 +31,7 @@ mod commands;
 mod curves;
 mod demonstrating;
 mod docking;
+mod dropping;
 mod events;
 mod exported;
 mod exporting;

@@ -12,6 +12,7 @@ use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::track::FitOptions;
 
 use crate::demonstration::Demonstration;
+use crate::replacement::{Calibration, MaskFiles};
 
 /// Where the footage of a document comes from.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -86,6 +87,10 @@ pub struct Document {
     pub measurement: Arc<Vec<SegmentOptions>>,
     /// Limbs whose second joint stays where it is when another is dragged.
     pub pins: Arc<BTreeSet<usize>>,
+    /// Cameras in the place of the take's.
+    pub calibration: Option<Arc<Calibration>>,
+    /// Silhouettes in the place of those that are measured.
+    pub masks: Arc<MaskFiles>,
 }
 
 impl Document {
@@ -103,6 +108,8 @@ impl Document {
             fit: Arc::default(),
             measurement: Arc::default(),
             pins: Arc::default(),
+            calibration: None,
+            masks: Arc::default(),
         }
     }
 

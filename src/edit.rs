@@ -1,5 +1,7 @@
 //! Every change that a user can make to a document.
 
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use backlit_tracking::body::{Model, ModelError, Pose, PoseError};
@@ -9,6 +11,7 @@ use backlit_tracking::track::options::OptionsError;
 use thiserror::Error;
 
 use crate::document::{CameraUse, Document, Estimate, Origin};
+use crate::replacement::Calibration;
 
 /// A change of the document. [`Document::apply`] makes it, [`Edit::text`] names it for the undo menu.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,6 +85,15 @@ pub enum Edit {
     },
     /// How silhouettes are made; each camera keeps its own region of interest.
     SetMeasurement(Box<SegmentOptions>),
+    /// Cameras in the place of the take's, or the take's own again.
+    SetCalibration(Option<Arc<Calibration>>),
+    /// Silhouettes of a frame, by camera, in the place of those that are measured.
+    SetMasks {
+        /// The frame.
+        frame: usize,
+        /// By camera.
+        masks: BTreeMap<usize, PathBuf>,
+    },
     /// Whether the second joint of a limb is held while another joint is dragged.
     Pin {
         /// The limb.
@@ -107,6 +119,8 @@ pub enum EditError {
     OtherLimbs,
     #[error("there is no camera {camera}; the take has {count}")]
     NoCamera { camera: usize, count: usize },
+    #[error("the calibration has {found} cameras; the take has {count}")]
+    Cameras { found: usize, count: usize },
     #[error("the camera's weight is {weight}; expected a number from 0 on")]
     Weight { weight: f64 },
     #[error("the fit of frame {frame} has a cost that is not a number")]
@@ -137,6 +151,8 @@ impl Edit {
             Self::UseCamera { used: false, .. } => "Leave camera out".to_owned(),
             Self::WeighCamera { .. } => "Change camera weight".to_owned(),
             Self::SetMeasurement(_) => "Change measurement".to_owned(),
+            Self::SetCalibration(_) => "Replace calibration".to_owned(),
+            Self::SetMasks { .. } => "Replace silhouettes".to_owned(),
             Self::Pin { pinned: true, .. } => "Pin joint".to_owned(),
             Self::Pin { pinned: false, .. } => "Free joint".to_owned(),
         }
@@ -192,6 +208,13 @@ impl Document {
                     *camera = SegmentOptions { region: camera.region, ..(*options).clone() };
                 }
             }
+            Edit::SetCalibration(calibration) => self.set_calibration(calibration)?,
+            Edit::SetMasks { frame, masks } => {
+                if let Some(&camera) = masks.keys().find(|camera| **camera >= self.cameras.len()) {
+                    return Err(EditError::NoCamera { camera, count: self.cameras.len() });
+                }
+                Arc::make_mut(&mut self.masks).entry(frame).or_default().extend(masks);
+            }
             Edit::Pin { limb, pinned } => {
                 self.check_limb(limb)?;
                 let pins = Arc::make_mut(&mut self.pins);
@@ -235,6 +258,15 @@ impl Document {
             return Err(EditError::OtherLimbs);
         }
         self.model = model;
+        Ok(())
+    }
+
+    fn set_calibration(&mut self, calibration: Option<Arc<Calibration>>) -> Result<(), EditError> {
+        let count = self.cameras.len();
+        if let Some(found) = calibration.as_ref().map(|new| new.rig.count()).filter(|found| *found != count) {
+            return Err(EditError::Cameras { found, count });
+        }
+        self.calibration = calibration;
         Ok(())
     }
 

@@ -1,5 +1,7 @@
 //! A take's pictures as the window wants them: what can be had of each camera, and why the rest cannot.
 
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 use backlit_tracking::body::{Model, Pose};
@@ -12,6 +14,7 @@ use backlit_tracking::track::{DataView, Evidence, start};
 use image::{DynamicImage, RgbImage};
 
 use crate::document::TakeSource;
+use crate::replacement::{Calibration, MaskFiles, read_mask};
 
 /// Grey levels below this are the subject's.
 const HALF_GREY: u8 = 128;
@@ -27,7 +30,21 @@ pub struct Footage {
     pub frame_rate: f64,
     /// The cameras of the pictures: without distortion.
     pub cameras: Arc<Vec<Arc<Camera>>>,
-    inner: io::Footage,
+    /// Cameras in the place of the take's, if there are any.
+    pub calibration: Option<Arc<Calibration>>,
+    /// Silhouettes in the place of those that are measured.
+    pub masks: Arc<MaskFiles>,
+    inner: Arc<io::Footage>,
+    /// The take as its files have it.
+    original: Arc<io::Footage>,
+}
+
+/// What a frame's pictures and silhouettes depend on, besides the take.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MadeWith {
+    measurement: Arc<Vec<SegmentOptions>>,
+    calibration: Option<Arc<Calibration>>,
+    masks: BTreeMap<usize, PathBuf>,
 }
 
 /// One camera's picture of one frame, on the ideal pinhole grid.
@@ -82,14 +99,65 @@ impl Footage {
     #[must_use]
     pub fn new(take: Take, source: Option<TakeSource>) -> Self {
         let (name, frame_rate) = (take.name().to_owned(), take.frame_rate());
-        let inner = io::Footage::new(take);
-        Self { source, name, frame_rate, cameras: Arc::new(inner.cameras().to_vec()), inner }
+        let inner = Arc::new(io::Footage::new(take));
+        Self {
+            source,
+            name,
+            frame_rate,
+            cameras: Arc::new(inner.cameras().to_vec()),
+            calibration: None,
+            masks: Arc::default(),
+            original: inner.clone(),
+            inner,
+        }
+    }
+
+    /// The same with other silhouettes in the place of those that are measured.
+    #[must_use]
+    pub fn with_masks(&self, masks: Arc<MaskFiles>) -> Self {
+        Self {
+            source: self.source.clone(),
+            name: self.name.clone(),
+            frame_rate: self.frame_rate,
+            cameras: self.cameras.clone(),
+            calibration: self.calibration.clone(),
+            masks,
+            inner: self.inner.clone(),
+            original: self.original.clone(),
+        }
+    }
+
+    /// The same seen by the cameras of a calibration, or by the take's own again. A calibration of other cameras than
+    /// the take's changes nothing but what is said of it.
+    #[must_use]
+    pub fn with_calibration(&self, calibration: Option<Arc<Calibration>>) -> Self {
+        let rig = calibration.as_ref().map(|calibration| calibration.rig.clone());
+        let take = rig.and_then(|rig| self.original.take().with_rig(rig));
+        let inner = take.map_or_else(|| self.original.clone(), |take| Arc::new(io::Footage::new(take)));
+        let cameras = Arc::new(inner.cameras().to_vec());
+        Self { calibration, cameras, inner, ..self.with_masks(self.masks.clone()) }
+    }
+
+    /// What a frame's pictures and silhouettes depend on, besides the take.
+    #[must_use]
+    pub fn made_with(&self, measurement: &Arc<Vec<SegmentOptions>>, frame: usize) -> MadeWith {
+        MadeWith {
+            measurement: measurement.clone(),
+            calibration: self.calibration.clone(),
+            masks: self.masks.get(&frame).cloned().unwrap_or_default(),
+        }
     }
 
     /// Number of frames.
     #[must_use]
     pub fn frame_count(&self) -> usize {
         self.inner.take().frame_count()
+    }
+
+    /// The cameras as the take's files have them, with their lenses.
+    #[must_use]
+    pub fn take_cameras(&self) -> &[Camera] {
+        self.original.take().rig().cameras()
     }
 
     /// The body of the take.
@@ -147,15 +215,34 @@ impl Footage {
         }
         match self.inner.picture(camera, frame) {
             Ok(image) => {
-                match self.inner.mask(camera, &image, options) {
+                match self.mask(camera, frame, &image, options) {
                     Ok(mask) => result.mask = Some(Arc::new(mask)),
-                    Err(problem) => result.problem = Some(problem.to_string()),
+                    Err(problem) => result.problem = Some(problem),
                 }
                 result.image = Some(Arc::new(image));
             }
             Err(problem) => result.problem = Some(problem.to_string()),
         }
         result
+    }
+}
+
+impl Footage {
+    /// The silhouette of a frame: a picture of it if the user has given one, else it is measured.
+    fn mask(
+        &self,
+        camera: usize,
+        frame: usize,
+        image: &RgbImage,
+        options: &SegmentOptions,
+    ) -> Result<Mask, String> {
+        match self.masks.get(&frame).and_then(|masks| masks.get(&camera)) {
+            Some(path) => {
+                let lens = &self.inner.take().rig().cameras()[camera];
+                read_mask(path, lens).map_err(|problem| problem.to_string())
+            }
+            None => self.inner.mask(camera, image, options).map_err(|problem| problem.to_string()),
+        }
     }
 }
 

@@ -63,6 +63,8 @@ pub struct Look {
     pub kept: Kept,
     /// What was chosen for the last export.
     pub export: ExportChoices,
+    /// Names of the commands that were chosen last in the palette, the newest first.
+    pub used_commands: Vec<String>,
     /// Whether the tour was offered.
     pub tour_offered: bool,
     /// Changes with *Reset layout*, so that egui forgets sizes and open sections.
@@ -81,6 +83,7 @@ impl Default for Look {
             recent: Vec::new(),
             kept: Kept::default(),
             export: ExportChoices::default(),
+            used_commands: Vec::new(),
             tour_offered: false,
             generation: 0,
         }
@@ -95,6 +98,13 @@ impl Look {
         self.recent.truncate(MAX_RECENT);
     }
 
+    /// Puts a command at the head of those that were chosen last.
+    pub fn use_command(&mut self, name: &str) {
+        self.used_commands.retain(|other| other != name);
+        self.used_commands.insert(0, name.to_owned());
+        self.used_commands.truncate(MAX_RECENT);
+    }
+
     /// Whether a pane is open in the layout, for a take with so many cameras.
     #[must_use]
     pub fn is_open(&self, pane: Pane, cameras: usize) -> bool {
@@ -107,9 +117,21 @@ impl Look {
     /// The arrangement as it was at first; theme and recent takes stay.
     pub fn reset(&mut self) {
         let generation = self.generation.wrapping_add(1);
-        let (recent, export) = (std::mem::take(&mut self.recent), std::mem::take(&mut self.export));
-        let (theme, layout, tour_offered) = (self.theme, self.layout, self.tour_offered);
-        *self = Self { theme, layout, recent, export, tour_offered, generation, ..Self::default() };
+        let before = std::mem::take(self);
+        *self = Self { layout: before.layout, generation, ..Self::default() }.with_memory_of(before);
+    }
+
+    /// The same arrangement with what another one remembers that *Reset layout* does not touch.
+    #[must_use]
+    pub fn with_memory_of(self, other: Self) -> Self {
+        Self {
+            theme: other.theme,
+            recent: other.recent,
+            export: other.export,
+            used_commands: other.used_commands,
+            tour_offered: other.tour_offered,
+            ..self
+        }
     }
 }
 

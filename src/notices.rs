@@ -29,6 +29,8 @@ pub struct Notice {
     pub text: String,
     /// The button.
     pub action: Option<Action>,
+    /// When it was said, in seconds of the window's clock.
+    pub said: f64,
     /// When it goes, in seconds of the window's clock; never for errors.
     expires: Option<f64>,
     is_open: bool,
@@ -39,11 +41,14 @@ pub struct Notice {
 pub struct Notices {
     kept: Vec<Notice>,
     next_id: u64,
+    /// The window's clock, as far as it is known.
+    now: f64,
 }
 
 impl Notices {
     /// Says something good to know.
     pub fn info(&mut self, now: f64, text: impl Into<String>, action: Option<Action>) {
+        self.now = now;
         self.push(Severity::Info, text.into(), action, Some(now + LIFETIME));
     }
 
@@ -80,6 +85,7 @@ impl Notices {
 
     /// Closes the cards whose time is over, and says when the next one's will be.
     pub fn tick(&mut self, now: f64) -> Option<f64> {
+        self.now = now;
         let mut next: Option<f64> = None;
         for notice in self.kept.iter_mut().filter(|notice| notice.is_open) {
             match notice.expires {
@@ -106,7 +112,8 @@ impl Notices {
         for notice in self.kept.iter_mut().filter(|notice| notice.text == text) {
             notice.is_open = false;
         }
-        self.kept.push(Notice { id: self.next_id, severity, text, action, expires, is_open: true });
+        let (id, said) = (self.next_id, self.now);
+        self.kept.push(Notice { id, severity, text, action, said, expires, is_open: true });
         self.next_id += 1;
     }
 }

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use backlit_tracking::body::{Model, ModelError, ModelSpec, Pose, PoseError};
+use backlit_tracking::io::calibration::{CalibrationOptions, backlit};
 use backlit_tracking::io::{FileError, atomic};
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::track::FitOptions;
@@ -18,6 +19,7 @@ use thiserror::Error;
 
 use crate::demonstration::Demonstration;
 use crate::document::{CameraUse, Document, Estimate, Origin, TakeSource};
+use crate::replacement::{Calibration, MaskFiles};
 
 /// Name and version of the project file's format.
 pub const FORMAT: &str = "backlit-project 1";
@@ -32,7 +34,7 @@ pub enum ProjectError {
     #[error("{}: {source}", path.display())]
     Io { path: PathBuf, source: std::io::Error },
     #[error(transparent)]
-    Write(#[from] FileError),
+    File(#[from] FileError),
     #[error("{}: the file has {bytes} bytes; a project has at most {MAX_BYTES}", path.display())]
     TooLarge { path: PathBuf, bytes: u64 },
     #[error("{}: {source}", path.display())]
@@ -45,6 +47,8 @@ pub enum ProjectError {
     Pose { path: PathBuf, field: String, source: PoseError },
     #[error("{}: `{field}` names the limb \"{limb}\", which the model does not have", path.display())]
     Limb { path: PathBuf, field: String, limb: String },
+    #[error("{}: `masks.{frame}` names the camera \"{camera}\", which the take does not have", path.display())]
+    MaskCamera { path: PathBuf, frame: usize, camera: String },
     #[error("{}: `fit`: {source}", path.display())]
     Fit { path: PathBuf, source: OptionsError },
     #[error("{}: `cameras`: the weight of {camera} is {weight}; expected a number from 0 on", path.display())]
@@ -70,6 +74,19 @@ struct ProjectFile {
     measurement: Vec<SegmentOptions>,
     #[serde(default)]
     pins: Vec<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    calibration: Option<CalibrationRecord>,
+    /// By frame, then by camera's name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    masks: BTreeMap<usize, BTreeMap<String, PathBuf>>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CalibrationRecord {
+    file: PathBuf,
+    /// As in a file `backlit-cameras 1`, so that nothing is lost with the file.
+    cameras: serde_json::Value,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -183,7 +200,19 @@ fn to_file(document: &Document) -> ProjectFile {
         fit: (*document.fit).clone(),
         measurement: (*document.measurement).clone(),
         pins: document.pins.iter().map(|&limb| model.limbs()[limb].name.clone()).collect(),
+        calibration: document.calibration.as_ref().map(|calibration| CalibrationRecord {
+            file: calibration.path.clone(),
+            cameras: serde_json::from_str(&backlit::to_text(&calibration.rig)).unwrap_or_default(),
+        }),
+        masks: document.masks.iter().map(|(frame, masks)| (*frame, mask_records(document, masks))).collect(),
     }
+}
+
+fn mask_records(document: &Document, masks: &BTreeMap<usize, PathBuf>) -> BTreeMap<String, PathBuf> {
+    let named = |(camera, path): (&usize, &PathBuf)| {
+        document.cameras.get(*camera).map(|camera| (camera.name.clone(), path.clone()))
+    };
+    masks.iter().filter_map(named).collect()
 }
 
 fn pose_record(model: &Model, pose: &Pose) -> PoseRecord {
@@ -234,6 +263,9 @@ impl Reader<'_> {
         for name in &file.pins {
             pins.insert(self.limb(&model, "pins", name)?);
         }
+        let cameras = self.cameras(file.cameras)?;
+        let masks = self.masks(&cameras, file.masks)?;
+        let calibration = file.calibration.map(|record| self.calibration(record)).transpose()?;
         Ok(Document {
             take: file.take.map(|take| match take {
                 TakeRecord::BuiltIn => TakeSource::BuiltIn,
@@ -244,10 +276,12 @@ impl Reader<'_> {
             start: Arc::new(start),
             keys: Arc::new(keys),
             estimates: Arc::new(estimates),
-            cameras: Arc::new(self.cameras(file.cameras)?),
+            cameras: Arc::new(cameras),
             fit: Arc::new(file.fit),
             measurement: Arc::new(file.measurement),
             pins: Arc::new(pins),
+            calibration,
+            masks: Arc::new(masks),
         })
     }
 
@@ -261,6 +295,33 @@ impl Reader<'_> {
             }
         };
         records.into_iter().map(camera).collect()
+    }
+
+    fn calibration(&self, record: CalibrationRecord) -> Result<Arc<Calibration>, ProjectError> {
+        let json = |source| ProjectError::Json { path: self.path.to_owned(), source };
+        let text = serde_json::to_string(&record.cameras).map_err(json)?;
+        let rig = backlit::parse(self.path, &text, CalibrationOptions::default())?;
+        Ok(Arc::new(Calibration { path: record.file, rig }))
+    }
+
+    fn masks(
+        &self,
+        cameras: &[CameraUse],
+        records: BTreeMap<usize, BTreeMap<String, PathBuf>>,
+    ) -> Result<MaskFiles, ProjectError> {
+        let mut masks = MaskFiles::new();
+        for (frame, record) in records {
+            for (name, path) in record {
+                let camera = cameras.iter().position(|camera| camera.name == name);
+                let camera = camera.ok_or_else(|| ProjectError::MaskCamera {
+                    path: self.path.to_owned(),
+                    frame,
+                    camera: name.clone(),
+                })?;
+                masks.entry(frame).or_default().insert(camera, path);
+            }
+        }
+        Ok(masks)
     }
 
     fn pose(&self, model: &Model, field: &str, record: &PoseRecord) -> Result<Pose, ProjectError> {
@@ -329,10 +390,21 @@ mod tests {
             Edit::UseCamera { camera: 0, used: false },
             Edit::Pin { limb: 5, pinned: true },
             Edit::SetSize { limb: 2, length: 0.2, radius: 0.05, both_sides: true },
+            Edit::SetCalibration(Some(calibration())),
+            Edit::SetMasks { frame: 4, masks: BTreeMap::from([(0, PathBuf::from("/masks/cam01.png"))]) },
         ] {
             document.apply(edit).unwrap();
         }
         document
+    }
+
+    fn calibration() -> Arc<Calibration> {
+        use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
+        let intrinsics = Intrinsics { fx: 410.123_456_789, fy: 1e3 / 3.0, cx: 135.5, cy: 0.1 + 0.2 };
+        let place = CameraFromWorld::looking_at(DVec3::new(0.1, -2.7, 1.3), DVec3::ZERO, DVec3::Z);
+        let lens = Distortion::OpenCv { k1: -0.1, k2: 1e-9, p1: 0.0, p2: 0.7, k3: 0.0 };
+        let camera = Camera::new("cam01", [272, 480], intrinsics, lens, place).unwrap();
+        Arc::new(Calibration { path: PathBuf::from("/c.qca.txt"), rig: Rig::new(vec![camera]).unwrap() })
     }
 
     #[test]

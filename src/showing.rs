@@ -1,6 +1,6 @@
 //! What panels read, and what they ask for.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::action::Action;
 use crate::app::nudge_of;
@@ -121,6 +121,16 @@ pub enum Request {
     HoldNotice(u64),
     /// Take what an earlier start of the program left unsaved, or leave it.
     Recover(bool),
+    /// Open whatever a path is.
+    OpenPath(PathBuf),
+    /// Take a path off the list of recent takes.
+    ForgetRecent(PathBuf),
+    /// Copy a text, and say what it was.
+    Copy(&'static str, String),
+    /// Open a page of the web outside.
+    OpenPage(&'static str),
+    /// A command was chosen in the palette.
+    Used(Action),
     /// Export pictures.
     Export(Box<ExportOrder>),
     /// Ask in a dialog of the desktop's where an export goes.

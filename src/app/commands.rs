@@ -153,7 +153,12 @@ impl App {
             }
             Action::ResetBody => {
                 let start = (*self.document().start).clone();
+                let revision = self.history.revision();
                 self.set_pose(start, "Reset body".to_owned());
+                if self.history.revision() != revision {
+                    let text = "The body has the start pose of the take again.";
+                    self.notices.info(self.now, text, Some(Action::Undo));
+                }
             }
             Action::NextJoint | Action::PreviousJoint => {
                 // In the order of the tree in the Pose section.
@@ -285,7 +290,15 @@ impl App {
                 return true;
             }
             Action::ClearTrack => {
+                let (tracked, keys) = (self.document().estimates.len(), self.document().keys.len());
                 self.edit(Edit::ClearEstimates, None);
+                let kept = match keys {
+                    0 => String::new(),
+                    1 => "; 1 key pose stays".to_owned(),
+                    keys => format!("; {keys} key poses stay"),
+                };
+                let text = format!("Forgot the poses of {tracked} frames{kept}.");
+                self.notices.info(self.now, text, Some(Action::Undo));
                 return true;
             }
             Action::Play => {

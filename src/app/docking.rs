@@ -123,10 +123,7 @@ impl App {
             }
             Action::RestoreLayout => {
                 if let Some(before) = self.docking.before.take() {
-                    let (theme, recent) = (self.look.theme, std::mem::take(&mut self.look.recent));
-                    let (export, tour_offered) =
-                        (std::mem::take(&mut self.look.export), self.look.tour_offered);
-                    self.look = Look { theme, recent, export, tour_offered, ..*before };
+                    self.look = (*before).with_memory_of(std::mem::take(&mut self.look));
                     self.doing = Some("The layout is as it was.".to_owned());
                 }
             }

@@ -46,6 +46,8 @@ impl App {
             Event::BodyFitted(fit) => self.body_fitted(&fit),
             Event::FrameTracked(frame, estimate) => self.frame_tracked(frame, estimate),
             Event::Saved { path, revision, is_autosave } => self.saved(path, revision, is_autosave),
+            Event::Recalibrated(footage) => self.recalibrated(footage),
+            Event::TakenIn { edit, said } => self.taken_in(*edit, said),
             Event::Failed(text) => self.notices.error(text),
         }
     }
@@ -147,7 +149,9 @@ impl App {
     }
 
     fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<(Box<Document>, PathBuf)>) {
-        for lane in [Lane::Predict, Lane::Load, Lane::Survey, Lane::Fit, Lane::Track] {
+        for lane in
+            [Lane::Predict, Lane::Load, Lane::Survey, Lane::Fit, Lane::Track, Lane::TakeIn, Lane::Calibrate]
+        {
             self.worker.drop_lane(lane);
         }
         self.session.reset(Some(footage.clone()));

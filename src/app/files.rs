@@ -121,13 +121,6 @@ impl App {
         }
     }
 
-    pub(super) fn take_dropped_files(&mut self, ctx: &egui::Context) {
-        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
-        if let Some(file) = dropped.first() {
-            self.open_path(file.path());
-        }
-    }
-
     fn autosave_path(&self) -> Option<PathBuf> {
         Some(self.data_folder.as_ref()?.join(AUTOSAVE_NAME))
     }

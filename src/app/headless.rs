@@ -81,6 +81,8 @@ pub(crate) fn headless_export(
     if let Some(mode) = mode {
         app.tiles_mut().iter_mut().for_each(|tile| (tile.mode, tile.wipe) = (mode, None));
     }
+    let frames = app.session.frame_count();
+    ensure!(order.frames[0] < frames, "there is no frame {}; the take has {frames}", order.frames[0]);
     settle(&mut window, &mut app, options.patience);
     let export = app.export_of(order);
     ensure!(!export.shots.is_empty(), "there is no step: say with --iteration how many to do");

@@ -1,12 +1,16 @@
 //! What the screen lacks is asked of the worker.
 
+use std::sync::Arc;
+
 use super::App;
-use crate::worker::{Lane, LoadJob, PredictJob, SurveyJob};
+use crate::footage::Footage;
+use crate::worker::{CalibrateJob, Lane, LoadJob, PredictJob, SurveyJob};
 
 impl App {
     /// Asks for the frame and for the prediction on the screen, where they are missing or old.
     pub(super) fn request_jobs(&mut self) {
         self.session.is_stepping = self.worker.is_busy(Lane::Fit);
+        self.follow_replacements();
         let Some(take) = self.session.take.clone() else { return };
         let frame = self.selection.frame;
         let measurement = self.document().measurement.clone();
@@ -22,6 +26,36 @@ impl App {
             self.worker.request(Lane::Survey, SurveyJob::new(take, measurement));
         }
         self.request_prediction();
+    }
+
+    /// The footage follows the document's calibration and silhouettes, also where they are undone. Frames that were made
+    /// with others, or with other settings of the measurement, are made anew.
+    fn follow_replacements(&mut self) {
+        let Some(take) = self.session.take.clone() else { return };
+        let (calibration, masks) = (self.document().calibration.clone(), self.document().masks.clone());
+        if take.calibration != calibration {
+            if !self.worker.is_busy(Lane::Calibrate) {
+                self.worker.request(Lane::Calibrate, CalibrateJob { footage: take.clone(), calibration });
+            }
+        } else if take.masks != masks {
+            self.session.take = Some(Arc::new(take.with_masks(masks)));
+        }
+        let measurement = self.document().measurement.clone();
+        if let Some(take) = &self.session.take {
+            self.session.frames.retain(|data| data.made_with == take.made_with(&measurement, data.frame));
+        }
+    }
+
+    /// The cameras are others now.
+    pub(super) fn recalibrated(&mut self, footage: Arc<Footage>) {
+        let is_wanted = footage.calibration == self.document().calibration;
+        let is_open = self.session.take.as_ref().is_some_and(|take| take.source == footage.source);
+        if is_wanted && is_open {
+            self.interrupt_fit();
+            self.session.take = Some(footage);
+            self.session.subject.clear();
+            self.session.generation += 1;
+        }
     }
 
     fn request_prediction(&mut self) {

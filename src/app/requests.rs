@@ -78,6 +78,14 @@ impl App {
             Request::CloseExplanation => self.explanation = None,
             Request::HoldNotice(id) => self.notices.hold(id, self.now),
             Request::Recover(take_it) => self.recover(take_it),
+            Request::OpenPath(path) => self.open_path(&path),
+            Request::ForgetRecent(path) => self.look.recent.retain(|other| *other != path),
+            Request::Copy(what, text) => {
+                self.context.copy_text(text);
+                self.notices.info(self.now, format!("Copied the {what}."), None);
+            }
+            Request::OpenPage(address) => self.open_outside(address.to_owned()),
+            Request::Used(action) => self.look.use_command(action.text()),
             Request::Export(order) => self.begin_export(*order),
             Request::ChooseExportFile => self.ask_for_file(DialogKind::Export),
         }

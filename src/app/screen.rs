@@ -7,8 +7,8 @@ use super::state::Overlay;
 use crate::look::Layout;
 use crate::panels::tiles::TilesLook;
 use crate::panels::{
-    about, dock, empty, explanation, laboratory, notice_cards, right_panel, shortcuts, status_bar, timeline,
-    toolbar,
+    about, dock, empty, explanation, laboratory, messages, notice_cards, right_panel, shortcuts, status_bar,
+    timeline, toolbar,
 };
 use crate::showing::{Busy, Intents, Request, Showing};
 use crate::theme::size;
@@ -89,6 +89,7 @@ impl App {
         }
         self.show_overlay(ui, intents);
         self.show_tour(ui);
+        self.show_drop(ui);
     }
 
     pub(super) fn tiles_look(&self) -> TilesLook<'_> {
@@ -100,8 +101,8 @@ impl App {
         let stays = match &mut overlay {
             Overlay::Palette(palette) => palette.ui(ui, &self.showing(), intents),
             Overlay::Shortcuts(search) => shortcuts::ui(ui, search),
-            Overlay::Messages => about::messages(ui, &self.notices),
-            Overlay::About => about::about(ui),
+            Overlay::Messages => messages::messages(ui, &self.notices, self.now, intents),
+            Overlay::About => about::about(ui, intents),
             Overlay::Export(dialog) => dialog.ui(ui, &self.showing(), intents),
         };
         if stays {

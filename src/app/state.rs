@@ -10,6 +10,7 @@ use super::background::Background;
 use super::clipboard::Clipboard;
 use super::demonstrating::Prepared;
 use super::docking::Docking;
+use super::dropping::Hovering;
 use super::exporting::Exporting;
 use super::hand::{Held, Nudging};
 use crate::curves::CurvesLook;
@@ -100,6 +101,7 @@ pub struct App {
     pub(super) explanation: Option<&'static str>,
     pub(super) state_file: Option<PathBuf>,
     pub(super) tour: Option<Tour>,
+    pub(super) hovering: Option<Hovering>,
     pub(super) exporting: Option<Exporting>,
     /// Folder of the last export.
     pub(super) exported_to: Option<PathBuf>,
@@ -159,6 +161,7 @@ impl App {
             explanation: None,
             state_file: options.state_file,
             tour: None,
+            hovering: None,
             exporting: None,
             exported_to: None,
             picture_alone: None,

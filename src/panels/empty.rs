@@ -3,8 +3,8 @@
 use egui::{Align, CentralPanel, Frame, Layout as Direction, RichText, Ui, vec2};
 
 use super::command::{named_button, primary};
+use super::recent;
 use crate::action::Action;
-use crate::document::TakeSource;
 use crate::showing::{Intents, Request, Showing};
 use crate::theme::{self, title};
 
@@ -29,16 +29,9 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, reco
                 named_button(ui, showing, intents, Action::OpenBuiltIn, "Built-in take");
             });
             ui.add_space(16.0);
-            if !showing.look.recent.is_empty() {
+            if recent::has_any(showing) {
                 ui.label(RichText::new("Recent takes").small().color(palette.text3));
-                for path in &showing.look.recent {
-                    let name =
-                        path.file_name().map_or_else(|| path.to_string_lossy(), |n| n.to_string_lossy());
-                    let link = ui.link(name.as_ref()).on_hover_text(path.display().to_string());
-                    if link.clicked() {
-                        intents.request(Request::Open(TakeSource::Path(path.clone())));
-                    }
-                }
+                recent::rows(ui, showing, intents, false);
                 ui.add_space(8.0);
             }
             let text = "A take is a folder with a take.toml. Drop one anywhere to open it.";

@@ -5,7 +5,6 @@ use egui::Ui;
 use super::command::menu_row;
 use crate::action::{Action, Menu};
 use crate::app::nudge_of;
-use crate::document::TakeSource;
 use crate::look::Layout;
 use crate::pane::Pane;
 use crate::showing::{Intents, PaneEvent, Request, Showing};
@@ -116,16 +115,12 @@ fn panes(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
 }
 
 fn recent(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
-    if showing.look.recent.is_empty() {
+    if !super::recent::has_any(showing) {
         return;
     }
     ui.separator();
     ui.label(egui::RichText::new("Recent takes").small().color(theme::palette(ui).text3));
-    for path in &showing.look.recent {
-        let name = path.file_name().map_or_else(|| path.to_string_lossy(), |name| name.to_string_lossy());
-        if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
-            intents.request(Request::Open(TakeSource::Path(path.clone())));
-            ui.close();
-        }
+    if super::recent::rows(ui, showing, intents, true) {
+        ui.close();
     }
 }

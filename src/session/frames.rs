@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use crate::footage::CameraFrame;
+use crate::footage::{CameraFrame, MadeWith};
 
 /// Frames that are kept.
 const CAPACITY: usize = 48;
@@ -15,6 +15,8 @@ pub struct FrameData {
     pub frame: usize,
     /// By camera.
     pub cameras: Vec<CameraFrame>,
+    /// What it depends on, besides the take.
+    pub made_with: MadeWith,
 }
 
 impl FrameData {
@@ -47,6 +49,11 @@ impl FrameCache {
         self.frames.push_back(data);
     }
 
+    /// Forgets the frames of which `is` says no.
+    pub fn retain(&mut self, is: impl Fn(&FrameData) -> bool) {
+        self.frames.retain(|frame| is(frame));
+    }
+
     /// Forgets all frames.
     pub fn clear(&mut self) {
         self.frames.clear();
@@ -61,10 +68,10 @@ mod tests {
     fn the_newest_frames_are_kept() {
         let mut cache = FrameCache::default();
         for frame in 0..CAPACITY + 2 {
-            cache.insert(Arc::new(FrameData { frame, cameras: Vec::new() }));
+            cache.insert(Arc::new(FrameData { frame, cameras: Vec::new(), made_with: MadeWith::default() }));
         }
         assert!(cache.get(1).is_none() && cache.get(2).is_some() && cache.get(CAPACITY + 1).is_some());
-        cache.insert(Arc::new(FrameData { frame: 5, cameras: Vec::new() }));
+        cache.insert(Arc::new(FrameData { frame: 5, cameras: Vec::new(), made_with: MadeWith::default() }));
         assert!(cache.get(2).is_some(), "a frame that is loaded again replaces itself");
     }
 }

@@ -35,7 +35,8 @@ impl Job<Event> for LoadJob {
             return Step::Again;
         }
         let cameras = std::mem::take(&mut self.cameras);
-        out.send(Event::FrameLoaded(Arc::new(FrameData { frame: self.frame, cameras })));
+        let made_with = self.footage.made_with(&self.measurement, self.frame);
+        out.send(Event::FrameLoaded(Arc::new(FrameData { frame: self.frame, cameras, made_with })));
         Step::Done
     }
 }
@@ -47,7 +48,11 @@ fn load(footage: &Footage, measurement: &[SegmentOptions], camera: usize, frame:
 }
 
 /// A frame at once, for the tracker.
-pub(super) fn load_frame(footage: &Footage, measurement: &[SegmentOptions], frame: usize) -> FrameData {
+pub(super) fn load_frame(
+    footage: &Footage,
+    measurement: &Arc<Vec<SegmentOptions>>,
+    frame: usize,
+) -> FrameData {
     let cameras = (0..footage.cameras.len()).map(|camera| load(footage, measurement, camera, frame));
-    FrameData { frame, cameras: cameras.collect() }
+    FrameData { frame, cameras: cameras.collect(), made_with: footage.made_with(measurement, frame) }
 }

@@ -6,6 +6,7 @@
 //! job is an event, and the thread lives on.
 
 mod body;
+mod calibrate;
 mod fit;
 mod load;
 mod open;
@@ -13,6 +14,7 @@ mod predict;
 mod queue;
 mod save;
 mod survey;
+mod take_in;
 mod track;
 mod write;
 
@@ -20,6 +22,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 pub use body::BodyJob;
+pub use calibrate::CalibrateJob;
 pub use fit::{FitJob, FitStart, LiveFit};
 pub use load::LoadJob;
 pub use open::OpenJob;
@@ -27,12 +30,14 @@ pub use predict::{CameraPrediction, Derivatives, PredictJob, Predicted, Scene};
 pub use queue::{Job, Lane, Outbox, Report, Step, Worker};
 pub use save::SaveJob;
 pub use survey::{Extent, SurveyJob};
+pub use take_in::TakeInJob;
 pub use track::TrackJob;
 pub use write::WriteJob;
 
 use backlit_tracking::track::fit_body::BodyFit;
 
 use crate::document::{Document, Estimate};
+use crate::edit::Edit;
 use crate::footage::Footage;
 use crate::session::{FrameData, RunEnding, RunStep};
 
@@ -68,6 +73,15 @@ pub enum Event {
         revision: u64,
         /// Whether it is the copy for the next start.
         is_autosave: bool,
+    },
+    /// The footage is seen by other cameras.
+    Recalibrated(Arc<Footage>),
+    /// Dropped files were read.
+    TakenIn {
+        /// The change of the document.
+        edit: Box<Edit>,
+        /// What is said of it.
+        said: String,
     },
     /// Something did not work; what it was.
     Failed(String),

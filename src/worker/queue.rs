@@ -15,6 +15,10 @@ pub enum Lane {
     Predict,
     /// Opening a take.
     Open,
+    /// Reading dropped files.
+    TakeIn,
+    /// Making the footage anew for other cameras.
+    Calibrate,
     /// Reading and segmenting the frame on the screen.
     Load,
     /// Writing a file.

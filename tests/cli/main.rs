@@ -8,5 +8,6 @@ mod fit_body;
 mod golden;
 mod render;
 mod scene;
+mod screenshot;
 mod track;
 mod words;

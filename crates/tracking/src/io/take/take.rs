@@ -200,6 +200,16 @@ impl Take {
         })
     }
 
+    /// The same take seen by other cameras: as many, for pictures of the same sizes, in the same order. `None` if they
+    /// are not.
+    #[must_use]
+    pub fn with_rig(&self, rig: Rig) -> Option<Self> {
+        let sizes = |rig: &Rig| -> Vec<[usize; 2]> {
+            rig.cameras().iter().map(|camera| [camera.width(), camera.height()]).collect()
+        };
+        (sizes(&rig) == sizes(&self.rig)).then(|| Self { rig, ..self.clone() })
+    }
+
     /// A camera's pictures without the subject: one plate or several frames, none if the take has none. Not rectified.
     ///
     /// # Errors

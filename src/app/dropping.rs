@@ -1,0 +1,77 @@
+//! Files that are dragged over the window and dropped on it.
+
+use std::path::PathBuf;
+
+use super::App;
+use crate::action::Action;
+use crate::dropped::Dropped;
+use crate::edit::Edit;
+use crate::panels::drop_overlay;
+use crate::worker::{Lane, TakeInJob};
+
+/// The files over the window, and what they are.
+#[derive(Debug)]
+pub(super) struct Hovering {
+    paths: Vec<PathBuf>,
+    dropped: Dropped,
+}
+
+impl App {
+    /// Looks what is dragged over the window, and takes what is dropped.
+    pub(super) fn take_dropped_files(&mut self, ctx: &egui::Context) {
+        let (hovered, dropped): (Vec<PathBuf>, Vec<PathBuf>) = ctx.input(|input| {
+            let hovered = input.raw.hovered_files.iter().filter_map(|file| file.path.clone());
+            let dropped = input.raw.dropped_files.iter().map(|file| file.path().to_owned());
+            (hovered.collect(), dropped.collect())
+        });
+        if hovered.is_empty() {
+            self.hovering = None;
+        } else if self.hovering.as_ref().is_none_or(|hovering| hovering.paths != hovered) {
+            let dropped = Dropped::of(&hovered);
+            self.hovering = Some(Hovering { paths: hovered, dropped });
+        }
+        if !dropped.is_empty() {
+            self.take_in(Dropped::of(&dropped));
+        }
+    }
+
+    /// Does what dropped files are for.
+    fn take_in(&mut self, dropped: Dropped) {
+        // Whatever lay over the window was about something else.
+        self.overlay = None;
+        match dropped {
+            Dropped::Open(path) => self.open_path(&path),
+            Dropped::Unknown(path, why) => self.notices.error(format!("{}: {why}.", path.display())),
+            dropped => {
+                let Some(footage) = self.session.take.clone() else {
+                    let (_, name) = dropped.explanation(0);
+                    return self.notices.error(format!("{name}: open a take first."));
+                };
+                let (model, frame) = (self.document().model.clone(), self.selection.frame);
+                self.worker.request(Lane::TakeIn, TakeInJob { dropped, footage, model, frame });
+            }
+        }
+    }
+
+    /// What was dropped is read: it becomes a change that can be undone.
+    pub(super) fn taken_in(&mut self, edit: Edit, said: String) {
+        self.interrupt_fit();
+        let revision = self.history.revision();
+        self.edit(edit, None);
+        if self.history.revision() != revision {
+            self.notices.info(self.now, said, Some(Action::Undo));
+        } else if !self.notices.cards().any(|notice| notice.text.starts_with("That cannot be done")) {
+            self.notices.info(self.now, "Nothing changed: that is what is there already.", None);
+        }
+    }
+
+    /// Says what will happen, over everything.
+    pub(super) fn show_drop(&self, ui: &egui::Ui) {
+        let Some(Hovering { dropped, .. }) = &self.hovering else { return };
+        let (what, name) = dropped.explanation(self.selection.frame);
+        let lacks_take = dropped.needs_take() && self.session.take.is_none();
+        let is_possible = !lacks_take && !matches!(dropped, Dropped::Unknown(..));
+        let what = if lacks_take { "Open a take first".to_owned() } else { what };
+        drop_overlay::ui(ui, &what, &name, is_possible);
+    }
+}
