@@ -16,7 +16,7 @@ use backlit::document::TakeSource;
 use backlit::look::Look;
 use backlit::theme::Theme;
 use egui::accesskit::Role;
-use egui::{Event, Key, Modifiers, PointerButton, Rect, Vec2, vec2};
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use image::imageops::crop_imm;
@@ -41,6 +41,10 @@ fn is_beside(harness: &Harness<'_, App>, step: usize, target: Rect) {
 
 fn drag(harness: &mut Harness<'_, App>, handle: &str, by: Vec2) {
     let from = harness.get_by_label(handle).rect().center();
+    drag_from(harness, from, by);
+}
+
+fn drag_from(harness: &mut Harness<'_, App>, from: Pos2, by: Vec2) {
     let button = |pressed, pos| Event::PointerButton {
         pos,
         button: PointerButton::Primary,
@@ -107,7 +111,7 @@ fn walk(harness: &mut Harness<'_, App>) {
     harness.run_steps(3);
     let slider = harness.get_by_role_and_label(Role::Slider, "Step").rect();
     is_beside(harness, 5, slider);
-    drag(harness, "Step", vec2(-60.0, 0.0));
+    drag_from(harness, slider.right_center() - vec2(10.0, 0.0), vec2(-60.0, 0.0));
     harness.run_steps(3);
 
     at(harness, 6);

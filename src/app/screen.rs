@@ -88,7 +88,7 @@ impl App {
             self.docking.size = size;
         }
         self.show_overlay(ui, intents);
-        self.show_tour(ui);
+        self.show_tour(ui, notices_from.y);
         self.show_drop(ui);
     }
 

@@ -195,11 +195,11 @@ impl App {
     }
 
     /// Shows the card, and does what is asked on it.
-    pub(super) fn show_tour(&mut self, ui: &egui::Ui) {
+    pub(super) fn show_tour(&mut self, ui: &egui::Ui, bottom: f32) {
         let Some(tour) = &self.tour else { return };
         let event = match tour.stage {
             Stage::Opening => None,
-            Stage::Offered if self.can_offer() => tour::offer(ui),
+            Stage::Offered if self.can_offer() => tour::offer(ui, bottom),
             Stage::Offered => None,
             Stage::At(_) if self.overlay.is_some() => None,
             Stage::At(step) => {

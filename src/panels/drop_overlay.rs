@@ -14,7 +14,7 @@ const INSET: f32 = 10.0;
 pub(crate) fn ui(ui: &Ui, what: &str, name: &str, is_possible: bool) {
     let palette = theme::palette(ui);
     let window = ui.ctx().content_rect();
-    let layer = egui::LayerId::new(Order::Tooltip, Id::unique("drop dim"));
+    let layer = egui::LayerId::new(Order::Foreground, Id::unique("drop dim"));
     let painter = ui.ctx().layer_painter(layer);
     painter.rect_filled(window, 0.0, palette.well.gamma_multiply(DIM));
     let colour = if is_possible { palette.accent_text } else { palette.error };

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Align, Button, Id, Layout as Direction, Modal, RichText, TextEdit, Ui, vec2};
+use egui::{Align, Button, Id, Layout as Direction, Modal, RichText, Ui, vec2};
 
 use crate::export::choices::{DELAYS_MS, MAX_SIDE, SCALES};
 use crate::export::{ExportChoices, Part, SeriesFormat};
 use crate::format;
 use crate::showing::{Intents, Request, Showing};
 use crate::theme::{self, size, space};
-use crate::widgets::{checkbox, number_field, primary_button, row_name, segmented};
+use crate::widgets::{checkbox, number_field, primary_button, row_name, segmented, text_field};
 
 /// Width of the card, and of the names in it.
 const WIDTH: f32 = 460.0;
@@ -294,8 +294,7 @@ impl ExportDialog {
                 if ui.add(Button::new("Choose…").min_size(vec2(0.0, size::BUTTON))).clicked() {
                     intents.request(Request::ChooseExportFile);
                 }
-                let field = TextEdit::singleline(&mut self.path).desired_width(f32::INFINITY);
-                ui.name_inputs(name, |ui| ui.add(field));
+                text_field(ui, name, "", &mut self.path);
             });
         });
     }

@@ -1,11 +1,12 @@
 //! The command palette: a few letters of any command.
 
-use egui::{Button, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui, vec2};
+use egui::{Button, Id, Key, Modal, RichText, ScrollArea, Ui, vec2};
 
 use crate::action::Action;
 use crate::matching::fuzzy;
 use crate::showing::{Intents, Request, Showing, unavailable};
 use crate::theme::{self, size};
+use crate::widgets::text_field;
 
 /// Width of the card.
 const WIDTH: f32 = 580.0;
@@ -38,8 +39,7 @@ impl Palette {
         let modal = Modal::new(Id::unique("palette")).show(ui.ctx(), |ui| {
             ui.set_width(WIDTH);
             let hint = "What do you want to do?";
-            let field =
-                ui.add(TextEdit::singleline(&mut self.text).hint_text(hint).desired_width(f32::INFINITY));
+            let field = text_field(ui, "Find a command", hint, &mut self.text);
             field.request_focus();
             if field.changed() {
                 self.marked = 0;

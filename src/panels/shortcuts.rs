@@ -1,10 +1,10 @@
 //! All keys, searchable, and the gestures of the pointer.
 
-use egui::{Grid, Id, Modal, RichText, ScrollArea, TextEdit, Ui, vec2};
+use egui::{Grid, Id, Modal, RichText, ScrollArea, Ui, vec2};
 
 use crate::action::{Action, Menu, keys_text};
 use crate::theme::{self, size};
-use crate::widgets::{Icon, icon_button};
+use crate::widgets::{Icon, icon_button, text_field};
 
 /// Width of the card, and of the column of keys.
 const WIDTH: f32 = 600.0;
@@ -34,8 +34,7 @@ pub(crate) fn ui(ui: &Ui, search: &mut String) -> bool {
                 close = icon_button(ui, Icon::Close, "Close keys", "Close   Esc").clicked();
             });
         });
-        let field = TextEdit::singleline(search).hint_text("Search keys").desired_width(f32::INFINITY);
-        ui.add(field).request_focus();
+        text_field(ui, "Search keys", "Search keys", search).request_focus();
         ui.add_space(4.0);
         let words: Vec<String> = search.to_lowercase().split_whitespace().map(str::to_owned).collect();
         ScrollArea::vertical().max_height(460.0).auto_shrink([false, true]).show(ui, |ui| {

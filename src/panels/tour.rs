@@ -67,12 +67,12 @@ pub(crate) enum TourEvent {
     Next,
 }
 
-/// The offer at the first start.
-pub(crate) fn offer(ui: &Ui) -> Option<TourEvent> {
+/// The offer at the first start, above `bottom`.
+pub(crate) fn offer(ui: &Ui, bottom: f32) -> Option<TourEvent> {
     let mut event = None;
     let window = ui.ctx().content_rect();
     let area = Area::new(Id::unique("tour offer")).order(Order::Foreground).pivot(egui::Align2::LEFT_BOTTOM);
-    let corner = pos2(window.left() + EDGE, window.bottom() - size::STATUS_BAR - EDGE);
+    let corner = pos2(window.left() + EDGE, bottom - EDGE);
     area.fixed_pos(corner).show(ui.ctx(), |ui| {
         framed(ui, "Offer of the tour", |ui, palette| {
             ui.label(RichText::new("New here?").heading().color(palette.text));

@@ -15,6 +15,7 @@ mod segmented;
 mod size_handles;
 mod slider;
 mod slider_row;
+mod text_field;
 
 pub use badge::{camera_badge, paint_camera_badge};
 pub use button::{icon_button, icon_toggle, primary_button};
@@ -29,3 +30,4 @@ pub use segmented::segmented;
 pub use size_handles::SizeHandles;
 pub use slider::ValueSlider;
 pub use slider_row::{SliderRow, number_field, row_name};
+pub use text_field::text_field;
