@@ -23,8 +23,8 @@
 //! | `screen` | which panels there are, and where |
 //! | `headless` | the window's picture without a display |
 
-mod background;
 mod accessible;
+mod background;
 mod body;
 mod clipboard;
 mod commands;

@@ -43,6 +43,8 @@ pub enum ReplacementError {
     Rig { path: PathBuf, source: RigError },
     #[error("{}: {source}", path.display())]
     Mask { path: PathBuf, source: MaskError },
+    #[error("{}: {source}", path.display())]
+    Folder { path: PathBuf, source: std::io::Error },
     #[error("{}: there is no PNG in it", path.display())]
     NoPictures { path: PathBuf },
     #[error("{}: no camera is called that; expected NAME.png for one of {known}, or one picture for each camera", path.display())]
@@ -138,12 +140,15 @@ pub fn masks_of(paths: &[PathBuf], cameras: &[Camera]) -> Result<BTreeMap<usize,
 
 /// The PNGs of a folder.
 fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, ReplacementError> {
-    let none = || ReplacementError::NoPictures { path: folder.to_owned() };
-    let entries = std::fs::read_dir(folder).map_err(|_| none())?;
+    let entries = std::fs::read_dir(folder)
+        .map_err(|source| ReplacementError::Folder { path: folder.to_owned(), source })?;
     let is_png = |path: &PathBuf| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
     let pictures: Vec<PathBuf> =
         entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| is_png(path)).collect();
-    if pictures.is_empty() { Err(none()) } else { Ok(pictures) }
+    if pictures.is_empty() {
+        return Err(ReplacementError::NoPictures { path: folder.to_owned() });
+    }
+    Ok(pictures)
 }
 
 /// Reads a silhouette and takes the lens out of it. Where the lens saw nothing it is unknown.

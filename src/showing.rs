@@ -200,6 +200,9 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
             .or(because(showing.busy.tracking, "The tracker is at work"))
     };
     let run = session.run_of(selection).and_then(|run| session.runs.get(run).map(|r| (run, r)));
+    if let Some(camera) = (0..8).find(|index| A::camera_alone(*index) == Some(action)) {
+        return no_take.or(because(camera >= session.camera_count(), "The take has fewer cameras"));
+    }
     match action {
         A::Undo => {
             let nothing = showing.history.undo_text().is_none() && session.removed.is_none();
@@ -209,17 +212,6 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
         nudge if nudge_of(nudge).is_some() => no_take,
         A::Redo => because(showing.history.redo_text().is_none(), "There is nothing to redo"),
         A::Save => no_take,
-        A::Camera1
-        | A::Camera2
-        | A::Camera3
-        | A::Camera4
-        | A::Camera5
-        | A::Camera6
-        | A::Camera7
-        | A::Camera8 => {
-            let index = (0..8).find(|index| A::camera_alone(*index) == Some(action)).unwrap_or(0);
-            no_take.or(because(index >= session.camera_count(), "The take has fewer cameras"))
-        }
         A::Step | A::Run | A::RefitLimb | A::RefitChain | A::RefitBody => {
             no_fit().or(because(showing.busy.fitting && action != A::Step, "The fit is running"))
         }

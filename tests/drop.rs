@@ -218,9 +218,7 @@ fn the_palette_offers_first_what_was_used_last() {
     harness.run_steps(2);
     press(&mut harness, Modifiers::NONE, Key::Enter);
     press(&mut harness, Modifiers::COMMAND, Key::K);
-    let top = |harness: &Harness<'_, App>, text: &str| {
-        harness.get_by_label_contains(text).rect().top()
-    };
+    let top = |harness: &Harness<'_, App>, text: &str| harness.get_by_label_contains(text).rect().top();
     assert!(top(&harness, "Edit: Mirror") < top(&harness, "File: Open take…"));
     // Why something cannot be done stands beside it.
     harness.get_by_role(Role::TextInput).type_text("redo");

@@ -8,6 +8,7 @@ use egui::{Memory, Vec2, vec2};
 use image::{DynamicImage, RgbImage};
 
 use super::{App, AppOptions};
+use crate::curves::CurvesLook;
 use crate::document::Document;
 use crate::export::choices::MAX_SIDE;
 use crate::history::History;
@@ -66,6 +67,7 @@ pub(crate) struct Snapshot {
     tiles: [Vec<TileLook>; 2],
     alone: Option<Pane>,
     pair: [usize; 2],
+    curves: CurvesLook,
     explanation: Option<&'static str>,
     frame_seconds: f64,
     memory: Memory,
@@ -84,6 +86,7 @@ impl App {
             tiles: self.tiles.clone(),
             alone: self.docking.alone,
             pair: self.docking.pair,
+            curves: self.curves,
             explanation: self.explanation,
             frame_seconds: self.frame_seconds,
             memory: self.context.memory(Memory::clone),
@@ -125,6 +128,7 @@ impl Twin {
         app.tiles = snapshot.tiles;
         app.docking.alone = snapshot.alone;
         app.docking.pair = snapshot.pair;
+        app.curves = snapshot.curves;
         app.explanation = snapshot.explanation;
         let mut twin = Self { window, app, frame_seconds: snapshot.frame_seconds };
         if let PictureOf::View { picture, whole_frame, .. } = what {
