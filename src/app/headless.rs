@@ -79,7 +79,7 @@ pub(crate) fn headless_export(
         app.selection.camera = camera;
     }
     if let Some(mode) = mode {
-        app.tiles_mut().iter_mut().for_each(|tile| (tile.mode, tile.wipe) = (mode, None));
+        app.tiles_mut().iter_mut().for_each(|tile| (tile.mode, tile.comparison) = (mode, None));
     }
     let frames = app.session.frame_count();
     ensure!(order.frames[0] < frames, "there is no frame {}; the take has {frames}", order.frames[0]);

@@ -97,7 +97,7 @@ impl App {
                 if is_open && self.session.frames.get(self.selection.frame).is_some() {
                     self.go_to_frame(0);
                     for tile in self.tiles.iter_mut().flatten() {
-                        (tile.mode, tile.wipe) = (ViewMode::Tinted, None);
+                        (tile.mode, tile.comparison) = (ViewMode::Tinted, None);
                     }
                     self.enter(&mut tour, 0);
                 } else if !is_open && self.worker.is_idle() {
