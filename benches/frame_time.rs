@@ -1,0 +1,219 @@
+//! What a frame of the window costs the processor, and how soon a drag shows: the real app without a display.
+//!
+//! `BACKLIT_DATA=… cargo bench -p backlit --bench frame_time`
+//!
+//! Four views of the real footage (272 × 480); without `BACKLIT_DATA` the built-in take. 1600 × 1000 points. A frame's own
+//! work is everything from input to triangles: panels, edits, requests to the worker, layout, tessellation. The worker has
+//! its own thread, as in the window, so that what it costs a frame to share the machine with it is part of the figures.
+
+#![expect(clippy::unwrap_used, reason = "a measurement without its input is none")]
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use backlit::app::{App, AppOptions, Opening};
+use backlit::document::TakeSource;
+use backlit::look::{Layout, Look};
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
+
+/// Points of the window.
+const SIZE: egui::Vec2 = vec2(1600.0, 1000.0);
+/// Sixty frames a second.
+const FRAME: f64 = 1.0 / 60.0;
+/// Frames of a measurement.
+const FRAMES: usize = 300;
+/// Nothing takes longer.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+fn main() {
+    let data = std::env::var_os("BACKLIT_DATA").map(PathBuf::from);
+    let take = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/takes/balancing");
+    let source = match data.filter(|data| data.join("balancing").is_dir()) {
+        Some(_) => TakeSource::Path(take),
+        None => TakeSource::BuiltIn,
+    };
+    println!("\n{source:?}, {} × {} points, {FRAMES} frames each", SIZE.x, SIZE.y);
+    println!("{:<44} {:>9} {:>9} {:>9} {:>9}", "", "median ms", "75 %", "95 %", "max");
+    for (name, layout) in [("pose layout", Layout::Pose), ("debug layout", Layout::Debug)] {
+        let mut window = Window::open(&source, layout);
+        window.measure(&format!("{name}: nothing happens"), |_, _| Vec::new());
+        window.measure(&format!("{name}: pointer over a view"), |_, frame| {
+            vec![Event::PointerMoved(pos2(200.0 + (frame % 100) as f32, 220.0))]
+        });
+        window.key(Key::Enter);
+        window.settle();
+        window.measure(&format!("{name}: a run is there"), |_, _| Vec::new());
+        window.drag(name);
+        window.steps(name);
+        window.measure(&format!("{name}: playing frames"), |window, frame| {
+            if frame == 0 { window.events_of(Key::P) } else { Vec::new() }
+        });
+    }
+}
+
+/// A window without a display.
+struct Window {
+    context: egui::Context,
+    app: App,
+    frames: u64,
+}
+
+impl Window {
+    fn open(source: &TakeSource, layout: Layout) -> Self {
+        let context = egui::Context::default();
+        let look = Look { layout, ..Look::default() };
+        let opening = Some(Opening::Take(source.clone()));
+        let app = App::new(context.clone(), AppOptions { look, opening, ..AppOptions::default() }).unwrap();
+        let mut window = Self { context, app, frames: 0 };
+        window.settle();
+        window
+    }
+
+    /// One frame; how long it took.
+    fn frame(&mut self, events: Vec<Event>) -> f64 {
+        let input = self.input(events);
+        let began = Instant::now();
+        let output = self.context.run_ui(input, |ui| self.app.frame(ui));
+        let primitives = self.context.tessellate(output.shapes, output.pixels_per_point);
+        let seconds = began.elapsed().as_secs_f64();
+        drop(std::hint::black_box(primitives));
+        seconds
+    }
+
+    fn input(&mut self, events: Vec<Event>) -> RawInput {
+        self.frames += 1;
+        RawInput {
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, SIZE)),
+            time: Some(self.frames as f64 * FRAME),
+            predicted_dt: FRAME as f32,
+            focused: true,
+            events,
+            ..RawInput::default()
+        }
+    }
+
+    /// Runs frames until the worker has nothing to do.
+    fn settle(&mut self) {
+        let began = Instant::now();
+        for _ in 0..4 {
+            self.frame(Vec::new());
+        }
+        while !self.app.is_idle() {
+            assert!(began.elapsed() < PATIENCE, "the worker hangs");
+            std::thread::sleep(Duration::from_millis(2));
+            self.frame(Vec::new());
+        }
+        self.frame(Vec::new());
+    }
+
+    fn events_of(&self, key: Key) -> Vec<Event> {
+        let event = |pressed| Event::Key {
+            key,
+            physical_key: None,
+            pressed,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        };
+        vec![event(true), event(false)]
+    }
+
+    fn key(&mut self, key: Key) {
+        let events = self.events_of(key);
+        self.frame(events);
+    }
+
+    /// Frames at the display's pace, so that the worker has the time that it has in life.
+    fn measure(&mut self, name: &str, mut events: impl FnMut(&mut Self, usize) -> Vec<Event>) {
+        let mut times = Vec::with_capacity(FRAMES);
+        for index in 0..FRAMES {
+            let events = events(self, index);
+            let seconds = self.frame(events);
+            times.push(seconds);
+            std::thread::sleep(Duration::from_secs_f64((FRAME - seconds).max(0.0)));
+        }
+        print_row(name, &mut times);
+        self.key(Key::Escape);
+        self.settle();
+    }
+
+    /// A joint in the hand, moved in every frame; and how long until the views show what the pose predicts.
+    fn drag(&mut self, layout: &str) {
+        let from = self.joint();
+        let button = |pressed, pos| Event::PointerButton {
+            pos,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        self.frame(vec![Event::PointerMoved(from)]);
+        self.frame(vec![button(true, from)]);
+        let (mut times, mut behind) = (Vec::new(), Vec::new());
+        let mut moved = Vec::new();
+        for index in 0..FRAMES {
+            let angle = index as f32 * 0.05;
+            let to = from + 14.0 * vec2(angle.sin(), 1.0 - angle.cos());
+            let before = self.app.document().pose_at(0).clone();
+            let began = Instant::now();
+            let seconds = self.frame(vec![Event::PointerMoved(to)]);
+            times.push(seconds);
+            moved.push(*self.app.document().pose_at(0) != before);
+            // Frames of the display until the prediction is that of the pose.
+            let mut frames = 0;
+            while self.app.session().is_stale {
+                std::thread::sleep(Duration::from_secs_f64(
+                    (FRAME * f64::from(frames + 1) - began.elapsed().as_secs_f64()).max(0.0),
+                ));
+                times.push(self.frame(Vec::new()));
+                frames += 1;
+                assert!(frames < 1000, "the prediction never comes");
+            }
+            behind.push(f64::from(frames));
+        }
+        let to = from;
+        self.frame(vec![button(false, to)]);
+        self.settle();
+        print_row(&format!("{layout}: dragging a joint"), &mut times);
+        let dragged = moved.iter().filter(|moved| **moved).count();
+        assert!(dragged > FRAMES / 2, "the hand holds nothing: the pose moved in {dragged} frames");
+        behind.sort_by(f64::total_cmp);
+        let at = |share: f64| behind[((behind.len() - 1) as f64 * share) as usize];
+        println!(
+            "{:<44} median {}, 95 % {}, max {} frames",
+            "  pose drawn in that frame, silhouettes after",
+            at(0.5),
+            at(0.95),
+            at(1.0)
+        );
+    }
+
+    /// Space in every frame: steps are made beside the frames.
+    fn steps(&mut self, layout: &str) {
+        self.measure(&format!("{layout}: stepping"), |window, frame| {
+            if frame % 2 == 0 { window.events_of(Key::Space) } else { Vec::new() }
+        });
+    }
+
+    /// Where some joint of the first camera is on the screen.
+    fn joint(&mut self) -> Pos2 {
+        self.context.enable_accesskit();
+        let input = self.input(Vec::new());
+        let output = self.context.run_ui(input, |ui| self.app.frame(ui));
+        self.context.disable_accesskit();
+        let update = output.platform_output.accesskit_update.unwrap();
+        let found = update.nodes.iter().find_map(|(_, node)| {
+            let is_joint = node.label().is_some_and(|label| label.starts_with("right wrist"));
+            node.bounds().filter(|_| is_joint)
+        });
+        let bounds = found.unwrap_or_else(|| {
+            let names: Vec<_> = update.nodes.iter().filter_map(|(_, node)| node.label()).collect();
+            panic!("no joint to drag among {names:?}")
+        });
+        pos2((0.5 * (bounds.x0 + bounds.x1)) as f32, (0.5 * (bounds.y0 + bounds.y1)) as f32)
+    }
+}
+
+fn print_row(name: &str, seconds: &mut [f64]) {
+    seconds.sort_by(f64::total_cmp);
+    let at = |share: f64| 1e3 * seconds[((seconds.len() - 1) as f64 * share) as usize];
+    println!("{name:<44} {:>9.2} {:>9.2} {:>9.2} {:>9.2}", at(0.5), at(0.75), at(0.95), at(1.0));
+}
