@@ -20,6 +20,7 @@
 //! | `touring` | the tour: which step, and whether it was done |
 //! | `exporting`, `twin` | exports, and the second inspector that is painted for them |
 //! | `outside` | folders and pages in other programs |
+//! | `scene_view` | where the 3-D scene is seen from, and its hull |
 //! | `screen` | which panels there are, and where |
 //! | `headless` | the window's picture without a display |
 
@@ -42,6 +43,7 @@ mod headless;
 mod jobs;
 mod outside;
 mod requests;
+mod scene_view;
 mod screen;
 mod state;
 mod touring;

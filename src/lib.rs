@@ -25,6 +25,7 @@ mod posing;
 pub mod project;
 pub mod raster;
 pub mod replacement;
+pub mod scene_view;
 pub mod selection;
 pub mod session;
 pub mod showing;

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::arrangement::{self, Kept};
 use crate::export::ExportChoices;
 use crate::pane::Pane;
+use crate::scene_view::SceneLook;
 use crate::theme::{Theme, size};
 use crate::view_settings::ViewSettings;
 
@@ -59,6 +60,8 @@ pub struct Look {
     pub views: ViewSettings,
     /// Takes that were opened last, the newest first.
     pub recent: Vec<PathBuf>,
+    /// What the 3-D scene shows.
+    pub scene: SceneLook,
     /// How the user has arranged the tiles.
     pub kept: Kept,
     /// What was chosen for the last export.
@@ -81,6 +84,7 @@ impl Default for Look {
             linked_zoom: false,
             views: ViewSettings::default(),
             recent: Vec::new(),
+            scene: SceneLook::default(),
             kept: Kept::default(),
             export: ExportChoices::default(),
             used_commands: Vec::new(),

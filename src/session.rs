@@ -2,6 +2,7 @@
 //! be made again at any time and is never saved.
 
 mod frames;
+mod hulls;
 mod refitted;
 mod run;
 mod run_names;
@@ -11,6 +12,7 @@ use std::sync::Arc;
 use backlit_tracking::body::Pose;
 
 pub use frames::{FrameCache, FrameData};
+pub use hulls::HullCache;
 pub use refitted::Refitted;
 pub use run::{Run, RunChoices, RunEnding, RunStep};
 pub use run_names::name_runs;
@@ -49,6 +51,8 @@ pub struct Session {
     pub refits: std::collections::BTreeMap<usize, Refitted>,
     /// Whether that run is being stepped right now.
     pub is_stepping: bool,
+    /// Visual hulls of frames.
+    pub hulls: HullCache,
     /// The frame that is being loaded.
     pub loading: Option<usize>,
     /// The frame that was shown last: it stays until the next one is there.

@@ -15,6 +15,7 @@ use crate::pane::Pane;
 use crate::panels::camera_tile::TileEvent;
 use crate::panels::export_dialog::ExportOrder;
 use crate::picture::JointId;
+use crate::scene_view::SceneLook;
 use crate::selection::{Selection, StepRef};
 use crate::session::Session;
 use crate::view_settings::ViewSettings;
@@ -109,6 +110,8 @@ pub enum Request {
     Layout(Layout),
     /// What the user did with a tile.
     Pane(Pane, PaneEvent),
+    /// What the 3-D scene shows, and from where.
+    Scene(SceneLook),
     /// The user has arranged the tiles.
     Arrange(Box<Arrangement>),
     /// Open a take.
@@ -232,7 +235,14 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
             (Some((_, run)), _) => because(run.steps.len() < 2, "The run has no step yet"),
         },
         A::LaterStep | A::Branch => because(selection.step.is_none(), "This is the newest step of the run"),
-        A::ShowScene | A::ShowConvergence | A::ArrangeTiles => {
+        A::ShowScene
+        | A::ShowConvergence
+        | A::ArrangeTiles
+        | A::SceneFront
+        | A::SceneSide
+        | A::SceneTop
+        | A::SceneFromCamera
+        | A::SceneReset => {
             let has_none = showing.look.layout == Layout::Demonstrate;
             no_take.or(because(has_none, "This layout has no tiles"))
         }

@@ -127,7 +127,7 @@ impl App {
                     self.doing = Some("The layout is as it was.".to_owned());
                 }
             }
-            _ => return false,
+            _ => return self.act_on_scene(action),
         }
         true
     }

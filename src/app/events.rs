@@ -39,6 +39,7 @@ impl App {
                 self.session.frames.insert(frame);
                 self.session.generation += 1;
             }
+            Event::HullCarved(frame, hull) => self.session.hulls.insert(frame, hull),
             Event::Surveyed(extents) => self.session.subject = extents,
             Event::Predicted(predicted) => self.show_prediction(predicted),
             Event::FitStep(step, predicted) => self.fit_step(*step, predicted),
@@ -149,9 +150,16 @@ impl App {
     }
 
     fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<(Box<Document>, PathBuf)>) {
-        for lane in
-            [Lane::Predict, Lane::Load, Lane::Survey, Lane::Fit, Lane::Track, Lane::TakeIn, Lane::Calibrate]
-        {
+        for lane in [
+            Lane::Predict,
+            Lane::Load,
+            Lane::Survey,
+            Lane::Fit,
+            Lane::Track,
+            Lane::TakeIn,
+            Lane::Calibrate,
+            Lane::Hull,
+        ] {
             self.worker.drop_lane(lane);
         }
         self.session.reset(Some(footage.clone()));
@@ -172,6 +180,7 @@ impl App {
         self.history = history;
         self.project = path;
         self.docking.alone = None;
+        self.look.scene.viewpoint = None;
         self.docking.pair = [0, 1.min(footage.cameras.len() - 1)];
         self.held = None;
         self.pending_steps = 0;

@@ -26,6 +26,7 @@ impl App {
             self.worker.request(Lane::Survey, SurveyJob::new(take, measurement));
         }
         self.request_prediction();
+        self.request_hull();
     }
 
     /// The footage follows the document's calibration and silhouettes, also where they are undone. Frames that were made

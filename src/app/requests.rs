@@ -72,6 +72,7 @@ impl App {
             Request::Tile(camera, event) => self.tile_event(camera, event),
             Request::Layout(layout) => self.look.layout = layout,
             Request::Pane(pane, event) => self.pane_event(pane, event),
+            Request::Scene(look) => self.look.scene = look,
             Request::Arrange(tree) => self.arrange(*tree),
             Request::Open(source) => self.open(Opening::Take(source)),
             Request::CloseNotice(id) => self.notices.close(id),

@@ -8,8 +8,8 @@ use egui::{
 use egui_tiles::{Behavior, EditAction, ResizeState, TabState, Tabs, TileId, Tiles, UiResponse};
 
 use super::camera_tile::CameraPanes;
-use super::convergence;
 use super::tiles::TilesLook;
+use super::{convergence, scene};
 use crate::action::Action;
 use crate::arrangement::{Arrangement, Centre, automatic, has_strip, panes_with, snap};
 use crate::pane::{HEADER_BUTTONS, Pane};
@@ -97,7 +97,7 @@ fn contents(ui: &mut Ui, rect: Rect, input: &Contents<'_>, intents: &mut Intents
             Pane::Camera(index) => {
                 dragged = common.show(ui, index, siblings, intents);
             }
-            Pane::Scene => {}
+            Pane::Scene => scene::ui(ui, showing, look.views.dragged, intents),
             Pane::Convergence => convergence::ui(ui, showing, intents),
         }
         if !matches!(pane, Pane::Camera(_)) {

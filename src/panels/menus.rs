@@ -54,9 +54,12 @@ fn with_object(verb: &str, object: Option<&str>) -> String {
     object.map_or_else(|| verb.to_owned(), |object| format!("{verb}: {object}"))
 }
 
-/// Cameras that the take does not have, and what only keys are good for.
+/// Cameras that the take does not have, what only keys are good for, and what stands in the scene's own menu.
 fn is_hidden(action: Action, showing: &Showing<'_>) -> bool {
-    if nudge_of(action).is_some() {
+    use Action as A;
+    let is_of_scene =
+        matches!(action, A::SceneFront | A::SceneSide | A::SceneTop | A::SceneFromCamera | A::SceneReset);
+    if is_of_scene || nudge_of(action).is_some() {
         return true;
     }
     let count = showing.session.camera_count();

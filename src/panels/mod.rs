@@ -23,6 +23,7 @@ mod refit;
 mod renderer;
 pub(crate) mod right_panel;
 mod runs;
+mod scene;
 pub(crate) mod shortcuts;
 mod sizes;
 mod solver;

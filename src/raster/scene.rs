@@ -4,6 +4,7 @@
 //! true perspective; a depth buffer decides what is in front. Every pixel is the mean of 2 × 2 samples.
 //! Lengths are metres, and nothing closer to the eye than [`NEAR`] is drawn. What is not finite is skipped.
 
+mod dots;
 mod frame;
 
 use egui::Color32;
@@ -68,6 +69,17 @@ pub struct Line {
     pub colour: Color32,
 }
 
+/// A square that faces the viewer, such as a cube of a hull seen from afar.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dot {
+    /// Its middle.
+    pub at: DVec3,
+    /// Its side, as long as if it were in the scene.
+    pub side: f64,
+    /// Its colour, which may be translucent.
+    pub colour: Color32,
+}
+
 /// A flat picture, such as a camera's image on its frustum.
 ///
 /// One texel is picked for each sample: give it at about the size it is seen.
@@ -118,7 +130,7 @@ impl Floor {
 }
 
 /// All that is drawn in a scene: limbs first, then the floor, then pictures from the farthest to the
-/// nearest, then lines in their order.
+/// nearest, then dots and lines in their order.
 #[derive(Clone, Debug, Default)]
 pub struct Scene<'a> {
     /// Limbs.
@@ -127,6 +139,8 @@ pub struct Scene<'a> {
     pub floor: Option<Floor>,
     /// Pictures. Where they are more than half opaque they hide lines behind them.
     pub pictures: Vec<Picture<'a>>,
+    /// Dots. They hide nothing.
+    pub dots: Vec<Dot>,
     /// Lines.
     pub lines: Vec<Line>,
 }

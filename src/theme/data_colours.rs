@@ -12,6 +12,10 @@ use super::rgb;
 
 /// The ground of pictures without footage, and of the scene.
 pub const PICTURE_GROUND: Color32 = rgb(0x17191C);
+/// The body in the scene, in full light.
+pub const SCENE_BODY: Color32 = rgb(0xD3D7DC);
+/// The grid of the scene's floor.
+pub const SCENE_FLOOR: Color32 = rgb(0x2F343A);
 /// Data and model agree.
 pub const AGREEMENT: Color32 = rgb(0x84919E);
 /// Data without model. [`super::Palette::missing_text`] is its text form.

@@ -8,6 +8,7 @@
 mod body;
 mod calibrate;
 mod fit;
+mod hull;
 mod load;
 mod open;
 mod predict;
@@ -24,6 +25,7 @@ use std::sync::Arc;
 pub use body::BodyJob;
 pub use calibrate::CalibrateJob;
 pub use fit::{FitJob, FitStart, LiveFit};
+pub use hull::HullJob;
 pub use load::LoadJob;
 pub use open::OpenJob;
 pub use predict::{CameraPrediction, Derivatives, PredictJob, Predicted, Scene};
@@ -35,6 +37,7 @@ pub use track::TrackJob;
 pub use write::WriteJob;
 
 use backlit_tracking::track::fit_body::BodyFit;
+use backlit_tracking::track::visual_hull::VisualHull;
 
 use crate::document::{Document, Estimate};
 use crate::edit::Edit;
@@ -57,6 +60,8 @@ pub enum Event {
     Surveyed(Vec<Option<Extent>>),
     /// What a pose predicts.
     Predicted(Arc<Predicted>),
+    /// The visual hull of a frame, if its silhouettes leave one.
+    HullCarved(Arc<FrameData>, Option<Arc<VisualHull>>),
     /// A step of the fit; the first is the start.
     FitStep(Box<RunStep>, Arc<Predicted>),
     /// The fit has ended or was stopped; `None` if it may go on.

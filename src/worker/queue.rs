@@ -29,6 +29,8 @@ pub enum Lane {
     Survey,
     /// The fit of frame after frame.
     Track,
+    /// The visual hull of the frame on the screen.
+    Hull,
 }
 
 /// Whether a job wants another turn.

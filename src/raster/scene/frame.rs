@@ -8,6 +8,8 @@ use super::{Capsule, Line, NEAR, Picture, Scene, SceneCamera, View, capsule_hit}
 
 /// Samples across and down a pixel.
 const SAMPLES: u32 = 2;
+/// Samples of a draft.
+const DRAFT_SAMPLES: u32 = 1;
 
 /// Light on a surface that is turned away from the lamp.
 const AMBIENT: f64 = 0.42;
@@ -22,11 +24,13 @@ const LINE_LIFT: f64 = 0.002;
 #[derive(Debug)]
 pub struct SceneFrame {
     size: [u32; 2],
+    /// Samples across and down a pixel.
+    samples: u32,
     /// Samples across and down.
-    width: usize,
-    height: usize,
-    colours: Vec<[f32; 3]>,
-    depths: Vec<f32>,
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) colours: Vec<[f32; 3]>,
+    pub(super) depths: Vec<f32>,
 }
 
 /// Samples `left..right` by `top..bottom`.
@@ -40,12 +44,22 @@ struct Bounds {
 impl SceneFrame {
     /// A black frame of `width` × `height` pixels.
     pub fn new(width: u32, height: u32) -> Self {
-        let samples = [width, height].map(|pixels| (pixels * SAMPLES) as usize);
-        let count = samples[0] * samples[1];
+        Self::with_samples(width, height, SAMPLES)
+    }
+
+    /// A frame that is drawn in a quarter of the time, with one sample a pixel: for what moves.
+    pub fn draft(width: u32, height: u32) -> Self {
+        Self::with_samples(width, height, DRAFT_SAMPLES)
+    }
+
+    fn with_samples(width: u32, height: u32, samples: u32) -> Self {
+        let sides = [width, height].map(|pixels| (pixels * samples) as usize);
+        let count = sides[0] * sides[1];
         Self {
             size: [width, height],
-            width: samples[0],
-            height: samples[1],
+            samples,
+            width: sides[0],
+            height: sides[1],
             colours: vec![[0.0; 3]; count],
             depths: vec![f32::INFINITY; count],
         }
@@ -55,7 +69,7 @@ impl SceneFrame {
     pub fn draw(&mut self, camera: &SceneCamera, background: Color32, scene: &Scene<'_>) {
         self.colours.fill(channels(background));
         self.depths.fill(f32::INFINITY);
-        let view = View::new(camera, self.size, SAMPLES);
+        let view = View::new(camera, self.size, self.samples);
         for capsule in &scene.capsules {
             self.draw_capsule(&view, capsule);
         }
@@ -69,6 +83,9 @@ impl SceneFrame {
         for picture in pictures {
             self.draw_picture(&view, picture);
         }
+        for dot in &scene.dots {
+            self.draw_dot(&view, dot);
+        }
         for line in &scene.lines {
             self.draw_line(&view, line);
         }
@@ -76,7 +93,7 @@ impl SceneFrame {
 
     /// The picture, opaque.
     pub fn image(&self) -> RgbaImage {
-        let per_axis = SAMPLES as usize;
+        let per_axis = self.samples as usize;
         let share = 1.0 / (per_axis * per_axis) as f32;
         RgbaImage::from_fn(self.size[0], self.size[1], |x, y| {
             let mut sum = [0.0; 3];
@@ -182,7 +199,7 @@ impl SceneFrame {
         }
         let [long, short] = if is_steep { [self.height, self.width] } else { [self.width, self.height] };
         let slope = (to.y - from.y) / (to.x - from.x).max(1e-9);
-        let half_width = 0.5 * line.width_px * f64::from(SAMPLES) * slope.hypot(1.0);
+        let half_width = 0.5 * line.width_px * f64::from(self.samples) * slope.hypot(1.0);
         let source = channels(line.colour);
         let alpha = f32::from(line.colour.a()) / 255.0;
         let (first, last) = (clamped_ceil(from.x, long), clamped_ceil(to.x, long));
@@ -229,7 +246,7 @@ impl SceneFrame {
 }
 
 /// The first integer not below `value`, held within `0..=limit`.
-fn clamped_ceil(value: f64, limit: usize) -> usize {
+pub(super) fn clamped_ceil(value: f64, limit: usize) -> usize {
     value.ceil().clamp(0.0, limit as f64) as usize
 }
 
@@ -250,11 +267,11 @@ fn clip_to_near([a, b]: [DVec3; 2]) -> Option<[DVec3; 2]> {
     })
 }
 
-fn channels(colour: Color32) -> [f32; 3] {
+pub(super) fn channels(colour: Color32) -> [f32; 3] {
     [colour.r(), colour.g(), colour.b()].map(f32::from)
 }
 
-fn over(source: [f32; 3], alpha: f32, target: [f32; 3]) -> [f32; 3] {
+pub(super) fn over(source: [f32; 3], alpha: f32, target: [f32; 3]) -> [f32; 3] {
     std::array::from_fn(|i| source[i] + target[i] * (1.0 - alpha))
 }
 

@@ -17,6 +17,7 @@
 //! | [`fit_body`] | the person's own lengths and radii, with the poses of several frames |
 //! | [`observability`] | what the cameras see of a pose and what not: directions, covariances, sets of cameras |
 //! | [`metrics`] | joint errors against a reference |
+//! | [`visual_hull`] | what all silhouettes leave of space |
 
 pub mod chains;
 pub mod evidence;
@@ -36,6 +37,7 @@ pub mod schedule;
 mod sketch;
 pub mod start;
 pub mod tracker;
+pub mod visual_hull;
 
 pub use evidence::{Evidence, FitError, FitView};
 pub use fit::{Fit, IterationRecord, SolverSummary};

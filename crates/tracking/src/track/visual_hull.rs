@@ -1,0 +1,352 @@
+//! The visual hull: what is left of space when every silhouette has cut away what it does not cover.
+//!
+//! Voxels are carved on a grid of equal cubes (A. Laurentini, "The visual hull concept for silhouette-based image
+//! understanding", IEEE PAMI 16(2), 1994). The hull holds the body, and whatever no camera can tell from it. Lengths
+//! are metres, in world axes.
+
+use std::borrow::Borrow;
+
+use glam::{DMat3, DVec2, DVec3};
+
+use crate::camera::Camera;
+use crate::cancel::CancelToken;
+use crate::silhouette::{Label, Mask, SignedDistance};
+
+/// Cubes along each side of the first, coarse grid.
+const COARSE: usize = 24;
+/// The first grid reaches so much farther than the silhouettes do.
+const MARGIN: f64 = 1.25;
+/// Half the diagonal of a cube of side one.
+const HALF_DIAGONAL: f64 = 0.866_025_403_784_438_6;
+
+/// One camera's silhouette.
+#[derive(Debug, Clone)]
+pub struct HullView<C, M> {
+    /// The camera, of the same picture as the silhouette: without distortion if that was rectified.
+    pub camera: C,
+    /// What it sees of the subject. Unknown pixels do not hold the subject.
+    pub silhouette: M,
+}
+
+/// How finely is carved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct HullOptions {
+    /// Cubes along the longest side of the hull's box.
+    pub cells: usize,
+}
+
+impl Default for HullOptions {
+    fn default() -> Self {
+        Self { cells: 64 }
+    }
+}
+
+/// A cube at the hull's surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShellVoxel {
+    /// Its middle.
+    pub centre: DVec3,
+    /// Unit vector away from the cubes of the hull beside it.
+    pub normal: DVec3,
+}
+
+/// The hull of one frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VisualHull {
+    /// Corners of the box that holds it: each face is within a side of a cube of the hull's own.
+    pub bounds: [DVec3; 2],
+    /// Side of a cube.
+    pub voxel: f64,
+    /// The cubes at its surface, in the order of x, y, z.
+    pub shell: Vec<ShellVoxel>,
+}
+
+impl VisualHull {
+    /// Carves the hull. A place that fewer than two cameras see does not belong to it. `None` with fewer than two
+    /// silhouettes, with silhouettes that do not meet, or when cancelled.
+    #[must_use]
+    pub fn carve<C: Borrow<Camera>, M: Borrow<Mask>>(
+        views: &[HullView<C, M>],
+        options: &HullOptions,
+        cancel: &CancelToken,
+    ) -> Option<Self> {
+        let seen: Vec<Seen<'_>> = views
+            .iter()
+            .filter_map(|view| Seen::new(view.camera.borrow(), view.silhouette.borrow()))
+            .collect();
+        if seen.len() < 2 {
+            return None;
+        }
+        let (middle, half) = region(&seen)?;
+        let coarse = Grid {
+            corner: middle - DVec3::splat(half),
+            side: 2.0 * half / COARSE as f64,
+            counts: [COARSE; 3],
+        };
+        // Coarsely, whatever may hold a part of it stays.
+        let [low, high] = coarse.bounds(&coarse.carve(&seen, HALF_DIAGONAL, cancel)?)?;
+        let extent = high - low;
+        let side = extent.max_element() / options.cells.max(1) as f64;
+        let counts = extent.to_array().map(|length| (length / side).ceil().max(1.0) as usize);
+        let fine = Grid { corner: low, side, counts };
+        let held = fine.carve(&seen, 0.0, cancel)?;
+        Some(Self { bounds: fine.bounds(&held)?, voxel: side, shell: fine.shell(&held) })
+    }
+
+    /// Lengths of the box along x, y and z.
+    #[must_use]
+    pub fn size(&self) -> DVec3 {
+        self.bounds[1] - self.bounds[0]
+    }
+}
+
+/// A silhouette that shows something.
+struct Seen<'a> {
+    camera: &'a Camera,
+    distance: SignedDistance,
+    /// The ray of the middle of what it shows, and half the diagonal of that in focal lengths.
+    ray: DVec3,
+    spread: f64,
+}
+
+impl<'a> Seen<'a> {
+    fn new(camera: &'a Camera, silhouette: &Mask) -> Option<Self> {
+        let found = silhouette.bounds()?;
+        let fits = (silhouette.width(), silhouette.height()) == (camera.width(), camera.height());
+        let corner = |x: usize, y: usize| DVec2::new(x as f64, y as f64);
+        let (low, high) = (corner(found.x_min, found.y_min), corner(found.x_max, found.y_max));
+        let ray = camera.ray_in_world(0.5 * (low + high)).filter(|_| fits)?;
+        let spread = 0.5 * (high - low + DVec2::ONE).length() / camera.intrinsics().mean_focal_px();
+        // Unknown pixels are background: only what is seen to be the subject may hold it.
+        let known = if silhouette.count(Label::Unknown) > 0 {
+            let label = |label: &Label| if *label == Label::Subject { *label } else { Label::Background };
+            let labels = silhouette.labels().iter().map(label).collect();
+            SignedDistance::from_mask(&Mask::new(silhouette.width(), silhouette.height(), labels).ok()?)
+        } else {
+            SignedDistance::from_mask(silhouette)
+        };
+        Some(Self { camera, distance: known, ray, spread })
+    }
+
+    /// Whether a ball about a point may be the subject's; `None` where this camera does not see the point.
+    fn holds(&self, point: DVec3, radius: f64) -> Option<bool> {
+        let depth = self.camera.depth(point);
+        let pixel = self.camera.project(point)?.round();
+        let (width, height) = (self.distance.width(), self.distance.height());
+        let inside = pixel.x >= 0.0 && pixel.y >= 0.0 && pixel.x < width as f64 && pixel.y < height as f64;
+        if !inside {
+            return None;
+        }
+        let reach = radius * self.camera.intrinsics().mean_focal_px() / depth;
+        let away = self.distance.values()[pixel.y as usize * width + pixel.x as usize];
+        Some(f64::from(away) <= reach)
+    }
+}
+
+/// A cube that holds the subject: its middle, nearest to all middle rays, and half its side.
+fn region(seen: &[Seen<'_>]) -> Option<(DVec3, f64)> {
+    let (mut sum, mut right) = (DMat3::ZERO, DVec3::ZERO);
+    for view in seen {
+        let ray = view.ray;
+        let across = DMat3::IDENTITY - DMat3::from_cols(ray * ray.x, ray * ray.y, ray * ray.z);
+        sum += across;
+        right += across * view.camera.centre();
+    }
+    let middle = sum.inverse() * right;
+    if sum.determinant().abs() < 1e-6 || !middle.is_finite() {
+        return None;
+    }
+    let half = seen.iter().map(|view| view.spread * view.camera.depth(middle)).fold(0.0, f64::max);
+    (half > 0.0).then_some((middle, MARGIN * half))
+}
+
+/// Equal cubes in a box.
+struct Grid {
+    corner: DVec3,
+    side: f64,
+    counts: [usize; 3],
+}
+
+impl Grid {
+    fn index(&self, [x, y, z]: [usize; 3]) -> usize {
+        (x * self.counts[1] + y) * self.counts[2] + z
+    }
+
+    fn centre(&self, cell: [usize; 3]) -> DVec3 {
+        let [x, y, z] = cell.map(|index| index as f64 + 0.5);
+        self.corner + self.side * DVec3::new(x, y, z)
+    }
+
+    fn cells(&self) -> impl Iterator<Item = [usize; 3]> {
+        let [nx, ny, nz] = self.counts;
+        (0..nx).flat_map(move |x| (0..ny).flat_map(move |y| (0..nz).map(move |z| [x, y, z])))
+    }
+
+    /// Which cubes every camera leaves; `reach` is in sides of a cube.
+    fn carve(&self, seen: &[Seen<'_>], reach: f64, cancel: &CancelToken) -> Option<Vec<bool>> {
+        let mut held = vec![false; self.counts.iter().product()];
+        for cell in self.cells() {
+            if cell[1] == 0 && cell[2] == 0 && cancel.is_cancelled() {
+                return None;
+            }
+            let point = self.centre(cell);
+            let mut witnesses = 0;
+            let is_held = seen.iter().all(|view| match view.holds(point, reach * self.side) {
+                Some(holds) => {
+                    witnesses += 1;
+                    holds
+                }
+                None => true,
+            });
+            held[self.index(cell)] = is_held && witnesses >= 2;
+        }
+        Some(held)
+    }
+
+    /// Corners of the box about all cubes that are held.
+    fn bounds(&self, held: &[bool]) -> Option<[DVec3; 2]> {
+        let half = DVec3::splat(0.5 * self.side);
+        let centres = self.cells().filter(|cell| held[self.index(*cell)]).map(|cell| self.centre(cell));
+        let (low, high) = centres
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+        low.is_finite().then_some([low - half, high + half])
+    }
+
+    fn shell(&self, held: &[bool]) -> Vec<ShellVoxel> {
+        let is_held = |cell: [usize; 3], axis: usize, by: isize| {
+            let moved = cell[axis].checked_add_signed(by).filter(|index| *index < self.counts[axis]);
+            moved.is_some_and(|index| {
+                let mut other = cell;
+                other[axis] = index;
+                held[self.index(other)]
+            })
+        };
+        let mut shell = Vec::new();
+        for cell in self.cells().filter(|cell| held[self.index(*cell)]) {
+            let mut inward = DVec3::ZERO;
+            let mut neighbours = 0;
+            for (axis, direction) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().enumerate() {
+                for (by, side) in [(-1, -1.0), (1, 1.0)] {
+                    if is_held(cell, axis, by) {
+                        neighbours += 1;
+                        inward += side * direction;
+                    }
+                }
+            }
+            if neighbours < 6 {
+                shell.push(ShellVoxel { centre: self.centre(cell), normal: (-inward).normalize_or_zero() });
+            }
+        }
+        shell
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{CameraFromWorld, Distortion, Intrinsics};
+
+    const LOW: DVec3 = DVec3::new(-0.3, -0.2, 0.1);
+    const HIGH: DVec3 = DVec3::new(0.4, 0.3, 1.5);
+
+    fn camera(at: DVec3, up: DVec3) -> Camera {
+        let place = CameraFromWorld::looking_at(at, 0.5 * (LOW + HIGH), up);
+        let intrinsics = Intrinsics { fx: 900.0, fy: 900.0, cx: 159.5, cy: 119.5 };
+        Camera::new("c", [320, 240], intrinsics, Distortion::None, place).unwrap()
+    }
+
+    /// The silhouette of a box, by its slabs.
+    fn silhouette(camera: &Camera) -> Mask {
+        let labels = (0..240).flat_map(|y| (0..320).map(move |x| DVec2::new(f64::from(x), f64::from(y))));
+        let label = |pixel: DVec2| {
+            let (eye, ray) = (camera.centre(), camera.ray_in_world(pixel).unwrap());
+            let (to_low, to_high) = ((LOW - eye) / ray, (HIGH - eye) / ray);
+            let (enter, leave) = (to_low.min(to_high).max_element(), to_low.max(to_high).min_element());
+            if enter <= leave { Label::Subject } else { Label::Background }
+        };
+        Mask::new(320, 240, labels.map(label).collect()).unwrap()
+    }
+
+    fn views(places: &[(DVec3, DVec3)]) -> Vec<HullView<Camera, Mask>> {
+        let view = |&(at, up): &(DVec3, DVec3)| {
+            let camera = camera(at, up);
+            HullView { silhouette: silhouette(&camera), camera }
+        };
+        places.iter().map(view).collect()
+    }
+
+    fn carve(views: &[HullView<Camera, Mask>]) -> Option<VisualHull> {
+        VisualHull::carve(views, &HullOptions::default(), &CancelToken::new())
+    }
+
+    #[test]
+    fn a_box_seen_from_far_along_its_axes_is_its_own_hull() {
+        let far = 8.0;
+        let hull = carve(&views(&[
+            (DVec3::new(far, 0.05, 0.8), DVec3::Z),
+            (DVec3::new(0.05, -far, 0.8), DVec3::Z),
+            (DVec3::new(0.05, 0.05, far), DVec3::Y),
+        ]))
+        .unwrap();
+        // A cube, and what perspective leaves beside it.
+        let tolerance = hull.voxel + 0.03;
+        assert!((hull.bounds[0] - LOW).abs().max_element() < tolerance, "{:?}", hull.bounds);
+        assert!((hull.bounds[1] - HIGH).abs().max_element() < tolerance, "{:?}", hull.bounds);
+        assert!((hull.size() - (HIGH - LOW)).abs().max_element() < 2.0 * tolerance);
+        for voxel in &hull.shell {
+            let inside = (voxel.centre - LOW).min(HIGH - voxel.centre).min_element();
+            assert!(inside > -tolerance && inside < tolerance, "{voxel:?} is not at the surface");
+        }
+        let top = hull.shell.iter().filter(|voxel| voxel.normal.z > 0.99).count();
+        assert!(top > 100, "{top}");
+    }
+
+    #[test]
+    fn more_cameras_leave_less() {
+        let places: Vec<(DVec3, DVec3)> = [0.3_f64, 1.1, 1.9, 2.7, 3.6]
+            .iter()
+            .map(|angle| (DVec3::new(7.0 * angle.cos(), 7.0 * angle.sin(), 1.6), DVec3::Z))
+            .collect();
+        let all = views(&places);
+        let mut before = f64::INFINITY;
+        for count in 2..=all.len() {
+            let hull = carve(&all[..count]).unwrap();
+            let volume = hull.size().element_product();
+            assert!(volume < before + 0.02, "{count} cameras: {volume} after {before}");
+            before = volume;
+            let tolerance = hull.voxel;
+            assert!((LOW - hull.bounds[0]).min_element() > -tolerance, "{:?}", hull.bounds);
+            assert!((hull.bounds[1] - HIGH).min_element() > -tolerance, "{:?}", hull.bounds);
+        }
+    }
+
+    #[test]
+    fn no_hull_without_two_silhouettes_that_meet() {
+        let two = views(&[(DVec3::new(5.0, 0.0, 0.8), DVec3::Z), (DVec3::new(0.0, 5.0, 0.8), DVec3::Z)]);
+        assert!(carve(&two).is_some());
+        assert_eq!(carve(&two[..1]), None);
+        let mut blank = two.clone();
+        blank[1].silhouette = Mask::filled(320, 240, Label::Background).unwrap();
+        assert_eq!(carve(&blank), None);
+        let mut other_size = two.clone();
+        other_size[1].silhouette = Mask::filled(32, 24, Label::Subject).unwrap();
+        assert_eq!(carve(&other_size), None);
+        let same = [two[0].clone(), two[0].clone()];
+        assert_eq!(carve(&same), None, "one ray twice has no middle");
+        let cancelled = CancelToken::new();
+        cancelled.cancel();
+        assert_eq!(VisualHull::carve(&two, &HullOptions::default(), &cancelled), None);
+    }
+
+    #[test]
+    fn what_is_unknown_holds_nothing() {
+        let two = views(&[(DVec3::new(5.0, 0.0, 0.8), DVec3::Z), (DVec3::new(0.0, 5.0, 0.8), DVec3::Z)]);
+        let mut veiled = two.clone();
+        for label in veiled[0].silhouette.labels_mut() {
+            if *label == Label::Background {
+                *label = Label::Unknown;
+            }
+        }
+        assert_eq!(carve(&veiled), carve(&two));
+    }
+}

@@ -1,0 +1,68 @@
+//! Where the 3-D scene is seen from, and its visual hull.
+
+use backlit_tracking::body::Kinematics;
+
+use super::App;
+use crate::action::Action;
+use crate::pane::Pane;
+use crate::scene_view::{HullLook, Orbit, Upright, Viewpoint};
+use crate::worker::{HullJob, Lane};
+
+impl App {
+    /// Whether the scene is on the screen.
+    fn shows_scene(&self) -> bool {
+        match self.docking.alone {
+            Some(alone) => alone == Pane::Scene,
+            None => self.look.is_open(Pane::Scene, self.session.camera_count()),
+        }
+    }
+
+    /// Asks for the hull of the frame on the screen, where it is to be seen and not carved yet.
+    pub(super) fn request_hull(&mut self) {
+        if !self.shows_scene() || self.look.scene.hull == HullLook::Hidden || self.worker.is_busy(Lane::Hull)
+        {
+            return;
+        }
+        let Some(take) = &self.session.take else { return };
+        let Some(frame) = self.session.frames.get(self.selection.frame) else { return };
+        if self.session.hulls.get(frame).is_none() {
+            let job = HullJob { cameras: take.cameras.clone(), frame: frame.clone() };
+            self.worker.request(Lane::Hull, job);
+        }
+    }
+
+    /// Turns the scene to a side of the body. Opens it where it is closed.
+    pub(super) fn act_on_scene(&mut self, action: Action) -> bool {
+        let viewpoint = match action {
+            Action::SceneReset => None,
+            Action::SceneFromCamera => Some(Viewpoint::Camera(self.selection.camera)),
+            Action::SceneFront | Action::SceneSide | Action::SceneTop => self.side_of_body(action),
+            _ => return false,
+        };
+        self.look.scene.viewpoint = viewpoint;
+        if !self.shows_scene() {
+            self.pane_event(Pane::Scene, crate::showing::PaneEvent::Open);
+        }
+        true
+    }
+
+    fn side_of_body(&self, action: Action) -> Option<Viewpoint> {
+        let take = self.session.take.as_ref()?;
+        let upright = Upright::of(&take.cameras);
+        let pose = self.shown_pose();
+        let kinematics = Kinematics::new(&self.document().model, pose);
+        let facing = upright.facing(&self.document().model, &kinematics).unwrap_or(upright.ahead);
+        let eyes = take.cameras.iter().map(|camera| camera.centre());
+        let orbit = match self.look.scene.viewpoint {
+            Some(Viewpoint::Orbit(orbit)) => Orbit { target: pose.root, ..orbit },
+            _ => Orbit::around(&upright, pose.root, eyes),
+        };
+        let direction = match action {
+            Action::SceneSide => facing.cross(upright.up),
+            // Nearly: the front stays below.
+            Action::SceneTop => upright.up * 1e3 + facing,
+            _ => facing,
+        };
+        Some(Viewpoint::Orbit(orbit.from_side(&upright, direction)))
+    }
+}

@@ -1,0 +1,137 @@
+//! The scene's tile: body, cameras with their pictures, floor and visual hull in three dimensions.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `header` | title and the menu of views and of what is shown |
+//! | `hand` | orbit, pan, zoom, click on a camera |
+//! | `canvas` | the picture, drawn anew only when something in it has changed |
+//! | `marks` | badges, the held joint, axes and words, over the picture |
+
+mod canvas;
+mod hand;
+mod header;
+mod marks;
+
+use backlit_tracking::body::Kinematics;
+use egui::{Rect, Ui, pos2};
+use glam::DVec3;
+
+use crate::picture::JointId;
+use crate::raster::scene::SceneCamera;
+use crate::scene_view::{ContentsInput, Orbit, Upright, Viewpoint, contents};
+use crate::showing::{Intents, Showing};
+use crate::theme::size;
+
+/// The tile, in all of the space that is left. `dragged` is the camera in whose view a joint is dragged, and the
+/// joint.
+pub(super) fn ui(
+    ui: &mut Ui,
+    showing: &Showing<'_>,
+    dragged: Option<(usize, JointId)>,
+    intents: &mut Intents,
+) {
+    let tile = ui.available_rect_before_wrap();
+    let header = Rect::from_min_max(tile.min, pos2(tile.right(), tile.top() + size::TILE_HEADER));
+    let picture = Rect::from_min_max(pos2(tile.left(), header.bottom()), tile.max);
+    let Some(stage) = Stage::new(showing, dragged, picture) else { return };
+    header::show(ui, header, showing, intents);
+    if !picture.is_positive() {
+        return;
+    }
+    let moves = hand::navigate(ui, showing, &stage, intents);
+    let input = stage.contents_input(ui, showing);
+    let contents = contents(&input, stage.eye.position);
+    canvas::show(ui, showing, &stage, &contents, moves);
+    hand::pick_camera(ui, showing, &stage, &contents.frusta, intents);
+    marks::show(ui, showing, &stage, &contents.frusta);
+}
+
+/// Where the scene is, and how it is seen.
+struct Stage {
+    /// The picture on the screen.
+    picture: Rect,
+    upright: Upright,
+    /// Height of the floor.
+    floor: f64,
+    /// Where the start pose stands.
+    middle: DVec3,
+    viewpoint: Viewpoint,
+    eye: SceneCamera,
+    /// The body on the screen.
+    kinematics: Kinematics,
+    root: DVec3,
+    /// The camera in whose view a joint is dragged, and where that joint is.
+    ray: Option<(usize, DVec3)>,
+}
+
+impl Stage {
+    fn new(showing: &Showing<'_>, dragged: Option<(usize, JointId)>, picture: Rect) -> Option<Self> {
+        let take = showing.session.take.as_ref()?;
+        let document = showing.document();
+        let upright = Upright::of(&take.cameras);
+        let middle = document.start.root;
+        let whole = Orbit::around(&upright, middle, take.cameras.iter().map(|camera| camera.centre()));
+        let viewpoint = showing.look.scene.viewpoint.unwrap_or(Viewpoint::Orbit(whole));
+        let aspect = f64::from(picture.width() / picture.height().max(1.0));
+        let pose = showing.session.shown_pose(document, showing.selection);
+        let mut stage = Self {
+            picture,
+            upright,
+            floor: upright.floor(&document.model, &document.start),
+            middle,
+            viewpoint,
+            eye: viewpoint.camera(&upright, &take.cameras, aspect),
+            kinematics: Kinematics::new(&document.model, pose),
+            root: pose.root,
+            ray: None,
+        };
+        stage.ray = dragged.and_then(|(camera, joint)| Some((camera, stage.position(joint)?)));
+        Some(stage)
+    }
+
+    fn contents_input<'a>(&'a self, ui: &Ui, showing: &Showing<'a>) -> ContentsInput<'a> {
+        let (session, document) = (showing.session, showing.document());
+        let rotation = match showing.selection.joint {
+            JointId::Root => None,
+            joint @ JointId::End(_) => {
+                let limb = crate::selection::Selection { joint, ..*showing.selection }.limb(&document.model);
+                document.model.limbs().get(limb).map(|limb| limb.rotation)
+            }
+        };
+        let hull = session.shown_frame(showing.selection.frame).and_then(|frame| session.hulls.get(frame));
+        ContentsInput {
+            look: &showing.look.scene,
+            model: &document.model,
+            kinematics: &self.kinematics,
+            renderer: document.fit.renderer,
+            rotation,
+            cameras: session.take.as_ref().map_or(&[], |take| take.cameras.as_slice()),
+            uses: &document.cameras,
+            active: showing.selection.camera,
+            hull: hull.flatten().map(AsRef::as_ref),
+            ray: self.ray,
+            upright: self.upright,
+            floor: self.floor,
+            middle: self.middle,
+            scale: f64::from(ui.pixels_per_point()),
+        }
+    }
+
+    /// Where a point appears on the screen, and its depth.
+    fn on_screen(&self, point: DVec3) -> Option<egui::Pos2> {
+        // In tenths of a point, so that marks do not jump by whole ones.
+        const FINE: f32 = 10.0;
+        let size = (self.picture.size() * FINE).round();
+        let (at, _) = self.eye.project(point, [size.x.max(1.0) as u32, size.y.max(1.0) as u32])?;
+        let share = egui::vec2(at.x as f32 + 0.5, at.y as f32 + 0.5) / FINE;
+        Some(self.picture.min + share).filter(|at| at.is_finite())
+    }
+
+    /// Where a joint is.
+    fn position(&self, joint: JointId) -> Option<DVec3> {
+        match joint {
+            JointId::Root => Some(self.root),
+            JointId::End(limb) => self.kinematics.ends().get(limb).copied(),
+        }
+    }
+}

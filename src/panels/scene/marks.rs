@@ -1,0 +1,95 @@
+//! What lies over the scene's picture: badges, the held joint, axes, and words about the hull.
+
+use egui::{Align2, FontId, Rect, Role, Sense, Stroke, TextStyle, Ui, Vec2, WidgetInfo, vec2};
+use glam::DVec3;
+
+use super::Stage;
+use crate::format;
+use crate::scene_view::{Frustum, HullLook, Viewpoint};
+use crate::showing::Showing;
+use crate::theme::{Palette, Theme, run_style, size};
+use crate::widgets::{JointLook, paint_camera_badge, paint_joint};
+
+/// A badge stands so far above its camera, in points.
+const BADGE_ABOVE: f32 = 14.0;
+/// Names stand beside the badges in a picture at least so wide, in points.
+const NAMES_FROM: f32 = 460.0;
+/// Length of the axes, and where they meet: from the lower left corner, in points.
+const AXIS: f32 = 24.0;
+const AXES_AT: Vec2 = vec2(40.0, -38.0);
+/// Where words stand: from the lower right corner, in points.
+const WORDS_AT: Vec2 = vec2(-12.0, -10.0);
+
+/// The scene lies on its own dark ground in both themes, and so do its words.
+const fn palette() -> &'static Palette {
+    Theme::Dark.palette()
+}
+
+/// Where a camera's badge is, if it is in the picture.
+pub(super) fn badge_rect(stage: &Stage, frustum: &Frustum) -> Option<Rect> {
+    let at = stage.on_screen(frustum.apex)? - vec2(0.0, BADGE_ABOVE);
+    let rect = Rect::from_center_size(at, Vec2::splat(size::BADGE));
+    stage.picture.shrink(2.0).contains_rect(rect).then_some(rect)
+}
+
+pub(super) fn show(ui: &Ui, showing: &Showing<'_>, stage: &Stage, frusta: &[Frustum]) {
+    let painter = ui.painter().with_clip_rect(stage.picture.intersect(ui.clip_rect()));
+    let small = TextStyle::Small.resolve(ui.style());
+    for frustum in frusta {
+        let Some(rect) = badge_rect(stage, frustum) else { continue };
+        paint_camera_badge(&painter, rect, frustum.camera);
+        let name = showing.document().cameras.get(frustum.camera).map(|camera| camera.name.as_str());
+        if let Some(name) = name.filter(|_| stage.picture.width() >= NAMES_FROM) {
+            let at = rect.right_center() + vec2(5.0, 0.0);
+            painter.text(at, Align2::LEFT_CENTER, name, small.clone(), palette().text2);
+        }
+    }
+    if let Some(at) = stage.position(showing.selection.joint).and_then(|joint| stage.on_screen(joint)) {
+        let look = JointLook { is_selected: true, is_dragged: stage.ray.is_some(), is_hovered: false };
+        paint_joint(&painter, at, false, look);
+    }
+    if showing.look.scene.floor {
+        axes(&painter, stage);
+    }
+    if let Some(text) = words(showing) {
+        let at = stage.picture.right_bottom() + WORDS_AT;
+        let rect = painter.text(at, Align2::RIGHT_BOTTOM, &text, small, palette().text2);
+        let response = ui.interact(rect, ui.scope_id().with("hull words"), Sense::hover());
+        response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &text));
+        response.on_hover_text("Box of what all silhouettes leave of space: the body is inside");
+    }
+}
+
+/// The world's axes as the eye sees them.
+fn axes(painter: &egui::Painter, stage: &Stage) {
+    let view_from_world = stage.eye.view_from_world();
+    let origin = stage.picture.left_bottom() + AXES_AT;
+    let axes = [(DVec3::X, "x", 4), (DVec3::Y, "y", 2), (DVec3::Z, "z", 0)];
+    let mut seen = axes.map(|(axis, name, run)| (view_from_world * axis, name, run));
+    // The farthest first.
+    seen.sort_by(|a, b| b.0.z.total_cmp(&a.0.z));
+    for (axis, name, run) in seen {
+        let along = vec2(axis.x as f32, axis.y as f32);
+        painter.line_segment([origin, origin + along * AXIS], Stroke::new(1.75, run_style(run).colour));
+        let at = origin + along * (AXIS + 8.0);
+        let at = if along.length() < 0.2 { origin + vec2(-8.0, 8.0) } else { at };
+        painter.text(at, Align2::CENTER_CENTER, name, FontId::proportional(12.0), palette().text2);
+    }
+}
+
+/// What is to be said about the hull.
+fn words(showing: &Showing<'_>) -> Option<String> {
+    let (session, look) = (showing.session, showing.look.scene);
+    if look.hull == HullLook::Hidden || matches!(look.viewpoint, Some(Viewpoint::Camera(_))) {
+        return None;
+    }
+    let frame = session.shown_frame(showing.selection.frame)?;
+    Some(match session.hulls.get(frame) {
+        None => "Carving the visual hull…".to_owned(),
+        Some(None) => "No visual hull: it takes two silhouettes that meet".to_owned(),
+        Some(Some(hull)) => {
+            let [x, y, z] = hull.size().to_array().map(|length| format::number(length, 2));
+            format!("Visual hull {x} × {y} × {z} m")
+        }
+    })
+}
