@@ -8,6 +8,9 @@ use crate::pane::Pane;
 use crate::scene_view::{HullLook, Orbit, Upright, Viewpoint};
 use crate::worker::{HullJob, Lane};
 
+/// Views of a side of the body are from so far away, metres.
+const BODY_FROM: f64 = 4.5;
+
 impl App {
     /// Whether the scene is on the screen.
     fn shows_scene(&self) -> bool {
@@ -52,10 +55,10 @@ impl App {
         let pose = self.shown_pose();
         let kinematics = Kinematics::new(&self.document().model, pose);
         let facing = upright.facing(&self.document().model, &kinematics).unwrap_or(upright.ahead);
-        let eyes = take.cameras.iter().map(|camera| camera.centre());
+        let near = Orbit { target: pose.root, azimuth: 0.0, elevation: 0.0, distance: BODY_FROM };
         let orbit = match self.look.scene.viewpoint {
             Some(Viewpoint::Orbit(orbit)) => Orbit { target: pose.root, ..orbit },
-            _ => Orbit::around(&upright, pose.root, eyes),
+            _ => near,
         };
         let direction = match action {
             Action::SceneSide => facing.cross(upright.up),

@@ -214,6 +214,12 @@ impl App {
         &self.session
     }
 
+    /// How the window is arranged.
+    #[must_use]
+    pub fn look(&self) -> &Look {
+        &self.look
+    }
+
     /// What was said.
     #[must_use]
     pub fn notices(&self) -> &Notices {

@@ -70,9 +70,11 @@ impl Stage {
         let document = showing.document();
         let upright = Upright::of(&take.cameras);
         let middle = document.start.root;
-        let whole = Orbit::around(&upright, middle, take.cameras.iter().map(|camera| camera.centre()));
-        let viewpoint = showing.look.scene.viewpoint.unwrap_or(Viewpoint::Orbit(whole));
         let aspect = f64::from(picture.width() / picture.height().max(1.0));
+        let viewpoint = showing.look.scene.viewpoint.unwrap_or_else(|| {
+            let eyes: Vec<DVec3> = take.cameras.iter().map(|camera| camera.centre()).collect();
+            Viewpoint::Orbit(Orbit::around(&upright, middle, &eyes, aspect))
+        });
         let pose = showing.session.shown_pose(document, showing.selection);
         let mut stage = Self {
             picture,

@@ -16,8 +16,10 @@ const FROM_POLE: f64 = 0.02;
 const DISTANCES: [f64; 2] = [0.2, 200.0];
 /// The first view looks down by this angle, radians.
 const FIRST_ELEVATION: f64 = 0.36;
-/// The first view holds a ball about the cameras, of so much of its radius.
-const FIRST_FIT: f64 = 0.92;
+/// The first view holds all cameras within so much of the picture's half width and height.
+const FIRST_FIT: f64 = 0.82;
+/// Steps of the search for its distance.
+const FIRST_STEPS: usize = 32;
 
 /// Where the scene is seen from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,22 +44,34 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// From where all `eyes` are seen about the middle: out of the widest gap between them, from above.
+    /// From where all `eyes` are seen about the middle, in a picture of so much width for its height: out of the
+    /// widest gap between them, from above.
     #[must_use]
-    pub fn around(upright: &Upright, target: DVec3, eyes: impl Iterator<Item = DVec3>) -> Self {
-        let (mut azimuths, mut reach) = (Vec::new(), 1.0_f64);
-        for eye in eyes {
-            azimuths.push(upright.angles(eye - target)[0]);
-            reach = reach.max(eye.distance(target));
-        }
+    pub fn around(upright: &Upright, target: DVec3, eyes: &[DVec3], aspect: f64) -> Self {
+        let mut azimuths: Vec<f64> = eyes.iter().map(|eye| upright.angles(*eye - target)[0]).collect();
         azimuths.sort_by(f64::total_cmp);
         let turn = std::f64::consts::TAU;
         let next = |index: usize| azimuths.get(index + 1).copied().unwrap_or_else(|| azimuths[0] + turn);
         let gaps = (0..azimuths.len()).map(|index| (azimuths[index], next(index) - azimuths[index]));
         let widest = gaps.reduce(|best, gap| if gap.1 > best.1 + 1e-9 { gap } else { best });
         let azimuth = widest.map_or(0.0, |(from, gap)| from + 0.5 * gap);
-        let distance = FIRST_FIT * reach / (0.5 * ANGLE_OF_VIEW).tan();
-        Self { target, azimuth, elevation: FIRST_ELEVATION, distance }.held()
+        let from = |distance| Self { target, azimuth, elevation: FIRST_ELEVATION, distance }.held();
+        let [mut near, mut far] = [1.5, DISTANCES[1]];
+        for _ in 0..FIRST_STEPS {
+            let middle = 0.5 * (near + far);
+            if from(middle).holds(upright, eyes, aspect) { far = middle } else { near = middle }
+        }
+        from(far)
+    }
+
+    /// Whether all points are well inside the picture.
+    fn holds(&self, upright: &Upright, points: &[DVec3], aspect: f64) -> bool {
+        let camera = self.camera(upright);
+        let view_from_world = camera.view_from_world();
+        let half = FIRST_FIT * (0.5 * camera.fov_y).tan();
+        points.iter().map(|point| view_from_world * (*point - camera.position)).all(|point| {
+            point.z > 0.0 && point.y.abs() < half * point.z && point.x.abs() < half * aspect * point.z
+        })
     }
 
     /// The view of an eye that looks at a target.
@@ -129,7 +143,7 @@ impl Viewpoint {
             Self::Orbit(orbit) => orbit.camera(upright),
             Self::Camera(index) => match cameras.get(index) {
                 Some(camera) => own_place(camera, aspect),
-                None => Orbit::around(upright, DVec3::ZERO, std::iter::empty()).camera(upright),
+                None => Orbit::around(upright, DVec3::ZERO, &[], aspect).camera(upright),
             },
         }
     }
@@ -161,7 +175,7 @@ mod tests {
     #[test]
     fn the_first_view_looks_out_of_the_widest_gap_and_holds_all_cameras() {
         let eyes = [0.0_f64, 0.9, 1.8].map(|angle| DVec3::new(3.0 * angle.cos(), 3.0 * angle.sin(), 1.2));
-        let orbit = Orbit::around(&UPRIGHT, DVec3::new(0.0, 0.0, 1.0), eyes.into_iter());
+        let orbit = Orbit::around(&UPRIGHT, DVec3::new(0.0, 0.0, 1.0), &eyes, 1.0);
         let away = (orbit.azimuth - (0.9 + std::f64::consts::PI)).rem_euclid(std::f64::consts::TAU);
         assert!(away.min(std::f64::consts::TAU - away) < 0.05, "{orbit:?}");
         let camera = orbit.camera(&UPRIGHT);
@@ -169,7 +183,7 @@ mod tests {
             let (at, _) = camera.project(eye, [400, 400]).unwrap();
             assert!(at.cmpgt(DVec2::ZERO).all() && at.cmplt(DVec2::splat(400.0)).all(), "{at}");
         }
-        let nowhere = Orbit::around(&UPRIGHT, DVec3::splat(f64::NAN), std::iter::empty());
+        let nowhere = Orbit::around(&UPRIGHT, DVec3::splat(f64::NAN), &[], 1.0);
         assert!(nowhere.camera(&UPRIGHT).position.is_finite());
     }
 

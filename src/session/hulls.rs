@@ -11,7 +11,7 @@ use super::FrameData;
 const CAPACITY: usize = 32;
 
 /// Hulls by the frame that they were carved from.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct HullCache {
     hulls: VecDeque<(Arc<FrameData>, Option<Arc<VisualHull>>)>,
 }

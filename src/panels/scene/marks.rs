@@ -7,13 +7,16 @@ use super::Stage;
 use crate::format;
 use crate::scene_view::{Frustum, HullLook, Viewpoint};
 use crate::showing::Showing;
+use crate::theme::data_colours::{CASING, SELECTED};
 use crate::theme::{Palette, Theme, run_style, size};
-use crate::widgets::{JointLook, paint_camera_badge, paint_joint};
+use crate::widgets::paint_camera_badge;
 
 /// A badge stands so far above its camera, in points.
 const BADGE_ABOVE: f32 = 14.0;
 /// Names stand beside the badges in a picture at least so wide, in points.
 const NAMES_FROM: f32 = 460.0;
+/// The mark of the held joint: smaller than in the views, as the body is.
+const JOINT_RADIUS: f32 = 3.4;
 /// Length of the axes, and where they meet: from the lower left corner, in points.
 const AXIS: f32 = 24.0;
 const AXES_AT: Vec2 = vec2(40.0, -38.0);
@@ -45,8 +48,8 @@ pub(super) fn show(ui: &Ui, showing: &Showing<'_>, stage: &Stage, frusta: &[Frus
         }
     }
     if let Some(at) = stage.position(showing.selection.joint).and_then(|joint| stage.on_screen(joint)) {
-        let look = JointLook { is_selected: true, is_dragged: stage.ray.is_some(), is_hovered: false };
-        paint_joint(&painter, at, false, look);
+        painter.circle_filled(at, JOINT_RADIUS + size::CASING, CASING);
+        painter.circle_filled(at, JOINT_RADIUS, SELECTED);
     }
     if showing.look.scene.floor {
         axes(&painter, stage);

@@ -62,7 +62,9 @@ pub struct VisualHull {
 }
 
 impl VisualHull {
-    /// Carves the hull. A place that fewer than two cameras see does not belong to it. `None` with fewer than two
+    /// Carves the hull. A place beyond the border of a picture does not belong to it either, unless the silhouette
+    /// reaches that picture's border: then that camera says nothing about it. At least two cameras must see a
+    /// place. `None` with fewer than two
     /// silhouettes, with silhouettes that do not meet, or when cancelled.
     #[must_use]
     pub fn carve<C: Borrow<Camera>, M: Borrow<Mask>>(
@@ -104,6 +106,8 @@ impl VisualHull {
 struct Seen<'a> {
     camera: &'a Camera,
     distance: SignedDistance,
+    /// Nothing of it is cut off by the picture's border.
+    is_whole: bool,
     /// The ray of the middle of what it shows, and half the diagonal of that in focal lengths.
     ray: DVec3,
     spread: f64,
@@ -125,19 +129,25 @@ impl<'a> Seen<'a> {
         } else {
             SignedDistance::from_mask(silhouette)
         };
-        Some(Self { camera, distance: known, ray, spread })
+        let is_whole = found.x_min > 0
+            && found.y_min > 0
+            && found.x_max + 1 < silhouette.width()
+            && found.y_max + 1 < silhouette.height();
+        Some(Self { camera, distance: known, is_whole, ray, spread })
     }
 
-    /// Whether a ball about a point may be the subject's; `None` where this camera does not see the point.
+    /// Whether a ball about a point may be the subject's; `None` where this camera cannot say.
     fn holds(&self, point: DVec3, radius: f64) -> Option<bool> {
-        let depth = self.camera.depth(point);
-        let pixel = self.camera.project(point)?.round();
+        let unseen = if self.is_whole { Some(false) } else { None };
+        let Some(pixel) = self.camera.project(point) else { return unseen };
+        let reach = radius * self.camera.intrinsics().mean_focal_px() / self.camera.depth(point);
         let (width, height) = (self.distance.width(), self.distance.height());
-        let inside = pixel.x >= 0.0 && pixel.y >= 0.0 && pixel.x < width as f64 && pixel.y < height as f64;
-        if !inside {
-            return None;
+        let last = DVec2::new(width as f64 - 1.0, height as f64 - 1.0);
+        let inside = pixel.clamp(DVec2::ZERO, last);
+        if pixel.distance(inside) > reach.max(0.5) {
+            return unseen;
         }
-        let reach = radius * self.camera.intrinsics().mean_focal_px() / depth;
+        let pixel = inside.round();
         let away = self.distance.values()[pixel.y as usize * width + pixel.x as usize];
         Some(f64::from(away) <= reach)
     }
