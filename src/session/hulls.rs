@@ -40,7 +40,7 @@ mod tests {
 
     #[test]
     fn a_hull_is_of_the_very_frame() {
-        let frame = |frame| Arc::new(FrameData { frame, cameras: Vec::new() });
+        let frame = |frame| Arc::new(FrameData { frame, cameras: Vec::new(), made_with: Default::default() });
         let mut cache = HullCache::default();
         let (first, again) = (frame(3), frame(3));
         cache.insert(first.clone(), None);
