@@ -45,6 +45,21 @@ pub struct Mismatch {
     pub relative_error: f64,
 }
 
+/// The derivative that differs most, whether it counts as a mismatch or not.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WorstDerivative {
+    /// Row of the function; 0 for a gradient.
+    pub row: usize,
+    /// Column of the state.
+    pub column: usize,
+    /// What the program says.
+    pub analytic: f64,
+    /// What differences say.
+    pub numeric: f64,
+    /// Their difference over the scale of the column; infinite where one of them is not a number.
+    pub relative_error: f64,
+}
+
 /// What a comparison found. `+=` puts several together.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct GradientCheck {
@@ -54,6 +69,8 @@ pub struct GradientCheck {
     pub skipped: usize,
     /// Largest relative error, mismatches included; 0 if nothing was compared.
     pub largest_error: f64,
+    /// Where that error is: the first such entry, column by column. `None` if nothing was compared.
+    pub worst: Option<WorstDerivative>,
     /// Derivatives that differ, worst first.
     pub mismatches: Vec<Mismatch>,
 }
@@ -71,7 +88,14 @@ impl GradientCheck {
         self.skipped as f64 / (self.compared + self.skipped).max(1) as f64
     }
 
-    fn add(&mut self, entry: Entry, scale: f64, tolerance: f64, name: impl FnOnce() -> String) {
+    fn add(
+        &mut self,
+        [row, column]: [usize; 2],
+        entry: Entry,
+        scale: f64,
+        tolerance: f64,
+        name: impl FnOnce() -> String,
+    ) {
         if entry.bend > tolerance * scale {
             self.skipped += 1;
             return;
@@ -81,8 +105,11 @@ impl GradientCheck {
         // NaN is a mismatch, and the worst one.
         let relative_error = if error.is_nan() { f64::INFINITY } else { error };
         self.largest_error = self.largest_error.max(relative_error);
+        let (analytic, numeric) = (entry.analytic, entry.numeric);
+        if self.worst.is_none_or(|worst| relative_error > worst.relative_error) {
+            self.worst = Some(WorstDerivative { row, column, analytic, numeric, relative_error });
+        }
         if relative_error > tolerance {
-            let (analytic, numeric) = (entry.analytic, entry.numeric);
             self.mismatches.push(Mismatch { name: name(), analytic, numeric, relative_error });
         }
     }
@@ -97,6 +124,10 @@ impl AddAssign for GradientCheck {
         self.compared += other.compared;
         self.skipped += other.skipped;
         self.largest_error = self.largest_error.max(other.largest_error);
+        let error = |worst: &WorstDerivative| worst.relative_error;
+        if other.worst.as_ref().map(error) > self.worst.as_ref().map(error) {
+            self.worst = other.worst;
+        }
         self.mismatches.extend(other.mismatches);
         self.sort();
     }
@@ -170,7 +201,7 @@ pub fn check_jacobian(
             .collect();
         let scale = Entry::scale(&entries, options);
         for (row, entry) in entries.into_iter().enumerate() {
-            check.add(entry, scale, options.tolerance, || name(row, column));
+            check.add([row, column], entry, scale, options.tolerance, || name(row, column));
         }
     }
     check.sort();
@@ -207,7 +238,7 @@ pub fn check_gradient<P: LeastSquares>(
     let scale = Entry::scale(&entries, options);
     let mut check = GradientCheck::default();
     for (column, entry) in entries.into_iter().enumerate() {
-        check.add(entry, scale, options.tolerance, || name(column));
+        check.add([0, column], entry, scale, options.tolerance, || name(column));
     }
     check.sort();
     check
@@ -293,5 +324,17 @@ mod tests {
         let found = run(&jacobian);
         let names: Vec<&str> = found.mismatches.iter().map(|mismatch| mismatch.name.as_str()).collect();
         assert_eq!(names, ["(0, 1)", "(1, 0)"], "{found}");
+        assert_eq!(found.worst.map(|worst| (worst.row, worst.column)), Some((0, 1)));
+        jacobian[(0, 1)] = 1e-9;
+        jacobian[(1, 0)] = 0.5;
+        let mut right = run(&jacobian);
+        assert!(right.passes(), "{right}");
+        assert_eq!(
+            right.worst.map(|worst| (worst.row, worst.column)),
+            Some((0, 1)),
+            "too small to be a mismatch"
+        );
+        right += found;
+        assert_eq!(right.worst.map(|worst| worst.relative_error), Some(f64::INFINITY));
     }
 }

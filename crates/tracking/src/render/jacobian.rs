@@ -1,6 +1,6 @@
 //! The dense Jacobian ∂Λ/∂X: height·width × columns, row-major pixels. For tests, inspection and export.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::View;
 use super::kernels::scalar::RowWinners;
@@ -49,18 +49,36 @@ pub fn jacobian_column(
     parameters: Parameters,
     column: usize,
 ) -> Vec<f32> {
+    let mut direction = DVector::zeros(parameters.columns(kinematics.world_rotations().len()));
+    direction[column] = 1.0;
+    let picture = jacobian_along(view, kinematics, camera, parameters, &direction);
+    picture.into_iter().map(|value| value as f32).collect()
+}
+
+/// J v as a picture: how every pixel changes along a direction v of the state, [`dense_jacobian`] times v without
+/// its memory. Row-major, zero where there is no gradient.
+///
+/// # Panics
+/// If the direction has not as many entries as the state has columns.
+#[must_use]
+pub fn jacobian_along(
+    view: &View,
+    kinematics: &Kinematics,
+    camera: &Camera,
+    parameters: Parameters,
+    direction: &DVector<f64>,
+) -> Vec<f64> {
     let mut map = DMatrix::zeros(7, parameters.columns(kinematics.world_rotations().len()));
-    let mut columns = Vec::with_capacity(kinematics.limb_count());
+    let mut motions = Vec::with_capacity(kinematics.limb_count());
     for limb in 0..kinematics.limb_count() {
         kinematics.fill_map(limb, parameters, &mut map);
-        columns.push(map.column(column).into_owned());
+        motions.push(&map * direction);
     }
     let world_from_camera = camera.camera_from_world().rotation.transpose();
     let mut picture = vec![0.0; view.width() * view.height()];
     for_each_gradient(view, |x, y, limb, wrench| {
         let h = wrench.rotated(world_from_camera).to_array();
-        let value: f64 = (0..7).map(|i| h[i] * columns[limb][i]).sum();
-        picture[y * view.width() + x] = value as f32;
+        picture[y * view.width() + x] = (0..7).map(|i| h[i] * motions[limb][i]).sum();
     });
     picture
 }
@@ -110,6 +128,12 @@ mod tests {
                 );
             }
             assert!(dense.column(0).iter().any(|value| *value != 0.0));
+            let direction = DVector::from_fn(dense.ncols(), |i, _| (i as f64 * 1.7).sin());
+            let expected = &dense * &direction;
+            let picture = jacobian_along(&view, &kinematics, &camera, parameters, &direction);
+            for (expected, found) in expected.iter().zip(&picture) {
+                assert!((expected - found).abs() < 1e-9 * expected.abs().max(1.0), "{expected} {found}");
+            }
         }
     }
 }
