@@ -14,6 +14,7 @@
 //! | `body` | fitting the body's own sizes |
 //! | `demonstrating` | demonstrations and their runs, one after the other |
 //! | `dropping` | files that are dropped on the window |
+//! | `laboratory` | several fits from one start |
 //! | `files` | takes, projects, dialogs, autosave and recovery |
 //! | `jobs` | what the screen lacks is asked of the worker |
 //! | `exported`, `accessible` | the state as a file, for tests from outside; where the named widgets are |
@@ -42,6 +43,7 @@ mod hand;
 mod headless;
 mod jobs;
 mod outside;
+mod laboratory;
 mod requests;
 mod scene_view;
 mod screen;
@@ -77,6 +79,7 @@ impl App {
         self.go_on_demonstrating();
         self.follow_tour();
         self.export_state();
+        self.go_on_with_laboratory();
         self.frame_seconds = began.elapsed().as_secs_f64();
     }
 }

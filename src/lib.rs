@@ -14,6 +14,7 @@ pub mod export;
 pub mod footage;
 pub mod format;
 pub mod history;
+pub mod laboratory;
 pub mod look;
 pub mod matching;
 pub mod notices;

@@ -9,6 +9,7 @@ use crate::curves::{CurvesLook, CurvesRequest};
 use crate::document::{Document, TakeSource};
 use crate::edit::Edit;
 use crate::history::{Gesture, History};
+use crate::laboratory::{Laboratory, LaboratoryRequest};
 use crate::look::{Layout, Look};
 use crate::notices::Notices;
 use crate::pane::Pane;
@@ -49,6 +50,8 @@ pub struct Showing<'a> {
     pub explanation: Option<&'a str>,
     /// Whether a change of the layout can be taken back.
     pub can_restore_layout: bool,
+    /// The laboratory.
+    pub laboratory: &'a Laboratory,
     /// Time that the last frame of the window took, in seconds.
     pub frame_seconds: f64,
 }
@@ -116,6 +119,8 @@ pub enum Request {
     Arrange(Box<Arrangement>),
     /// Open a take.
     Open(TakeSource),
+    /// What is asked of the laboratory.
+    Laboratory(LaboratoryRequest),
     /// Close a notice.
     CloseNotice(u64),
     /// Close the explanation of a demonstration.
@@ -202,6 +207,11 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
             .or(because(no_mask, "This frame has no silhouette yet"))
             .or(because(showing.busy.tracking, "The tracker is at work"))
     };
+    if showing.look.layout == Layout::Demonstrate
+        && let Some(answer) = showing.laboratory.unavailable(action)
+    {
+        return no_take.or(answer);
+    }
     let run = session.run_of(selection).and_then(|run| session.runs.get(run).map(|r| (run, r)));
     if let Some(camera) = (0..8).find(|index| A::camera_alone(*index) == Some(action)) {
         return no_take.or(because(camera >= session.camera_count(), "The take has fewer cameras"));
@@ -247,6 +257,7 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
             no_take.or(because(has_none, "This layout has no tiles"))
         }
         A::RestoreLayout => because(!showing.can_restore_layout, "The layout was not reset"),
+        A::RestartLaboratory => Some("The Demonstrate layout has the laboratory: press F3"),
         A::RestoreRuns => because(session.removed.is_none(), "No run was removed"),
         A::ClearRuns | A::ExportCurves | A::ExportPlot => {
             because(session.runs.is_empty(), "There are no runs")

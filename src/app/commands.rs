@@ -36,13 +36,15 @@ impl App {
 
     /// Does a command, if it can be used now.
     pub(super) fn act(&mut self, action: Action, ctx: &egui::Context) {
-        if action == Action::Stop && (self.put_back(ctx) || self.let_go()) {
+        let is_free = !self.laboratory.is_running || self.look.layout != Layout::Demonstrate;
+        if action == Action::Stop && is_free && (self.put_back(ctx) || self.let_go()) {
             return;
         }
         if unavailable(action, &self.showing()).is_some() {
             return;
         }
-        if self.act_on_files(action, ctx)
+        if self.act_on_laboratory(action)
+            || self.act_on_files(action, ctx)
             || self.act_on_pose(action, ctx)
             || self.act_on_view(action)
             || self.act_on_fit(action)

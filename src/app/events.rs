@@ -49,6 +49,7 @@ impl App {
             Event::Saved { path, revision, is_autosave } => self.saved(path, revision, is_autosave),
             Event::Recalibrated(footage) => self.recalibrated(footage),
             Event::TakenIn { edit, said } => self.taken_in(*edit, said),
+            Event::Laboratory(event) => self.hear_laboratory(*event),
             Event::Failed(text) => self.notices.error(text),
         }
     }
@@ -128,6 +129,7 @@ impl App {
 
     fn ended(&mut self, lane: Lane) {
         match lane {
+            Lane::Laboratory => self.laboratory_ended(),
             Lane::Fit if self.pending_steps > 0 => {
                 let steps = std::mem::take(&mut self.pending_steps);
                 self.run_gesture = Some(self.new_gesture());
@@ -162,6 +164,7 @@ impl App {
         ] {
             self.worker.drop_lane(lane);
         }
+        self.reset_laboratory(footage);
         self.session.reset(Some(footage.clone()));
         if let Some(TakeSource::Path(path)) = &footage.source {
             self.look.remember(path.clone());

@@ -146,5 +146,6 @@ impl App {
         self.frame_seconds = f64::NAN;
         self.session.step_seconds = None;
         self.session.predict_seconds = None;
+        self.laboratory.step_seconds = None;
     }
 }

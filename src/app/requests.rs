@@ -45,7 +45,7 @@ impl App {
         }
     }
 
-    fn request(&mut self, request: Request) {
+    pub(super) fn request(&mut self, request: Request) {
         match request {
             Request::Frame(frame) => {
                 self.follows_tracker = false;
@@ -78,6 +78,7 @@ impl App {
             Request::CloseNotice(id) => self.notices.close(id),
             Request::CloseExplanation => self.explanation = None,
             Request::HoldNotice(id) => self.notices.hold(id, self.now),
+            Request::Laboratory(request) => self.laboratory_request(request),
             Request::Recover(take_it) => self.recover(take_it),
             Request::OpenPath(path) => self.open_path(&path),
             Request::ForgetRecent(path) => self.look.recent.retain(|other| *other != path),

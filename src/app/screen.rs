@@ -37,6 +37,7 @@ impl App {
             doing: self.doing.as_deref(),
             explanation: self.explanation,
             can_restore_layout: self.docking.before.is_some(),
+            laboratory: &self.laboratory,
             frame_seconds: self.frame_seconds,
         }
     }

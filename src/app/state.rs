@@ -17,6 +17,7 @@ use super::touring::Tour;
 use crate::curves::CurvesLook;
 use crate::document::{Document, TakeSource};
 use crate::history::{Gesture, History};
+use crate::laboratory::Laboratory;
 use crate::look::{Layout, Look};
 use crate::notices::Notices;
 use crate::panels::camera_tile::{PictureAlone, TileLook};
@@ -24,7 +25,7 @@ use crate::panels::export_dialog::ExportDialog;
 use crate::panels::palette::Palette;
 use crate::selection::Selection;
 use crate::session::Session;
-use crate::worker::{Event, LiveFit, Worker};
+use crate::worker::{Event, LiveFit, LiveLaboratory, Worker};
 
 /// What the window begins with.
 #[derive(Debug, Default)]
@@ -71,6 +72,7 @@ pub(super) enum DialogKind {
     Export,
     Curves,
     Plot,
+    LaboratoryPlot,
 }
 
 /// What a file dialog was asked for, and the file that was chosen.
@@ -107,6 +109,8 @@ pub struct App {
     pub(super) exported_to: Option<PathBuf>,
     /// One camera's picture and nothing else: this is the twin that an export paints.
     pub(super) picture_alone: Option<PictureAlone>,
+    pub(super) laboratory: Laboratory,
+    pub(super) live_laboratory: LiveLaboratory,
     /// By layout, then by camera.
     pub(super) tiles: [Vec<TileLook>; 2],
     /// Tiles of the centre.
@@ -165,6 +169,8 @@ impl App {
             exporting: None,
             exported_to: None,
             picture_alone: None,
+            laboratory: Laboratory::default(),
+            live_laboratory: LiveLaboratory::default(),
             tiles: [Vec::new(), Vec::new()],
             docking: Docking::default(),
             clipboard: Clipboard::default(),
@@ -220,6 +226,12 @@ impl App {
         &self.look
     }
 
+    /// The laboratory.
+    #[must_use]
+    pub fn laboratory(&self) -> &Laboratory {
+        &self.laboratory
+    }
+
     /// What was said.
     #[must_use]
     pub fn notices(&self) -> &Notices {
@@ -234,11 +246,13 @@ impl App {
     /// Whether nothing is being read, fitted or drawn anew: what is on the screen is whole.
     #[must_use]
     pub fn is_idle(&self) -> bool {
+        let is_waiting = self.laboratory.is_waiting && self.look.layout == Layout::Demonstrate;
         self.worker.is_idle()
             && self.background.is_idle()
             && !self.session.is_stale
             && self.prepared.is_none()
             && self.exporting.is_none()
+            && !is_waiting
     }
 
     /// Goes to a frame.

@@ -80,6 +80,15 @@ impl Demonstration {
         Ok(Take::from_files(Arc::new(MemoryFiles::new(files)), Path::new("take.toml"))?)
     }
 
+    /// The true pose of a frame.
+    #[must_use]
+    pub fn truth(self, frame: usize) -> Pose {
+        match self {
+            Self::SingleLimb => fig51::truth(),
+            _ => upper_body::motion(&builtin::upper_body(), frame),
+        }
+    }
+
     fn parts(self) -> anyhow::Result<Parts> {
         if self == Self::SingleLimb {
             return Ok(Parts {

@@ -95,6 +95,7 @@ const fn begins_group(action: Action) -> bool {
             | A::ShowOneCamera
             | A::ShowSequence
             | A::ShowBias
+            | A::RestartLaboratory
             | A::Messages
     )
 }

@@ -126,7 +126,7 @@ impl Job<Event> for FitJob {
     }
 }
 
-fn ending_of(termination: Termination, is_annealed: bool) -> RunEnding {
+pub(super) fn ending_of(termination: Termination, is_annealed: bool) -> RunEnding {
     match termination {
         Termination::StepLimit { steps } if is_annealed => {
             RunEnding::Solver(format!("the {steps} steps of the last stage are done"))
@@ -136,7 +136,7 @@ fn ending_of(termination: Termination, is_annealed: bool) -> RunEnding {
     }
 }
 
-fn run_step(record: &IterationRecord, predicted: &Predicted, seconds: f64) -> RunStep {
+pub(super) fn run_step(record: &IterationRecord, predicted: &Predicted, seconds: f64) -> RunStep {
     RunStep {
         pose: record.pose.clone(),
         mismatch: predicted.mismatch,

@@ -9,6 +9,7 @@ mod body;
 mod calibrate;
 mod fit;
 mod hull;
+mod laboratory;
 mod load;
 mod open;
 mod predict;
@@ -26,6 +27,9 @@ pub use body::BodyJob;
 pub use calibrate::CalibrateJob;
 pub use fit::{FitJob, FitStart, LiveFit};
 pub use hull::HullJob;
+pub use laboratory::{
+    LaboratoryCheckJob, LaboratoryEvent, LaboratoryJob, LaboratoryLookJob, LaboratoryPlotJob, LiveLaboratory,
+};
 pub use load::LoadJob;
 pub use open::OpenJob;
 pub use predict::{CameraPrediction, Derivatives, PredictJob, Predicted, Scene};
@@ -88,6 +92,8 @@ pub enum Event {
         /// What is said of it.
         said: String,
     },
+    /// The laboratory's news.
+    Laboratory(Box<LaboratoryEvent>),
     /// Something did not work; what it was.
     Failed(String),
 }

@@ -13,6 +13,8 @@ use backlit_tracking::cancel::CancelToken;
 pub enum Lane {
     /// The silhouettes of the pose on the screen.
     Predict,
+    /// The pictures of the laboratory's step.
+    LaboratoryLook,
     /// Opening a take.
     Open,
     /// Reading dropped files.
@@ -25,12 +27,18 @@ pub enum Lane {
     Save,
     /// The fit of one frame.
     Fit,
+    /// The laboratory's fits.
+    Laboratory,
+    /// The laboratory's plot as a file.
+    LaboratoryPlot,
     /// A look at the take as a whole.
     Survey,
     /// The fit of frame after frame.
     Track,
     /// The visual hull of the frame on the screen.
     Hull,
+    /// The check of the laboratory's gradients.
+    LaboratoryCheck,
 }
 
 /// Whether a job wants another turn.

@@ -49,7 +49,7 @@ pub fn jacobian_column(
     parameters: Parameters,
     column: usize,
 ) -> Vec<f32> {
-    let mut direction = DVector::zeros(parameters.columns(kinematics.world_rotations().len()));
+    let mut direction = vec![0.0; parameters.columns(kinematics.world_rotations().len())];
     direction[column] = 1.0;
     let picture = jacobian_along(view, kinematics, camera, parameters, &direction);
     picture.into_iter().map(|value| value as f32).collect()
@@ -66,13 +66,14 @@ pub fn jacobian_along(
     kinematics: &Kinematics,
     camera: &Camera,
     parameters: Parameters,
-    direction: &DVector<f64>,
+    direction: &[f64],
 ) -> Vec<f64> {
+    let direction = DVector::from_column_slice(direction);
     let mut map = DMatrix::zeros(7, parameters.columns(kinematics.world_rotations().len()));
     let mut motions = Vec::with_capacity(kinematics.limb_count());
     for limb in 0..kinematics.limb_count() {
         kinematics.fill_map(limb, parameters, &mut map);
-        motions.push(&map * direction);
+        motions.push(&map * &direction);
     }
     let world_from_camera = camera.camera_from_world().rotation.transpose();
     let mut picture = vec![0.0; view.width() * view.height()];
@@ -130,7 +131,7 @@ mod tests {
             assert!(dense.column(0).iter().any(|value| *value != 0.0));
             let direction = DVector::from_fn(dense.ncols(), |i, _| (i as f64 * 1.7).sin());
             let expected = &dense * &direction;
-            let picture = jacobian_along(&view, &kinematics, &camera, parameters, &direction);
+            let picture = jacobian_along(&view, &kinematics, &camera, parameters, direction.as_slice());
             for (expected, found) in expected.iter().zip(&picture) {
                 assert!((expected - found).abs() < 1e-9 * expected.abs().max(1.0), "{expected} {found}");
             }
