@@ -34,9 +34,15 @@ pub(super) fn demonstration_of(action: Action) -> Option<Demonstration> {
 impl App {
     /// Arranges the window for a demonstration that has just been opened.
     pub(super) fn demonstrate(&mut self, which: Demonstration) {
+        self.notices.close_all();
+        if which == Demonstration::SingleLimb {
+            // Its own words are told from the numbers there.
+            self.look.layout = Layout::Demonstrate;
+            self.laboratory.wants_run = true;
+            return;
+        }
         let runs = which.runs();
         self.look.layout = if runs.is_empty() { Layout::Pose } else { Layout::Debug };
-        self.notices.close_all();
         self.explanation = Some(which.explanation());
         for tile in &mut self.tiles[1] {
             (tile.mode, tile.comparison) = (ViewMode::Residual, None);

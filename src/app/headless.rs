@@ -115,7 +115,12 @@ fn headless_app(opening: Opening, options: &PictureOptions) -> anyhow::Result<(H
         app.act(Action::Run, &context);
         settle(&mut window, &mut app, options.patience);
     }
-    for _ in 0..options.steps.unwrap_or(0) {
+    let steps = options.steps.unwrap_or(0);
+    if steps > 0 && app.look.layout == Layout::Demonstrate {
+        // A demonstration has run already.
+        app.act(Action::FirstFrame, &context);
+    }
+    for _ in 0..steps {
         app.act(Action::Step, &context);
         settle(&mut window, &mut app, options.patience);
     }

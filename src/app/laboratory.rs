@@ -31,7 +31,12 @@ impl App {
             self.worker.drop_lane(lane);
         }
         let start = StartChoice::of(demonstration_of(footage));
-        self.laboratory = Laboratory { is_log: self.laboratory.is_log, start, ..Laboratory::default() };
+        self.laboratory = Laboratory {
+            is_log: self.laboratory.is_log,
+            comparisons: self.laboratory.comparisons,
+            start,
+            ..Laboratory::default()
+        };
     }
 
     /// What is compared as things are now; `None` as long as the frame is not there.
@@ -86,11 +91,12 @@ impl App {
         self.worker.drop_lane(Lane::LaboratoryCheck);
         self.laboratory.pending_steps = 0;
         self.laboratory.marked = None;
+        self.laboratory.comparisons += 1;
         self.live_laboratory = LiveLaboratory::default();
         let starts = basis.entrants.iter().map(|entrant| (basis.scene_of(entrant), basis.start.clone()));
         let job = LaboratoryJob::begin(starts.collect(), self.live_laboratory.clone());
         self.worker.request(Lane::Laboratory, job);
-        self.laboratory.comparison = Some(Comparison::new(basis));
+        self.laboratory.comparison = Some(Comparison::new(basis, self.laboratory.comparisons));
         self.laboratory.is_running = true;
     }
 
@@ -174,6 +180,7 @@ impl App {
                 comparison.add_step(index, *step, predicted);
                 self.laboratory.measure_steps();
             }
+            LaboratoryEvent::Extents(extents) => comparison.add_extents(&extents),
             LaboratoryEvent::Ended(index, ending) => comparison.end(index, ending),
             LaboratoryEvent::Looked(index, predicted) => {
                 if let Some(fit) = comparison.contestants.get_mut(index) {
@@ -247,7 +254,7 @@ impl App {
             Action::TenFramesOn => comparison.go_to(here + MANY_STEPS),
             Action::FirstFrame => comparison.go_to(0),
             Action::LastFrame => comparison.go_to(usize::MAX),
-            Action::Stop => {
+            Action::Stop if self.laboratory.is_running => {
                 self.laboratory.pending_steps = 0;
                 self.worker.cancel(Lane::Laboratory);
             }

@@ -6,7 +6,7 @@ use backlit_tracking::body::Pose;
 
 use super::{CheckProgress, Entrant, PushAxis, Pushed};
 use crate::session::{RunEnding, RunStep};
-use crate::worker::{Predicted, Scene};
+use crate::worker::{Extent, Predicted, Scene};
 
 /// What a comparison is made of. If it changes the comparison begins anew.
 #[derive(Debug, Clone)]
@@ -61,6 +61,8 @@ pub struct Contestant {
     pub ending: Option<RunEnding>,
     /// What the step that is looked at predicts; while a newer one is made, the old stays.
     pub shown: Option<Arc<Predicted>>,
+    /// What its newest step predicts.
+    pub newest: Option<Arc<Predicted>>,
     /// What pushes at the start, and in which camera along which axis of which limb.
     pub pushed: Option<(PushKey, Arc<Pushed>)>,
     /// The newest check of the gradient; while a newer one is made, the old stays.
@@ -114,23 +116,29 @@ pub struct Comparison {
     pub cursor: usize,
     /// Whether the newest step is looked at as it comes.
     pub follows: bool,
+    /// By camera: where data and starts are, so that the pictures show that and do not jump.
+    pub extents: Vec<Option<Extent>>,
+    /// Which comparison since the program began: pictures of an older one are not shown for this.
+    pub id: u64,
 }
 
 impl Comparison {
     /// A comparison without any step yet, not even the start.
     #[must_use]
-    pub fn new(basis: Basis) -> Self {
+    pub fn new(basis: Basis, id: u64) -> Self {
         let contestant = |entrant: &Entrant| Contestant {
             scene: basis.scene_of(entrant),
             entrant: entrant.clone(),
             steps: Vec::new(),
             ending: None,
             shown: None,
+            newest: None,
             pushed: None,
             checked: None,
         };
         let contestants = basis.entrants.iter().map(contestant).collect();
-        Self { basis, contestants, cursor: 0, follows: true }
+        let extents = vec![None; basis.scene.cameras.len()];
+        Self { basis, contestants, cursor: 0, follows: true, extents, id }
     }
 
     /// The last step that any fit has.
@@ -168,16 +176,22 @@ impl Comparison {
         self.follows = self.cursor == self.last();
     }
 
+    /// Takes in where data and start are in every camera.
+    pub fn add_extents(&mut self, found: &[Option<Extent>]) {
+        for (known, found) in self.extents.iter_mut().zip(found) {
+            *known = match (*known, *found) {
+                (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]),
+                (a, b) => a.or(b),
+            };
+        }
+    }
+
     /// Takes in a step of a fit.
     pub fn add_step(&mut self, index: usize, step: RunStep, predicted: Arc<Predicted>) {
         let Some(fit) = self.contestants.get_mut(index) else { return };
         fit.steps.push(step);
-        let last = fit.last();
+        fit.newest = Some(predicted);
         self.follow();
-        let Some(fit) = self.contestants.get_mut(index) else { return };
-        if self.cursor.min(fit.last()) == last || fit.shown.is_none() {
-            fit.shown = Some(predicted);
-        }
     }
 
     /// Takes in that a fit has ended.
@@ -193,6 +207,12 @@ impl Comparison {
         if self.follows {
             let going = self.contestants.iter().filter(|fit| fit.ending.is_none()).map(Contestant::last);
             self.cursor = self.cursor.max(going.min().unwrap_or_else(|| self.last()));
+        }
+        // Pictures that are there need not be asked for.
+        for fit in &mut self.contestants {
+            if fit.newest.as_ref().is_some_and(|newest| fit.pose(self.cursor) == Some(&newest.pose)) {
+                fit.shown.clone_from(&fit.newest);
+            }
         }
     }
 
@@ -229,26 +249,29 @@ pub(crate) mod tests {
         };
         let start = Pose::rest(&model);
         let basis = Basis { scene, start, entrants: Lineup::Renderers.entrants(&fit, &model) };
-        let mut comparison = Comparison::new(basis);
-        for (index, mismatches) in mismatches.into_iter().enumerate() {
-            for (at, &mismatch) in mismatches.iter().enumerate() {
+        let mut comparison = Comparison::new(basis, 0);
+        let longest = mismatches.iter().map(|mismatches| mismatches.len()).max().unwrap_or(0);
+        for at in 0..longest {
+            for (index, mismatches) in mismatches.iter().enumerate() {
+                let Some(&mismatch) = mismatches.get(at) else { continue };
+                let before = mismatches[at.saturating_sub(1)];
                 let pose = Pose { root: DVec3::splat(at as f64), ..Pose::rest(&model) };
                 let scene = comparison.contestants[index].scene.clone();
                 let predicted = Arc::new(Predicted::new(&scene, &pose, None));
-                comparison.add_step(index, step(pose, mismatch), predicted);
+                comparison.add_step(index, step(pose, mismatch, before - mismatch), predicted);
             }
         }
         comparison
     }
 
-    fn step(pose: Pose, mismatch: f64) -> RunStep {
+    fn step(pose: Pose, mismatch: f64, fell: f64) -> RunStep {
         RunStep {
             pose,
             mismatch,
             cost: mismatch,
             trial_cost: mismatch,
             foretold: 0.0,
-            fell: 0.0,
+            fell,
             damping: 0.0,
             seconds: 0.0,
             stage: 0,
@@ -271,7 +294,7 @@ pub(crate) mod tests {
         assert_eq!(stale, [0, 1, 2]);
         let pose = found.contestants[0].steps[0].pose.clone();
         let predicted = Arc::new(Predicted::new(&found.contestants[0].scene, &pose, None));
-        found.add_step(0, step(pose, 6.0), predicted);
+        found.add_step(0, step(pose, 6.0, 1.0), predicted);
         assert_eq!(found.cursor, 0, "who looks back is left there");
         found.go_to(99);
         assert_eq!((found.cursor, found.follows), (3, true));

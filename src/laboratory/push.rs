@@ -1,8 +1,9 @@
 //! A direction in which the body can move, and how hard every pixel pushes along it: J v.
 //!
 //! v is a unit motion of the state in tangent columns; a pixel's number is ∂λ/∂v in grey levels a metre or radian.
-//! A pixel of the ramp (0 < λ < 255) *pushes* if that is at least [`LEAST_SHARE`] of the largest of all fits that
-//! are compared, so that counts and colours of their pictures mean the same.
+//! All fits that are compared are measured by one scale, so that counts and colours of their pictures mean the same:
+//! the median of their 99th percentiles, since the edge of a flat end that is seen nearly from the side has a few
+//! derivatives far above all others. A pixel of the ramp (0 < λ < 255) *pushes* from [`LEAST_SHARE`] of it on.
 
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::Camera;
@@ -12,7 +13,7 @@ use glam::DVec3;
 
 use crate::picture::Derivative;
 
-/// A pixel pushes from this share of the largest derivative on.
+/// A pixel pushes from this share of the scale on.
 pub const LEAST_SHARE: f64 = 0.01;
 /// Less than this is rounding, whatever the largest is: grey levels a metre or radian, of some 255 a limb's radius.
 const LEAST_PUSH: f64 = 1e-6;
@@ -65,6 +66,17 @@ impl PushAxis {
             Self::Turn(index) => format!("turns the {limb} about {}", axis(index)),
             Self::Twist => format!("twists the {limb}"),
             Self::Move(index) => format!("pushes the body along {}", axis(index)),
+        }
+    }
+
+    /// Which pixels are counted, below the picture.
+    #[must_use]
+    pub const fn pixels(self) -> &'static str {
+        match self {
+            Self::Slide => "Pixels that push along the axis",
+            Self::Turn(_) => "Pixels that turn it",
+            Self::Twist => "Pixels that twist it",
+            Self::Move(_) => "Pixels that push the body",
         }
     }
 
@@ -124,10 +136,11 @@ impl Push {
         Self { values, prediction: Prediction::of(&view) }
     }
 
-    /// The largest derivative's magnitude.
-    #[must_use]
-    pub fn largest(&self) -> f64 {
-        self.values.iter().map(|value| value.abs()).filter(|value| value.is_finite()).fold(0.0, f64::max)
+    /// The 99th percentile of the magnitudes above rounding; `None` if there is none.
+    fn scale(&self) -> Option<f64> {
+        let is_rounding = |value: f64| value.abs() < LEAST_PUSH;
+        let values: Vec<f32> = self.values.iter().filter(|v| !is_rounding(**v)).map(|v| *v as f32).collect();
+        (!values.is_empty()).then(|| f64::from(Derivative::new(values).scale))
     }
 }
 
@@ -152,9 +165,11 @@ impl Pushed {
     /// Counts and colours pushes by one measure.
     #[must_use]
     pub fn all(pushes: Vec<Push>) -> Vec<Self> {
-        let largest = pushes.iter().map(Push::largest).fold(0.0, f64::max);
+        let mut scales: Vec<f64> = pushes.iter().filter_map(Push::scale).collect();
+        scales.sort_by(f64::total_cmp);
+        let scale = scales.get(scales.len().saturating_sub(1) / 2).copied().unwrap_or(1.0);
         // Rounding is no push.
-        let least = (largest * LEAST_SHARE).max(LEAST_PUSH);
+        let least = (scale * LEAST_SHARE).max(LEAST_PUSH);
         let kept: Vec<Vec<f32>> = pushes
             .iter()
             .map(|push| {
@@ -165,13 +180,12 @@ impl Pushed {
                 pixels.map(kept).collect()
             })
             .collect();
-        let scale = Derivative::new(kept.concat()).scale;
         kept.into_iter()
             .zip(pushes)
             .map(|(values, push)| Self {
                 pushing: values.iter().filter(|value| value.abs() > 0.0).count(),
                 in_ramp: push.prediction.lambda.iter().filter(|level| is_in_ramp(level)).count(),
-                picture: Derivative { values, scale },
+                picture: Derivative { values, scale: scale as f32 },
                 prediction: push.prediction,
             })
             .collect()
@@ -197,11 +211,11 @@ mod tests {
     #[test]
     fn from_the_side_flat_ends_do_not_push_along_the_limb() {
         let found = counts(PushAxis::Slide, 10.0);
-        assert_eq!(found[0].0, 0, "{found:?}");
-        assert!(found[1].0 > 100 && found[2].0 > found[1].0, "{found:?}");
+        assert!(found[0].0 < 40, "{found:?}");
+        assert!(found[1].0 > 1000 && found[2].0 > 2 * found[1].0, "{found:?}");
         assert!(found.iter().all(|(pushing, in_ramp)| pushing <= in_ramp), "{found:?}");
         let near = counts(PushAxis::Slide, 0.8);
-        assert!(near[0].0 > 0, "near by the camera sees the ends: {near:?}");
+        assert!(near[0].0 > found[0].0, "near by the camera sees the ends: {near:?}");
     }
 
     #[test]

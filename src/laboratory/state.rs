@@ -23,6 +23,8 @@ pub struct Laboratory {
     pub marked: Option<usize>,
     /// The comparison, once it has begun.
     pub comparison: Option<Comparison>,
+    /// How many comparisons there have been.
+    pub comparisons: u64,
     /// Whether fits are being stepped.
     pub is_running: bool,
     /// Whether gradients are being checked.
@@ -92,7 +94,7 @@ impl Laboratory {
             | Action::TenFramesBack
             | Action::FirstFrame => because(comparison.cursor == 0, "This is the start"),
             Action::LastFrame | Action::TenFramesOn => because(at_end, "This is the newest step"),
-            Action::Stop => because(!self.is_running, "Nothing is running"),
+            Action::Stop if self.is_running => None,
             Action::RestartLaboratory => because(comparison.last() == 0, "No step has been made yet"),
             _ => return None,
         })

@@ -93,8 +93,9 @@ fn share((pushing, in_ramp): (usize, usize)) -> f64 {
     pushing as f64 / in_ramp.max(1) as f64
 }
 
+/// Without groups: a line may not end within a number.
 fn count(value: usize) -> String {
-    format::count(value as i64)
+    value.to_string()
 }
 
 /// The fewest and the most pixels that push, where they differ.
@@ -171,14 +172,15 @@ fn reason(best: &Contestant, worst: &Contestant, key: PushKey) -> Option<String>
         ));
     }
     Some(format!(
-        "As many pixels push, and every step of {} lowers its cost: it ends in another valley, or is slower.",
+        "As many pixels push, and no step of {} raised its cost: it ends in another valley, or its shape cannot come \
+         nearer.",
         worst.entrant.subject
     ))
 }
 
-/// Steps that were taken and raised the cost.
+/// Steps that were taken and raised the cost that the solver lowers.
 fn raised(fit: &Contestant) -> usize {
-    fit.steps.windows(2).filter(|pair| pair[1].accepted && pair[1].mismatch > pair[0].mismatch).count()
+    fit.steps.iter().filter(|step| step.accepted && step.fell < 0.0).count()
 }
 
 /// Where each of them is in the end.

@@ -5,6 +5,7 @@ use egui::{Align, Frame, Layout as Direction, Margin, Panel, RichText, Sense, Ui
 use super::command;
 use crate::action::Action;
 use crate::format;
+use crate::look::Layout;
 use crate::picture::joint_name;
 use crate::showing::{Intents, Showing};
 use crate::theme::{self, size, space};
@@ -57,6 +58,9 @@ fn sentence(showing: &Showing<'_>) -> String {
     if showing.busy.fitting {
         return "The fit is running. Esc stops it; all steps stay.".to_owned();
     }
+    if showing.look.layout == Layout::Demonstrate {
+        return laboratory_sentence(showing);
+    }
     if let Some(step) = showing.selection.step {
         let steps = session.runs.get(step.run).map_or(0, |run| run.steps.len().saturating_sub(1));
         return format!(
@@ -74,6 +78,27 @@ fn sentence(showing: &Showing<'_>) -> String {
     }
     let joint = joint_name(&showing.document().model, showing.selection.joint);
     format!("Drag the {joint} in any view, or press Space for one step of the fit.")
+}
+
+/// What the laboratory does.
+fn laboratory_sentence(showing: &Showing<'_>) -> String {
+    let laboratory = showing.laboratory;
+    let all = laboratory.lineup.all_text();
+    let Some(comparison) = laboratory.comparison.as_ref().filter(|comparison| comparison.has_begun()) else {
+        return "Preparing the laboratory…".to_owned();
+    };
+    let step = comparison.cursor;
+    if laboratory.is_running {
+        return format!("Step {step} in {all}. They are running; Esc stops them.");
+    }
+    let last = comparison.last();
+    if comparison.is_over() && step == last {
+        return format!("Step {step} in {all}: they have ended. The arrow keys go through their steps.");
+    }
+    if step < last {
+        return format!("Step {step} of {last} in {all}. The arrow keys go through them.");
+    }
+    format!("Step {step} in {all}. Space steps them together, Enter runs them; the arrow keys step.")
 }
 
 fn numbers(ui: &mut Ui, showing: &Showing<'_>) {
@@ -102,8 +127,19 @@ fn numbers(ui: &mut Ui, showing: &Showing<'_>) {
             "Root mean square of D − Λ, in grey levels, all cameras together",
         ),
     ];
+    let all_fits = (
+        "all fits, a step",
+        seconds(showing.laboratory.step_seconds),
+        188.0,
+        "Time of the last step of all the laboratory's fits together",
+    );
     let palette = theme::palette(ui);
-    for (name, value, width, tooltip) in entries {
+    let [frame, step, iou, rms] = entries;
+    let shown = match showing.look.layout {
+        Layout::Demonstrate => vec![frame, all_fits],
+        _ => vec![frame, step, iou, rms],
+    };
+    for (name, value, width, tooltip) in shown {
         let stale = session.is_stale && matches!(name, "IoU" | "RMS");
         let colour = if stale { palette.text3 } else { palette.text2 };
         let text = RichText::new(format!("{name} {value}")).monospace().color(colour);

@@ -5,7 +5,7 @@ use egui::{
 };
 
 use super::command::{icon, primary};
-use super::{menus, renderer, solver};
+use super::{laboratory, menus, renderer, solver};
 use crate::action::Action;
 use crate::format;
 use crate::look::Layout;
@@ -17,7 +17,7 @@ use crate::widgets::{Icon, segmented};
 /// Below this width the take's second line and the menus' labels fold.
 const FOLD_MENUS: f32 = 1440.0;
 /// Below this width the renderer and the preset are in the panel only.
-const FOLD_CHOICES: f32 = 1280.0;
+pub(super) const FOLD_CHOICES: f32 = 1280.0;
 /// Width of the layout switch.
 const SWITCH: f32 = 318.0;
 /// Height of the bar that says that something takes its time.
@@ -103,6 +103,14 @@ fn right(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, width: f32) 
     ui.spacing_mut().item_spacing.x = space::ROW;
     find(ui, intents, width < FOLD_CHOICES);
     ui.add_space(space::ROW);
+    if showing.look.layout == Layout::Demonstrate && showing.session.take.is_some() {
+        // The laboratory has buttons of its own.
+        if width >= FOLD_CHOICES {
+            solver::preset_box(ui, showing, intents, 92.0);
+            laboratory::lineup_box(ui, showing, intents);
+        }
+        return;
+    }
     primary(ui, showing, intents, likely_next(showing));
     ui.add_space(space::ROW);
     icon(ui, showing, intents, Action::Stop, Icon::Stop);

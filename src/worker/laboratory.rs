@@ -11,18 +11,24 @@ use backlit_tracking::track::Fit;
 use image::DynamicImage;
 
 use super::fit::{ending_of, run_step};
-use super::{Event, Job, Outbox, Predicted, Scene, Step};
+use super::{CameraPrediction, Event, Extent, Job, Outbox, Predicted, Scene, Step};
 use crate::laboratory::comparison::PushKey;
 use crate::laboratory::{CheckProgress, ColumnCheck, Push, Pushed};
 use crate::plot::Figure;
 use crate::session::{RunEnding, RunStep};
 use crate::theme::Theme;
 
+/// The level of the background, and from where on a pixel is hardly anything else.
+const BACKGROUND: f32 = 255.0;
+const NEARLY_BACKGROUND: f32 = 250.0;
+
 /// What the laboratory's jobs say. Numbers in front are those of the fits.
 #[derive(Debug)]
 pub enum LaboratoryEvent {
     /// A step of a fit; the first is the start.
     Step(usize, Box<RunStep>, Arc<Predicted>),
+    /// Where data and start of a fit are, by camera.
+    Extents(Vec<Option<Extent>>),
     /// A fit has ended by itself, or could not begin.
     Ended(usize, RunEnding),
     /// The picture of the step that is looked at.
@@ -88,6 +94,7 @@ impl LaboratoryJob {
     fn begin_next(&mut self, scene: Scene, pose: &Pose, out: &Outbox<Event>) {
         let index = self.fits.len();
         let last = Arc::new(Predicted::new(&scene, pose, None));
+        send(out, LaboratoryEvent::Extents(last.cameras.iter().map(extent).collect()));
         let options = (*scene.fit).clone();
         let fit = match Fit::new(scene.model.clone(), scene.views(), pose.clone(), options) {
             Ok(fit) => {
@@ -125,6 +132,21 @@ impl LaboratoryJob {
         *self.live.lock().unwrap_or_else(PoisonError::into_inner) = std::mem::take(&mut self.fits);
         Step::Done
     }
+}
+
+/// Where data or model are in a camera.
+fn extent(camera: &CameraPrediction) -> Option<Extent> {
+    let width = camera.prediction.width.max(1);
+    let data = camera.data.as_ref().map_or(&[][..], |data| data.values());
+    let mut found: Option<Extent> = None;
+    for (index, level) in camera.prediction.lambda.iter().enumerate() {
+        if level.min(*data.get(index).unwrap_or(&BACKGROUND)) < NEARLY_BACKGROUND {
+            let [x, y] = [(index % width) as f32, (index / width) as f32];
+            let [left, top, right, bottom] = found.unwrap_or([x, y, x, y]);
+            found = Some([left.min(x), top.min(y), right.max(x), bottom.max(y)]);
+        }
+    }
+    found
 }
 
 fn send(out: &Outbox<Event>, event: LaboratoryEvent) {

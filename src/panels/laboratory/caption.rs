@@ -7,9 +7,7 @@ use crate::document::TakeSource;
 use crate::laboratory::story::tell;
 use crate::laboratory::{LaboratoryRequest, Lineup, StartChoice};
 use crate::showing::{Intents, Request};
-use crate::theme::data_colours::{
-    NO_GRADIENT, PICTURE_GROUND, REPORT_BOTH, REPORT_DATA, REPORT_MODEL,
-};
+use crate::theme::data_colours::{NO_GRADIENT, PICTURE_GROUND, REPORT_BOTH, REPORT_DATA, REPORT_MODEL};
 use crate::theme::{self, residual_colour};
 
 /// Size of a swatch.
@@ -108,13 +106,15 @@ fn next(ui: &mut Ui, bench: &Bench<'_>, intents: &mut Intents) {
     let offered = StartChoice::offered(demonstration);
     let at = offered.iter().position(|start| *start == laboratory.start).unwrap_or(0);
     let other = offered[(at + offered.len() - 1) % offered.len()];
-    let lineup = Lineup::ALL[(Lineup::ALL.iter().position(|(l, _)| *l == laboratory.lineup).unwrap_or(0) + 1)
+    let lineup = Lineup::ALL[(Lineup::ALL.iter().position(|(l, _)| *l == laboratory.lineup).unwrap_or(0)
+        + 1)
         % Lineup::ALL.len()];
     ui.horizontal_wrapped(|ui| {
         let palette = theme::palette(ui);
         ui.spacing_mut().item_spacing.x = 4.0;
         ui.label(RichText::new("Next:").color(palette.accent_text));
-        let link = |ui: &mut Ui, text: String| ui.link(RichText::new(text).color(palette.accent_text)).clicked();
+        let link =
+            |ui: &mut Ui, text: String| ui.link(RichText::new(text).color(palette.accent_text)).clicked();
         let text = other.text();
         if link(ui, text[..1].to_lowercase() + &text[1..]) {
             intents.request(Request::Laboratory(LaboratoryRequest::Start(other)));

@@ -1,7 +1,8 @@
 //! One fit: percent of its start, its two pictures, its counts and the check of its gradient.
 
 use egui::{
-    Align, Layout as Direction, Rect, RichText, Role, Sense, Shape, Stroke, Ui, UiBuilder, WidgetInfo, pos2, vec2,
+    Align, Layout as Direction, Rect, RichText, Role, Sense, Shape, Stroke, Ui, UiBuilder, WidgetInfo, pos2,
+    vec2,
 };
 
 use super::{Bench, picture};
@@ -90,7 +91,9 @@ fn header(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, width:
         let percent = fit.percent(bench.comparison.cursor);
         let text = percent.map_or_else(|| format::MISSING.to_owned(), |p| format!("{} %", percent_text(p)));
         let label = ui.label(RichText::new(text.clone()).text_style(theme::headline()).color(palette.text));
-        label.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{} at {text}", fit.entrant.name)));
+        label.widget_info(|| {
+            WidgetInfo::labeled(Role::Label, true, format!("{} at {text}", fit.entrant.name))
+        });
         label.on_hover_text("Cost at this step, in percent of the cost at the start, by its own ramp");
     });
 }
@@ -124,16 +127,13 @@ fn pushes(ui: &mut Ui, bench: &Bench<'_>, fit: &Contestant) {
         WidgetInfo::labeled(Role::Label, true, format!("{}, {name}: {text}", fit.entrant.name))
     });
     response.on_hover_text(
-        "Pixels of the ramp whose grey changes as it moves that way: at least 1 % of the strongest of all these fits. \
+        "Pixels of the ramp whose grey changes as it moves that way: at least 1 % of the strongest that all these fits have. \
          The second number counts all pixels of the ramp, neither black nor white",
     );
 }
 
 /// The check that belongs to what is shown.
-fn checked<'a>(
-    bench: &Bench<'_>,
-    fit: &'a Contestant,
-) -> Option<&'a crate::laboratory::comparison::Checked> {
+fn checked<'a>(bench: &Bench<'_>, fit: &'a Contestant) -> Option<&'a crate::laboratory::comparison::Checked> {
     let pose = fit.pose(bench.comparison.cursor)?;
     fit.checked.as_ref().filter(|checked| checked.camera == bench.key.0 && checked.pose == *pose)
 }
@@ -151,12 +151,13 @@ fn gradient(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, inte
         None => "Gradient check, computing".to_owned(),
         Some(_) => "Gradient check, worst pixel".to_owned(),
     };
-    let value = progress.map_or_else(|| format::MISSING.to_owned(), |progress| format::cost(progress.largest_error));
+    let value =
+        progress.map_or_else(|| format::MISSING.to_owned(), |progress| format::cost(progress.largest_error));
     let fails = progress.is_some_and(|progress| !progress.passes());
     let colour = verdict(palette, is_whole, fails);
     let text = if fails { format!("fails  {value}") } else { value.clone() };
     let row = line(ui, &name, RichText::new(text).color(colour));
-    let response = ui.interact(row.rect, ui.id().with("gradient check"), Sense::click());
+    let response = ui.interact(row.rect, ui.scope_id().with("gradient check"), Sense::click());
     let is_marked = bench.showing.laboratory.marked == Some(index);
     let label = format!("Gradient check of {}: {value}", fit.entrant.subject);
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_marked, label.clone()));
@@ -203,11 +204,7 @@ fn figures(value: f64) -> String {
     format::number(value, decimals.max(0) as usize)
 }
 
-fn explained(
-    bench: &Bench<'_>,
-    checked: &crate::laboratory::comparison::Checked,
-    is_marked: bool,
-) -> String {
+fn explained(bench: &Bench<'_>, checked: &crate::laboratory::comparison::Checked, is_marked: bool) -> String {
     let progress = &checked.progress;
     let count = |n: usize| format::count(n as i64);
     let worst = progress.worst.as_ref().map_or_else(String::new, |worst| pixel_words(bench, worst) + ".\n");

@@ -1,7 +1,9 @@
 //! The plot of all fits: percent of the start against the step. A click or a drag goes to that step.
 
 use egui::{Align, Align2, Layout as Direction, Pos2, Rect, RichText, Role, Stroke, Ui, pos2, vec2};
-use egui_plot::{Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, PlotTransform, PlotUi, Points, VLine};
+use egui_plot::{
+    Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, PlotTransform, PlotUi, Points, VLine,
+};
 
 use super::{Bench, named};
 use crate::format;
@@ -18,7 +20,7 @@ use crate::widgets::segmented;
 /// Height of the row above the plot.
 const HEAD: f32 = 30.0;
 /// Room right of the curves for their names.
-const LABEL_ROOM: f64 = 150.0;
+const LABEL_ROOM: f64 = 168.0;
 /// Names at the curves' ends keep so far apart.
 const LABEL_SPACING: f32 = 17.0;
 /// Steps that the axis has at least.
@@ -38,25 +40,29 @@ fn head(ui: &mut Ui, bench: &Bench<'_>, intents: &mut Intents) -> bool {
     let palette = theme::palette(ui);
     let mut is_log = bench.showing.laboratory.is_log;
     let ask = |intents: &mut Intents, request| intents.request(Request::Laboratory(request));
-    ui.allocate_ui_with_layout(vec2(ui.available_width(), HEAD), Direction::right_to_left(Align::Center), |ui| {
-        let save = ui.button("Save PNG").on_hover_text("Save the plot as a picture…");
-        if save.clicked() {
-            ask(intents, LaboratoryRequest::SavePlot);
-        }
-        let copy = ui.button("Copy CSV").on_hover_text("Copy all curves as comma-separated values");
-        if copy.clicked() {
-            ask(intents, LaboratoryRequest::CopyTable);
-        }
-        if segmented(ui, &mut is_log, &[(false, "Percent"), (true, "Log")]).changed() {
-            ask(intents, LaboratoryRequest::Log(is_log));
-        }
-        ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
-            let title = RichText::new("Cost, percent of start").text_style(theme::column_heading());
-            ui.add(egui::Label::new(title.color(palette.text)).truncate());
-            let hint = RichText::new("a click goes to that step").color(palette.text3);
-            ui.add(egui::Label::new(hint).truncate());
-        });
-    });
+    ui.allocate_ui_with_layout(
+        vec2(ui.available_width(), HEAD),
+        Direction::right_to_left(Align::Center),
+        |ui| {
+            let save = ui.button("Save PNG").on_hover_text("Save the plot as a picture…");
+            if save.clicked() {
+                ask(intents, LaboratoryRequest::SavePlot);
+            }
+            let copy = ui.button("Copy CSV").on_hover_text("Copy all curves as comma-separated values");
+            if copy.clicked() {
+                ask(intents, LaboratoryRequest::CopyTable);
+            }
+            if segmented(ui, &mut is_log, &[(false, "Percent"), (true, "Log")]).changed() {
+                ask(intents, LaboratoryRequest::Log(is_log));
+            }
+            ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
+                let title = RichText::new("Cost, percent of start").text_style(theme::column_heading());
+                ui.add(egui::Label::new(title.color(palette.text)).truncate());
+                let hint = RichText::new("a click goes to that step").color(palette.text3);
+                ui.add(egui::Label::new(hint).truncate());
+            });
+        },
+    );
     is_log
 }
 
@@ -70,14 +76,13 @@ fn bounds(bench: &Bench<'_>, is_log: bool, width: f64) -> [(f64, f64); 2] {
     let room = (width - AXIS).max(LABEL_ROOM + LEAST_CURVES);
     let last = last * room / (room - LABEL_ROOM);
     let values = bench.comparison.contestants.iter().flat_map(Contestant::percents);
-    let (low, high) = values.fold((f64::INFINITY, 100.0_f64), |(low, high), value| {
-        (low.min(y(value, is_log)), high.max(value))
-    });
+    let (low, high) = values
+        .fold((f64::INFINITY, 100.0_f64), |(low, high), value| (low.min(y(value, is_log)), high.max(value)));
     let heights = if is_log {
         let low = if low.is_finite() { low.min(1.0) } else { 0.0 };
         (low - 0.15, high.log10() + 0.15)
     } else {
-        (-0.04 * high, 1.12 * high)
+        (-0.04 * high, 1.2 * high)
     };
     [(-0.25, last), heights]
 }
@@ -143,7 +148,8 @@ fn curve(plot: &mut PlotUi<'_>, index: usize, fit: &Contestant, is_log: bool) {
         .copied()
         .enumerate()
         .partition(|(step, _)| fit.steps.get(*step).is_some_and(|step| step.accepted));
-    let only = |points: Vec<(usize, [f64; 2])>| -> Vec<[f64; 2]> { points.into_iter().map(|(_, at)| at).collect() };
+    let only =
+        |points: Vec<(usize, [f64; 2])>| -> Vec<[f64; 2]> { points.into_iter().map(|(_, at)| at).collect() };
     let line = Line::new("", PlotPoints::from(points));
     plot.line(line.color(style.colour).width(size::CURVE_DEMONSTRATE).style(dash));
     let dots = Points::new("", PlotPoints::from(only(accepted))).color(style.colour);
@@ -179,8 +185,11 @@ fn labels(ui: &Ui, bench: &Bench<'_>, is_log: bool, transform: &PlotTransform) {
     for ((index, at, percent), height) in ends.into_iter().zip(heights) {
         let fit = &bench.comparison.contestants[index];
         let colour = run_style(index).colour;
-        let to = pos2(x - 5.0, height);
-        painter.line_segment([at + vec2(6.0, 0.0), to], Stroke::new(1.0, colour.gamma_multiply(0.6)));
+        // After its end a fit stays where it is.
+        let stroke = Stroke::new(1.0, colour.gamma_multiply(0.6));
+        let last = pos2(x - 20.0, at.y);
+        painter.line_segment([at + vec2(6.0, 0.0), last], stroke);
+        painter.line_segment([last, pos2(x - 5.0, height)], stroke);
         let text = format!("{}  {} %", fit.entrant.name, percent_text(percent));
         painter.text(pos2(x, height), Align2::LEFT_CENTER, text, font.clone(), theme::palette(ui).text2);
         painter.circle_filled(pos2(x - 5.0, height), 2.5, colour);

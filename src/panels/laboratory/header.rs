@@ -17,6 +17,8 @@ use crate::widgets::{Icon, icon_button, primary_button};
 /// Height of the header, and of its rows.
 const HEIGHT: f32 = 66.0;
 const ROW: f32 = 28.0;
+/// With more room than this left there are words before the boxes.
+const PREFIX_FROM: f32 = 620.0;
 
 /// Two rows: title and step; what it is of, and what is looked at.
 pub(super) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, margin: f32) {
@@ -134,8 +136,13 @@ fn choices(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
     if let Some(axis) = choice(ui, "Motion", 136.0, axis.text(), &axes) {
         ask(intents, LaboratoryRequest::Axis(axis));
     }
-    if model.rotation_count() > 1 {
+    let has_limbs = model.rotation_count() > 1;
+    if has_limbs {
         limb_box(ui, showing, intents);
+    }
+    if ui.available_width() > PREFIX_FROM {
+        let text = if has_limbs { "Pushes as the" } else { "Pushes as the limb" };
+        ui.label(RichText::new(text).color(theme::palette(ui).text3));
     }
     if showing.session.camera_count() > 1 {
         camera_box(ui, showing, intents);
@@ -158,7 +165,9 @@ fn limb_box(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
         .collect();
     let choices: Vec<(usize, &str, String)> = names
         .iter()
-        .map(|(limb, name)| (*limb, name.as_str(), "The limb whose motion the lower pictures show".to_owned()))
+        .map(|(limb, name)| {
+            (*limb, name.as_str(), "The limb whose motion the lower pictures show".to_owned())
+        })
         .collect();
     let held = showing.selection.limb(model);
     let chosen = names.iter().find(|(limb, _)| *limb == held).map_or("", |(_, name)| name.as_str());

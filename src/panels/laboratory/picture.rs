@@ -52,8 +52,15 @@ fn view(bench: &Bench<'_>, rect: Rect) -> Option<ViewTransform> {
 }
 
 /// The report's overlay at this step, with the worst pixel if that is marked.
-pub(super) fn overlay(ui: &Ui, rect: Rect, bench: &Bench<'_>, index: usize, fit: &Contestant, mark: Option<&Worst>) {
-    let response = ui.interact(rect, ui.id().with("overlay"), Sense::hover());
+pub(super) fn overlay(
+    ui: &Ui,
+    rect: Rect,
+    bench: &Bench<'_>,
+    index: usize,
+    fit: &Contestant,
+    mark: Option<&Worst>,
+) {
+    let response = ui.interact(rect, ui.scope_id().with("overlay"), Sense::hover());
     named(&response, Role::Image, &format!("{}, data and model", fit.entrant.name));
     let ground = Color32::from_gray(REPORT_GROUND);
     ui.painter().rect_filled(rect, 0.0, ground);
@@ -80,7 +87,7 @@ pub(super) fn overlay(ui: &Ui, rect: Rect, bench: &Bench<'_>, index: usize, fit:
 
 /// What pushes at the start; pixels of the ramp that do not are hatched.
 pub(super) fn push(ui: &Ui, rect: Rect, bench: &Bench<'_>, index: usize, fit: &Contestant) {
-    let response = ui.interact(rect, ui.id().with("push"), Sense::hover());
+    let response = ui.interact(rect, ui.scope_id().with("push"), Sense::hover());
     let words = format!("At the start: what {}", bench.axis.verb(bench.limb));
     named(&response, Role::Image, &format!("{}, what pushes at the start", fit.entrant.name));
     ui.painter().rect_filled(rect, 0.0, PICTURE_GROUND);
@@ -97,13 +104,28 @@ pub(super) fn push(ui: &Ui, rect: Rect, bench: &Bench<'_>, index: usize, fit: &C
             paint(ui, "push texture", &view, (bench.comparison.id, index, *key), mode, &input);
         }
     }
-    label(ui, rect, &words, Theme::Dark.palette().text2);
+    let colour = Theme::Dark.palette().text2;
+    let words = if fits(ui, rect, &words) { words.as_str() } else { "What pushes at the start" };
+    label(ui, rect, words, colour);
 }
 
-fn paint(ui: &Ui, salt: &str, view: &ViewTransform, key: impl Hash, mode: ViewMode, input: &PictureInput<'_>) {
+fn paint(
+    ui: &Ui,
+    salt: &str,
+    view: &ViewTransform,
+    key: impl Hash,
+    mode: ViewMode,
+    input: &PictureInput<'_>,
+) {
     let is_crisp = view.is_crisp(ui.ctx().pixels_per_point());
-    let texture = cached_texture(ui.ctx(), ui.id().with(salt), key, is_crisp, || compose(mode, input));
+    let texture = cached_texture(ui.ctx(), ui.scope_id().with(salt), key, is_crisp, || compose(mode, input));
     paint_picture(&ui.painter_at(view.rect), view, input.size, &texture);
+}
+
+fn fits(ui: &Ui, rect: Rect, text: &str) -> bool {
+    let font = TextStyle::Small.resolve(ui.style());
+    let galley = ui.painter().layout_no_wrap(text.to_owned(), font, Color32::PLACEHOLDER);
+    galley.size().x <= rect.width() - 24.0
 }
 
 /// One line in the upper left corner.
@@ -133,5 +155,11 @@ fn paint_mark(ui: &Ui, view: &ViewTransform, worst: &Worst) {
     let top = (at.y - 0.5 * size.y).clamp(free.top(), (free.bottom() - size.y).max(free.top()));
     let tag = Rect::from_min_size(pos2(left, top), size);
     painter.rect_filled(tag, 3.0, CASING);
-    painter.text(tag.center(), Align2::CENTER_CENTER, format!("({x}, {y})"), TextStyle::Small.resolve(ui.style()), SELECTED);
+    painter.text(
+        tag.center(),
+        Align2::CENTER_CENTER,
+        format!("({x}, {y})"),
+        TextStyle::Small.resolve(ui.style()),
+        SELECTED,
+    );
 }
