@@ -268,6 +268,8 @@ pub(crate) mod tests {
         RunStep {
             pose,
             mismatch,
+            rms: 0.0,
+            step_norm: 0.0,
             cost: mismatch,
             trial_cost: mismatch,
             foretold: 0.0,

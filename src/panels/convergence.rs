@@ -1,7 +1,7 @@
 //! The convergence panel: a quantity of the fit against its steps, one curve a run, rejected steps as ×; the list of
 //! runs beside it, the steps of the run on the screen below.
 
-mod plot;
+pub(super) mod plot;
 mod read_out;
 
 use egui::{Align, Layout as Direction, RichText, Ui, UiBuilder, vec2};

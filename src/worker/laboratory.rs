@@ -101,6 +101,8 @@ impl LaboratoryJob {
                 let first = RunStep {
                     pose: pose.clone(),
                     mismatch: last.mismatch,
+                    rms: last.rms.unwrap_or_default(),
+                    step_norm: 0.0,
                     cost: fit.cost(),
                     trial_cost: fit.cost(),
                     foretold: 0.0,
@@ -182,7 +184,7 @@ impl Job<Event> for LaboratoryJob {
         if record.accepted {
             racing.last = Arc::new(Predicted::new(&racing.scene, &record.pose, Some(&racing.last)));
         }
-        let step = run_step(&record, racing.last.mismatch, seconds);
+        let step = run_step(&record, &racing.last, seconds);
         send(out, LaboratoryEvent::Step(index, Box::new(step), racing.last.clone()));
         Step::Again
     }

@@ -160,7 +160,7 @@ fn newest(showing: &Showing<'_>) -> Option<StepRef> {
     Some(StepRef { run, step: showing.session.runs.get(run)?.steps.len().checked_sub(1)? })
 }
 
-fn step_marks(input: egui_plot::GridInput) -> Vec<GridMark> {
+pub(in crate::panels) fn step_marks(input: egui_plot::GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let apart = MARK_SPACING * input.base_step_size;
     let step = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0].into_iter().find(|s| *s >= apart).unwrap_or(200.0);

@@ -10,7 +10,7 @@ use crate::format;
 use crate::laboratory::story::percent_text;
 use crate::laboratory::table::LEAST_PERCENT;
 use crate::laboratory::{Contestant, LaboratoryRequest};
-use crate::panels::convergence::step_marks;
+use crate::panels::convergence::plot::step_marks;
 use crate::plot::marks::{decade_marks, even_marks};
 use crate::showing::{Intents, Request};
 use crate::theme::data_colours::mark;
