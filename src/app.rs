@@ -8,9 +8,11 @@
 //! | `hand` | dragging in a camera's view, nudging |
 //! | `clipboard` | poses to and from the system's clipboard |
 //! | `docking` | tiles of the centre: arranging, opening, closing, one alone |
-//! | `fitting` | stepping, running, refitting, tracking |
 //! | `curves` | runs named, removed, brought back, exported |
 //! | `background` | the second worker: experiments, files made of results |
+//! | `fitting` | stepping, running, refitting |
+//! | `playing` | playing frames, and the time axis |
+//! | `tracking` | tracking, and looking for other poses |
 //! | `body` | fitting the body's own sizes |
 //! | `demonstrating` | demonstrations and their runs, one after the other |
 //! | `dropping` | files that are dropped on the window |
@@ -44,18 +46,22 @@ mod headless;
 mod jobs;
 mod laboratory;
 mod outside;
+mod playing;
 mod requests;
 mod scene_view;
 mod screen;
 mod state;
 mod touring;
+mod tracking;
 mod twin;
 
 pub use files::opening_of;
 pub(crate) use hand::nudge_of;
 pub(crate) use headless::headless_export;
 pub use headless::{PictureOptions, headless_picture};
+pub(crate) use playing::TimeAxis;
 pub use state::{App, AppOptions, Opening};
+pub(crate) use tracking::keys_around;
 
 impl App {
     /// One frame of the window.
@@ -67,6 +73,7 @@ impl App {
         self.apply_theme(ui);
         self.hear_worker();
         self.hear_background();
+        self.take_in_tracked();
         self.hear_dialogs();
         self.hear_export();
         self.take_dropped_files(ui.ctx());

@@ -13,6 +13,7 @@ use backlit_tracking::track::FitOptions;
 
 use crate::demonstration::Demonstration;
 use crate::replacement::{Calibration, MaskFiles};
+use crate::tracking_choices::TrackingChoices;
 
 /// Where the footage of a document comes from.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -83,6 +84,8 @@ pub struct Document {
     pub cameras: Arc<Vec<CameraUse>>,
     /// How poses are fitted.
     pub fit: Arc<FitOptions>,
+    /// How frames are followed.
+    pub tracking: TrackingChoices,
     /// How silhouettes are made, camera by camera.
     pub measurement: Arc<Vec<SegmentOptions>>,
     /// Limbs whose second joint stays where it is when another is dragged.
@@ -106,6 +109,7 @@ impl Document {
             estimates: Arc::default(),
             cameras: Arc::default(),
             fit: Arc::default(),
+            tracking: TrackingChoices::of_preset(FitOptions::default().as_preset()),
             measurement: Arc::default(),
             pins: Arc::default(),
             calibration: None,

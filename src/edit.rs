@@ -12,6 +12,7 @@ use thiserror::Error;
 
 use crate::document::{CameraUse, Document, Estimate, Origin};
 use crate::replacement::Calibration;
+use crate::tracking_choices::TrackingChoices;
 
 /// A change of the document. [`Document::apply`] makes it, [`Edit::text`] names it for the undo menu.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,8 +43,17 @@ pub enum Edit {
         /// What was found.
         estimate: Arc<Estimate>,
     },
+    /// What the tracker found, frame by frame; it replaces what was found there before.
+    AddTrack(Vec<(usize, Arc<Estimate>)>),
     /// Forgets everything that was found; key poses stay.
     ClearEstimates,
+    /// Forgets what was found from one frame to another, both included; key poses stay.
+    ClearRange {
+        /// The first frame.
+        first: usize,
+        /// The last frame.
+        last: usize,
+    },
     /// Length and radius of a limb, in metres, and of its mirror image if wanted.
     SetSize {
         /// The limb.
@@ -83,6 +93,8 @@ pub enum Edit {
         /// What the user did, for the undo menu: "Switch to cylinder".
         what: String,
     },
+    /// How frames are followed.
+    SetTracking(TrackingChoices),
     /// How silhouettes are made; each camera keeps its own region of interest.
     SetMeasurement(Box<SegmentOptions>),
     /// Cameras in the place of the take's, or the take's own again.
@@ -143,13 +155,16 @@ impl Edit {
                 Origin::Fit => "Fit".to_owned(),
                 Origin::Track => "Track".to_owned(),
             },
+            Self::AddTrack(_) => "Track".to_owned(),
             Self::ClearEstimates => "Clear track".to_owned(),
+            Self::ClearRange { first, last } => format!("Clear frames {first} to {last}"),
             Self::SetSize { .. } => "Change limb size".to_owned(),
             Self::SetBody(_) => "Fit body".to_owned(),
             Self::ScaleBody { .. } => "Scale body".to_owned(),
             Self::UseCamera { used: true, .. } => "Use camera".to_owned(),
             Self::UseCamera { used: false, .. } => "Leave camera out".to_owned(),
             Self::WeighCamera { .. } => "Change camera weight".to_owned(),
+            Self::SetTracking(_) => "Change tracking".to_owned(),
             Self::SetMeasurement(_) => "Change measurement".to_owned(),
             Self::SetCalibration(_) => "Replace calibration".to_owned(),
             Self::SetMasks { .. } => "Replace silhouettes".to_owned(),
@@ -176,14 +191,12 @@ impl Document {
                     return Err(EditError::NoKey { frame });
                 }
             }
-            Edit::AddEstimate { frame, estimate } => {
-                estimate.pose.check(&self.model).map_err(|source| EditError::Pose { frame, source })?;
-                if !(estimate.cost.is_finite() && estimate.rms.is_finite()) {
-                    return Err(EditError::Cost { frame });
-                }
-                Arc::make_mut(&mut self.estimates).insert(frame, estimate);
-            }
+            Edit::AddEstimate { frame, estimate } => self.add_estimates(vec![(frame, estimate)])?,
+            Edit::AddTrack(found) => self.add_estimates(found)?,
             Edit::ClearEstimates => self.estimates = Arc::default(),
+            Edit::ClearRange { first, last } => {
+                Arc::make_mut(&mut self.estimates).retain(|frame, _| !(first..=last).contains(frame));
+            }
             Edit::SetSize { limb, length, radius, both_sides } => {
                 self.set_size(limb, length, radius, both_sides)?;
             }
@@ -203,6 +216,7 @@ impl Document {
                 options.check()?;
                 self.fit = Arc::new(*options);
             }
+            Edit::SetTracking(choices) => self.tracking = choices,
             Edit::SetMeasurement(options) => {
                 for camera in Arc::make_mut(&mut self.measurement) {
                     *camera = SegmentOptions { region: camera.region, ..(*options).clone() };
@@ -232,6 +246,18 @@ impl Document {
         pose.check(&self.model).map_err(|source| EditError::Pose { frame, source })?;
         Arc::make_mut(&mut self.keys).insert(frame, pose.normalized());
         Arc::make_mut(&mut self.estimates).remove(&frame);
+        Ok(())
+    }
+
+    fn add_estimates(&mut self, found: Vec<(usize, Arc<Estimate>)>) -> Result<(), EditError> {
+        for (frame, estimate) in &found {
+            let wrong = |source| EditError::Pose { frame: *frame, source };
+            estimate.pose.check(&self.model).map_err(wrong)?;
+            if !(estimate.cost.is_finite() && estimate.rms.is_finite()) {
+                return Err(EditError::Cost { frame: *frame });
+            }
+        }
+        Arc::make_mut(&mut self.estimates).extend(found);
         Ok(())
     }
 

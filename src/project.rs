@@ -20,6 +20,7 @@ use thiserror::Error;
 use crate::demonstration::Demonstration;
 use crate::document::{CameraUse, Document, Estimate, Origin, TakeSource};
 use crate::replacement::{Calibration, MaskFiles};
+use crate::tracking_choices::TrackingChoices;
 
 /// Name and version of the project file's format.
 pub const FORMAT: &str = "backlit-project 1";
@@ -70,6 +71,9 @@ struct ProjectFile {
     cameras: Vec<CameraRecord>,
     #[serde(default)]
     fit: FitOptions,
+    /// Left out, it is what goes with the fit.
+    #[serde(default)]
+    tracking: Option<TrackingChoices>,
     #[serde(default)]
     measurement: Vec<SegmentOptions>,
     #[serde(default)]
@@ -198,6 +202,7 @@ fn to_file(document: &Document) -> ProjectFile {
             })
             .collect(),
         fit: (*document.fit).clone(),
+        tracking: Some(document.tracking),
         measurement: (*document.measurement).clone(),
         pins: document.pins.iter().map(|&limb| model.limbs()[limb].name.clone()).collect(),
         calibration: document.calibration.as_ref().map(|calibration| CalibrationRecord {
@@ -277,6 +282,7 @@ impl Reader<'_> {
             keys: Arc::new(keys),
             estimates: Arc::new(estimates),
             cameras: Arc::new(cameras),
+            tracking: file.tracking.unwrap_or_else(|| TrackingChoices::of_preset(file.fit.as_preset())),
             fit: Arc::new(file.fit),
             measurement: Arc::new(file.measurement),
             pins: Arc::new(pins),
@@ -365,8 +371,11 @@ fn estimate(pose: Pose, record: &EstimateRecord) -> Estimate {
 mod tests {
     use backlit_tracking::body::{Parameters, builtin};
 
+    use backlit_tracking::track::Search;
+
     use super::*;
     use crate::edit::Edit;
+    use crate::tracking_choices::Following;
 
     fn example() -> Document {
         let mut document = Document::new(builtin::upper_body());
@@ -388,6 +397,10 @@ mod tests {
             Edit::SetPose { frame: 3, pose, what: "Move".to_owned() },
             Edit::AddEstimate { frame: 4, estimate: Arc::new(estimate) },
             Edit::UseCamera { camera: 0, used: false },
+            Edit::SetTracking(TrackingChoices {
+                motion: Following::Smoothed { lag: Some(3) },
+                search: Search::Never,
+            }),
             Edit::Pin { limb: 5, pinned: true },
             Edit::SetSize { limb: 2, length: 0.2, radius: 0.05, both_sides: true },
             Edit::SetCalibration(Some(calibration())),
@@ -417,6 +430,19 @@ mod tests {
         let names: Vec<_> =
             std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
         assert_eq!(names, ["a.backlit"], "nothing else is left in the folder");
+    }
+
+    #[test]
+    fn a_project_from_before_the_choices_of_tracking_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("old.backlit");
+        write_project(&path, &example()).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert!(json.as_object_mut().unwrap().remove("tracking").is_some());
+        std::fs::write(&path, json.to_string()).unwrap();
+        let tracking = read_project(&path).unwrap().tracking;
+        assert_eq!(tracking, TrackingChoices { motion: Following::Velocity, search: Search::WhenPoor });
     }
 
     #[test]

@@ -7,9 +7,12 @@ mod refitted;
 mod run;
 mod run_names;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::time::Instant;
 
 use backlit_tracking::body::Pose;
+use backlit_tracking::track::{FitOptions, Hypothesis};
 
 pub use frames::{FrameCache, FrameData};
 pub use hulls::HullCache;
@@ -48,7 +51,7 @@ pub struct Session {
     /// What the run that is going on refits, if it does.
     pub refitting: Option<String>,
     /// The last refit of each frame.
-    pub refits: std::collections::BTreeMap<usize, Refitted>,
+    pub refits: BTreeMap<usize, Refitted>,
     /// Whether that run is being stepped right now.
     pub is_stepping: bool,
     /// Visual hulls of frames.
@@ -65,6 +68,10 @@ pub struct Session {
     pub subject: Vec<Option<Extent>>,
     /// What the tracker is doing.
     pub tracking: Option<Tracking>,
+    /// Other poses that fit a frame, by frame, where a search has looked for them.
+    pub other_poses: BTreeMap<usize, OtherPoses>,
+    /// The frame in which other poses are being looked for.
+    pub searching: Option<usize>,
     /// Whether the body's own sizes are being fitted, in the tracker's place.
     pub fitting_body: bool,
     /// Time of the last step of a fit, in seconds.
@@ -91,6 +98,28 @@ pub struct Tracking {
     pub total: usize,
     /// Whether it goes towards the first frame.
     pub backwards: bool,
+    /// The key poses between which it goes both ways, if it does.
+    pub between: Option<(usize, usize)>,
+    /// When it began.
+    pub began: Instant,
+}
+
+impl Tracking {
+    /// Frames a second so far, once there is something to tell.
+    #[must_use]
+    pub fn rate(&self) -> Option<f64> {
+        let seconds = self.began.elapsed().as_secs_f64();
+        (self.done > 2 && seconds > 0.0).then(|| self.done as f64 / seconds)
+    }
+}
+
+/// What a search has found for a frame.
+#[derive(Debug, Clone)]
+pub struct OtherPoses {
+    /// Best first.
+    pub found: Vec<Hypothesis>,
+    /// The choices of the fit by which the costs were measured.
+    pub fit: Arc<FitOptions>,
 }
 
 impl Session {

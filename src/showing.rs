@@ -1,9 +1,11 @@
 //! What panels read, and what they ask for.
 
+mod time;
+
 use std::path::{Path, PathBuf};
 
 use crate::action::Action;
-use crate::app::nudge_of;
+use crate::app::{TimeAxis, nudge_of};
 use crate::arrangement::Arrangement;
 use crate::curves::{CurvesLook, CurvesRequest};
 use crate::document::{Document, TakeSource};
@@ -15,6 +17,7 @@ use crate::notices::Notices;
 use crate::pane::Pane;
 use crate::panels::camera_tile::TileEvent;
 use crate::panels::export_dialog::ExportOrder;
+use crate::panels::timeline::TimelineEvent;
 use crate::picture::JointId;
 use crate::scene_view::SceneLook;
 use crate::selection::{Selection, StepRef};
@@ -42,8 +45,8 @@ pub struct Showing<'a> {
     pub project: Option<&'a Path>,
     /// Whether something was exported since the start.
     pub has_exported: bool,
-    /// Whether frames are being played.
-    pub is_playing: bool,
+    /// What is played, and what of the time axis is on the screen.
+    pub(crate) time: &'a TimeAxis,
     /// The sentence of the status bar about what the hand is doing.
     pub doing: Option<&'a str>,
     /// What the open demonstration shows, until that is closed.
@@ -127,6 +130,10 @@ pub enum Request {
     CloseExplanation,
     /// A notice is under the pointer: it stays.
     HoldNotice(u64),
+    /// What was done in the timeline.
+    Timeline(TimelineEvent),
+    /// Give the frame one of the poses that a search has found, by its place in their list.
+    ChoosePose(usize),
     /// Take what an earlier start of the program left unsaved, or leave it.
     Recover(bool),
     /// Open whatever a path is.
@@ -198,7 +205,6 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
     let (session, selection, document) = (showing.session, showing.selection, showing.document());
     let because = |is_so: bool, why: &'static str| is_so.then_some(why);
     let no_take = because(session.take.is_none(), NO_TAKE);
-    let frames = session.frame_count();
     let no_fit = || {
         let no_camera = document.used_cameras().next().is_none();
         let no_mask = session.frames.get(selection.frame).is_none_or(|frame| !frame.has_mask());
@@ -262,20 +268,8 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
         A::ClearRuns | A::ExportCurves | A::ExportPlot => {
             because(session.runs.is_empty(), "There are no runs")
         }
+        A::SearchPoses => no_fit(),
         A::FitBody => no_fit().or(because(showing.busy.fitting, "The fit is running")),
-        A::TrackForward | A::TrackBack => no_take
-            .or(because(document.used_cameras().next().is_none(), "No camera is used in the fit"))
-            .or(because(showing.busy.tracking, "The tracker is at work"))
-            .or(because(action == A::TrackBack && selection.frame == 0, "This is the first frame")),
-        A::ClearTrack => because(document.estimates.is_empty(), "No frame is tracked yet"),
-        A::NextWorst | A::PreviousWorst => because(document.estimates.is_empty(), "No frame is tracked yet"),
-        A::PreviousFrame | A::TenFramesBack | A::FirstFrame => {
-            no_take.or(because(selection.frame == 0, "This is the first frame"))
-        }
-        A::NextFrame | A::TenFramesOn | A::LastFrame => {
-            no_take.or(because(selection.frame + 1 >= frames, "This is the last frame"))
-        }
-        A::Play => no_take.or(because(frames < 2, "The take has one frame")),
         A::SaveAs
         | A::CopyPose
         | A::PastePose
@@ -285,7 +279,7 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
         | A::ResetLimb
         | A::ResetBody
         | A::SetKeyPose => no_take,
-        _ => None,
+        _ => time::unavailable(action, showing),
     }
 }
 

@@ -246,7 +246,7 @@ impl App {
             // The renderer is chosen by itself.
             let renderer = self.document().fit.renderer;
             let options = FitOptions { renderer, ..FitOptions::preset(preset) };
-            self.set_fit(options, format!("Switch to {}", preset.label()));
+            self.set_preset(preset, options);
             return true;
         }
         match action {
@@ -266,6 +266,8 @@ impl App {
             Action::ExportPlot => self.ask_for_file(DialogKind::Plot),
             Action::TrackForward => self.track(false),
             Action::TrackBack => self.track(true),
+            Action::TrackBetween => self.track_between_keys(),
+            Action::SearchPoses => self.search_poses(),
             _ => return false,
         }
         true
@@ -304,9 +306,10 @@ impl App {
                 return true;
             }
             Action::Play => {
-                self.next_played = if self.next_played.is_some() { None } else { Some(self.now) };
+                self.play_or_pause();
                 return true;
             }
+            _ if self.act_on_time(action) => return true,
             _ => return false,
         };
         self.follows_tracker = false;
@@ -323,28 +326,6 @@ impl App {
     fn set_pose(&mut self, pose: Pose, what: String) {
         self.interrupt_fit();
         self.edit(Edit::SetPose { frame: self.selection.frame, pose, what }, None);
-    }
-
-    /// Goes on to the next frame when it is time, as long as frames are played.
-    pub(super) fn play(&mut self, ctx: &egui::Context) {
-        let Some(due) = self.next_played else { return };
-        let Some(take) = &self.session.take else {
-            self.next_played = None;
-            return;
-        };
-        let wait = 1.0 / take.frame_rate.max(1.0);
-        let count = take.frame_count();
-        // Pictures that are not there yet hold the film.
-        if self.now >= due && self.session.frames.get(self.selection.frame).is_some() {
-            let next = self.selection.frame + 1;
-            if next >= count {
-                self.next_played = None;
-                return;
-            }
-            self.go_to_frame(next);
-            self.next_played = Some(self.now.max(due) + wait);
-        }
-        ctx.request_repaint_after(std::time::Duration::from_secs_f64(wait));
     }
 }
 

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use backlit_tracking::track::Preset;
+
 use super::App;
-use crate::action::Action;
 use crate::document::{CameraUse, Document, Estimate, Origin, TakeSource};
 use crate::edit::Edit;
 use crate::footage::Footage;
@@ -13,6 +14,7 @@ use crate::panels::camera_tile::{Comparison, TileLook};
 use crate::picture::ViewMode;
 use crate::selection::Selection;
 use crate::session::{Refitted, RunEnding, RunStep};
+use crate::tracking_choices::TrackingChoices;
 use crate::worker::{Event, FitJob, Lane, Predicted, Report};
 
 impl App {
@@ -46,6 +48,9 @@ impl App {
             Event::FitEnded(ending) => self.finish_run(ending),
             Event::BodyFitted(fit) => self.body_fitted(&fit),
             Event::FrameTracked(frame, estimate) => self.frame_tracked(frame, estimate),
+            Event::TrackRevised(found) => self.track_revised(found),
+            Event::TracksJoined { frame, distance_m, meets } => self.tracks_joined(frame, distance_m, meets),
+            Event::PosesFound(frame, found) => self.poses_found(frame, found),
             Event::Saved { path, revision, is_autosave } => self.saved(path, revision, is_autosave),
             Event::Recalibrated(footage) => self.recalibrated(footage),
             Event::TakenIn { edit, said } => self.taken_in(*edit, said),
@@ -116,17 +121,6 @@ impl App {
         }
     }
 
-    fn frame_tracked(&mut self, frame: usize, estimate: Arc<Estimate>) {
-        let gesture = self.run_gesture;
-        self.edit(Edit::AddEstimate { frame, estimate }, gesture);
-        if let Some(tracking) = &mut self.session.tracking {
-            tracking.done += 1;
-        }
-        if self.follows_tracker {
-            self.go_to_frame(frame);
-        }
-    }
-
     fn ended(&mut self, lane: Lane) {
         match lane {
             Lane::Laboratory => self.laboratory_ended(),
@@ -135,18 +129,7 @@ impl App {
                 self.run_gesture = Some(self.new_gesture());
                 self.worker.request(Lane::Fit, FitJob::go_on(self.live.clone(), Some(steps)));
             }
-            Lane::Track => {
-                self.session.fitting_body = false;
-                if let Some(tracking) = self.session.tracking.take() {
-                    let text = if tracking.done == tracking.total {
-                        format!("Tracked {} frames.", tracking.done)
-                    } else {
-                        format!("Stopped after {} of {} frames.", tracking.done, tracking.total)
-                    };
-                    let undo = (tracking.done > 0).then_some(Action::Undo);
-                    self.notices.info(self.now, text, undo);
-                }
-            }
+            Lane::Track => self.tracking_ended(),
             _ => {}
         }
     }
@@ -214,6 +197,8 @@ fn document_of(footage: &Footage) -> Document {
     let mut cameras: Vec<CameraUse> = footage.cameras.iter().map(camera).collect();
     if let Some(TakeSource::Demonstration(which)) = &footage.source {
         document.fit = Arc::new(which.fit());
+        // As in the report: downhill, and nowhere else.
+        document.tracking = TrackingChoices::of_preset(Some(Preset::Report));
         cameras.iter_mut().skip(which.used_cameras()).for_each(|camera| camera.used = false);
     }
     document.cameras = Arc::new(cameras);

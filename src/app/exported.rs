@@ -161,7 +161,7 @@ impl App {
             "panel": self.look.panel,
             "lanes": self.look.lanes,
             "alone": self.docking.alone.map(|pane| pane.title()),
-            "playing": self.next_played.is_some(),
+            "playing": self.time.playback.is_playing(),
             "track": self.exported_track(),
             "notices": self.notices.cards().map(notice).collect::<Vec<_>>(),
             "messages": self.notices.all().len(),

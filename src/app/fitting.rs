@@ -1,10 +1,8 @@
-//! Stepping, running, refitting and tracking.
-
-use std::sync::Arc;
+//! Stepping, running and refitting.
 
 use backlit_tracking::body::Model;
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::track::FitOptions;
+use backlit_tracking::track::{FitOptions, Preset};
 
 use super::App;
 use crate::edit::Edit;
@@ -12,8 +10,9 @@ use crate::look::Layout;
 use crate::panels::words;
 use crate::picture::ViewMode;
 use crate::selection::StepRef;
-use crate::session::{Run, RunChoices, Tracking};
-use crate::worker::{Derivatives, FitJob, FitStart, Lane, Scene, TrackJob};
+use crate::session::{Run, RunChoices};
+use crate::tracking_choices::TrackingChoices;
+use crate::worker::{Derivatives, FitJob, FitStart, Lane, Scene};
 
 /// Which part of the body is fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -172,41 +171,20 @@ impl App {
         self.edit(Edit::SetFit { options: Box::new(options), what }, None);
     }
 
+    /// Switches to a preset, with the tracking that goes with it: one act.
+    pub(super) fn set_preset(&mut self, preset: Preset, options: FitOptions) {
+        let gesture = Some(self.new_gesture());
+        let what = format!("Switch to {}", preset.label());
+        self.edit(Edit::SetFit { options: Box::new(options), what }, gesture);
+        let motion = self.document().tracking.motion;
+        let choices = TrackingChoices { motion, ..TrackingChoices::of_preset(Some(preset)) };
+        self.edit(Edit::SetTracking(choices), gesture);
+    }
+
     /// Switches the renderer.
     pub(super) fn set_renderer(&mut self, renderer: RendererKind) {
         let options = FitOptions { renderer, ..(*self.document().fit).clone() };
         self.set_fit(options, format!("Switch to {}", words::renderer_name(renderer).to_lowercase()));
-    }
-
-    /// Tracks from the frame on the screen to the end or the beginning.
-    pub(super) fn track(&mut self, backwards: bool) {
-        self.interrupt_fit();
-        let (Some(take), Some(scene)) = (self.session.take.clone(), self.scene()) else { return };
-        let (here, count) = (self.selection.frame, take.frame_count());
-        let start = self.session.shown_pose(self.document(), &self.selection).clone();
-        let document = self.document();
-        // A frame that was fitted from here needs no second fit.
-        let is_fitted = document.estimates.get(&here).is_some_and(|found| !found.lost && found.pose == start);
-        let mut frames: std::collections::VecDeque<usize> =
-            if backwards { (0..=here).rev().collect() } else { (here..count).collect() };
-        if is_fitted && frames.len() > 1 {
-            frames.pop_front();
-        }
-        let mut keys = (*document.keys).clone();
-        keys.remove(&here);
-        let total = frames.len();
-        let job = TrackJob::new(take, document.measurement.clone(), scene, start, Arc::new(keys), frames);
-        match job {
-            Ok(job) => {
-                let job = if is_fitted { job.continuing_from(here) } else { job };
-                self.run_gesture = Some(self.new_gesture());
-                self.session.tracking = Some(Tracking { done: 0, total, backwards });
-                self.follows_tracker = true;
-                self.selection.step = None;
-                self.worker.request(Lane::Track, job);
-            }
-            Err(error) => self.notices.error(format!("The tracker cannot begin: {error}.")),
-        }
     }
 
     /// Stops fit and tracker; what is done stays.
@@ -215,41 +193,6 @@ impl App {
         self.stop_demonstrating();
         self.worker.cancel(Lane::Fit);
         self.worker.cancel(Lane::Track);
-    }
-
-    /// Goes to the nearest frame on a side whose overlap is among the worst tenth.
-    pub(super) fn go_to_worst(&mut self, later: bool) {
-        let mut found: Vec<(f64, usize)> = self
-            .document()
-            .estimates
-            .iter()
-            .map(|(frame, found)| (if found.lost { -1.0 } else { found.iou.unwrap_or(1.0) }, *frame))
-            .collect();
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        found.truncate(found.len().div_ceil(10));
-        let here = self.selection.frame;
-        let frames = found.into_iter().map(|(_, frame)| frame);
-        let next = if later {
-            let frames: Vec<usize> = frames.collect();
-            frames
-                .iter()
-                .copied()
-                .filter(|frame| *frame > here)
-                .min()
-                .or_else(|| frames.iter().copied().min())
-        } else {
-            let frames: Vec<usize> = frames.collect();
-            frames
-                .iter()
-                .copied()
-                .filter(|frame| *frame < here)
-                .max()
-                .or_else(|| frames.iter().copied().max())
-        };
-        if let Some(frame) = next {
-            self.follows_tracker = false;
-            self.go_to_frame(frame);
-        }
     }
 }
 

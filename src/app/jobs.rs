@@ -22,6 +22,13 @@ impl App {
             self.session.loading = Some(frame);
             self.worker.request(Lane::Load, LoadJob::new(take.clone(), measurement.clone(), frame));
         }
+        if !is_missing
+            && !self.worker.is_busy(Lane::Load)
+            && let Some(ahead) = self.frame_to_read_ahead()
+        {
+            self.session.loading = Some(ahead);
+            self.worker.request(Lane::Load, LoadJob::new(take.clone(), measurement.clone(), ahead));
+        }
         if self.session.subject.is_empty() && !is_missing && !self.worker.is_busy(Lane::Survey) {
             self.worker.request(Lane::Survey, SurveyJob::new(take, measurement));
         }

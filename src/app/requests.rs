@@ -79,6 +79,8 @@ impl App {
             Request::CloseExplanation => self.explanation = None,
             Request::HoldNotice(id) => self.notices.hold(id, self.now),
             Request::Laboratory(request) => self.laboratory_request(request),
+            Request::Timeline(event) => self.timeline_event(event),
+            Request::ChoosePose(index) => self.choose_pose(index),
             Request::Recover(take_it) => self.recover(take_it),
             Request::OpenPath(path) => self.open_path(&path),
             Request::ForgetRecent(path) => self.look.recent.retain(|other| *other != path),

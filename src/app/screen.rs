@@ -33,7 +33,7 @@ impl App {
             curves: self.curves,
             project: self.project.as_deref(),
             has_exported: self.exported_to.is_some(),
-            is_playing: self.next_played.is_some(),
+            time: &self.time,
             doing: self.doing.as_deref(),
             explanation: self.explanation,
             can_restore_layout: self.docking.before.is_some(),

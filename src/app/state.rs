@@ -13,7 +13,9 @@ use super::docking::Docking;
 use super::dropping::Hovering;
 use super::exporting::Exporting;
 use super::hand::{Held, Nudging};
+use super::playing::TimeAxis;
 use super::touring::Tour;
+use super::tracking::Tracked;
 use crate::curves::CurvesLook;
 use crate::document::{Document, TakeSource};
 use crate::history::{Gesture, History};
@@ -95,6 +97,7 @@ pub struct App {
     pub(super) run_gesture: Option<Gesture>,
     /// Whether the screen follows the tracker.
     pub(super) follows_tracker: bool,
+    pub(super) tracked: Tracked,
     pub(super) held: Option<Held>,
     pub(super) curves: CurvesLook,
     pub(super) nudging: Option<Nudging>,
@@ -119,8 +122,7 @@ pub struct App {
     pub(super) project: Option<PathBuf>,
     pub(super) overlay: Option<Overlay>,
     pub(super) doing: Option<String>,
-    /// When the next frame is played, if any is.
-    pub(super) next_played: Option<f64>,
+    pub(super) time: TimeAxis,
     pub(super) data_folder: Option<PathBuf>,
     pub(super) recovery: Option<String>,
     /// What is opened when the unsaved work is left.
@@ -158,6 +160,7 @@ impl App {
             pending_steps: 0,
             run_gesture: None,
             follows_tracker: false,
+            tracked: Tracked::default(),
             held: None,
             curves: CurvesLook::default(),
             nudging: None,
@@ -177,7 +180,7 @@ impl App {
             project: None,
             overlay: None,
             doing: None,
-            next_played: None,
+            time: TimeAxis::default(),
             data_folder: options.data_folder,
             recovery: None,
             postponed: None,

@@ -92,6 +92,8 @@ const fn begins_group(action: Action) -> bool {
             | A::SetKeyPose
             | A::PreviousFrame
             | A::Play
+            | A::WholeTake
+            | A::SearchPoses
             | A::ShowOneCamera
             | A::ShowSequence
             | A::ShowBias

@@ -3,6 +3,7 @@
 use egui::{RichText, Ui};
 
 use super::command::named_button;
+use super::other_poses;
 use crate::action::Action;
 use crate::showing::{Intents, Showing};
 use crate::theme::{self, space};
@@ -36,5 +37,6 @@ pub(super) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open
                 ui.add(small("No refit of this frame yet".to_owned(), palette.text3));
             }
         }
+        other_poses::ui(ui, showing, intents);
     });
 }

@@ -7,6 +7,7 @@ use backlit_tracking::track::{FitOptions, Preset};
 use egui::{RichText, Ui};
 
 use super::toolbar::choice;
+use super::tracking_choices;
 use super::words::{self, preset_like};
 use crate::action::Action;
 use crate::edit::Edit;
@@ -78,6 +79,7 @@ pub(super) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open
                 .on_hover_text("How hard joints are held within their limits");
             hint(ui, "of the joints");
         });
+        tracking_choices::ui(ui, showing, intents);
         sanitise(&mut options);
         if options != *fit {
             let what = "Change solver".to_owned();

@@ -1,25 +1,51 @@
 //! The timeline: transport, and the frames with lanes of cost, overlap and steps.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `transport` | the row of buttons |
+//! | `span` | which frames are on the screen, and where |
+//! | `lanes` | the curves |
+//! | `marks` | ruler, key poses, lost and worst frames, the frame on the screen |
+//! | `read_out` | the frame under the pointer |
 
-use egui::{
-    Align, Align2, Frame, Layout as Direction, Margin, Panel, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui,
-    WidgetInfo, pos2, vec2,
-};
+mod lanes;
+mod marks;
+mod read_out;
+mod span;
+mod transport;
 
-use super::command::{icon, named_button};
+use egui::{Frame, Id, Margin, Panel, PointerButton, Pos2, Rect, Response, Sense, Ui, WidgetInfo, pos2};
+
+use super::command::menu_row;
 use crate::action::Action;
-use crate::document::Document;
-use crate::format;
 use crate::look::Layout;
+use crate::playback::FrameRange;
 use crate::showing::{Intents, Request, Showing};
-use crate::theme::{self, size, tick};
-use crate::widgets::{Icon, number_field};
+use crate::theme::{self, size};
+use lanes::Lane;
+use marks::RULER;
+use span::Scale;
+pub use span::Span;
 
 /// Width of the names and numbers left of the lanes.
-const NAMES: f32 = 92.0;
-/// Room of the ruler.
-const RULER: f32 = 18.0;
+const NAMES: f32 = 122.0;
+/// Room of the axes' ends right of the lanes.
+const AXES: f32 = 46.0;
 /// Below this height of the window there is one lane.
 const ONE_LANE_BELOW: f32 = 800.0;
+/// How much a point of the wheel zooms.
+const ZOOM_PER_POINT: f32 = 0.004;
+
+/// What was done in the timeline, besides going to a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TimelineEvent {
+    /// Show these frames; all where `None`.
+    Show(Option<Span>),
+    /// Mark these frames, or none.
+    Mark(Option<FrameRange>),
+    /// Play at this multiple of the take's speed.
+    Speed(f64),
+}
 
 /// The timeline.
 pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, window_height: f32) {
@@ -38,243 +64,172 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, wind
     let frame = Frame::NONE.fill(theme::palette(ui).panel).inner_margin(Margin::symmetric(8, 4));
     Panel::bottom("timeline").exact_size(height).resizable(false).frame(frame).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
-        transport(ui, showing, intents);
+        transport::ui(ui, showing, intents);
         if !lanes.is_empty() {
-            track(ui, showing, intents, lanes);
+            frames(ui, showing, intents, lanes);
         }
     });
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum Lane {
-    Cost,
-    Overlap,
-    Steps,
-}
-
-impl Lane {
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Cost => "Cost",
-            Self::Overlap => "IoU",
-            Self::Steps => "Steps",
-        }
-    }
-
-    fn value(self, document: &Document, frame: usize) -> Option<f64> {
-        let estimate = document.estimates.get(&frame)?;
-        match self {
-            Self::Cost => Some(estimate.cost),
-            Self::Overlap => estimate.iou,
-            Self::Steps => Some(estimate.steps as f64),
-        }
-    }
-
-    fn text(self, value: Option<f64>) -> String {
-        let Some(value) = value else { return format::MISSING.to_owned() };
-        match self {
-            Self::Cost => format::cost(value),
-            Self::Overlap => format::ratio(value),
-            Self::Steps => format::number(value, 0),
-        }
-    }
-}
-
-fn transport(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
-    ui.allocate_ui_with_layout(
-        vec2(ui.available_width(), 28.0),
-        Direction::left_to_right(Align::Center),
-        |ui| {
-            ui.spacing_mut().item_spacing.x = 4.0;
-            icon(ui, showing, intents, Action::PreviousFrame, Icon::First);
-            let play = if showing.is_playing { Icon::Pause } else { Icon::Play };
-            icon(ui, showing, intents, Action::Play, play);
-            icon(ui, showing, intents, Action::NextFrame, Icon::Last);
-            frame_field(ui, showing, intents);
-            ui.add_space(8.0);
-            for (action, text) in [
-                (Action::TrackBack, "Track back"),
-                (Action::SetKeyPose, "Key pose"),
-                (Action::PreviousWorst, "Previous worst"),
-                (Action::NextWorst, "Next worst"),
-            ] {
-                named_button(ui, showing, intents, action, text);
-            }
-            ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-                let text = RichText::new(summary(showing)).small().color(theme::palette(ui).text3);
-                ui.add(egui::Label::new(text).truncate());
-            });
-        },
-    );
-}
-
-fn frame_field(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
-    let last = showing.session.frame_count().saturating_sub(1);
-    let mut frame = showing.selection.frame as f64;
-    let unit = format!(" / {last}");
-    if number_field(ui, "Frame", &mut frame, 0, &unit, 0.1, 76.0).changed() {
-        intents.request(Request::Frame(frame.round().max(0.0) as usize));
-    }
-    let rate = showing.session.take.as_ref().map_or(1.0, |take| take.frame_rate);
-    let seconds = showing.selection.frame as f64 / rate.max(f64::MIN_POSITIVE);
-    let text = RichText::new(format!("{} s", format::number(seconds, 3))).monospace();
-    let (rect, _) = ui.allocate_exact_size(vec2(64.0, size::ROW), Sense::hover());
-    ui.put(rect, egui::Label::new(text.color(theme::palette(ui).text2)));
-}
-
-fn summary(showing: &Showing<'_>) -> String {
-    let document = showing.document();
-    let found = &document.estimates;
-    let (Some((first, _)), Some((last, _))) = (found.first_key_value(), found.last_key_value()) else {
-        return "No frame is fitted yet".to_owned();
-    };
-    let overlaps: Vec<f64> = found.values().filter_map(|estimate| estimate.iou).collect();
-    let mean = (!overlaps.is_empty()).then(|| overlaps.iter().sum::<f64>() / overlaps.len() as f64);
-    let mean = mean.map_or_else(String::new, |mean| format!(", mean IoU {}", format::ratio(mean)));
-    let lost = found.values().filter(|estimate| estimate.lost).count();
-    let lost = if lost > 0 { format!(", {lost} lost") } else { String::new() };
-    let keys = document.keys.len();
-    let keys = match keys {
-        0 => String::new(),
-        1 => ", 1 key pose".to_owned(),
-        _ => format!(", {keys} key poses"),
-    };
-    let count = found.len();
-    if count == 1 {
-        format!("Frame {first} fitted{mean}{lost}{keys}")
-    } else {
-        format!("{count} frames fitted, {first} to {last}{mean}{lost}{keys}")
-    }
-}
-
-fn track(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, lanes: &[Lane]) {
+/// Everything below the transport.
+fn frames(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, lanes: &[Lane]) {
     let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
-    let frames = showing.session.frame_count();
+    let count = showing.session.frame_count();
     response.widget_info(|| WidgetInfo::slider(true, showing.selection.frame as f64, "Timeline"));
-    let mut plot = rect;
-    plot.set_left(rect.left() + NAMES);
-    plot.set_right(rect.right() - 12.0);
-    let last = frames.saturating_sub(1).max(1) as f32;
-    let x = |frame: usize| plot.left() + plot.width() * frame as f32 / last;
-    if frames > 0
-        && let Some(pointer) = response.interact_pointer_pos()
-    {
-        let share = ((pointer.x - plot.left()) / plot.width()).clamp(0.0, 1.0);
-        let frame = (share * last).round() as usize;
-        if frame != showing.selection.frame {
-            intents.request(Request::Frame(frame.min(frames - 1)));
-        }
+    let names = rect.with_max_x(rect.left() + NAMES);
+    let plot = Rect::from_x_y_ranges(names.right()..=rect.right() - AXES, rect.y_range());
+    if count == 0 || plot.width() < 1.0 {
+        return;
     }
-    ruler(ui, plot, frames, &x);
+    let span = shown_span(ui, showing, intents, count);
+    let scale = Scale::new(span, plot);
+    let area = Area { plot, scale, count };
+    area.act(ui, showing, intents, &response);
+    if let Some(range) = area.marking(ui, &response).or(showing.time.playback.range) {
+        marks::marked(ui, plot, &scale, range);
+    }
+    marks::ruler(ui, plot, &scale, count);
     let lane_height = (rect.height() - RULER) / lanes.len() as f32;
+    let document = showing.document();
     for (index, lane) in lanes.iter().enumerate() {
         let top = rect.top() + RULER + lane_height * index as f32;
-        let area =
-            Rect::from_min_max(pos2(plot.left(), top + 1.0), pos2(plot.right(), top + lane_height - 1.0));
-        lane_names(ui, showing, *lane, rect.left(), area);
-        draw_lane(ui, showing.document(), *lane, area, frames, &x);
-    }
-    marks(ui, showing, plot, &x);
-}
-
-fn ruler(ui: &Ui, plot: Rect, frames: usize, x: &impl Fn(usize) -> f32) {
-    if frames == 0 {
-        return;
-    }
-    let palette = theme::palette(ui);
-    let step = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 5000]
-        .into_iter()
-        .find(|step| plot.width() * *step as f32 / frames as f32 >= 60.0)
-        .unwrap_or(10_000);
-    let font = tick().resolve(ui.style());
-    for frame in (0..frames).step_by(step) {
-        let at = x(frame);
-        ui.painter().vline(at, plot.top() + RULER - 4.0..=plot.bottom(), Stroke::new(1.0, palette.grid));
-        ui.painter().text(
-            pos2(at, plot.top() + RULER - 5.0),
-            Align2::CENTER_BOTTOM,
-            format::count(frame as i64),
-            font.clone(),
-            palette.text2,
-        );
-    }
-    let y = plot.top() + RULER - 3.0;
-    ui.painter().hline(plot.x_range(), y, Stroke::new(1.5, palette.line));
-}
-
-fn lane_names(ui: &Ui, showing: &Showing<'_>, lane: Lane, left: f32, area: Rect) {
-    let palette = theme::palette(ui);
-    let small = egui::TextStyle::Small.resolve(ui.style());
-    let mono = egui::TextStyle::Monospace.resolve(ui.style());
-    let y = area.center().y;
-    ui.painter().text(pos2(left + 4.0, y), Align2::LEFT_CENTER, lane.name(), small, palette.text2);
-    let value = lane.text(lane.value(showing.document(), showing.selection.frame));
-    ui.painter().text(pos2(left + NAMES - 10.0, y), Align2::RIGHT_CENTER, value, mono, palette.text);
-}
-
-fn draw_lane(ui: &Ui, document: &Document, lane: Lane, area: Rect, frames: usize, x: &impl Fn(usize) -> f32) {
-    let palette = theme::palette(ui);
-    ui.painter().rect_filled(area, 0.0, palette.plot);
-    let values: Vec<(usize, f64)> =
-        (0..frames).filter_map(|frame| Some((frame, lane.value(document, frame)?))).collect();
-    let most = match lane {
-        Lane::Overlap => 1.0,
-        _ => values.iter().map(|(_, value)| *value).fold(f64::MIN_POSITIVE, f64::max),
-    };
-    let y = |value: f64| area.bottom() - 1.0 - (area.height() - 3.0) * (value / most).clamp(0.0, 1.0) as f32;
-    if lane == Lane::Steps {
-        for (frame, value) in values {
-            let bar = Rect::from_min_max(pos2(x(frame) - 1.5, y(value)), pos2(x(frame) + 1.5, area.bottom()));
-            ui.painter().rect_filled(bar, 0.0, palette.text3);
+        let lane_area = Rect::from_x_y_ranges(plot.x_range(), top + 1.0..=top + lane_height - 1.0);
+        lanes::draw(ui, document, *lane, lane_area, &scale, count);
+        lanes::labels(ui, document, *lane, showing.selection.frame, names, lane_area);
+        if *lane == Lane::Overlap {
+            marks::troubles(ui, document, lane_area, &scale, count);
         }
-        return;
+        let name = Rect::from_x_y_ranges(names.x_range(), lane_area.y_range());
+        ui.interact(name, response.id.with(index), Sense::hover()).on_hover_text(lane.explanation());
     }
-    // Gaps between fitted frames stay gaps.
-    let mut points: Vec<Pos2> = Vec::new();
-    let mut last: Option<usize> = None;
-    for (frame, value) in values {
-        if last.is_some_and(|last| last + 1 != frame) {
-            curve(ui, &points);
-            points.clear();
+    marks::on_ruler(ui, document, plot, &scale, count);
+    marks::playhead(ui, showing, plot, &scale);
+    if let Some(pointer) = response.hover_pos().filter(|pointer| plot.expand(4.0).contains(*pointer)) {
+        let frame = scale.frame_at(pointer.x, count);
+        read_out::ui(ui, showing, frame, pos2(scale.x(frame as f64), plot.top()));
+    }
+    response.context_menu(|ui| {
+        for action in [
+            Action::SetKeyPose,
+            Action::TrackBetween,
+            Action::ClearRange,
+            Action::ClearTrack,
+            Action::WholeTake,
+        ] {
+            menu_row(ui, showing, intents, action, action.text());
         }
-        points.push(pos2(x(frame), y(value)));
-        last = Some(frame);
-    }
-    curve(ui, &points);
+    });
 }
 
-fn curve(ui: &Ui, points: &[Pos2]) {
-    let palette = theme::palette(ui);
-    match points {
-        [] => {}
-        [point] => {
-            ui.painter().circle_filled(*point, 2.0, palette.text2);
-        }
-        _ => {
-            ui.painter().add(Shape::line(points.to_vec(), Stroke::new(1.5, palette.text2)));
-        }
+/// The frames on the screen. A zoomed timeline follows the frame when that goes elsewhere.
+fn shown_span(ui: &Ui, showing: &Showing<'_>, intents: &mut Intents, count: usize) -> Span {
+    let Some(span) = showing.time.span else { return Span::whole(count) };
+    let frame = showing.selection.frame;
+    let id = Id::unique("timeline's frame");
+    let before: Option<usize> = ui.data_mut(|data| {
+        let before = data.get_temp(id);
+        data.insert_temp(id, frame);
+        before
+    });
+    if before == Some(frame) {
+        return span;
     }
+    let follows = span.showing(frame, count);
+    if follows != span {
+        intents.request(Request::Timeline(TimelineEvent::Show(Some(follows))));
+    }
+    follows
 }
 
-fn marks(ui: &Ui, showing: &Showing<'_>, plot: Rect, x: &impl Fn(usize) -> f32) {
-    let palette = theme::palette(ui);
-    let y = plot.top() + RULER - 3.0;
-    let document = showing.document();
-    for (frame, _) in document.estimates.iter().filter(|(_, estimate)| estimate.lost) {
-        let at = pos2(x(*frame), plot.bottom() - 6.0);
-        let corners = vec![at + vec2(-4.0, -4.0), at + vec2(4.0, -4.0), at + vec2(0.0, 3.0)];
-        ui.painter().add(Shape::convex_polygon(corners, palette.warn, Stroke::NONE));
+/// The part of the timeline that the frames fill.
+struct Area {
+    plot: Rect,
+    scale: Scale,
+    count: usize,
+}
+
+impl Area {
+    fn frame_at(&self, pointer: Pos2) -> usize {
+        self.scale.frame_at(pointer.x, self.count)
     }
-    for frame in document.keys.keys() {
-        let at = pos2(x(*frame), y);
-        let corners =
-            [vec2(0.0, -4.5), vec2(4.5, 0.0), vec2(0.0, 4.5), vec2(-4.5, 0.0)].map(|d| at + d).to_vec();
-        ui.painter().add(Shape::convex_polygon(corners, palette.text, Stroke::new(1.0, palette.panel)));
+
+    /// Where a drag with Shift has begun.
+    fn mark_id(response: &Response) -> Id {
+        response.id.with("mark from")
     }
-    if showing.session.frame_count() > 0 {
-        let at = x(showing.selection.frame);
-        ui.painter().vline(at, plot.top() + 8.0..=plot.bottom(), Stroke::new(1.5, palette.accent_text));
-        let head = Rect::from_center_size(pos2(at, plot.top() + 6.0), vec2(11.0, 11.0));
-        ui.painter().rect(head, 2.0, palette.accent, palette.accent_edge, egui::StrokeKind::Inside);
+
+    /// The frames that are being marked.
+    fn marking(&self, ui: &Ui, response: &Response) -> Option<FrameRange> {
+        let from: usize = ui.data(|data| data.get_temp(Self::mark_id(response)))?;
+        Some(FrameRange::between(from, self.frame_at(response.interact_pointer_pos()?)))
+    }
+
+    /// Clicks, drags and the wheel.
+    fn act(&self, ui: &Ui, showing: &Showing<'_>, intents: &mut Intents, response: &Response) {
+        let ask = |intents: &mut Intents, event| intents.request(Request::Timeline(event));
+        let (shift, middle) = ui.input(|input| (input.modifiers.shift, input.pointer.middle_down()));
+        let id = Self::mark_id(response);
+        let is_marking = ui.data(|data| data.get_temp::<usize>(id)).is_some();
+        if response.double_clicked() {
+            ask(intents, TimelineEvent::Show(None));
+        } else if shift && response.clicked() {
+            ask(intents, TimelineEvent::Mark(None));
+        } else if response.drag_started_by(PointerButton::Primary) && shift {
+            let from = ui.input(|input| input.pointer.press_origin());
+            if let Some(from) = from {
+                ui.data_mut(|data| data.insert_temp(id, self.frame_at(from)));
+            }
+        } else if is_marking {
+            if response.drag_stopped() {
+                if let Some(range) = self.marking(ui, response) {
+                    ask(intents, TimelineEvent::Mark(Some(range)));
+                }
+                ui.data_mut(|data| data.remove_temp::<usize>(id));
+            }
+        } else if response.dragged_by(PointerButton::Middle) {
+            let by = -response.drag_delta().x / self.scale.step();
+            let moved = self.scale.span.moved(f64::from(by), self.count);
+            ask(intents, TimelineEvent::Show(Some(moved).filter(|_| showing.time.span.is_some())));
+        } else if let Some(pointer) = response.interact_pointer_pos().filter(|_| !shift && !middle)
+            && !response.secondary_clicked()
+            && ui.input(|input| !input.pointer.secondary_down())
+        {
+            self.scrub(showing, intents, pointer);
+        }
+        if let Some(pointer) = response.hover_pos() {
+            self.wheel(ui, showing, intents, pointer);
+        }
+    }
+
+    /// Goes to the frame under the pointer; a zoomed timeline goes on past its ends.
+    fn scrub(&self, showing: &Showing<'_>, intents: &mut Intents, pointer: Pos2) {
+        let beyond = (pointer.x - self.plot.right()).max(0.0) + (pointer.x - self.plot.left()).min(0.0);
+        if beyond != 0.0 && showing.time.span.is_some() {
+            let moved = self.scale.span.moved(f64::from(0.2 * beyond / self.scale.step()), self.count);
+            intents.request(Request::Timeline(TimelineEvent::Show(Some(moved))));
+        }
+        let frame = self.frame_at(pointer);
+        if frame != showing.selection.frame {
+            intents.request(Request::Frame(frame));
+        }
+    }
+
+    /// The wheel zooms about the frame under the pointer; sideways, or with Shift, it moves.
+    fn wheel(&self, ui: &Ui, showing: &Showing<'_>, intents: &mut Intents, pointer: Pos2) {
+        let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta(), input.zoom_delta()));
+        let about = self.scale.at(pointer.x.clamp(self.plot.left(), self.plot.right()));
+        let factor = f64::from((scroll.y * ZOOM_PER_POINT).exp() * pinch);
+        let mut span = showing.time.span;
+        if factor != 1.0 {
+            span = self.scale.span.zoomed(factor, about, self.count);
+        }
+        if scroll.x != 0.0
+            && let Some(zoomed) = &mut span
+        {
+            *zoomed = zoomed.moved(f64::from(-scroll.x / self.scale.step()), self.count);
+        }
+        if span != showing.time.span {
+            intents.request(Request::Timeline(TimelineEvent::Show(span)));
+        }
     }
 }

@@ -36,6 +36,8 @@ pub enum Icon {
     Pencil,
     Close,
     Check,
+    PreviousKey,
+    NextKey,
 }
 
 /// One mark of an icon; coordinates are in the box of 14, y down.
@@ -58,7 +60,7 @@ use Mark::{Arc, Dot, Fill, Line, Loop, Ring};
 
 impl Icon {
     /// All icons.
-    pub const ALL: [Self; 27] = [
+    pub const ALL: [Self; 29] = [
         Self::Undo,
         Self::Redo,
         Self::StepBack,
@@ -86,6 +88,8 @@ impl Icon {
         Self::Pencil,
         Self::Close,
         Self::Check,
+        Self::PreviousKey,
+        Self::NextKey,
     ];
 
     /// Paints the icon in the middle of `rect`, in its box of [`size::ICON`] points.
@@ -178,6 +182,14 @@ impl Icon {
                 Line(&[(8.2, 3.4), (10.6, 5.8)]),
             ],
             Self::Close => &[Line(&[(3.2, 3.2), (10.8, 10.8)]), Line(&[(10.8, 3.2), (3.2, 10.8)])],
+            Self::PreviousKey => &[
+                Line(&[(5.0, 3.4), (1.6, 7.0), (5.0, 10.6)]),
+                Loop(&[(9.6, 3.8), (12.8, 7.0), (9.6, 10.2), (6.4, 7.0)]),
+            ],
+            Self::NextKey => &[
+                Line(&[(9.0, 3.4), (12.4, 7.0), (9.0, 10.6)]),
+                Loop(&[(4.4, 3.8), (7.6, 7.0), (4.4, 10.2), (1.2, 7.0)]),
+            ],
             Self::Check => &[Line(&[(2.6, 7.4), (5.6, 10.4), (11.4, 3.8)])],
         }
     }

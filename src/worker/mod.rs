@@ -1,9 +1,10 @@
-//! The one thread that works while the window draws: typed jobs in, events out.
+//! The threads that work while the window draws: typed jobs in, events out.
 //!
 //! Every kind of work has a [`Lane`]. A new job supersedes the one of its lane: that one is cancelled, and
-//! events of it that are still on their way are dropped by their generation. Jobs work in short steps, so a
-//! prediction for a drag does not wait for a tracker. Dropping the [`Worker`] cancels everything. A panic in a
-//! job is an event, and the thread lives on.
+//! events of it that are still on their way are dropped by their generation. What the screen waits for, files, and
+//! what takes its time have a thread each, so neither a drag nor the copy of unsaved work waits for a tracker. Jobs
+//! work in steps, the most urgent lane of a thread first. Dropping the [`Worker`] cancels everything but what is to
+//! be saved. A panic in a job is an event, and the thread lives on.
 
 mod body;
 mod calibrate;
@@ -12,8 +13,10 @@ mod hull;
 mod laboratory;
 mod load;
 mod open;
+mod poses;
 mod predict;
 mod queue;
+mod read_ahead;
 mod save;
 mod survey;
 mod take_in;
@@ -32,14 +35,16 @@ pub use laboratory::{
 };
 pub use load::LoadJob;
 pub use open::OpenJob;
+pub use poses::PosesJob;
 pub use predict::{CameraPrediction, Derivatives, PredictJob, Predicted, Scene};
 pub use queue::{Job, Lane, Outbox, Report, Step, Worker};
 pub use save::SaveJob;
 pub use survey::{Extent, SurveyJob};
 pub use take_in::TakeInJob;
-pub use track::TrackJob;
+pub use track::{Leg, TrackJob};
 pub use write::WriteJob;
 
+use backlit_tracking::track::Hypothesis;
 use backlit_tracking::track::fit_body::BodyFit;
 use backlit_tracking::track::visual_hull::VisualHull;
 
@@ -72,6 +77,19 @@ pub enum Event {
     FitEnded(Option<RunEnding>),
     /// A frame was tracked.
     FrameTracked(usize, Arc<Estimate>),
+    /// What was tracked before is now known better: smoothed by later frames, or joined with another track.
+    TrackRevised(Vec<(usize, Arc<Estimate>)>),
+    /// Two tracks were joined after this frame; so far apart were their joints there, metres.
+    TracksJoined {
+        /// The last frame of the forward track.
+        frame: usize,
+        /// Mean distance of the joints.
+        distance_m: f64,
+        /// Whether that is one movement.
+        meets: bool,
+    },
+    /// Other poses that fit a frame, best first.
+    PosesFound(usize, Vec<Hypothesis>),
     /// The body's own sizes were found.
     BodyFitted(Box<BodyFit>),
     /// A project was written.

@@ -1,4 +1,4 @@
-//! Lanes, generations, and the thread.
+//! Lanes, generations, and the threads.
 
 use std::collections::BTreeMap;
 use std::panic::AssertUnwindSafe;
@@ -7,6 +7,23 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
 use backlit_tracking::cancel::CancelToken;
+
+/// The threads: each does the most urgent of its lanes. A search that takes seconds must not hold up a drag, and
+/// neither may hold up the copy of unsaved work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Crew {
+    /// What the screen waits for.
+    Screen,
+    /// What is written.
+    Files,
+    /// What takes its time.
+    Long,
+}
+
+impl Crew {
+    const ALL: [(Self, &'static str); 3] =
+        [(Self::Screen, "backlit worker"), (Self::Files, "backlit files"), (Self::Long, "backlit long work")];
+}
 
 /// A kind of work, the most urgent first. At most one job of a lane is alive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -39,6 +56,23 @@ pub enum Lane {
     Hull,
     /// The check of the laboratory's gradients.
     LaboratoryCheck,
+}
+
+impl Lane {
+    const fn crew(self) -> Crew {
+        match self {
+            Self::Predict
+            | Self::LaboratoryLook
+            | Self::Open
+            | Self::TakeIn
+            | Self::Calibrate
+            | Self::Load
+            | Self::Fit
+            | Self::Laboratory => Crew::Screen,
+            Self::Save | Self::LaboratoryPlot => Crew::Files,
+            Self::Survey | Self::Track | Self::Hull | Self::LaboratoryCheck => Crew::Long,
+        }
+    }
 }
 
 /// Whether a job wants another turn.
@@ -131,13 +165,13 @@ impl<E> Shared<E> {
     }
 }
 
-/// The thread and its lanes.
+/// The threads and their lanes.
 pub struct Worker<E> {
     shared: Arc<Shared<E>>,
     events: Receiver<(Lane, u64, Message<E>)>,
     alive: BTreeMap<Lane, (u64, CancelToken)>,
     next_generation: u64,
-    thread: Option<JoinHandle<()>>,
+    threads: Vec<JoinHandle<()>>,
 }
 
 impl<E> std::fmt::Debug for Worker<E> {
@@ -147,7 +181,7 @@ impl<E> std::fmt::Debug for Worker<E> {
 }
 
 impl<E: Send + 'static> Worker<E> {
-    /// Starts the thread. `wake` is called, on that thread, for every event.
+    /// Starts the threads. `wake` is called, on the thread of its lane, for every event.
     ///
     /// # Errors
     /// The system gives no thread.
@@ -156,11 +190,15 @@ impl<E: Send + 'static> Worker<E> {
         let shared = Arc::new(Shared { queue: Mutex::new(queue), changed: Condvar::new() });
         let (sender, events) = channel();
         let wake = Wake(Arc::new(wake));
-        let thread = std::thread::Builder::new().name("backlit worker".to_owned()).spawn({
-            let shared = shared.clone();
-            move || work(&shared, &sender, &wake)
-        })?;
-        Ok(Self { shared, events, alive: BTreeMap::new(), next_generation: 1, thread: Some(thread) })
+        let threads = Vec::with_capacity(Crew::ALL.len());
+        let mut worker = Self { shared, events, alive: BTreeMap::new(), next_generation: 1, threads };
+        for (crew, name) in Crew::ALL {
+            let (shared, sender, wake) = (worker.shared.clone(), sender.clone(), wake.clone());
+            let thread = std::thread::Builder::new().name(name.to_owned());
+            // Should one be refused, dropping the worker ends the others.
+            worker.threads.push(thread.spawn(move || work(crew, &shared, &sender, &wake))?);
+        }
+        Ok(worker)
     }
 
     /// Gives a lane new work; the old is cancelled and its events are dropped.
@@ -170,7 +208,7 @@ impl<E: Send + 'static> Worker<E> {
         self.next_generation += 1;
         self.alive.insert(lane, (generation, cancel.clone()));
         self.shared.lock().slots.insert(lane, Slot { generation, cancel, job: Box::new(job) });
-        self.shared.changed.notify_one();
+        self.shared.changed.notify_all();
     }
 
     /// Asks the job of a lane to end soon; its last events still arrive.
@@ -229,24 +267,29 @@ impl<E> Drop for Worker<E> {
             cancel.cancel();
         }
         self.shared.lock().closing = true;
-        self.shared.changed.notify_one();
-        if let Some(thread) = self.thread.take() {
+        self.shared.changed.notify_all();
+        for thread in self.threads.drain(..) {
             // It has told its panics already.
             let _ = thread.join();
         }
     }
 }
 
-fn work<E>(shared: &Shared<E>, events: &Sender<(Lane, u64, Message<E>)>, wake: &Wake) {
+fn work<E>(crew: Crew, shared: &Shared<E>, events: &Sender<(Lane, u64, Message<E>)>, wake: &Wake) {
     loop {
         let (lane, mut slot) = {
             let mut queue = shared.lock();
             loop {
-                if queue.closing {
+                // What was to be saved is saved, even by a window that is closing.
+                if queue.closing && crew != Crew::Files {
                     return;
                 }
-                if let Some(next) = queue.slots.pop_first() {
+                let next = queue.slots.keys().copied().find(|lane| lane.crew() == crew);
+                if let Some(next) = next.and_then(|lane| queue.slots.remove_entry(&lane)) {
                     break next;
+                }
+                if queue.closing {
+                    return;
                 }
                 queue = shared.changed.wait(queue).unwrap_or_else(PoisonError::into_inner);
             }
@@ -332,6 +375,31 @@ mod tests {
         assert_eq!(fit, [Report::Event(0), Report::Event(1), Report::Ended(Lane::Fit)]);
         worker.cancel(Lane::Track);
         assert_eq!(wait(&mut worker).last(), Some(&Report::Ended(Lane::Track)));
+    }
+
+    struct Sleep;
+
+    impl Job<u32> for Sleep {
+        fn step(&mut self, out: &Outbox<u32>) -> Step {
+            while !out.cancel().is_cancelled() {
+                std::thread::yield_now();
+            }
+            Step::Done
+        }
+    }
+
+    #[test]
+    fn a_long_step_holds_up_neither_the_screen_nor_a_file() {
+        let mut worker = Worker::start(|| {}).unwrap();
+        worker.request(Lane::Track, Sleep);
+        worker.request(Lane::Predict, Count { from: 0, to: 1 });
+        worker.request(Lane::Save, Count { from: 1, to: 2 });
+        let start = Instant::now();
+        while worker.is_busy(Lane::Predict) || worker.is_busy(Lane::Save) {
+            assert!(start.elapsed() < Duration::from_secs(20), "the worker hangs");
+            worker.poll();
+        }
+        assert!(worker.is_busy(Lane::Track));
     }
 
     #[test]

@@ -14,6 +14,7 @@
 //! | [`motion`] | how motion is carried from frame to frame: not at all, by velocity, by a Kalman filter |
 //! | [`lost`] | noticing that a track was lost |
 //! | [`tracker`] | [`Tracker`]: frame after frame |
+//! | [`join`] | two tracks of the same frames, one forwards and one backwards, made one |
 //! | [`fit_body`] | the person's own lengths and radii, with the poses of several frames |
 //! | [`observability`] | what the cameras see of a pose and what not: directions, covariances, sets of cameras |
 //! | [`metrics`] | joint errors against a reference |
@@ -24,6 +25,7 @@ pub mod evidence;
 pub mod fit;
 pub mod fit_body;
 pub mod hypotheses;
+pub mod join;
 pub mod lost;
 pub mod metrics;
 pub mod motion;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::evidence::{Evidence, FitError, FitView};
 use super::fit::{Fit, SolverSummary};
-use super::hypotheses::HypothesisOptions;
+use super::hypotheses::{Hypothesis, HypothesisOptions};
 use super::lost::{Lost, UsualCost};
 use super::motion::{FrameBelief, Motion, MotionFilter, Predicted};
 use super::options::FitOptions;
@@ -62,6 +62,8 @@ pub struct FrameEstimate {
     pub termination: Option<Termination>,
     /// What the Kalman filter believed, where it ran.
     pub belief: Option<FrameBelief>,
+    /// What a search found before the fit, best first; empty where there was none.
+    pub hypotheses: Vec<Hypothesis>,
 }
 
 impl FrameEstimate {
@@ -263,6 +265,7 @@ impl Tracker {
             lost_because: lost,
             termination: Some(summary.termination),
             belief,
+            hypotheses: summary.hypotheses,
         };
         self.advance(&estimate);
         estimate
@@ -289,6 +292,7 @@ impl Tracker {
             lost_because: Some(Lost::Nobody),
             termination: None,
             belief,
+            hypotheses: Vec::new(),
         };
         self.advance(&estimate);
         estimate

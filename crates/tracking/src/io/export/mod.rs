@@ -54,6 +54,7 @@ pub(super) mod tests {
             lost_because: None,
             termination: Some(Termination::NoDecrease),
             belief: None,
+            hypotheses: Vec::new(),
         };
         let second = FrameEstimate {
             frame: 6,
@@ -67,6 +68,7 @@ pub(super) mod tests {
             lost_because: Some(crate::track::Lost::Nobody),
             termination: None,
             belief: None,
+            hypotheses: Vec::new(),
         };
         Track { frames: [(4, first), (6, second)].into() }
     }

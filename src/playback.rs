@@ -1,0 +1,233 @@
+//! Playing frames: speed, loop, and where the film stands at a time.
+//!
+//! The film keeps time: where pictures come too late, frames are left out. It waits for none but the first.
+
+/// Speeds that are offered, as multiples of the take's own.
+pub const SPEEDS: [f64; 7] = [0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 4.0];
+
+/// Frames from one to another, both included.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FrameRange {
+    /// The first frame.
+    pub first: usize,
+    /// The last frame.
+    pub last: usize,
+}
+
+impl FrameRange {
+    /// The range between two frames, whichever is the earlier.
+    #[must_use]
+    pub fn between(a: usize, b: usize) -> Self {
+        Self { first: a.min(b), last: a.max(b) }
+    }
+
+    /// Number of frames.
+    #[must_use]
+    pub fn count(self) -> usize {
+        self.last - self.first + 1
+    }
+}
+
+/// How frames are played. Nothing here is saved or undone.
+#[derive(Debug, Clone)]
+pub struct Playback {
+    /// Multiple of the take's own speed.
+    pub speed: f64,
+    /// Whether it begins again at the end.
+    pub loops: bool,
+    /// The frames that were marked: they are what is played and what can be cleared.
+    pub range: Option<FrameRange>,
+    film: Option<Film>,
+}
+
+/// A film that is running.
+#[derive(Debug, Clone, Copy)]
+struct Film {
+    /// Frame and time of the window's clock from which time is counted.
+    from: usize,
+    since: f64,
+    /// The frame that was shown last.
+    shown: usize,
+}
+
+/// What is to be done now.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cue {
+    /// Nothing.
+    Wait,
+    /// Go to a frame.
+    Show(usize),
+    /// The film is over; it ends with this frame.
+    End(usize),
+}
+
+impl Default for Playback {
+    fn default() -> Self {
+        Self { speed: 1.0, loops: false, range: None, film: None }
+    }
+}
+
+impl Playback {
+    /// Whether frames are being played.
+    #[must_use]
+    pub fn is_playing(&self) -> bool {
+        self.film.is_some()
+    }
+
+    /// Starts at a frame; at the end of what is played, from its beginning. Says where it starts.
+    pub fn start(&mut self, here: usize, count: usize, now: f64) -> usize {
+        let FrameRange { first, last } = self.played(count);
+        let from = if (first..last).contains(&here) { here } else { first };
+        self.film = Some(Film { from, since: now, shown: from });
+        from
+    }
+
+    /// Stops.
+    pub fn stop(&mut self) {
+        self.film = None;
+    }
+
+    /// Plays faster or slower from now on.
+    pub fn set_speed(&mut self, speed: f64, now: f64) {
+        self.speed = speed.clamp(SPEEDS[0], SPEEDS[SPEEDS.len() - 1]);
+        if let Some(film) = &mut self.film {
+            (film.from, film.since) = (film.shown, now);
+        }
+    }
+
+    /// The next of the offered speeds.
+    #[must_use]
+    pub fn next_speed(&self, faster: bool) -> f64 {
+        let next = if faster {
+            SPEEDS.into_iter().find(|speed| *speed > self.speed)
+        } else {
+            SPEEDS.into_iter().rfind(|speed| *speed < self.speed)
+        };
+        next.unwrap_or(self.speed)
+    }
+
+    /// The frames that are played: those that are marked, else all.
+    #[must_use]
+    pub fn played(&self, count: usize) -> FrameRange {
+        let end = count.saturating_sub(1);
+        let range = self.range.unwrap_or(FrameRange { first: 0, last: end });
+        FrameRange { first: range.first.min(end), last: range.last.min(end) }
+    }
+
+    /// What is to be shown now, if the pictures of some frames are there. `here` is the frame on the screen: the
+    /// user may have gone elsewhere, and the film goes on from there.
+    pub fn cue(
+        &mut self,
+        here: usize,
+        count: usize,
+        rate: f64,
+        now: f64,
+        is_there: impl Fn(usize) -> bool,
+    ) -> Cue {
+        let played = self.played(count);
+        let Some(film) = &mut self.film else { return Cue::Wait };
+        if here != film.shown {
+            *film = Film { from: here, since: now, shown: here };
+        }
+        if !is_there(here) {
+            // Time does not run before its picture is on the screen.
+            (film.from, film.since) = (here, now);
+            return Cue::Wait;
+        }
+        let passed = passed(*film, rate * self.speed, now);
+        if passed == 0 {
+            return Cue::Wait;
+        }
+        if !self.loops && film.from.max(played.first) + passed > played.last {
+            self.film = None;
+            return Cue::End(played.last);
+        }
+        // The newest picture that is there, of those that are due.
+        let due = (1..=passed.min(played.count())).map(|back| wrapped(film.from, passed + 1 - back, played));
+        let found = due.take_while(|frame| *frame != film.shown).find(|frame| is_there(*frame));
+        let Some(frame) = found else { return Cue::Wait };
+        film.shown = frame;
+        Cue::Show(frame)
+    }
+
+    /// The frame that will be due in so many seconds, to be read ahead.
+    #[must_use]
+    pub fn due_in(&self, seconds: f64, count: usize, rate: f64, now: f64) -> Option<usize> {
+        let film = self.film?;
+        let ahead = passed(film, rate * self.speed, now + seconds) + 1;
+        let played = self.played(count);
+        if !self.loops && film.from + ahead > played.last {
+            return Some(played.last);
+        }
+        Some(wrapped(film.from, ahead, played))
+    }
+}
+
+/// Frames that have passed since the film was started or went on.
+fn passed(film: Film, rate: f64, now: f64) -> usize {
+    // A whole frame is not short of one by a rounding error.
+    ((now - film.since) * rate + 1e-6).max(0.0) as usize
+}
+
+/// The frame so many after another, round and round in a range.
+fn wrapped(from: usize, by: usize, range: FrameRange) -> usize {
+    let at = from.clamp(range.first, range.last) - range.first;
+    range.first + (at + by) % range.count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RATE: f64 = 10.0;
+
+    fn shown(playback: &mut Playback, count: usize, times: &[f64]) -> Vec<usize> {
+        let mut here = playback.start(0, count, 0.0);
+        times
+            .iter()
+            .map(|now| {
+                match playback.cue(here, count, RATE, *now, |_| true) {
+                    Cue::Show(frame) | Cue::End(frame) => here = frame,
+                    Cue::Wait => {}
+                }
+                here
+            })
+            .collect()
+    }
+
+    #[test]
+    fn the_film_keeps_time_and_ends_with_the_last_frame() {
+        let mut playback = Playback::default();
+        assert_eq!(shown(&mut playback, 5, &[0.05, 0.1, 0.19, 0.35, 0.4, 0.5]), [0, 1, 1, 3, 4, 4]);
+        assert!(!playback.is_playing());
+        playback.set_speed(0.1, 0.0);
+        assert_eq!(shown(&mut playback, 5, &[0.9, 1.0, 2.0]), [0, 1, 2]);
+    }
+
+    #[test]
+    fn a_marked_range_is_played_round_and_round() {
+        let range = Some(FrameRange::between(6, 4));
+        let mut playback = Playback { loops: true, range, speed: 2.0, ..Playback::default() };
+        assert_eq!(shown(&mut playback, 9, &[0.0, 0.05, 0.1, 0.15, 0.2, 0.25]), [4, 5, 6, 4, 5, 6]);
+    }
+
+    #[test]
+    fn pictures_that_come_too_late_are_left_out() {
+        let mut playback = Playback::default();
+        playback.start(0, 100, 0.0);
+        assert_eq!(playback.cue(0, 100, RATE, 0.5, |frame| frame == 0 || frame > 5), Cue::Wait);
+        assert_eq!(playback.due_in(0.1, 100, RATE, 0.5), Some(7));
+        assert_eq!(playback.cue(0, 100, RATE, 0.8, |frame| frame == 0 || frame == 7), Cue::Show(7));
+        // The user goes elsewhere: the film goes on from there, once its picture is there.
+        assert_eq!(playback.cue(50, 100, RATE, 0.9, |_| false), Cue::Wait);
+        assert_eq!(playback.cue(50, 100, RATE, 1.9, |_| true), Cue::Show(60));
+    }
+
+    #[test]
+    fn speeds_have_ends() {
+        let mut playback = Playback::default();
+        assert_eq!((playback.next_speed(true), playback.next_speed(false)), (1.5, 0.5));
+        playback.set_speed(9.0, 0.0);
+        assert_eq!((playback.speed, playback.next_speed(true)), (4.0, 4.0));
+    }
+}

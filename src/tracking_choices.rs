@@ -1,0 +1,73 @@
+//! How frames are followed: how motion is carried on, and when other poses are looked for.
+
+use backlit_tracking::track::{KalmanOptions, Motion, Preset, Search};
+use serde::{Deserialize, Serialize};
+
+/// How motion is carried from frame to frame.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Following {
+    /// A frame's fit starts from the last pose.
+    Still,
+    /// It starts where the motion between the last two frames leads.
+    #[default]
+    Velocity,
+    /// Pose and velocity by the iterated extended Kalman filter.
+    Kalman,
+    /// The same, and at the end every frame is smoothed by later ones.
+    Smoothed {
+        /// By so many later frames; by all of them where `None`.
+        lag: Option<usize>,
+    },
+}
+
+impl Following {
+    /// What the tracker is told.
+    #[must_use]
+    pub fn motion(self) -> Motion {
+        match self {
+            Self::Still => Motion::Still,
+            Self::Velocity => Motion::Velocity,
+            Self::Kalman | Self::Smoothed { .. } => Motion::Kalman(KalmanOptions::default()),
+        }
+    }
+}
+
+/// All choices of a run of the tracker, besides those of a frame's fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrackingChoices {
+    /// How motion is carried on.
+    pub motion: Following,
+    /// When other poses than the one downhill are looked for.
+    pub search: Search,
+}
+
+impl TrackingChoices {
+    /// What goes with a preset: the report never looks for other poses, everything else does where a fit is poor.
+    #[must_use]
+    pub fn of_preset(preset: Option<Preset>) -> Self {
+        let search = if preset == Some(Preset::Report) { Search::Never } else { Search::WhenPoor };
+        Self { motion: Following::default(), search }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn choices_are_read_back() {
+        for motion in [
+            Following::Still,
+            Following::Kalman,
+            Following::Smoothed { lag: None },
+            Following::Smoothed { lag: Some(7) },
+        ] {
+            let choices = TrackingChoices { motion, search: Search::Always };
+            let text = serde_json::to_string(&choices).unwrap();
+            assert_eq!(serde_json::from_str::<TrackingChoices>(&text).unwrap(), choices, "{text}");
+        }
+        assert!(serde_json::from_str::<TrackingChoices>(r#"{"motion": "still", "search": "now"}"#).is_err());
+    }
+}
