@@ -158,10 +158,87 @@ fn columns(size: Vec2, count: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use egui::vec2;
+    use egui::{Pos2, RawInput, Rect, Ui, UiBuilder, WidgetText, vec2};
+    use egui_tiles::{Behavior, UiResponse};
 
     use super::*;
-    use crate::arrangement::fits;
+    use crate::arrangement::{close, fits, open};
+
+    /// Lays tiles out and shows nothing in them.
+    struct Blank;
+
+    impl Behavior<Pane> for Blank {
+        fn pane_ui(&mut self, _: &mut Ui, _: TileId, _: &mut Pane) -> UiResponse {
+            UiResponse::None
+        }
+
+        fn tab_title_for_pane(&mut self, pane: &Pane) -> WidgetText {
+            pane.title().into()
+        }
+
+        fn gap_width(&self, _: &egui::Style) -> f32 {
+            space::TILE_GAP
+        }
+
+        fn is_tab_bar_visible(&self, _: TileId, _: &Tabs) -> bool {
+            false
+        }
+    }
+
+    fn places(tree: &mut Arrangement, size: Vec2) -> Vec<Rect> {
+        let rect = Rect::from_min_size(Pos2::ZERO, size);
+        let input = RawInput { screen_rect: Some(rect), ..RawInput::default() };
+        let mut output = egui::Context::default().run_ui(input, |ui| {
+            ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| tree.ui(&mut Blank, ui));
+        });
+        output.textures_delta.clear();
+        let is_pane = |tile: &TileId| tree.tiles.get_pane(tile).is_some();
+        tree.active_tiles()
+            .iter()
+            .filter(|tile| is_pane(tile))
+            .filter_map(|tile| tree.tiles.rect(*tile))
+            .collect()
+    }
+
+    /// Tiles lie beside each other, and no point of the centre is farther than a gap from one.
+    fn assert_fills(tree: &mut Arrangement, size: Vec2) {
+        let places = places(tree, size);
+        let centre = Rect::from_min_size(Pos2::ZERO, size).expand(0.01);
+        for (index, place) in places.iter().enumerate() {
+            assert!(centre.contains_rect(*place) && place.is_positive(), "{place} in {size}");
+            for other in &places[..index] {
+                assert!(!place.shrink(0.01).intersects(*other), "{place} and {other} in {size}");
+            }
+        }
+        for step in 0..900 {
+            let share = vec2((step % 30) as f32 / 29.0, (step / 30) as f32 / 29.0);
+            let at = (size * share).to_pos2();
+            let is_near = |place: &Rect| place.expand(space::TILE_GAP).contains(at);
+            assert!(places.iter().any(is_near), "nothing at {at} of {size}: {places:?}");
+        }
+    }
+
+    #[test]
+    fn tiles_fill_the_centre_without_overlap_whatever_is_opened_and_closed() {
+        for layout in [Layout::Pose, Layout::Debug] {
+            for cameras in [1, 2, 3, 4, 7] {
+                for size in [vec2(1276.0, 800.0), vec2(820.0, 552.0), vec2(500.0, 900.0)] {
+                    let pair = [0, 1.min(cameras - 1)];
+                    let mut tree = automatic(&Centre { layout, cameras, pair, size });
+                    assert_fills(&mut tree, size);
+                    for pane in [Pane::Scene, Pane::Camera(0), Pane::Convergence] {
+                        open(&mut tree, pane);
+                        assert_fills(&mut tree, size);
+                    }
+                    for pane in [Pane::Convergence, Pane::Camera(cameras - 1)] {
+                        close(&mut tree, pane);
+                        assert_fills(&mut tree, size);
+                    }
+                    assert!(fits(&tree, cameras), "{tree:?}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn columns_follow_the_shape_of_the_centre() {

@@ -43,7 +43,7 @@ mod tests {
             fov_y: 0.5,
         };
         let green = Color32::from_rgba_premultiplied(0, 100, 0, 128);
-        let dot = |z: f64| Dot { at: DVec3::new(0.0, 0.0, z), side: 0.6, colour: green };
+        let dot = |z: f64| Dot { at: DVec3::new(0.0, 0.0, z), side: 1.0, colour: green };
         let ball = Capsule { ends: [DVec3::ZERO; 2], radius: 0.2, colour: Color32::RED };
         let draw = |scene: &Scene<'_>| {
             let mut frame = SceneFrame::draft(41, 41);
