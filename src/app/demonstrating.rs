@@ -36,7 +36,7 @@ impl App {
     pub(super) fn demonstrate(&mut self, which: Demonstration) {
         self.notices.close_all();
         if which == Demonstration::SingleLimb {
-            // Its own words are told from the numbers there.
+            self.explanation = Some(which.explanation());
             self.look.layout = Layout::Demonstrate;
             self.laboratory.wants_run = true;
             return;

@@ -55,10 +55,9 @@ impl Demonstration {
     pub const fn explanation(self) -> &'static str {
         match self {
             Self::SingleLimb => {
-                "One limb, seen from the side, began 10 cm off along its axis. Capsule and sphere tree came home. \
-                 The cylinder is on the screen: it stays at 100 % of its start, because from the side its flat \
-                 ends cover no pixel and nothing pulls along the axis. Press G: the pixels that pull lie along its \
-                 sides, none at its ends; press C, and the capsule has them there too."
+                "One limb, seen from the side, begins 10 cm off along its axis. The Demonstrate layout (F3) fits it \
+                 with all three renderers at once. Here, press G: of the cylinder, hardly a pixel at its ends pulls \
+                 along the axis; press C, and the capsule has a whole band of them."
             }
             Self::OneCamera => {
                 "Only camera 1 counts. Its view fits and the cost falls, yet camera 2, which does not count, shows \

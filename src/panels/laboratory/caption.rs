@@ -28,6 +28,10 @@ pub(super) fn ui(ui: &mut Ui, bench: &Bench<'_>, intents: &mut Intents) {
             text(ui, paragraph, bench.room.is_compact);
         }
         ui.separator();
+        if bench.room.is_compact {
+            ui.spacing_mut().interact_size.y = COMPACT_LINE;
+            ui.spacing_mut().item_spacing.y = 2.0;
+        }
         legend(ui, bench);
         next(ui, bench, intents);
     });

@@ -2,9 +2,9 @@
 
 use egui::{Align, Button, Frame, Label, Layout as Direction, Margin, Panel, RichText, Ui, vec2};
 
-use super::super::command;
 use super::super::pose::capitalised;
 use super::super::toolbar::{FOLD_CHOICES, choice};
+use super::super::{command, solver};
 use crate::action::Action;
 use crate::document::TakeSource;
 use crate::format;
@@ -17,6 +17,8 @@ use crate::widgets::{Icon, icon_button, primary_button};
 /// Height of the header, and of its rows.
 const HEIGHT: f32 = 66.0;
 const ROW: f32 = 28.0;
+/// The toolbar is so much narrower than the window.
+const TOOLBAR_MARGINS: f32 = 16.0;
 /// With more room than this left there are words before the boxes.
 const PREFIX_FROM: f32 = 620.0;
 
@@ -147,7 +149,8 @@ fn choices(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
     if showing.session.camera_count() > 1 {
         camera_box(ui, showing, intents);
     }
-    if ui.ctx().content_rect().width() < FOLD_CHOICES {
+    if ui.ctx().content_rect().width() - TOOLBAR_MARGINS < FOLD_CHOICES {
+        solver::preset_box(ui, showing, intents, 92.0);
         lineup_box(ui, showing, intents);
     }
 }
