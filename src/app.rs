@@ -18,6 +18,7 @@
 //! | `dropping` | files that are dropped on the window |
 //! | `laboratory` | several fits from one start |
 //! | `files` | takes, projects, dialogs, autosave and recovery |
+//! | `observing` | what the cameras see, and the sway along a direction |
 //! | `jobs` | what the screen lacks is asked of the worker |
 //! | `exported`, `accessible` | the state as a file, for tests from outside; where the named widgets are |
 //! | `touring` | the tour: which step, and whether it was done |
@@ -45,6 +46,7 @@ mod hand;
 mod headless;
 mod jobs;
 mod laboratory;
+mod observing;
 mod outside;
 mod playing;
 mod requests;
@@ -83,6 +85,7 @@ impl App {
         self.play(ui.ctx());
         self.autosave();
         self.request_jobs();
+        self.observe(ui.ctx());
         self.go_on_demonstrating();
         self.follow_tour();
         self.export_state();

@@ -79,6 +79,11 @@ pub enum Edit {
         /// Whether it counts.
         used: bool,
     },
+    /// Which cameras count in the fit: these and no others.
+    UseOnly {
+        /// The cameras, in order.
+        cameras: Vec<usize>,
+    },
     /// The weight of a camera's pixels.
     WeighCamera {
         /// The camera.
@@ -163,6 +168,7 @@ impl Edit {
             Self::ScaleBody { .. } => "Scale body".to_owned(),
             Self::UseCamera { used: true, .. } => "Use camera".to_owned(),
             Self::UseCamera { used: false, .. } => "Leave camera out".to_owned(),
+            Self::UseOnly { .. } => "Choose cameras".to_owned(),
             Self::WeighCamera { .. } => "Change camera weight".to_owned(),
             Self::SetTracking(_) => "Change tracking".to_owned(),
             Self::SetMeasurement(_) => "Change measurement".to_owned(),
@@ -206,6 +212,14 @@ impl Document {
                 self.model = Arc::new(scaled);
             }
             Edit::UseCamera { camera, used } => self.camera_mut(camera)?.used = used,
+            Edit::UseOnly { cameras } => {
+                for &camera in &cameras {
+                    self.camera_mut(camera)?;
+                }
+                for (index, camera) in Arc::make_mut(&mut self.cameras).iter_mut().enumerate() {
+                    camera.used = cameras.contains(&index);
+                }
+            }
             Edit::WeighCamera { camera, weight } => {
                 if !weight.is_finite() || weight < 0.0 {
                     return Err(EditError::Weight { weight });

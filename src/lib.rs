@@ -18,6 +18,7 @@ pub mod laboratory;
 pub mod look;
 pub mod matching;
 pub mod notices;
+pub mod observing;
 pub mod pane;
 pub mod panels;
 pub mod picture;

@@ -14,6 +14,7 @@ use crate::history::{Gesture, History};
 use crate::laboratory::{Laboratory, LaboratoryRequest};
 use crate::look::{Layout, Look};
 use crate::notices::Notices;
+use crate::observing::{Glance, ObserveRequest, Observing};
 use crate::pane::Pane;
 use crate::panels::camera_tile::TileEvent;
 use crate::panels::export_dialog::ExportOrder;
@@ -47,6 +48,8 @@ pub struct Showing<'a> {
     pub has_exported: bool,
     /// What is played, and what of the time axis is on the screen.
     pub(crate) time: &'a TimeAxis,
+    /// What is looked at of what the cameras see.
+    pub observing: &'a Observing,
     /// The sentence of the status bar about what the hand is doing.
     pub doing: Option<&'a str>,
     /// What the open demonstration shows, until that is closed.
@@ -106,6 +109,8 @@ pub enum Request {
     ShowRun(usize, bool),
     /// A wish of the convergence panel.
     Curves(CurvesRequest),
+    /// Something about what the cameras see.
+    Observe(ObserveRequest),
     /// What the user did in a camera's tile.
     Tile(usize, TileEvent),
     /// Look at the size of this limb, of those that turn with the held joint.
@@ -172,6 +177,8 @@ pub struct Intents {
     pub actions: Vec<Action>,
     /// Everything else.
     pub requests: Vec<Request>,
+    /// What is looked at of what the cameras see, in this frame: nothing that is asked for.
+    pub glance: Glance,
 }
 
 impl Intents {
@@ -278,7 +285,12 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
         | A::PinJoint
         | A::ResetLimb
         | A::ResetBody
+        | A::Uncertainty
+        | A::Sway
         | A::SetKeyPose => no_take,
+        A::WeakerDirection | A::StrongerDirection => {
+            no_take.or(because(showing.observing.found().is_none(), "Open the Observability section first"))
+        }
         _ => time::unavailable(action, showing),
     }
 }

@@ -151,6 +151,7 @@ impl Scene {
             is_overlap_stale: false,
             is_used: true,
             weight: 1.0,
+            observed: backlit::panels::ObservedMarks::default(),
             shows_hover_card: false,
         }
     }

@@ -12,6 +12,7 @@ use crate::action::Action;
 use crate::document::TakeSource;
 use crate::edit::Edit;
 use crate::look::Layout;
+use crate::observing::ObserveRequest;
 use crate::pane::Pane;
 use crate::panels::export_dialog::Subject;
 use crate::panels::palette::Palette;
@@ -48,6 +49,7 @@ impl App {
             || self.act_on_pose(action, ctx)
             || self.act_on_view(action)
             || self.act_on_fit(action)
+            || self.act_on_observing(action)
             || self.act_on_frames(action)
         {
             return;
@@ -77,10 +79,15 @@ impl App {
         is_back
     }
 
-    /// Esc: what runs is stopped first; else a camera that fills the window goes back, else a step is left.
+    /// Esc: what runs is stopped first, then a body that sways; else a camera that fills the window goes back, else a
+    /// step is left.
     fn let_go(&mut self) -> bool {
         if !self.worker.is_idle() && (self.showing().busy.fitting || self.showing().busy.tracking) {
             return false;
+        }
+        if self.observing.is_swaying() {
+            self.observe_request(ObserveRequest::StopSway);
+            return true;
         }
         let alone = self.docking.alone.take().is_some();
         if !alone && self.selection.step.take().is_none() {

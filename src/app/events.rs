@@ -44,6 +44,7 @@ impl App {
             Event::HullCarved(frame, hull) => self.session.hulls.insert(frame, hull),
             Event::Surveyed(extents) => self.session.subject = extents,
             Event::Predicted(predicted) => self.show_prediction(predicted),
+            Event::Observed(observed) => self.observing.hear(observed),
             Event::FitStep(step, predicted) => self.fit_step(*step, predicted),
             Event::FitEnded(ending) => self.finish_run(ending),
             Event::BodyFitted(fit) => self.body_fitted(&fit),
@@ -140,6 +141,7 @@ impl App {
             Lane::Load,
             Lane::Survey,
             Lane::Fit,
+            Lane::Observe,
             Lane::Track,
             Lane::TakeIn,
             Lane::Calibrate,
@@ -149,6 +151,8 @@ impl App {
         }
         self.reset_laboratory(footage);
         self.session.reset(Some(footage.clone()));
+        self.observing.forget();
+        self.asked_to_observe = None;
         if let Some(TakeSource::Path(path)) = &footage.source {
             self.look.remember(path.clone());
         }

@@ -13,6 +13,9 @@ impl App {
             // What was asked for in this frame is seen in the next.
             ctx.request_repaint();
         }
+        if self.observing.glance(intents.glance) {
+            ctx.request_repaint();
+        }
         for (edit, gesture) in intents.edits {
             if matches!(edit, Edit::SetPose { .. }) {
                 self.interrupt_fit();
@@ -69,6 +72,7 @@ impl App {
                 }
             }
             Request::Curves(request) => self.curves_request(request),
+            Request::Observe(request) => self.observe_request(request),
             Request::Tile(camera, event) => self.tile_event(camera, event),
             Request::Layout(layout) => self.look.layout = layout,
             Request::Pane(pane, event) => self.pane_event(pane, event),

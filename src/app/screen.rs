@@ -34,6 +34,7 @@ impl App {
             project: self.project.as_deref(),
             has_exported: self.exported_to.is_some(),
             time: &self.time,
+            observing: &self.observing,
             doing: self.doing.as_deref(),
             explanation: self.explanation,
             can_restore_layout: self.docking.before.is_some(),

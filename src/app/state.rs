@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use backlit_tracking::body::builtin;
+use backlit_tracking::body::{Pose, builtin};
 use backlit_tracking::io::Take;
 
 use super::background::Background;
@@ -22,12 +22,13 @@ use crate::history::{Gesture, History};
 use crate::laboratory::Laboratory;
 use crate::look::{Layout, Look};
 use crate::notices::Notices;
+use crate::observing::Observing;
 use crate::panels::camera_tile::{PictureAlone, TileLook};
 use crate::panels::export_dialog::ExportDialog;
 use crate::panels::palette::Palette;
 use crate::selection::Selection;
 use crate::session::Session;
-use crate::worker::{Event, LiveFit, LiveLaboratory, Worker};
+use crate::worker::{Event, LiveFit, LiveLaboratory, Scene, Worker};
 
 /// What the window begins with.
 #[derive(Debug, Default)]
@@ -98,6 +99,9 @@ pub struct App {
     /// Whether the screen follows the tracker.
     pub(super) follows_tracker: bool,
     pub(super) tracked: Tracked,
+    pub(super) observing: Observing,
+    /// What figures were asked for last, whatever came of it.
+    pub(super) asked_to_observe: Option<(Scene, Pose)>,
     pub(super) held: Option<Held>,
     pub(super) curves: CurvesLook,
     pub(super) nudging: Option<Nudging>,
@@ -161,6 +165,8 @@ impl App {
             run_gesture: None,
             follows_tracker: false,
             tracked: Tracked::default(),
+            observing: Observing::default(),
+            asked_to_observe: None,
             held: None,
             curves: CurvesLook::default(),
             nudging: None,

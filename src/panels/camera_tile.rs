@@ -11,6 +11,7 @@
 //! | `linked` | how linked views go along with a zoom or pan |
 //! | `picture_view` | texture, outline, limbs, joints, sight ray |
 //! | `comparison` | wipe and blink between two modes |
+//! | [`observed`] | a body that sways, ellipses of joints |
 //! | `gutter` | overlap, use in the fit, what the hand does |
 //! | `legend` | the strip under the picture |
 //! | `hover_card` | the numbers of the pixel under the pointer |
@@ -25,6 +26,7 @@ mod hover_card;
 mod legend;
 mod linked;
 pub mod look;
+pub mod observed;
 mod pane;
 mod picture_view;
 mod tile_menu;
@@ -38,6 +40,7 @@ pub(crate) use alone::PictureAlone;
 pub use event::{Drag, TileEvent};
 pub(crate) use linked::point_at;
 pub use look::{Comparison, TileLook};
+pub use observed::ObservedMarks;
 pub(crate) use pane::{CameraPanes, CameraViews};
 
 use crate::picture::{JointId, JointMark, PictureInput, ProjectedLimb, SightRay};
@@ -102,6 +105,8 @@ pub struct CameraTileInput<'a> {
     pub is_used: bool,
     /// Its weight in the fit.
     pub weight: f64,
+    /// What the cameras see and do not see, drawn over the picture.
+    pub observed: ObservedMarks<'a>,
     /// The numbers of the pixel under the pointer are shown.
     pub shows_hover_card: bool,
 }

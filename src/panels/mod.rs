@@ -2,6 +2,7 @@
 //! [`Intents`](crate::showing::Intents); none of them has the document. A tile's events come back as values.
 
 pub(crate) mod about;
+mod camera_subsets;
 pub mod camera_tile;
 mod command;
 pub(crate) mod convergence;
@@ -17,6 +18,7 @@ mod menus;
 pub(crate) mod messages;
 pub(crate) mod notice_cards;
 mod other_poses;
+mod observability;
 pub(crate) mod palette;
 mod pose;
 mod recent;
@@ -37,7 +39,7 @@ pub(crate) mod tour;
 mod tracking_choices;
 pub(crate) mod words;
 
-pub use camera_tile::{CameraTileInput, Comparison, Drag, TileEvent, TileLook, camera_tile};
+pub use camera_tile::{CameraTileInput, Comparison, Drag, ObservedMarks, TileEvent, TileLook, camera_tile};
 pub(crate) use command::dragged_until_now;
 pub(crate) use pose::rotation_tree;
 pub(crate) use renderer::renderer_of;

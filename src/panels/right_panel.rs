@@ -2,7 +2,7 @@
 
 use egui::{Frame, Margin, Panel, ScrollArea, Ui};
 
-use super::{joint, measurement, pose, refit, renderer, sizes, solver};
+use super::{camera_subsets, joint, measurement, observability, pose, refit, renderer, sizes, solver};
 use crate::look::Layout;
 use crate::showing::{Intents, Showing};
 use crate::theme::{self, size, space};
@@ -44,4 +44,6 @@ fn sections(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, layout: L
     measurement::ui(ui, showing, intents, false);
     renderer::ui(ui, showing, intents, !posing);
     solver::ui(ui, showing, intents, !posing);
+    observability::ui(ui, showing, intents, layout == Layout::Debug);
+    camera_subsets::ui(ui, showing, intents, layout == Layout::Debug);
 }

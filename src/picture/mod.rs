@@ -13,6 +13,7 @@
 //! | [`outline`] | the body's outline by marching squares |
 //! | [`limbs`] | limbs projected to capsules of the picture |
 //! | [`joints`] | the joints that can be dragged, and their names |
+//! | [`sway`] | a body that sways, and ellipses of joints |
 //! | [`mod@sight_ray`] | one camera's ray as another camera sees it |
 //! | [`calibration_marks`] | principal point, world axes, grid and lens edge |
 //! | [`state_axis`] | the coefficient whose Jacobian column is looked at |
@@ -33,6 +34,7 @@ mod report_overlay;
 mod residual;
 pub mod sight_ray;
 pub mod state_axis;
+pub mod sway;
 mod tinted;
 
 pub use calibration_marks::CalibrationMarks;
@@ -45,6 +47,7 @@ pub use outline::body_outline;
 pub use owner_limb::limb_colours;
 pub use sight_ray::{SightRay, sight_ray};
 pub use state_axis::StateAxis;
+pub use sway::{JointEllipse, SwayMarks, Swaying, joint_ellipses};
 
 use egui::ColorImage;
 

@@ -12,6 +12,7 @@ mod fit;
 mod hull;
 mod laboratory;
 mod load;
+mod observe;
 mod open;
 mod poses;
 mod predict;
@@ -34,6 +35,7 @@ pub use laboratory::{
     LaboratoryCheckJob, LaboratoryEvent, LaboratoryJob, LaboratoryLookJob, LaboratoryPlotJob, LiveLaboratory,
 };
 pub use load::LoadJob;
+pub use observe::{ObserveJob, Observed};
 pub use open::OpenJob;
 pub use poses::PosesJob;
 pub use predict::{CameraPrediction, Derivatives, PredictJob, Predicted, Scene};
@@ -71,6 +73,8 @@ pub enum Event {
     Predicted(Arc<Predicted>),
     /// The visual hull of a frame, if its silhouettes leave one.
     HullCarved(Arc<FrameData>, Option<Arc<VisualHull>>),
+    /// What the cameras see of a pose, and what they do not.
+    Observed(Arc<Observed>),
     /// A step of the fit; the first is the start.
     FitStep(Box<RunStep>, Arc<Predicted>),
     /// The fit has ended or was stopped; `None` if it may go on.

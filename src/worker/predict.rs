@@ -184,7 +184,7 @@ impl Predicted {
 
 impl Scene {
     /// D of a camera, as the last stage looks at it.
-    fn data(&self, camera: usize) -> Option<Arc<Measurement>> {
+    pub(super) fn data(&self, camera: usize) -> Option<Arc<Measurement>> {
         let frame = self.frame.as_ref()?.cameras.get(camera)?;
         let stage = self.fit.stages.last()?;
         let view = FitView {

@@ -48,6 +48,8 @@ pub enum Lane {
     Laboratory,
     /// The laboratory's plot as a file.
     LaboratoryPlot,
+    /// What the cameras see of the pose on the screen.
+    Observe,
     /// A look at the take as a whole.
     Survey,
     /// The fit of frame after frame.

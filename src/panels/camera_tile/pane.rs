@@ -8,10 +8,11 @@ use egui::{Color32, Rect, Role, Ui, WidgetInfo, pos2};
 use glam::{DVec2, DVec3};
 
 use super::linked::follow;
-use super::{CameraTileInput, PictureAlone, TileEvent, TileLook, camera_tile, stored_view};
+use super::{CameraTileInput, ObservedMarks, PictureAlone, TileEvent, TileLook, camera_tile, stored_view};
+use crate::panels::observability;
 use crate::picture::{
-    JointId, PictureInput, ProjectedLimb, SightRay, joined_outline, limb_colours, project_joints,
-    project_limbs, sight_ray,
+    JointId, PictureInput, ProjectedLimb, SightRay, SwayMarks, Swaying, joined_outline, limb_colours,
+    project_joints, project_limbs, sight_ray,
 };
 use crate::showing::{Intents, Request, Showing};
 use crate::theme::{self, size};
@@ -47,6 +48,8 @@ pub(crate) struct CameraPanes<'a> {
     ray: Option<(usize, DVec2, f64)>,
     /// The prediction on the screen is of another pose than the one that is shown.
     is_prediction_old: bool,
+    /// The body on its way, if it sways.
+    swaying: Option<Swaying>,
 }
 
 impl<'a> CameraPanes<'a> {
@@ -70,6 +73,7 @@ impl<'a> CameraPanes<'a> {
             root: pose.root,
             colours: limb_colours(&document.model),
             ray,
+            swaying: showing.observing.swaying(),
             is_prediction_old: predicted.is_some_and(|predicted| predicted.pose != *pose),
         }
     }
@@ -88,6 +92,9 @@ impl<'a> CameraPanes<'a> {
         let is_pinned = |joint: JointId| matches!(joint, JointId::End(limb) if document.pins.contains(&limb));
         let joints = project_joints(&document.model, &self.kinematics, self.root, camera, is_pinned);
         let ray = self.ray_in(index, camera);
+        let marks = |body: &Swaying| SwayMarks::new(&document.model, body, camera, document.fit.renderer);
+        let sway = self.swaying.as_ref().map(marks);
+        let (ellipses, are_of_others) = observability::ellipses(showing.observing, camera);
         let uses = document.cameras.get(index);
         let quick_outline = self.quick_outline(&limbs);
         let name = format!("Camera {}", index + 1);
@@ -118,6 +125,7 @@ impl<'a> CameraPanes<'a> {
             is_overlap_stale: session.is_stale,
             is_used: uses.is_some_and(|used| used.used),
             weight: uses.map_or(1.0, |used| used.weight),
+            observed: ObservedMarks { sway: sway.as_ref(), ellipses: &ellipses, are_of_others },
             shows_hover_card: true,
         };
         if let Some(alone) = self.views.picture_alone {

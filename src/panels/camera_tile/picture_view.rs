@@ -6,6 +6,7 @@ use egui::{
 
 use super::comparison::{self, Seen};
 use super::hand::{PointerInput, Scene, rotation_owner};
+use super::observed::{paint_ellipses, paint_sway};
 use super::{CameraTileInput, TileEvent, TileLayout, TileState, hover_card, legend, view_id};
 use crate::picture::{CalibrationMarks, JointId, ProjectedLimb, ViewMode, compose};
 use crate::theme::data_colours::PICTURE_GROUND;
@@ -171,6 +172,9 @@ fn paint_marks(
     if let Some(ray) = input.sight_ray {
         paint_sight_ray(painter, view, ray);
     }
+    if let Some(sway) = input.observed.sway {
+        paint_sway(painter, view, sway);
+    }
     // The selected joint lies on top of its neighbours.
     let (selected, others): (Vec<_>, Vec<_>) =
         input.joints.iter().partition(|joint| Some(joint.id) == input.selected);
@@ -188,8 +192,12 @@ fn paint_marks(
             let node = ui.interact(box_of_joint, id.with(joint.id), Sense::hover());
             let label = format!("{}, {}", joint.name, input.name);
             node.widget_info(|| WidgetInfo::labeled(Role::GraphicsSymbol, true, &label));
+            if let Some(known) = input.observed.ellipses.iter().find(|known| known.joint == joint.id) {
+                node.on_hover_text(&known.text);
+            }
         }
     }
+    paint_ellipses(painter, view, &input.observed);
 }
 
 /// The handles of the selected limb's size, if they are wanted.

@@ -8,7 +8,7 @@
 //! axis    s |m|² / 2 = s (|Pm|² + |m − Pm|²) / 2
 //! ```
 //!
-//! P projects on the eigenvectors of G_l = Σ_c w_c G_lc (6 × 6, [`LimbSight::by_ends`]) whose eigenvalues are below
+//! P projects on the eigenvectors of G = Σ w G of the cameras (6 × 6, [`LimbSight::by_ends`]) whose eigenvalues are below
 //! [`UNSEEN`] of its largest: motion of that limb of which its own pixels say next to nothing. Pm is named by what it is along:
 //! the lines of sight of *every* camera that sees the limb, the limb's own axis, or the far end of a limb that points at
 //! those cameras. A limb without pixels on a ramp is all unseen, and is named by what covers it.

@@ -1,4 +1,4 @@
-//! What each camera says of a pose by itself: J_cᵀJ_c, which limbs it sees, and how its pixels err.
+//! What each camera says of a pose by itself: JᵀJ, which limbs it sees, and how its pixels err.
 
 use std::sync::Arc;
 
@@ -47,13 +47,13 @@ pub struct CameraInformation {
     pub camera: Arc<Camera>,
     /// Its weight in a fit.
     pub weight: f64,
-    /// J_cᵀJ_c, J_cᵀρ_c and Σ ρ² of the pixels on a ramp, in tangent columns.
+    /// JᵀJ, Jᵀρ and Σ ρ² of the pixels on a ramp, in tangent columns.
     pub equations: NormalEquations,
     /// Σ w of the pixels on a ramp, and how many they are.
     pub ramp_weight: f64,
     /// Number of those pixels.
     pub ramp_pixels: usize,
-    /// Σ_b g_b g_bᵀ over the cells of the picture.
+    /// Σ g gᵀ, g = Jᵀρ of a cell, over the cells of the picture.
     pub scatter: DMatrix<f64>,
     /// By limb.
     pub limbs: Vec<LimbSight>,
@@ -135,7 +135,7 @@ impl FrameInformation {
         self.lever
     }
 
-    /// H = Σ_c w_c J_cᵀJ_c of a set of cameras, tangent columns. Cameras without data add nothing.
+    /// H = Σ w JᵀJ of a set of cameras, tangent columns. Cameras without data add nothing.
     #[must_use]
     pub fn equations(&self, cameras: &[usize]) -> NormalEquations {
         let mut sum = NormalEquations::zeros(Parameters::Tangent.columns(self.model.rotation_count()));

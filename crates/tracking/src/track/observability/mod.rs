@@ -2,16 +2,16 @@
 //!
 //! # Equations
 //!
-//! Near a pose X the data of camera c are linear in a step δ of the tangent state, ρ_c ≈ ρ_c(X) − J_c δ, so all that
-//! a set of cameras says of δ stands in
+//! Near a pose X the data of each camera are linear in a step δ of the tangent state, ρ ≈ ρ(X) − J δ, so all that a set
+//! of cameras says of δ stands in
 //!
 //! ```text
 //! H = Σ_c w_c J_cᵀJ_c            columns × columns, squared grey levels per rad² and m²
 //! H = D⁻¹ U Λ Uᵀ D⁻¹             D = diag(L, L, L, 1, …, 1)
 //! ```
 //!
-//! J_c is of the data alone, with the last stage's ramp and its view D of the mask, at every pixel whatever the stage's
-//! stride: **priors, limits and pins are left out**, since they say nothing of what is seen. J_cᵀJ_c is summed in f64 by the
+//! J is of the data alone, with the last stage's ramp and its view D of the mask, at every pixel whatever the stage's
+//! stride: **priors, limits and pins are left out**, since they say nothing of what is seen. JᵀJ is summed in f64 by the
 //! reference kernel, one camera at a time, so that any set of cameras is a sum and not a new rendering.
 //!
 //! **Metres against radians.** Singular values of a matrix of mixed units mean nothing. The root's metres are measured in
@@ -24,14 +24,14 @@
 //! however small; how little it helps is said by its standard deviation.
 //!
 //! **Noise.** σ² = Σ w ρ² / (Σ w − rank) over the pixels on a ramp, the only ones with a gradient. Model and silhouette err
-//! together over whole edges, so pixels are not independent: with g_b = J_bᵀρ_b of the pixels of a square cell b and
-//! S = Σ_b g_b g_bᵀ, errors are larger than those of white noise by κ = tr(H⁺S) / (rank σ²) in variance, never taken below
-//! 1. [`Noise::deviation`] is σ√κ. Covariance of a joint p with ∂p = K δ: σ²κ · K H⁺ Kᵀ, and what it moves along null
+//! together over whole edges, so pixels are not independent: with g = Jᵀρ of the pixels of a square cell and
+//! S = Σ g gᵀ over the cells, errors are larger than those of white noise by κ = tr(H⁺S) / (rank σ²) in variance; less than
+//! one is taken for one. [`Noise::deviation`] is σ√κ. Covariance of a joint p with ∂p = K δ: σ²κ · K H⁺ Kᵀ, and what it moves along null
 //! directions is without any bound.
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`information`] | [`FrameInformation`]: each camera's J_cᵀJ_c, and which limbs it sees |
+//! | [`information`] | [`FrameInformation`]: each camera's JᵀJ, and which limbs it sees |
 //! | [`directions`] | [`Observability`] of a set of cameras: [`Direction`]s, null ones in a basis that can be named |
 //! | [`cause`] | why a direction is weak: shares of its motion, by mechanism |
 //! | [`words`] | the same in sentences |

@@ -2,7 +2,7 @@
 
 use super::directions::Noise;
 use super::information::FrameInformation;
-use super::uncertainty::joint_uncertainties;
+use super::uncertainty::{JointUncertainty, joint_uncertainties};
 
 /// Up to so many cameras every set of them is compared.
 const ALL_SETS_UP_TO: usize = 4;
@@ -25,6 +25,8 @@ pub struct SubsetFigures {
     pub median_m: f64,
     /// Smallest singular value that is not null, squared grey levels per rad²; zero if all are.
     pub smallest: f64,
+    /// Root first, then every limb's second joint.
+    pub joints: Vec<JointUncertainty>,
 }
 
 /// The sets of `cameras` that are compared, small ones first: all of them up to four cameras, else single cameras, pairs
@@ -69,6 +71,7 @@ impl FrameInformation {
             worst: worst.unwrap_or((None, f64::INFINITY)),
             median_m: deviations[deviations.len() / 2],
             smallest: spectrum.rank.checked_sub(1).map_or(0.0, |last| spectrum.values[last]),
+            joints,
         }
     }
 
