@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
-use super::{experiment, fit, fit_body, render, screenshot, silhouettes, track};
+use super::{experiment, fit, fit_body, observability, render, screenshot, silhouettes, track};
 
 const ABOUT: &str =
     "Fits an articulated body to its silhouettes and shows how. Without a command it opens the window.";
@@ -50,6 +50,8 @@ pub enum Command {
     Track(track::TrackArguments),
     /// Draw the window without a display and write its picture
     Screenshot(screenshot::ScreenshotArguments),
+    /// Tell what the cameras see of a frame's pose and what not, and compare sets of cameras
+    Observability(observability::ObservabilityArguments),
     /// Write the silhouettes of a take as pictures
     Silhouettes(silhouettes::SilhouetteArguments),
     /// Run an experiment of the report again: numbers, a table and plots

@@ -10,6 +10,7 @@
 //! | [`evidence`] | silhouettes and grey levels from a folder |
 //! | [`track`] | `backlit track` |
 //! | [`track_report`], [`track_files`] | what a track is worth, and the files with it |
+//! | [`observability`] | `backlit observability` |
 //! | [`silhouettes`] | `backlit silhouettes` |
 //! | [`experiment`] | `backlit experiment`: one file an experiment |
 //! | [`take_options`] | options that choose frames, cameras and start |
@@ -28,6 +29,7 @@ pub mod fit_body;
 pub mod fit_body_report;
 pub mod fit_options;
 pub mod inspector;
+pub mod observability;
 pub mod output;
 pub mod render;
 pub mod screenshot;
@@ -57,6 +59,7 @@ pub fn run() -> ExitCode {
         Some(Command::FitBody(arguments)) => fit_body::run(&arguments),
         Some(Command::Track(arguments)) => track::run(&arguments),
         Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),
+        Some(Command::Observability(arguments)) => observability::run(&arguments),
         Some(Command::Silhouettes(arguments)) => silhouettes::run(&arguments),
         Some(Command::Experiment(arguments)) => experiment::run(&arguments),
     };

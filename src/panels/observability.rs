@@ -46,7 +46,7 @@ pub(super) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open
 }
 
 /// A length in the unit that leaves one to three figures before the point; not finite is without bound.
-pub(super) fn length(metres: f64) -> String {
+pub(crate) fn length(metres: f64) -> String {
     let mm = 1e3 * metres;
     if !mm.is_finite() {
         "no bound".to_owned()
@@ -58,7 +58,7 @@ pub(super) fn length(metres: f64) -> String {
 }
 
 /// What people call the joint at the end of a limb; `None` is the root.
-pub(super) fn name_of(shown: &Observability, limb: Option<usize>) -> String {
+pub(crate) fn name_of(shown: &Observability, limb: Option<usize>) -> String {
     joint_name(&shown.model, limb.map_or(JointId::Root, JointId::End))
 }
 
