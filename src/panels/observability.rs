@@ -10,7 +10,7 @@ use super::command::named_button;
 use crate::action::Action;
 use crate::format;
 use crate::observing::{AMPLITUDES_MM, ObserveRequest, Observing, SPEEDS};
-use crate::picture::{JointEllipse, JointId, draggable_joints, joint_ellipses, joint_name};
+use crate::picture::{JointEllipse, JointId, joint_ellipses, joint_name};
 use crate::showing::{Intents, Request, Showing, unavailable};
 use crate::theme::{self, size, space};
 use crate::widgets::{Icon, SliderRow, checkbox, icon_button, section};
@@ -78,7 +78,7 @@ pub(super) fn ellipses(observing: &Observing, camera: &Camera) -> (Vec<JointElli
             format!("{name}: nothing bounds it along the arrow.")
         }
     };
-    (joint_ellipses(&shown.model, joints, camera, text), others.is_some())
+    (joint_ellipses(joints, camera, text), others.is_some())
 }
 
 fn summary(observing: &Observing) -> String {
@@ -187,15 +187,7 @@ fn movers(ui: &mut Ui, showing: &Showing<'_>, shown: &Observability, direction: 
         return;
     }
     let amount = showing.observing.largest_amount(direction);
-    let handles = draggable_joints(&shown.model);
-    let mut movers: Vec<(Option<usize>, f64)> = direction
-        .movers()
-        .into_iter()
-        .filter(|(limb, _)| handles.contains(&JointId::End(*limb)))
-        .map(|(limb, by)| (Some(limb), by))
-        .collect();
-    movers.push((None, direction.root_move.length()));
-    movers.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let movers = direction.movers();
     let most = movers.first().map_or(0.0, |first| first.1);
     for (limb, by) in movers.iter().take(LISTED).filter(|(_, by)| *by >= WORTH_LISTING * most) {
         mover_row(ui, &name_of(shown, *limb), &format!("±{}", length(by * amount)), palette.text2);

@@ -80,7 +80,7 @@ fn seams(model: &Model, swaying: &Swaying, camera: &Camera) -> Vec<([DVec2; 2], 
     seams
 }
 
-/// The ellipse of a joint that has a handle.
+/// The ellipse of a joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointEllipse {
     /// Which joint.
@@ -91,18 +91,15 @@ pub struct JointEllipse {
     pub text: String,
 }
 
-/// Ellipses of the joints that have handles; `text` says what a joint's covariance means.
+/// Ellipses of joints before a camera; `text` says what a joint's covariance means.
 pub fn joint_ellipses(
-    model: &Model,
     joints: &[JointUncertainty],
     camera: &Camera,
     text: impl Fn(&JointUncertainty) -> String,
 ) -> Vec<JointEllipse> {
-    let handles = draggable_joints(model);
     let one = |joint: &JointUncertainty| {
         let id = joint.limb.map_or(JointId::Root, JointId::End);
-        let ellipse = handles.contains(&id).then(|| joint.ellipse(camera))??;
-        Some(JointEllipse { joint: id, ellipse, text: text(joint) })
+        Some(JointEllipse { joint: id, ellipse: joint.ellipse(camera)?, text: text(joint) })
     };
     joints.iter().filter_map(one).collect()
 }
@@ -111,6 +108,7 @@ pub fn joint_ellipses(
 mod tests {
     use backlit_tracking::body::{Pose, builtin};
     use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
+    use backlit_tracking::track::observability::uncertainty::articulated_joints;
     use glam::DQuat;
 
     use super::*;
@@ -120,6 +118,15 @@ mod tests {
         let place =
             CameraFromWorld::looking_at(DVec3::new(0.0, 0.3, 2.5), DVec3::new(0.0, 0.3, 0.0), DVec3::Y);
         Camera::new("front", [120, 120], intrinsics, Distortion::None, place).unwrap()
+    }
+
+    #[test]
+    fn joints_with_handles_are_those_that_are_told_of() {
+        for model in [builtin::upper_body(), builtin::full_body(), builtin::single_limb()] {
+            let told = articulated_joints(&model).into_iter().map(JointId::End);
+            let told: Vec<JointId> = std::iter::once(JointId::Root).chain(told).collect();
+            assert_eq!(told, draggable_joints(&model));
+        }
     }
 
     #[test]

@@ -116,7 +116,7 @@ pub(super) fn ui(ui: &mut Ui, observing: &Observing, intents: &mut Intents) {
     caption(ui, shown);
 }
 
-/// With the focus: arrows go from bar to bar, Home and End to the ends, Enter and Space play and hold.
+/// With the focus: arrows go from bar to bar, Enter and Space play and hold.
 fn keys(ui: &Ui, response: &Response, observing: &Observing, count: usize, intents: &mut Intents) {
     if !response.has_focus() {
         return;
@@ -126,13 +126,7 @@ fn keys(ui: &Ui, response: &Response, observing: &Observing, count: usize, inten
     let presses = |key| ui.input(|input| input.num_presses(key)) as isize;
     let picked = observing.picked().unwrap_or_default();
     let by = presses(Key::ArrowRight) - presses(Key::ArrowLeft);
-    let to = if presses(Key::Home) > 0 {
-        0
-    } else if presses(Key::End) > 0 {
-        count.saturating_sub(1)
-    } else {
-        picked.saturating_add_signed(by).min(count.saturating_sub(1))
-    };
+    let to = picked.saturating_add_signed(by).min(count.saturating_sub(1));
     if to != picked {
         intents.request(Request::Observe(ObserveRequest::Pick(to)));
     }

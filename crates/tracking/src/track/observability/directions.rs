@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::cause::{Share, shares};
 use super::information::FrameInformation;
-use super::uncertainty::{JointUncertainty, joint_uncertainties};
+use super::uncertainty::{JointUncertainty, articulated_joints, joint_uncertainties};
 use crate::body::{Kinematics, Model, Parameters, Pose};
 
 /// A candidate for the basis of the null space lies in it if no more of its unit length is outside.
@@ -51,8 +51,9 @@ pub struct Direction {
     pub step: DVector<f64>,
     /// How far the root moves for one unit of it, metres.
     pub root_move: DVec3,
-    /// How far each limb's second joint moves for one unit of it, metres.
-    pub joint_moves: Vec<DVec3>,
+    /// How far each joint moves for one unit of it, metres, by the limb whose second joint it is; see
+    /// [`articulated_joints`](super::uncertainty::articulated_joints).
+    pub joint_moves: Vec<(usize, DVec3)>,
     /// Standard deviation along it, in units of `step`; infinite for null ones.
     pub deviation: f64,
     /// Why it is weak, or how it is seen: shares of its motion, the largest first.
@@ -63,15 +64,15 @@ impl Direction {
     /// The joint that moves most, by the limb whose second joint it is (`None` is the root), and how far, metres.
     #[must_use]
     pub fn largest_move(&self) -> (Option<usize>, f64) {
-        let ends = self.joint_moves.iter().enumerate().map(|(limb, by)| (Some(limb), by.length()));
+        let ends = self.joint_moves.iter().map(|(limb, by)| (Some(*limb), by.length()));
         ends.fold((None, self.root_move.length()), |most, next| if next.1 > most.1 { next } else { most })
     }
 
-    /// The limbs whose second joints move most, the first the most, with how far, metres.
+    /// The joints that move most, the first the most, with how far, metres: the root (`None`) and limbs' second joints.
     #[must_use]
-    pub fn movers(&self) -> Vec<(usize, f64)> {
-        let mut movers: Vec<(usize, f64)> =
-            self.joint_moves.iter().enumerate().map(|(limb, by)| (limb, by.length())).collect();
+    pub fn movers(&self) -> Vec<(Option<usize>, f64)> {
+        let ends = self.joint_moves.iter().map(|(limb, by)| (Some(*limb), by.length()));
+        let mut movers: Vec<_> = std::iter::once((None, self.root_move.length())).chain(ends).collect();
         movers.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         movers
     }
@@ -112,7 +113,7 @@ pub struct Observability {
     pub null_below: f64,
     /// How the pixels err.
     pub noise: Noise,
-    /// Root first, then every limb's second joint.
+    /// Root first, then [`articulated_joints`].
     pub joints: Vec<JointUncertainty>,
     /// L, metres: what a radian is worth for the root's position.
     pub lever_m: f64,
@@ -196,7 +197,7 @@ impl FrameInformation {
         let sign = if u[u.iamax()] < 0.0 { -1.0 } else { 1.0 };
         let mut step = u * sign;
         step.rows_mut(0, 3).scale_mut(self.lever);
-        let joint_moves: Vec<DVec3> = end_moves(&self.kinematics, &self.model, &step);
+        let joint_moves = end_moves(&self.kinematics, &self.model, &step);
         let shares = shares(self, cameras, &step);
         let root_move = DVec3::from_slice(&step.as_slice()[..3]);
         Direction { value, relative, is_null: false, step, root_move, joint_moves, deviation, shares }
@@ -330,11 +331,11 @@ impl FrameInformation {
     }
 }
 
-/// How every limb's second joint moves with a step, metres.
-fn end_moves(kinematics: &Kinematics, model: &Model, step: &DVector<f64>) -> Vec<DVec3> {
+/// How the joints move with a step, metres.
+fn end_moves(kinematics: &Kinematics, model: &Model, step: &DVector<f64>) -> Vec<(usize, DVec3)> {
     let end = |limb| {
         let moved = kinematics.end_jacobian(limb, Parameters::Tangent) * step;
-        DVec3::new(moved[0], moved[1], moved[2])
+        (limb, DVec3::new(moved[0], moved[1], moved[2]))
     };
-    (0..model.limbs().len()).map(end).collect()
+    articulated_joints(model).into_iter().map(end).collect()
 }

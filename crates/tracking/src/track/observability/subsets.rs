@@ -25,7 +25,7 @@ pub struct SubsetFigures {
     pub median_m: f64,
     /// Smallest singular value that is not null, squared grey levels per rad²; zero if all are.
     pub smallest: f64,
-    /// Root first, then every limb's second joint.
+    /// Root first, then [`articulated_joints`](super::uncertainty::articulated_joints).
     pub joints: Vec<JointUncertainty>,
 }
 

@@ -87,7 +87,7 @@ impl JointUncertainty {
             covariance: belief.joint_covariance(kinematics, limb),
             unseen: Matrix3::zeros(),
         };
-        (0..model.limbs().len()).map(one).collect()
+        articulated_joints(model).into_iter().map(one).collect()
     }
 }
 
@@ -118,7 +118,23 @@ fn axes(matrix: &Matrix2<f64>) -> [DVec2; 2] {
     if a.length() >= b.length() { [a, b] } else { [b, a] }
 }
 
-/// Root first, then every limb's second joint.
+/// The joints that are told of, by the limb whose second joint each is: where a limb with a rotation of its own grows, and
+/// the end of every limb with one that carries no other. What lies between is rigid with them.
+#[must_use]
+pub fn articulated_joints(model: &Model) -> Vec<usize> {
+    let limbs = model.limbs();
+    let carries = |rotation: usize| {
+        let mut grown = limbs.iter().filter(|limb| limb.has_own_rotation).filter_map(|limb| limb.parent);
+        grown.any(|parent| limbs[parent].rotation == rotation)
+    };
+    let is_joint = |index: &usize| {
+        let grows_here = limbs.iter().any(|limb| limb.has_own_rotation && limb.parent == Some(*index));
+        grows_here || (limbs[*index].has_own_rotation && !carries(limbs[*index].rotation))
+    };
+    (0..limbs.len()).filter(is_joint).collect()
+}
+
+/// Root first, then the joints of [`articulated_joints`].
 pub(super) fn joint_uncertainties(
     information: &FrameInformation,
     spectrum: &Spectrum,
@@ -149,5 +165,5 @@ pub(super) fn joint_uncertainties(
         let at = limb.map_or(information.pose.root, |limb| kinematics.ends()[limb]);
         JointUncertainty { limb, at, covariance, unseen }
     };
-    std::iter::once(None).chain((0..model.limbs().len()).map(Some)).map(one).collect()
+    std::iter::once(None).chain(articulated_joints(model).into_iter().map(Some)).map(one).collect()
 }
