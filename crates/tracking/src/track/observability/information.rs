@@ -73,6 +73,7 @@ pub struct FrameInformation {
 impl FrameInformation {
     /// Looks at a pose through every camera that has data. `views` is by camera, whether it is used in the fit or not;
     /// a weight of zero counts as one, so that cameras that are left out can be compared too.
+    /// Options are taken as they are: made to a scale before, where that is wanted.
     ///
     /// # Errors
     /// A pose that is not the model's, data that are not the camera's, options that make no sense.
