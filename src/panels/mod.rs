@@ -41,9 +41,8 @@ pub(crate) mod words;
 
 pub use camera_tile::{CameraTileInput, Comparison, Drag, ObservedMarks, TileEvent, TileLook, camera_tile};
 pub(crate) use command::dragged_until_now;
-pub(crate) use pose::rotation_tree;
-pub use camera_tile::{CameraTileInput, Drag, ObservedMarks, TileEvent, Wipe, camera_tile};
 pub(crate) use observability::{length, name_of};
+pub(crate) use pose::rotation_tree;
 pub(crate) use renderer::renderer_of;
 pub(crate) use solver::preset_of;
 pub use timeline::{Span, TimelineEvent};
