@@ -6,6 +6,7 @@ mod experiment;
 mod fit;
 mod fit_body;
 mod golden;
+mod observability;
 mod render;
 mod scene;
 mod screenshot;
