@@ -23,7 +23,7 @@ impl App {
             ctx.request_repaint();
         }
         let is_busy = [Lane::Fit, Lane::Track].into_iter().any(|lane| self.worker.is_busy(lane));
-        let is_moving = is_busy || self.held.is_some() || self.next_played.is_some();
+        let is_moving = is_busy || self.held.is_some() || self.time.playback.is_playing();
         if !is_stale || is_moving || scene.frame.is_none() || !self.observing.is_wanted() {
             return;
         }

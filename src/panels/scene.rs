@@ -75,7 +75,9 @@ impl Stage {
             let eyes: Vec<DVec3> = take.cameras.iter().map(|camera| camera.centre()).collect();
             Viewpoint::Orbit(Orbit::around(&upright, middle, &eyes, aspect))
         });
-        let pose = showing.session.shown_pose(document, showing.selection);
+        // A body that sways is shown on its way.
+        let swayed = showing.observing.swayed_pose();
+        let pose = swayed.as_ref().unwrap_or(showing.session.shown_pose(document, showing.selection));
         let mut stage = Self {
             picture,
             upright,

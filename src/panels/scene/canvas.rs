@@ -22,8 +22,9 @@ const LONGEST: f32 = 1400.0;
 
 /// Draws the scene where it has changed. What `moves`, or belongs to a run that goes on, is drawn as a draft.
 pub(super) fn show(ui: &Ui, showing: &Showing<'_>, stage: &Stage, contents: &Contents, moves: bool) {
-    let is_live = moves || showing.busy.fitting || showing.busy.tracking || showing.time.playback.is_playing();
-    let is_draft = is_live || stage.ray.is_some();
+    let is_live =
+        moves || showing.busy.fitting || showing.busy.tracking || showing.time.playback.is_playing();
+    let is_draft = is_live || stage.ray.is_some() || showing.observing.is_playing();
     let size = stage.picture.size() * ui.pixels_per_point();
     let shrink = (LONGEST / size.max_elem()).min(1.0);
     let [width, height] = [size.x, size.y].map(|side| (side * shrink).round().max(1.0) as u32);
