@@ -70,7 +70,8 @@ impl Lane {
             | Self::Calibrate
             | Self::Load
             | Self::Fit
-            | Self::Laboratory => Crew::Screen,
+            | Self::Laboratory
+            | Self::Observe => Crew::Screen,
             Self::Save | Self::LaboratoryPlot => Crew::Files,
             Self::Survey | Self::Track | Self::Hull | Self::LaboratoryCheck => Crew::Long,
         }
