@@ -17,7 +17,9 @@ const DISTANCES: [f64; 2] = [0.2, 200.0];
 /// The first view looks down by this angle, radians.
 const FIRST_ELEVATION: f64 = 0.36;
 /// The first view holds all cameras within so much of the picture's half width and height.
-const FIRST_FIT: f64 = 0.82;
+const FIRST_FIT: f64 = 0.86;
+/// The first view looks at the middle of all cameras by so much, and at the body by the rest.
+const FIRST_LEAN: f64 = 0.45;
 /// Steps of the search for its distance.
 const FIRST_STEPS: usize = 32;
 
@@ -55,6 +57,8 @@ impl Orbit {
         let gaps = (0..azimuths.len()).map(|index| (azimuths[index], next(index) - azimuths[index]));
         let widest = gaps.reduce(|best, gap| if gap.1 > best.1 + 1e-9 { gap } else { best });
         let azimuth = widest.map_or(0.0, |(from, gap)| from + 0.5 * gap);
+        let middle = eyes.iter().sum::<DVec3>() / eyes.len().max(1) as f64;
+        let target = if eyes.is_empty() { target } else { target.lerp(middle, FIRST_LEAN) };
         let from = |distance| Self { target, azimuth, elevation: FIRST_ELEVATION, distance }.held();
         let [mut near, mut far] = [1.5, DISTANCES[1]];
         for _ in 0..FIRST_STEPS {
