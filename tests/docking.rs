@@ -133,7 +133,8 @@ fn a_split_is_dragged_and_the_automatic_arrangement_comes_back() {
     command(&mut harness, "Reset layout");
     assert!(harness.state().look().panel && harness.state().look().kept.get(Layout::Debug, 2).is_none());
     undo_in_notice(&mut harness);
-    assert_eq!(*harness.state().look(), before);
+    let look = harness.state().look();
+    assert_eq!((&look.kept, look.panel), (&before.kept, false));
 }
 
 #[test]
