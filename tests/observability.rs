@@ -84,8 +84,8 @@ fn directions_are_picked_by_keys_and_esc_puts_the_body_back() {
     let mut harness = open(Theme::Dark);
     let weakest = harness.state().observing().picked().unwrap();
     assert_eq!(weakest, 6, "at first the weakest that is seen");
-    press(&mut harness, Modifiers::NONE, Key::CloseBracket);
-    press(&mut harness, Modifiers::NONE, Key::CloseBracket);
+    press(&mut harness, Modifiers::NONE, Key::PageDown);
+    press(&mut harness, Modifiers::NONE, Key::PageDown);
     assert_eq!(harness.state().observing().picked(), Some(8));
     harness.get_by_label_contains("Direction 9 of 9: right forearm twist");
     harness.get_by_label_contains("No camera sees this.");
@@ -147,7 +147,7 @@ fn both_sections() {
     let mut snapshots = Snapshots::default();
     for theme in Theme::ALL {
         let mut harness = open(theme);
-        press(&mut harness, Modifiers::NONE, Key::CloseBracket);
+        press(&mut harness, Modifiers::NONE, Key::PageDown);
         harness.set_render_cursor(false);
         let top = |harness: &Harness<'_, App>, title: &str| {
             harness.get_by_role_and_label(Role::Button, title).rect().top()
