@@ -172,7 +172,7 @@ fn reason(best: &Contestant, worst: &Contestant, key: PushKey) -> Option<String>
         ));
     }
     Some(format!(
-        "As many pixels push, and no step of {} raised its cost: it ends in another valley, or its shape cannot come \
+        "As many pixels push, and no step of {} raised its cost: it goes down another valley, or its shape cannot come \
          nearer.",
         worst.entrant.subject
     ))
