@@ -9,6 +9,7 @@
 //! | `clipboard` | poses to and from the system's clipboard |
 //! | `docking` | tiles of the centre: arranging, opening, closing, one alone |
 //! | `curves` | runs named, removed, brought back, exported |
+//! | `basin` | the basin of the frame: begun, stopped, its starts taken |
 //! | `background` | the second worker: experiments, files made of results |
 //! | `fitting` | stepping, running, refitting |
 //! | `playing` | playing frames, and the time axis |
@@ -30,6 +31,7 @@
 
 mod accessible;
 mod background;
+mod basin;
 mod body;
 mod clipboard;
 mod commands;

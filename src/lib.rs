@@ -3,6 +3,7 @@
 pub mod action;
 pub mod app;
 pub mod arrangement;
+pub mod basin;
 pub mod builtin_take;
 pub mod cli;
 pub mod curves;

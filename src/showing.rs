@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::action::Action;
 use crate::app::{TimeAxis, nudge_of};
 use crate::arrangement::Arrangement;
+use crate::basin::{BasinRequest, BasinState};
 use crate::curves::{CurvesLook, CurvesRequest};
 use crate::document::{Document, TakeSource};
 use crate::edit::Edit;
@@ -42,6 +43,8 @@ pub struct Showing<'a> {
     pub busy: Busy,
     /// What the convergence plot shows.
     pub curves: CurvesLook,
+    /// The basin of the frame.
+    pub basin: &'a BasinState,
     /// The project file, if there is one.
     pub project: Option<&'a Path>,
     /// Whether something was exported since the start.
@@ -111,6 +114,8 @@ pub enum Request {
     Curves(CurvesRequest),
     /// Something about what the cameras see.
     Observe(ObserveRequest),
+    /// A wish of the basin's panels.
+    Basin(BasinRequest),
     /// What the user did in a camera's tile.
     Tile(usize, TileEvent),
     /// Look at the size of this limb, of those that turn with the held joint.
@@ -260,6 +265,7 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
         A::LaterStep | A::Branch => because(selection.step.is_none(), "This is the newest step of the run"),
         A::ShowScene
         | A::ShowConvergence
+        | A::ShowBasin
         | A::ArrangeTiles
         | A::SceneFront
         | A::SceneSide
@@ -271,6 +277,10 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
         }
         A::RestoreLayout => because(!showing.can_restore_layout, "The layout was not reset"),
         A::RestartLaboratory => Some("The Demonstrate layout has the laboratory: press F3"),
+        A::RunBasin | A::RunBasinMap => {
+            no_fit().or(because(showing.basin.running.is_some(), "A basin is being tried"))
+        }
+        A::CancelBasin => because(showing.basin.running.is_none(), "No basin is being tried"),
         A::RestoreRuns => because(session.removed.is_none(), "No run was removed"),
         A::ClearRuns | A::ExportCurves | A::ExportPlot => {
             because(session.runs.is_empty(), "There are no runs")

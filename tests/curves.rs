@@ -179,7 +179,7 @@ fn panel(snapshots: &mut Snapshots, harness: &mut Harness<'_, App>, name: &str) 
     let plot = harness.get_by_label("Convergence plot").rect();
     let slider = harness.get_by_role_and_label(Role::Slider, "Step").rect();
     let rect =
-        Rect::from_min_max(plot.min - vec2(8.0, 34.0), pos2(plot.right() + 380.0, slider.bottom() + 4.0));
+        Rect::from_min_max(plot.min - vec2(64.0, 34.0), pos2(plot.right() + 350.0, slider.bottom() + 4.0));
     let window = harness.render().unwrap();
     let (min, size) = (rect.min.round(), rect.size().round());
     let cut = crop_imm(&window, min.x as u32, min.y as u32, size.x as u32, size.y as u32);

@@ -3,6 +3,7 @@
 
 use std::collections::VecDeque;
 use std::path::Path;
+use std::time::Instant;
 
 use super::App;
 use crate::worker::{BackgroundEvent, Lane, Report, Worker, WriteJob};
@@ -11,6 +12,8 @@ use crate::worker::{BackgroundEvent, Lane, Report, Worker, WriteJob};
 #[derive(Debug)]
 pub(super) struct Background {
     pub(super) worker: Worker<BackgroundEvent>,
+    /// When the basin that is tried was begun.
+    pub(super) basin_began: Option<Instant>,
     waiting: VecDeque<WriteJob>,
 }
 
@@ -18,7 +21,7 @@ impl Background {
     pub(super) fn start(context: &egui::Context) -> std::io::Result<Self> {
         let context = context.clone();
         let worker = Worker::start(move || context.request_repaint())?;
-        Ok(Self { worker, waiting: VecDeque::new() })
+        Ok(Self { worker, basin_began: None, waiting: VecDeque::new() })
     }
 
     pub(super) fn is_idle(&self) -> bool {
@@ -54,14 +57,16 @@ impl App {
                         path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
                     self.notices.info(self.now, format!("Wrote {name}."), None);
                 }
+                Report::Event(BackgroundEvent::BasinTrial(trial)) => self.basin_trial(trial),
+                Report::Event(BackgroundEvent::BasinCell(cell)) => self.basin_cell(cell),
                 Report::Event(BackgroundEvent::Failed(text)) => self.notices.error(text),
                 Report::Ended(Lane::Save) => self.write_next(),
-                Report::Ended(_) => {}
+                Report::Ended(_) => self.basin_ended(),
                 Report::Panicked(lane, text) => {
                     let what =
                         format!("Something broke while working ({lane:?}): {text}. Your work is unharmed.");
                     self.notices.error(what);
-                    self.write_next();
+                    if lane == Lane::Basin { self.basin_ended() } else { self.write_next() }
                 }
             }
         }

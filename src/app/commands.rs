@@ -9,6 +9,7 @@ use super::fitting::Part;
 use super::hand::nudge_of;
 use super::state::{DialogKind, Opening, Overlay};
 use crate::action::Action;
+use crate::basin::BasinView;
 use crate::document::TakeSource;
 use crate::edit::Edit;
 use crate::look::Layout;
@@ -268,6 +269,9 @@ impl App {
             Action::RefitBody => self.refit(Part::Body),
             Action::FitBody => self.fit_body(),
             Action::ClearRuns => self.clear_runs(),
+            Action::RunBasin => self.run_basin(BasinView::Angles),
+            Action::RunBasinMap => self.run_basin(BasinView::Map),
+            Action::CancelBasin => self.cancel_basin(),
             Action::RestoreRuns => self.restore_runs(),
             Action::ExportCurves => self.ask_for_file(DialogKind::Curves),
             Action::ExportPlot => self.ask_for_file(DialogKind::Plot),

@@ -108,6 +108,7 @@ impl App {
         let cameras = self.session.camera_count();
         match action {
             Action::ShowScene => self.toggle_pane(Pane::Scene),
+            Action::ShowBasin => self.toggle_pane(Pane::Basin),
             Action::ShowConvergence => self.toggle_pane(Pane::Convergence),
             Action::ArrangeTiles => {
                 self.docking.before = Some(Box::new(self.look.clone()));

@@ -153,6 +153,7 @@ impl App {
         self.session.reset(Some(footage.clone()));
         self.observing.forget();
         self.asked_to_observe = None;
+        self.forget_basin();
         if let Some(TakeSource::Path(path)) = &footage.source {
             self.look.remember(path.clone());
         }

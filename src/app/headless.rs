@@ -152,5 +152,8 @@ impl App {
         self.session.step_seconds = None;
         self.session.predict_seconds = None;
         self.laboratory.step_seconds = None;
+        if let Some(running) = &mut self.basin.running {
+            running.seconds_left = None;
+        }
     }
 }

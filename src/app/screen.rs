@@ -31,6 +31,7 @@ impl App {
                 exporting: self.export_progress(),
             },
             curves: self.curves,
+            basin: &self.basin,
             project: self.project.as_deref(),
             has_exported: self.exported_to.is_some(),
             time: &self.time,

@@ -16,6 +16,7 @@ use super::hand::{Held, Nudging};
 use super::playing::TimeAxis;
 use super::touring::Tour;
 use super::tracking::Tracked;
+use crate::basin::{BasinState, FileKind};
 use crate::curves::CurvesLook;
 use crate::document::{Document, TakeSource};
 use crate::history::{Gesture, History};
@@ -76,6 +77,7 @@ pub(super) enum DialogKind {
     Curves,
     Plot,
     LaboratoryPlot,
+    Basin(FileKind),
 }
 
 /// What a file dialog was asked for, and the file that was chosen.
@@ -105,6 +107,7 @@ pub struct App {
     pub(super) held: Option<Held>,
     pub(super) curves: CurvesLook,
     pub(super) nudging: Option<Nudging>,
+    pub(super) basin: BasinState,
     /// The demonstration that is being prepared.
     pub(super) prepared: Option<Prepared>,
     pub(super) explanation: Option<&'static str>,
@@ -170,6 +173,7 @@ impl App {
             held: None,
             curves: CurvesLook::default(),
             nudging: None,
+            basin: BasinState::default(),
             prepared: None,
             explanation: None,
             state_file: options.state_file,
@@ -245,6 +249,12 @@ impl App {
     #[must_use]
     pub fn notices(&self) -> &Notices {
         &self.notices
+    }
+
+    /// What was tried of the basin.
+    #[must_use]
+    pub fn basin(&self) -> &BasinState {
+        &self.basin
     }
 
     /// Closes the cards of notices; they stay among the messages.

@@ -9,7 +9,7 @@ use egui_tiles::{Behavior, EditAction, ResizeState, TabState, Tabs, TileId, Tile
 
 use super::camera_tile::CameraPanes;
 use super::tiles::TilesLook;
-use super::{convergence, scene};
+use super::{basin, convergence, scene};
 use crate::action::Action;
 use crate::arrangement::{Arrangement, Centre, automatic, has_strip, panes_with, snap};
 use crate::pane::{HEADER_BUTTONS, Pane};
@@ -99,6 +99,7 @@ fn contents(ui: &mut Ui, rect: Rect, input: &Contents<'_>, intents: &mut Intents
             }
             Pane::Scene => scene::ui(ui, showing, look.views.dragged, intents),
             Pane::Convergence => convergence::ui(ui, showing, intents),
+            Pane::Basin => basin::ui(ui, showing, intents),
         }
         if !matches!(pane, Pane::Camera(_)) {
             header_buttons(ui, rect, pane, look.alone == Some(pane), intents);

@@ -3,6 +3,7 @@
 
 pub(crate) mod about;
 mod camera_subsets;
+mod basin;
 pub mod camera_tile;
 mod command;
 pub(crate) mod convergence;

@@ -2,7 +2,7 @@
 
 use egui::{Frame, Margin, Panel, ScrollArea, Ui};
 
-use super::{camera_subsets, joint, measurement, observability, pose, refit, renderer, sizes, solver};
+use super::{basin, camera_subsets, joint, measurement, observability, pose, refit, renderer, sizes, solver};
 use crate::look::Layout;
 use crate::showing::{Intents, Showing};
 use crate::theme::{self, size, space};
@@ -46,4 +46,5 @@ fn sections(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, layout: L
     solver::ui(ui, showing, intents, !posing);
     observability::ui(ui, showing, intents, layout == Layout::Debug);
     camera_subsets::ui(ui, showing, intents, layout == Layout::Debug);
+    basin::section(ui, showing, intents, false);
 }

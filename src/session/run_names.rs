@@ -159,6 +159,7 @@ fn refinements(fit: &FitOptions) -> Vec<String> {
         format!("pull back {}", number(fit.proximal_weight)),
         format!("untwist {}", number(fit.rest_weight)),
         format!("limits {}", number(fit.limit_weight)),
+        if fit.to_scale { "stages to scale" } else { "stages as they are" }.to_owned(),
         format!("at most {iterations} steps"),
         format!("every {} px", strides.join(" ")),
     ]

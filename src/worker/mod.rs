@@ -6,6 +6,7 @@
 //! work in steps, the most urgent lane of a thread first. Dropping the [`Worker`] cancels everything but what is to
 //! be saved. A panic in a job is an event, and the thread lives on.
 
+mod basin;
 mod body;
 mod calibrate;
 mod fit;
@@ -27,6 +28,7 @@ mod write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+pub use basin::{BasinJob, BasinWork};
 pub use body::BodyJob;
 pub use calibrate::CalibrateJob;
 pub use fit::{FitJob, FitStart, LiveFit};
@@ -46,6 +48,8 @@ pub use take_in::TakeInJob;
 pub use track::{Leg, TrackJob};
 pub use write::WriteJob;
 
+use backlit_tracking::experiment::basin_map::Cell;
+use backlit_tracking::experiment::frame_basin::Trial;
 use backlit_tracking::track::Hypothesis;
 use backlit_tracking::track::fit_body::BodyFit;
 use backlit_tracking::track::visual_hull::VisualHull;
@@ -123,6 +127,10 @@ pub enum Event {
 /// What the jobs of the second worker say: of experiments and of files.
 #[derive(Debug)]
 pub enum BackgroundEvent {
+    /// A fit of a basin.
+    BasinTrial(Trial),
+    /// A cell of a basin's map.
+    BasinCell(Cell),
     /// A file was written.
     Written(PathBuf),
     /// Something did not work; what it was.

@@ -58,6 +58,8 @@ pub enum Lane {
     Hull,
     /// The check of the laboratory's gradients.
     LaboratoryCheck,
+    /// Fits of many starts of one frame.
+    Basin,
 }
 
 impl Lane {

@@ -53,3 +53,22 @@ fn senseless_experiments_are_explained() {
     scene.fails("experiment bias --cameras 5", 1, &["cameras", "1 to 4"]);
     scene.fails("experiment bias --size 0x9", 2, &["--size", "WIDTHxHEIGHT"]);
 }
+
+/// Starts about a known pose of a take's frame: the same numbers every time, and what is asked wrong is named.
+#[test]
+fn the_basin_of_a_frame_of_a_take() {
+    let scene = Scene::new();
+    let take = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/take");
+    let ask = format!("experiment basin --take {take} --downhill --unscaled --starts 2 --angles 3");
+    let said = scene.ok(&format!("{ask} --joint head --root 0 --within 60 --out one"));
+    assert!(said.contains("3°, 0.0 cm") && said.contains("of 2"), "{said}");
+    let printed = scene.ok(&format!("{ask} --frame 3 --json --out two"));
+    let numbers: Value = serde_json::from_str(&printed).unwrap();
+    assert_eq!(numbers["report"]["choices"][0]["levels"][0]["tried"], 2);
+    assert_eq!(numbers["options"]["levels"][0]["metres"], 0.015);
+    assert_eq!(printed, scene.ok(&format!("{ask} --frame 3 --json --out three")));
+    scene.fails(&format!("{ask} --frame 999"), 1, &["no frame 999"]);
+    scene.fails(&format!("{ask} --joint tail"), 1, &["no limb tail"]);
+    scene.fails(&format!("{ask} --size 48x36"), 2, &["--size"]);
+    scene.fails("experiment basin --joint head", 2, &["--take"]);
+}

@@ -13,6 +13,7 @@ use serde::Serialize;
 
 use super::arguments::{OutputArguments, PictureSize};
 use super::files;
+use super::frame_basin::{self, FrameArguments};
 use super::waiting::Waiting;
 use crate::cli::output;
 use crate::cli::table::Table;
@@ -25,7 +26,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [1, 2, 4])]
     cameras: Vec<usize>,
     /// How far every joint of the starts is turned, degrees: of 5, 10, 20, 30 and 45, which go with 2, 5, 10,
-    /// 15 and 20 cm of the root [default: all]
+    /// 15 and 20 cm of the root; with --take any whole degrees [default: all five]
     #[arg(long, value_name = "DEG,…", value_delimiter = ',')]
     angles: Vec<u32>,
     /// Starts of every angle; or a file of starts with their truth and masks, of which all are taken
@@ -50,6 +51,8 @@ pub struct Arguments {
     #[arg(long)]
     unscaled: bool,
     #[command(flatten)]
+    frame: FrameArguments,
+    #[command(flatten)]
     output: OutputArguments,
 }
 
@@ -73,6 +76,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     options.scaled &= !arguments.unscaled;
     if arguments.downhill {
         options.hypotheses = None;
+    }
+    if let Some(take) = &arguments.frame.take {
+        let draw = (arguments.angles.as_slice(), arguments.starts.as_str(), arguments.seed);
+        return frame_basin::run(&arguments.frame, take, draw, options.choice(), &arguments.output);
     }
     let (starts, draw) = starts(arguments)?;
     let report = basin::run(&options, &starts, &CancelToken::new(), Waiting::new().listener())?;

@@ -13,6 +13,7 @@
 //! | [`track`] | `backlit experiment track` |
 //! | [`robustness`] | `backlit experiment robustness` |
 //! | [`basin`] | `backlit experiment basin` |
+//! | [`frame_basin`] | `backlit experiment basin --take` |
 //! | [`footage`] | `backlit experiment footage` |
 
 pub mod arguments;
@@ -23,6 +24,7 @@ pub mod fig52;
 pub mod fig55;
 pub mod files;
 pub mod footage;
+pub mod frame_basin;
 pub mod robustness;
 pub mod sizes;
 pub mod track;

@@ -3,18 +3,17 @@
 //! Success is a mean distance of the leaf joints and the root from the truth's below 20 mm.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 use std::time::Instant;
 
 use serde::Serialize;
 
 use super::starts::Start;
-use super::{ExperimentError, Progress};
+use super::{ExperimentError, FitChoice, Progress};
 use crate::body::{Kinematics, Model, Pose};
 use crate::cancel::CancelToken;
 use crate::render::RendererKind;
 use crate::track::metrics::Statistics;
-use crate::track::{Fit, FitOptions, FitView, HypothesisOptions, Preset};
+use crate::track::{FitOptions, HypothesisOptions, Preset};
 
 /// Below this mean distance a fit has found its truth, millimetres.
 pub const SUCCESS_MM: f64 = 20.0;
@@ -46,6 +45,14 @@ impl Options {
             scaled: is_robust,
             hypotheses: is_robust.then(HypothesisOptions::default),
         }
+    }
+
+    /// How every start is fitted.
+    #[must_use]
+    pub fn choice(&self) -> FitChoice {
+        let mut fit = FitOptions { renderer: self.renderer, ..FitOptions::preset(self.preset) };
+        fit.to_scale &= self.scaled;
+        FitChoice { name: self.preset.label().to_owned(), fit, hypotheses: self.hypotheses.clone() }
     }
 }
 
@@ -85,6 +92,7 @@ pub fn run(
     cancel: &CancelToken,
     mut on_progress: impl FnMut(Progress),
 ) -> Result<Report, ExperimentError> {
+    let choice = options.choice();
     let (mut done, total) = (0, options.cameras.len() * starts.len());
     let mut basins = Vec::new();
     for &cameras in &options.cameras {
@@ -99,7 +107,7 @@ pub fn run(
                 return Err(ExperimentError::Option { option: "cameras", value, expected });
             };
             let began = Instant::now();
-            let pose = fit(options, start, views.clone(), cancel)?;
+            let pose = choice.end(&start.model, views.clone(), &start.start, cancel)?;
             seconds += began.elapsed().as_secs_f64();
             let error = leaf_error_mm(&start.model, &pose, &start.truth);
             errors.entry(start.degrees).or_default().push(error);
@@ -117,23 +125,6 @@ pub fn run(
     }
     on_progress(Progress { done, total });
     Ok(Report { basins })
-}
-
-fn fit(
-    options: &Options,
-    start: &Start,
-    views: Vec<FitView>,
-    cancel: &CancelToken,
-) -> Result<Pose, ExperimentError> {
-    let mut fit = FitOptions { renderer: options.renderer, ..FitOptions::preset(options.preset) };
-    fit.to_scale &= options.scaled;
-    let model = Arc::clone(&start.model);
-    let mut fit = match &options.hypotheses {
-        Some(effort) => Fit::with_hypotheses(model, views, &start.start, fit, effort, cancel)?,
-        None => Fit::new(model, views, start.start.clone(), fit)?,
-    };
-    let pose = fit.run(cancel, |_| {}).pose;
-    if cancel.is_cancelled() { Err(ExperimentError::Cancelled) } else { Ok(pose) }
 }
 
 /// Mean distance of all leaf joints and the root, millimetres.

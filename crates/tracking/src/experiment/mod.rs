@@ -11,6 +11,10 @@
 //! | [`fig55`] | Figs. 5.5 and 5.6: a simulated sequence, large and tiny pictures |
 //! | [`bias`] | where fits go that begin at the truth, by ramp, data and cameras |
 //! | [`basin`] | how far off a start may be, and still end at the truth |
+//! | [`frame_basin`] | the same about one frame's pose, on its own evidence |
+//! | [`basin_map`] | the same as a map of two angles |
+//! | [`fit_choice`] | how every start of such an experiment is fitted |
+//! | [`interval`] | how sure a share of successes is |
 //! | [`track`] | the upper body followed at several speeds through noise: what carrying motion on is worth |
 //! | [`robustness`] | the full body with one thing wrong at a time: masks, cameras, sizes |
 //! | [`starts`], [`starts_file`] | starts of known distance from their truth, drawn or read |
@@ -21,11 +25,15 @@
 //! | [`progress`] | how far an experiment is, and why one cannot run |
 
 pub mod basin;
+pub mod basin_map;
 pub mod bias;
 pub mod curve;
 pub mod fig51;
 pub mod fig52;
 pub mod fig55;
+pub mod fit_choice;
+pub mod frame_basin;
+pub mod interval;
 pub mod progress;
 pub mod robustness;
 pub mod scene;
@@ -36,5 +44,6 @@ pub mod track;
 pub mod upper_body;
 
 pub use curve::Curve;
+pub use fit_choice::FitChoice;
 pub use progress::{ExperimentError, Progress};
 pub use scene::Simulation;

@@ -1,0 +1,156 @@
+//! The basin's pane: success over angle, or a map of two directions, while it is tried in the background.
+
+mod map;
+mod section;
+mod success;
+
+use egui::{Align, Button, Layout as Direction, Rect, RichText, Ui, UiBuilder, vec2};
+
+use super::command::named_button;
+use crate::action::Action;
+use crate::basin::{BasinRequest, BasinState, BasinView, FileKind, Running};
+use crate::format;
+use crate::pane::HEADER_BUTTONS;
+use crate::showing::{Intents, Request, Showing};
+use crate::theme::{self, space};
+use crate::widgets::segmented;
+
+pub(super) use section::ui as section;
+
+/// Height of the row above the plot.
+const HEAD: f32 = 30.0;
+/// Height of the bar that says how far it is.
+const BAR: f32 = 2.0;
+
+/// The pane, in all of the space that is left.
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let rect = ui.available_rect_before_wrap();
+    ui.painter().rect_filled(rect, 0.0, theme::palette(ui).panel);
+    let inner = UiBuilder::new().max_rect(rect.shrink2(vec2(space::WIDGET, 0.0)));
+    ui.scope_builder(inner, |ui| {
+        head(ui, showing, intents);
+        progress_bar(ui, showing.basin);
+        conditions(ui, showing.basin);
+        match (showing.basin.view, &showing.basin.angles, &showing.basin.map) {
+            (BasinView::Angles, Some(result), _) => success::ui(ui, result),
+            (BasinView::Map, _, Some(result)) => map::ui(ui, result, showing.basin.colour, intents),
+            _ => empty(ui, showing, intents),
+        }
+    });
+}
+
+fn head(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let basin = showing.basin;
+    ui.allocate_ui_with_layout(
+        vec2(ui.available_width(), HEAD),
+        Direction::left_to_right(Align::Center),
+        |ui| {
+            ui.label(RichText::new("Basin").size(14.0));
+            ui.add_space(space::ROW);
+            let mut view = basin.view;
+            segmented(ui, &mut view, &[(BasinView::Angles, "Angles"), (BasinView::Map, "Map")])
+                .on_hover_text("Success over how far starts are off, or a map of two angles");
+            if view != basin.view {
+                intents.request(Request::Basin(BasinRequest::View(view)));
+            }
+            run_or_cancel(ui, showing, intents, basin.view);
+            ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+                ui.add_space(HEADER_BUTTONS);
+                export(ui, basin, intents);
+                if let Some(running) = basin.running {
+                    let text = RichText::new(progress_text(running)).small().color(theme::palette(ui).text2);
+                    ui.add(egui::Label::new(text).truncate());
+                }
+            });
+        },
+    );
+}
+
+/// The button that begins what a view shows, or stops what runs.
+fn run_or_cancel(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, view: BasinView) {
+    let (action, text) = match (showing.basin.running, view) {
+        (Some(_), _) => (Action::CancelBasin, "Cancel basin"),
+        (None, BasinView::Angles) => (Action::RunBasin, "Run starts"),
+        (None, BasinView::Map) => (Action::RunBasinMap, "Run map"),
+    };
+    named_button(ui, showing, intents, action, text);
+}
+
+fn export(ui: &mut Ui, basin: &BasinState, intents: &mut Intents) {
+    let has_result = match basin.view {
+        BasinView::Angles => basin.angles.is_some(),
+        BasinView::Map => basin.map.is_some(),
+    };
+    ui.add_enabled_ui(has_result, |ui| {
+        ui.menu_button("Export", |ui| {
+            for kind in FileKind::ALL {
+                if ui.add(Button::new(kind.text())).clicked() {
+                    intents.request(Request::Basin(BasinRequest::Export(kind)));
+                    ui.close();
+                }
+            }
+        })
+        .response
+        .on_hover_text("Write what is shown to a file")
+        .on_disabled_hover_text("There is nothing to write yet");
+    });
+}
+
+/// How far an experiment is, in words.
+pub(super) fn progress_text(running: Running) -> String {
+    let left = match running.seconds_left {
+        Some(seconds) if seconds >= 90.0 => format!(", {} min left", format::number(seconds / 60.0, 0)),
+        Some(seconds) => format!(", {} s left", format::number(seconds.ceil(), 0)),
+        None => String::new(),
+    };
+    format!("{} of {} fits{left}", format::count(running.done as i64), format::count(running.total as i64))
+}
+
+fn progress_bar(ui: &mut Ui, basin: &BasinState) {
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), BAR), egui::Sense::hover());
+    if let Some(running) = basin.running {
+        let share = running.done as f32 / running.total.max(1) as f32;
+        let bar = Rect::from_min_size(rect.min, vec2(rect.width() * share, BAR));
+        ui.painter().rect_filled(bar, 0.0, theme::palette(ui).accent);
+    }
+}
+
+/// What is shown is about, or why nothing could be begun.
+fn conditions(ui: &mut Ui, basin: &BasinState) {
+    let palette = theme::palette(ui);
+    if let Some(problem) = &basin.problem {
+        ui.label(RichText::new(format!("{problem}.")).color(palette.warn));
+        return;
+    }
+    let about = match basin.view {
+        BasinView::Angles => basin.angles.as_ref().map(|result| &result.about),
+        BasinView::Map => basin.map.as_ref().map(|result| &result.about),
+    };
+    if let Some(about) = about {
+        let mut letters = about.conditions.chars();
+        let first = letters.next().map_or_else(String::new, |first| first.to_uppercase().collect());
+        let text = format!("{first}{}", letters.as_str());
+        ui.add(egui::Label::new(RichText::new(text).small().color(palette.text3)).truncate());
+    }
+}
+
+fn empty(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    let text = match showing.basin.view {
+        BasinView::Angles => {
+            "How far off may a start be, and still come home? Starts are drawn about the pose on the screen, farther \
+             and farther off; each is fitted to this frame, and those that end where they should are counted."
+        }
+        BasinView::Map => {
+            "Two angles of the body are set off on a grid. Each cell is fitted, and coloured by how far from home it \
+             ends; a click on a cell takes its start, to be stepped."
+        }
+    };
+    let middle = Rect::from_center_size(ui.available_rect_before_wrap().center(), vec2(420.0, 110.0));
+    let builder = UiBuilder::new().max_rect(middle).layout(Direction::top_down(Align::Center));
+    ui.scope_builder(builder, |ui| {
+        ui.label(RichText::new(text).color(palette.text3));
+        ui.add_space(space::WIDGET);
+        run_or_cancel(ui, showing, intents, showing.basin.view);
+    });
+}
