@@ -75,7 +75,7 @@ impl Lane {
             | Self::Laboratory
             | Self::Observe => Crew::Screen,
             Self::Save | Self::LaboratoryPlot => Crew::Files,
-            Self::Survey | Self::Track | Self::Hull | Self::LaboratoryCheck => Crew::Long,
+            Self::Survey | Self::Track | Self::Hull | Self::LaboratoryCheck | Self::Basin => Crew::Long,
         }
     }
 }
