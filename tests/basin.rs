@@ -217,22 +217,3 @@ fn the_pane_as_a_plot_and_as_a_map() {
         pane(&mut snapshots, &mut harness, &format!("basin_map_{}", theme_name(theme)));
     }
 }
-
-#[test]
-fn look() {
-    for (theme, size, name) in [
-        (Theme::Dark, vec2(1600.0, 1000.0), "dark-large"),
-        (Theme::Light, vec2(1100.0, 700.0), "light-small"),
-    ] {
-        let mut harness = open(theme, size, Opening::Take(TakeSource::BuiltIn));
-        click(&mut harness, "Compare with…");
-        let mut settings = harness.state().basin().settings.clone();
-        settings.starts = 6;
-        harness.state_mut().set_basin(settings);
-        press(&mut harness, Modifiers::NONE, Key::Enter);
-        click(&mut harness, "Run starts");
-        harness.render().unwrap().save(format!("/tmp/basin-{name}-angles.png")).unwrap();
-        run_map(&mut harness);
-        harness.render().unwrap().save(format!("/tmp/basin-{name}-map.png")).unwrap();
-    }
-}
