@@ -1,0 +1,257 @@
+//! The real window on a virtual screen with software GL, driven by mouse and keyboard, and asked by the state that it
+//! exports whether each act did what it should.
+//!
+//!     cargo test --test e2e -- --nocapture
+//!
+//! | variable | meaning |
+//! |---|---|
+//! | `BACKLIT_BIN` | the program [default: the one that is tested] |
+//! | `BACKLIT_SHOTS` | folder for pictures of the window [default: none are kept] |
+//! | `BACKLIT_DATA` | where the real footage lies; without it that part is skipped |
+//!
+//! Needs no GPU and no desktop. Debian packages: xvfb xdotool imagemagick libx11-6 libx11-xcb1 libxcursor1 libxi6
+//! libxkbcommon-x11-0 libegl1 libgl1-mesa-dri. Where a program is missing it says so and skips.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
+
+mod desk;
+mod window;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use desk::Desk;
+use window::Window;
+
+#[test]
+fn every_act_does_what_it_should() {
+    let Some(desk) = Desk::new() else { return };
+    let mut window = Window::open(&desk, &[]);
+    window.until("the built-in take is there", |state| {
+        state["take"]["loaded"] == true && state["idle"] == true
+    });
+    window.picture("start");
+    window.dismiss("Not now");
+    posing(&mut window);
+    stepping(&mut window);
+    looking(&mut window);
+    tracking(&mut window);
+    let saved = saving(&desk, &mut window);
+    window.quit();
+    opening_again(&desk, &saved);
+}
+
+/// A drag moves the pose as one act that can be undone.
+fn posing(window: &mut Window<'_>) {
+    let start = window.state()["pose"].clone();
+    window.press_at("right wrist, Camera 1");
+    window.move_by(-6, -9);
+    window.move_by(-30, -40);
+    window.until("the hand holds the wrist", |state| state["held"] == true && state["pose"] != start);
+    window.picture("drag");
+    window.release();
+    let dragged = window.until("the hand is empty", |state| state["held"] == false && state["idle"] == true);
+    assert_eq!(dragged["track"]["keys"], serde_json::json!([0]), "a drag sets a key pose");
+    window.key("ctrl+z");
+    window.until("undo brings the pose back", |state| state["pose"] == start && state["idle"] == true);
+    window.key("ctrl+shift+z");
+    window.until("redo takes it away again", |state| state["pose"] == dragged["pose"]);
+
+    window.press_at("left wrist, Camera 2");
+    window.move_by(25, 10);
+    window.until("another joint is held", |state| state["held"] == true && state["pose"] != dragged["pose"]);
+    window.key("Escape");
+    window.until("Esc puts it back", |state| state["held"] == false && state["pose"] == dragged["pose"]);
+    window.release();
+    window.key("ctrl+z");
+    window.until("the start again", |state| state["pose"] == start && state["idle"] == true);
+}
+
+/// Steps, a run to its end, looking back, another renderer.
+fn stepping(window: &mut Window<'_>) {
+    let before = window.state();
+    window.key("space");
+    let stepped =
+        window.until("a step was made", |state| state["runs"][0]["steps"] == 1 && state["idle"] == true);
+    assert!(number(&stepped["runs"][0]["cost"]) < number(&before["cost"]), "the first step lowers the cost");
+    window.key("Return");
+    let ended = window
+        .until("the run has ended", |state| !state["runs"][0]["ending"].is_null() && state["idle"] == true);
+    assert!(number(&ended["iou"]) > 0.8, "the run fits: {}", ended["iou"]);
+    window.key("comma");
+    window.until("an earlier step is looked at", |state| {
+        !state["step"].is_null() && state["pose"] != ended["pose"]
+    });
+    window.key("Escape");
+    window.until("the newest step again", |state| state["step"].is_null() && state["pose"] == ended["pose"]);
+    for (key, renderer) in [("y", "cylinder"), ("s", "sphere-tree"), ("c", "capsule")] {
+        window.key(key);
+        window.until(&format!("{key} draws with another solid"), |state| {
+            state["renderer"]
+                .as_str()
+                .is_some_and(|name| name.replace(' ', "-").eq_ignore_ascii_case(renderer))
+                && state["idle"] == true
+        });
+    }
+}
+
+/// View modes, layouts, sizes, themes, the palette.
+fn looking(window: &mut Window<'_>) {
+    for (key, mode) in [
+        ("o", "footage"),
+        ("d", "data"),
+        ("m", "prediction"),
+        ("r", "residual"),
+        ("v", "report-overlay"),
+        ("l", "owner-limb"),
+        ("g", "gradient"),
+        ("j", "jacobian-column"),
+        ("t", "tinted"),
+    ] {
+        window.key(key);
+        window.until(&format!("{key} shows {mode}"), |state| {
+            state["cameras"][0]["mode"] == mode && state["idle"] == true
+        });
+    }
+    window.key("w");
+    window.until("W wipes", |state| !active(state)["wipe"].is_null());
+    window.key("w");
+    window.until("and again does not", |state| active(state)["wipe"].is_null());
+    window.key("1");
+    window.until("camera 1 fills the centre", |state| state["alone"] == "Camera 1");
+    window.picture("alone");
+    window.key("Escape");
+    window.until("and goes back", |state| state["alone"].is_null());
+    for (key, layout) in [("F2", "debug"), ("F3", "demonstrate"), ("F1", "pose")] {
+        window.key(key);
+        window.until(&format!("{key} is the {layout} layout"), |state| {
+            state["layout"] == layout && state["idle"] == true
+        });
+        window.picture(layout);
+    }
+    window.resize(1100, 700);
+    window.until("a small window", |state| state["idle"] == true);
+    window.picture("small");
+    window.resize(1600, 1000);
+    window.key("ctrl+k");
+    window.until("the palette is there", |state| state["over"] == "palette");
+    window.type_text("dark or light");
+    window.key("Return");
+    window.until("the theme is light", |state| state["theme"] == "light" && state["over"].is_null());
+    window.picture("light");
+    window.key("ctrl+b");
+    window.until("the panel is gone", |state| state["panel"] == false);
+    window.key("ctrl+b");
+    window.until("and back", |state| state["panel"] == true);
+    window.click("Used in the fit");
+    window.until("camera 1 is left out", |state| state["cameras"][0]["used"] == false);
+    window.key("ctrl+z");
+    window.until("and is used again", |state| state["cameras"][0]["used"] == true && state["idle"] == true);
+}
+
+/// The tracker runs, is stopped, and what it did stays.
+fn tracking(window: &mut Window<'_>) {
+    window.key("Right");
+    window.until("the next frame", |state| state["frame"] == 1 && state["idle"] == true);
+    window.key("Home");
+    window.until("the first frame", |state| state["frame"] == 0 && state["idle"] == true);
+    window.key("ctrl+Return");
+    window.until("the tracker runs", |state| number(&state["track"]["frames"]) >= 6.0);
+    window.key("Escape");
+    let stopped =
+        window.until("it has stopped", |state| state["track"]["running"].is_null() && state["idle"] == true);
+    assert!(number(&stopped["track"]["frames"]) >= 6.0);
+    window.key("n");
+    window.until("the worst frame", |state| state["frame"] != stopped["frame"] || state["idle"] == true);
+    window.picture("track");
+}
+
+/// Saves through the file dialog; the project and what was in it.
+fn saving(desk: &Desk, window: &mut Window<'_>) -> (PathBuf, Value) {
+    let path = desk.home().join("saved.backlit");
+    desk.answer_dialogs_with(&path);
+    window.key("ctrl+s");
+    let state = window
+        .until("the project is saved", |state| state["unsaved"] == false && !state["project"].is_null());
+    assert!(fs::metadata(&path).unwrap().len() > 1000);
+    (path, state)
+}
+
+/// The saved project opens as it was; killed in the middle of a drag, the next start offers that very pose.
+fn opening_again(desk: &Desk, (path, saved): &(PathBuf, Value)) {
+    let mut window = Window::open(desk, &[path.to_str().unwrap()]);
+    let opened =
+        window.until("the project is open", |state| state["take"]["loaded"] == true && state["idle"] == true);
+    assert_eq!(opened["track"], saved["track"]);
+    assert_eq!(opened["theme"], "light", "the arrangement is kept");
+    window.key("Home");
+    let before = window.until("the first frame", |state| state["frame"] == 0 && state["idle"] == true);
+    window.press_at("left elbow, Camera 1");
+    window.move_by(8, 8);
+    window.move_by(30, 25);
+    let held = window.until("a drag", |state| state["held"] == true && state["pose"] != before["pose"]);
+    // Work of the last second may be lost, not more.
+    std::thread::sleep(std::time::Duration::from_millis(2500));
+    window.kill();
+
+    let mut window = Window::open(desk, &[]);
+    window.until("what was unsaved is offered", |state| !state["recovery"].is_null());
+    window.picture("offer");
+    window.click("Restore");
+    let restored =
+        window.until("it is back", |state| state["take"]["loaded"] == true && state["idle"] == true);
+    assert!(is_near(&restored["pose"], &held["pose"]), "{} instead of {}", restored["pose"], held["pose"]);
+    assert_eq!(restored["unsaved"], true);
+    window.quit();
+}
+
+#[test]
+fn a_path_that_is_not_there_is_named() {
+    let Some(desk) = Desk::new() else { return };
+    let output = desk.program(&["no/such/take"]).output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && message.contains("no/such/take"), "{message}");
+}
+
+#[test]
+fn real_footage_is_fitted() {
+    let data = std::env::var_os("BACKLIT_DATA").map(PathBuf::from);
+    if !data.is_some_and(|data| data.join("balancing").is_dir()) {
+        println!("skipped: no footage (set BACKLIT_DATA)");
+        return;
+    }
+    let Some(desk) = Desk::new() else { return };
+    let take = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/takes/balancing");
+    let mut window = Window::open(&desk, &[take.to_str().unwrap()]);
+    window.until("the take is there", |state| state["take"]["loaded"] == true && state["idle"] == true);
+    window.key("Return");
+    let fitted =
+        window.until("it is fitted", |state| !state["runs"][0]["ending"].is_null() && state["idle"] == true);
+    assert!(number(&fitted["iou"]) > 0.8, "{}", fitted["iou"]);
+    window.picture("real");
+    window.quit();
+}
+
+/// The camera whose tile the keys are about.
+fn active(state: &Value) -> &Value {
+    &state["cameras"][state["camera"].as_u64().unwrap_or(0) as usize]
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or(f64::NAN)
+}
+
+/// Whether two poses are the same but for rounding in a file.
+fn is_near(a: &Value, b: &Value) -> bool {
+    match (a, b) {
+        (Value::Object(a), Value::Object(b)) => {
+            a.len() == b.len() && a.iter().all(|(key, a)| b.get(key).is_some_and(|b| is_near(a, b)))
+        }
+        (Value::Array(a), Value::Array(b)) => {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| is_near(a, b))
+        }
+        _ => (number(a) - number(b)).abs() < 1e-9,
+    }
+}

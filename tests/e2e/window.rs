@@ -1,0 +1,214 @@
+//! The program's window: mouse and keyboard go in by `xdotool`, what became of it comes out of the exported state.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Child, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::desk::Desk;
+
+/// Longer than anything takes, with software GL on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// Between two looks.
+const GLANCE: Duration = Duration::from_millis(40);
+
+/// A running program and its window.
+pub(crate) struct Window<'a> {
+    desk: &'a Desk,
+    process: Child,
+    id: String,
+    state: PathBuf,
+    stderr: PathBuf,
+    pointer: [i32; 2],
+}
+
+impl<'a> Window<'a> {
+    /// Starts the program and waits for its window and its first state.
+    pub(crate) fn open(desk: &'a Desk, arguments: &[&str]) -> Self {
+        let (state, stderr) = (desk.home().join("state.json"), desk.home().join("stderr"));
+        let _ = fs::remove_file(&state);
+        let mut command = desk.program(&["--state", state.to_str().unwrap()]);
+        command.args(arguments).stdout(Stdio::null()).stderr(fs::File::create(&stderr).unwrap());
+        let process = command.spawn().unwrap();
+        let mut window = Self { desk, process, id: String::new(), state, stderr, pointer: [1, 1] };
+        let pid = window.process.id().to_string();
+        let began = Instant::now();
+        while window.id.is_empty() || !window.state.is_file() {
+            assert!(began.elapsed() < PATIENCE, "no window: {}", window.complaints());
+            window.must_live();
+            let found =
+                window.desk.command("xdotool").args(["search", "--onlyvisible", "--pid", &pid]).output();
+            let found = String::from_utf8_lossy(&found.unwrap().stdout).into_owned();
+            window.id = found.lines().next().unwrap_or_default().to_owned();
+            sleep(GLANCE);
+        }
+        window.xdotool(&["mousemove", "1", "1", "windowfocus", &window.id.clone()]);
+        window
+    }
+
+    fn complaints(&self) -> String {
+        fs::read_to_string(&self.stderr).unwrap_or_default()
+    }
+
+    fn must_live(&mut self) {
+        if let Some(status) = self.process.try_wait().unwrap() {
+            panic!("the program ended with {status}: {}", self.complaints());
+        }
+    }
+
+    fn xdotool(&self, arguments: &[&str]) {
+        let status = self.desk.command("xdotool").args(arguments).status().unwrap();
+        assert!(status.success(), "xdotool {arguments:?}");
+    }
+
+    fn exported(&self) -> Value {
+        serde_json::from_str(&fs::read_to_string(&self.state).unwrap()).unwrap()
+    }
+
+    /// What matters of the window, as it is.
+    pub(crate) fn state(&self) -> Value {
+        self.exported()["state"].clone()
+    }
+
+    /// Waits until the state is as it should be, and returns it.
+    pub(crate) fn until(&mut self, what: &str, is_so: impl Fn(&Value) -> bool) -> Value {
+        let began = Instant::now();
+        loop {
+            let state = self.state();
+            if is_so(&state) {
+                println!("ok: {what}");
+                return state;
+            }
+            self.must_live();
+            if began.elapsed() > PATIENCE {
+                let mut short = state;
+                short["pose"] = Value::Null;
+                panic!("not so: {what}\n{short:#}\n{}", self.complaints());
+            }
+            sleep(GLANCE);
+        }
+    }
+
+    /// Presses keys, as `xdotool` names them.
+    pub(crate) fn key(&self, keys: &str) {
+        self.xdotool(&["key", keys]);
+    }
+
+    pub(crate) fn type_text(&self, text: &str) {
+        self.xdotool(&["type", "--delay", "20", text]);
+    }
+
+    pub(crate) fn resize(&self, width: u32, height: u32) {
+        self.xdotool(&["windowsize", "--sync", &self.id, &width.to_string(), &height.to_string()]);
+    }
+
+    /// The middle of the first widget of this name.
+    fn place(&self, name: &str) -> Option<[i32; 2]> {
+        let exported = self.exported();
+        let scale = exported["pixels_per_point"].as_f64().unwrap();
+        let widget = exported["widgets"].as_array()?.iter().find(|widget| widget["name"] == name)?;
+        let rect: Vec<f64> = widget["rect"].as_array()?.iter().filter_map(Value::as_f64).collect();
+        let middle = |from: f64, size: f64| (scale * (from + 0.5 * size)).round() as i32;
+        Some([middle(rect[0], rect[2]), middle(rect[1], rect[3])])
+    }
+
+    /// The place of a widget once it is there and stays there.
+    fn waited_for(&mut self, name: &str) -> [i32; 2] {
+        let began = Instant::now();
+        let mut before = None;
+        loop {
+            let place = self.place(name);
+            if let Some(place) = place.filter(|_| place == before) {
+                return place;
+            }
+            before = place;
+            self.must_live();
+            assert!(began.elapsed() < PATIENCE, "there is no {name}");
+            sleep(4 * GLANCE);
+        }
+    }
+
+    fn point_at(&mut self, place: [i32; 2]) {
+        self.pointer = place;
+        let [x, y] = place.map(|number| number.to_string());
+        let id = self.id.clone();
+        self.xdotool(&["mousemove", "--window", &id, &x, &y]);
+        sleep(2 * GLANCE);
+    }
+
+    /// Clicks the first widget of this name.
+    pub(crate) fn click(&mut self, name: &str) {
+        let place = self.waited_for(name);
+        self.point_at(place);
+        self.xdotool(&["click", "1"]);
+        self.point_at([place[0], 2]);
+    }
+
+    /// Clicks a widget if there is one.
+    pub(crate) fn dismiss(&mut self, name: &str) {
+        if self.place(name).is_some() {
+            self.click(name);
+        }
+    }
+
+    /// Presses the mouse button on a widget and holds it.
+    pub(crate) fn press_at(&mut self, name: &str) {
+        let place = self.waited_for(name);
+        self.point_at(place);
+        self.xdotool(&["mousedown", "1"]);
+        sleep(2 * GLANCE);
+    }
+
+    pub(crate) fn move_by(&mut self, x: i32, y: i32) {
+        let [left, top] = self.pointer;
+        self.point_at([left + x, top + y]);
+    }
+
+    pub(crate) fn release(&self) {
+        self.xdotool(&["mouseup", "1"]);
+    }
+
+    /// Keeps a picture of the screen, where pictures are wanted.
+    pub(crate) fn picture(&self, name: &str) {
+        let Some(folder) = std::env::var_os("BACKLIT_SHOTS").map(PathBuf::from) else { return };
+        fs::create_dir_all(&folder).unwrap();
+        // What the state says is on the screen one frame later.
+        sleep(10 * GLANCE);
+        let file = folder.join(format!("{name}.png"));
+        let status = self.desk.command("import").args(["-window", "root"]).arg(&file).status().unwrap();
+        assert!(status.success(), "no picture {}", file.display());
+    }
+
+    /// Closes the window by its own command; nothing may have been complained about.
+    pub(crate) fn quit(mut self) {
+        self.key("ctrl+q");
+        let began = Instant::now();
+        let status = loop {
+            if let Some(status) = self.process.try_wait().unwrap() {
+                break status;
+            }
+            assert!(began.elapsed() < PATIENCE, "Ctrl+Q does not close the window");
+            sleep(GLANCE);
+        };
+        assert!(status.success(), "the program ended with {status}: {}", self.complaints());
+        assert_eq!(self.complaints(), "", "the program complained");
+        println!("ok: closed, nothing was complained about");
+    }
+
+    /// As a crash or a lost battery would.
+    pub(crate) fn kill(mut self) {
+        self.process.kill().unwrap();
+        self.process.wait().unwrap();
+        self.release();
+    }
+}
+
+impl Drop for Window<'_> {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
