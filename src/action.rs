@@ -297,7 +297,7 @@ const TABLE: &[Command] = &{
     row(M::Fit, A::RefitLimb, "Refit limb", "Fit the selected limb alone, the rest stays", &[]),
     row(M::Fit, A::RefitChain, "Refit chain", "Fit the selected limb and its neighbours up to the trunk", &[]),
     row(M::Fit, A::RefitBody, "Refit body", "Fit the whole body", &[]),
-    row(M::Fit, A::SearchPoses, "Search poses", "Look for other poses that the silhouettes of this frame allow; they are listed under Refit", &[key(Key::E)]),
+    row(M::Fit, A::SearchPoses, "Search poses", "Look for other poses that the silhouettes of this frame allow; they are listed under Refit", &[ctrl(Key::F)]),
     row(M::Fit, A::FitBody, "Fit body to frames", "Find the person's lengths and radii from up to eight frames that have poses of their own", &[]),
     row(M::Fit, A::RendererCapsule, "Capsule", "Limbs with round ends", &[key(Key::C)]),
     row(M::Fit, A::RendererCylinder, "Cylinder", "Limbs with flat ends", &[key(Key::Y)]),
