@@ -163,6 +163,9 @@ impl App {
             Some((document, path)) => (History::new(*document), Some(path)),
             None => (History::new(document_of(footage)), None),
         };
+        if let Some(project) = &path {
+            self.look.remember(project.clone());
+        }
         let is_new = path.is_none() && !history.is_dirty();
         let document = history.document();
         self.selection = Selection::default();

@@ -55,6 +55,7 @@ impl App {
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         self.notices.info(self.now, format!("Saved to {name}."), None);
         self.history.mark_saved(revision);
+        self.look.remember(path.clone());
         self.project = Some(path);
         if !self.history.is_dirty() {
             self.forget_unsaved_work();

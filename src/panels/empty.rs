@@ -30,7 +30,7 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, reco
             });
             ui.add_space(16.0);
             if recent::has_any(showing) {
-                ui.label(RichText::new("Recent takes").small().color(palette.text3));
+                ui.label(RichText::new("Recent takes and projects").small().color(palette.text3));
                 recent::rows(ui, showing, intents, false);
                 ui.add_space(8.0);
             }

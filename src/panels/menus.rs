@@ -125,7 +125,7 @@ fn recent(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
         return;
     }
     ui.separator();
-    ui.label(egui::RichText::new("Recent takes").small().color(theme::palette(ui).text3));
+    ui.label(egui::RichText::new("Recent takes and projects").small().color(theme::palette(ui).text3));
     if super::recent::rows(ui, showing, intents, true) {
         ui.close();
     }
