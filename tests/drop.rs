@@ -219,7 +219,7 @@ fn the_palette_offers_first_what_was_used_last() {
     press(&mut harness, Modifiers::NONE, Key::Enter);
     press(&mut harness, Modifiers::COMMAND, Key::K);
     let top = |harness: &Harness<'_, App>, text: &str| harness.get_by_label_contains(text).rect().top();
-    assert!(top(&harness, "Edit: Mirror") < top(&harness, "File: Open take…"));
+    assert!(top(&harness, "Edit: Mirror X") < top(&harness, "File: Open take…"));
     // Why something cannot be done stands beside it.
     harness.get_by_role(Role::TextInput).type_text("redo");
     harness.run_steps(2);

@@ -12,6 +12,7 @@ use crate::curves::CurvesLook;
 use crate::document::Document;
 use crate::export::choices::MAX_SIDE;
 use crate::history::History;
+use crate::laboratory::Laboratory;
 use crate::look::Look;
 use crate::pane::Pane;
 use crate::panels::camera_tile::{PictureAlone, TileLook};
@@ -68,6 +69,7 @@ pub(crate) struct Snapshot {
     alone: Option<Pane>,
     pair: [usize; 2],
     curves: CurvesLook,
+    laboratory: Laboratory,
     explanation: Option<&'static str>,
     frame_seconds: f64,
     memory: Memory,
@@ -87,6 +89,7 @@ impl App {
             alone: self.docking.alone,
             pair: self.docking.pair,
             curves: self.curves,
+            laboratory: self.laboratory.at_rest(),
             explanation: self.explanation,
             frame_seconds: self.frame_seconds,
             memory: self.context.memory(Memory::clone),
@@ -129,6 +132,7 @@ impl Twin {
         app.docking.alone = snapshot.alone;
         app.docking.pair = snapshot.pair;
         app.curves = snapshot.curves;
+        app.laboratory = snapshot.laboratory;
         app.explanation = snapshot.explanation;
         let mut twin = Self { window, app, frame_seconds: snapshot.frame_seconds };
         if let PictureOf::View { picture, whole_frame, .. } = what {

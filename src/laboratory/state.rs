@@ -7,7 +7,7 @@ use crate::action::Action;
 use crate::session::RunStep;
 
 /// All that belongs to the laboratory. Not saved and not undone.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Laboratory {
     /// What is compared.
     pub lineup: Lineup,
@@ -67,6 +67,19 @@ pub enum LaboratoryRequest {
 }
 
 impl Laboratory {
+    /// The same without any work that is going on.
+    #[must_use]
+    pub fn at_rest(&self) -> Self {
+        Self {
+            is_running: false,
+            is_checking: false,
+            check_wanted: None,
+            wants_run: false,
+            pending_steps: 0,
+            ..self.clone()
+        }
+    }
+
     /// The motion along which pushes are shown.
     #[must_use]
     pub fn axis_for(&self, model: &Model) -> PushAxis {
