@@ -5,7 +5,7 @@ use std::path::Path;
 use egui::{Id, RichText, Ui};
 
 use crate::showing::{Intents, Request, Showing};
-use crate::theme;
+use crate::theme::{self, size};
 use crate::widgets::{Icon, icon_button};
 
 /// How long it is believed that a file is still there, in seconds: asking may take time on some disks.
@@ -35,7 +35,10 @@ pub(super) fn rows(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, is
         let (opens, forgets) = if is_there {
             (row(ui), false)
         } else {
-            let shown = ui.horizontal(|ui| {
+            // As wide as it is about to be, so that it stands in the middle where rows do.
+            let room = egui::vec2(if is_menu { ui.available_width() } else { 170.0 }, size::BUTTON);
+            let direction = egui::Layout::left_to_right(egui::Align::Center);
+            let shown = ui.allocate_ui_with_layout(room, direction, |ui| {
                 let opens = row(ui);
                 ui.label(RichText::new("missing").small().color(theme::palette(ui).text3));
                 (opens, forget(ui))
