@@ -441,7 +441,7 @@ fn a_limb_is_turned_by_its_body() {
 #[test]
 fn the_view_mode_is_chosen_from_the_header() {
     let scene = Scene::new();
-    let mut harness = harness(scene.input(ViewMode::Tinted), WIDE, Theme::Light);
+    let mut harness = harness(scene.input(ViewMode::Tinted), [376.0, 456.0], Theme::Light);
     harness.run();
     harness.get_by_label("Camera 1, view mode: Tinted overlay on footage").click();
     harness.run();

@@ -285,6 +285,26 @@ fn the_body_is_scaled_as_a_whole_and_undone_at_once() {
     assert_eq!(*harness.state().document().model, *before);
 }
 
+#[test]
+fn each_drag_of_a_weight_is_undone_by_itself() {
+    // Wide enough for the gutter beside a picture in landscape format.
+    let opening = Some(Opening::Ready(Box::new(take::take())));
+    let mut harness = open_sized(AppOptions { opening, ..AppOptions::default() }, vec2(2400.0, 800.0));
+    let weight = |harness: &Harness<'_, App>| harness.state().document().cameras[1].weight;
+    let mut weights = vec![weight(&harness)];
+    for by in [10.0, -25.0] {
+        let from = harness.get_by_role_and_label(Role::Slider, "Weight of Camera 2").rect().center();
+        grab(&mut harness, from, &[vec2(by * 0.5, 0.0), vec2(by, 0.0)]);
+        release(&mut harness, from + vec2(by, 0.0));
+        weights.push(weight(&harness));
+    }
+    assert!(weights[1] > 1.0 && weights[2] < 1.0, "{weights:?}");
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(weight(&harness), weights[1]);
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(weight(&harness), weights[0]);
+}
+
 fn shown(harness: &Harness<'_, App>, text: &str) -> bool {
     harness.query_by_label(&format!("Camera 1, view mode: {text}")).is_some()
 }

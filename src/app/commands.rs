@@ -224,6 +224,8 @@ impl App {
                     let what =
                         "Drag the diamonds: at its end for the limb's length, at its outline for its radius.";
                     self.doing = Some(what.to_owned());
+                } else {
+                    self.doing = None;
                 }
             }
             Action::FitSubject => framing(self, Framing::Subject),

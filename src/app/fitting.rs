@@ -87,7 +87,7 @@ impl App {
             Part::Body => None,
         };
         self.run_gesture = Some(self.new_gesture());
-        let what = name.clone().unwrap_or_else(|| "Refit body".to_owned());
+        let what = format!("Refit {}", name.as_deref().unwrap_or("body"));
         let free = free_rotations(&model, limb, part).zip(name);
         self.begin(None, free.map(|(free, name)| (name, free)), None);
         self.session.refitting = Some(what);

@@ -78,10 +78,7 @@ impl App {
             TileEvent::SetSettings(settings) => self.look.views = settings,
             TileEvent::SetWipe(at) => self.set_tile(camera, |tile| tile.wipe_at = at),
             TileEvent::SetUsed(used) => self.edit(Edit::UseCamera { camera, used }, None),
-            TileEvent::SetWeight(weight) => {
-                let gesture = Gesture(u64::MAX / 2 + camera as u64);
-                self.edit(Edit::WeighCamera { camera, weight }, Some(gesture));
-            }
+            TileEvent::SetWeight(weight) => self.edit(Edit::WeighCamera { camera, weight }, None),
             TileEvent::SetLinked(linked) => self.look.linked_zoom = linked,
             TileEvent::SetFraming(framing) => self.set_tile(camera, |tile| tile.framing = framing),
             TileEvent::ToggleExpanded => self.pane_event(Pane::Camera(camera), PaneEvent::ToggleAlone),

@@ -32,6 +32,7 @@ mod picture_view;
 mod tile_menu;
 
 use backlit_tracking::body::Model;
+use backlit_tracking::camera::Camera;
 use backlit_tracking::silhouette::Overlap;
 use egui::{Context, Id, Rect, StrokeKind, Ui, UiBuilder, pos2};
 use glam::DVec2;
@@ -47,7 +48,6 @@ use crate::picture::{JointId, JointMark, PictureInput, ProjectedLimb, SightRay};
 use crate::theme::{self, size};
 use crate::view_settings::ViewSettings;
 use crate::widgets::{Framing, ViewTransform};
-use backlit_tracking::camera::Camera;
 use hand::Hand;
 
 /// All that a tile shows. It keeps nothing but the pointer's state and its textures.

@@ -37,13 +37,23 @@ impl StateAxis {
         }
     }
 
-    /// What the column is divided by: "radian" or "metre".
+    /// The name where there is little room.
+    #[must_use]
+    pub const fn short_label(self) -> &'static str {
+        match self {
+            Self::TurnX => "turn x",
+            Self::TurnY => "turn y",
+            Self::TurnZ => "turn z",
+            Self::RootX => "root x",
+            Self::RootY => "root y",
+            Self::RootZ => "root z",
+        }
+    }
+
+    /// What the column is divided by: radian or metre.
     #[must_use]
     pub const fn unit(self) -> &'static str {
-        match self {
-            Self::TurnX | Self::TurnY | Self::TurnZ => "radian",
-            Self::RootX | Self::RootY | Self::RootZ => "metre",
-        }
+        if self.is_of_root() { "m" } else { "rad" }
     }
 
     /// Whether it moves the root, whatever is selected.

@@ -4,7 +4,7 @@ use egui::{Painter, Pos2, Shape, Stroke, Vec2, vec2};
 use glam::DVec2;
 
 use super::{Grip, ViewTransform};
-use crate::picture::ProjectedLimb;
+use crate::picture::{JointMark, ProjectedLimb};
 use crate::theme::data_colours::{CASING, SELECTED, mark};
 use crate::theme::size;
 
@@ -16,6 +16,11 @@ const HALF: f32 = 5.5;
 const HOVER_GROWTH: f32 = 1.5;
 /// From the limb's border at its end to the length's diamond.
 const BEYOND: f32 = 12.0;
+/// The length's diamond is at least so far from every joint, …
+const CLEAR_OF_JOINTS: f32 = 16.0;
+/// … to which it is pushed on by this much, so often.
+const PUSH: f32 = 6.0;
+const MOST_PUSHES: usize = 8;
 /// A limb seen shorter than this has no handle for its length: it points at the camera. Points.
 const END_ON: f32 = 10.0;
 
@@ -30,12 +35,21 @@ pub struct SizeHandles {
 
 impl SizeHandles {
     /// The handles of the limb of this index, as `projected` in the picture.
-    pub fn new(limb: usize, projected: &ProjectedLimb, view: &ViewTransform) -> Self {
+    /// The length's keeps clear of `joints`.
+    pub fn new(limb: usize, projected: &ProjectedLimb, view: &ViewTransform, joints: &[JointMark]) -> Self {
         let on_screen = |px: DVec2| view.screen_from_px(px);
         let [start, end] = [projected.start_px, projected.end_px].map(on_screen);
         let along = end - start;
-        let beyond = projected.end_radius_px as f32 * view.points_per_px + BEYOND;
-        let length = (along.length() >= END_ON).then(|| [end, end + along.normalized() * beyond]);
+        let mut beyond = projected.end_radius_px as f32 * view.points_per_px + BEYOND;
+        let at = |beyond: f32| end + along.normalized() * beyond;
+        let is_on_joint =
+            |at: Pos2| joints.iter().any(|joint| on_screen(joint.px).distance(at) < CLEAR_OF_JOINTS);
+        for _ in 0..MOST_PUSHES {
+            if is_on_joint(at(beyond)) {
+                beyond += PUSH;
+            }
+        }
+        let length = (along.length() >= END_ON).then(|| [end, at(beyond)]);
         Self { limb, length, radius: [-1.0, 1.0].map(|side| on_screen(projected.side_px(side))) }
     }
 
@@ -99,13 +113,13 @@ mod tests {
             points_per_px: 2.0,
             centre_px: pos2(50.0, 50.0),
         };
-        let handles = SizeHandles::new(7, &limb, &view);
+        let handles = SizeHandles::new(7, &limb, &view, &[]);
         let at = |x: f32, y: f32| handles.grip_at(pos2(x, y));
         assert_eq!(at(120.0 + 8.0 + 12.0, 100.0), Some(Grip::Length(7)));
         assert_eq!(at(80.0, 90.0), Some(Grip::Radius(7)));
         assert_eq!(at(80.0, 110.0), Some(Grip::Radius(7)));
         assert_eq!(at(100.0, 100.0), None);
         let end_on = ProjectedLimb { end_px: DVec2::new(22.0, 50.0), ..limb };
-        assert!(SizeHandles::new(7, &end_on, &view).places().all(|(_, name)| name != "length"));
+        assert!(SizeHandles::new(7, &end_on, &view, &[]).places().all(|(_, name)| name != "length"));
     }
 }

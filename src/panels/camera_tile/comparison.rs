@@ -102,14 +102,14 @@ pub(super) fn paint_wipe(painter: &Painter, rect: Rect, at: f32) {
 }
 
 /// What a mode is named where two are compared, for the header: "tinted overlay on footage | footage".
-pub(super) fn mode_text(input: &CameraTileInput<'_>, name: fn(ViewMode) -> &'static str) -> String {
+pub(super) fn mode_text(input: &CameraTileInput<'_>, is_short: bool) -> String {
     let look = &input.look;
-    let mode = |mode: ViewMode| match mode {
-        ViewMode::JacobianColumn => {
-            let axis = input.settings.axis.label().to_lowercase();
-            format!("{}, {axis}", name(mode))
-        }
-        _ => name(mode).to_owned(),
+    let axis = input.settings.axis;
+    let mode = |mode: ViewMode| match (mode, is_short) {
+        (ViewMode::JacobianColumn, true) => format!("J, {}", axis.short_label()),
+        (ViewMode::JacobianColumn, false) => format!("{}, {}", mode.label(), axis.label().to_lowercase()),
+        (_, true) => mode.short_label().to_owned(),
+        (_, false) => mode.label().to_owned(),
     };
     match look.comparison {
         Some(Comparison::Wipe) => format!("{} | {}", mode(look.mode), mode(look.other).to_lowercase()),

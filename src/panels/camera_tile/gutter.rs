@@ -9,6 +9,7 @@ use egui::{
 use super::hand::{Action, Hand};
 use super::{CameraTileInput, TileEvent};
 use crate::format;
+use crate::panels::command::gesture;
 use crate::picture::{SightRay, joint_name};
 use crate::theme::data_colours::{AGREEMENT, MISSING, SELECTED, SPURIOUS, mark};
 use crate::theme::{self, headline, size, space};
@@ -106,7 +107,9 @@ pub(super) fn show_fit_use(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mu
             let mut weight = input.weight;
             let label = format!("Weight of {}", input.name);
             let slider = ValueSlider::new(&mut weight, 0.0..=MAX_WEIGHT, &label).width(WEIGHT_SLIDER);
-            if ui.add(slider).changed() {
+            let slider = ui.add(slider);
+            gesture(ui, "weight", &slider);
+            if slider.changed() {
                 events.push(TileEvent::SetWeight(weight));
             }
         });

@@ -1,5 +1,6 @@
 //! A tile's header: badge, name, view mode, link, expand, more.
 
+use backlit_tracking::camera::Camera;
 use egui::{
     Align, CornerRadius, Layout, Popup, Rect, Role, Sense, TextStyle, TextWrapMode, Ui, UiBuilder,
     WidgetInfo, WidgetText, pos2, vec2,
@@ -7,12 +8,15 @@ use egui::{
 
 use super::comparison::mode_text;
 use super::{CameraTileInput, TileEvent, TileLayout, gutter, tile_menu};
-use crate::picture::ViewMode;
+use crate::format;
 use crate::theme::{self, size, space};
 use crate::widgets::{Icon, camera_badge, icon_button};
 
 /// In a narrower header the link button folds into the menu.
 const LINK_FROM: f32 = 300.0;
+
+/// A wider header has the camera's name in the take too.
+const NAME_FROM: f32 = 420.0;
 
 /// Space for the chevron behind the mode's name.
 const CHEVRON: f32 = 18.0;
@@ -60,7 +64,14 @@ pub(super) fn show(
         let palette = theme::palette(ui);
         let name = egui::RichText::new(input.name);
         let name = if input.is_used { name } else { name.color(palette.text3) };
-        let _ = ui.add(egui::Label::new(name).selectable(false));
+        let name = ui.add(egui::Label::new(name).selectable(false));
+        if let Some(camera) = input.camera {
+            name.on_hover_text(about(camera));
+            if rect.width() >= NAME_FROM {
+                let name = egui::RichText::new(camera.name()).small().color(palette.text3);
+                ui.add(egui::Label::new(name).selectable(false));
+            }
+        }
         if !input.is_used && input.is_calibrated {
             let off = egui::RichText::new("not in fit").small().color(palette.text3);
             ui.add(egui::Label::new(off).selectable(false)).on_hover_text(
@@ -88,13 +99,13 @@ pub(super) fn show(
 
 fn mode_menu(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) {
     let palette = theme::palette(ui);
-    let text = mode_text(input, ViewMode::label);
+    let text = mode_text(input, false);
     let room = (ui.available_width() - CHEVRON).max(0.0);
     let lay_out =
         |text: &str, mode| WidgetText::from(text).into_galley(ui, Some(mode), room, TextStyle::Button);
     let mut galley = lay_out(&text, TextWrapMode::Extend);
     if galley.size().x > room {
-        galley = lay_out(&mode_text(input, ViewMode::short_label), TextWrapMode::Truncate);
+        galley = lay_out(&mode_text(input, true), TextWrapMode::Truncate);
     }
     let (rect, response) = ui.allocate_exact_size(vec2(galley.size().x + CHEVRON, size::ROW), Sense::click());
     let label = format!("{}, view mode: {text}", input.name);
@@ -136,6 +147,17 @@ fn buttons(ui: &mut Ui, input: &CameraTileInput<'_>, has_link: bool, events: &mu
     Popup::menu(&more)
         .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
         .show(|ui| tile_menu::more(ui, input, has_link, events));
+}
+
+/// What the calibration says of a camera, in a sentence.
+fn about(camera: &Camera) -> String {
+    let focal = format::number(camera.intrinsics().mean_focal_px(), 0);
+    let (width, height) = (camera.width(), camera.height());
+    let [x, y, z] = camera.centre().to_array().map(|metres| format::number(metres, 2));
+    format!(
+        "In the take: {}. {width} × {height} pixels, focal length {focal} pixels, at {x}, {y}, {z} m.",
+        camera.name()
+    )
 }
 
 /// The sign of a camera without calibration.

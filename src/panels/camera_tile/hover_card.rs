@@ -71,10 +71,7 @@ fn derivative_row(
 ) -> Option<(&'static str, String)> {
     let (label, derivative, unit) = match mode {
         ViewMode::Gradient => ("Pull", input.picture.gradient?, "m"),
-        ViewMode::JacobianColumn => {
-            let unit = if input.settings.axis.is_of_root() { "m" } else { "rad" };
-            ("Jacobian", input.picture.jacobian?, unit)
-        }
+        ViewMode::JacobianColumn => ("Jacobian", input.picture.jacobian?, input.settings.axis.unit()),
         _ => return None,
     };
     let value = *derivative.values.get(pixel[1] * input.picture.size[0] + pixel[0])?;

@@ -215,13 +215,13 @@ impl MapLegend {
             }),
             Legend::GradientMap => Some(Self {
                 low: "Pull 0".to_owned(),
-                high: format!("{} per metre", scale(picture.gradient)),
+                high: format!("{} / m", scale(picture.gradient)),
                 word_colours: [palette.text2; 2],
                 map: gradient_map(),
             }),
             Legend::JacobianMap => Some(Self {
                 low: format!("Darker −{}", scale(picture.jacobian)),
-                high: format!("{} lighter per {}", scale(picture.jacobian), input.settings.axis.unit()),
+                high: format!("{} lighter / {}", scale(picture.jacobian), input.settings.axis.unit()),
                 word_colours: [palette.missing_text, palette.spurious_text],
                 map: residual_map(),
             }),

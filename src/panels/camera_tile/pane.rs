@@ -4,12 +4,14 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use backlit_tracking::body::Kinematics;
 use backlit_tracking::camera::Camera;
+use backlit_tracking::render::Ramp;
 use egui::{Color32, Rect, Role, Ui, WidgetInfo, pos2};
 use glam::{DVec2, DVec3};
 
 use super::linked::follow;
 use super::{CameraTileInput, ObservedMarks, PictureAlone, TileEvent, TileLook, camera_tile, stored_view};
-use crate::panels::observability;
+use crate::edit::Edit;
+use crate::panels::{dragged_until_now, observability};
 use crate::picture::{
     JointId, PictureInput, ProjectedLimb, SightRay, SwayMarks, Swaying, joined_outline, limb_colours,
     project_joints, project_limbs, sight_ray,
@@ -17,7 +19,6 @@ use crate::picture::{
 use crate::showing::{Intents, Request, Showing};
 use crate::theme::{self, size};
 use crate::widgets::Framing;
-use backlit_tracking::render::Ramp;
 
 /// The report's ramp is half grey at this many radii.
 const THESIS_HALF: f64 = 1.118_034;
@@ -143,6 +144,11 @@ impl<'a> CameraPanes<'a> {
                 && showing.look.linked_zoom
             {
                 self.link(ui, index, framing, before, intents);
+            }
+            if let TileEvent::SetWeight(weight) = event {
+                let edit = Edit::WeighCamera { camera: index, weight };
+                intents.edits.push((edit, dragged_until_now(ui.ctx())));
+                continue;
             }
             intents.request(Request::Tile(index, event));
         }

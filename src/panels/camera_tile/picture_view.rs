@@ -63,7 +63,7 @@ pub(super) fn show(
         painter.text(rect.center(), Align2::CENTER_CENTER, "No picture for this frame", font, colour);
     }
     follow_pointer(ui, &response, &view, input, state, events);
-    paint_marks(ui, &painter, id, &view, input, state);
+    paint_marks(ui, &painter, id, &view, input, (state, seen.mode()));
     paint_size_handles(ui, &painter, id, &view, input, state);
     if let Seen::Wiped(_, _, at) = seen {
         comparison::paint_wipe(&painter, rect, at);
@@ -151,8 +151,10 @@ fn paint_marks(
     id: Id,
     view: &ViewTransform,
     input: &CameraTileInput<'_>,
-    state: &TileState,
+    (state, mode): (&TileState, ViewMode),
 ) {
+    // What pushes and pulls is at the limb's edge: no outline lies on it.
+    let shows_limb = !matches!(mode, ViewMode::Gradient | ViewMode::JacobianColumn);
     let turning_with = |limb: usize| -> Vec<&ProjectedLimb> {
         let owner = rotation_owner(input.body, limb);
         let limbs = input.limbs.iter().enumerate();
@@ -165,7 +167,9 @@ fn paint_marks(
         if let Some(Grip::Limb(limb)) = state.hand.hovered {
             paint_limbs(painter, view, &turning_with(limb), false);
         }
-        if let Some(JointId::End(limb)) = input.selected {
+        if let Some(JointId::End(limb)) = input.selected
+            && shows_limb
+        {
             paint_limbs(painter, view, &turning_with(limb), true);
         }
     }
@@ -203,7 +207,7 @@ fn paint_marks(
 /// The handles of the selected limb's size, if they are wanted.
 fn size_handles(view: &ViewTransform, input: &CameraTileInput<'_>) -> Option<SizeHandles> {
     let limb = input.sized.filter(|_| input.settings.size_handles && !input.joints.is_empty())?;
-    Some(SizeHandles::new(limb, input.limbs.get(limb)?.as_ref()?, view))
+    Some(SizeHandles::new(limb, input.limbs.get(limb)?.as_ref()?, view, input.joints))
 }
 
 fn paint_size_handles(

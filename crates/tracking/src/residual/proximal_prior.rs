@@ -24,6 +24,29 @@ pub fn add(
     add_robust(equations, parameters, pose, reference, rotation_weight, root_factor, Loss::Squares);
 }
 
+/// The same with a weight for each rotation by itself, per rad².
+pub fn add_each(
+    equations: &mut NormalEquations,
+    parameters: Parameters,
+    pose: &Pose,
+    reference: &Pose,
+    rotation_weights: &[f64],
+    root_weight: f64,
+) {
+    let residual = reference.root - pose.root;
+    equations.cost += root_weight * residual.length_squared();
+    for axis in 0..3 {
+        equations.jtj[(axis, axis)] += root_weight;
+        equations.jtr[axis] += root_weight * residual[axis];
+    }
+    let rotations = pose.rotations.iter().zip(&reference.rotations).zip(rotation_weights);
+    for (rotation, ((q, from), weight)) in rotations.enumerate() {
+        let phi: DVec3 = log((*q * from.inverse()).normalize());
+        let jacobian = left_jacobian_inverse(phi);
+        rotation_term::add(equations, parameters, rotation, *q, jacobian, -phi, *weight);
+    }
+}
+
 /// The same with a loss of each rotation's angle by itself, radians. `root_factor` is the root's weight per m²
 /// relative to a rotation's per rad².
 pub fn add_robust(

@@ -15,6 +15,10 @@ const TARGET_WEIGHT: f64 = 1.0;
 const PIN_WEIGHT: f64 = 30.0;
 /// Pull of every rotation towards where it was, per rad².
 const STIFFNESS: f64 = 1e-4;
+/// The same of the trunk in a drag: a limb's own chain bends before it.
+const TRUNK_STIFFNESS: f64 = 3e-3;
+/// The same of a rotation that turns the whole body.
+const BODY_STIFFNESS: f64 = 0.3;
 /// Pull of the root towards where it was, per m²: limbs bend before the body goes along.
 const ROOT_STIFFNESS: f64 = 0.3;
 /// Weight of joint limits, per rad²: a hundredth of a radian stands for a tenth of a metre of the target.
@@ -32,6 +36,8 @@ struct Chain<'a> {
     model: &'a Model,
     reference: &'a Pose,
     targets: &'a [PointTarget],
+    /// By rotation, per rad².
+    stiffness: &'a [f64],
     kinematics: Kinematics,
 }
 
@@ -44,7 +50,8 @@ impl LeastSquares for Chain<'_> {
             point::add(equations, Parameters::Tangent, &self.kinematics, pose.root, target);
         }
         let parameters = Parameters::Tangent;
-        proximal_prior::add(equations, parameters, pose, self.reference, STIFFNESS, ROOT_STIFFNESS);
+        let reference = self.reference;
+        proximal_prior::add_each(equations, parameters, pose, reference, self.stiffness, ROOT_STIFFNESS);
         joint_limit::add(equations, parameters, self.model, pose, LIMIT_WEIGHT);
     }
 
@@ -60,11 +67,19 @@ impl LeastSquares for Chain<'_> {
 /// Solves for the pose nearest to `reference` that puts joints where `targets` say.
 #[must_use]
 pub fn reach(model: &Model, reference: &Pose, targets: &[PointTarget]) -> Pose {
-    reach_from(model, reference, reference.clone(), targets)
+    let stiffness = vec![STIFFNESS; model.rotation_count()];
+    reach_from(model, reference, reference.clone(), targets, &stiffness)
 }
 
-fn reach_from(model: &Model, reference: &Pose, start: Pose, targets: &[PointTarget]) -> Pose {
-    let mut chain = Chain { model, reference, targets, kinematics: Kinematics::new(model, reference) };
+fn reach_from(
+    model: &Model,
+    reference: &Pose,
+    start: Pose,
+    targets: &[PointTarget],
+    stiffness: &[f64],
+) -> Pose {
+    let kinematics = Kinematics::new(model, reference);
+    let mut chain = Chain { model, reference, targets, stiffness, kinematics };
     let options = SolverOptions {
         method: Method::LevenbergMarquardt,
         damping: 1e-3,
@@ -93,7 +108,8 @@ pub fn drag_limb_end(model: &Model, reference: &Pose, limb: usize, target: DVec3
     }));
     let lenient = widened(model, reference);
     let mut shifted = wanted.clone();
-    let mut pose = reach(&lenient, reference, &shifted);
+    let stiffness = stiffness(model, wanted.iter().filter_map(|target| target.limb));
+    let mut pose = reach_from(&lenient, reference, reference.clone(), &shifted, &stiffness);
     let mut left = f64::INFINITY;
     for _ in 1..CORRECTIONS {
         let ends = Kinematics::new(model, &pose);
@@ -108,7 +124,7 @@ pub fn drag_limb_end(model: &Model, reference: &Pose, limb: usize, target: DVec3
         for (target, miss) in shifted.iter_mut().zip(misses) {
             target.target += miss;
         }
-        pose = reach_from(&lenient, reference, pose, &shifted);
+        pose = reach_from(&lenient, reference, pose, &shifted, &stiffness);
     }
     let mut pose = within_limits(model, reference, &pose);
     if wanted.len() == 1 {
@@ -116,6 +132,25 @@ pub fn drag_limb_end(model: &Model, reference: &Pose, limb: usize, target: DVec3
         pose.root += target - Kinematics::new(model, &pose).ends()[limb];
     }
     pose
+}
+
+/// How hard each rotation is to turn when these limbs' ends are held: the chains that carry them are light as far as
+/// no other chain grows from them, the trunk is not, and the whole body is heavy.
+fn stiffness(model: &Model, limbs: impl Iterator<Item = usize>) -> Vec<f64> {
+    let parents = model.rotation_parents();
+    let mut stiffness: Vec<f64> = parents
+        .iter()
+        .map(|parent| if parent.is_some() { TRUNK_STIFFNESS } else { BODY_STIFFNESS })
+        .collect();
+    let children = |rotation: usize| parents.iter().filter(|parent| **parent == Some(rotation)).count();
+    for limb in limbs {
+        let mut next = Some(model.limbs()[limb].rotation);
+        while let Some(rotation) = next {
+            stiffness[rotation] = STIFFNESS;
+            next = parents[rotation].filter(|parent| children(*parent) == 1);
+        }
+    }
+    stiffness
 }
 
 /// An angle of a limb's own rotation.
@@ -282,6 +317,23 @@ mod tests {
         assert!(after.ends()[wrist].distance(target) < 0.005, "{}", after.ends()[wrist].distance(target));
         for foot in feet {
             assert!(after.ends()[foot].distance(before.ends()[foot]) < 0.005);
+        }
+    }
+
+    #[test]
+    fn a_wrist_within_reach_moves_its_arm_and_little_else() {
+        let model = builtin::full_body();
+        let rest = Pose::rest(&model);
+        let wrist = model.limb_index("right forearm").unwrap();
+        let before = Kinematics::new(&model, &rest);
+        let target = before.ends()[wrist] + DVec3::new(0.1, 0.2, 0.1);
+        let pose = drag_limb_end(&model, &rest, wrist, target, &[]);
+        let after = Kinematics::new(&model, &pose);
+        assert!(after.ends()[wrist].distance(target) < 1e-9);
+        for name in ["left foot", "right foot", "left forearm", "skull"] {
+            let limb = model.limb_index(name).unwrap();
+            let moved = after.ends()[limb].distance(before.ends()[limb]);
+            assert!(moved < 0.05, "{name} moved by {moved}");
         }
     }
 
