@@ -63,7 +63,7 @@ pub(super) fn show(
         painter.text(rect.center(), Align2::CENTER_CENTER, "No picture for this frame", font, colour);
     }
     follow_pointer(ui, &response, &view, input, state, events);
-    paint_marks(ui, &painter, id, &view, input, (state, seen.mode()));
+    paint_marks(ui, &painter, id, &view, input, (&*state, seen.mode()));
     paint_size_handles(ui, &painter, id, &view, input, state);
     if let Seen::Wiped(_, _, at) = seen {
         comparison::paint_wipe(&painter, rect, at);
