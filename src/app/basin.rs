@@ -56,7 +56,7 @@ impl App {
                 let options = settings.options(&document.fit, held)?;
                 let about = self.about_basin(options.rotation);
                 let report = Report::of(&options, &[]);
-                let work = BasinWork::Angles(options.clone());
+                let work = BasinWork::Angles(Box::new(options.clone()));
                 self.basin.angles = Some(AnglesResult { about, options, trials: Vec::new(), report });
                 work
             }
@@ -65,7 +65,7 @@ impl App {
                 let about = self.about_basin(None);
                 let directions = options.directions.map(|one| direction_name(&frame.model, one));
                 let cells = vec![None; options.cells * options.cells];
-                let work = BasinWork::Map(options.clone());
+                let work = BasinWork::Map(Box::new(options.clone()));
                 let frame = frame.clone();
                 self.basin.map = Some(MapResult { about, options, frame, directions, cells, taken: None });
                 work
@@ -117,7 +117,7 @@ impl App {
         About { frame: self.selection.frame, conditions }
     }
 
-    pub(super) fn cancel_basin(&mut self) {
+    pub(super) fn cancel_basin(&self) {
         self.background.worker.cancel(Lane::Basin);
     }
 

@@ -2,8 +2,8 @@
 //! [`Intents`](crate::showing::Intents); none of them has the document. A tile's events come back as values.
 
 pub(crate) mod about;
-mod camera_subsets;
 mod basin;
+mod camera_subsets;
 pub mod camera_tile;
 mod command;
 pub(crate) mod convergence;

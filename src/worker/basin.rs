@@ -11,15 +11,15 @@ use super::{BackgroundEvent, Job, Outbox, Step};
 #[derive(Debug)]
 pub enum BasinWork {
     /// Success over angle.
-    Angles(frame_basin::Options),
+    Angles(Box<frame_basin::Options>),
     /// The map.
-    Map(basin_map::Options),
+    Map(Box<basin_map::Options>),
 }
 
 #[derive(Debug)]
 enum Prepared {
-    Angles(FrameBasin),
-    Map(BasinMap),
+    Angles(Box<FrameBasin>),
+    Map(Box<BasinMap>),
 }
 
 /// An experiment about a frame. Its first step finds where fits are to end.
@@ -61,8 +61,8 @@ impl BasinJob {
 
 fn prepare(frame: Frame, work: BasinWork, cancel: &CancelToken) -> Result<Prepared, ExperimentError> {
     Ok(match work {
-        BasinWork::Angles(options) => Prepared::Angles(FrameBasin::new(frame, options, cancel)?),
-        BasinWork::Map(options) => Prepared::Map(BasinMap::new(frame, options, cancel)?),
+        BasinWork::Angles(options) => Prepared::Angles(Box::new(FrameBasin::new(frame, *options, cancel)?)),
+        BasinWork::Map(options) => Prepared::Map(Box::new(BasinMap::new(frame, *options, cancel)?)),
     })
 }
 

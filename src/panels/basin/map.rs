@@ -50,7 +50,7 @@ pub(super) fn ui(ui: &mut Ui, result: &MapResult, colour: MapColour, intents: &m
 
 /// The cells, and the one under the pointer.
 fn cells(
-    ui: &mut Ui,
+    ui: &Ui,
     result: &MapResult,
     colour: MapColour,
     grid: Rect,

@@ -211,7 +211,9 @@ fn sample(ui: &mut Ui, index: usize) {
     let stroke = Stroke::new(style.width, style.colour);
     let ends = [rect.left_center(), rect.right_center()];
     match style.dash {
-        [] => drop(ui.painter().line_segment(ends, stroke)),
-        [length, ..] => drop(ui.painter().extend(egui::Shape::dashed_line(&ends, stroke, *length, *length))),
+        [] => {
+            ui.painter().line_segment(ends, stroke);
+        }
+        [length, ..] => ui.painter().extend(egui::Shape::dashed_line(&ends, stroke, *length, *length)),
     }
 }
