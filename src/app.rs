@@ -18,7 +18,8 @@
 //! | `demonstrating` | demonstrations and their runs, one after the other |
 //! | `dropping` | files that are dropped on the window |
 //! | `laboratory` | several fits from one start |
-//! | `files` | takes, projects, dialogs, autosave and recovery |
+//! | `files` | takes, projects, dialogs |
+//! | `unsaved` | the copy of unsaved work, and what was left |
 //! | `observing` | what the cameras see, and the sway along a direction |
 //! | `jobs` | what the screen lacks is asked of the worker |
 //! | `exported`, `accessible` | the state as a file, for tests from outside; where the named widgets are |
@@ -58,6 +59,7 @@ mod state;
 mod touring;
 mod tracking;
 mod twin;
+mod unsaved;
 
 pub use files::opening_of;
 pub(crate) use hand::nudge_of;

@@ -28,6 +28,7 @@ pub mod plot;
 mod posing;
 pub mod project;
 pub mod raster;
+pub mod recovery;
 pub mod replacement;
 pub mod scene_view;
 pub mod selection;

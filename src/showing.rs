@@ -145,7 +145,7 @@ pub enum Request {
     /// Give the frame one of the poses that a search has found, by its place in their list.
     ChoosePose(usize),
     /// Take what an earlier start of the program left unsaved, or leave it.
-    Recover(bool),
+    Recover(Option<usize>),
     /// Open whatever a path is.
     OpenPath(PathBuf),
     /// Take a path off the list of recent takes.

@@ -52,7 +52,9 @@ impl App {
             Event::TrackRevised(found) => self.track_revised(found),
             Event::TracksJoined { frame, distance_m, meets } => self.tracks_joined(frame, distance_m, meets),
             Event::PosesFound(frame, found) => self.poses_found(frame, found),
-            Event::Saved { path, revision, is_autosave } => self.saved(path, revision, is_autosave),
+            Event::Saved { path, revision } => self.saved(path, revision),
+            Event::CopySaved { revision } => self.copy_saved(revision),
+            Event::CopyFailed(why) => self.copy_failed(&why),
             Event::Recalibrated(footage) => self.recalibrated(footage),
             Event::TakenIn { edit, said } => self.taken_in(*edit, said),
             Event::Laboratory(event) => self.hear_laboratory(*event),
@@ -157,9 +159,13 @@ impl App {
         if let Some(TakeSource::Path(path)) = &footage.source {
             self.look.remember(path.clone());
         }
+        let left = self.begin_copy(project.as_ref().map(|(_, path)| path.as_path()));
         let (history, path) = match project {
             // What was left unsaved belongs to no file yet.
-            Some((document, path)) if self.is_autosave(&path) => (History::unsaved(*document), None),
+            // What was left unsaved is in no file as it is.
+            Some((document, _)) if left.is_some() => {
+                (History::unsaved(*document), left.as_ref().and_then(|left| left.project.clone()))
+            }
             Some((document, path)) => (History::new(*document), Some(path)),
             None => (History::new(document_of(footage)), None),
         };
@@ -169,6 +175,7 @@ impl App {
         let is_new = path.is_none() && !history.is_dirty();
         let document = history.document();
         self.selection = Selection::default();
+        self.selection.frame = left.map_or(0, |left| left.frame).min(footage.frame_count().saturating_sub(1));
         let first = document.model.rotation_owners()[0];
         self.selection.joint = Selection::joint_of(&document.model, first);
         self.history = history;
@@ -178,7 +185,6 @@ impl App {
         self.docking.pair = [0, 1.min(footage.cameras.len() - 1)];
         self.held = None;
         self.pending_steps = 0;
-        self.autosaved = None;
         self.prepared = None;
         self.explanation = None;
         let cameras = footage.cameras.len();

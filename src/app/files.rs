@@ -1,19 +1,15 @@
-//! Takes, projects, dialogs, and the copy of unsaved work.
+//! Takes, projects and dialogs.
 
 use std::path::{Path, PathBuf};
 
 use super::App;
 use super::state::{DialogKind, Opening, Overlay};
 use crate::document::TakeSource;
-use crate::project::{read_project, write_project};
+use crate::recovery::About;
 use crate::worker::{Lane, OpenJob, SaveJob};
 
 /// Ending of project files.
 const PROJECT_EXTENSION: &str = "backlit";
-/// The copy of unsaved work is written this often, in seconds.
-const AUTOSAVE_SECONDS: f64 = 10.0;
-/// The copy's name in the data folder.
-const AUTOSAVE_NAME: &str = "unsaved.backlit";
 
 impl App {
     /// Opens a take or a project. What is not saved is kept as a copy.
@@ -34,7 +30,7 @@ impl App {
 
     /// Writes the project to a file.
     pub fn save_to(&mut self, path: &Path) {
-        self.worker.request(Lane::Save, self.save_job(path.to_owned(), false));
+        self.worker.request(Lane::Save, self.save_job(path.to_owned(), None));
     }
 
     pub(super) fn save_project(&mut self) {
@@ -44,22 +40,17 @@ impl App {
         }
     }
 
-    fn save_job(&self, path: PathBuf, is_autosave: bool) -> SaveJob {
-        SaveJob { document: self.document().clone(), revision: self.history.revision(), path, is_autosave }
+    /// Writes the document to a file, or to the copy of unsaved work.
+    pub(super) fn save_job(&self, path: PathBuf, about: Option<About>) -> SaveJob {
+        SaveJob { document: self.document().clone(), revision: self.history.revision(), path, about }
     }
 
-    pub(super) fn saved(&mut self, path: PathBuf, revision: u64, is_autosave: bool) {
-        if is_autosave {
-            return;
-        }
+    pub(super) fn saved(&mut self, path: PathBuf, revision: u64) {
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         self.notices.info(self.now, format!("Saved to {name}."), None);
         self.history.mark_saved(revision);
         self.look.remember(path.clone());
         self.project = Some(path);
-        if !self.history.is_dirty() {
-            self.forget_unsaved_work();
-        }
     }
 
     /// Asks for a file in a dialog of the desktop's, on a thread of its own.
@@ -126,82 +117,6 @@ impl App {
                 DialogKind::Basin(kind) => self.export_basin_to(kind, &path),
             }
         }
-    }
-
-    fn autosave_path(&self) -> Option<PathBuf> {
-        Some(self.data_folder.as_ref()?.join(AUTOSAVE_NAME))
-    }
-
-    /// Writes the copy of unsaved work from time to time.
-    pub(super) fn autosave(&mut self) {
-        let Some(path) = self.autosave_path() else { return };
-        let revision = self.history.revision();
-        let is_due =
-            self.autosaved.is_none_or(|(saved, at)| saved != revision && self.now - at >= AUTOSAVE_SECONDS);
-        let can_save = self.document().take.is_some() && self.history.is_dirty();
-        if is_due && can_save && !self.worker.is_busy(Lane::Save) {
-            self.autosaved = Some((revision, self.now));
-            self.worker.request(Lane::Save, self.save_job(path, true));
-        }
-    }
-
-    /// Writes the copy at once, when the window closes or another take is opened.
-    pub(super) fn keep_unsaved_work(&mut self) {
-        if let Some(path) = self.autosave_path()
-            && self.history.is_dirty()
-            && self.document().take.is_some()
-            && let Err(error) = write_project(&path, self.document())
-        {
-            self.notices.error(format!("The copy of unsaved work was not written: {error}."));
-        }
-    }
-
-    fn forget_unsaved_work(&self) {
-        if let Some(path) = self.autosave_path() {
-            // There may be none.
-            let _ = std::fs::remove_file(path);
-        }
-    }
-
-    /// Whether an earlier start has left unsaved work.
-    pub(super) fn look_for_unsaved_work(&mut self) {
-        let Some(path) = self.autosave_path().filter(|path| path.is_file()) else { return };
-        match read_project(&path) {
-            Ok(document) => {
-                let place = match &document.take {
-                    Some(TakeSource::Path(path)) => {
-                        path.file_name().map_or_else(|| "a take".into(), |n| n.to_string_lossy().into_owned())
-                    }
-                    Some(TakeSource::Demonstration(which)) => {
-                        format!("the demonstration \"{}\"", which.name())
-                    }
-                    _ => "the built-in take".to_owned(),
-                };
-                let frames = document.estimates.len() + document.keys.len();
-                let text = format!("There is unsaved work on {place}, with {frames} poses.");
-                self.recovery = Some(text);
-            }
-            Err(error) => self.notices.error(format!("The copy of unsaved work cannot be read: {error}.")),
-        }
-    }
-
-    /// Takes the unsaved work of an earlier start, or forgets it and opens what was to be opened.
-    pub(super) fn recover(&mut self, take_it: bool) {
-        self.recovery = None;
-        match self.autosave_path().filter(|_| take_it) {
-            Some(path) => self.open(Opening::Project(path)),
-            None => {
-                self.forget_unsaved_work();
-                if let Some(opening) = self.postponed.take() {
-                    self.open(opening);
-                }
-            }
-        }
-    }
-
-    /// Whether a path is that of the copy of unsaved work, which is nobody's project.
-    pub(super) fn is_autosave(&self, path: &Path) -> bool {
-        self.autosave_path().is_some_and(|autosave| autosave == path)
     }
 }
 

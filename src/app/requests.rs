@@ -86,7 +86,7 @@ impl App {
             Request::Laboratory(request) => self.laboratory_request(request),
             Request::Timeline(event) => self.timeline_event(event),
             Request::ChoosePose(index) => self.choose_pose(index),
-            Request::Recover(take_it) => self.recover(take_it),
+            Request::Recover(which) => self.recover(which),
             Request::OpenPath(path) => self.open_path(&path),
             Request::ForgetRecent(path) => self.look.recent.retain(|other| *other != path),
             Request::Copy(what, text) => {

@@ -82,7 +82,7 @@ impl App {
                 dock::ui(ui, &showing, &self.tiles_look(), intents);
             });
         } else {
-            empty::ui(ui, &showing, intents, self.recovery.as_deref());
+            empty::ui(ui, &showing, intents, &self.unsaved.offered);
         }
         for id in notice_cards::ui(ui, &showing, intents, notices_from) {
             intents.request(Request::HoldNotice(id));

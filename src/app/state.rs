@@ -16,6 +16,7 @@ use super::hand::{Held, Nudging};
 use super::playing::TimeAxis;
 use super::touring::Tour;
 use super::tracking::Tracked;
+use super::unsaved::Unsaved;
 use crate::basin::{BasinState, FileKind};
 use crate::curves::CurvesLook;
 use crate::document::{Document, TakeSource};
@@ -130,11 +131,9 @@ pub struct App {
     pub(super) overlay: Option<Overlay>,
     pub(super) doing: Option<String>,
     pub(super) time: TimeAxis,
-    pub(super) data_folder: Option<PathBuf>,
-    pub(super) recovery: Option<String>,
+    pub(super) unsaved: Unsaved,
     /// What is opened when the unsaved work is left.
     pub(super) postponed: Option<Opening>,
-    pub(super) autosaved: Option<(u64, f64)>,
     pub(super) dialog_sender: Sender<DialogAnswer>,
     pub(super) dialog_answers: Receiver<DialogAnswer>,
     pub(super) next_gesture: u64,
@@ -191,10 +190,8 @@ impl App {
             overlay: None,
             doing: None,
             time: TimeAxis::default(),
-            data_folder: options.data_folder,
-            recovery: None,
+            unsaved: Unsaved::new(options.data_folder),
             postponed: None,
-            autosaved: None,
             dialog_sender,
             dialog_answers,
             next_gesture: 1,
@@ -208,7 +205,7 @@ impl App {
         }
         app.look_for_unsaved_work();
         match options.opening {
-            Some(opening) if app.recovery.is_none() => app.open(opening),
+            Some(opening) if app.unsaved.offered.is_empty() => app.open(opening),
             // First the unsaved work: once something else is open, its own copy would take that one's place.
             opening => app.postponed = opening,
         }

@@ -83,7 +83,8 @@ impl App {
 
     /// Who has opened something else, or has lost work to look at first, is left in peace.
     fn can_offer(&self) -> bool {
-        let is_nowhere = self.session.take.is_none() && self.worker.is_idle() && self.recovery.is_none();
+        let is_nowhere =
+            self.session.take.is_none() && self.worker.is_idle() && self.unsaved.offered.is_empty();
         self.overlay.is_none() && (self.shows_built_in() || is_nowhere)
     }
 

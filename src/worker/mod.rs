@@ -106,8 +106,6 @@ pub enum Event {
         path: PathBuf,
         /// The document's revision.
         revision: u64,
-        /// Whether it is the copy for the next start.
-        is_autosave: bool,
     },
     /// The footage is seen by other cameras.
     Recalibrated(Arc<Footage>),
@@ -120,6 +118,13 @@ pub enum Event {
     },
     /// The laboratory's news.
     Laboratory(Box<LaboratoryEvent>),
+    /// The copy of unsaved work was written.
+    CopySaved {
+        /// The document's revision.
+        revision: u64,
+    },
+    /// The copy of unsaved work was not written; why.
+    CopyFailed(String),
     /// Something did not work; what it was.
     Failed(String),
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::{Event, Job, Outbox, Step};
 use crate::document::Document;
 use crate::project::write_project;
+use crate::recovery::About;
 
 /// A document to be written.
 #[derive(Debug)]
@@ -15,24 +16,24 @@ pub struct SaveJob {
     pub revision: u64,
     /// The file.
     pub path: PathBuf,
-    /// Whether it is the copy for the next start.
-    pub is_autosave: bool,
+    /// Where the user is, if it is the copy for the next start.
+    pub about: Option<About>,
 }
 
 impl Job<Event> for SaveJob {
     fn step(&mut self, out: &Outbox<Event>) -> Step {
-        let folder = self.path.parent().filter(|folder| self.is_autosave && !folder.exists());
-        if let Some(folder) = folder {
-            // What is wrong with the folder is said by the writing itself.
-            let _ = std::fs::create_dir_all(folder);
+        let mut written = write_project(&self.path, &self.document);
+        if let (Ok(()), Some(about)) = (&written, &self.about) {
+            written = about.write(&self.path);
         }
-        out.send(match write_project(&self.path, &self.document) {
-            Ok(()) => Event::Saved {
-                path: self.path.clone(),
-                revision: self.revision,
-                is_autosave: self.is_autosave,
-            },
-            Err(error) => Event::Failed(format!("Not saved: {error}")),
+        let (path, revision) = (self.path.clone(), self.revision);
+        out.send(match (written, &self.about) {
+            (Ok(()), None) => Event::Saved { path, revision },
+            (Ok(()), Some(_)) => Event::CopySaved { revision },
+            (Err(error), None) => {
+                Event::Failed(format!("Not saved: {error}. Your work is kept; save to another place."))
+            }
+            (Err(error), Some(_)) => Event::CopyFailed(error.to_string()),
         });
         Step::Done
     }
