@@ -15,6 +15,9 @@ const EVERY: Duration = Duration::from_millis(500);
 /// After a failure it is tried again this late.
 const AGAIN: Duration = Duration::from_secs(10);
 
+/// The revision of a copy that was left: none of this window's.
+const OLDER: u64 = u64::MAX;
+
 /// The copies of unsaved work.
 #[derive(Debug, Default)]
 pub(super) struct Unsaved {
@@ -157,7 +160,9 @@ impl App {
         copies.leave();
         let left = self.unsaved.adopted.take().filter(|left| Some(left.path.as_path()) == opened)?;
         // If another window was quicker, this one writes a copy of its own.
-        let _ = copies.adopt(&left.path);
+        if copies.adopt(&left.path).unwrap_or(false) {
+            self.unsaved.written = Some(OLDER);
+        }
         Some(left.about)
     }
 }
