@@ -135,10 +135,10 @@ impl Copies {
             let name = if number == 1 { NAME.to_owned() } else { format!("{NAME}-{number}") };
             let path = self.folder.join(name).with_extension(ENDING);
             // First the lock: between a look and a lock another window could have come.
-            if let Some(lock) = lock(&path)? {
-                if !path.exists() {
-                    return Ok(Own { path, _lock: lock });
-                }
+            if let Some(lock) = lock(&path)?
+                && !path.exists()
+            {
+                return Ok(Own { path, _lock: lock });
             }
         }
         Err(io::Error::other(format!("there are {MOST} copies already")))

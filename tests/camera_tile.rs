@@ -285,7 +285,8 @@ fn the_hover_card_is_held_by_a_key() {
     let title = |harness: &Harness<'_, Events>| {
         harness.get_by_label_contains("Pixel ").accesskit_node().value().unwrap_or_default()
     };
-    for label in ["Data D ", "Prediction Λ ", "Residual D − Λ ", "Owner ", "d / r ", "Distance ", " / m"]
+    for label in
+        ["Data D ", "Prediction Λ ", "Residual D − Λ ", "Owner ", "d / r ", "Distance ", "Pull 0 / m"]
     {
         harness.get_by_label_contains(label);
     }

@@ -60,7 +60,7 @@ fn the_basin_of_a_frame_of_a_take() {
     let scene = Scene::new();
     let take = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/take");
     let ask = format!("experiment basin --take {take} --downhill --unscaled --starts 2 --angles 3");
-    let said = scene.ok(&format!("{ask} --joint head --root 0 --within 60 --out one"));
+    let said = scene.ok(&format!("{ask} --joint neck --root 0 --within 60 --out one"));
     assert!(said.contains("3°, 0.0 cm") && said.contains("of 2"), "{said}");
     let printed = scene.ok(&format!("{ask} --frame 3 --json --out two"));
     let numbers: Value = serde_json::from_str(&printed).unwrap();
@@ -70,5 +70,5 @@ fn the_basin_of_a_frame_of_a_take() {
     scene.fails(&format!("{ask} --frame 999"), 1, &["no frame 999"]);
     scene.fails(&format!("{ask} --joint tail"), 1, &["no limb tail"]);
     scene.fails(&format!("{ask} --size 48x36"), 2, &["--size"]);
-    scene.fails("experiment basin --joint head", 2, &["--take"]);
+    scene.fails("experiment basin --joint neck", 2, &["--take"]);
 }

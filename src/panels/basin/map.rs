@@ -101,7 +101,8 @@ fn cell_colour(error: f64, found: bool, colour: MapColour, limit: f64) -> Color3
 fn cell_text(result: &MapResult, place: [usize; 2]) -> String {
     let [across, up] = place.map(|place| {
         let degrees = result.options.offset_degrees(place);
-        format::number(degrees, usize::from(degrees.fract() != 0.0))
+        // Offsets are shares of the largest one, and a share of a whole number need not be one to the last bit.
+        format::number(degrees, usize::from((degrees - degrees.round()).abs() > 0.05))
     });
     let came = match result.cell(place) {
         Some(cell) => {
