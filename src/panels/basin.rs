@@ -19,6 +19,8 @@ pub(super) use section::ui as section;
 
 /// Height of the row above the plot.
 const HEAD: f32 = 30.0;
+/// A pane narrower than this has two rows above the plot.
+const ONE_ROW: f32 = 470.0;
 /// Height of the bar that says how far it is.
 const BAR: f32 = 2.0;
 
@@ -39,31 +41,54 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
     });
 }
 
+/// The name and all that can be done: in one row, or in two where the pane is a narrow column.
 fn head(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let is_narrow = ui.available_width() < ONE_ROW;
+    let row = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
+        let size = vec2(ui.available_width(), HEAD);
+        ui.allocate_ui_with_layout(size, Direction::left_to_right(Align::Center), |ui| {
+            ui.set_min_height(HEAD);
+            add(ui);
+        });
+    };
+    row(ui, &mut |ui| {
+        ui.label(RichText::new("Basin").size(14.0));
+        if is_narrow {
+            progress(ui, showing.basin);
+            return;
+        }
+        ui.add_space(space::ROW);
+        controls(ui, showing, intents);
+        ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+            ui.add_space(HEADER_BUTTONS);
+            export(ui, showing.basin, intents);
+            progress(ui, showing.basin);
+        });
+    });
+    if is_narrow {
+        row(ui, &mut |ui| {
+            controls(ui, showing, intents);
+            export(ui, showing.basin, intents);
+        });
+    }
+}
+
+fn controls(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
     let basin = showing.basin;
-    ui.allocate_ui_with_layout(
-        vec2(ui.available_width(), HEAD),
-        Direction::left_to_right(Align::Center),
-        |ui| {
-            ui.label(RichText::new("Basin").size(14.0));
-            ui.add_space(space::ROW);
-            let mut view = basin.view;
-            segmented(ui, &mut view, &[(BasinView::Angles, "Angles"), (BasinView::Map, "Map")])
-                .on_hover_text("Success over how far starts are off, or a map of two angles");
-            if view != basin.view {
-                intents.request(Request::Basin(BasinRequest::View(view)));
-            }
-            run_or_cancel(ui, showing, intents, basin.view);
-            ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-                ui.add_space(HEADER_BUTTONS);
-                export(ui, basin, intents);
-                if let Some(running) = basin.running {
-                    let text = RichText::new(progress_text(running)).small().color(theme::palette(ui).text2);
-                    ui.add(egui::Label::new(text).truncate());
-                }
-            });
-        },
-    );
+    let mut view = basin.view;
+    segmented(ui, &mut view, &[(BasinView::Angles, "Angles"), (BasinView::Map, "Map")])
+        .on_hover_text("Success over how far starts are off, or a map of two angles");
+    if view != basin.view {
+        intents.request(Request::Basin(BasinRequest::View(view)));
+    }
+    run_or_cancel(ui, showing, intents, basin.view);
+}
+
+fn progress(ui: &mut Ui, basin: &BasinState) {
+    if let Some(running) = basin.running {
+        let text = RichText::new(progress_text(running)).small().color(theme::palette(ui).text2);
+        ui.add(egui::Label::new(text).truncate());
+    }
 }
 
 /// The button that begins what a view shows, or stops what runs.

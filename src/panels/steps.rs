@@ -9,7 +9,7 @@ use crate::format;
 use crate::selection::StepRef;
 use crate::session::{Run, RunStep};
 use crate::showing::{Intents, Request, Showing};
-use crate::theme::{self, size};
+use crate::theme::{self, size, space};
 use crate::widgets::Icon;
 
 /// Room for the words about the step.
@@ -64,7 +64,7 @@ fn slider(ui: &mut Ui, intents: &mut Intents, index: usize, run: &Run, at: usize
     painter.rect_filled(rail, 1.5, palette.widget);
     painter.rect_filled(Rect::from_x_y_ranges(rail.left()..=x(at), rail.y_range()), 1.5, palette.accent);
     let colour = theme::run_style(run.colour).colour;
-    let mut stage = usize::MAX;
+    let (mut stage, mut free_from) = (usize::MAX, f32::NEG_INFINITY);
     for (step, record) in run.steps.iter().enumerate() {
         let centre = pos2(x(step), rail.bottom() + 9.0);
         if record.accepted {
@@ -79,7 +79,12 @@ fn slider(ui: &mut Ui, intents: &mut Intents, index: usize, run: &Run, at: usize
             stage = record.stage;
             let font = theme::tick().resolve(ui.style());
             let label = run.stages.get(stage).map_or("", String::as_str);
-            painter.text(pos2(x(step), rail.top() - 4.0), Align2::LEFT_BOTTOM, label, font, palette.text2);
+            // A stage of a step or two leaves its neighbour no room for a word of its own.
+            if x(step) >= free_from {
+                let at = pos2(x(step), rail.top() - 4.0);
+                let text = painter.text(at, Align2::LEFT_BOTTOM, label, font, palette.text2);
+                free_from = text.right() + space::ROW;
+            }
         }
     }
     let response =

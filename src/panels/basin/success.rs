@@ -81,7 +81,7 @@ fn plot(ui: &mut Ui, result: &AnglesResult, area: Vec2) {
         .x_axis_formatter(|mark, _| format!("{}°", format::number(mark.value, 0)))
         .y_axis_formatter(|mark, _| format!("{} %", format::number(mark.value, 0)))
         .show(ui, |plot| {
-            plot.set_plot_bounds_x(0.0..=last + 2.5);
+            plot.set_plot_bounds_x(0.0..=1.1 * last);
             plot.set_plot_bounds_y(-4.0..=106.0);
             for choice in 0..result.report.choices.len() {
                 draw(plot, result, choice);
