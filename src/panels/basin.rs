@@ -53,12 +53,10 @@ fn head(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
     };
     row(ui, &mut |ui| {
         ui.label(RichText::new("Basin").size(14.0));
-        if is_narrow {
-            progress(ui, showing.basin);
-            return;
+        if !is_narrow {
+            ui.add_space(space::ROW);
+            controls(ui, showing, intents);
         }
-        ui.add_space(space::ROW);
-        controls(ui, showing, intents);
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
             ui.add_space(HEADER_BUTTONS);
             export(ui, showing.basin, intents);
@@ -66,10 +64,7 @@ fn head(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
         });
     });
     if is_narrow {
-        row(ui, &mut |ui| {
-            controls(ui, showing, intents);
-            export(ui, showing.basin, intents);
-        });
+        row(ui, &mut |ui| controls(ui, showing, intents));
     }
 }
 
