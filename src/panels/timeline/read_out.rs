@@ -63,10 +63,11 @@ pub(super) fn ui(ui: &Ui, showing: &Showing<'_>, frame: usize, at: Pos2) {
 /// Why the tracker calls a frame lost.
 fn lost_words(iou: Option<f64>) -> String {
     match iou {
-        Some(_) => {
+        Some(iou) if iou < LOST_BELOW_IOU => {
             let least = format::number(LOST_BELOW_IOU, 1);
             format!("Lost: hardly any overlap with the silhouettes (IoU below {least})")
         }
+        Some(_) => "Lost: the residual is far above the usual one; a limb may be elsewhere".to_owned(),
         None => "Lost: no silhouettes".to_owned(),
     }
 }
