@@ -13,11 +13,11 @@ use crate::worker::Observed;
 
 /// Farthest that a joint sways at first, millimetres, and the ends of its slider.
 const AMPLITUDE_MM: f64 = 60.0;
-/// See [`AMPLITUDE_MM`].
+/// How far the joint that moves most may sway to either side, millimetres.
 pub const AMPLITUDES_MM: [f64; 2] = [5.0, 300.0];
 /// Sways a second at first, and the ends of their slider.
 const SPEED: f64 = 0.4;
-/// See [`SPEED`].
+/// How fast the body may sway.
 pub const SPEEDS: [f64; 2] = [0.1, 2.0];
 /// A joint that turns and moves nothing turns this far for every 60 mm of the slider, radians.
 const TURN_AT_60_MM: f64 = 0.6;

@@ -52,7 +52,7 @@ pub struct Direction {
     /// How far the root moves for one unit of it, metres.
     pub root_move: DVec3,
     /// How far each joint moves for one unit of it, metres, by the limb whose second joint it is; see
-    /// [`articulated_joints`](super::uncertainty::articulated_joints).
+    /// [`articulated_joints`].
     pub joint_moves: Vec<(usize, DVec3)>,
     /// Standard deviation along it, in units of `step`; infinite for null ones.
     pub deviation: f64,
