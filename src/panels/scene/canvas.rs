@@ -19,6 +19,8 @@ use crate::widgets::image_canvas::cached_texture;
 const PICTURE_SIDE: f32 = 120.0;
 /// Longest side of the scene's picture, in pixels: beyond that it is stretched.
 const LONGEST: f32 = 1400.0;
+/// Side of the picture of what goes on by itself, as a share of the whole one's.
+const LIVE_SHARE: f32 = 0.5;
 
 /// Draws the scene where it has changed. What `moves`, or belongs to a run that goes on, is drawn as a draft.
 pub(super) fn show(ui: &Ui, showing: &Showing<'_>, stage: &Stage, contents: &Contents, moves: bool) {
@@ -26,7 +28,9 @@ pub(super) fn show(ui: &Ui, showing: &Showing<'_>, stage: &Stage, contents: &Con
         moves || showing.busy.fitting || showing.busy.tracking || showing.time.playback.is_playing();
     let is_draft = is_live || stage.ray.is_some() || showing.observing.is_playing();
     let size = stage.picture.size() * ui.pixels_per_point();
-    let shrink = (LONGEST / size.max_elem()).min(1.0);
+    // Films and runs draw it anew many times a second beside four other pictures.
+    let coarseness = if is_live { LIVE_SHARE } else { 1.0 };
+    let shrink = coarseness * (LONGEST / size.max_elem()).min(1.0);
     let [width, height] = [size.x, size.y].map(|side| (side * shrink).round().max(1.0) as u32);
     let frame = showing.session.shown_frame(showing.selection.frame);
     let shows_pictures = showing.look.scene.pictures && !contents.frusta.is_empty();
@@ -35,7 +39,8 @@ pub(super) fn show(ui: &Ui, showing: &Showing<'_>, stage: &Stage, contents: &Con
     key = egui::util::hash((key, Fingerprint(&contents.scene), EyePrint(&stage.eye)));
     let texture = cached_texture(ui.ctx(), ui.scope_id().with("scene texture"), key, false, || {
         let pictures = images.as_ref().map_or_else(Vec::new, |images| on_frusta(&contents.frusta, images));
-        let scene = Scene { pictures, ..contents.scene.clone() };
+        let mut scene = Scene { pictures, ..contents.scene.clone() };
+        scene.lines.iter_mut().for_each(|line| line.width_px *= f64::from(coarseness));
         let mut frame =
             if is_draft { SceneFrame::draft(width, height) } else { SceneFrame::new(width, height) };
         frame.draw(&stage.eye, PICTURE_GROUND, &scene);
