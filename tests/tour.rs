@@ -6,6 +6,8 @@
 mod app_window;
 #[path = "support/snapshots.rs"]
 mod snapshots;
+#[path = "support/storage.rs"]
+mod storage;
 mod support;
 
 use std::time::Instant;
@@ -21,6 +23,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use image::imageops::crop_imm;
 use snapshots::{Snapshots, theme_name};
+use storage::Storage;
 
 fn open(size: Vec2, theme: Theme, offers_tour: bool) -> Harness<'static, App> {
     let look = Look { theme, ..Look::default() };
@@ -207,24 +210,4 @@ fn part(snapshots: &mut Snapshots, harness: &mut Harness<'_, App>, label: &str, 
     let rect = harness.get_by_label(label).rect().expand2(vec2(60.0, 16.0)).round();
     let [x, y] = [rect.left().max(0.0) as u32, rect.top().max(0.0) as u32];
     snapshots.picture(&crop_imm(&window, x, y, rect.width() as u32, rect.height() as u32).to_image(), name);
-}
-
-/// What eframe keeps from start to start.
-#[derive(Default)]
-struct Storage(std::collections::BTreeMap<String, String>);
-
-impl eframe::Storage for Storage {
-    fn get_string(&self, key: &str) -> Option<String> {
-        self.0.get(key).cloned()
-    }
-
-    fn set_string(&mut self, key: &str, value: String) {
-        self.0.insert(key.to_owned(), value);
-    }
-
-    fn remove_string(&mut self, key: &str) {
-        self.0.remove(key);
-    }
-
-    fn flush(&mut self) {}
 }

@@ -4,11 +4,12 @@
 
 #[path = "support/app_window.rs"]
 mod app_window;
+#[path = "support/storage.rs"]
+mod storage;
 mod support;
 #[path = "support/take.rs"]
 mod take;
 
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
@@ -21,6 +22,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
 use app_window::{PATIENCE, click, open_sized, press, settle};
+use storage::Storage;
 
 fn open(options: AppOptions) -> Harness<'static, App> {
     open_sized(options, vec2(1500.0, 900.0))
@@ -267,26 +269,6 @@ fn unsaved_work_is_offered_at_the_next_start() {
     assert_ne!(*harness.state().document(), left);
     let again = open(options(None));
     assert!(again.query_by_role_and_label(Role::Button, "Restore").is_none());
-}
-
-/// What eframe keeps from start to start.
-#[derive(Default)]
-struct Storage(BTreeMap<String, String>);
-
-impl eframe::Storage for Storage {
-    fn get_string(&self, key: &str) -> Option<String> {
-        self.0.get(key).cloned()
-    }
-
-    fn set_string(&mut self, key: &str, value: String) {
-        self.0.insert(key.to_owned(), value);
-    }
-
-    fn remove_string(&mut self, key: &str) {
-        self.0.remove(key);
-    }
-
-    fn flush(&mut self) {}
 }
 
 #[test]

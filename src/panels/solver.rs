@@ -12,8 +12,8 @@ use super::words::{self, preset_like};
 use crate::action::Action;
 use crate::edit::Edit;
 use crate::showing::{Intents, Showing};
-use crate::theme::{self, size, space};
-use crate::widgets::{number_field, row_name, section, segmented};
+use crate::theme;
+use crate::widgets::{hint, named_row, number_field, section, segmented};
 
 /// Width of the names in this section.
 const NAME: f32 = 78.0;
@@ -89,17 +89,7 @@ pub(super) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open
 }
 
 fn row(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
-    ui.horizontal(|ui| {
-        ui.set_min_height(size::BUTTON);
-        ui.spacing_mut().item_spacing.x = space::ROW;
-        row_name(ui, name, NAME);
-        contents(ui);
-    });
-}
-
-/// What a field is about, behind it.
-fn hint(ui: &mut Ui, text: &str) {
-    ui.label(RichText::new(text).small().color(theme::palette(ui).text3));
+    named_row(ui, name, NAME, contents);
 }
 
 /// Fields cannot go below zero.

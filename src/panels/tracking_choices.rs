@@ -1,14 +1,13 @@
 //! The choices of tracking, in the Solver section: how motion is carried on, and when other poses are looked for.
 
 use backlit_tracking::track::Search;
-use egui::{RichText, Ui};
+use egui::Ui;
 
 use super::toolbar::choice;
 use crate::edit::Edit;
 use crate::showing::{Intents, Showing};
-use crate::theme::{self, size, space};
 use crate::tracking_choices::Following;
-use crate::widgets::{number_field, row_name};
+use crate::widgets::{hint, named_row, number_field};
 
 /// Width of the names, as in the rest of the section.
 const NAME: f32 = 78.0;
@@ -88,14 +87,5 @@ fn motion(ui: &mut Ui, motion: Following) -> Following {
 }
 
 fn row(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
-    ui.horizontal(|ui| {
-        ui.set_min_height(size::BUTTON);
-        ui.spacing_mut().item_spacing.x = space::ROW;
-        row_name(ui, name, NAME);
-        contents(ui);
-    });
-}
-
-fn hint(ui: &mut Ui, text: &str) {
-    ui.label(RichText::new(text).small().color(theme::palette(ui).text3));
+    named_row(ui, name, NAME, contents);
 }

@@ -15,6 +15,7 @@ mod segmented;
 mod size_handles;
 mod slider;
 mod slider_row;
+mod still_plot;
 mod text_field;
 
 pub use badge::{camera_badge, paint_camera_badge};
@@ -29,5 +30,6 @@ pub use section::{named_section, section};
 pub use segmented::segmented;
 pub use size_handles::SizeHandles;
 pub use slider::ValueSlider;
-pub use slider_row::{SliderRow, number_field, row_name};
+pub use slider_row::{SliderRow, hint, named_row, number_field, row_name};
+pub use still_plot::still_plot;
 pub use text_field::text_field;

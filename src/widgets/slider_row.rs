@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use egui::{CornerRadius, DragValue, Response, Sense, TextStyle, Ui, vec2};
+use egui::{CornerRadius, DragValue, Response, RichText, Sense, TextStyle, Ui, vec2};
 
 use super::slider::ValueSlider;
 use crate::format;
@@ -75,6 +75,21 @@ pub fn row_name(ui: &mut Ui, name: &str, width: f32) {
     let (rect, _) = ui.allocate_exact_size(vec2(width, size::ROW), Sense::hover());
     let font = TextStyle::Body.resolve(ui.style());
     ui.painter().text(rect.left_center(), egui::Align2::LEFT_CENTER, name, font, palette.text2);
+}
+
+/// A row of a section: its name, `width` points wide, and what can be chosen.
+pub fn named_row(ui: &mut Ui, name: &str, width: f32, contents: impl FnOnce(&mut Ui)) {
+    ui.horizontal(|ui| {
+        ui.set_min_height(size::BUTTON);
+        ui.spacing_mut().item_spacing.x = space::ROW;
+        row_name(ui, name, width);
+        contents(ui);
+    });
+}
+
+/// What a field is about, or its unit, small behind it.
+pub fn hint(ui: &mut Ui, text: &str) {
+    ui.label(RichText::new(text).small().color(theme::palette(ui).text3));
 }
 
 /// A field for a number, named for screen readers: drag, or click and type.

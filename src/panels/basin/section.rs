@@ -16,7 +16,7 @@ use crate::panels::toolbar::choice;
 use crate::panels::words;
 use crate::showing::{Intents, Request, Showing};
 use crate::theme::{self, run_style, size, space};
-use crate::widgets::{Icon, icon_button, number_field, row_name, section, segmented};
+use crate::widgets::{Icon, hint, icon_button, named_row, number_field, section, segmented};
 
 /// Width of the names in this section.
 const NAME: f32 = 64.0;
@@ -65,16 +65,7 @@ fn summary(basin: &BasinState) -> String {
 }
 
 fn row(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
-    ui.horizontal(|ui| {
-        ui.set_min_height(size::BUTTON);
-        ui.spacing_mut().item_spacing.x = space::ROW;
-        row_name(ui, name, NAME);
-        contents(ui);
-    });
-}
-
-fn unit(ui: &mut Ui, text: &str) {
-    ui.label(RichText::new(text).small().color(theme::palette(ui).text3));
+    named_row(ui, name, NAME, contents);
 }
 
 fn starts(ui: &mut Ui, showing: &Showing<'_>, settings: &mut BasinSettings) {
@@ -115,7 +106,7 @@ fn starts(ui: &mut Ui, showing: &Showing<'_>, settings: &mut BasinSettings) {
         number_field(ui, "Starts of each angle", &mut starts, 0, "", 1.0, FIELD)
             .on_hover_text("How many starts of each angle; more make the bars shorter");
         settings.starts = (starts.round() as usize).clamp(1, MOST_STARTS);
-        unit(ui, "seed");
+        hint(ui, "seed");
         let mut seed = settings.seed as f64;
         number_field(ui, "Seed", &mut seed, 0, "", 1.0, FIELD)
             .on_hover_text("The same seed draws the same starts");
@@ -134,7 +125,7 @@ fn list(ui: &mut Ui, name: &str, label: &str, text: &mut String, unit_text: &str
         let width = ui.available_width() - 28.0;
         let field = TextEdit::singleline(text).desired_width(width - 8.0).font(egui::TextStyle::Monospace);
         ui.name_inputs(label, |ui| ui.add(field)).on_hover_text(tooltip);
-        unit(ui, unit_text);
+        hint(ui, unit_text);
     });
 }
 

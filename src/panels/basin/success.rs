@@ -4,12 +4,13 @@ use backlit_tracking::experiment::frame_basin::LevelReport;
 use egui::{
     Align, Layout as Direction, RichText, Role, ScrollArea, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2,
 };
-use egui_plot::{GridMark, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, PlotUi, Points};
+use egui_plot::{GridMark, Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotUi, Points};
 
 use crate::basin::AnglesResult;
 use crate::format;
 use crate::theme::data_colours::mark;
 use crate::theme::{self, run_style, size, space};
+use crate::widgets::still_plot;
 
 /// Width of the counts beside the plot; where there is less than `FOLD` in all they stand below it, if there is
 /// `HIGH` enough.
@@ -62,17 +63,7 @@ fn plot(ui: &mut Ui, result: &AnglesResult, area: Vec2) {
     let palette = theme::palette(ui);
     let degrees: Vec<f64> = result.options.levels.iter().map(|level| f64::from(level.degrees)).collect();
     let last = degrees.iter().copied().fold(10.0, f64::max);
-    let response = Plot::new("basin plot")
-        .width(area.x)
-        .height(area.y.max(80.0))
-        .allow_drag(false)
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .allow_boxed_zoom(false)
-        .allow_double_click_reset(false)
-        .show_crosshair(false)
-        .label_formatter(|_| None)
-        .grid_color(palette.grid)
+    let response = still_plot("basin plot", vec2(area.x, area.y.max(80.0)), palette)
         .y_axis_min_width(44.0)
         .x_grid_spacer(move |_| degrees.iter().map(|&value| GridMark { value, step_size: last }).collect())
         .y_grid_spacer(|_| {

@@ -2,7 +2,7 @@
 
 use egui::{Pos2, Rect, RichText, Role, Ui, Vec2, WidgetInfo, pos2, vec2};
 use egui_plot::{
-    GridMark, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, PlotTransform, PlotUi, Points, VLine,
+    GridMark, Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotTransform, PlotUi, Points, VLine,
 };
 
 use super::read_out;
@@ -14,6 +14,7 @@ use crate::session::Run;
 use crate::showing::{Intents, Request, Showing};
 use crate::theme::data_colours::mark;
 use crate::theme::{self, Palette, run_style, size, space};
+use crate::widgets::still_plot;
 
 /// Room of the axis of heights, and the least that is left for the curves.
 const AXIS: f64 = 56.0;
@@ -96,17 +97,7 @@ pub(super) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, area
         shown.iter().map(|&(index, run)| Curve { index, run, points: points(run, look.quantity) }).collect();
     let current = showing.selection.step.or_else(|| newest(showing));
     let bounds = scale.bounds(f64::from(area.x), f64::from(if names { NAMES } else { FIGURES }));
-    let response = Plot::new("convergence plot")
-        .width(area.x)
-        .height(area.y)
-        .allow_drag(false)
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .allow_boxed_zoom(false)
-        .allow_double_click_reset(false)
-        .show_crosshair(false)
-        .label_formatter(|_| None)
-        .grid_color(palette.grid)
+    let response = still_plot("convergence plot", area, palette)
         .y_axis_min_width(52.0)
         .x_grid_spacer(step_marks)
         .y_grid_spacer(move |input| if look.is_log { decade_marks(input) } else { even_marks(input) })

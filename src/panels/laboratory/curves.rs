@@ -1,9 +1,7 @@
 //! The plot of all fits: percent of the start against the step. A click or a drag goes to that step.
 
 use egui::{Align, Align2, Layout as Direction, Pos2, Rect, RichText, Role, Stroke, Ui, pos2, vec2};
-use egui_plot::{
-    Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, PlotTransform, PlotUi, Points, VLine,
-};
+use egui_plot::{Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotTransform, PlotUi, Points, VLine};
 
 use super::{Bench, named};
 use crate::format;
@@ -15,7 +13,7 @@ use crate::plot::marks::{decade_marks, even_marks};
 use crate::showing::{Intents, Request};
 use crate::theme::data_colours::mark;
 use crate::theme::{self, run_style, size};
-use crate::widgets::segmented;
+use crate::widgets::{segmented, still_plot};
 
 /// Height of the row above the plot.
 const HEAD: f32 = 30.0;
@@ -95,17 +93,7 @@ fn plot(ui: &mut Ui, bench: &Bench<'_>, intents: &mut Intents, is_log: bool, are
         let decimals = if value >= 1.0 || value <= 0.0 { 0 } else { (-value.log10()).ceil() as usize };
         format!("{} %", format::number(value, decimals.min(4)))
     };
-    let response = Plot::new("laboratory plot")
-        .width(area.x)
-        .height(area.y)
-        .allow_drag(false)
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .allow_boxed_zoom(false)
-        .allow_double_click_reset(false)
-        .show_crosshair(false)
-        .label_formatter(|_| None)
-        .grid_color(palette.grid)
+    let response = still_plot("laboratory plot", area, palette)
         .y_axis_min_width(44.0)
         .x_grid_spacer(step_marks)
         .y_grid_spacer(move |input| if is_log { decade_marks(input) } else { even_marks(input) })
