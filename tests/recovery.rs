@@ -6,7 +6,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
 
 #[expect(dead_code, reason = "the take's files are all that is wanted here")]
-#[path = "support/take.rs"]
+#[path = "window/support/take.rs"]
 mod take;
 
 use std::fs::File;

@@ -7,6 +7,7 @@ mod fit;
 mod fit_body;
 mod golden;
 mod observability;
+mod real_footage;
 mod render;
 mod scene;
 mod screenshot;

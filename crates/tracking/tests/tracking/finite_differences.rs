@@ -1,0 +1,338 @@
+//! ∂Λ/∂X against central differences of Λ: every renderer × ramp × parametrisation × camera.
+//!
+//! All mismatches are reported at once by renderer, ramp, parametrisation, camera, limb, column and pixel.
+//! Pixels at a kink (the winner changes or the ramp clips within the difference step) are skipped, and few are.
+
+use backlit_tracking::body::{Kinematics, LimbSphere, Model, ModelSpec, Parameters, Pose, builtin};
+use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::optimize::gradient_check::{DifferenceOptions, GradientCheck, check_jacobian};
+use backlit_tracking::render::{Ramp, RendererKind, View, dense_jacobian, prediction};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Largest share of derivatives that may lie at a kink.
+const MOST_SKIPPED: f64 = 0.001;
+/// The same where limbs reach the camera: their candidates end at its plane.
+const MOST_SKIPPED_ACROSS: f64 = 0.01;
+/// The same where a single pixel may be the kink.
+const MOST_SKIPPED_THIN: f64 = 0.2;
+/// The same where rays run along the axis, between the two ends.
+const MOST_SKIPPED_END_ON: f64 = 0.02;
+
+const RAMPS: [Ramp; 4] =
+    [Ramp::Thesis, Ramp::Half, Ramp::Width { px: 0.6 }, Ramp::Distance { inner_px: 0.5, outer_px: 2.0 }];
+
+const LENS: Distortion = Distortion::OpenCv { k1: -0.2, k2: 0.06, p1: 2e-3, p2: -1e-3, k3: 0.01 };
+
+fn camera(distortion: Distortion, size: [u64; 2]) -> Camera {
+    let place = CameraFromWorld::looking_at(
+        DVec3::new(1.3, 0.6, 2.0),
+        DVec3::new(0.05, 0.25, 0.0),
+        DVec3::new(0.1, 1.0, 0.0),
+    );
+    let (width, height) = (size[0] as f64, size[1] as f64);
+    let focal = 1.6 * width;
+    let intrinsics =
+        Intrinsics { fx: focal, fy: 1.05 * focal, cx: 0.5 * width - 0.3, cy: 0.5 * height - 0.6 };
+    Camera::new("camera", size, intrinsics, distortion, place).unwrap()
+}
+
+/// The upper body with three spheres of their own in every limb, off the axis and of different sizes.
+fn body_with_own_spheres() -> Model {
+    let mut spec: ModelSpec = builtin::upper_body().to_spec();
+    for limb in &mut spec.limbs {
+        let radius = limb.radius;
+        limb.spheres =
+            [(0.1, 0.9, [0.2, 0.0, -0.3]), (0.5, 1.2, [-0.3, 0.2, 0.1]), (0.95, 0.7, [0.0, 0.4, 0.2])]
+                .map(|(at, scale, offset)| LimbSphere {
+                    at,
+                    radius: scale * radius,
+                    offset: DVec3::from(offset) * radius,
+                })
+                .to_vec();
+    }
+    Model::new(&spec).unwrap()
+}
+
+/// A bent pose; raw quaternions are not of unit length.
+fn pose(model: &Model, parameters: Parameters) -> Pose {
+    let mut state = Pose::rest(model).to_state();
+    for (i, value) in state.iter_mut().enumerate() {
+        *value += if i < 3 { 0.03 } else { 0.16 } * (i as f64 * 2.3).sin();
+    }
+    let pose = Pose::from_state(model, &state).unwrap();
+    if parameters == Parameters::Raw { pose } else { pose.normalized() }
+}
+
+/// "torso x", "right forearm ω y" …: what a column of the state moves.
+fn column_name(model: &Model, parameters: Parameters, column: usize) -> String {
+    if column < 3 {
+        return format!("root {}", ["x", "y", "z"][column]);
+    }
+    let (rotation, part) =
+        ((column - 3) / parameters.per_rotation(), (column - 3) % parameters.per_rotation());
+    let part = match parameters {
+        Parameters::Raw => ["w", "x", "y", "z"][part],
+        Parameters::Tangent => ["ω x", "ω y", "ω z"][part],
+    };
+    format!("{} {part}", model.limbs()[model.rotation_owners()[rotation]].name)
+}
+
+struct Case<'a> {
+    name: String,
+    model: &'a Model,
+    /// Where the limbs are.
+    pose: Pose,
+    renderer: RendererKind,
+    ramp: Ramp,
+    parameters: Parameters,
+    camera: &'a Camera,
+}
+
+impl Case<'_> {
+    /// How many pixels have a gradient.
+    fn active(&self) -> usize {
+        let Case { model, renderer, ramp, parameters, camera, ref pose, .. } = *self;
+        let kinematics = Kinematics::new(model, pose);
+        let view = View::new(model, &kinematics, camera, renderer, ramp);
+        let jacobian = dense_jacobian(&view, &kinematics, camera, parameters);
+        jacobian.row_iter().filter(|row| row.amax() > 0.0).count()
+    }
+
+    fn check(&self) -> GradientCheck {
+        let Case { model, renderer, ramp, parameters, camera, ref pose, .. } = *self;
+        let mut kinematics = Kinematics::new(model, pose);
+        let mut view = View::new(model, &kinematics, camera, renderer, ramp);
+        let jacobian = dense_jacobian(&view, &kinematics, camera, parameters);
+        let owners = prediction::Prediction::of(&view).owner;
+        let name = |pixel: usize, column: usize| {
+            let limb = model.limbs().get(usize::from(owners[pixel])).map_or("none", |limb| &limb.name);
+            let (x, y) = (pixel % camera.width(), pixel / camera.width());
+            let column = column_name(model, parameters, column);
+            format!("{}, limb {limb}, column {column}, pixel ({x}, {y})", self.name)
+        };
+        let levels = |column: usize, offset: f64| {
+            kinematics.update(model, &pose.nudged(parameters, column, offset));
+            view.prepare(model, &kinematics, camera, renderer, ramp);
+            prediction::levels(&view)
+        };
+        let options = DifferenceOptions { tolerance: 1e-5, ..DifferenceOptions::default() };
+        check_jacobian(&jacobian, levels, name, &options)
+    }
+}
+
+fn renderers<'a>(plain: &'a Model, own: &'a Model) -> [(&'static str, &'a Model, RendererKind); 4] {
+    [
+        ("cylinder", plain, RendererKind::Cylinder),
+        ("capsule", plain, RendererKind::Capsule),
+        ("equal spheres", plain, RendererKind::SphereTree { spheres: Some(5) }),
+        ("own spheres", own, RendererKind::SphereTree { spheres: None }),
+    ]
+}
+
+/// Checks all cases and only then complains, of all at once.
+fn assert_all_match(cases: &[Case], most_skipped: f64) {
+    let checks: Vec<GradientCheck> = cases.par_iter().map(Case::check).collect();
+    for (case, check) in cases.iter().zip(&checks) {
+        assert!(check.skipped_share() < most_skipped, "{}: {check}", case.name);
+    }
+    let mut all = GradientCheck::default();
+    checks.into_iter().for_each(|check| all += check);
+    assert!(all.passes(), "{all}");
+}
+
+#[test]
+fn jacobians_match_differences() {
+    let plain = builtin::upper_body();
+    let own = body_with_own_spheres();
+    let renderers = renderers(&plain, &own);
+    let cameras = [("pinhole", camera(Distortion::None, [44, 36])), ("lens", camera(LENS, [44, 36]))];
+    let mut cases = Vec::new();
+    for (shape, model, renderer) in renderers {
+        for ramp in RAMPS {
+            for parameters in [Parameters::Raw, Parameters::Tangent] {
+                for (lens, camera) in &cameras {
+                    let name = format!("{shape}, {ramp}, {parameters:?}, {lens}");
+                    let pose = pose(model, parameters);
+                    cases.push(Case { name, model, pose, renderer, ramp, parameters, camera });
+                }
+            }
+        }
+    }
+    for case in &cases {
+        assert!(case.active() > 60, "{}: only {} pixels have a gradient", case.name, case.active());
+    }
+    assert_all_match(&cases, MOST_SKIPPED);
+}
+
+/// Limbs behind the camera, across its plane and around its centre, through a pinhole and a lens.
+#[test]
+fn jacobians_match_differences_of_limbs_across_the_camera() {
+    let (plain, own) = (builtin::upper_body(), body_with_own_spheres());
+    let cameras = [("pinhole", camera(Distortion::None, [20, 16])), ("lens", camera(LENS, [20, 16]))];
+    let mut cases = Vec::new();
+    for (shape, model, renderer) in renderers(&plain, &own) {
+        for ramp in RAMPS {
+            for parameters in [Parameters::Raw, Parameters::Tangent] {
+                for (lens, camera) in &cameras {
+                    let (centre, axis) =
+                        (camera.centre(), camera.camera_from_world().rotation.transpose().z_axis);
+                    for depth in [-0.2, 0.02, 0.3, 0.55, 0.8] {
+                        let name = format!("{shape}, {ramp}, {parameters:?}, {lens}, root at {depth} m");
+                        let pose = Pose { root: centre + axis * depth, ..pose(model, parameters) };
+                        cases.push(Case { name, model, pose, renderer, ramp, parameters, camera });
+                    }
+                }
+            }
+        }
+    }
+    let seen = cases.iter().filter(|case| case.active() > 20).count();
+    assert!(3 * seen > cases.len(), "only {seen} of {} see a limb", cases.len());
+    assert_all_match(&cases, MOST_SKIPPED_ACROSS);
+}
+
+/// Pictures of one pixel, one column and one row.
+#[test]
+fn jacobians_match_differences_in_thin_pictures() {
+    let (plain, own) = (builtin::upper_body(), body_with_own_spheres());
+    let mut cases = Vec::new();
+    let cameras: Vec<Camera> = [[1, 1], [1, 40], [40, 1], [2, 3]]
+        .into_iter()
+        .flat_map(|size| {
+            [Distortion::None, LENS].map(|lens| {
+                // A pixel sees what forty do.
+                let camera = camera(lens, size);
+                let k = *camera.intrinsics();
+                let scale = 44.0 / size[0].max(size[1]) as f64;
+                let intrinsics = Intrinsics { fx: k.fx.max(k.fy) / scale, fy: k.fx.max(k.fy) / scale, ..k };
+                Camera::new("thin", size, intrinsics, lens, *camera.camera_from_world()).unwrap()
+            })
+        })
+        .collect();
+    for (shape, model, renderer) in renderers(&plain, &own) {
+        for ramp in RAMPS {
+            for parameters in [Parameters::Raw, Parameters::Tangent] {
+                for camera in &cameras {
+                    let size = (camera.width(), camera.height());
+                    let across = camera.camera_from_world().rotation.transpose().x_axis;
+                    for shift in [0.0, 0.06, 0.1] {
+                        let mut pose = pose(model, parameters);
+                        pose.root += across * shift;
+                        let lens = camera.distortion();
+                        let name =
+                            format!("{shape}, {ramp}, {parameters:?}, {size:?}, {lens:?}, {shift} m aside");
+                        cases.push(Case { name, model, pose, renderer, ramp, parameters, camera });
+                    }
+                }
+            }
+        }
+    }
+    let seen = cases.iter().filter(|case| case.active() > 0).count();
+    assert!(3 * seen > cases.len(), "only {seen} of {} see a limb", cases.len());
+    assert_all_match(&cases, MOST_SKIPPED_THIN);
+}
+
+/// A limb seen end on: the middle rays run along its axis, the others nearly so.
+#[test]
+fn jacobians_match_differences_of_axes_parallel_to_a_ray() {
+    let model = builtin::single_limb();
+    let mut cases = Vec::new();
+    let direction = model.limbs()[0].direction;
+    let aside = direction.any_orthonormal_vector();
+    let intrinsics = Intrinsics { fx: 40.0, fy: 40.0, cx: 10.0, cy: 8.0 };
+    let place = CameraFromWorld::looking_at(DVec3::ZERO, direction, aside);
+    let cameras = [Distortion::None, LENS]
+        .map(|lens| Camera::new("end on", [21, 17], intrinsics, lens, place).unwrap());
+    let spheres = RendererKind::SphereTree { spheres: Some(3) };
+    for renderer in [RendererKind::Cylinder, RendererKind::Capsule, spheres] {
+        for ramp in RAMPS {
+            for parameters in [Parameters::Raw, Parameters::Tangent] {
+                for camera in &cameras {
+                    for (depth, shift) in [(0.6, 0.0), (0.6, 0.04), (1.5, 0.0), (1.5, 0.04)] {
+                        let root = direction * depth + aside * shift;
+                        let pose = Pose { root, ..Pose::rest(&model) };
+                        let name = format!(
+                            "{renderer}, {ramp}, {parameters:?}, {:?}, {depth} m before and {shift} m aside",
+                            camera.distortion()
+                        );
+                        cases.push(Case { name, model: &model, pose, renderer, ramp, parameters, camera });
+                    }
+                }
+            }
+        }
+    }
+    assert_all_match(&cases, MOST_SKIPPED_END_ON);
+}
+
+/// Whatever the pose and the picture, every level and derivative is a number.
+fn assert_finite(name: &str, model: &Model, pose: &Pose, camera: &Camera, failures: &mut Vec<String>) {
+    let kinematics = Kinematics::new(model, pose);
+    let renderers = [
+        RendererKind::Cylinder,
+        RendererKind::Capsule,
+        RendererKind::SphereTree { spheres: None },
+        RendererKind::SphereTree { spheres: Some(1) },
+    ];
+    for renderer in renderers {
+        for ramp in RAMPS {
+            let view = View::new(model, &kinematics, camera, renderer, ramp);
+            let drawn = prediction::Prediction::of(&view);
+            let case = format!("{name}, {renderer}, {ramp}");
+            if !prediction::levels(&view).iter().all(|level| (0.0..=255.0).contains(level)) {
+                failures.push(format!("{case}: a level is none"));
+            }
+            if drawn.lambda.iter().chain(&drawn.depth).chain(&drawn.distance_over_radius).any(|x| x.is_nan())
+            {
+                failures.push(format!("{case}: the picture has NaN"));
+            }
+            for parameters in [Parameters::Raw, Parameters::Tangent] {
+                let jacobian = dense_jacobian(&view, &kinematics, camera, parameters);
+                if !jacobian.iter().all(|x| x.is_finite()) {
+                    failures.push(format!("{case}, {parameters:?}: a derivative is not finite"));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn odd_views_hold_no_nan() {
+    let mut failures = Vec::new();
+    let (arm, body) = (builtin::single_limb(), builtin::upper_body());
+    let own = body_with_own_spheres();
+    let folding = Distortion::OpenCv { k1: -1.5, k2: 0.0, p1: 0.0, p2: 0.0, k3: 0.0 };
+    for (lens, distortion) in [("pinhole", Distortion::None), ("lens", LENS), ("folding lens", folding)] {
+        for size in [[1, 1], [1, 7], [9, 1], [12, 9]] {
+            let camera = camera(distortion, size);
+            let (centre, axis) = (camera.centre(), camera.camera_from_world().rotation.transpose().z_axis);
+            for (model_name, model) in [("single limb", &arm), ("upper body", &body), ("own spheres", &own)] {
+                let rest = pose(model, Parameters::Raw);
+                // Behind, through and before the camera; exactly in its centre and on its axis too.
+                for depth in [-3.0, -0.5, -0.1, 0.0, 0.05, 0.3, 2.0] {
+                    let moved = Pose { root: centre + axis * depth, rotations: rest.rotations.clone() };
+                    let name = format!("{lens}, {size:?}, {model_name} at {depth} m");
+                    assert_finite(&name, model, &moved, &camera, &mut failures);
+                }
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+#[test]
+fn axes_parallel_to_a_ray_hold_no_nan() {
+    let mut failures = Vec::new();
+    let model = builtin::single_limb();
+    let direction = model.limbs()[0].direction;
+    // Odd sizes and a principal point on a pixel: the middle ray is the optical axis.
+    let intrinsics = Intrinsics { fx: 20.0, fy: 20.0, cx: 4.0, cy: 3.0 };
+    let place = CameraFromWorld::looking_at(DVec3::ZERO, direction, direction.any_orthonormal_vector());
+    let camera = Camera::new("end on", [9, 7], intrinsics, Distortion::None, place).unwrap();
+    for offset in [-1.0, -0.2, 0.0, 0.5, 2.0] {
+        for aside in [DVec3::ZERO, direction.any_orthonormal_vector() * 0.03] {
+            let pose = Pose { root: direction * offset + aside, ..Pose::rest(&model) };
+            assert_finite(&format!("end on at {offset} m"), &model, &pose, &camera, &mut failures);
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}

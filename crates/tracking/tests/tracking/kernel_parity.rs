@@ -1,0 +1,254 @@
+//! The lanes against the reference kernel: costs and wrench blocks, for every ramp, stride and odd view.
+
+use backlit_tracking::body::{Kinematics, LimbSphere, Model, Parameters, Pose, builtin};
+use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::optimize::NormalEquations;
+use backlit_tracking::render::kernels::lanes::Lanes;
+use backlit_tracking::render::kernels::scalar::RowWinners;
+use backlit_tracking::render::wrench::WrenchBlock;
+use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
+use backlit_tracking::residual::silhouette::{KernelMemory, SampledData, WorldBlocks};
+use backlit_tracking::silhouette::Measurement;
+use backlit_tracking::track::start;
+use glam::DVec3;
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::SeedableRng;
+
+const RAMPS: [Ramp; 6] = [
+    Ramp::Thesis,
+    Ramp::Half,
+    Ramp::Width { px: 2.0 },
+    Ramp::Width { px: 200.0 },
+    Ramp::Distance { inner_px: 2.0, outer_px: 3.0 },
+    Ramp::Distance { inner_px: 20.0, outer_px: 24.0 },
+];
+/// Difference of an entry of the normal equations from f32 lanes, over the largest.
+const EQUATION_TOLERANCE: f64 = 1e-4;
+/// The same where flat caps are seen: as a cap's plane turns edge-on its gradient grows without bound, and the
+/// rounding of the ray's own coordinates with it.
+const FLAT_CAP_TOLERANCE: f64 = 1e-3;
+/// Relative difference of the cost.
+const COST_TOLERANCE: f64 = 1e-5;
+
+fn camera(width: u64, height: u64, azimuth: f64, distance: f64) -> Camera {
+    let centre = DVec3::new(distance * azimuth.cos(), distance * azimuth.sin(), 0.3);
+    let place = CameraFromWorld::looking_at(centre, DVec3::new(0.0, 0.0, 0.1), DVec3::Z);
+    let f = 1.1 * width.max(height) as f64;
+    let pinhole =
+        Intrinsics { fx: f, fy: 1.02 * f, cx: 0.5 * width as f64 - 0.7, cy: 0.5 * height as f64 + 0.4 };
+    Camera::new("camera", [width, height], pinhole, Distortion::None, place).unwrap()
+}
+
+fn view(model: &Model, pose: &Pose, camera: &Camera, renderer: RendererKind, ramp: Ramp) -> View {
+    View::new(model, &Kinematics::new(model, pose), camera, renderer, ramp)
+}
+
+/// Two spheres a limb, of other radii than the limb's and off its axis.
+fn with_own_spheres(model: &Model) -> Model {
+    let mut spec = model.to_spec();
+    for limb in &mut spec.limbs {
+        let sphere = |at, scale, x| LimbSphere {
+            at,
+            radius: scale * limb.radius,
+            offset: DVec3::new(x, 0.02, -0.01) * limb.radius * 5.0,
+        };
+        limb.spheres = vec![sphere(0.2, 1.1, 0.05), sphere(0.8, 0.8, -0.04)];
+    }
+    Model::new(&spec).unwrap()
+}
+
+/// Another pose's picture with noise, and one pixel in eight without weight.
+fn data(model: &Model, camera: &Camera, ramp: Ramp, seed: u64) -> Measurement {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let pose = start::perturb(model, &Pose::rest(model), 0.2, 0.05, seed + 1000);
+    let levels = prediction::levels(&view(model, &pose, camera, RendererKind::Capsule, ramp));
+    let values = levels.iter().map(|level| (level + random.random_range(-5.0..5.0)).clamp(0.0, 255.0) as f32);
+    let values = values.collect();
+    let weights = (0..levels.len())
+        .map(|_| if random.random_range(0..8) == 0 { 0.0 } else { random.random_range(0.5..1.5) })
+        .collect();
+    Measurement::new(camera.width(), camera.height(), values, weights).unwrap()
+}
+
+/// The equations of one camera. Limbs that share a joint and a radius win its pixels together, to the bit in
+/// f64 and by chance in f32; which of them is named makes no difference to the state, so states are compared.
+fn equations(model: &Model, pose: &Pose, camera: &Camera, blocks: &[WrenchBlock]) -> NormalEquations {
+    let columns = Parameters::Raw.columns(model.rotation_count());
+    let mut world = WorldBlocks::new(model.limbs().len());
+    world.add(camera, blocks, 1.0);
+    let mut equations = NormalEquations::zeros(columns);
+    let kinematics = Kinematics::new(model, pose);
+    world.add_to(&kinematics, Parameters::Raw, &mut Vec::new(), &mut equations);
+    equations
+}
+
+fn compare(
+    name: &str,
+    model: &Model,
+    pose: &Pose,
+    camera: &Camera,
+    (renderer, ramp): (RendererKind, Ramp),
+    data: &SampledData,
+    failures: &mut Vec<String>,
+) {
+    let view = view(model, pose, camera, renderer, ramp);
+    let mut lanes = vec![WrenchBlock::default(); model.limbs().len()];
+    let mut scalar = lanes.clone();
+    let mut memory = KernelMemory::default();
+    // Twice with the same memory: the first call must leave nothing behind.
+    data.accumulate(&view, &mut memory, &mut lanes);
+    lanes.fill(WrenchBlock::default());
+    let lanes_cost = data.accumulate(&view, &mut memory, &mut lanes);
+    let scalar_cost = data.accumulate_scalar(&view, &mut RowWinners::default(), &mut scalar);
+    if (lanes_cost - scalar_cost).abs() > COST_TOLERANCE * scalar_cost.max(1.0) {
+        failures.push(format!("{name}: cost {lanes_cost} instead of {scalar_cost}"));
+    }
+    let tolerance = if renderer == RendererKind::Cylinder { FLAT_CAP_TOLERANCE } else { EQUATION_TOLERANCE };
+    let found = equations(model, pose, camera, &lanes);
+    let expected = equations(model, pose, camera, &scalar);
+    let scale = expected.jtj.diagonal().amax().max(1.0);
+    let worst = (&found.jtj - &expected.jtj).amax() / scale;
+    if worst > tolerance || !worst.is_finite() {
+        failures.push(format!("{name}: JᵀJ differs by {worst:.1e} of {scale:.3e}"));
+    }
+    let scale = (scale * scalar_cost.max(1.0)).sqrt();
+    let worst = (&found.jtr - &expected.jtr).amax() / scale;
+    if worst > tolerance || !worst.is_finite() {
+        failures.push(format!("{name}: Jᵀρ differs by {worst:.1e} of {scale:.3e}"));
+    }
+}
+
+#[test]
+fn lanes_are_the_scalar_kernel() {
+    let mut failures = Vec::new();
+    let mut taken = 0;
+    let capsule = RendererKind::Capsule;
+    let spheres = RendererKind::SphereTree { spheres: None };
+    for (model_name, model, renderer) in [
+        ("upper", builtin::upper_body(), capsule),
+        ("full", builtin::full_body(), capsule),
+        ("upper", builtin::upper_body(), RendererKind::Cylinder),
+        ("full", builtin::full_body(), RendererKind::Cylinder),
+        ("upper", builtin::upper_body(), spheres),
+        ("upper, own spheres", with_own_spheres(&builtin::upper_body()), spheres),
+    ] {
+        for (width, height) in [(97, 75), (192, 144), (40, 260), (1, 1), (3, 130)] {
+            for (index, ramp) in RAMPS.into_iter().enumerate() {
+                for stride in [1, 2, 3, 4] {
+                    let seed = (width * 7 + height * 3 + index as u64 * 11 + stride) % 97;
+                    let camera = camera(width, height, 0.7 * seed as f64, 3.0);
+                    let pose = start::perturb(&model, &Pose::rest(&model), 0.2, 0.05, seed);
+                    taken += usize::from(Lanes::can_take(&view(&model, &pose, &camera, renderer, ramp)));
+                    let data = SampledData::new(&data(&model, &camera, ramp, seed), stride as usize);
+                    let name = format!("{model_name} {width}×{height} {renderer} {ramp} stride {stride}");
+                    compare(&name, &model, &pose, &camera, (renderer, ramp), &data, &mut failures);
+                }
+            }
+        }
+    }
+    assert!(taken > 300, "only {taken} views were taken by the lanes");
+    assert!(failures.is_empty(), "{} mismatches:\n{}", failures.len(), failures.join("\n"));
+}
+
+/// Cameras among and in front of the limbs: whoever takes the view, the sums are those of the reference.
+#[test]
+fn near_and_crossing_limbs_are_the_scalar_kernel_too() {
+    let mut failures = Vec::new();
+    let model = builtin::upper_body();
+    for (index, distance) in [0.05, 0.2, 0.4, 0.6, 0.8, 1.2].into_iter().enumerate() {
+        for ramp in RAMPS {
+            let camera = camera(80, 60, 1.3 * index as f64, distance);
+            let pose = start::perturb(&model, &Pose::rest(&model), 0.3, 0.1, index as u64);
+            let data = SampledData::new(&data(&model, &camera, ramp, index as u64), 1);
+            compare(
+                &format!("{distance} m {ramp}"),
+                &model,
+                &pose,
+                &camera,
+                (RendererKind::Capsule, ramp),
+                &data,
+                &mut failures,
+            );
+        }
+    }
+    assert!(failures.is_empty(), "{} mismatches:\n{}", failures.len(), failures.join("\n"));
+}
+
+/// λ from the lanes, grey levels.
+const LEVEL_TOLERANCE: f64 = 5e-2;
+/// A pixel's row of the Jacobian from the lanes, over the largest row of the picture.
+const ROW_TOLERANCE: f64 = 2e-3;
+/// A datum this dark makes λ certain: cost = (λ + 255)².
+const BELOW_ALL: f32 = -255.0;
+/// Pixels whose winners or caps are so close that rounding decides, as a share of all.
+const MOST_TIES: f64 = 0.002;
+
+/// λ and its row of the Jacobian in one pixel, by a measurement in which no other pixel weighs anything.
+fn one_pixel(
+    model: &Model,
+    pose: &Pose,
+    camera: &Camera,
+    pixel: usize,
+    accumulate: impl FnOnce(&SampledData, &mut [WrenchBlock]) -> f64,
+) -> (f64, nalgebra::DVector<f64>) {
+    let pixels = camera.width() * camera.height();
+    let mut weights = vec![0.0; pixels];
+    weights[pixel] = 1.0;
+    let data = Measurement::new(camera.width(), camera.height(), vec![BELOW_ALL; pixels], weights).unwrap();
+    let mut blocks = vec![WrenchBlock::default(); model.limbs().len()];
+    let cost = accumulate(&SampledData::new(&data, 1), &mut blocks);
+    let level = cost.sqrt() + f64::from(BELOW_ALL);
+    let residual = f64::from(BELOW_ALL) - level;
+    (level, equations(model, pose, camera, &blocks).jtr / residual)
+}
+
+/// Pixel by pixel: the same pixels have a gradient, with the same level and the same row of the Jacobian.
+#[test]
+fn every_pixel_of_the_lanes_is_the_scalar_kernel_s() {
+    let mut failures = Vec::new();
+    let model = builtin::upper_body();
+    let own = with_own_spheres(&model);
+    let spheres = RendererKind::SphereTree { spheres: None };
+    for (model, renderer) in [
+        (&model, RendererKind::Capsule),
+        (&model, RendererKind::Cylinder),
+        (&model, spheres),
+        (&own, spheres),
+    ] {
+        for (seed, ramp) in RAMPS.into_iter().enumerate() {
+            let camera = camera(40, 30, 0.7 * seed as f64, 2.0);
+            let pose = start::perturb(model, &Pose::rest(model), 0.2, 0.05, seed as u64);
+            let view = view(model, &pose, &camera, renderer, ramp);
+            let name = format!("{renderer}, {} spheres of its own, {ramp}", model.limbs()[0].spheres.len());
+            let mut memory = KernelMemory::default();
+            let mut rows = Vec::new();
+            for pixel in 0..40 * 30 {
+                let fast = one_pixel(model, &pose, &camera, pixel, |data, blocks| {
+                    data.accumulate(&view, &mut memory, blocks)
+                });
+                let slow = one_pixel(model, &pose, &camera, pixel, |data, blocks| {
+                    data.accumulate_scalar(&view, &mut RowWinners::default(), blocks)
+                });
+                rows.push((fast, slow));
+            }
+            let scale = rows.iter().map(|(_, slow)| slow.1.amax()).fold(1.0, f64::max);
+            let mut ties = Vec::new();
+            for (pixel, ((fast_level, fast_row), (level, row))) in rows.iter().enumerate() {
+                let place = format!("{name}, pixel ({}, {})", pixel % 40, pixel / 40);
+                let same = (fast_level - level).abs() <= LEVEL_TOLERANCE;
+                if !same {
+                    failures.push(format!("{place}: λ is {fast_level} instead of {level}"));
+                }
+                let error = (fast_row - row).amax() / scale;
+                if error > ROW_TOLERANCE || !fast_row.iter().all(|x| x.is_finite()) {
+                    ties.push(format!("{place}: the Jacobian differs by {error:.1e}"));
+                }
+            }
+            if ties.len() as f64 > MOST_TIES * rows.len() as f64 {
+                failures.extend(ties);
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{} mismatches:\n{}", failures.len(), failures.join("\n"));
+}

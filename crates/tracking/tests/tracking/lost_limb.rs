@@ -1,0 +1,95 @@
+//! One limb that leaves its place between two frames: hardly any overlap is lost, yet the tracker notices by the cost,
+//! and finds the limb again in the same frame where it may search.
+
+use std::sync::Arc;
+
+use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
+use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::geometry::rotation;
+use backlit_tracking::render::{Ramp, RendererKind, predict};
+use backlit_tracking::silhouette::{Label, Mask};
+use backlit_tracking::track::lost::LOST_BELOW_IOU;
+use backlit_tracking::track::{Evidence, FitOptions, FitView, FrameEstimate, Lost, Preset, Search, Tracker};
+use glam::DVec3;
+
+/// The frame in which the arm is elsewhere.
+const JUMP: usize = 8;
+
+fn cameras() -> [Arc<Camera>; 2] {
+    [("front", DVec3::new(0.0, 0.0, 3.2)), ("right", DVec3::new(3.2, 0.0, 0.0))].map(|(name, at)| {
+        let intrinsics = Intrinsics { fx: 260.0, fy: 260.0, cx: 95.5, cy: 71.5 };
+        let middle = DVec3::new(0.0, 0.25, 0.0);
+        let place = CameraFromWorld::looking_at(at, middle, DVec3::NEG_Y);
+        Arc::new(Camera::new(name, [192, 144], intrinsics, Distortion::None, place).unwrap())
+    })
+}
+
+/// A body that sways a little; from [`JUMP`] on with one arm swung up, as after missing frames.
+fn truth(model: &Model, frame: usize) -> Pose {
+    let mut pose = Pose::rest(model);
+    pose.root.x += 0.004 * frame as f64;
+    if frame >= JUMP {
+        let arm = model.limbs()[model.limb_index("right upper arm").unwrap()].rotation;
+        pose.rotations[arm] = rotation::exp(DVec3::new(0.0, 0.0, -2.3)) * pose.rotations[arm];
+    }
+    pose
+}
+
+fn views(model: &Model, pose: &Pose) -> Vec<FitView> {
+    let kinematics = Kinematics::new(model, pose);
+    let view = |camera: Arc<Camera>| {
+        let drawn = predict(model, &kinematics, &camera, RendererKind::Capsule, Ramp::Half);
+        let label = |&level: &f32| if level < 127.5 { Label::Subject } else { Label::Background };
+        let mask = Mask::new(192, 144, drawn.lambda.iter().map(label).collect()).unwrap();
+        FitView { camera, evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
+    };
+    cameras().into_iter().map(view).collect()
+}
+
+fn track(search: Search) -> (Arc<Model>, Vec<FrameEstimate>) {
+    let model = Arc::new(builtin::upper_body());
+    let options = FitOptions::preset(Preset::Robust);
+    let tracker = Tracker::new(Arc::clone(&model), options, truth(&model, 0)).unwrap();
+    let mut tracker = tracker.with_search(search);
+    let frames = (0..JUMP + 3).map(|frame| {
+        tracker.track_frame(frame, views(&model, &truth(&model, frame)), &CancelToken::new()).unwrap()
+    });
+    let frames = frames.collect();
+    (model, frames)
+}
+
+fn wrist_error_mm(model: &Model, frame: &FrameEstimate) -> f64 {
+    let wrist = model.limb_index("right forearm").unwrap();
+    let end = |pose: &Pose| Kinematics::new(model, pose).ends()[wrist];
+    1000.0 * end(&frame.pose).distance(end(&truth(model, frame.frame)))
+}
+
+#[test]
+fn a_lost_arm_is_noticed_by_the_cost_alone() {
+    let (model, frames) = track(Search::Never);
+    assert!(
+        frames[..JUMP].iter().all(|frame| !frame.lost),
+        "{:?}",
+        frames.iter().map(|f| f.lost).collect::<Vec<_>>()
+    );
+    let jump = &frames[JUMP];
+    assert!(wrist_error_mm(&model, jump) > 150.0, "found without a search: the test says nothing");
+    assert!(jump.iou().unwrap() > LOST_BELOW_IOU);
+    assert!(matches!(jump.lost_because, Some(Lost::Cost { .. })), "{:?} {}", jump.lost_because, jump.rms);
+    assert!(jump.lost);
+}
+
+#[test]
+fn a_lost_arm_is_found_again_in_the_same_frame() {
+    let (model, frames) = track(Search::WhenPoor);
+    for frame in &frames {
+        let error = wrist_error_mm(&model, frame);
+        assert!(
+            error < 30.0 && !frame.lost,
+            "frame {}: {error:.0} mm, {:?}",
+            frame.frame,
+            frame.lost_because
+        );
+    }
+}

@@ -1,0 +1,210 @@
+//! The basin through the real window: tried in the background, the same as the core's, cancelled, its map clicked.
+
+use crate::support::app_window::{PATIENCE, click, open_sized, press, settle};
+use crate::support::snapshots::{Snapshots, theme_name};
+use crate::support::take;
+use backlit::app::{App, AppOptions, Opening};
+use backlit::basin::{BasinView, FileKind};
+use backlit::document::TakeSource;
+use backlit::look::{Layout, Look};
+use backlit::theme::Theme;
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::experiment::FitChoice;
+use backlit_tracking::experiment::frame_basin::{self, Frame, Options, Target};
+use backlit_tracking::experiment::starts::Level;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, Rect, Vec2, pos2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use image::imageops::crop_imm;
+
+fn open(theme: Theme, size: Vec2, opening: Opening) -> Harness<'static, App> {
+    let look = Look { theme, layout: Layout::Pose, ..Look::default() };
+    let mut harness = open_sized(AppOptions { look, opening: Some(opening), ..AppOptions::default() }, size);
+    // The panel's other sections are not what this is about.
+    for section in ["Pose", "Refit"] {
+        click(&mut harness, section);
+    }
+    click(&mut harness, "Basin");
+    harness
+}
+
+fn open_arm() -> Harness<'static, App> {
+    open(Theme::Dark, vec2(1500.0, 1000.0), Opening::Ready(Box::new(take::take())))
+}
+
+/// Types into a field of the section.
+fn type_into(harness: &mut Harness<'_, App>, label: &str, text: &str) {
+    harness.get_by_role_and_label(Role::TextInput, label).focus();
+    harness.step();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.step();
+    harness.get_by_role_and_label(Role::TextInput, label).type_text(text);
+    harness.run_steps(2);
+    press(harness, Modifiers::NONE, Key::Enter);
+}
+
+fn set_starts(harness: &mut Harness<'_, App>, angles: &str, root: &str) {
+    type_into(harness, "Angles", angles);
+    type_into(harness, "Moves of the root", root);
+}
+
+#[test]
+fn the_window_finds_the_same_as_the_core_on_the_built_in_take() {
+    let opening = Opening::Take(TakeSource::BuiltIn);
+    let mut harness = open(Theme::Dark, vec2(1500.0, 1000.0), opening);
+    set_starts(&mut harness, "5 40", "0 20");
+    let mut settings = harness.state().basin().settings.clone();
+    settings.starts = 2;
+    settings.seed = 7;
+    harness.state_mut().set_basin(settings);
+    let fit = (*harness.state().document().fit).clone();
+    click(&mut harness, "Run starts");
+    let found = harness.state().basin().angles.as_ref().unwrap().report.clone();
+    harness.get_by_label("The basin is done: 4 fits.");
+
+    let state = harness.state();
+    let footage = state.session().take.as_ref().unwrap();
+    let take = backlit_tracking::io::Footage::new(backlit::builtin_take::open().unwrap());
+    let views = take.fit_views(&[0, 1, 2, 3], 0).unwrap();
+    let frame = Frame { model: footage.model().clone(), views, reference: footage.start() };
+    let level = |degrees, metres| Level { degrees, metres };
+    let options = Options {
+        choices: vec![FitChoice::downhill("Robust", fit)],
+        rotation: None,
+        levels: vec![level(5, 0.0), level(40, 0.2)],
+        starts: 2,
+        seed: 7,
+        target: Target::Fit,
+        success_mm: 20.0,
+    };
+    let expected = frame_basin::run(frame, options, &CancelToken::new(), |_| {}).unwrap();
+    assert_eq!(found, expected);
+    assert!(found.choices[0].levels[0].found == 2, "{found:?}");
+}
+
+#[test]
+fn what_is_typed_wrong_is_said_and_nothing_runs() {
+    let mut harness = open_arm();
+    set_starts(&mut harness, "5 many", "0");
+    harness.get_by_label_contains("“many” is no number");
+    click(&mut harness, "Run starts");
+    assert!(harness.state().basin().angles.is_none() && harness.state().basin().running.is_none());
+    assert!(harness.state().basin().problem.as_ref().unwrap().contains("many"));
+}
+
+#[test]
+fn steps_go_on_beside_a_basin_and_cancelling_keeps_what_is_done() {
+    let mut harness = open_arm();
+    set_starts(&mut harness, "5 10 20 30 45", "0");
+    let mut settings = harness.state().basin().settings.clone();
+    settings.starts = 500;
+    harness.state_mut().set_basin(settings);
+    harness.get_all_by_role_and_label(Role::Button, "Run starts").next().unwrap().click();
+    let begun = std::time::Instant::now();
+    let done = |harness: &Harness<'_, App>| harness.state().basin().running.map_or(0, |running| running.done);
+    while done(&harness) < 10 {
+        assert!(begun.elapsed() < PATIENCE, "no fit comes back");
+        harness.step();
+    }
+    harness.get_by_role_and_label(Role::Button, "Step").click();
+    while harness.state().session().runs.first().is_none_or(|run| run.steps.len() < 2 || run.ending.is_some())
+    {
+        assert!(begun.elapsed() < PATIENCE, "the step does not come");
+        harness.step();
+    }
+    assert!(harness.state().basin().running.is_some(), "the basin goes on");
+    harness.get_all_by_role_and_label(Role::Button, "Cancel basin").next().unwrap().click();
+    settle(&mut harness);
+    let result = harness.state().basin().angles.as_ref().unwrap();
+    let tried: usize = result.report.choices[0].levels.iter().map(|level| level.tried).sum();
+    assert!((10..2500).contains(&tried), "{tried}");
+    harness.get_by_label_contains("The basin was stopped after");
+}
+
+/// Runs a small map about the take's start.
+fn run_map(harness: &mut Harness<'_, App>) {
+    let mut settings = harness.state().basin().settings.clone();
+    settings.cells = 7;
+    harness.state_mut().set_basin(settings);
+    click(harness, "Run map");
+}
+
+#[test]
+fn a_click_on_a_cell_takes_its_start_and_undo_brings_the_pose_back() {
+    let mut harness = open_arm();
+    let mut settings = harness.state().basin().settings.clone();
+    for direction in &mut settings.directions {
+        direction.rotation = Some(1);
+    }
+    harness.state_mut().set_basin(settings);
+    run_map(&mut harness);
+    let map = harness.state().basin().map.clone().unwrap();
+    assert_eq!(map.directions[0], "right forearm, flexion");
+    assert_eq!(map.cells.iter().flatten().count(), 49);
+    assert_eq!(map.cell([3, 3]).unwrap().error_mm, 0.0);
+    let before = harness.state().document().pose_at(0).clone();
+    let cell = harness.get_by_label_contains("Start 20°, 40°: from");
+    cell.click();
+    settle(&mut harness);
+    let taken = harness.state().document().pose_at(0).clone();
+    assert_eq!(taken, map.options.start(&map.frame, [4, 5]).normalized());
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(*harness.state().document().pose_at(0), before);
+}
+
+#[test]
+fn results_are_written_as_tables_pictures_and_numbers() {
+    let mut harness = open_arm();
+    set_starts(&mut harness, "10", "2");
+    click(&mut harness, "Run starts");
+    let folder = tempfile::tempdir().unwrap();
+    run_map(&mut harness);
+    for (view, rows) in [("Angles", 21), ("Map", 50)] {
+        harness.get_by_role_and_label(Role::RadioButton, view).click();
+        settle(&mut harness);
+        for kind in FileKind::ALL {
+            let path = folder.path().join(format!("{view}.{}", kind.extension()));
+            harness.state_mut().export_basin_to(kind, &path);
+            settle(&mut harness);
+            assert!(path.is_file(), "{}", path.display());
+        }
+        let table = std::fs::read_to_string(folder.path().join(format!("{view}.csv"))).unwrap();
+        assert_eq!(table.lines().count(), rows);
+        let numbers = std::fs::read_to_string(folder.path().join(format!("{view}.json"))).unwrap();
+        assert!(numbers.starts_with("{\n  \"format\": \"backlit-experiment 1\""), "{numbers:.80}");
+        assert!(image::open(folder.path().join(format!("{view}.png"))).unwrap().width() > 400);
+    }
+    assert_eq!(harness.state().basin().view, BasinView::Map);
+}
+
+/// The pane alone.
+fn pane(snapshots: &mut Snapshots, harness: &mut Harness<'_, App>, name: &str) {
+    harness.state_mut().close_notices();
+    for _ in 0..3 {
+        harness.state_mut().freeze_times();
+        harness.step();
+    }
+    let header = harness.get_by_label("Basin header").rect();
+    let lower = harness.get_by_label_contains("Play").rect().top();
+    let rect = Rect::from_min_max(header.min, pos2(header.right(), lower - 12.0));
+    let window = harness.render().unwrap();
+    let (min, size) = (rect.min.round(), rect.size().round());
+    let cut = crop_imm(&window, min.x as u32, min.y as u32, size.x as u32, size.y as u32);
+    snapshots.picture(&cut.to_image(), name);
+}
+
+#[test]
+fn the_pane_as_a_plot_and_as_a_map() {
+    let mut snapshots = Snapshots::default();
+    for theme in Theme::ALL {
+        let opening = Opening::Ready(Box::new(take::take()));
+        let mut harness = open(theme, vec2(1180.0, 900.0), opening);
+        set_starts(&mut harness, "10 30 60 90", "2 5 10 20");
+        click(&mut harness, "Compare with…");
+        click(&mut harness, "Run starts");
+        pane(&mut snapshots, &mut harness, &format!("basin_angles_{}", theme_name(theme)));
+        run_map(&mut harness);
+        pane(&mut snapshots, &mut harness, &format!("basin_map_{}", theme_name(theme)));
+    }
+}

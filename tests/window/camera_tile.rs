@@ -1,0 +1,537 @@
+//! A camera's tile: one small picture a view mode, and what it says the user did.
+
+use crate::support;
+use backlit::panels::{CameraTileInput, Comparison, Drag, TileEvent, TileLook, camera_tile};
+use backlit::picture::{
+    Derivative, JointId, JointMark, PictureInput, ProjectedLimb, SightRay, ViewMode, body_outline,
+    gradient_magnitudes, jacobian_column, limb_colours, project_joints, project_limbs, sight_ray,
+};
+use backlit::theme::Theme;
+use backlit::view_settings::ViewSettings;
+use backlit::widgets::Framing;
+use backlit_tracking::body::builtin::full_body;
+use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
+use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::render::{Prediction, Ramp, RendererKind, View, predict};
+use backlit_tracking::silhouette::{Label, Mask, Measurement, Overlap, SignedDistance};
+use egui::{Color32, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Role, pos2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use glam::{DQuat, DVec3};
+use image::{Rgb, RgbImage};
+
+use crate::support::snapshots::{Snapshots, theme_name};
+
+const SIZE: [usize; 2] = [136, 240];
+
+/// A made-up camera, a body at rest in it, and data of the same body with one arm raised.
+struct Scene {
+    body: Model,
+    camera: Camera,
+    other_camera: Camera,
+    frame: RgbImage,
+    mask: Mask,
+    data: Measurement,
+    prediction: Prediction,
+    gradient: Derivative,
+    jacobian: Derivative,
+    colours: Vec<Color32>,
+    outlines: Vec<Vec<[f32; 2]>>,
+    limbs: Vec<Option<ProjectedLimb>>,
+    joints: Vec<JointMark>,
+    overlap: Overlap,
+    wrist: JointId,
+}
+
+fn camera(centre: DVec3) -> Camera {
+    let intrinsics = Intrinsics { fx: 300.0, fy: 300.0, cx: 67.5, cy: 119.5 };
+    let place = CameraFromWorld::looking_at(centre, DVec3::new(0.0, 0.0, 1.0), DVec3::Z);
+    let size = SIZE.map(|side| side as u64);
+    Camera::new("camera", size, intrinsics, Distortion::None, place).unwrap()
+}
+
+fn silhouette(prediction: &Prediction) -> Mask {
+    let label = |lambda: &f32| if *lambda < 127.5 { Label::Subject } else { Label::Background };
+    let mut labels: Vec<Label> = prediction.lambda.iter().map(label).collect();
+    // Nobody can tell what is behind the feet.
+    for y in 205..225 {
+        labels[y * SIZE[0] + 30..y * SIZE[0] + 100].fill(Label::Unknown);
+    }
+    Mask::new(SIZE[0], SIZE[1], labels).unwrap()
+}
+
+impl Scene {
+    fn new() -> Self {
+        let body = full_body();
+        let camera = camera(DVec3::new(0.6, 3.2, 1.2));
+        let other_camera = self::camera(DVec3::new(3.0, 0.8, 1.3));
+        let mut pose = Pose::rest(&body);
+        pose.root = DVec3::new(0.0, 0.0, 1.0);
+        let mut raised = pose.clone();
+        for (limb, angle) in [("right upper arm", 0.9), ("left thigh", -0.25)] {
+            let rotation = body.limbs()[body.limb_index(limb).unwrap()].rotation;
+            raised.rotations[rotation] = DQuat::from_rotation_y(angle);
+        }
+        let draw = |pose: &Pose| {
+            let kinematics = Kinematics::new(&body, pose);
+            predict(&body, &kinematics, &camera, RendererKind::Capsule, Ramp::Half)
+        };
+        let mask = silhouette(&draw(&raised));
+        let distance = SignedDistance::from_mask(&mask);
+        let data = Measurement::from_distance(&distance, &mask, 2.0, 4.0).unwrap();
+        let prediction = draw(&pose);
+        let kinematics = Kinematics::new(&body, &pose);
+        let view = View::new(&body, &kinematics, &camera, RendererKind::Capsule, Ramp::Half);
+        // The subject's left thigh swings sideways.
+        let thigh = body.limbs()[body.limb_index("left thigh").unwrap()].rotation;
+        let column = Parameters::Tangent.first_column(thigh) + 1;
+        let jacobian = jacobian_column(&view, &kinematics, &camera, Parameters::Tangent, column);
+        let foot = JointId::End(body.limb_index("left foot").unwrap());
+        Self {
+            frame: RgbImage::from_fn(SIZE[0] as u32, SIZE[1] as u32, |x, y| {
+                let checker = if (x / 17 + y / 20) % 2 == 0 { 30 } else { 0 };
+                Rgb([(90 + y / 3) as u8 + checker, (100 + x / 4) as u8 + checker, 120 + checker])
+            }),
+            outlines: body_outline(&prediction.lambda, SIZE[0], SIZE[1]),
+            limbs: project_limbs(&body, &kinematics, &camera, RendererKind::Capsule),
+            joints: project_joints(&body, &kinematics, pose.root, &camera, |joint| joint == foot),
+            overlap: Overlap::between(&mask, &prediction.lambda).unwrap(),
+            colours: limb_colours(&body),
+            gradient: gradient_magnitudes(&view),
+            jacobian: jacobian.unwrap(),
+            wrist: JointId::End(body.limb_index("right forearm").unwrap()),
+            body,
+            camera,
+            other_camera,
+            mask,
+            data,
+            prediction,
+        }
+    }
+
+    fn input(&self, mode: ViewMode) -> CameraTileInput<'_> {
+        CameraTileInput {
+            index: 0,
+            name: "Camera 1",
+            is_active: false,
+            is_expanded: false,
+            siblings: &[],
+            is_linked: true,
+            is_calibrated: true,
+            look: TileLook { mode, ..TileLook::default() },
+            settings: ViewSettings::default(),
+            subject_px: Some(Rect::from_min_max(pos2(20.0, 25.0), pos2(115.0, 222.0))),
+            picture: PictureInput {
+                size: SIZE,
+                frame: Some(&self.frame),
+                mask: Some(&self.mask),
+                data: Some(&self.data),
+                prediction: Some(&self.prediction),
+                gradient: Some(&self.gradient),
+                jacobian: Some(&self.jacobian),
+                limb_colours: &self.colours,
+            },
+            generation: 1,
+            camera: Some(&self.camera),
+            raw_camera: Some(&self.camera),
+            body: &self.body,
+            quick_outline: None,
+            sized: None,
+            outlines: &self.outlines,
+            limbs: &self.limbs,
+            joints: &[],
+            selected: None,
+            sight_ray: None,
+            overlap: Some(self.overlap),
+            is_overlap_stale: false,
+            is_used: true,
+            weight: 1.0,
+            observed: backlit::panels::ObservedMarks::default(),
+            shows_hover_card: false,
+        }
+    }
+
+    fn posing(&self) -> CameraTileInput<'_> {
+        CameraTileInput {
+            joints: &self.joints,
+            selected: Some(self.wrist),
+            is_active: true,
+            ..self.input(ViewMode::Tinted)
+        }
+    }
+
+    fn joint(&self, joint: JointId) -> &JointMark {
+        self.joints.iter().find(|mark| mark.id == joint).unwrap()
+    }
+
+    fn ray(&self) -> SightRay {
+        let elsewhere = sight_ray_target(self);
+        sight_ray(&self.other_camera, 1, elsewhere.0, elsewhere.1, &self.camera).unwrap()
+    }
+}
+
+fn wipe(mode: ViewMode, other: ViewMode, wipe_at: f32) -> TileLook {
+    TileLook { mode, other, comparison: Some(Comparison::Wipe), wipe_at, ..TileLook::default() }
+}
+
+/// The held wrist as the other camera sees it: pixel and depth.
+fn sight_ray_target(scene: &Scene) -> (glam::DVec2, f64) {
+    let wrist = scene.joint(scene.wrist);
+    let ray = scene.camera.ray_in_camera(wrist.px).unwrap();
+    let point_in_camera = ray * (wrist.depth_m / ray.z);
+    let place = scene.camera.camera_from_world();
+    let point = place.rotation.transpose() * (point_in_camera - place.translation);
+    (scene.other_camera.project(point).unwrap(), scene.other_camera.depth(point))
+}
+
+type Events = Vec<TileEvent>;
+
+fn harness<'a>(input: CameraTileInput<'a>, size: [f32; 2], theme: Theme) -> Harness<'a, Events> {
+    support::harness_builder(size, theme)
+        .build_ui_state(move |ui, events: &mut Events| events.extend(camera_tile(ui, &input)), Events::new())
+}
+
+const WIDE: [f32; 2] = [376.0, 276.0];
+const NARROW: [f32; 2] = [256.0, 276.0];
+
+#[test]
+fn view_modes_in_a_narrow_tile() {
+    let scene = Scene::new();
+    let mut snapshots = Snapshots::default();
+    for (mode, theme) in ViewMode::ALL.into_iter().flat_map(|mode| Theme::ALL.map(|theme| (mode, theme))) {
+        let mut harness = harness(scene.input(mode), NARROW, theme);
+        harness.run();
+        let name = serde_json::to_string(&mode).unwrap();
+        let name = name.trim_matches('"').replace('-', "_");
+        snapshots.picture(&harness.render().unwrap(), &format!("camera_tile_{name}_{}", theme_name(theme)));
+    }
+}
+
+#[test]
+fn calibration_size_handles_and_large_pixels() {
+    let scene = Scene::new();
+    let raw_lens = Distortion::OpenCv { k1: -0.3, k2: 0.0, p1: 0.0, p2: 0.0, k3: 0.0 };
+    let (size, intrinsics) = (SIZE.map(|side| side as u64), *scene.camera.intrinsics());
+    let raw = Camera::new("camera", size, intrinsics, raw_lens, *scene.camera.camera_from_world()).unwrap();
+    let mut snapshots = Snapshots::default();
+    let mut shot = |input: CameraTileInput<'_>, name: &str| {
+        let mut harness = harness(input, NARROW, Theme::Dark);
+        harness.run();
+        snapshots.picture(&harness.render().unwrap(), name);
+    };
+    let marks = ViewSettings { calibration_marks: true, ..ViewSettings::default() };
+    let look = TileLook { framing: Framing::Whole, mode: ViewMode::Footage, ..TileLook::default() };
+    let plain = scene.input(ViewMode::Footage);
+    let marked =
+        CameraTileInput { settings: marks, look, raw_camera: Some(&raw), limbs: &[], outlines: &[], ..plain };
+    shot(marked, "camera_tile_calibration");
+    let handles = ViewSettings { size_handles: true, ..ViewSettings::default() };
+    let thigh = scene.body.limb_index("left thigh").unwrap();
+    shot(
+        CameraTileInput { settings: handles, sized: Some(thigh), ..scene.posing() },
+        "camera_tile_size_handles",
+    );
+    let framing = Framing::Free { zoom: 16.0, offset: [-0.12, -0.12] };
+    let near = TileLook { framing, ..scene.posing().look };
+    shot(CameraTileInput { look: near, ..scene.posing() }, "camera_tile_pixel_grid");
+}
+
+#[test]
+fn sizes_are_dragged_by_their_handles() {
+    let scene = Scene::new();
+    let forearm = scene.body.limb_index("left forearm").unwrap();
+    let settings = ViewSettings { size_handles: true, ..ViewSettings::default() };
+    let framing = Framing::Free { zoom: 3.0, offset: [0.08, 0.0] };
+    let look = TileLook { framing, ..scene.posing().look };
+    let input = CameraTileInput { settings, look, sized: Some(forearm), ..scene.posing() };
+    let mut harness = harness(input, WIDE, Theme::Dark);
+    harness.run();
+    for (label, is_length) in
+        [("left forearm length, Camera 1", true), ("left forearm radius, Camera 1", false)]
+    {
+        let handle = centre(&harness, label);
+        harness.hover_at(handle);
+        harness.run();
+        harness.drag_at(handle);
+        harness.run();
+        harness.hover_at(handle + vec2(9.0, 0.0));
+        harness.run();
+        harness.get_by_label("Esc: put back");
+        harness.drop_at(handle + vec2(9.0, 0.0));
+        harness.run();
+        let events = taken(&mut harness);
+        let is_drag = |event: &TileEvent| match event {
+            TileEvent::DragStart(Drag::Length { limb, .. }) => is_length && *limb == forearm,
+            TileEvent::DragStart(Drag::Radius { limb, .. }) => !is_length && *limb == forearm,
+            _ => false,
+        };
+        assert!(events.iter().any(is_drag), "{label}: {events:?}");
+    }
+}
+
+#[test]
+fn the_hover_card_is_held_by_a_key() {
+    let scene = Scene::new();
+    let look = TileLook { mode: ViewMode::Gradient, ..TileLook::default() };
+    let input = CameraTileInput { shows_hover_card: true, look, ..scene.input(ViewMode::Gradient) };
+    let mut harness = harness(input, [416.0, 276.0], Theme::Dark);
+    harness.hover_at(pos2(122.0, 186.0));
+    harness.run();
+    let title = |harness: &Harness<'_, Events>| {
+        harness.get_by_label_contains("Pixel ").accesskit_node().value().unwrap_or_default()
+    };
+    for label in
+        ["Data D ", "Prediction Λ ", "Residual D − Λ ", "Owner ", "d / r ", "Distance ", "Pull 0 / m"]
+    {
+        harness.get_by_label_contains(label);
+    }
+    let first = title(&harness);
+    harness.key_down(Key::H);
+    harness.hover_at(pos2(140.0, 120.0));
+    harness.run();
+    assert_eq!(title(&harness), first);
+    harness.key_up(Key::H);
+    harness.run();
+    assert_ne!(title(&harness), first);
+}
+
+#[test]
+fn posing_with_a_gutter_in_both_themes() {
+    let scene = Scene::new();
+    let mut snapshots = Snapshots::default();
+    for theme in Theme::ALL {
+        let mut harness = harness(scene.posing(), WIDE, theme);
+        harness.run();
+        snapshots.picture(&harness.render().unwrap(), &format!("camera_tile_posing_{}", theme_name(theme)));
+    }
+}
+
+#[test]
+fn sight_ray_wipe_hover_card_and_empty_tiles() {
+    let scene = Scene::new();
+    let ray = scene.ray();
+    let mut snapshots = Snapshots::default();
+    let mut shot = |input: CameraTileInput<'_>, size, theme, hover: Option<Pos2>, name: &str| {
+        let mut harness = harness(input, size, theme);
+        harness.run();
+        if let Some(at) = hover {
+            harness.hover_at(at);
+            harness.run();
+        }
+        snapshots.picture(&harness.render().unwrap(), name);
+    };
+    let with_ray = CameraTileInput { sight_ray: Some(&ray), is_active: false, ..scene.posing() };
+    shot(with_ray, WIDE, Theme::Dark, None, "camera_tile_sight_ray");
+    let wiped = CameraTileInput {
+        look: wipe(ViewMode::ReportOverlay, ViewMode::Footage, 0.55),
+        ..scene.input(ViewMode::ReportOverlay)
+    };
+    shot(wiped, [316.0, 336.0], Theme::Dark, None, "camera_tile_wipe");
+    for theme in Theme::ALL {
+        let hovered = CameraTileInput { shows_hover_card: true, ..scene.input(ViewMode::Residual) };
+        let name = format!("camera_tile_hover_card_{}", theme_name(theme));
+        shot(hovered, [416.0, 276.0], theme, Some(pos2(122.0, 186.0)), &name);
+    }
+    let empty = CameraTileInput {
+        picture: PictureInput::empty(SIZE),
+        overlap: None,
+        outlines: &[],
+        limbs: &[],
+        ..scene.input(ViewMode::Tinted)
+    };
+    shot(empty, WIDE, Theme::Light, None, "camera_tile_empty");
+    let strange = CameraTileInput { is_calibrated: false, overlap: None, ..empty };
+    shot(strange, NARROW, Theme::Dark, None, "camera_tile_not_calibrated");
+}
+
+/// Everything the tile has said since the last call.
+fn taken(harness: &mut Harness<'_, Events>) -> Events {
+    std::mem::take(harness.state_mut())
+}
+
+fn centre(harness: &Harness<'_, Events>, label: &str) -> Pos2 {
+    harness.get_by_label(label).rect().center()
+}
+
+#[test]
+fn a_joint_is_dragged_by_its_handle() {
+    let scene = Scene::new();
+    let mut harness = harness(scene.posing(), WIDE, Theme::Dark);
+    harness.run();
+    let wrist = centre(&harness, "right wrist, Camera 1");
+    harness.hover_at(wrist);
+    harness.run();
+    harness.get_by_label("Right wrist");
+    assert!(taken(&mut harness).iter().any(|event| matches!(event, TileEvent::Hover(Some(_)))));
+    harness.drag_at(wrist);
+    harness.run();
+    assert_eq!(taken(&mut harness), [TileEvent::Activate, TileEvent::SelectJoint(scene.wrist)]);
+    harness.hover_at(wrist + vec2(20.0, 0.0));
+    harness.run();
+    let events = taken(&mut harness);
+    let Some(TileEvent::DragStart(Drag::Joint { joint, target_px })) =
+        events.iter().find(|event| matches!(event, TileEvent::DragStart(_)))
+    else {
+        panic!("{events:?}")
+    };
+    let start = scene.joint(scene.wrist).px;
+    assert_eq!(*joint, scene.wrist);
+    assert!(target_px.x > start.x + 5.0 && (target_px.y - start.y).abs() < 1e-3, "{target_px} from {start}");
+    harness.get_by_label("Dragging right wrist");
+    harness.get_by_label("Esc: put back");
+    Snapshots::default().picture(&harness.render().unwrap(), "camera_tile_dragging");
+    harness.drop_at(wrist + vec2(20.0, 0.0));
+    harness.run();
+    assert!(taken(&mut harness).contains(&TileEvent::DragEnd));
+}
+
+#[test]
+fn escape_cancels_a_drag_and_shift_changes_the_depth() {
+    let scene = Scene::new();
+    let mut harness = harness(scene.posing(), WIDE, Theme::Dark);
+    harness.run();
+    let wrist = centre(&harness, "right wrist, Camera 1");
+    harness.hover_at(wrist);
+    harness.run();
+    harness.drag_at(wrist);
+    harness.run();
+    harness.event(Event::ModifiersChanged(Modifiers::SHIFT));
+    harness.hover_at(wrist - vec2(0.0, 40.0));
+    harness.run();
+    let events = taken(&mut harness);
+    let deeper =
+        |event: &TileEvent| matches!(event, TileEvent::DragStart(Drag::Depth { ratio, .. }) if *ratio > 1.0);
+    assert!(events.iter().any(deeper), "{events:?}");
+    harness.event(Event::ModifiersChanged(Modifiers::NONE));
+    harness.key_press(Key::Escape);
+    harness.run();
+    assert!(taken(&mut harness).contains(&TileEvent::DragCancelled));
+}
+
+#[test]
+fn a_limb_is_turned_by_its_body() {
+    let scene = Scene::new();
+    let framing = Framing::Free { zoom: 3.0, offset: [0.08, 0.0] };
+    let mut harness = harness(
+        CameraTileInput { look: TileLook { framing, ..scene.posing().look }, ..scene.posing() },
+        WIDE,
+        Theme::Dark,
+    );
+    harness.run();
+    let elbow = centre(&harness, "left elbow, Camera 1");
+    let wrist = centre(&harness, "left wrist, Camera 1");
+    let middle = elbow + (wrist - elbow) * 0.5;
+    harness.hover_at(middle);
+    harness.run();
+    harness.drag_at(middle);
+    harness.run();
+    harness.hover_at(middle + vec2(15.0, 0.0));
+    harness.run();
+    let events = taken(&mut harness);
+    let forearm = scene.body.limb_index("left forearm").unwrap();
+    assert!(events.contains(&TileEvent::SelectLimb(forearm)), "{events:?}");
+    let turns = |event: &TileEvent| matches!(event, TileEvent::DragStart(Drag::Turn { limb, .. }) if *limb == forearm);
+    assert!(events.iter().any(turns), "{events:?}");
+}
+
+#[test]
+fn the_view_mode_is_chosen_from_the_header() {
+    let scene = Scene::new();
+    let mut harness = harness(scene.input(ViewMode::Tinted), [376.0, 456.0], Theme::Light);
+    harness.run();
+    harness.get_by_label("Camera 1, view mode: Tinted overlay on footage").click();
+    harness.run();
+    Snapshots::default().picture(&harness.render().unwrap(), "camera_tile_mode_menu");
+    harness.get_by_label_contains("Residual").click();
+    harness.run();
+    assert!(taken(&mut harness).contains(&TileEvent::SetMode(ViewMode::Residual)));
+}
+
+#[test]
+fn header_and_gutter_say_what_was_clicked() {
+    let scene = Scene::new();
+    let mut harness = harness(scene.input(ViewMode::Tinted), WIDE, Theme::Dark);
+    harness.run();
+    for (label, expected) in [
+        ("Unlink zoom of Camera 1", TileEvent::SetLinked(false)),
+        ("Expand Camera 1", TileEvent::ToggleExpanded),
+        ("Used in the fit", TileEvent::SetUsed(false)),
+    ] {
+        harness.get_by_label(label).click();
+        harness.run();
+        let events = taken(&mut harness);
+        assert!(events.contains(&expected), "{label}: {events:?}");
+    }
+    harness.get_by_label("IoU 0.777");
+    let slider = harness.get_by_role_and_label(Role::Slider, "Weight of Camera 1").rect();
+    harness.drag_at(slider.right_center() - vec2(7.0, 0.0));
+    harness.drop_at(slider.right_center() - vec2(7.0, 0.0));
+    harness.run();
+    let events = taken(&mut harness);
+    assert!(matches!(events[..], [.., TileEvent::SetWeight(weight)] if weight > 1.8), "{events:?}");
+    harness.get_by_label("More for Camera 1").click();
+    harness.run();
+    harness.get_by_label_contains("Whole picture").click();
+    harness.run();
+    assert!(taken(&mut harness).contains(&TileEvent::SetFraming(Framing::Whole)));
+}
+
+#[test]
+fn the_wheel_zooms_and_the_right_button_pans() {
+    let scene = Scene::new();
+    let mut harness = harness(scene.posing(), WIDE, Theme::Dark);
+    harness.run();
+    let at = centre(&harness, "Camera 1 picture");
+    harness.hover_at(at);
+    harness.run();
+    harness.event(Event::MouseWheel {
+        unit: MouseWheelUnit::Point,
+        delta: vec2(0.0, 60.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: Modifiers::NONE,
+    });
+    harness.run_steps(4);
+    let zoomed =
+        |event: &TileEvent| matches!(event, TileEvent::SetFraming(Framing::Free { zoom, .. }) if *zoom > 1.0);
+    let events = taken(&mut harness);
+    assert!(events.iter().any(zoomed), "{events:?}");
+    let button = |pos: Pos2, pressed: bool| Event::PointerButton {
+        pos,
+        button: PointerButton::Secondary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    harness.event(button(at, true));
+    harness.run();
+    harness.hover_at(at + vec2(12.0, 0.0));
+    harness.run();
+    harness.event(button(at + vec2(12.0, 0.0), false));
+    harness.run();
+    let events = taken(&mut harness);
+    let panned = |event: &TileEvent| matches!(event, TileEvent::SetFraming(Framing::Free { offset, .. }) if offset[0] < 0.0);
+    assert!(events.iter().any(panned), "{events:?}");
+    assert!(!events.iter().any(|event| matches!(event, TileEvent::DragStart(_) | TileEvent::Activate)));
+}
+
+#[test]
+fn silhouettes_can_be_asked_for_and_the_wipe_moved() {
+    let scene = Scene::new();
+    let picture = PictureInput { mask: None, data: None, ..scene.input(ViewMode::Data).picture };
+    let look = wipe(ViewMode::Footage, ViewMode::Prediction, 0.5);
+    let input = CameraTileInput { picture, overlap: None, look, ..scene.input(ViewMode::Footage) };
+    let mut harness = harness(input, WIDE, Theme::Dark);
+    harness.run();
+    harness.get_by_label("Segment").click();
+    harness.run();
+    assert!(taken(&mut harness).contains(&TileEvent::Segment));
+    let handle = centre(&harness, "Wipe to prediction");
+    harness.drag_at(handle);
+    harness.run();
+    harness.hover_at(handle + vec2(30.0, 0.0));
+    harness.run();
+    let events = taken(&mut harness);
+    let moved = |event: &TileEvent| matches!(event, TileEvent::SetWipe(at) if *at > 0.6);
+    assert!(events.iter().any(moved), "{events:?}");
+    assert!(!events.contains(&TileEvent::Activate), "the picture under the handle is left alone");
+}

@@ -1,0 +1,189 @@
+//! The convergence panel through the real window: runs named, hidden, removed, brought back, read out, exported.
+
+use crate::support::app_window::{click, open_sized, press, settle};
+use crate::support::snapshots::{Snapshots, theme_name};
+use crate::support::take;
+use backlit::app::{App, AppOptions, Opening};
+use backlit::look::{Layout, Look};
+use backlit::theme::Theme;
+use egui::accesskit::Role;
+use egui::{Event, Key, Modifiers, Rect, Vec2, pos2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use image::imageops::crop_imm;
+
+fn open(theme: Theme, size: Vec2) -> Harness<'static, App> {
+    let look = Look { theme, layout: Layout::Debug, ..Look::default() };
+    let opening = Some(Opening::Ready(Box::new(take::take())));
+    open_sized(AppOptions { look, opening, ..AppOptions::default() }, size)
+}
+
+fn open_dark() -> Harness<'static, App> {
+    open(Theme::Dark, vec2(1400.0, 900.0))
+}
+
+fn names(harness: &Harness<'_, App>) -> Vec<String> {
+    harness.state().session().runs.iter().map(|run| run.name.clone()).collect()
+}
+
+/// Runs the fit from the take's start with each renderer.
+fn three_renderers(harness: &mut Harness<'_, App>) {
+    for key in [Key::C, Key::Y, Key::S] {
+        press(harness, Modifiers::SHIFT, Key::Backspace);
+        press(harness, Modifiers::NONE, key);
+        press(harness, Modifiers::NONE, Key::Enter);
+    }
+}
+
+#[test]
+fn runs_are_named_by_what_differs_between_those_that_are_shown() {
+    let mut harness = open_dark();
+    click(&mut harness, "Run");
+    assert_eq!(names(&harness), ["Robust"]);
+    three_renderers(&mut harness);
+    click(&mut harness, "Remove run 1");
+    assert_eq!(names(&harness), ["Capsule", "Cylinder", "Sphere tree"]);
+    harness.get_by_role_and_label(Role::ListItem, "Run 3: Cylinder");
+
+    // What is hidden is not compared with.
+    click(&mut harness, "Hide curve of run 3");
+    click(&mut harness, "Hide curve of run 4");
+    assert_eq!(names(&harness)[0], "Robust");
+    click(&mut harness, "Show curve of run 3");
+
+    // A name of one's own stays; an empty one says again what differs.
+    click(&mut harness, "Rename run 3");
+    let field = harness.get_by_role_and_label(Role::TextInput, "Name of run 3");
+    field.focus();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.step();
+    harness.get_by_role_and_label(Role::TextInput, "Name of run 3").type_text("Flat ends");
+    harness.step();
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    assert_eq!(names(&harness)[1], "Flat ends");
+}
+
+#[test]
+fn removed_runs_come_back_with_one_undo() {
+    let mut harness = open_dark();
+    three_renderers(&mut harness);
+    let before = names(&harness);
+    click(&mut harness, "Clear runs");
+    assert!(names(&harness).is_empty());
+    harness.get_by_label("Removed 3 runs.");
+    click(&mut harness, "Undo remove runs");
+    assert_eq!(names(&harness), before);
+
+    let document = harness.state().document().clone();
+    click(&mut harness, "Remove run 2");
+    assert_eq!(names(&harness), ["Capsule", "Sphere tree"]);
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(names(&harness), before);
+    assert_eq!(*harness.state().document(), document, "the document is not what is undone");
+
+    // Runs that were made since stay, and colours are not used twice.
+    click(&mut harness, "Clear runs");
+    click(&mut harness, "Run");
+    press(&mut harness, Modifiers::COMMAND, Key::K);
+    harness.get_by_role(Role::TextInput).type_text("undo remove");
+    harness.run_steps(2);
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    let runs = &harness.state().session().runs;
+    assert_eq!(runs.iter().map(|run| run.number).collect::<Vec<_>>(), [1, 2, 3, 4]);
+}
+
+#[test]
+fn a_branch_is_named_after_its_step_and_the_old_run_stays() {
+    let mut harness = open_dark();
+    click(&mut harness, "Run");
+    for _ in 0..3 {
+        press(&mut harness, Modifiers::NONE, Key::Comma);
+    }
+    let step = harness.state().selection().step.unwrap().step;
+    click(&mut harness, "Branch");
+    click(&mut harness, "Run");
+    let expected = format!("From step {step} of run 1");
+    let named = names(&harness);
+    assert!(named[0] == "Start 1" && named[1].starts_with("From step"), "{named:?}, {expected}");
+}
+
+#[test]
+fn the_slider_takes_arrow_keys_once_it_has_the_focus() {
+    let mut harness = open_dark();
+    click(&mut harness, "Run");
+    let frame = harness.state().selection().frame;
+    harness.get_by_role_and_label(Role::Slider, "Step").click();
+    settle(&mut harness);
+    let at = harness.state().selection().step.unwrap().step;
+    press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
+    assert_eq!(harness.state().selection().step.unwrap().step, at - 1);
+    press(&mut harness, Modifiers::NONE, Key::ArrowRight);
+    press(&mut harness, Modifiers::NONE, Key::ArrowRight);
+    assert_eq!(harness.state().selection().step.unwrap().step, at + 1);
+    assert_eq!(harness.state().selection().frame, frame);
+}
+
+#[test]
+fn the_pointer_reads_a_step_out_and_a_click_goes_there() {
+    let mut harness = open_dark();
+    click(&mut harness, "Run");
+    let plot = harness.get_by_label("Convergence plot").rect();
+    let at = pos2(plot.left() + 0.3 * plot.width(), plot.center().y);
+    // Every height of a column: some of them is near the curve.
+    let found = (0..40).any(|row| {
+        harness.event(Event::PointerMoved(pos2(at.x, plot.top() + plot.height() * row as f32 / 40.0)));
+        harness.run_steps(2);
+        harness.query_by_label("Step norm").is_some()
+    });
+    assert!(found, "no step is read out");
+    harness.get_by_label("accepted");
+    harness.get_by_label("Foretold");
+}
+
+#[test]
+fn curves_are_written_as_they_are_shown() {
+    let mut harness = open_dark();
+    three_renderers(&mut harness);
+    let folder = tempfile::tempdir().unwrap();
+    let (csv, png) = (folder.path().join("curves.csv"), folder.path().join("plot.png"));
+    harness.state_mut().export_curves_to(&csv);
+    harness.state_mut().export_plot_to(&png);
+    settle(&mut harness);
+    harness.get_by_label("Wrote curves.csv.");
+    let text = std::fs::read_to_string(&csv).unwrap();
+    let steps: usize = harness.state().session().runs.iter().map(|run| run.steps.len()).sum();
+    assert_eq!(text.lines().count(), steps + 1);
+    assert!(text.starts_with("run,name,") && text.contains("Sphere tree"));
+    let picture = image::open(&png).unwrap();
+    assert!(picture.width() > 400);
+    harness.state_mut().export_curves_to(&folder.path().join("no/such/folder/x.csv"));
+    settle(&mut harness);
+    harness.get_by_label_contains("x.csv was not written");
+}
+
+/// The panel alone, without times.
+fn panel(snapshots: &mut Snapshots, harness: &mut Harness<'_, App>, name: &str) {
+    for _ in 0..3 {
+        harness.state_mut().freeze_times();
+        harness.step();
+    }
+    let plot = harness.get_by_label("Convergence plot").rect();
+    let slider = harness.get_by_role_and_label(Role::Slider, "Step").rect();
+    let rect =
+        Rect::from_min_max(plot.min - vec2(64.0, 34.0), pos2(plot.right() + 350.0, slider.bottom() + 4.0));
+    let window = harness.render().unwrap();
+    let (min, size) = (rect.min.round(), rect.size().round());
+    let cut = crop_imm(&window, min.x as u32, min.y as u32, size.x as u32, size.y as u32);
+    snapshots.picture(&cut.to_image(), name);
+}
+
+#[test]
+fn the_panel_with_three_runs() {
+    let mut snapshots = Snapshots::default();
+    for theme in Theme::ALL {
+        let mut harness = open(theme, vec2(1240.0, 760.0));
+        three_renderers(&mut harness);
+        harness.state_mut().close_notices();
+        panel(&mut snapshots, &mut harness, &format!("curves_three_runs_{}", theme_name(theme)));
+    }
+}

@@ -1,0 +1,274 @@
+//! Files dropped on the window, and the cards around it: recent takes, the palette, About.
+
+use crate::support::take;
+use std::path::{Path, PathBuf};
+
+use crate::support::app_window::{click, open_sized, press, settle};
+use crate::support::snapshots::{Snapshots, theme_name};
+use backlit::app::{App, AppOptions, Opening, opening_of};
+use backlit::look::Look;
+use backlit::project::read_project;
+use backlit::theme::Theme;
+use backlit_tracking::io::pose_file;
+use backlit_tracking::silhouette::Label;
+use egui::accesskit::Role;
+use egui::{DroppedFile, DroppedFileHandle, HoveredFile, Key, Modifiers, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use image::imageops::crop_imm;
+use image::{GrayImage, Luma};
+
+/// A take in a folder.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (path, bytes) in take::files() {
+        let path = folder.path().join(path);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    }
+    folder
+}
+
+fn open(folder: &Path) -> Harness<'static, App> {
+    open_sized(AppOptions { opening: Some(opening_of(folder)), ..AppOptions::default() }, vec2(1300.0, 860.0))
+}
+
+#[derive(Debug)]
+struct File(PathBuf);
+
+impl DroppedFile for File {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+fn drop_on(harness: &mut Harness<'_, App>, paths: &[PathBuf]) {
+    let file = |path: &PathBuf| -> DroppedFileHandle { std::sync::Arc::new(File(path.clone())) };
+    harness.input_mut().dropped_files = paths.iter().map(file).collect();
+    harness.step();
+    harness.input_mut().dropped_files.clear();
+    settle(harness);
+}
+
+fn hover(harness: &mut Harness<'_, App>, path: &Path) {
+    let file = HoveredFile { path: Some(path.to_owned()), ..HoveredFile::default() };
+    harness.input_mut().hovered_files = vec![file];
+    harness.run_steps(3);
+}
+
+fn said<'a>(harness: &'a Harness<'_, App>) -> &'a str {
+    harness.state().notices().all().last().map_or("", |notice| notice.text.as_str())
+}
+
+fn subject_pixels(harness: &Harness<'_, App>, camera: usize) -> usize {
+    let frame = harness.state().session().frames.get(0).unwrap();
+    frame.cameras[camera].mask.as_ref().unwrap().count(Label::Subject)
+}
+
+#[test]
+fn a_calibration_replaces_the_cameras_and_is_undone() {
+    let folder = folder();
+    let mut harness = open(folder.path());
+    let centre =
+        |harness: &Harness<'_, App>| harness.state().session().take.as_ref().unwrap().cameras[0].centre();
+    let before = centre(&harness);
+    let iou = harness.state().session().iou().unwrap();
+    let text = std::fs::read_to_string(folder.path().join("cameras.json")).unwrap();
+    // The first camera sees through the second one's place.
+    let swapped = text.replace("front", "?").replace("above", "front").replace('?', "above");
+    let path = folder.path().join("swapped.json");
+    std::fs::write(&path, swapped).unwrap();
+    drop_on(&mut harness, std::slice::from_ref(&path));
+    assert_eq!(said(&harness), "The 2 cameras are those of swapped.json now.");
+    assert!(centre(&harness).distance(before) > 0.5);
+    assert!(harness.state().session().iou().unwrap() < iou, "the body is not where these cameras see it");
+
+    let project = folder.path().join("a.backlit");
+    harness.state_mut().save_to(&project);
+    settle(&mut harness);
+    let saved = read_project(&project).unwrap();
+    assert_eq!(saved, *harness.state().document());
+    let again = open(&project);
+    assert!(centre(&again).distance(before) > 0.5, "a project brings its cameras");
+
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert!(centre(&harness).distance(before) < 1e-9);
+    assert!((harness.state().session().iou().unwrap() - iou).abs() < 1e-12);
+}
+
+#[test]
+fn a_calibration_of_another_rig_is_an_error_that_says_what_differs() {
+    let folder = folder();
+    let mut harness = open(folder.path());
+    let before = harness.state().document().clone();
+    let text = std::fs::read_to_string(folder.path().join("cameras.json")).unwrap();
+    let path = folder.path().join("one.json");
+    let first = text.find("{\"name\": \"above\"").unwrap();
+    std::fs::write(&path, format!("{}]}}", text[..first].trim_end().trim_end_matches(','))).unwrap();
+    drop_on(&mut harness, &[path]);
+    assert!(said(&harness).contains("one.json: has 1 camera (front); the take has 2 cameras (front, above)"));
+    assert_eq!(*harness.state().document(), before);
+}
+
+#[test]
+fn silhouettes_replace_those_of_the_frame_and_are_undone() {
+    let folder = folder();
+    let mut harness = open(folder.path());
+    let before = subject_pixels(&harness, 0);
+    let path = folder.path().join("masks/front.png");
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    GrayImage::from_fn(64, 48, |x, _| Luma([if x < 32 { 255 } else { 0 }])).save(&path).unwrap();
+    drop_on(&mut harness, &[folder.path().join("masks")]);
+    assert_eq!(said(&harness), "Replaced the silhouettes of frame 0 in camera 1.");
+    assert_eq!(subject_pixels(&harness, 0), 32 * 48);
+    let project = folder.path().join("a.backlit");
+    harness.state_mut().save_to(&project);
+    settle(&mut harness);
+    assert_eq!(subject_pixels(&open(&project), 0), 32 * 48, "a project brings its silhouettes");
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(subject_pixels(&harness, 0), before);
+
+    let stranger = folder.path().join("somebody.png");
+    GrayImage::new(64, 48).save(&stranger).unwrap();
+    drop_on(&mut harness, &[stranger]);
+    assert!(said(&harness).contains("somebody.png: no camera is called that"), "{}", said(&harness));
+}
+
+#[test]
+fn poses_bodies_projects_and_takes_are_taken_in() {
+    let (folder, other) = (folder(), folder());
+    let mut harness = open(folder.path());
+    let model = harness.state().document().model.clone();
+    let pose = take::truth(&model, 2);
+    let path = folder.path().join("truth.json");
+    pose_file::write(&path, &model, &pose).unwrap();
+    drop_on(&mut harness, &[path]);
+    assert_eq!(said(&harness), "Frame 0 has the pose of truth.json now.");
+    assert!(harness.state().document().pose_at(0).root.distance(pose.root) < 1e-12);
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert!(harness.state().document().keys.is_empty());
+
+    let body = folder.path().join("long.toml");
+    let text = std::fs::read_to_string(folder.path().join("arm.toml")).unwrap();
+    std::fs::write(&body, text.replace("length = 0.3\n", "length = 0.4\n")).unwrap();
+    drop_on(&mut harness, std::slice::from_ref(&body));
+    assert_eq!(harness.state().document().model.limbs()[0].length, 0.4);
+    std::fs::write(&body, text.replace("right forearm", "tail")).unwrap();
+    drop_on(&mut harness, &[body]);
+    assert!(said(&harness).contains("other limbs"), "{}", said(&harness));
+
+    drop_on(&mut harness, &[other.path().to_owned()]);
+    assert_eq!(harness.state().document().model.limbs()[0].length, 0.3, "another take is open");
+    let strange = folder.path().join("notes.txt");
+    std::fs::write(&strange, "hello").unwrap();
+    drop_on(&mut harness, &[strange]);
+    assert!(said(&harness).contains("notes.txt: expected a take"), "{}", said(&harness));
+}
+
+#[test]
+fn what_will_happen_is_said_before_the_file_is_let_go() {
+    let folder = folder();
+    let mut harness = open(folder.path());
+    hover(&mut harness, &folder.path().join("cameras.json"));
+    harness.get_by_label("Drop: Replace the take’s cameras by these");
+    harness.input_mut().hovered_files.clear();
+    harness.run_steps(2);
+    assert!(harness.query_by_label_contains("Drop:").is_none());
+    let mut empty = open_sized(AppOptions::default(), vec2(1100.0, 700.0));
+    hover(&mut empty, &folder.path().join("cameras.json"));
+    empty.get_by_label("Drop: Open a take first");
+    hover(&mut empty, folder.path());
+    empty.get_by_label("Drop: Open this take");
+}
+
+#[test]
+fn recent_takes_that_are_gone_say_so_and_can_be_removed() {
+    let (here, gone) = (folder(), PathBuf::from("/no/such/take"));
+    let recent = vec![here.path().to_owned(), gone.clone()];
+    let look = Look { recent, ..Look::default() };
+    let mut harness = open_sized(AppOptions { look, ..AppOptions::default() }, vec2(1100.0, 700.0));
+    harness.get_by_label("missing");
+    click(&mut harness, "Remove take from the recent takes");
+    assert!(harness.query_by_label("missing").is_none());
+    let name = here.path().file_name().unwrap().to_string_lossy().into_owned();
+    harness.get_by_role_and_label(Role::Link, &name).click();
+    settle(&mut harness);
+    assert!(harness.state().session().take.is_some());
+}
+
+#[test]
+fn the_palette_offers_first_what_was_used_last() {
+    let folder = folder();
+    let mut harness = open(folder.path());
+    press(&mut harness, Modifiers::COMMAND, Key::K);
+    harness.get_by_role(Role::TextInput).type_text("mirr");
+    harness.run_steps(2);
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    press(&mut harness, Modifiers::COMMAND, Key::K);
+    let top = |harness: &Harness<'_, App>, text: &str| harness.get_by_label_contains(text).rect().top();
+    assert!(top(&harness, "Edit: Mirror X") < top(&harness, "File: Open take…"));
+    // Why something cannot be done stands beside it.
+    harness.get_by_role(Role::TextInput).type_text("redo");
+    harness.run_steps(2);
+    let redo = harness.get_by_label("Edit: Redo There is nothing to redo");
+    assert!(redo.rect().width() > 300.0);
+}
+
+#[test]
+fn about_copies_the_citation() {
+    let opening = Some(Opening::Ready(Box::new(take::take())));
+    let mut harness = open_sized(AppOptions { opening, ..AppOptions::default() }, vec2(1300.0, 860.0));
+    for (button, what) in
+        [("Copy BibTeX", "Copied the BibTeX entry."), ("Copy citation", "Copied the citation.")]
+    {
+        press(&mut harness, Modifiers::COMMAND, Key::K);
+        harness.get_by_role(Role::TextInput).type_text("about");
+        harness.run_steps(2);
+        press(&mut harness, Modifiers::NONE, Key::Enter);
+        harness.get_by_label_contains("Markerless Motion Capture");
+        click(&mut harness, button);
+        assert_eq!(said(&harness), what);
+        press(&mut harness, Modifiers::NONE, Key::Escape);
+    }
+}
+
+#[test]
+fn the_cards_look_as_they_should() {
+    let mut snapshots = Snapshots::default();
+    let folder = folder();
+    for theme in Theme::ALL {
+        let look = Look { theme, ..Look::default() };
+        let opening = Some(opening_of(folder.path()));
+        let mut harness =
+            open_sized(AppOptions { look, opening, ..AppOptions::default() }, vec2(1300.0, 860.0));
+        harness.set_render_cursor(false);
+        hover(&mut harness, &folder.path().join("cameras.json"));
+        part(
+            &mut snapshots,
+            &mut harness,
+            "Drop: Replace the take’s cameras by these",
+            &format!("panel_drop_{}", theme_name(theme)),
+        );
+        harness.input_mut().hovered_files.clear();
+        press(&mut harness, Modifiers::COMMAND, Key::K);
+        harness.get_by_role(Role::TextInput).type_text("about");
+        harness.run_steps(2);
+        press(&mut harness, Modifiers::NONE, Key::Enter);
+        let window = harness.render().unwrap();
+        let cut = crop_imm(&window, 390, 230, 520, 400).to_image();
+        snapshots.picture(&cut, &format!("panel_about_{}", theme_name(theme)));
+    }
+}
+
+fn part(snapshots: &mut Snapshots, harness: &mut Harness<'_, App>, label: &str, name: &str) {
+    harness.state_mut().freeze_times();
+    harness.step();
+    let window = harness.render().unwrap();
+    let rect = harness.get_by_label(label).rect().expand(16.0).round();
+    let [x, y] = [rect.left().max(0.0) as u32, rect.top().max(0.0) as u32];
+    snapshots.picture(&crop_imm(&window, x, y, rect.width() as u32, rect.height() as u32).to_image(), name);
+}

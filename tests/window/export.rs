@@ -1,0 +1,197 @@
+//! Exports through the real window: the dialog, the files, progress and stopping.
+
+use crate::support::take;
+use std::path::Path;
+
+use crate::support::app_window::{click, open_sized, press, settle};
+use crate::support::snapshots::{Snapshots, theme_name};
+use backlit::app::{App, AppOptions, Opening};
+use backlit::export::{ExportChoices, SeriesFormat};
+use backlit::look::Look;
+use backlit::theme::Theme;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use image::imageops::crop_imm;
+
+fn open(look: Look) -> Harness<'static, App> {
+    let opening = Some(Opening::Ready(Box::new(take::take())));
+    open_sized(AppOptions { look, opening, ..AppOptions::default() }, vec2(1200.0, 800.0))
+}
+
+/// Opens the palette, types, and presses Enter.
+fn command(harness: &mut Harness<'_, App>, text: &str) {
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::K);
+    harness.run_steps(2);
+    harness.get_by_role(Role::TextInput).type_text(text);
+    harness.run_steps(2);
+    harness.key_press(Key::Enter);
+    settle(harness);
+}
+
+/// Gives the dialog a path and presses Export.
+fn export_to(harness: &mut Harness<'_, App>, field: &str, path: &Path) {
+    let named = |harness: &Harness<'_, App>| harness.get_by_role_and_label(Role::TextInput, field).rect();
+    let at = named(harness).center();
+    harness.event(egui::Event::PointerMoved(at));
+    for pressed in [true, false] {
+        let button = egui::PointerButton::Primary;
+        harness.event(egui::Event::PointerButton { pos: at, button, pressed, modifiers: Modifiers::NONE });
+    }
+    harness.run_steps(2);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.run_steps(1);
+    harness.event(egui::Event::Text(path.display().to_string()));
+    harness.run_steps(2);
+    click(harness, "Export");
+}
+
+#[test]
+fn a_view_is_exported_at_the_size_that_was_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = open(Look::default());
+    command(&mut harness, "export view");
+    let path = folder.path().join("front.png");
+    harness.get_by_role_and_label(Role::RadioButton, "3×").click();
+    harness.run_steps(2);
+    export_to(&mut harness, "File", &path);
+    harness.get_by_label_contains("Exported front.png");
+    let picture = image::open(&path).unwrap().to_rgb8();
+    // 64 × 48 pixels of footage, and a legend of one row or more below.
+    assert_eq!(picture.width(), 192);
+    assert!((144..=300).contains(&picture.height()), "{}", picture.height());
+    // Missing is orange, and there is some.
+    let is_orange = |p: &&image::Rgb<u8>| p[0] > 150 && p[1] > 60 && p[1] < 140 && p[2] < 60;
+    assert!(picture.pixels().filter(is_orange).count() > 50);
+}
+
+#[test]
+fn the_window_is_exported_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = open(Look { theme: Theme::Light, ..Look::default() });
+    click(&mut harness, "Solver");
+    let path = folder.path().join("window.png");
+    command(&mut harness, "export window");
+    export_to(&mut harness, "File", &path);
+    let exported = image::open(&path).unwrap().to_rgb8();
+    assert_eq!(exported.dimensions(), (1200, 800));
+    // The notice that says so is not in it, nor the margin that a harness leaves around the window.
+    harness.get_by_role_and_label(Role::Button, "Close notice").click();
+    settle(&mut harness);
+    harness.state_mut().freeze_times();
+    harness.step();
+    let shown = image::DynamicImage::ImageRgba8(harness.render().unwrap()).to_rgb8();
+    let section = harness.get_by_role_and_label(Role::Button, "Solver").rect();
+    let of = |picture: &image::RgbImage, offset: i64| {
+        let (x, y) = (section.left() as i64 + 10, section.top() as i64 + 4);
+        let mut sum = 0_i64;
+        for dy in 0..20 {
+            for dx in 0..60 {
+                sum += i64::from(picture.get_pixel((x + dx + offset) as u32, (y + dy) as u32)[0]);
+            }
+        }
+        sum
+    };
+    // About the same ink where the section's title is: open sections are open in the export too.
+    let (a, b) = (of(&shown, 0), of(&exported, 8));
+    assert!((a - b).abs() < a / 10, "{a} {b}");
+}
+
+#[test]
+fn iterations_become_numbered_pictures_or_a_gif() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = open(Look::default());
+    click(&mut harness, "Step");
+    click(&mut harness, "Step");
+    let steps = folder.path().join("steps");
+    command(&mut harness, "export iterations");
+    harness.get_by_label_contains("3 pictures");
+    export_to(&mut harness, "Folder", &steps);
+    harness.get_by_label_contains("Exported 3 pictures to steps");
+    let mut names: Vec<_> = std::fs::read_dir(&steps).unwrap().map(|e| e.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["step_0000.png", "step_0001.png", "step_0002.png"]);
+    let pictures: Vec<_> = names.iter().map(|name| image::open(steps.join(name)).unwrap()).collect();
+    assert!(pictures[0] != pictures[1] && pictures[1] != pictures[2], "every step looks different");
+
+    let gif = folder.path().join("steps.gif");
+    command(&mut harness, "export iterations");
+    harness.get_by_role_and_label(Role::RadioButton, "GIF").click();
+    harness.run_steps(2);
+    export_to(&mut harness, "File", &gif);
+    harness.get_by_label_contains("Exported 3 pictures to steps.gif");
+    assert_eq!(&std::fs::read(&gif).unwrap()[..6], b"GIF89a");
+    // What was chosen is kept.
+    command(&mut harness, "export iterations");
+    let path = harness.get_by_role_and_label(Role::TextInput, "File").value().unwrap();
+    assert!(path.ends_with(".gif") && Path::new(&path).starts_with(folder.path()), "{path}");
+}
+
+#[test]
+fn frames_are_exported_and_an_export_can_be_stopped() {
+    let folder = tempfile::tempdir().unwrap();
+    let export = ExportChoices { format: SeriesFormat::AnimatedPng, ..ExportChoices::default() };
+    let mut harness = open(Look { export, ..Look::default() });
+    click(&mut harness, "Track forward");
+    let path = folder.path().join("frames.png");
+    command(&mut harness, "export frames");
+    harness.get_by_label_contains("3 pictures");
+    export_to(&mut harness, "File", &path);
+    harness.get_by_label_contains("Exported 3 pictures to frames.png");
+    assert!(std::fs::read(&path).unwrap().windows(4).any(|chunk| chunk == b"acTL"));
+
+    command(&mut harness, "export frames");
+    let other = folder.path().join("other.png");
+    let field = harness.get_by_role_and_label(Role::TextInput, "File");
+    field.focus();
+    harness.run_steps(2);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.run_steps(1);
+    harness.event(egui::Event::Text(other.display().to_string()));
+    harness.run_steps(2);
+    harness.get_by_role_and_label(Role::Button, "Export").click();
+    harness.run_steps(2);
+    harness.get_by_role_and_label(Role::Button, "Stop export").click();
+    settle(&mut harness);
+    let said = &harness.state().notices().all().last().unwrap().text;
+    assert!(said.starts_with("Stopped the export") || said.starts_with("Exported 3"), "{said}");
+    assert_eq!(other.exists(), said.starts_with("Exported"), "{said}");
+}
+
+#[test]
+fn a_folder_that_is_not_there_is_said_before_anything_is_done() {
+    let mut harness = open(Look::default());
+    command(&mut harness, "export view");
+    harness.get_by_role_and_label(Role::TextInput, "File").focus();
+    harness.run_steps(2);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.run_steps(1);
+    harness.event(egui::Event::Text("/no/such/folder/a.png".to_owned()));
+    harness.run_steps(2);
+    harness.get_by_label_contains("There is no folder /no/such/folder");
+    harness.get_by_role_and_label(Role::Button, "Cancel").click();
+    settle(&mut harness);
+    assert!(harness.query_by_role(Role::TextInput).is_none());
+}
+
+#[test]
+fn the_dialog_looks_as_it_should() {
+    let mut snapshots = Snapshots::default();
+    for theme in Theme::ALL {
+        let folder = std::path::PathBuf::from("/pictures");
+        let export = ExportChoices { folder: Some(folder), ..ExportChoices::default() };
+        let mut harness = open(Look { theme, export, ..Look::default() });
+        harness.set_render_cursor(false);
+        click(&mut harness, "Step");
+        for (what, name) in [("export view", "view"), ("export iterations", "iterations")] {
+            command(&mut harness, what);
+            harness.state_mut().freeze_times();
+            harness.step();
+            let window = harness.render().unwrap();
+            let cut = crop_imm(&window, 350, 220, 500, 360).to_image();
+            snapshots.picture(&cut, &format!("panel_export_{name}_{}", theme_name(theme)));
+            press(&mut harness, Modifiers::NONE, Key::Escape);
+        }
+    }
+}

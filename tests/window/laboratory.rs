@@ -1,0 +1,247 @@
+//! The laboratory through the real window: keys, buttons, boxes, plot, marks, and what it leaves alone.
+
+use crate::support::app_window::{click, open_sized, press, settle};
+use crate::support::snapshots::{Snapshots, theme_name};
+use crate::support::take;
+use backlit::app::{App, AppOptions, Opening};
+use backlit::demonstration::Demonstration;
+use backlit::document::TakeSource;
+use backlit::laboratory::story::{self, MOST_WORDS};
+use backlit::laboratory::{Comparison, Lineup};
+use backlit::look::{Layout, Look};
+use backlit::theme::Theme;
+use egui::accesskit::Role;
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use image::imageops::crop_imm;
+
+const NONE: Modifiers = Modifiers::NONE;
+
+fn open(opening: Opening, theme: Theme, size: egui::Vec2) -> Harness<'static, App> {
+    let look = Look { theme, layout: Layout::Demonstrate, ..Look::default() };
+    open_sized(AppOptions { look, opening: Some(opening), ..AppOptions::default() }, size)
+}
+
+fn open_limb() -> Harness<'static, App> {
+    let opening = Opening::Take(TakeSource::Demonstration(Demonstration::SingleLimb));
+    open(opening, Theme::Dark, vec2(1500.0, 900.0))
+}
+
+fn open_arm() -> Harness<'static, App> {
+    open(Opening::Ready(Box::new(take::take())), Theme::Dark, vec2(1500.0, 900.0))
+}
+
+fn comparison<'a>(harness: &'a Harness<'_, App>) -> &'a Comparison {
+    harness.state().laboratory().comparison.as_ref().unwrap()
+}
+
+/// The step that is looked at, and the last one.
+fn steps(harness: &Harness<'_, App>) -> (usize, usize) {
+    let comparison = comparison(harness);
+    (comparison.cursor, comparison.last())
+}
+
+/// Chooses an entry of a box.
+fn choose(harness: &mut Harness<'_, App>, name: &str, entry: &str) {
+    harness.get_by_role_and_label(Role::ComboBox, name).click();
+    harness.run_steps(2);
+    harness.get_all_by_label(entry).last().unwrap().click();
+    settle(harness);
+}
+
+/// Every picture is of the step that is looked at, and every gradient was checked there.
+fn assert_whole(harness: &Harness<'_, App>) {
+    let comparison = comparison(harness);
+    assert_eq!(comparison.stale().count(), 0);
+    for fit in &comparison.contestants {
+        let (_, pushed) = fit.pushed.as_ref().unwrap();
+        assert!(pushed.pushing <= pushed.in_ramp);
+        let checked = fit.checked.as_ref().unwrap();
+        assert_eq!(Some(&checked.pose), fit.pose(comparison.cursor));
+        assert_eq!(checked.camera, harness.state().laboratory().camera);
+        assert!(checked.progress.is_whole() && checked.progress.passes(), "{:?}", checked.progress);
+        assert!(checked.progress.compared > 0 && checked.progress.worst.is_some());
+    }
+}
+
+/// The caption, which is never too long.
+fn caption(harness: &Harness<'_, App>) -> story::Story {
+    let comparison = comparison(harness);
+    let (key, _) = comparison.contestants[0].pushed.as_ref().unwrap();
+    let story = story::tell(comparison, harness.state().laboratory().lineup, *key);
+    assert!(story::words(&story) <= MOST_WORDS, "{} words: {story:?}", story::words(&story));
+    harness.get_by_label(&story.title);
+    for paragraph in &story.paragraphs {
+        harness.get_by_label(paragraph);
+    }
+    story
+}
+
+#[test]
+fn keys_go_through_the_steps_and_leave_the_take_alone() {
+    let mut harness = open_limb();
+    let before = harness.state().document().clone();
+    assert_eq!(steps(&harness), (25, 25));
+    assert_whole(&harness);
+    let there = |harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key| {
+        press(harness, modifiers, key);
+        assert_eq!(comparison(harness).stale().count(), 0);
+        steps(harness).0
+    };
+    assert_eq!(there(&mut harness, NONE, Key::ArrowLeft), 24);
+    assert_eq!(there(&mut harness, NONE, Key::Comma), 23);
+    assert_eq!(there(&mut harness, NONE, Key::Home), 0);
+    harness.get_by_label("Cylinder at 100.0 %");
+    assert_eq!(there(&mut harness, NONE, Key::ArrowRight), 1);
+    assert_eq!(there(&mut harness, Modifiers::SHIFT, Key::ArrowRight), 11);
+    assert_eq!(there(&mut harness, Modifiers::SHIFT, Key::Space), 10);
+    assert_eq!(there(&mut harness, NONE, Key::End), 25);
+    assert_whole(&harness);
+
+    let curves: Vec<Vec<f64>> = comparison(&harness).contestants.iter().map(|fit| fit.percents()).collect();
+    press(&mut harness, Modifiers::COMMAND, Key::R);
+    assert_eq!(steps(&harness), (0, 0));
+    harness.get_by_label("Before the first step");
+    assert_eq!(there(&mut harness, NONE, Key::Space), 1);
+    click(&mut harness, "Step");
+    assert_eq!(steps(&harness), (2, 2));
+    press(&mut harness, NONE, Key::ArrowRight);
+    assert_eq!(steps(&harness), (3, 3), "beyond the newest step an arrow makes one");
+    press(&mut harness, NONE, Key::Enter);
+    assert_eq!(steps(&harness), (25, 25));
+    let again: Vec<Vec<f64>> = comparison(&harness).contestants.iter().map(|fit| fit.percents()).collect();
+    assert_eq!(curves, again, "the same steps, bit by bit");
+
+    assert_eq!(*harness.state().document(), before);
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(*harness.state().document(), before, "there is nothing to undo");
+    assert!(harness.state().session().runs.is_empty());
+    assert_eq!(harness.state().selection().frame, 0);
+}
+
+#[test]
+fn own_takes_with_several_cameras_and_every_lineup() {
+    let mut harness = open_arm();
+    assert_eq!(steps(&harness), (0, 0), "an own take waits");
+    assert_whole(&harness);
+    press(&mut harness, NONE, Key::Num2);
+    assert_eq!(harness.state().laboratory().camera, 1);
+    assert_whole(&harness);
+    choose(&mut harness, "Camera", "Camera 1");
+    assert_eq!(harness.state().laboratory().camera, 0);
+    choose(&mut harness, "Limb", "Right forearm");
+    choose(&mut harness, "Motion", "twists");
+    for fit in &comparison(&harness).contestants {
+        let (_, pushed) = fit.pushed.as_ref().unwrap();
+        assert_eq!(pushed.pushing, 0, "no silhouette tells a twist");
+    }
+    assert!(caption(&harness).paragraphs[0].contains("cannot be seen"));
+    choose(&mut harness, "Motion", "slides along its axis");
+    for (lineup, name) in Lineup::ALL.into_iter().rev() {
+        choose(&mut harness, "Compare", name);
+        assert_eq!(harness.state().laboratory().lineup, lineup);
+        harness.get_by_label(lineup.title());
+        caption(&harness);
+        click(&mut harness, &format!("Run {}", lineup.all_text()));
+        let comparison = comparison(&harness);
+        assert!(comparison.is_over(), "{name}");
+        assert_eq!(comparison.cursor, comparison.last());
+        assert!(comparison.contestants.iter().all(|fit| fit.percent(fit.last()).unwrap() < 100.0), "{name}");
+        assert_whole(&harness);
+        caption(&harness);
+    }
+    choose(&mut harness, "Start", "Start 10° off");
+    assert_eq!(steps(&harness), (0, 0), "another start begins anew");
+    caption(&harness);
+
+    let begun = comparison(&harness).id;
+    press(&mut harness, NONE, Key::F1);
+    press(&mut harness, NONE, Key::ArrowRight);
+    assert_eq!((harness.state().selection().frame, comparison(&harness).id), (1, begun));
+    press(&mut harness, NONE, Key::F3);
+    assert!(comparison(&harness).id > begun, "another frame begins anew");
+    assert!(!harness.state().document().has_pose(1));
+}
+
+fn point(harness: &mut Harness<'_, App>, at: Pos2) {
+    let button =
+        |pressed| Event::PointerButton { pos: at, button: PointerButton::Primary, pressed, modifiers: NONE };
+    harness.event(Event::PointerMoved(at));
+    harness.event(button(true));
+    harness.step();
+    harness.event(button(false));
+    settle(harness);
+}
+
+#[test]
+fn the_plot_is_clicked_copied_and_saved_and_the_worst_pixel_is_marked() {
+    let mut harness = open_limb();
+    let plot = harness.get_by_label("Laboratory plot").rect();
+    point(&mut harness, plot.left_top() + vec2(0.35 * plot.width(), 0.5 * plot.height()));
+    let (cursor, last) = steps(&harness);
+    assert!((4..15).contains(&cursor) && last == 25, "{cursor} of {last}");
+    assert_whole(&harness);
+    click(&mut harness, "Copy CSV");
+    harness.get_by_label_contains("Copied the curves");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("curves.png");
+    harness.state_mut().save_laboratory_plot(&path);
+    settle(&mut harness);
+    assert!(image::open(&path).unwrap().width() > 400);
+
+    let label = |harness: &Harness<'_, App>| {
+        let button = harness.get_all_by_label_contains("Gradient check of the capsule").next().unwrap();
+        button.rect().center()
+    };
+    let at = label(&harness);
+    point(&mut harness, at);
+    assert_eq!(harness.state().laboratory().marked, Some(1));
+    let worst = comparison(&harness).contestants[1].checked.as_ref().unwrap().progress.worst.clone().unwrap();
+    let [x, y] = worst.pixel;
+    let words = format!("Camera 1, pixel ({x}, {y}), column {}", worst.column);
+    assert!(harness.get_all_by_label_contains(&words).next().is_some());
+    point(&mut harness, at);
+    assert_eq!(harness.state().laboratory().marked, None);
+    harness.get_by_role_and_label(Role::RadioButton, "Log").click();
+    settle(&mut harness);
+    assert!(harness.state().laboratory().is_log);
+}
+
+#[test]
+fn other_demonstrations_have_captions_too() {
+    for which in [Demonstration::OneCamera, Demonstration::Bias] {
+        let opening = Opening::Take(TakeSource::Demonstration(which));
+        let mut harness = open(opening, Theme::Light, vec2(1100.0, 700.0));
+        press(&mut harness, NONE, Key::F3);
+        caption(&harness);
+        press(&mut harness, NONE, Key::Enter);
+        assert!(comparison(&harness).is_over());
+        caption(&harness);
+    }
+}
+
+#[test]
+fn column_and_plot_look_as_they_did() {
+    let mut snapshots = Snapshots::default();
+    for theme in Theme::ALL {
+        let opening = Opening::Take(TakeSource::Demonstration(Demonstration::SingleLimb));
+        let mut harness = open(opening, theme, vec2(1100.0, 700.0));
+        press(&mut harness, NONE, Key::Home);
+        press(&mut harness, Modifiers::SHIFT, Key::ArrowRight);
+        let head = harness.get_by_label_contains("Capsule at ").rect();
+        let upper = harness.get_by_label("Capsule, data and model").rect();
+        let foot = harness.get_all_by_label_contains("Gradient check of the capsule").next().unwrap().rect();
+        let column =
+            Rect::from_min_max(egui::pos2(upper.left(), head.top() - 6.0), foot.max + vec2(14.0, 4.0));
+        let plot = harness.get_by_label("Laboratory plot").rect();
+        for (rect, name) in [(column, "column"), (plot, "plot")] {
+            harness.state_mut().freeze_times();
+            harness.step();
+            let window = harness.render().unwrap();
+            let (min, size) = (rect.min.round(), rect.size().round());
+            let cut = crop_imm(&window, min.x as u32, min.y as u32, size.x as u32, size.y as u32);
+            snapshots.picture(&cut.to_image(), &format!("laboratory_{name}_{}", theme_name(theme)));
+        }
+    }
+}

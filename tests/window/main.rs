@@ -1,0 +1,23 @@
+//! The real window without a display: driven by label and role, looked at through the CPU painter.
+//!
+//! One program for all of them: each would weigh what the window weighs.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
+
+mod basin;
+mod camera_tile;
+mod curves;
+mod demonstrations;
+mod docking;
+mod drop;
+mod export;
+mod exported_state;
+mod laboratory;
+mod names;
+mod observability;
+mod painter;
+mod panels;
+mod posing;
+mod support;
+mod tour;
+mod workflow;

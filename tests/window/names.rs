@@ -1,0 +1,113 @@
+//! Everything that can be clicked, dragged or typed into has a name that a screen reader can say.
+
+use crate::support::app_window::{click, open_sized, press, settle};
+use crate::support::take;
+use backlit::app::{App, AppOptions, Opening};
+use backlit::look::{Layout, Look};
+use egui::accesskit::{Action, Role};
+use egui::{Key, Modifiers, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable, by};
+
+/// Width of the gap between tiles that can be grabbed.
+const GAP: f64 = 10.0;
+
+fn open(layout: Layout) -> Harness<'static, App> {
+    let opening = Some(Opening::Ready(Box::new(take::take())));
+    let look = Look { layout, ..Look::default() };
+    open_sized(AppOptions { look, opening, offers_tour: true, ..AppOptions::default() }, vec2(1600.0, 1000.0))
+}
+
+/// Adds the nodes without a name to the list: those with a role that asks for one, and those that can be clicked.
+fn look_around(harness: &Harness<'_, App>, place: &str, unnamed: &mut Vec<String>) {
+    let mut add = |text: String| {
+        let text = format!("{place}: {text}");
+        if !unnamed.contains(&text) {
+            unnamed.push(text);
+        }
+    };
+    harness.unnamed_widgets().into_iter().for_each(&mut add);
+    for node in harness.query_all(by().predicate(|_| true)) {
+        let node = node.accesskit_node();
+        let is_clickable = node.data().supports_action(Action::Click);
+        // Scroll bars and the gaps between tiles are the libraries' own; keys do the same.
+        let is_gap = node.role() == Role::Unknown
+            && node.bounding_box().is_some_and(|at| at.width().min(at.height()) <= GAP);
+        if node.role() == Role::ScrollBar || is_gap {
+            continue;
+        }
+        let has_role = !matches!(node.role(), Role::Unknown | Role::GenericContainer);
+        if is_clickable && !has_role {
+            add(format!("{:?} at {:?} can be clicked", node.role(), node.bounding_box()));
+        }
+    }
+}
+
+/// Opens everything that is shut.
+fn open_sections(harness: &mut Harness<'_, App>) {
+    for title in
+        ["Refit", "Size", "Measurement", "Renderer", "Solver", "Observability", "Camera subsets", "Basin"]
+    {
+        let sections = harness.query_all_by_role_and_label(Role::Button, title).count();
+        if sections == 1 {
+            click(harness, title);
+        }
+    }
+}
+
+#[test]
+fn panels_of_every_layout_have_names() {
+    let mut unnamed = Vec::new();
+    for (layout, name) in Layout::ALL {
+        let mut harness = open(layout);
+        look_around(&harness, name, &mut unnamed);
+        open_sections(&mut harness);
+        look_around(&harness, &format!("{name}, all sections"), &mut unnamed);
+        if layout != Layout::Demonstrate {
+            click(&mut harness, "Step");
+            click(&mut harness, "Track forward");
+            look_around(&harness, &format!("{name}, tracked"), &mut unnamed);
+        }
+    }
+    let empty = open_sized(AppOptions::default(), vec2(1100.0, 700.0));
+    look_around(&empty, "empty", &mut unnamed);
+    assert!(unnamed.is_empty(), "{unnamed:#?}");
+}
+
+#[test]
+fn cards_and_menus_have_names() {
+    let mut unnamed = Vec::new();
+    let mut harness = open(Layout::Pose);
+    for key in [Key::K, Key::E] {
+        press(&mut harness, Modifiers::COMMAND, key);
+        look_around(&harness, &format!("Ctrl+{key:?}"), &mut unnamed);
+        press(&mut harness, Modifiers::NONE, Key::Escape);
+    }
+    press(&mut harness, Modifiers::NONE, Key::Questionmark);
+    look_around(&harness, "keys", &mut unnamed);
+    press(&mut harness, Modifiers::NONE, Key::Escape);
+    for command in ["about backlit", "messages", "export iterations"] {
+        press(&mut harness, Modifiers::COMMAND, Key::K);
+        harness.get_by_role(Role::TextInput).type_text(command);
+        harness.run_steps(2);
+        press(&mut harness, Modifiers::NONE, Key::Enter);
+        look_around(&harness, command, &mut unnamed);
+        press(&mut harness, Modifiers::NONE, Key::Escape);
+    }
+    for menu in ["File", "Edit", "View", "Fit", "Track", "Demonstrate", "Help"] {
+        harness.get_all_by_role_and_label(Role::Button, menu).next().unwrap().click();
+        settle(&mut harness);
+        look_around(&harness, &format!("menu {menu}"), &mut unnamed);
+        press(&mut harness, Modifiers::NONE, Key::Escape);
+    }
+    assert!(unnamed.is_empty(), "{unnamed:#?}");
+}
+
+/// The check can fail.
+#[test]
+fn a_nameless_button_is_found() {
+    let harness = Harness::builder().with_accessibility_check(false).build_ui(|ui| {
+        ui.add(egui::Button::new(""));
+    });
+    assert!(!harness.unnamed_widgets().is_empty());
+}

@@ -1,0 +1,164 @@
+//! What the cameras see, through the real window on a tiny take: picking, swaying, ellipses, sets of cameras.
+
+use crate::support::app_window::{click, open_sized, press, settle};
+use crate::support::snapshots::{Snapshots, theme_name};
+use crate::support::take;
+use backlit::app::{App, AppOptions, Opening};
+use backlit::look::{Layout, Look};
+use backlit::theme::{Theme, size};
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, Rect, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use image::imageops::crop_imm;
+
+const WIDTH: f32 = 1400.0;
+const HEIGHT: f32 = 1500.0;
+/// The harness leaves so much free around the window.
+const MARGIN: f32 = 8.0;
+
+fn open(theme: Theme) -> Harness<'static, App> {
+    let look = Look { theme, layout: Layout::Debug, ..Look::default() };
+    let opening = Some(Opening::Ready(Box::new(take::take())));
+    let mut harness = open_sized(AppOptions { look, opening, ..AppOptions::default() }, vec2(WIDTH, HEIGHT));
+    click(&mut harness, "Run");
+    harness
+}
+
+fn chart<'a>(harness: &'a Harness<'_, App>) -> egui_kittest::Node<'a> {
+    harness.get_by_label_contains("Singular values, direction")
+}
+
+#[test]
+fn a_picked_direction_sways_until_the_pose_is_edited() {
+    let mut harness = open(Theme::Dark);
+    let found = harness.state().observing().found().unwrap();
+    assert_eq!(found.shown.directions.len(), 9);
+    assert_eq!(found.shown.null_count(), 2, "the twists of both limbs");
+    assert!(harness.state().observing().swaying().is_none(), "still until asked");
+    let document = harness.state().document().clone();
+
+    // The middle of the chart is a direction that is seen.
+    chart(&harness).click();
+    harness.run_steps(3);
+    let (_, direction) = harness.state().observing().direction().unwrap();
+    assert!(!direction.is_null && harness.state().observing().is_playing());
+    harness.run_steps(12);
+    let swayed = harness.state().observing().swayed_pose().unwrap();
+    assert_ne!(swayed, *document.pose_at(0), "it has moved");
+    let shown = &harness.state().observing().found().unwrap().shown;
+    let kinematics = |pose| backlit_tracking::body::Kinematics::new(&shown.model, pose);
+    let (here, there) = (kinematics(&shown.pose), kinematics(&swayed));
+    let farthest = here.ends().iter().zip(there.ends()).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+    assert!(farthest > 1e-3 && farthest < 0.065, "no joint sways farther than 60 mm: {farthest}");
+    assert_eq!(*harness.state().document(), document, "the document is not touched");
+
+    click(&mut harness, "Hold");
+    let held = harness.state().observing().swayed_pose().unwrap();
+    harness.run_steps(6);
+    assert_eq!(harness.state().observing().swayed_pose().unwrap(), held);
+    click(&mut harness, "Put back");
+    assert!(!harness.state().observing().is_swaying());
+
+    click(&mut harness, "Sway");
+    harness.run_steps(3);
+    assert!(harness.state().observing().is_playing());
+    press(&mut harness, Modifiers::NONE, Key::X);
+    press(&mut harness, Modifiers::SHIFT, Key::Backspace);
+    assert_ne!(harness.state().document(), &document);
+    assert!(!harness.state().observing().is_swaying(), "an edited pose stops it");
+    assert!(!harness.state().observing().is_stale(), "and is looked at anew");
+}
+
+#[test]
+fn directions_are_picked_by_keys_and_esc_puts_the_body_back() {
+    let mut harness = open(Theme::Dark);
+    let weakest = harness.state().observing().picked().unwrap();
+    assert_eq!(weakest, 6, "at first the weakest that is seen");
+    press(&mut harness, Modifiers::NONE, Key::PageDown);
+    press(&mut harness, Modifiers::NONE, Key::PageDown);
+    assert_eq!(harness.state().observing().picked(), Some(8));
+    harness.get_by_label_contains("Direction 9 of 9: right forearm twist");
+    harness.get_by_label_contains("No camera sees this.");
+    harness.get_by_label_contains("No joint moves");
+    press(&mut harness, Modifiers::SHIFT, Key::U);
+    harness.run_steps(3);
+    let swaying = harness.state().observing().swaying().unwrap();
+    assert_eq!(swaying.twisted, [1], "seams show what no outline does");
+    press(&mut harness, Modifiers::NONE, Key::Escape);
+    assert!(!harness.state().observing().is_swaying());
+
+    chart(&harness).focus();
+    harness.run_steps(2);
+    press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
+    assert_eq!(harness.state().observing().picked(), Some(7));
+    assert_eq!(harness.state().selection().frame, 0, "the arrow is the chart's");
+    let steps = harness.state().session().runs[0].steps.len();
+    press(&mut harness, Modifiers::NONE, Key::Space);
+    assert!(harness.state().observing().is_playing());
+    assert_eq!(harness.state().session().runs[0].steps.len(), steps, "and so is Space");
+}
+
+#[test]
+fn ellipses_and_sets_of_cameras() {
+    let mut harness = open(Theme::Dark);
+    harness.get_by_role_and_label(Role::CheckBox, "Uncertainty in the views").click();
+    settle(&mut harness);
+    let (joints, others) = harness.state().observing().ellipses().unwrap();
+    assert_eq!((joints.len(), others), (3, None));
+    let two = joints[2].worst_deviation_m();
+    assert!(two > 0.0 && two.is_finite());
+
+    harness.get_by_role_and_label(Role::ListItem, "Cameras 2").hover();
+    harness.run_steps(3);
+    let (joints, others) = harness.state().observing().ellipses().unwrap();
+    assert_eq!(others, Some(&[1][..]));
+    assert!(joints[2].worst_deviation_m() > two, "one camera knows less");
+
+    let before = harness.state().document().clone();
+    harness.get_by_role_and_label(Role::ListItem, "Cameras 2").click();
+    settle(&mut harness);
+    assert_eq!(harness.state().document().used_cameras().collect::<Vec<_>>(), [1]);
+    assert_eq!(harness.state().observing().found().unwrap().shown.cameras, [1], "looked at anew");
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(*harness.state().document(), before, "undone as one");
+}
+
+#[test]
+fn figures_are_not_made_where_nobody_looks() {
+    let opening = Some(Opening::Ready(Box::new(take::take())));
+    let mut harness = open_sized(AppOptions { opening, ..AppOptions::default() }, vec2(WIDTH, 900.0));
+    assert!(harness.state().observing().found().is_none());
+    press(&mut harness, Modifiers::NONE, Key::U);
+    assert!(harness.state().observing().ellipses().is_some());
+}
+
+#[test]
+fn both_sections() {
+    let mut snapshots = Snapshots::default();
+    for theme in Theme::ALL {
+        let mut harness = open(theme);
+        press(&mut harness, Modifiers::NONE, Key::PageDown);
+        harness.set_render_cursor(false);
+        let top = |harness: &Harness<'_, App>, title: &str| {
+            harness.get_by_role_and_label(Role::Button, title).rect().top()
+        };
+        for _ in 0..3 {
+            harness.state_mut().freeze_times();
+            harness.step();
+        }
+        let window = harness.render().unwrap();
+        let right = WIDTH - MARGIN;
+        let left = right - size::RIGHT_PANEL_DEBUG;
+        let (first, second) = (top(&harness, "Observability"), top(&harness, "Camera subsets"));
+        let status_bar = HEIGHT - MARGIN - size::STATUS_BAR;
+        let basin = harness.query_by_role_and_label(Role::Button, "Basin");
+        let end = basin.map_or(status_bar, |head| head.rect().top()).min(status_bar);
+        for (name, from, to) in [("observability", first, second), ("camera_subsets", second, end)] {
+            let rect = Rect::from_x_y_ranges(left..=right, from..=to);
+            let (min, size) = (rect.min.round(), rect.size().round());
+            let cut = crop_imm(&window, min.x as u32, min.y as u32, size.x as u32, size.y as u32);
+            snapshots.picture(&cut.to_image(), &format!("panel_{name}_{}", theme_name(theme)));
+        }
+    }
+}

@@ -1,0 +1,203 @@
+//! The tour on the built-in take: every step is done as a user does it.
+
+use std::time::Instant;
+
+use crate::support::app_window::{PATIENCE, click, open_sized, press, settle};
+use crate::support::snapshots::{Snapshots, theme_name};
+use crate::support::storage::Storage;
+use backlit::app::{App, AppOptions, Opening};
+use backlit::document::TakeSource;
+use backlit::look::Look;
+use backlit::theme::Theme;
+use egui::accesskit::Role;
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use image::imageops::crop_imm;
+
+fn open(size: Vec2, theme: Theme, offers_tour: bool) -> Harness<'static, App> {
+    let look = Look { theme, ..Look::default() };
+    let opening = Some(Opening::Take(TakeSource::BuiltIn));
+    open_sized(AppOptions { look, opening, offers_tour, ..AppOptions::default() }, size)
+}
+
+fn at(harness: &Harness<'_, App>, step: usize) -> Rect {
+    harness.get_by_label(&format!("Tour, step {step} of 7")).rect()
+}
+
+/// The card stands in the window, and not over what it is about.
+fn is_beside(harness: &Harness<'_, App>, step: usize, target: Rect) {
+    let card = at(harness, step);
+    assert!(!card.intersects(target), "step {step}: {card} lies on {target}");
+    assert!(harness.ctx.content_rect().contains_rect(card), "step {step}: {card}");
+}
+
+fn drag(harness: &mut Harness<'_, App>, handle: &str, by: Vec2) {
+    let from = harness.get_by_label(handle).rect().center();
+    drag_from(harness, from, by);
+}
+
+fn drag_from(harness: &mut Harness<'_, App>, from: Pos2, by: Vec2) {
+    let button = |pressed, pos| Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    harness.event(Event::PointerMoved(from));
+    harness.event(button(true, from));
+    harness.step();
+    for share in [0.3, 0.7, 1.0] {
+        harness.event(Event::PointerMoved(from + share * by));
+        harness.step();
+    }
+    harness.event(button(false, from + by));
+    settle(harness);
+    harness.event(Event::PointerGone);
+    harness.run_steps(2);
+}
+
+/// The joint's label in the camera that the card names.
+fn joint_in_named_camera(harness: &Harness<'_, App>) -> String {
+    let text = harness.get_by_label_contains("along the ray in camera").value().unwrap();
+    let camera = text.split("camera ").nth(1).unwrap().split(':').next().unwrap();
+    format!("right wrist, Camera {camera}")
+}
+
+fn walk(harness: &mut Harness<'_, App>) {
+    press(harness, Modifiers::COMMAND, Key::K);
+    harness.get_by_role(Role::TextInput).type_text("tour");
+    harness.run_steps(2);
+    press(harness, Modifiers::NONE, Key::Enter);
+    harness.run_steps(3);
+    let card = at(harness, 1);
+    assert!(
+        harness
+            .query_by_role_and_label(Role::Button, "Back")
+            .is_none_or(|b| b.accesskit_node().is_disabled())
+    );
+    click(harness, "Next");
+
+    harness.run_steps(3);
+    assert_ne!(at(harness, 2), card, "the card goes where the next thing is");
+    is_beside(harness, 2, harness.get_by_label("right wrist, Camera 1").rect().expand(40.0));
+    // Looking is not dragging.
+    harness.run_steps(5);
+    at(harness, 2);
+    drag(harness, "right wrist, Camera 1", vec2(30.0, 40.0));
+    harness.run_steps(3);
+
+    let joint = joint_in_named_camera(harness);
+    is_beside(harness, 3, harness.get_by_label(&joint).rect().expand(40.0));
+    // The same view again tells nothing of the depth.
+    drag(harness, "right wrist, Camera 1", vec2(-20.0, -30.0));
+    at(harness, 3);
+    drag(harness, &joint, vec2(25.0, -30.0));
+    harness.run_steps(3);
+
+    is_beside(harness, 4, harness.get_by_role_and_label(Role::Button, "Step").rect());
+    press(harness, Modifiers::NONE, Key::Space);
+    harness.run_steps(3);
+
+    is_beside(harness, 5, harness.get_by_role_and_label(Role::Button, "Run").rect());
+    press(harness, Modifiers::NONE, Key::Enter);
+    harness.run_steps(3);
+    let slider = harness.get_by_role_and_label(Role::Slider, "Step").rect();
+    is_beside(harness, 5, slider);
+    drag_from(harness, slider.right_center() - vec2(10.0, 0.0), vec2(-60.0, 0.0));
+    harness.run_steps(3);
+
+    at(harness, 6);
+    for key in [Key::C, Key::Y, Key::S] {
+        press(harness, Modifiers::NONE, key);
+    }
+    harness.run_steps(3);
+
+    is_beside(harness, 7, harness.get_by_role_and_label(Role::Button, "Track forward").rect());
+    // Back is there at any time, and forward again without doing it all.
+    click(harness, "Back");
+    harness.run_steps(2);
+    at(harness, 6);
+    click(harness, "Next");
+    harness.run_steps(2);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Enter);
+    let start = Instant::now();
+    while harness.state().document().estimates.len() < 3 {
+        assert!(start.elapsed() < PATIENCE);
+        harness.step();
+    }
+    press(harness, Modifiers::NONE, Key::Escape);
+    harness.run_steps(2);
+    assert!(harness.query_by_label_contains("Tour, step").is_none());
+    assert!(harness.state().notices().all().iter().any(|notice| notice.text.contains("That was the tour")));
+}
+
+#[test]
+fn every_step_waits_until_it_was_done_in_a_large_window() {
+    walk(&mut open(vec2(1600.0, 1000.0), Theme::Dark, false));
+}
+
+#[test]
+fn every_step_waits_until_it_was_done_in_the_smallest_window() {
+    walk(&mut open(vec2(1116.0, 716.0), Theme::Light, false));
+}
+
+#[test]
+fn the_tour_is_offered_once() {
+    let mut harness = open(vec2(1200.0, 800.0), Theme::Dark, true);
+    harness.get_by_label("Offer of the tour");
+    click(&mut harness, "Not now");
+    assert!(harness.query_by_label("Offer of the tour").is_none());
+    let mut storage = Storage::default();
+    eframe::App::save(harness.state_mut(), &mut storage);
+    let look: Look = eframe::get_value(&storage, "look").unwrap();
+    assert!(look.tour_offered);
+    let opening = Some(Opening::Take(TakeSource::BuiltIn));
+    let again = open_sized(
+        AppOptions { look, opening, offers_tour: true, ..AppOptions::default() },
+        vec2(1200.0, 800.0),
+    );
+    assert!(again.query_by_label("Offer of the tour").is_none());
+}
+
+#[test]
+fn who_takes_the_offer_is_guided_and_may_skip() {
+    let mut harness = open(vec2(1200.0, 800.0), Theme::Dark, true);
+    click(&mut harness, "Take the tour");
+    harness.run_steps(3);
+    at(&harness, 1);
+    click(&mut harness, "Skip");
+    assert!(harness.query_by_label_contains("Tour, step").is_none());
+    // Without being asked, it is never there.
+    let plain = open(vec2(1200.0, 800.0), Theme::Dark, false);
+    assert!(plain.query_by_label("Offer of the tour").is_none());
+}
+
+#[test]
+fn cards_look_as_they_should() {
+    let mut snapshots = Snapshots::default();
+    for theme in Theme::ALL {
+        let mut harness = open(vec2(1200.0, 800.0), theme, true);
+        part(
+            &mut snapshots,
+            &mut harness,
+            "Offer of the tour",
+            &format!("panel_tour_offer_{}", theme_name(theme)),
+        );
+        click(&mut harness, "Take the tour");
+        harness.run_steps(3);
+        click(&mut harness, "Next");
+        harness.run_steps(3);
+        let name = format!("panel_tour_card_{}", theme_name(theme));
+        part(&mut snapshots, &mut harness, "Tour, step 2 of 7", &name);
+    }
+}
+
+fn part(snapshots: &mut Snapshots, harness: &mut Harness<'_, App>, label: &str, name: &str) {
+    harness.state_mut().freeze_times();
+    harness.step();
+    let window = harness.render().unwrap();
+    let rect = harness.get_by_label(label).rect().expand2(vec2(60.0, 16.0)).round();
+    let [x, y] = [rect.left().max(0.0) as u32, rect.top().max(0.0) as u32];
+    snapshots.picture(&crop_imm(&window, x, y, rect.width() as u32, rect.height() as u32).to_image(), name);
+}

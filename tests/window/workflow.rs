@@ -1,0 +1,292 @@
+//! Whole workflows through the real window, by label and role, on a tiny take.
+
+use crate::support::take;
+use std::path::Path;
+use std::time::Instant;
+
+use backlit::app::{App, AppOptions, Opening, opening_of};
+use backlit::look::{Layout, Look};
+use backlit::project::read_project;
+use egui::accesskit::Role;
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+
+use crate::support::app_window::{PATIENCE, click, open_sized, press, settle};
+use crate::support::storage::Storage;
+
+fn open(options: AppOptions) -> Harness<'static, App> {
+    open_sized(options, vec2(1500.0, 900.0))
+}
+
+fn open_arm() -> Harness<'static, App> {
+    open(AppOptions { opening: Some(Opening::Ready(Box::new(take::take()))), ..AppOptions::default() })
+}
+
+/// Writes the take to a folder.
+fn write_take(folder: &Path) {
+    for (path, bytes) in take::files() {
+        let path = folder.join(path);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    }
+}
+
+fn pointer(at: Pos2, pressed: bool) -> Event {
+    Event::PointerButton { pos: at, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE }
+}
+
+/// Drags a joint's handle in a camera's view by some points, in a few moves, and lets go.
+fn drag(harness: &mut Harness<'_, App>, handle: &str, by: egui::Vec2) {
+    let from = harness.get_by_label(handle).rect().center();
+    harness.event(Event::PointerMoved(from));
+    harness.event(pointer(from, true));
+    harness.step();
+    for share in [0.2, 0.5, 0.8, 1.0] {
+        harness.event(Event::PointerMoved(from + share * by));
+        harness.step();
+    }
+    harness.event(pointer(from + by, false));
+    settle(harness);
+}
+
+fn iou(harness: &Harness<'_, App>) -> f64 {
+    harness.state().session().iou().unwrap()
+}
+
+#[test]
+fn from_a_take_to_a_track_and_back_to_the_saved_file() {
+    let mut harness = open_arm();
+    let rough = iou(&harness);
+    assert!(rough > 0.2 && rough < 0.9, "the start is near, not there: {rough}");
+
+    drag(&mut harness, "right wrist, Camera 1", vec2(6.0, -60.0));
+    let dragged = harness.state().document().pose_at(0).clone();
+    assert_ne!(dragged, *harness.state().document().start);
+    assert_eq!(harness.state().document().keys.len(), 1, "a drag sets a key pose, once");
+
+    click(&mut harness, "Step");
+    click(&mut harness, "Step");
+    let session = harness.state().session();
+    assert_eq!((session.runs.len(), session.runs[0].steps.len()), (1, 3), "the second step goes on");
+    let stepped = harness.state().document().pose_at(0).clone();
+
+    click(&mut harness, "Step back");
+    assert_eq!(harness.state().selection().step.map(|step| step.step), Some(1));
+    assert_eq!(*harness.state().document().pose_at(0), stepped, "looking back changes nothing");
+
+    click(&mut harness, "Run");
+    let runs = &harness.state().session().runs;
+    assert_eq!(runs.len(), 2, "from an earlier step a new run begins");
+    assert!(runs[1].ending.is_some() && runs[1].steps.len() > 3);
+    assert!(iou(&harness) > 0.8, "fitted: {}", iou(&harness));
+
+    press(&mut harness, Modifiers::NONE, Key::Y);
+    assert_eq!(harness.state().document().fit.renderer.name(), "cylinder");
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(harness.state().document().fit.renderer.name(), "capsule");
+    press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert_eq!(harness.state().document().fit.renderer.name(), "cylinder");
+    press(&mut harness, Modifiers::NONE, Key::C);
+
+    click(&mut harness, "Track forward");
+    let document = harness.state().document();
+    assert_eq!(document.estimates.len(), take::FRAMES);
+    assert!(document.estimates.values().all(|found| !found.lost && found.iou.unwrap() > 0.75));
+    assert_eq!(harness.state().selection().frame, take::FRAMES - 1, "the screen follows");
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("arm.backlit");
+    harness.state_mut().save_to(&path);
+    settle(&mut harness);
+    assert_eq!(read_project(&path).unwrap(), *harness.state().document());
+    harness.get_by_label_contains("Saved to arm.backlit");
+
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(harness.state().document().fit.renderer.name(), "capsule");
+    assert_eq!(harness.state().document().estimates.len(), 1, "a track is undone as one");
+}
+
+#[test]
+fn a_project_of_a_folder_is_reopened_equal() {
+    let folder = tempfile::tempdir().unwrap();
+    write_take(folder.path());
+    let mut harness = open(AppOptions { opening: Some(opening_of(folder.path())), ..AppOptions::default() });
+    drag(&mut harness, "right elbow, Camera 2", vec2(20.0, 20.0));
+    let path = folder.path().join("work.backlit");
+    harness.state_mut().save_to(&path);
+    settle(&mut harness);
+    let saved = harness.state().document().clone();
+    let again = open(AppOptions { opening: Some(opening_of(&path)), ..AppOptions::default() });
+    assert_eq!(*again.state().document(), saved);
+}
+
+#[test]
+fn a_drag_is_seen_in_all_views_and_esc_puts_it_back() {
+    let mut harness = open_arm();
+    let before = harness.state().document().clone();
+    let other = harness.get_by_label("right wrist, Camera 2").rect().center();
+    let from = harness.get_by_label("right wrist, Camera 1").rect().center();
+    harness.event(Event::PointerMoved(from));
+    harness.event(pointer(from, true));
+    harness.step();
+    for by in [vec2(0.0, 20.0), vec2(0.0, 60.0)] {
+        harness.event(Event::PointerMoved(from + by));
+        harness.step();
+    }
+    harness.step();
+    let moved = harness.get_by_label("right wrist, Camera 2").rect().center();
+    assert!(moved.distance(other) > 5.0, "{other} {moved}");
+    harness.key_press(Key::Escape);
+    settle(&mut harness);
+    harness.event(pointer(from + vec2(0.0, 60.0), false));
+    settle(&mut harness);
+    assert_eq!(*harness.state().document(), before);
+}
+
+#[test]
+fn a_track_that_is_cancelled_keeps_what_is_done() {
+    let mut harness = open_arm();
+    harness.get_by_role_and_label(Role::Button, "Track forward").click();
+    let start = Instant::now();
+    while harness.state().document().estimates.is_empty() {
+        assert!(start.elapsed() < PATIENCE);
+        harness.step();
+    }
+    harness.key_press(Key::Escape);
+    settle(&mut harness);
+    let done = harness.state().document().estimates.len();
+    assert!((1..=take::FRAMES).contains(&done));
+    harness.get_by_label_contains(if done == take::FRAMES { "Tracked 3 frames" } else { "Stopped after" });
+    // The notice's own button takes it back.
+    harness.get_all_by_role_and_label(Role::Button, "Undo").last().unwrap().click();
+    settle(&mut harness);
+    assert!(harness.state().document().estimates.is_empty());
+}
+
+#[test]
+fn angles_are_typed_and_limbs_are_picked_in_the_tree() {
+    let mut harness = open_arm();
+    harness.get_by_role_and_label(Role::ListItem, "Right forearm").click();
+    settle(&mut harness);
+    let field = harness.get_by_label("Twist value");
+    field.click();
+    harness.run_steps(2);
+    harness.get_by_label("Twist value").type_text("31.5");
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    let document = harness.state().document();
+    let limb = &document.model.limbs()[1];
+    let angles = limb.angles(document.pose_at(0).rotations[1]);
+    assert!((angles.twist.to_degrees() - 31.5).abs() < 1e-6, "{}", angles.twist.to_degrees());
+}
+
+#[test]
+fn the_palette_finds_and_does() {
+    let mut harness = open_arm();
+    press(&mut harness, Modifiers::COMMAND, Key::K);
+    harness.get_by_role(Role::TextInput).type_text("report 2004");
+    harness.run_steps(2);
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    let fit = &harness.state().document().fit;
+    assert_eq!(fit.as_preset(), Some(backlit_tracking::track::Preset::Report));
+    press(&mut harness, Modifiers::COMMAND, Key::K);
+    press(&mut harness, Modifiers::NONE, Key::Escape);
+    assert!(harness.query_by_role(Role::TextInput).is_none(), "Esc closes it");
+}
+
+/// A forearm that is too thin in the take's body is found as thick as it was drawn; one undo takes it back.
+#[test]
+fn the_body_is_fitted_to_tracked_frames_and_undone_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    write_take(folder.path());
+    let body = folder.path().join("arm.toml");
+    let thin = std::fs::read_to_string(&body).unwrap().replace("radius = 0.05", "radius = 0.035");
+    std::fs::write(&body, thin).unwrap();
+    let mut harness = open(AppOptions { opening: Some(opening_of(folder.path())), ..AppOptions::default() });
+    click(&mut harness, "Track forward");
+    let radius = |harness: &Harness<'_, App>| harness.state().document().model.limbs()[1].radius;
+    assert_eq!(radius(&harness), 0.035);
+    press(&mut harness, Modifiers::COMMAND, Key::K);
+    harness.get_by_role(Role::TextInput).type_text("fit body to");
+    harness.run_steps(2);
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    assert!((radius(&harness) - 0.05).abs() < 0.006, "{}", radius(&harness));
+    harness.get_by_label_contains("Fitted the body to 3 frames: IoU");
+    assert_eq!(harness.state().document().estimates.len(), take::FRAMES, "poses stay");
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(radius(&harness), 0.035);
+}
+
+#[test]
+fn what_cannot_be_used_says_why() {
+    let mut harness = open(AppOptions::default());
+    harness.get_by_label_contains("Open a take, or look around");
+    harness.get_by_role_and_label(Role::Button, "Step").hover();
+    harness.run_steps(60);
+    harness.get_by_label_contains("Open a take first");
+}
+
+#[test]
+fn a_folder_without_a_take_is_an_error_that_names_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let harness = open(AppOptions { opening: Some(opening_of(folder.path())), ..AppOptions::default() });
+    let said = &harness.state().notices().all()[0].text;
+    assert!(said.contains("take.toml") && said.contains("no such file"), "{said}");
+    harness.get_by_label(said);
+    assert!(harness.state().session().take.is_none());
+}
+
+#[test]
+fn unsaved_work_is_offered_at_the_next_start() {
+    let (folder, data) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    write_take(folder.path());
+    let options =
+        |opening| AppOptions { data_folder: Some(data.path().to_owned()), opening, ..AppOptions::default() };
+    let mut harness = open(options(Some(opening_of(folder.path()))));
+    drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 30.0));
+    let left = harness.state().document().clone();
+    eframe::App::on_exit(harness.state_mut(), None);
+    drop(harness);
+    // It comes before what is to be opened, whose own copy would take its place.
+    let mut harness = open(options(Some(opening_of(folder.path()))));
+    assert!(harness.state().session().take.is_none());
+    click(&mut harness, "Restore");
+    assert_eq!(*harness.state().document(), left);
+    eframe::App::on_exit(harness.state_mut(), None);
+    drop(harness);
+    let mut harness = open(options(Some(opening_of(folder.path()))));
+    click(&mut harness, "Leave it");
+    assert!(harness.state().session().take.is_some());
+    assert_ne!(*harness.state().document(), left);
+    let again = open(options(None));
+    assert!(again.query_by_role_and_label(Role::Button, "Restore").is_none());
+}
+
+#[test]
+fn the_arrangement_is_kept() {
+    let mut harness = open_arm();
+    press(&mut harness, Modifiers::NONE, Key::F2);
+    press(&mut harness, Modifiers::COMMAND, Key::B);
+    press(&mut harness, Modifiers::COMMAND, Key::T);
+    let mut storage = Storage::default();
+    eframe::App::save(harness.state_mut(), &mut storage);
+    let kept: Look = eframe::get_value(&storage, "look").unwrap();
+    assert_eq!(kept, Look { layout: Layout::Debug, panel: false, lanes: false, ..Look::default() });
+}
+
+#[test]
+fn the_debug_layout_shows_the_run_and_goes_to_its_steps() {
+    let look = Look { layout: Layout::Debug, ..Look::default() };
+    let opening = Some(Opening::Ready(Box::new(take::take())));
+    let mut harness = open(AppOptions { look, opening, ..AppOptions::default() });
+    harness.get_by_label("Press Space to step");
+    click(&mut harness, "Run");
+    harness.get_by_label("Convergence plot");
+    let last = harness.state().session().runs[0].steps.len() - 1;
+    harness.get_by_label("Convergence plot").click();
+    settle(&mut harness);
+    let step = harness.state().selection().step.unwrap().step;
+    assert!(step < last, "a click in the middle goes to a step there: {step} of {last}");
+    click(&mut harness, "Branch");
+    assert_eq!(harness.state().selection().step, None);
+}
