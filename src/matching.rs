@@ -4,6 +4,8 @@
 const AT_WORD: i32 = 12;
 const AFTER_LAST: i32 = 8;
 const ANYWHERE: i32 = 1;
+/// A word begins with all of what was typed.
+const WHOLE: i32 = 40;
 /// The name begins with what was typed; a letter that was skipped; a letter that is left.
 const AT_START: i32 = 20;
 const SKIPPED: i32 = -1;
@@ -18,7 +20,9 @@ pub fn fuzzy(typed: &str, name: &str) -> Option<i32> {
     let mut sum = 0;
     for word in typed.split_whitespace() {
         let word: Vec<char> = word.chars().collect();
-        sum += best(&word, &name)?;
+        let begins = |place: usize| place == 0 || !name[place - 1].is_alphanumeric();
+        let is_whole = (0..name.len()).any(|place| begins(place) && name[place..].starts_with(&word));
+        sum += best(&word, &name)? + if is_whole { WHOLE } else { 0 };
     }
     // Of two names that fit alike the shorter one is meant.
     Some(sum - name.len() as i32 / LONGER)
@@ -74,6 +78,14 @@ mod tests {
             ("xyzzy", ""),
         ] {
             assert_eq!(first(typed, &names), expected, "{typed}");
+        }
+    }
+
+    #[test]
+    fn a_word_that_is_there_beats_its_letters_strewn_about() {
+        let strewn = ["Stop export", "Paste pose", "Set or clear key pose"];
+        for name in strewn {
+            assert!(fuzzy("step", name) < fuzzy("step", "Earlier step"), "{name}");
         }
     }
 

@@ -1,10 +1,10 @@
 //! About: version, licence, and the method's source to be cited.
 
-use egui::{Align, Button, Id, Layout as Direction, Modal, RichText, Ui, vec2};
+use egui::{Align, Button, Layout as Direction, RichText, Ui, vec2};
 
 use crate::showing::{Intents, Request};
 use crate::theme::{self, size, space, title};
-use crate::widgets::primary_button;
+use crate::widgets::{card, primary_button};
 
 /// The report whose method this is.
 const CITATION: &str = "P. Kaimakis, “Markerless Motion Capture”, University of Cambridge, 2004.";
@@ -27,7 +27,7 @@ const LINKS: [(&str, &str); 3] = [
 /// Shows what the program is and says whether that stays open.
 pub(crate) fn about(ui: &Ui, intents: &mut Intents) -> bool {
     let mut close = false;
-    let modal = Modal::new(Id::unique("about")).show(ui.ctx(), |ui| {
+    let modal = card(ui.ctx(), "about").show(ui.ctx(), |ui| {
         let palette = theme::palette(ui);
         ui.set_width(470.0);
         ui.label(RichText::new("Backlit").text_style(title()));

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Align, Button, Id, Layout as Direction, Modal, RichText, Ui, vec2};
+use egui::{Align, Button, Layout as Direction, RichText, Ui, vec2};
 
 use crate::export::choices::{DELAYS_MS, MAX_SIDE, SCALES};
 use crate::export::{ExportChoices, Part, SeriesFormat};
 use crate::format;
 use crate::showing::{Intents, Request, Showing};
 use crate::theme::{self, size, space};
-use crate::widgets::{checkbox, number_field, primary_button, row_name, segmented, text_field};
+use crate::widgets::{card, checkbox, number_field, primary_button, row_name, segmented, text_field};
 
 /// Width of the card, and of the names in it.
 const WIDTH: f32 = 460.0;
@@ -165,7 +165,7 @@ impl ExportDialog {
     pub(crate) fn ui(&mut self, ui: &Ui, showing: &Showing<'_>, intents: &mut Intents) -> bool {
         let facts = Facts::new(ui.ctx(), showing);
         let mut close = false;
-        let modal = Modal::new(Id::unique("export")).show(ui.ctx(), |ui| {
+        let modal = card(ui.ctx(), "export").show(ui.ctx(), |ui| {
             ui.set_width(WIDTH);
             ui.spacing_mut().item_spacing.y = 6.0;
             ui.label(RichText::new("Export").text_style(theme::title()));

@@ -1,18 +1,16 @@
 //! All that was said since the start.
 
-use egui::{
-    Align, Button, Id, Label, Layout as Direction, Modal, RichText, ScrollArea, Sense, Ui, WidgetInfo, vec2,
-};
+use egui::{Align, Button, Label, Layout as Direction, RichText, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 
 use crate::notices::{Notices, Severity};
 use crate::showing::{Intents, Request};
 use crate::theme::{self, size, space, title};
-use crate::widgets::{Icon, primary_button};
+use crate::widgets::{Icon, card, primary_button};
 
 /// Shows all messages, the newest first, and says whether they stay open.
 pub(crate) fn messages(ui: &Ui, notices: &Notices, now: f64, intents: &mut Intents) -> bool {
     let mut close = false;
-    let modal = Modal::new(Id::unique("messages")).show(ui.ctx(), |ui| {
+    let modal = card(ui.ctx(), "messages").show(ui.ctx(), |ui| {
         let palette = theme::palette(ui);
         ui.set_width(580.0);
         ui.label(RichText::new("Messages").text_style(title()));

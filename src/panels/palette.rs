@@ -1,12 +1,12 @@
 //! The command palette: a few letters of any command.
 
-use egui::{Button, Id, Key, Modal, RichText, ScrollArea, Ui, vec2};
+use egui::{Button, Key, RichText, ScrollArea, Ui, vec2};
 
 use crate::action::Action;
 use crate::matching::fuzzy;
 use crate::showing::{Intents, Request, Showing, unavailable};
 use crate::theme::{self, size};
-use crate::widgets::text_field;
+use crate::widgets::{search_card, text_field};
 
 /// Width of the card.
 const WIDTH: f32 = 580.0;
@@ -36,7 +36,7 @@ impl Palette {
     /// Shows the palette and says whether it stays open.
     pub(crate) fn ui(&mut self, ui: &Ui, showing: &Showing<'_>, intents: &mut Intents) -> bool {
         let mut chosen = None;
-        let modal = Modal::new(Id::unique("palette")).show(ui.ctx(), |ui| {
+        let modal = search_card(ui.ctx(), "palette").show(ui.ctx(), |ui| {
             ui.set_width(WIDTH);
             let hint = "What do you want to do?";
             let field = text_field(ui, "Find a command", hint, &mut self.text);
@@ -137,7 +137,7 @@ fn matching(text: &str, used: &[String]) -> Vec<Found> {
         commands().filter_map(|action| Some((score(action)?, Found { action, is_recent: false }))).collect();
     // Letters that are scattered over a long name are chance, where others fit well.
     let best = found.iter().map(|(score, _)| *score).max().unwrap_or(0);
-    found.retain(|(score, _)| *score <= ONLY_EXPLAINED + USED_LATELY || *score * 3 >= best);
+    found.retain(|(score, _)| *score <= ONLY_EXPLAINED + USED_LATELY || *score * 2 >= best);
     found.sort_by_key(|(score, _)| std::cmp::Reverse(*score));
     found.into_iter().map(|(_, found)| found).collect()
 }

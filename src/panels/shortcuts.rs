@@ -1,14 +1,17 @@
 //! All keys, searchable, and the gestures of the pointer.
 
-use egui::{Grid, Id, Modal, RichText, ScrollArea, Ui, vec2};
+use egui::{Align, Label, RichText, ScrollArea, Ui, vec2};
 
 use crate::action::{Action, Menu, keys_text};
 use crate::theme::{self, size};
-use crate::widgets::{Icon, icon_button, text_field};
+use crate::widgets::{Icon, icon_button, search_card, text_field};
 
-/// Width of the card, and of the column of keys.
-const WIDTH: f32 = 600.0;
+/// Width of the card, and of the columns of keys and of names.
+const WIDTH: f32 = 760.0;
 const KEYS: f32 = 150.0;
+const NAMES: f32 = 190.0;
+/// Height of the list, as a share of the window's.
+const HEIGHT: f32 = 0.6;
 
 /// Gestures of the pointer: they have no command.
 const GESTURES: [(&str, &str); 9] = [
@@ -26,33 +29,36 @@ const GESTURES: [(&str, &str); 9] = [
 /// Shows the list and says whether it stays open.
 pub(crate) fn ui(ui: &Ui, search: &mut String) -> bool {
     let mut close = false;
-    let modal = Modal::new(Id::unique("shortcuts")).show(ui.ctx(), |ui| {
+    let modal = search_card(ui.ctx(), "shortcuts").show(ui.ctx(), |ui| {
         ui.set_width(WIDTH);
         ui.horizontal(|ui| {
             ui.label(RichText::new("Keys").text_style(theme::title()));
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.with_layout(egui::Layout::right_to_left(Align::Center), |ui| {
                 close = icon_button(ui, Icon::Close, "Close keys", "Close   Esc").clicked();
             });
         });
         text_field(ui, "Search keys", "Search keys", search).request_focus();
         ui.add_space(4.0);
         let words: Vec<String> = search.to_lowercase().split_whitespace().map(str::to_owned).collect();
-        ScrollArea::vertical().max_height(460.0).auto_shrink([false, true]).show(ui, |ui| {
-            let mut is_empty = true;
-            for menu in Menu::ALL {
-                let rows =
-                    Action::in_menu(menu).filter(|action| !action.shortcuts().is_empty()).map(|action| {
-                        let keys: Vec<String> = action.shortcuts().iter().map(keys_text).collect();
-                        (keys.join(", "), action.text(), action.explanation())
-                    });
-                is_empty &= !group(ui, menu.text(), rows, &words);
-            }
-            let gestures = GESTURES.iter().map(|(keys, text)| ((*keys).to_owned(), *text, ""));
-            is_empty &= !group(ui, "Pointer", gestures, &words);
-            if is_empty {
-                ui.label(RichText::new("No key does that").color(theme::palette(ui).text3));
-            }
-        });
+        ScrollArea::vertical()
+            .max_height(ui.ctx().content_rect().height() * HEIGHT)
+            .auto_shrink([false, true])
+            .show(ui, |ui| {
+                let mut is_empty = true;
+                for menu in Menu::ALL {
+                    let rows =
+                        Action::in_menu(menu).filter(|action| !action.shortcuts().is_empty()).map(|action| {
+                            let keys: Vec<String> = action.shortcuts().iter().map(keys_text).collect();
+                            (keys.join(", "), action.text(), action.explanation())
+                        });
+                    is_empty &= !group(ui, menu.text(), rows, &words);
+                }
+                let gestures = GESTURES.iter().map(|(keys, text)| ((*keys).to_owned(), *text, ""));
+                is_empty &= !group(ui, "Pointer", gestures, &words);
+                if is_empty {
+                    ui.label(RichText::new("No key does that").color(theme::palette(ui).text3));
+                }
+            });
     });
     !(close || modal.should_close())
 }
@@ -75,20 +81,22 @@ fn group(
     let palette = theme::palette(ui);
     ui.add_space(4.0);
     ui.label(RichText::new(title).small().color(palette.text3));
-    Grid::new(("keys", title))
-        .num_columns(2)
-        .min_col_width(KEYS)
-        .min_row_height(size::ROW)
-        .spacing(vec2(16.0, 0.0))
-        .show(ui, |ui| {
-            for (keys, text, explanation) in &rows {
-                ui.label(RichText::new(keys).monospace().color(palette.text2));
-                let label = ui.label(*text);
-                if !explanation.is_empty() {
-                    label.on_hover_text(*explanation);
-                }
-                ui.end_row();
-            }
+    for (keys, text, explanation) in &rows {
+        ui.horizontal(|ui| {
+            ui.set_min_height(size::ROW);
+            let cell = |ui: &mut Ui, width: f32, text: RichText| {
+                let row = egui::Layout::left_to_right(Align::Center);
+                ui.allocate_ui_with_layout(vec2(width, size::ROW), row, |ui| {
+                    ui.set_width(width);
+                    ui.add(Label::new(text).truncate());
+                });
+            };
+            cell(ui, KEYS, RichText::new(keys).monospace().color(palette.text2));
+            cell(ui, NAMES, RichText::new(*text));
+            let rest = ui.available_width();
+            // Cut off, it says the whole by itself when the pointer rests on it.
+            cell(ui, rest, RichText::new(*explanation).small().color(palette.text2));
         });
+    }
     true
 }

@@ -5,6 +5,7 @@
 mod badge;
 mod button;
 mod calibration_marks;
+mod card;
 mod checkbox;
 mod handles;
 mod icons;
@@ -21,6 +22,7 @@ mod text_field;
 pub use badge::{camera_badge, paint_camera_badge};
 pub use button::{icon_button, icon_toggle, primary_button};
 pub use calibration_marks::paint_calibration;
+pub(crate) use card::{card, search_card};
 pub use checkbox::checkbox;
 pub use handles::{Grip, JointLook, grip_at, paint_joint, paint_limbs};
 pub use icons::Icon;

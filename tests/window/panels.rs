@@ -149,12 +149,19 @@ fn empty_state_with_an_error() {
 fn palette_and_shortcuts() {
     let mut snapshots = Snapshots::default();
     let mut harness = open(Theme::Dark, Layout::Pose);
-    let middle = |size| Rect::from_center_size(WINDOW.center(), size);
+    // Around the field: it stays where it is, however much is found.
+    let card = |harness: &Harness<'_, App>| {
+        let field = harness.get_by_role(Role::TextInput).rect();
+        Rect::from_center_size(field.center() + vec2(0.0, 160.0), vec2(640.0, 460.0))
+    };
     press(&mut harness, Modifiers::COMMAND, Key::K);
+    let everything = card(&harness);
     harness.get_by_role(Role::TextInput).type_text("step");
     settle(&mut harness);
-    part(&mut snapshots, &mut harness, middle(vec2(520.0, 440.0)), "panel_palette");
+    assert_eq!(card(&harness), everything);
+    part(&mut snapshots, &mut harness, everything, "panel_palette");
     press(&mut harness, Modifiers::NONE, Key::Escape);
     press(&mut harness, Modifiers::NONE, Key::Questionmark);
-    part(&mut snapshots, &mut harness, middle(vec2(620.0, 560.0)), "panel_shortcuts");
+    let keys = card(&harness).expand2(vec2(80.0, 0.0));
+    part(&mut snapshots, &mut harness, keys, "panel_shortcuts");
 }
