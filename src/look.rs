@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use crate::arrangement::{self, Kept};
+use crate::basin::BasinLook;
+use crate::curves::CurvesLook;
 use crate::export::ExportChoices;
 use crate::pane::Pane;
 use crate::scene_view::SceneLook;
@@ -66,6 +68,10 @@ pub struct Look {
     pub kept: Kept,
     /// What was chosen for the last export.
     pub export: ExportChoices,
+    /// What the convergence plot shows.
+    pub curves: CurvesLook,
+    /// What is chosen for the basin, and how it is shown.
+    pub basin: BasinLook,
     /// Names of the commands that were chosen last in the palette, the newest first.
     pub used_commands: Vec<String>,
     /// Whether the tour was offered.
@@ -87,6 +93,8 @@ impl Default for Look {
             scene: SceneLook::default(),
             kept: Kept::default(),
             export: ExportChoices::default(),
+            curves: CurvesLook::default(),
+            basin: BasinLook::default(),
             used_commands: Vec::new(),
             tour_offered: false,
             generation: 0,
@@ -132,6 +140,8 @@ impl Look {
             theme: other.theme,
             recent: other.recent,
             export: other.export,
+            curves: other.curves,
+            basin: other.basin,
             used_commands: other.used_commands,
             tour_offered: other.tour_offered,
             ..self

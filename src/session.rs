@@ -18,7 +18,7 @@ pub use frames::{FrameCache, FrameData};
 pub use hulls::HullCache;
 pub use refitted::Refitted;
 pub use run::{Run, RunChoices, RunEnding, RunStep};
-pub use run_names::name_runs;
+pub use run_names::{count_twins, name_runs, plain_names};
 
 use crate::document::Document;
 use crate::footage::Footage;

@@ -8,7 +8,7 @@ use crate::action::Action;
 use crate::app::{TimeAxis, nudge_of};
 use crate::arrangement::Arrangement;
 use crate::basin::{BasinRequest, BasinState};
-use crate::curves::{CurvesLook, CurvesRequest};
+use crate::curves::CurvesRequest;
 use crate::document::{Document, TakeSource};
 use crate::edit::Edit;
 use crate::history::{Gesture, History};
@@ -41,8 +41,6 @@ pub struct Showing<'a> {
     pub notices: &'a Notices,
     /// Work in progress.
     pub busy: Busy,
-    /// What the convergence plot shows.
-    pub curves: CurvesLook,
     /// The basin of the frame.
     pub basin: &'a BasinState,
     /// The project file, if there is one.
@@ -248,7 +246,8 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
         }
         A::Stop => {
             let busy = showing.busy;
-            let is_running = busy.fitting || busy.tracking || busy.exporting.is_some();
+            let is_behind = busy.exporting.is_some() || showing.basin.running.is_some();
+            let is_running = busy.fitting || busy.tracking || is_behind;
             because(!is_running, "Nothing is running")
         }
         A::ExportView

@@ -11,7 +11,8 @@ use super::App;
 use super::state::DialogKind;
 use crate::basin::settings::direction_name;
 use crate::basin::{
-    About, AnglesResult, BasinRequest, BasinSettings, BasinView, FileKind, MapResult, Reference, Running,
+    About, AnglesResult, BasinRequest, BasinSettings, BasinState, BasinView, FileKind, MapResult, Reference,
+    Running,
 };
 use crate::edit::Edit;
 use crate::format;
@@ -23,8 +24,13 @@ impl App {
     pub(super) fn basin_request(&mut self, request: BasinRequest) {
         match request {
             BasinRequest::Settings(settings) => self.set_basin(*settings),
-            BasinRequest::View(view) => self.basin.view = view,
-            BasinRequest::Colour(colour) => self.basin.colour = colour,
+            BasinRequest::View(view) => self.look.basin.view = view,
+            BasinRequest::Colour(colour) => self.look.basin.colour = colour,
+            BasinRequest::ShowChoice(choice) => {
+                if let Some(map) = &mut self.basin.map {
+                    map.shown = choice;
+                }
+            }
             BasinRequest::TakeStart(place) => self.take_start(place),
             BasinRequest::Export(kind) => self.ask_for_file(DialogKind::Basin(kind)),
         }
@@ -32,13 +38,13 @@ impl App {
 
     /// Other settings of the basin.
     pub fn set_basin(&mut self, settings: BasinSettings) {
-        self.basin.settings = settings;
+        self.look.basin.settings = settings;
         self.basin.problem = None;
     }
 
     /// Runs what a view shows, about the pose on the screen, and shows it.
     pub(super) fn run_basin(&mut self, view: BasinView) {
-        self.basin.view = view;
+        self.look.basin.view = view;
         self.basin.problem = None;
         self.pane_event(Pane::Basin, PaneEvent::Open);
         let begun = self.basin_frame().and_then(|frame| self.begin_basin(view, frame));
@@ -50,7 +56,7 @@ impl App {
     fn begin_basin(&mut self, view: BasinView, frame: Frame) -> Result<(), String> {
         let document = self.document();
         let held = document.model.limbs()[self.selection.limb(&document.model)].rotation;
-        let settings = &self.basin.settings;
+        let settings = &self.look.basin.settings;
         let work = match view {
             BasinView::Angles => {
                 let options = settings.options(&document.fit, held)?;
@@ -61,19 +67,17 @@ impl App {
                 work
             }
             BasinView::Map => {
-                let options = settings.map_options(&document.fit, held);
+                let options = settings.map_options(&document.fit, &document.model, held);
                 let about = self.about_basin(None);
                 let directions = options.directions.map(|one| direction_name(&frame.model, one));
-                let cells = vec![None; options.cells * options.cells];
                 let work = BasinWork::Map(Box::new(options.clone()));
-                let frame = frame.clone();
-                self.basin.map = Some(MapResult { about, options, frame, directions, cells, taken: None });
+                self.basin.map = Some(MapResult::new(about, options, frame.clone(), directions));
                 work
             }
         };
         let total = match &work {
             BasinWork::Angles(options) => options.trials(),
-            BasinWork::Map(options) => options.cells * options.cells,
+            BasinWork::Map(options) => options.trials(),
         };
         self.basin.running = Some(Running { view, done: 0, total, seconds_left: None });
         self.background.basin_began = Some(Instant::now());
@@ -88,7 +92,7 @@ impl App {
         if views.is_empty() {
             return Err("No camera that is used has a silhouette of this frame".to_owned());
         }
-        let reference = match self.basin.settings.reference {
+        let reference = match self.look.basin.settings.reference {
             Reference::Pose => self.shown_pose().clone(),
             Reference::Truth => {
                 let take = self.session.take.as_ref();
@@ -111,7 +115,7 @@ impl App {
         if let Some(limb) = turned {
             conditions += &format!(", {limb} alone");
         }
-        if self.basin.settings.reference == Reference::Truth {
+        if self.look.basin.settings.reference == Reference::Truth {
             conditions += ", about the truth";
         }
         About { frame: self.selection.frame, conditions }
@@ -124,7 +128,7 @@ impl App {
     /// Another take: what is about the old one goes.
     pub(super) fn forget_basin(&mut self) {
         self.background.worker.drop_lane(Lane::Basin);
-        self.basin.forget();
+        self.basin = BasinState::default();
     }
 
     pub(super) fn basin_trial(&mut self, trial: Trial) {
@@ -152,8 +156,11 @@ impl App {
         let (done, total) = (format::count(running.done as i64), format::count(running.total as i64));
         let text = if running.done == running.total {
             format!("The basin is done: {total} fits.")
+        } else if running.done == 0 {
+            self.basin.forget(running.view);
+            "The basin ended before its first fit.".to_owned()
         } else {
-            format!("The basin was stopped after {done} of {total} fits.")
+            format!("The basin was stopped after {done} of {total} fits. They stay, as a part.")
         };
         self.notices.info(self.now, text, None);
     }
@@ -174,7 +181,7 @@ impl App {
     /// Writes what the basin's pane shows to a file.
     pub fn export_basin_to(&mut self, kind: FileKind, path: &Path) {
         let theme = self.look.theme;
-        match (self.basin.view, self.basin.angles.clone(), self.basin.map.clone()) {
+        match (self.look.basin.view, self.basin.angles.clone(), self.basin.map.clone()) {
             (BasinView::Angles, Some(angles), _) => self.write(path, move || match kind {
                 FileKind::Csv => angles.csv(),
                 FileKind::Png => angles.figure().png(theme),

@@ -81,7 +81,7 @@ impl App {
     }
 
     /// Esc: what runs is stopped first, then a body that sways; else a camera that fills the window goes back, else a
-    /// step is left.
+    /// step is left; else what is tried or written in the background is stopped.
     fn let_go(&mut self) -> bool {
         if !self.worker.is_idle() && (self.showing().busy.fitting || self.showing().busy.tracking) {
             return false;
@@ -92,7 +92,12 @@ impl App {
         }
         let alone = self.docking.alone.take().is_some();
         if !alone && self.selection.step.take().is_none() {
-            self.stop_export();
+            // What goes on behind all that is looked at comes last.
+            if self.basin.running.is_some() {
+                self.cancel_basin();
+            } else {
+                self.stop_export();
+            }
         }
         true
     }

@@ -16,7 +16,7 @@ impl App {
 
     pub(super) fn curves_request(&mut self, request: CurvesRequest) {
         match request {
-            CurvesRequest::Look(look) => self.curves = look,
+            CurvesRequest::Look(look) => self.look.curves = look,
             CurvesRequest::Rename(run, name) => {
                 if let Some(run) = self.session.runs.get_mut(run) {
                     let name = name.trim();
@@ -108,7 +108,7 @@ impl App {
     pub fn export_plot_to(&mut self, path: &Path) {
         let name = self.session.take.as_ref().map_or("", |take| take.name.as_str());
         let title = format!("{name}, frame {}", self.selection.frame);
-        let figure = picture::figure(&self.session.runs, self.curves, &title);
+        let figure = picture::figure(&self.session.runs, self.look.curves, &title);
         let theme = self.look.theme;
         self.write(path, move || figure.png(theme));
     }

@@ -30,7 +30,6 @@ impl App {
                 tracking: self.worker.is_busy(Lane::Track),
                 exporting: self.export_progress(),
             },
-            curves: self.curves,
             basin: &self.basin,
             project: self.project.as_deref(),
             has_exported: self.exported_to.is_some(),

@@ -18,7 +18,6 @@ use super::touring::Tour;
 use super::tracking::Tracked;
 use super::unsaved::Unsaved;
 use crate::basin::{BasinState, FileKind};
-use crate::curves::CurvesLook;
 use crate::document::{Document, TakeSource};
 use crate::history::{Gesture, History};
 use crate::laboratory::Laboratory;
@@ -106,7 +105,6 @@ pub struct App {
     /// What figures were asked for last, whatever came of it.
     pub(super) asked_to_observe: Option<(Scene, Pose)>,
     pub(super) held: Option<Held>,
-    pub(super) curves: CurvesLook,
     pub(super) nudging: Option<Nudging>,
     pub(super) basin: BasinState,
     /// The demonstration that is being prepared.
@@ -170,7 +168,6 @@ impl App {
             observing: Observing::default(),
             asked_to_observe: None,
             held: None,
-            curves: CurvesLook::default(),
             nudging: None,
             basin: BasinState::default(),
             prepared: None,

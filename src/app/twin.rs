@@ -8,7 +8,7 @@ use egui::{Memory, Vec2, vec2};
 use image::{DynamicImage, RgbImage};
 
 use super::{App, AppOptions};
-use crate::curves::CurvesLook;
+use crate::basin::BasinState;
 use crate::document::Document;
 use crate::export::choices::MAX_SIDE;
 use crate::history::History;
@@ -68,7 +68,7 @@ pub(crate) struct Snapshot {
     tiles: [Vec<TileLook>; 2],
     alone: Option<Pane>,
     pair: [usize; 2],
-    curves: CurvesLook,
+    basin: BasinState,
     laboratory: Laboratory,
     explanation: Option<&'static str>,
     frame_seconds: f64,
@@ -88,7 +88,7 @@ impl App {
             tiles: self.tiles.clone(),
             alone: self.docking.alone,
             pair: self.docking.pair,
-            curves: self.curves,
+            basin: BasinState { running: None, ..self.basin.clone() },
             laboratory: self.laboratory.at_rest(),
             explanation: self.explanation,
             frame_seconds: self.frame_seconds,
@@ -131,7 +131,7 @@ impl Twin {
         app.tiles = snapshot.tiles;
         app.docking.alone = snapshot.alone;
         app.docking.pair = snapshot.pair;
-        app.curves = snapshot.curves;
+        app.basin = snapshot.basin;
         app.laboratory = snapshot.laboratory;
         app.explanation = snapshot.explanation;
         let mut twin = Self { window, app, frame_seconds: snapshot.frame_seconds };

@@ -7,15 +7,18 @@
 //! | file | holds |
 //! |---|---|
 //! | [`settings`] | [`BasinSettings`]: what is typed and chosen, and the options that follow |
-//! | [`state`] | [`BasinState`]: what is shown, what runs, what came of it |
+//! | [`look`] | [`BasinLook`]: the settings and what is shown, kept from start to start |
+//! | [`state`] | [`BasinState`]: what runs, and what came of it |
 //! | [`request`] | [`BasinRequest`]: what the panels ask for |
 //! | [`export`] | results as CSV, JSON and pictures |
 
 pub mod export;
+pub mod look;
 pub mod request;
 pub mod settings;
 pub mod state;
 
+pub use look::{BasinLook, BasinView, MapColour};
 pub use request::{BasinRequest, FileKind};
 pub use settings::{BasinSettings, Compared, ComparedWay, MapDirection, Reference};
-pub use state::{About, AnglesResult, BasinState, BasinView, MapColour, MapResult, Running};
+pub use state::{About, AnglesResult, BasinState, FitCount, MapResult, Running};

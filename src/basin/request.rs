@@ -47,6 +47,8 @@ pub enum BasinRequest {
     View(BasinView),
     /// Colour the map's cells otherwise.
     Colour(MapColour),
+    /// Show the map of one choice alone, or of all of them.
+    ShowChoice(Option<usize>),
     /// Give the frame the start of a cell of the map.
     TakeStart([usize; 2]),
     /// Write what is shown to a file.

@@ -1,15 +1,18 @@
 //! What is typed and chosen for a basin, and the experiment's options that follow.
 
+use std::str::FromStr;
+
 use backlit_tracking::body::Model;
 use backlit_tracking::experiment::FitChoice;
 use backlit_tracking::experiment::basin::{self, SUCCESS_MM};
-use backlit_tracking::experiment::basin_map::{self, Angle, Direction};
+use backlit_tracking::experiment::basin_map::{self, Angle, Direction, MOST_CELLS};
 use backlit_tracking::experiment::frame_basin::{self, Target};
 use backlit_tracking::experiment::starts::{LEVELS, Level};
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::track::{FitOptions, Preset};
+use serde::{Deserialize, Serialize};
 
-use crate::session::{Run, RunChoices, name_runs};
+use crate::session::{Run, RunChoices, count_twins, plain_names};
 
 /// Most fits that the current choices are compared with.
 pub const MOST_COMPARED: usize = 3;
@@ -19,7 +22,8 @@ pub const MOST_STARTS: usize = 500;
 const MOST_ANGLES: usize = 12;
 
 /// The pose that starts are drawn about.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Reference {
     /// The one on the screen; fits are to end where its own fit ends.
     #[default]
@@ -29,7 +33,8 @@ pub enum Reference {
 }
 
 /// A way of fitting to compare with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ComparedWay {
     /// A preset, downhill from the start.
     Preset(Preset),
@@ -40,6 +45,9 @@ pub enum ComparedWay {
 impl ComparedWay {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Preset(Preset::Robust), Self::Preset(Preset::Report), Self::Search];
+
+    /// In the order in which they are offered for a comparison.
+    const OFFERED: [Self; 3] = [Self::Preset(Preset::Report), Self::Search, Self::Preset(Preset::Robust)];
 
     /// Its name.
     #[must_use]
@@ -53,7 +61,7 @@ impl ComparedWay {
 }
 
 /// A fit that the current choices are compared with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Compared {
     /// How it fits.
     pub way: ComparedWay,
@@ -62,16 +70,27 @@ pub struct Compared {
 }
 
 /// A direction of the map: an angle of a joint, or of the one that is held.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct MapDirection {
-    /// The rotation; `None` is the one that is held.
-    pub rotation: Option<usize>,
+    /// Name of the joint's limb; `None`, or one that the body does not have, is the joint that is held.
+    pub joint: Option<String>,
     /// Which of its angles.
     pub angle: Angle,
 }
 
-/// The settings.
-#[derive(Debug, Clone, PartialEq)]
+impl MapDirection {
+    /// The joint's rotation in a body; `held` where it has no such joint.
+    #[must_use]
+    pub fn rotation(&self, model: &Model, held: usize) -> usize {
+        let limb = self.joint.as_deref().and_then(|name| model.limb_index(name));
+        limb.map_or(held, |limb| model.limbs()[limb].rotation)
+    }
+}
+
+/// The settings. They are kept from start to start.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct BasinSettings {
     /// What starts are drawn about.
     pub reference: Reference,
@@ -97,6 +116,50 @@ pub struct BasinSettings {
     pub cells: usize,
 }
 
+impl Compared {
+    /// The choice of fit, without a name yet.
+    #[must_use]
+    pub fn choice(self) -> FitChoice {
+        let mut choice = match self.way {
+            ComparedWay::Preset(preset) => FitChoice::downhill("", FitOptions::preset(preset)),
+            ComparedWay::Search => basin::Options::of(Preset::Robust).choice(),
+        };
+        choice.fit.renderer = self.renderer;
+        choice
+    }
+
+    /// What to compare with next: the first way that is neither the current choices nor compared already.
+    #[must_use]
+    pub fn next(current: &FitOptions, compared: &[Self]) -> Self {
+        let renderer = current.renderer;
+        let is_new = |way: &ComparedWay| {
+            let is_current = matches!(way, ComparedWay::Preset(preset) if FitOptions { renderer, ..FitOptions::preset(*preset) } == *current);
+            !is_current && !compared.contains(&Self { way: *way, renderer })
+        };
+        let way = ComparedWay::OFFERED.into_iter().find(is_new).unwrap_or(ComparedWay::Search);
+        Self { way, renderer }
+    }
+}
+
+/// What is wrong with the words of a fit to compare with.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0:?}: expected robust, report or search, and a solid behind a colon if wanted: search:cylinder")]
+pub struct ParseComparedError(String);
+
+impl FromStr for Compared {
+    type Err = ParseComparedError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let wrong = || ParseComparedError(text.to_owned());
+        let (way, solid) = text.split_once(':').unwrap_or((text, "capsule"));
+        let way = match way {
+            "search" => ComparedWay::Search,
+            preset => ComparedWay::Preset(preset.parse().ok().ok_or_else(wrong)?),
+        };
+        Ok(Self { way, renderer: solid.parse().ok().ok_or_else(wrong)? })
+    }
+}
+
 impl Default for BasinSettings {
     fn default() -> Self {
         let list = |value: fn(&Level) -> String| LEVELS.iter().map(value).collect::<Vec<_>>().join(" ");
@@ -109,7 +172,7 @@ impl Default for BasinSettings {
             seed: 1,
             success_mm: SUCCESS_MM,
             compared: Vec::new(),
-            directions: [Angle::Flexion, Angle::Sideways].map(|angle| MapDirection { rotation: None, angle }),
+            directions: [Angle::Flexion, Angle::Sideways].map(|angle| MapDirection { joint: None, angle }),
             map_degrees: 60.0,
             cells: 11,
         }
@@ -150,25 +213,8 @@ impl BasinSettings {
     #[must_use]
     pub fn choices(&self, current: &FitOptions) -> Vec<FitChoice> {
         let mut choices = vec![FitChoice::downhill("", current.clone())];
-        choices.extend(self.compared.iter().map(|compared| {
-            let mut choice = match compared.way {
-                ComparedWay::Preset(preset) => FitChoice::downhill("", FitOptions::preset(preset)),
-                ComparedWay::Search => basin::Options::of(Preset::Robust).choice(),
-            };
-            choice.fit.renderer = compared.renderer;
-            choice
-        }));
-        let run = |choice: &FitChoice| Run {
-            choices: RunChoices { fit: choice.fit.clone().into(), ..RunChoices::default() },
-            is_shown: true,
-            ..Run::default()
-        };
-        let mut runs: Vec<Run> = choices.iter().map(run).collect();
-        name_runs(&mut runs);
-        for (choice, run) in choices.iter_mut().zip(runs) {
-            choice.name =
-                if choice.hypotheses.is_some() { format!("{}, search", run.name) } else { run.name };
-        }
+        choices.extend(self.compared.iter().take(MOST_COMPARED).map(|compared| compared.choice()));
+        name_choices(&mut choices);
         choices
     }
 
@@ -188,18 +234,18 @@ impl BasinSettings {
         })
     }
 
-    /// The options of the map, for the current choices alone.
+    /// The options of the map. `held` is the rotation that is held.
     #[must_use]
-    pub fn map_options(&self, current: &FitOptions, held: usize) -> basin_map::Options {
-        let direction = |direction: MapDirection| Direction {
-            rotation: direction.rotation.unwrap_or(held),
+    pub fn map_options(&self, current: &FitOptions, model: &Model, held: usize) -> basin_map::Options {
+        let direction = |direction: &MapDirection| Direction {
+            rotation: direction.rotation(model, held),
             angle: direction.angle,
         };
         basin_map::Options {
-            choice: self.choices(current).swap_remove(0),
-            directions: self.directions.map(direction),
+            choices: self.choices(current),
+            directions: self.directions.each_ref().map(direction),
             degrees: self.map_degrees,
-            cells: self.cells,
+            cells: self.cells.clamp(2, MOST_CELLS),
             target: self.target(),
             success_mm: self.success_mm,
         }
@@ -210,6 +256,23 @@ impl BasinSettings {
             Reference::Pose => Target::Fit,
             Reference::Truth => Target::Reference,
         }
+    }
+}
+
+/// Names choices of fit by what differs, and those that search by that.
+pub fn name_choices(choices: &mut [FitChoice]) {
+    let run = |choice: &FitChoice| Run {
+        choices: RunChoices { fit: choice.fit.clone().into(), ..RunChoices::default() },
+        is_shown: true,
+        ..Run::default()
+    };
+    let runs: Vec<Run> = choices.iter().map(run).collect();
+    let searches = |(name, choice): (String, &FitChoice)| {
+        if choice.hypotheses.is_some() { format!("{name}, search") } else { name }
+    };
+    let plain = plain_names(&runs).into_iter().zip(choices.iter()).map(searches).collect();
+    for (choice, name) in choices.iter_mut().zip(count_twins(plain)) {
+        choice.name = name;
     }
 }
 
@@ -275,6 +338,39 @@ mod tests {
     }
 
     #[test]
+    fn a_fit_to_compare_with_is_read() {
+        let compared = |text: &str| text.parse::<Compared>();
+        let search = Compared { way: ComparedWay::Search, renderer: RendererKind::Cylinder };
+        assert_eq!(compared("search:cylinder"), Ok(search));
+        let report = Compared { way: ComparedWay::Preset(Preset::Report), renderer: RendererKind::Capsule };
+        assert_eq!(compared("report"), Ok(report));
+        for wrong in ["", "best", "report:ball", "search:"] {
+            assert!(compared(wrong).unwrap_err().to_string().contains("search:cylinder"), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn what_is_compared_next_is_new() {
+        let robust = FitOptions::preset(Preset::Robust);
+        let mut compared: Vec<Compared> = Vec::new();
+        for way in [ComparedWay::Preset(Preset::Report), ComparedWay::Search, ComparedWay::Search] {
+            let next = Compared::next(&robust, &compared);
+            assert_eq!(next.way, way);
+            compared.push(next);
+        }
+        assert_eq!(Compared::next(&FitOptions::preset(Preset::Report), &[]).way, ComparedWay::Search);
+    }
+
+    #[test]
+    fn a_joint_that_another_body_has_is_the_held_one() {
+        let model = backlit_tracking::body::builtin::full_body();
+        let direction = |name: &str| MapDirection { joint: Some(name.to_owned()), angle: Angle::Twist };
+        let forearm = model.limbs()[model.limb_index("right forearm").unwrap()].rotation;
+        assert_eq!(direction("right forearm").rotation(&model, 2), forearm);
+        assert_eq!(direction("tail").rotation(&model, 2), 2);
+    }
+
+    #[test]
     fn choices_are_named_by_what_differs() {
         let robust = FitOptions::preset(Preset::Robust);
         let names = |compared: Vec<Compared>| -> Vec<String> {
@@ -285,6 +381,11 @@ mod tests {
         let report = Compared { way: ComparedWay::Preset(Preset::Report), renderer: RendererKind::Capsule };
         assert_eq!(names(vec![report]), ["Robust", "Report 2004"]);
         let search = Compared { way: ComparedWay::Search, renderer: RendererKind::Capsule };
-        assert_eq!(names(vec![search]), ["Robust", "Robust (2), search"]);
+        assert_eq!(names(vec![search]), ["Robust", "Robust, search"]);
+        assert_eq!(names(vec![search, search]), ["Robust", "Robust, search", "Robust, search (2)"]);
+        let same = Compared { way: ComparedWay::Preset(Preset::Robust), renderer: RendererKind::Capsule };
+        assert_eq!(names(vec![search, same]), ["Robust", "Robust, search", "Robust (2)"]);
+        let cylinder = Compared { renderer: RendererKind::Cylinder, ..search };
+        assert_eq!(names(vec![search, cylinder]), ["Capsule", "Capsule, search", "Cylinder, search"]);
     }
 }

@@ -1,29 +1,11 @@
-//! What is shown of the basin, what runs, and what came of it.
+//! What runs of the basin, and what came of it.
 
 use backlit_tracking::experiment::basin_map::{self, Cell};
 use backlit_tracking::experiment::frame_basin::{self, Frame, Report, Trial};
+use serde::Serialize;
 
-use super::BasinSettings;
-
-/// The two ways in which a basin is shown.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum BasinView {
-    /// Success over angle.
-    #[default]
-    Angles,
-    /// A map of two directions.
-    Map,
-}
-
-/// What the cells of the map are coloured by.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum MapColour {
-    /// How far from the target the fit ended.
-    #[default]
-    Error,
-    /// Whether it found it.
-    Success,
-}
+use super::BasinView;
+use crate::format;
 
 /// What an experiment was about.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,6 +14,30 @@ pub struct About {
     pub frame: usize,
     /// The conditions in one line: frame, cameras, what was turned.
     pub conditions: String,
+}
+
+/// How many of an experiment's fits were made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct FitCount {
+    /// Fits that were made.
+    pub done: usize,
+    /// Fits in all.
+    pub total: usize,
+}
+
+impl FitCount {
+    /// Whether none is missing.
+    #[must_use]
+    pub const fn is_whole(self) -> bool {
+        self.done >= self.total
+    }
+
+    /// What is said of results that are not whole, in the window and in files.
+    #[must_use]
+    pub fn partial_text(self) -> Option<String> {
+        let count = |count: usize| format::count(count as i64);
+        (!self.is_whole()).then(|| format!("Partial: {} of {} fits", count(self.done), count(self.total)))
+    }
 }
 
 /// Success over angle, as far as it has come.
@@ -47,6 +53,14 @@ pub struct AnglesResult {
     pub report: Report,
 }
 
+impl AnglesResult {
+    /// How many fits were made.
+    #[must_use]
+    pub fn fits(&self) -> FitCount {
+        FitCount { done: self.trials.len(), total: self.options.trials() }
+    }
+}
+
 /// The map, as far as it has come.
 #[derive(Debug, Clone)]
 pub struct MapResult {
@@ -58,25 +72,59 @@ pub struct MapResult {
     pub frame: Frame,
     /// Names of the directions across and up.
     pub directions: [String; 2],
-    /// By row, then by column; nothing where no fit has been.
+    /// By choice of fit, then by row, then by column; nothing where no fit has been.
     pub cells: Vec<Option<Cell>>,
+    /// The one choice whose map is shown; `None` shows those of all, side by side.
+    pub shown: Option<usize>,
     /// The cell whose start was taken.
     pub taken: Option<[usize; 2]>,
 }
 
 impl MapResult {
-    /// A cell that was fitted.
+    /// No cell is fitted yet.
     #[must_use]
-    pub fn cell(&self, [column, row]: [usize; 2]) -> Option<&Cell> {
-        self.cells.get(row * self.options.cells + column)?.as_ref()
+    pub fn new(about: About, options: basin_map::Options, frame: Frame, directions: [String; 2]) -> Self {
+        let cells = vec![None; options.trials()];
+        Self { about, options, frame, directions, cells, shown: None, taken: None }
     }
 
-    /// Cells that were fitted, and those that found the target.
+    /// A cell that was fitted by a choice.
     #[must_use]
-    pub fn counts(&self) -> [usize; 2] {
-        let tried = self.cells.iter().flatten();
+    pub fn cell(&self, choice: usize, place: [usize; 2]) -> Option<&Cell> {
+        self.cells.get(self.index(choice, place))?.as_ref()
+    }
+
+    /// The cells of a choice, by row, then by column.
+    #[must_use]
+    pub fn cells_of(&self, choice: usize) -> &[Option<Cell>] {
+        let each = self.options.cells * self.options.cells;
+        self.cells.get(choice * each..(choice + 1) * each).unwrap_or_default()
+    }
+
+    /// Takes in a cell.
+    pub fn add(&mut self, cell: Cell) {
+        let index = self.index(cell.choice, cell.place);
+        if let Some(slot) = self.cells.get_mut(index) {
+            *slot = Some(cell);
+        }
+    }
+
+    fn index(&self, choice: usize, [column, row]: [usize; 2]) -> usize {
+        (choice * self.options.cells + row) * self.options.cells + column
+    }
+
+    /// Cells that a choice has fitted, and those that found the target.
+    #[must_use]
+    pub fn counts(&self, choice: usize) -> [usize; 2] {
+        let tried = self.cells_of(choice).iter().flatten();
         let found = tried.clone().filter(|cell| cell.error_mm < self.options.success_mm).count();
         [tried.count(), found]
+    }
+
+    /// How many fits were made.
+    #[must_use]
+    pub fn fits(&self) -> FitCount {
+        FitCount { done: self.cells.iter().flatten().count(), total: self.options.trials() }
     }
 }
 
@@ -96,12 +144,6 @@ pub struct Running {
 /// All of it.
 #[derive(Debug, Clone, Default)]
 pub struct BasinState {
-    /// What is typed and chosen.
-    pub settings: BasinSettings,
-    /// What is shown.
-    pub view: BasinView,
-    /// What cells are coloured by.
-    pub colour: MapColour,
     /// Success over angle.
     pub angles: Option<AnglesResult>,
     /// The map.
@@ -113,11 +155,23 @@ pub struct BasinState {
 }
 
 impl BasinState {
-    /// Forgets what is about another take; settings that count its joints are as at first.
-    pub fn forget(&mut self) {
-        let Self { settings, view, colour, .. } = std::mem::take(self);
-        let directions = BasinSettings::default().directions;
-        *self = Self { settings: BasinSettings { directions, ..settings }, view, colour, ..Self::default() };
+    /// How many fits were made of what a view shows, if that is not all of them and no more is to come.
+    #[must_use]
+    pub fn partial(&self, view: BasinView) -> Option<FitCount> {
+        let fits = match view {
+            BasinView::Angles => self.angles.as_ref().map(AnglesResult::fits),
+            BasinView::Map => self.map.as_ref().map(MapResult::fits),
+        };
+        let is_coming = self.running.is_some_and(|running| running.view == view);
+        fits.filter(|fits| !fits.is_whole() && !is_coming)
+    }
+
+    /// Nothing came of a view's experiment: it is as if it had not been begun.
+    pub fn forget(&mut self, view: BasinView) {
+        match view {
+            BasinView::Angles => self.angles = None,
+            BasinView::Map => self.map = None,
+        }
     }
 
     /// Takes in a fit.
@@ -132,10 +186,7 @@ impl BasinState {
     /// Takes in a cell of the map.
     pub fn add_cell(&mut self, cell: Cell) {
         if let Some(map) = &mut self.map {
-            let [column, row] = cell.place;
-            if let Some(slot) = map.cells.get_mut(row * map.options.cells + column) {
-                *slot = Some(cell);
-            }
+            map.add(cell);
         }
         self.count();
     }

@@ -1,9 +1,12 @@
 //! What the convergence plot shows.
 
+use serde::{Deserialize, Serialize};
+
 use super::Quantity;
 
-/// The choices above the plot.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// The choices above the plot. They are kept from start to start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct CurvesLook {
     /// What is plotted.
     pub quantity: Quantity,

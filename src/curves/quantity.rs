@@ -1,10 +1,13 @@
 //! What is plotted over the steps of a run.
 
+use serde::{Deserialize, Serialize};
+
 use crate::format;
 use crate::session::{Run, RunStep};
 
 /// A quantity of a step.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Quantity {
     /// The mismatch in percent of the start's, as in the report's Fig. 5.1.
     #[default]

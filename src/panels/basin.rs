@@ -8,7 +8,7 @@ use egui::{Align, Button, Layout as Direction, Rect, RichText, Ui, UiBuilder, ve
 
 use super::command::named_button;
 use crate::action::Action;
-use crate::basin::{BasinRequest, BasinState, BasinView, FileKind, Running};
+use crate::basin::{BasinRequest, BasinState, BasinView, FileKind, FitCount, MapResult, Running};
 use crate::format;
 use crate::pane::HEADER_BUTTONS;
 use crate::showing::{Intents, Request, Showing};
@@ -32,10 +32,10 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
     ui.scope_builder(inner, |ui| {
         head(ui, showing, intents);
         progress_bar(ui, showing.basin);
-        conditions(ui, showing.basin);
-        match (showing.basin.view, &showing.basin.angles, &showing.basin.map) {
+        conditions(ui, showing.basin, showing.look.basin.view);
+        match (showing.look.basin.view, &showing.basin.angles, &showing.basin.map) {
             (BasinView::Angles, Some(result), _) => success::ui(ui, result),
-            (BasinView::Map, _, Some(result)) => map::ui(ui, result, showing.basin.colour, intents),
+            (BasinView::Map, _, Some(result)) => map::ui(ui, result, showing.look.basin.colour, intents),
             _ => empty(ui, showing, intents),
         }
     });
@@ -56,27 +56,43 @@ fn head(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
         if !is_narrow {
             ui.add_space(space::ROW);
             controls(ui, showing, intents);
+            choice_of_map(ui, showing, intents);
         }
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
             ui.add_space(HEADER_BUTTONS);
-            export(ui, showing.basin, intents);
+            export(ui, showing.basin, showing.look.basin.view, intents);
             progress(ui, showing.basin);
         });
     });
     if is_narrow {
         row(ui, &mut |ui| controls(ui, showing, intents));
+        if several_maps(showing).is_some() {
+            row(ui, &mut |ui| choice_of_map(ui, showing, intents));
+        }
+    }
+}
+
+/// The maps that are shown, where there is more than one to choose from.
+fn several_maps<'a>(showing: &Showing<'a>) -> Option<&'a MapResult> {
+    let map = showing.basin.map.as_ref().filter(|map| map.options.choices.len() > 1);
+    map.filter(|_| showing.look.basin.view == BasinView::Map)
+}
+
+fn choice_of_map(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    if let Some(map) = several_maps(showing) {
+        map::choice_box(ui, map, intents);
     }
 }
 
 fn controls(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
-    let basin = showing.basin;
-    let mut view = basin.view;
+    let shown = showing.look.basin.view;
+    let mut view = shown;
     segmented(ui, &mut view, &[(BasinView::Angles, "Angles"), (BasinView::Map, "Map")])
         .on_hover_text("Success over how far starts are off, or a map of two angles");
-    if view != basin.view {
+    if view != shown {
         intents.request(Request::Basin(BasinRequest::View(view)));
     }
-    run_or_cancel(ui, showing, intents, basin.view);
+    run_or_cancel(ui, showing, intents, shown);
 }
 
 fn progress(ui: &mut Ui, basin: &BasinState) {
@@ -96,8 +112,8 @@ fn run_or_cancel(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, view
     named_button(ui, showing, intents, action, text);
 }
 
-fn export(ui: &mut Ui, basin: &BasinState, intents: &mut Intents) {
-    let has_result = match basin.view {
+fn export(ui: &mut Ui, basin: &BasinState, view: BasinView, intents: &mut Intents) {
+    let has_result = match view {
         BasinView::Angles => basin.angles.is_some(),
         BasinView::Map => basin.map.is_some(),
     };
@@ -119,8 +135,10 @@ fn export(ui: &mut Ui, basin: &BasinState, intents: &mut Intents) {
 /// How far an experiment is, in words.
 pub(super) fn progress_text(running: Running) -> String {
     let left = match running.seconds_left {
-        Some(seconds) if seconds >= 90.0 => format!(", {} min left", format::number(seconds / 60.0, 0)),
-        Some(seconds) => format!(", {} s left", format::number(seconds.ceil(), 0)),
+        Some(seconds) if seconds >= 90.0 => {
+            format!(", about {} min left", format::number(seconds / 60.0, 0))
+        }
+        Some(seconds) => format!(", about {} s left", format::number(seconds.ceil(), 0)),
         None => String::new(),
     };
     format!("{} of {} fits{left}", format::count(running.done as i64), format::count(running.total as i64))
@@ -135,28 +153,37 @@ fn progress_bar(ui: &mut Ui, basin: &BasinState) {
     }
 }
 
-/// What is shown is about, or why nothing could be begun.
-fn conditions(ui: &mut Ui, basin: &BasinState) {
+/// What is shown is about, and whether it is all of it; or why nothing could be begun.
+fn conditions(ui: &mut Ui, basin: &BasinState, view: BasinView) {
     let palette = theme::palette(ui);
     if let Some(problem) = &basin.problem {
         ui.label(RichText::new(format!("{problem}.")).color(palette.warn));
         return;
     }
-    let about = match basin.view {
+    let about = match view {
         BasinView::Angles => basin.angles.as_ref().map(|result| &result.about),
         BasinView::Map => basin.map.as_ref().map(|result| &result.about),
     };
     if let Some(about) = about {
         let mut letters = about.conditions.chars();
         let first = letters.next().map_or_else(String::new, |first| first.to_uppercase().collect());
-        let text = format!("{first}{}", letters.as_str());
-        ui.add(egui::Label::new(RichText::new(text).small().color(palette.text3)).truncate());
+        let text = RichText::new(format!("{first}{}", letters.as_str())).small().color(palette.text3);
+        ui.horizontal(|ui| {
+            ui.spacing_mut().interact_size.y = 0.0;
+            if let Some(partial) = basin.partial(view).and_then(FitCount::partial_text) {
+                ui.label(RichText::new(partial).small().color(palette.warn)).on_hover_text(
+                    "It was stopped before all fits were made: shares and bars are of those that were. Files that are \
+                     written of it say so too",
+                );
+            }
+            ui.add(egui::Label::new(text).truncate());
+        });
     }
 }
 
 fn empty(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
     let palette = theme::palette(ui);
-    let text = match showing.basin.view {
+    let text = match showing.look.basin.view {
         BasinView::Angles => {
             "How far off may a start be, and still come home? Starts are drawn about the pose on the screen, farther \
              and farther off; each is fitted to this frame, and those that end where they should are counted."
@@ -171,6 +198,6 @@ fn empty(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
     ui.scope_builder(builder, |ui| {
         ui.label(RichText::new(text).color(palette.text3));
         ui.add_space(space::WIDGET);
-        run_or_cancel(ui, showing, intents, showing.basin.view);
+        run_or_cancel(ui, showing, intents, showing.look.basin.view);
     });
 }

@@ -52,7 +52,7 @@ fn contents(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
 }
 
 fn head(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
-    let mut look = showing.curves;
+    let mut look = showing.look.curves;
     ui.allocate_ui_with_layout(
         vec2(ui.available_width(), HEAD),
         Direction::left_to_right(Align::Center),
@@ -66,7 +66,7 @@ fn head(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
             });
         },
     );
-    if look != showing.curves {
+    if look != showing.look.curves {
         intents.request(Request::Curves(CurvesRequest::Look(look)));
     }
 }

@@ -2,6 +2,7 @@
 
 use egui::{Align, Frame, Layout as Direction, Margin, Panel, RichText, Sense, Ui, vec2};
 
+use super::basin::progress_text;
 use super::command;
 use crate::action::Action;
 use crate::format;
@@ -23,6 +24,9 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
                 Icon::Info.paint_scaled(ui.painter(), rect, palette.text3, 0.85);
                 if showing.busy.is_long() && !showing.busy.opening {
                     command::named_button(ui, showing, intents, Action::Stop, "Cancel");
+                }
+                if showing.basin.running.is_some() && !showing.busy.is_long() {
+                    command::named_button(ui, showing, intents, Action::CancelBasin, "Cancel");
                 }
                 if let Some((done, total)) = showing.busy.exporting {
                     command::button(ui, showing, intents, Action::StopExport);
@@ -67,6 +71,9 @@ fn sentence(showing: &Showing<'_>) -> String {
     }
     if showing.busy.fitting {
         return "The fit is running. Esc stops it; all steps stay.".to_owned();
+    }
+    if let Some(running) = showing.basin.running {
+        return format!("Trying the basin: {}. Esc stops it; what is done stays.", progress_text(running));
     }
     if showing.look.layout == Layout::Demonstrate {
         return laboratory_sentence(showing);

@@ -1,4 +1,4 @@
-//! A grid of coloured cells as a picture, with its legend.
+//! Grids of coloured cells as a picture, side by side by one scale, with their legend.
 
 use egui::{Align2, CentralPanel, Frame, Margin, Painter, Pos2, Rect, RichText, TextStyle, Ui, pos2, vec2};
 use image::RgbaImage;
@@ -6,10 +6,19 @@ use image::RgbaImage;
 use crate::raster::Headless;
 use crate::theme::{self, Palette, Theme, gradient_colour, size};
 
-/// Size of the picture, points; a pixel each.
+/// Size of the picture of one map, points; a pixel each.
 const SIZE: [f32; 2] = [620.0, 520.0];
+/// The same of each of several, and what is above and below all of them.
+const EACH: [f32; 2] = [400.0, 400.0];
+const AROUND: [f32; 2] = [28.0, 116.0];
+/// Most maps side by side.
+const ACROSS: usize = 2;
+/// Height of a map's name.
+pub const NAME: f32 = 22.0;
 /// The lightest colour stands for this many times the limit, and more.
 pub const LAST_COLOUR: f64 = 10.0;
+/// Room for a map's axes, across and up.
+pub const AXES: egui::Vec2 = vec2(52.0, 56.0);
 /// Radius of the dot in a cell within the limit, as a part of its side, and at most.
 const DOT: f32 = 0.12;
 const LARGEST_DOT: f32 = 3.0;
@@ -29,8 +38,8 @@ pub struct HeatMap {
     pub ends_degrees: f64,
     /// Cells across and up.
     pub columns: usize,
-    /// Millimetres by row, the lowest first, then by column; nothing where it is not known.
-    pub values: Vec<Option<f64>>,
+    /// Maps by name: millimetres by row, the lowest first, then by column; nothing where it is not known.
+    pub maps: Vec<(String, Vec<Option<f64>>)>,
     /// What is below this is marked with a dot.
     pub limit: f64,
 }
@@ -39,7 +48,8 @@ impl HeatMap {
     /// The map as a picture. The same map gives the same bytes.
     #[must_use]
     pub fn picture(&self, theme: Theme) -> RgbaImage {
-        let mut window = Headless::new(SIZE[0], SIZE[1], 1.0);
+        let [width, height] = self.size();
+        let mut window = Headless::new(width, height, 1.0);
         theme::apply(&window.ctx, theme);
         let palette = theme.palette();
         window.frames(3, Vec::new(), |ui| {
@@ -48,21 +58,60 @@ impl HeatMap {
         })
     }
 
+    fn size(&self) -> [f32; 2] {
+        if self.maps.len() < 2 {
+            return SIZE;
+        }
+        let rows = self.maps.len().div_ceil(ACROSS) as f32;
+        [EACH[0] * ACROSS as f32 + AROUND[0], EACH[1] * rows + AROUND[1]]
+    }
+
     fn ui(&self, ui: &mut Ui, palette: &Palette) {
         ui.label(RichText::new(&self.title).text_style(theme::title()).color(palette.text));
         ui.label(RichText::new(&self.subtitle).color(palette.text2));
         let area = ui.available_rect_before_wrap();
         let legend = Rect::from_min_max(pos2(area.left(), area.bottom() - 34.0), area.max);
-        let grid = grid_in(Rect::from_min_max(area.min, pos2(area.right(), legend.top() - 8.0)));
-        axes(ui, grid, &self.labels, self.ends_degrees);
-        for (index, value) in self.values.iter().enumerate() {
-            let cell = cell_in(grid, self.columns, [index % self.columns, index / self.columns]);
-            let found = value.is_some_and(|value| value < self.limit);
-            let colour = value.map(|value| error_colour(value, self.limit));
-            paint_cell(ui.painter(), cell, colour, found, palette);
+        let room = Rect::from_min_max(area.min, pos2(area.right(), legend.top() - 8.0));
+        for (place, (name, values)) in places(room, self.maps.len(), ACROSS).into_iter().zip(&self.maps) {
+            let (title, below) = place.split_top_bottom_at_y(place.top() + NAME);
+            let font = TextStyle::Body.resolve(ui.style());
+            ui.painter().text(title.left_center(), Align2::LEFT_CENTER, name, font, palette.text);
+            let grid = grid_in(below);
+            axes(ui, grid, &self.labels, self.ends_degrees);
+            for (index, value) in values.iter().enumerate() {
+                let cell = cell_in(grid, self.columns, [index % self.columns, index / self.columns]);
+                let found = value.is_some_and(|value| value < self.limit);
+                let colour = value.map(|value| error_colour(value, self.limit));
+                paint_cell(ui.painter(), cell, colour, found, palette);
+            }
         }
         error_legend(ui, legend, self.limit);
     }
+}
+
+/// So many places for maps in an area, as large as each other.
+#[must_use]
+pub fn places(area: Rect, count: usize, across: usize) -> Vec<Rect> {
+    let across = across.clamp(1, count.max(1));
+    let rows = count.div_ceil(across).max(1);
+    let size = vec2(area.width() / across as f32, area.height() / rows as f32);
+    let place = |index: usize| {
+        let offset = vec2((index % across) as f32 * size.x, (index / across) as f32 * size.y);
+        Rect::from_min_size(area.min + offset, size)
+    };
+    (0..count).map(place).collect()
+}
+
+/// How many of so many maps stand side by side so that they are as large as can be, and the side of their squares.
+#[must_use]
+pub fn best_across(area: Rect, count: usize) -> (usize, f32) {
+    let side = |across: usize| {
+        let place = places(area, count, across).first().copied().unwrap_or(Rect::ZERO);
+        let room = place.size() - AXES - vec2(0.0, NAME);
+        room.x.min(room.y)
+    };
+    let across = (1..=count.max(1)).max_by(|a, b| side(*a).total_cmp(&side(*b))).unwrap_or(1);
+    (across, side(across))
 }
 
 /// The square of a map in an area, with room for its axes.
@@ -189,6 +238,16 @@ mod tests {
     }
 
     #[test]
+    fn several_maps_are_as_large_as_can_be() {
+        let across = |width, height| best_across(Rect::from_min_size(Pos2::ZERO, vec2(width, height)), 4).0;
+        assert_eq!([across(1000.0, 200.0), across(600.0, 600.0), across(200.0, 1000.0)], [4, 2, 1]);
+        let area = Rect::from_min_size(Pos2::ZERO, vec2(300.0, 200.0));
+        let all = places(area, 3, 2);
+        assert_eq!((all.len(), all[2].min), (3, pos2(0.0, 100.0)));
+        assert!(all.iter().all(|place| area.contains_rect(*place)));
+    }
+
+    #[test]
     fn farther_is_lighter_and_the_same_map_is_the_same_picture() {
         let light = |value: f64| {
             let colour = error_colour(value, 20.0);
@@ -201,13 +260,15 @@ mod tests {
             labels: ["a".to_owned(), "b".to_owned()],
             ends_degrees: 30.0,
             columns: 2,
-            values: vec![Some(1.0), Some(300.0), None, Some(40.0)],
+            maps: vec![("one".to_owned(), vec![Some(1.0), Some(300.0), None, Some(40.0)])],
             limit: 20.0,
         };
         assert_eq!(map.picture(Theme::Dark), map.picture(Theme::Dark));
         assert_ne!(
             map.picture(Theme::Dark),
-            HeatMap { values: vec![None; 4], ..map.clone() }.picture(Theme::Dark)
+            HeatMap { maps: vec![("one".to_owned(), vec![None; 4])], ..map.clone() }.picture(Theme::Dark)
         );
+        let both = HeatMap { maps: [map.maps.clone(), map.maps.clone()].concat(), ..map.clone() };
+        assert!(both.picture(Theme::Dark).width() > map.picture(Theme::Dark).width());
     }
 }

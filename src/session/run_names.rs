@@ -12,23 +12,45 @@ use crate::panels::words;
 /// Names every run that was not named by hand by its differences from the runs whose curves are shown. A run
 /// that is hidden is named as if it were shown.
 pub fn name_runs(runs: &mut [Run]) {
-    let starts = start_numbers(runs);
-    let facets: Vec<Facets> = runs.iter().zip(&starts).map(|(run, &start)| Facets::of(run, start)).collect();
     let mut names: Vec<String> = Vec::with_capacity(runs.len());
-    for index in 0..runs.len() {
-        let compared = || (0..runs.len()).filter(|&other| runs[other].is_shown || other == index);
-        let name = if runs[index].is_named {
-            runs[index].name.clone()
-        } else {
-            let others: Vec<&Facets> = compared().map(|other| &facets[other]).collect();
-            let plain = facets[index].name_among(&others);
-            let again = names.iter().filter(|name| same_but_for_count(name, &plain)).count();
-            if again == 0 { plain } else { format!("{plain} ({})", again + 1) }
-        };
+    for (run, plain) in runs.iter().zip(plain_names(runs)) {
+        let name = if run.is_named { plain } else { counted(plain, &names) };
         names.push(name);
     }
     for (run, name) in runs.iter_mut().zip(names) {
         run.name = name;
+    }
+}
+
+/// The same names before runs that differ in nothing are counted.
+pub fn plain_names(runs: &[Run]) -> Vec<String> {
+    let starts = start_numbers(runs);
+    let facets: Vec<Facets> = runs.iter().zip(&starts).map(|(run, &start)| Facets::of(run, start)).collect();
+    let name = |index: usize| {
+        if runs[index].is_named {
+            return runs[index].name.clone();
+        }
+        let compared = (0..runs.len()).filter(|&other| runs[other].is_shown || other == index);
+        let others: Vec<&Facets> = compared.map(|other| &facets[other]).collect();
+        facets[index].name_among(&others)
+    };
+    (0..runs.len()).map(name).collect()
+}
+
+/// The names with those counted that stand there before: "Robust", "Robust (2)".
+pub fn count_twins(plain: Vec<String>) -> Vec<String> {
+    let mut names: Vec<String> = Vec::with_capacity(plain.len());
+    for name in plain {
+        let name = counted(name, &names);
+        names.push(name);
+    }
+    names
+}
+
+fn counted(plain: String, before: &[String]) -> String {
+    match before.iter().filter(|name| same_but_for_count(name, &plain)).count() {
+        0 => plain,
+        again => format!("{plain} ({})", again + 1),
     }
 }
 

@@ -71,4 +71,28 @@ fn the_basin_of_a_frame_of_a_take() {
     scene.fails(&format!("{ask} --joint tail"), 1, &["no limb tail"]);
     scene.fails(&format!("{ask} --size 48x36"), 2, &["--size"]);
     scene.fails("experiment basin --joint neck", 2, &["--take"]);
+    let table = std::fs::read_to_string(scene.path("one/basin.csv")).unwrap();
+    assert!(table.starts_with("choice,angle_deg") && table.lines().count() == 3, "{table}");
+}
+
+/// A map of two angles by two fits: files, letters, and what is asked wrong.
+#[test]
+fn the_basin_map_of_a_frame_of_a_take() {
+    let scene = Scene::new();
+    let take = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/take");
+    let map = format!("experiment basin --take {take} --downhill --map neck.flexion,neck.twist");
+    let said = scene.ok(&format!("{map} --cells 2 --farthest 10 --compare report --out map"));
+    for part in ["Across: neck, flexion. Up: neck, twist", "Robust: ", "Report 2004: ", " of 4"] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    assert!(std::fs::read_to_string(scene.path("map/basin-map.csv")).unwrap().lines().count() == 9);
+    let numbers: Value =
+        serde_json::from_str(&std::fs::read_to_string(scene.path("map/basin-map.json")).unwrap()).unwrap();
+    assert_eq!((numbers["partial"].as_bool(), numbers["fits"]["total"].as_u64()), (Some(false), Some(8)));
+    scene.fails(&format!("{map} --cells 1"), 1, &["cells", "2 to 61"]);
+    scene.fails(&format!("{map} --starts 3"), 2, &["--starts", "--map"]);
+    scene.fails(&format!("{map} --compare best"), 2, &["--compare", "search:cylinder"]);
+    scene.fails(&format!("experiment basin --take {take} --map neck.flexion"), 2, &["JOINT.AXIS"]);
+    scene.fails(&format!("experiment basin --take {take} --map tail.twist,neck.twist"), 1, &["no limb tail"]);
+    scene.fails("experiment basin --map neck.flexion,neck.twist", 2, &["--take"]);
 }

@@ -4,14 +4,17 @@ use crate::support::app_window::{PATIENCE, click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
 use backlit::app::{App, AppOptions, Opening};
-use backlit::basin::{BasinView, FileKind};
+use backlit::basin::{BasinView, Compared, ComparedWay, FileKind, MapDirection, Reference};
 use backlit::document::TakeSource;
 use backlit::look::{Layout, Look};
 use backlit::theme::Theme;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::experiment::FitChoice;
+use backlit_tracking::experiment::basin_map::Angle;
 use backlit_tracking::experiment::frame_basin::{self, Frame, Options, Target};
 use backlit_tracking::experiment::starts::Level;
+use backlit_tracking::render::RendererKind;
+use backlit_tracking::track::Preset;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Rect, Vec2, pos2, vec2};
 use egui_kittest::Harness;
@@ -54,7 +57,7 @@ fn the_window_finds_the_same_as_the_core_on_the_built_in_take() {
     let opening = Opening::Take(TakeSource::BuiltIn);
     let mut harness = open(Theme::Dark, vec2(1500.0, 1000.0), opening);
     set_starts(&mut harness, "5 40", "0 20");
-    let mut settings = harness.state().basin().settings.clone();
+    let mut settings = harness.state().look().basin.settings.clone();
     settings.starts = 2;
     settings.seed = 7;
     harness.state_mut().set_basin(settings);
@@ -97,7 +100,7 @@ fn what_is_typed_wrong_is_said_and_nothing_runs() {
 fn steps_go_on_beside_a_basin_and_cancelling_keeps_what_is_done() {
     let mut harness = open_arm();
     set_starts(&mut harness, "5 10 20 30 45", "0");
-    let mut settings = harness.state().basin().settings.clone();
+    let mut settings = harness.state().look().basin.settings.clone();
     settings.starts = 500;
     harness.state_mut().set_basin(settings);
     harness.get_all_by_role_and_label(Role::Button, "Run starts").next().unwrap().click();
@@ -122,9 +125,129 @@ fn steps_go_on_beside_a_basin_and_cancelling_keeps_what_is_done() {
     harness.get_by_label_contains("The basin was stopped after");
 }
 
+#[test]
+fn esc_stops_a_basin_and_what_it_leaves_is_called_a_part_everywhere() {
+    let mut harness = open_arm();
+    set_starts(&mut harness, "5 45", "0");
+    let mut settings = harness.state().look().basin.settings.clone();
+    settings.starts = 500;
+    harness.state_mut().set_basin(settings);
+    harness.get_all_by_role_and_label(Role::Button, "Run starts").next().unwrap().click();
+    let begun = std::time::Instant::now();
+    let running = |harness: &Harness<'_, App>| harness.state().basin().running;
+    while running(&harness).is_none_or(|running| running.done < 3) {
+        assert!(begun.elapsed() < PATIENCE, "no fit comes back");
+        harness.step();
+    }
+    harness.get_by_label_contains("Trying the basin: ");
+    assert!(running(&harness).unwrap().seconds_left.is_some());
+    assert!(harness.query_by_label_contains("Partial: ").is_none(), "more is to come");
+    press(&mut harness, Modifiers::NONE, Key::Escape);
+    assert!(running(&harness).is_none());
+    let done = harness.state().basin().angles.as_ref().unwrap().fits().done;
+    assert!((3..1000).contains(&done), "{done}");
+    let partial = format!("Partial: {done} of 1\u{2009}000 fits");
+    harness.get_by_label(&partial);
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = |kind: FileKind| folder.path().join(format!("part.{}", kind.extension()));
+    for kind in FileKind::ALL {
+        harness.state_mut().export_basin_to(kind, &path(kind));
+        settle(&mut harness);
+    }
+    let numbers: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(path(FileKind::Json)).unwrap()).unwrap();
+    assert_eq!(
+        (numbers["partial"].as_bool(), numbers["fits"]["done"].as_u64()),
+        (Some(true), Some(done as u64))
+    );
+    let table = std::fs::read_to_string(path(FileKind::Csv)).unwrap();
+    assert_eq!(table.lines().count(), 1001);
+    assert_eq!(table.lines().filter(|line| line.ends_with(",,")).count(), 1000 - done);
+    let figure = harness.state().basin().angles.as_ref().unwrap().figure();
+    assert!(figure.subtitle.starts_with(&partial), "{}", figure.subtitle);
+}
+
+#[test]
+fn what_is_chosen_is_there_at_the_next_start() {
+    let mut harness = open_arm();
+    set_starts(&mut harness, "7 21", "3");
+    click(&mut harness, "Compare with…");
+    let mut settings = harness.state().look().basin.settings.clone();
+    settings.directions[1].joint = Some("right forearm".to_owned());
+    (settings.starts, settings.seed, settings.cells, settings.only_held) = (33, 9, 7, true);
+    harness.state_mut().set_basin(settings.clone());
+    harness.step();
+    let kept = serde_json::to_string(harness.state().look()).unwrap();
+    drop(harness);
+
+    let look: Look = serde_json::from_str(&kept).unwrap();
+    let opening = Some(Opening::Ready(Box::new(take::take())));
+    let options = AppOptions { look, opening, ..AppOptions::default() };
+    let mut harness = open_sized(options, vec2(1500.0, 1000.0));
+    assert_eq!(harness.state().look().basin.settings, settings);
+    click(&mut harness, "Pose");
+    click(&mut harness, "Refit");
+    click(&mut harness, "Basin");
+    assert_eq!(harness.get_by_role_and_label(Role::TextInput, "Angles").value().as_deref(), Some("7 21"));
+    harness.get_by_role_and_label(Role::ComboBox, "Compared fit 1");
+}
+
+/// The window's map and the command line's, of the same take, about its truth.
+#[test]
+fn the_windows_map_is_the_commands() {
+    let mut harness = open(Theme::Dark, vec2(1500.0, 1000.0), Opening::Take(TakeSource::BuiltIn));
+    let mut settings = harness.state().look().basin.settings.clone();
+    let report = Compared { way: ComparedWay::Preset(Preset::Report), renderer: RendererKind::Cylinder };
+    settings.compared = vec![report];
+    settings.reference = Reference::Truth;
+    (settings.cells, settings.map_degrees) = (2, 30.0);
+    let direction = |joint: &str, angle| MapDirection { joint: Some(joint.to_owned()), angle };
+    settings.directions =
+        [direction("right forearm", Angle::Flexion), direction("right upper arm", Angle::Sideways)];
+    harness.state_mut().set_basin(settings);
+    click(&mut harness, "Run map");
+    let map = harness.state().basin().map.clone().unwrap();
+    assert!(map.fits().is_whole());
+
+    let folder = tempfile::tempdir().unwrap();
+    let words = [
+        "experiment",
+        "basin",
+        "--take",
+        concat!(env!("CARGO_MANIFEST_DIR"), "/assets/take"),
+        "--downhill",
+        "--map",
+        "right forearm.flexion,right upper arm.sideways",
+        "--farthest",
+        "30",
+        "--cells",
+        "2",
+        "--compare",
+        "report:cylinder",
+        "--json",
+        "--out",
+    ];
+    let said = std::process::Command::new(env!("CARGO_BIN_EXE_backlit"))
+        .args(words)
+        .arg(folder.path())
+        .output()
+        .unwrap();
+    assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
+    let numbers: serde_json::Value = serde_json::from_slice(&said.stdout).unwrap();
+    let own: serde_json::Value = serde_json::from_slice(&map.json().unwrap()).unwrap();
+    for part in ["format", "experiment", "partial", "fits", "options", "report"] {
+        assert_eq!(numbers[part], own[part], "{part}");
+    }
+    let read = |ending: &str| std::fs::read(folder.path().join(format!("basin-map.{ending}"))).unwrap();
+    assert_eq!(read("json"), said.stdout);
+    assert_eq!(read("csv"), map.csv().unwrap());
+    assert!(image::load_from_memory(&read("png")).unwrap().width() > 600);
+}
+
 /// Runs a small map about the take's start.
 fn run_map(harness: &mut Harness<'_, App>) {
-    let mut settings = harness.state().basin().settings.clone();
+    let mut settings = harness.state().look().basin.settings.clone();
     settings.cells = 7;
     harness.state_mut().set_basin(settings);
     click(harness, "Run map");
@@ -133,16 +256,16 @@ fn run_map(harness: &mut Harness<'_, App>) {
 #[test]
 fn a_click_on_a_cell_takes_its_start_and_undo_brings_the_pose_back() {
     let mut harness = open_arm();
-    let mut settings = harness.state().basin().settings.clone();
+    let mut settings = harness.state().look().basin.settings.clone();
     for direction in &mut settings.directions {
-        direction.rotation = Some(1);
+        direction.joint = Some("right forearm".to_owned());
     }
     harness.state_mut().set_basin(settings);
     run_map(&mut harness);
     let map = harness.state().basin().map.clone().unwrap();
     assert_eq!(map.directions[0], "right forearm, flexion");
     assert_eq!(map.cells.iter().flatten().count(), 49);
-    assert_eq!(map.cell([3, 3]).unwrap().error_mm, 0.0);
+    assert_eq!(map.cell(0, [3, 3]).unwrap().error_mm, 0.0);
     let before = harness.state().document().pose_at(0).clone();
     let cell = harness.get_by_label_contains("Start 20°, 40°: from");
     cell.click();
@@ -175,7 +298,7 @@ fn results_are_written_as_tables_pictures_and_numbers() {
         assert!(numbers.starts_with("{\n  \"format\": \"backlit-experiment 1\""), "{numbers:.80}");
         assert!(image::open(folder.path().join(format!("{view}.png"))).unwrap().width() > 400);
     }
-    assert_eq!(harness.state().basin().view, BasinView::Map);
+    assert_eq!(harness.state().look().basin.view, BasinView::Map);
 }
 
 /// The pane alone.

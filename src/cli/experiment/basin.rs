@@ -12,6 +12,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::arguments::{OutputArguments, PictureSize};
+use super::basin_map;
 use super::files;
 use super::frame_basin::{self, FrameArguments};
 use super::waiting::Waiting;
@@ -27,13 +28,13 @@ pub struct Arguments {
     cameras: Vec<usize>,
     /// How far every joint of the starts is turned, degrees: of 5, 10, 20, 30 and 45, which go with 2, 5, 10,
     /// 15 and 20 cm of the root; with --take any whole degrees [default: all five]
-    #[arg(long, value_name = "DEG,…", value_delimiter = ',')]
+    #[arg(long, value_name = "DEG,…", value_delimiter = ',', conflicts_with = "map")]
     angles: Vec<u32>,
     /// Starts of every angle; or a file of starts with their truth and masks, of which all are taken
-    #[arg(long, value_name = "N|FILE", default_value = "40")]
+    #[arg(long, value_name = "N|FILE", default_value = "40", conflicts_with = "map")]
     starts: String,
     /// Seed of poses, cameras and starts that are drawn
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = 1, conflicts_with = "map")]
     seed: u64,
     /// Size of the pictures that are drawn, pixels
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "48x36")]
@@ -78,6 +79,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         options.hypotheses = None;
     }
     if let Some(take) = &arguments.frame.take {
+        if arguments.frame.map.is_some() {
+            return basin_map::run(&arguments.frame, take, options.choice(), &arguments.output);
+        }
         let draw = (arguments.angles.as_slice(), arguments.starts.as_str(), arguments.seed);
         return frame_basin::run(&arguments.frame, take, draw, options.choice(), &arguments.output);
     }

@@ -42,6 +42,40 @@ pub fn finish<O: Serialize, R: Serialize>(
     output::print(&format!("{table}\nWritten: {}\n", names.join(", ")))
 }
 
+/// What one result becomes in files.
+#[derive(Debug)]
+pub struct ResultFiles {
+    /// The numbers, as `NAME.json`.
+    pub json: Vec<u8>,
+    /// The table, as `NAME.csv`.
+    pub csv: Vec<u8>,
+    /// The picture, as `NAME.png`.
+    pub png: Vec<u8>,
+}
+
+/// Writes a result's files, then prints the table, or the numbers.
+///
+/// # Errors
+/// The folder or a file cannot be written.
+pub fn finish_result(
+    arguments: &OutputArguments,
+    name: &str,
+    result: &ResultFiles,
+    table: &str,
+) -> anyhow::Result<()> {
+    output::make_folder(&arguments.out)?;
+    let mut written = Vec::new();
+    for (ending, bytes) in [("json", &result.json), ("csv", &result.csv), ("png", &result.png)] {
+        let path = arguments.out.join(format!("{name}.{ending}"));
+        atomic::write(&path, bytes)?;
+        written.push(path.display().to_string());
+    }
+    if arguments.json {
+        return output::print(&String::from_utf8_lossy(&result.json));
+    }
+    output::print(&format!("{table}\nWritten: {}\n", written.join(", ")))
+}
+
 /// Writes the numbers to `NAME.json` and each figure to its `NAME.png`; returns the numbers and all paths.
 ///
 /// # Errors

@@ -1,21 +1,24 @@
 //! `backlit experiment basin --take`: the basin of one frame of a take, as the window's Basin pane has it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
+use backlit_tracking::body::Model;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::experiment::frame_basin::{Frame, FrameBasin, Options, Report, Target};
 use backlit_tracking::experiment::starts::{LEVELS, Level};
-use backlit_tracking::experiment::{FitChoice, Progress};
+use backlit_tracking::experiment::{ExperimentError, FitChoice, Progress};
 use backlit_tracking::io::Take;
 use backlit_tracking::io::pose_file::{self, Quaternions};
 use backlit_tracking::track::start;
 use clap::Args;
 
 use super::arguments::OutputArguments;
-use super::files;
+use super::basin_map::MapAngles;
+use super::files::{self, ResultFiles};
 use super::waiting::Waiting;
-use crate::basin::{About, AnglesResult};
+use crate::basin::settings::{MOST_COMPARED, name_choices};
+use crate::basin::{About, AnglesResult, Compared};
 use crate::cli::table::Table;
 use crate::cli::take_options;
 
@@ -33,7 +36,7 @@ pub struct FrameArguments {
     #[arg(long, value_name = "K", default_value_t = 0, requires = "take")]
     frame: usize,
     /// Turn this limb's joint alone, by the limb's name
-    #[arg(long, value_name = "LIMB", requires = "take")]
+    #[arg(long, value_name = "LIMB", requires = "take", conflicts_with = "map")]
     joint: Option<String>,
     /// Pose to draw starts about, a backlit-pose file; fits are to end where its own fit ends [default: the truth,
     /// where the take has reference keypoints in the frame, else the take's start]
@@ -41,11 +44,36 @@ pub struct FrameArguments {
     about: Option<PathBuf>,
     /// How far the root is moved, centimetres, one for each angle, the last one for all that follow [default: 2, 5,
     /// 10, 15 and 20 at 5, 10, 20, 30 and 45 degrees, half a centimetre a degree at others]
-    #[arg(long, value_name = "CM,…", value_delimiter = ',', requires = "take")]
+    #[arg(long, value_name = "CM,…", value_delimiter = ',', requires = "take", conflicts_with = "map")]
     root: Vec<f64>,
     /// A fit has found its target when root and leaf joints are less than this off on average, millimetres
     #[arg(long, value_name = "MM", default_value_t = 20.0, requires = "take")]
-    within: f64,
+    pub within: f64,
+    /// Fit the same starts in other ways too, three at most: robust, report, or search, which is robust with a search
+    /// for other hypotheses; a solid behind a colon if wanted: search:cylinder
+    #[arg(long, value_name = "WAY,…", value_delimiter = ',', requires = "take")]
+    compare: Vec<Compared>,
+    /// A map in place of random starts: two angles of the body, across and up, are set off on a grid. By limb and
+    /// flexion, sideways or twist: "right forearm.flexion,right forearm.twist"
+    #[arg(long, value_name = "JOINT.AXIS,JOINT.AXIS", requires = "take")]
+    pub map: Option<MapAngles>,
+    /// How far a map sets the angles off to either side, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 60.0, requires = "map")]
+    pub farthest: f64,
+    /// Cells of a map across and up; with an odd number the pose itself is one of them
+    #[arg(long, value_name = "N", default_value_t = 11, requires = "map")]
+    pub cells: usize,
+}
+
+/// What is tried of a take: its frame as the fits see it, and where they are to end.
+#[derive(Debug)]
+pub struct Subject {
+    /// The frame.
+    pub frame: Frame,
+    /// Where fits are to end.
+    pub target: Target,
+    /// The conditions in one line.
+    pub about: About,
 }
 
 /// Tries the frame, writes and prints.
@@ -54,50 +82,86 @@ pub struct FrameArguments {
 /// Options that make no sense, a take that cannot be read, or files that cannot be written.
 pub fn run(
     arguments: &FrameArguments,
-    path: &std::path::Path,
+    path: &Path,
     (angles, starts, seed): (&[u32], &str, u64),
     choice: FitChoice,
     output: &OutputArguments,
 ) -> anyhow::Result<()> {
-    let footage = take_options::open(path)?;
-    let take = footage.take();
-    let count = take.frame_count();
-    ensure!(arguments.frame < count, "there is no frame {}; the take has {count}", arguments.frame);
     let starts =
         starts.parse().with_context(|| format!("--starts is {starts}; with --take expected a number"))?;
-    let cameras: Vec<usize> = (0..take.rig().count()).collect();
-    let (reference, target) = arguments.reference(take)?;
-    let model = take.model().clone();
-    let rotation = match &arguments.joint {
-        Some(name) => {
-            let limb =
-                model.limb_index(name).with_context(|| format!("--joint: the body has no limb {name}"))?;
-            Some(model.limbs()[limb].rotation)
-        }
-        None => None,
-    };
-    let levels = arguments.levels(angles);
-    let success_mm = arguments.within;
-    let options = Options { choices: vec![choice], rotation, levels, starts, seed, target, success_mm };
-    let views = footage.fit_views(&cameras, arguments.frame)?;
-    let basin = FrameBasin::new(Frame { model, views, reference }, options.clone(), &CancelToken::new())?;
+    let Subject { frame, target, about } = arguments.subject(path)?;
+    let model = frame.model.clone();
+    let rotation = arguments.joint.as_deref().map(|name| rotation_of(&model, name, "--joint")).transpose()?;
+    let choices = arguments.choices(choice)?;
+    let (levels, success_mm) = (arguments.levels(angles), arguments.within);
+    let options = Options { choices, rotation, levels, starts, seed, target, success_mm };
+    let basin = FrameBasin::new(frame, options.clone(), &CancelToken::new())?;
+    let trials = all_of(basin.len(), |trial| basin.run(trial, &CancelToken::new()))?;
+    let report = Report::of(&options, &trials);
+    let result = AnglesResult { about, options, trials, report };
+    let png = result.figure().png(output.theme.into())?;
+    let files = ResultFiles { json: result.json()?, csv: result.csv()?, png };
+    files::finish_result(output, "basin", &files, &table(&result.report))
+}
+
+/// All of so many fits, with a bar while they are made.
+///
+/// # Errors
+/// That of the first fit that fails.
+pub fn all_of<T>(
+    total: usize,
+    mut fit: impl FnMut(usize) -> Result<T, ExperimentError>,
+) -> anyhow::Result<Vec<T>> {
     let mut listener = Waiting::new().listener();
-    let total = basin.len();
-    let mut trials = Vec::with_capacity(total);
+    let mut found = Vec::with_capacity(total);
     for done in 0..total {
         listener(Progress { done, total });
-        trials.push(basin.run(done, &CancelToken::new())?);
+        found.push(fit(done)?);
     }
     listener(Progress { done: total, total });
-    let report = Report::of(&options, &trials);
-    let conditions = format!("{}, frame {}, {} cameras", take.name(), arguments.frame, cameras.len());
-    let about = About { frame: arguments.frame, conditions };
-    let result = AnglesResult { about, options, trials, report };
-    let figures = [("basin".to_owned(), result.figure())];
-    files::finish(output, "basin", &result.options, &result.report, &figures, &table(&result.report))
+    Ok(found)
+}
+
+/// The rotation of a limb's joint, by the limb's name.
+///
+/// # Errors
+/// The body has no such limb.
+pub fn rotation_of(model: &Model, name: &str, option: &str) -> anyhow::Result<usize> {
+    let limb = model.limb_index(name).with_context(|| format!("{option}: the body has no limb {name}"))?;
+    Ok(model.limbs()[limb].rotation)
 }
 
 impl FrameArguments {
+    /// Reads the take's frame.
+    ///
+    /// # Errors
+    /// A take or a pose that cannot be read, or a frame that the take does not have.
+    pub fn subject(&self, path: &Path) -> anyhow::Result<Subject> {
+        let footage = take_options::open(path)?;
+        let take = footage.take();
+        let count = take.frame_count();
+        ensure!(self.frame < count, "there is no frame {}; the take has {count}", self.frame);
+        let cameras: Vec<usize> = (0..take.rig().count()).collect();
+        let (reference, target) = self.reference(take)?;
+        let model = take.model().clone();
+        let views = footage.fit_views(&cameras, self.frame)?;
+        let conditions = format!("{}, frame {}, {} cameras", take.name(), self.frame, cameras.len());
+        let about = About { frame: self.frame, conditions };
+        Ok(Subject { frame: Frame { model, views, reference }, target, about })
+    }
+
+    /// The choices of fit that are compared, named by what differs.
+    ///
+    /// # Errors
+    /// Too many of them.
+    pub fn choices(&self, first: FitChoice) -> anyhow::Result<Vec<FitChoice>> {
+        ensure!(self.compare.len() <= MOST_COMPARED, "--compare: expected {MOST_COMPARED} ways at most");
+        let mut choices = vec![first];
+        choices.extend(self.compare.iter().map(|compared| compared.choice()));
+        name_choices(&mut choices);
+        Ok(choices)
+    }
+
     fn levels(&self, angles: &[u32]) -> Vec<Level> {
         let all: Vec<u32> = LEVELS.iter().map(|level| level.degrees).collect();
         let angles = if angles.is_empty() { &all } else { angles };
@@ -125,10 +189,13 @@ impl FrameArguments {
 }
 
 fn table(report: &Report) -> String {
-    let mut table = Table::new(["start off by", "found", "%", "surely, %", "median, mm"]);
-    for level in report.choices.iter().flat_map(|choice| &choice.levels) {
+    let mut table = Table::new(["fit", "start off by", "found", "%", "surely, %", "median, mm"]);
+    let levels =
+        report.choices.iter().flat_map(|choice| choice.levels.iter().map(move |level| (choice, level)));
+    for (choice, level) in levels {
         let [low, high] = level.interval.map(|end| 100.0 * end);
         table.row([
+            choice.name.clone(),
             format!("{}°, {:.1} cm", level.degrees, 100.0 * level.metres),
             format!("{} of {}", level.found, level.tried),
             format!("{:.1}", 100.0 * level.success.unwrap_or_default()),

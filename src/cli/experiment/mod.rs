@@ -14,10 +14,12 @@
 //! | [`robustness`] | `backlit experiment robustness` |
 //! | [`basin`] | `backlit experiment basin` |
 //! | [`frame_basin`] | `backlit experiment basin --take` |
+//! | [`basin_map`] | `backlit experiment basin --take --map` |
 //! | [`footage`] | `backlit experiment footage` |
 
 pub mod arguments;
 pub mod basin;
+pub mod basin_map;
 pub mod bias;
 pub mod fig51;
 pub mod fig52;

@@ -27,7 +27,8 @@ const FIELD: f32 = 62.0;
 pub(in crate::panels) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
     let basin = showing.basin;
     section(ui, "Basin", &summary(basin), open, |ui| {
-        let mut settings = basin.settings.clone();
+        let kept = &showing.look.basin.settings;
+        let mut settings = kept.clone();
         ui.spacing_mut().item_spacing.y = 6.0;
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 6.0;
@@ -40,7 +41,7 @@ pub(in crate::panels) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut In
         starts(ui, showing, &mut settings);
         compared(ui, showing, &mut settings);
         map(ui, showing, &mut settings);
-        if settings != basin.settings {
+        if settings != *kept {
             intents.request(Request::Basin(BasinRequest::Settings(Box::new(settings))));
         }
     });
@@ -168,8 +169,7 @@ fn compared(ui: &mut Ui, showing: &Showing<'_>, settings: &mut BasinSettings) {
         row(ui, "", |ui| {
             let button = ui.add(Button::new("Compare with…").min_size(vec2(0.0, size::BUTTON)));
             if button.on_hover_text("Try the same starts with another preset or renderer too").clicked() {
-                let way = ComparedWay::ALL[(settings.compared.len() + 1) % ComparedWay::ALL.len()];
-                settings.compared.push(Compared { way, renderer: showing.document().fit.renderer });
+                settings.compared.push(Compared::next(&showing.document().fit, &settings.compared));
             }
         });
     }
@@ -209,16 +209,17 @@ fn map(ui: &mut Ui, showing: &Showing<'_>, settings: &mut BasinSettings) {
 
 /// The box of a direction's joint.
 fn joint(ui: &mut Ui, name: &str, width: f32, direction: &mut MapDirection, model: &Model) {
-    let limb = |rotation: usize| {
+    let name_of = |rotation: usize| {
         model.rotation_owners().get(rotation).map(|limb| model.limbs()[*limb].name.as_str())
     };
-    let chosen = direction.rotation.and_then(limb).unwrap_or("held joint");
+    // A joint that was chosen for another body is the held one here.
+    let known = direction.joint.as_deref().filter(|name| model.limb_index(name).is_some());
+    let chosen = known.unwrap_or("held joint").to_owned();
     ui.name_inputs(format!("Joint {}", name.to_lowercase()), |ui| {
         ComboBox::from_id_salt(("map joint", name)).width(width).selected_text(chosen).show_ui(ui, |ui| {
-            ui.selectable_value(&mut direction.rotation, None, "held joint");
-            for rotation in 0..model.rotation_count() {
-                let text = limb(rotation).unwrap_or_default();
-                ui.selectable_value(&mut direction.rotation, Some(rotation), text);
+            ui.selectable_value(&mut direction.joint, None, "held joint");
+            for text in (0..model.rotation_count()).filter_map(name_of) {
+                ui.selectable_value(&mut direction.joint, Some(text.to_owned()), text);
             }
         });
     });

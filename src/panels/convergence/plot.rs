@@ -85,7 +85,7 @@ impl Scale {
 /// The plot. `names` says whether the runs' names stand at the ends of their curves.
 pub(super) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, area: Vec2, names: bool) {
     let palette = theme::palette(ui);
-    let look = showing.curves;
+    let look = showing.look.curves;
     let shown: Vec<(usize, &Run)> =
         showing.session.runs.iter().enumerate().filter(|(_, run)| run.is_shown).collect();
     if shown.is_empty() {

@@ -1,7 +1,7 @@
 //! The basin of one frame as a map: two angles of the body are set off on a grid, everything else stays, and every
 //! cell is fitted.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::basin::leaf_error_mm;
 use super::frame_basin::{Frame, Target, check_limit, target};
@@ -13,7 +13,7 @@ use crate::cancel::CancelToken;
 pub const MOST_CELLS: usize = 61;
 
 /// One of a joint's three angles.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Angle {
     /// About the joint's main axis.
@@ -62,8 +62,8 @@ impl Direction {
 /// What to map.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Options {
-    /// How cells are fitted.
-    pub choice: FitChoice,
+    /// How cells are fitted, side by side.
+    pub choices: Vec<FitChoice>,
     /// What is set off across and up.
     pub directions: [Direction; 2],
     /// The farthest that is set off to either side, degrees.
@@ -81,6 +81,12 @@ impl Options {
     #[must_use]
     pub fn offset_degrees(&self, place: usize) -> f64 {
         self.degrees * (2.0 * place as f64 / (self.cells - 1) as f64 - 1.0)
+    }
+
+    /// How many fits there are: every cell by every choice.
+    #[must_use]
+    pub fn trials(&self) -> usize {
+        self.choices.len() * self.cells * self.cells
     }
 
     /// The cells in the order in which they are fitted, column and row: from the middle outwards.
@@ -103,6 +109,9 @@ impl Options {
     }
 
     fn check(&self, model: &Model) -> Result<(), ExperimentError> {
+        if self.choices.is_empty() {
+            return Err(ExperimentError::Option { option: "choices", value: 0.0, expected: "1 or more" });
+        }
         if !(2..=MOST_CELLS).contains(&self.cells) {
             let value = self.cells as f64;
             return Err(ExperimentError::Option { option: "cells", value, expected: "2 to 61" });
@@ -121,16 +130,18 @@ impl Options {
     }
 }
 
-/// What came of one cell.
+/// What came of one cell by one choice.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Cell {
+    /// Index of the choice.
+    pub choice: usize,
     /// Column and row, from the lowest offsets.
     pub place: [usize; 2],
     /// How far it was set off across and up, degrees.
     pub offsets_degrees: [f64; 2],
-    /// Mean distance from the target at the start and at the end, millimetres.
+    /// Mean distance from the choice's target at the start, millimetres.
     pub start_mm: f64,
-    /// At the end.
+    /// The same at the end.
     pub error_mm: f64,
 }
 
@@ -140,47 +151,52 @@ pub struct BasinMap {
     frame: Frame,
     options: Options,
     order: Vec<[usize; 2]>,
-    target: Pose,
+    /// Where each choice is to end.
+    targets: Vec<Pose>,
 }
 
 impl BasinMap {
-    /// Checks the options and finds the target.
+    /// Checks the options and finds the targets.
     ///
     /// # Errors
     /// Options that make no sense, a fit that cannot begin, or `cancel`.
     pub fn new(frame: Frame, options: Options, cancel: &CancelToken) -> Result<Self, ExperimentError> {
         options.check(&frame.model)?;
-        let target = target(&frame, &options.choice, options.target, cancel)?;
+        let target = |choice: &FitChoice| target(&frame, choice, options.target, cancel);
+        let targets = options.choices.iter().map(target).collect::<Result<Vec<_>, _>>()?;
         let order = options.order();
-        Ok(Self { frame, options, order, target })
+        Ok(Self { frame, options, order, targets })
     }
 
-    /// How many cells there are.
+    /// How many fits there are.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.order.len()
+        self.options.trials()
     }
 
-    /// Whether there is no cell: never.
+    /// Whether there is no fit: never.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.order.is_empty()
+        self.len() == 0
     }
 
-    /// Fits the next cell, counted in the order in which they are fitted.
+    /// Makes one fit, counted so that cells go from the middle outwards and all choices go on together.
     ///
     /// # Errors
     /// A fit that cannot begin, or `cancel`.
     pub fn run(&self, index: usize, cancel: &CancelToken) -> Result<Cell, ExperimentError> {
-        let place = self.order[index];
+        let (choice, place) =
+            (index % self.options.choices.len(), self.order[index / self.options.choices.len()]);
         let (model, views) = (&self.frame.model, self.frame.views.clone());
         let start = self.options.start(&self.frame, place);
-        let end = self.options.choice.end(model, views, &start, cancel)?;
+        let end = self.options.choices[choice].end(model, views, &start, cancel)?;
+        let target = &self.targets[choice];
         Ok(Cell {
+            choice,
             place,
             offsets_degrees: place.map(|place| self.options.offset_degrees(place)),
-            start_mm: leaf_error_mm(model, &start, &self.target),
-            error_mm: leaf_error_mm(model, &end, &self.target),
+            start_mm: leaf_error_mm(model, &start, target),
+            error_mm: leaf_error_mm(model, &end, target),
         })
     }
 }
@@ -195,7 +211,7 @@ mod tests {
         let rotation = |name: &str| model.limbs()[model.limb_index(name).unwrap()].rotation;
         let flexion = |name| Direction { rotation: rotation(name), angle: Angle::Flexion };
         Options {
-            choice: FitChoice::downhill("Robust", FitOptions::preset(Preset::Robust)),
+            choices: vec![FitChoice::downhill("Robust", FitOptions::preset(Preset::Robust))],
             directions: [flexion("right upper arm"), flexion("right forearm")],
             degrees: 40.0,
             cells: 3,
@@ -225,6 +241,24 @@ mod tests {
     }
 
     #[test]
+    fn choices_are_fitted_side_by_side_each_as_it_is_alone() {
+        let frame = frame();
+        let one = options(&frame.model);
+        let report = FitChoice::downhill("Report 2004", FitOptions::preset(Preset::Report));
+        let both = Options { choices: vec![one.choices[0].clone(), report.clone()], ..one.clone() };
+        let alone = Options { choices: vec![report], ..one.clone() };
+        let map =
+            |options: &Options| BasinMap::new(frame.clone(), options.clone(), &CancelToken::new()).unwrap();
+        let [both, robust, report] = [&both, &one, &alone].map(map);
+        assert_eq!((both.len(), robust.len()), (18, 9));
+        let run = |map: &BasinMap, index| map.run(index, &CancelToken::new()).unwrap();
+        for cell in [0, 3, 8] {
+            assert_eq!(run(&both, 2 * cell), run(&robust, cell));
+            assert_eq!(run(&both, 2 * cell + 1), Cell { choice: 1, ..run(&report, cell) });
+        }
+    }
+
+    #[test]
     fn maps_that_make_no_sense_are_named() {
         let wrong = |change: fn(&mut Options)| {
             let frame = frame();
@@ -235,5 +269,6 @@ mod tests {
         assert!(wrong(|options| options.cells = 1).contains("cells"));
         assert!(wrong(|options| options.degrees = 0.0).contains("degrees"));
         assert!(wrong(|options| options.directions[1].rotation = 50).contains("rotation"));
+        assert!(wrong(|options| options.choices.clear()).contains("choices"));
     }
 }
