@@ -72,7 +72,7 @@ enum Experiment {
     /// The full body with one thing wrong at a time: noise, holes, cameras, sizes, calibration
     Robustness(robustness::Arguments),
     /// How far off a start may be: share of starts that end at the truth, by distance and number of cameras
-    Basin(basin::Arguments),
+    Basin(Box<basin::Arguments>),
     /// A take with keypoints, tracked from many starts: how many stay near the keypoints everywhere
     Footage(Box<footage::Arguments>),
 }
