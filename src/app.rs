@@ -19,6 +19,7 @@
 //! | `dropping` | files that are dropped on the window |
 //! | `laboratory` | several fits from one start |
 //! | `files` | takes, projects, dialogs |
+//! | `settings` | the settings file |
 //! | `unsaved` | the copy of unsaved work, and what was left |
 //! | `observing` | what the cameras see, and the sway along a direction |
 //! | `jobs` | what the screen lacks is asked of the worker |
@@ -55,6 +56,7 @@ mod playing;
 mod requests;
 mod scene_view;
 mod screen;
+mod settings;
 mod state;
 mod touring;
 mod tracking;
@@ -88,6 +90,7 @@ impl App {
         self.apply(intents, ui.ctx());
         self.play(ui.ctx());
         self.autosave();
+        self.guard_close(ui.ctx());
         self.request_jobs();
         self.observe(ui.ctx());
         self.go_on_demonstrating();
@@ -103,11 +106,13 @@ impl eframe::App for App {
         self.frame(ui);
     }
 
-    fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        eframe::set_value(storage, "look", &self.look);
+    /// The storage itself keeps the window's place and egui's memory.
+    fn save(&mut self, _storage: &mut dyn eframe::Storage) {
+        self.write_settings();
     }
 
     fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
-        self.keep_unsaved_work();
+        // What goes wrong was said when the window was asked to close.
+        let _ = self.keep_unsaved_work();
     }
 }

@@ -57,6 +57,11 @@ impl Notices {
         self.push(Severity::Error, text.into(), None, None);
     }
 
+    /// Says that something did not work, and offers a command that helps.
+    pub fn error_with(&mut self, text: impl Into<String>, action: Action) {
+        self.push(Severity::Error, text.into(), Some(action), None);
+    }
+
     /// The cards on the screen, the newest last.
     pub fn cards(&self) -> impl Iterator<Item = &Notice> {
         let open = self.kept.iter().filter(|notice| notice.is_open).count();
@@ -72,6 +77,13 @@ impl Notices {
     /// Closes a card.
     pub fn close(&mut self, id: u64) {
         for notice in self.kept.iter_mut().filter(|notice| notice.id == id) {
+            notice.is_open = false;
+        }
+    }
+
+    /// Closes the cards whose sentence begins so: that is over.
+    pub fn close_about(&mut self, beginning: &str) {
+        for notice in self.kept.iter_mut().filter(|notice| notice.text.starts_with(beginning)) {
             notice.is_open = false;
         }
     }

@@ -4,13 +4,14 @@
 //! back to the bit.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use backlit_tracking::body::{Model, ModelError, ModelSpec, Pose, PoseError};
 use backlit_tracking::io::calibration::{CalibrationOptions, backlit};
-use backlit_tracking::io::{FileError, atomic};
-use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::io::{FileError, atomic, reason};
+use backlit_tracking::segment::{SegmentError, SegmentOptions};
 use backlit_tracking::track::FitOptions;
 use backlit_tracking::track::options::OptionsError;
 use glam::{DQuat, DVec3};
@@ -32,7 +33,7 @@ const MAX_BYTES: u64 = 256 << 20;
 #[derive(Debug, Error)]
 #[expect(missing_docs, reason = "the messages say what each variant and field is")]
 pub enum ProjectError {
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {}", path.display(), said(.source))]
     Io { path: PathBuf, source: std::io::Error },
     #[error(transparent)]
     File(#[from] FileError),
@@ -42,6 +43,13 @@ pub enum ProjectError {
     Json { path: PathBuf, source: serde_json::Error },
     #[error("{}: `format` is \"{found}\"; expected \"{FORMAT}\"", path.display())]
     Format { path: PathBuf, found: String },
+    #[error(
+        "{}: a newer Backlit wrote this project (\"{found}\"; this one reads \"{FORMAT}\"): open it with that one",
+        path.display()
+    )]
+    Newer { path: PathBuf, found: String },
+    #[error("{}, line {line}: the file ends too early: it was cut off", path.display())]
+    Cut { path: PathBuf, line: usize },
     #[error("{}: `model`: {source}", path.display())]
     Model { path: PathBuf, source: ModelError },
     #[error("{}: `{field}`: {source}", path.display())]
@@ -52,6 +60,8 @@ pub enum ProjectError {
     MaskCamera { path: PathBuf, frame: usize, camera: String },
     #[error("{}: `fit`: {source}", path.display())]
     Fit { path: PathBuf, source: OptionsError },
+    #[error("{}: `measurement`, camera {index} counted from 0: {source}", path.display())]
+    Measurement { path: PathBuf, index: usize, source: SegmentError },
     #[error("{}: `cameras`: the weight of {camera} is {weight}; expected a number from 0 on", path.display())]
     Weight { path: PathBuf, camera: String, weight: f64 },
 }
@@ -160,14 +170,38 @@ pub fn read_project(path: &Path) -> Result<Document, ProjectError> {
         return Err(ProjectError::TooLarge { path: path.to_owned(), bytes });
     }
     let text = std::fs::read(path).map_err(io)?;
-    let json = |source| ProjectError::Json { path: path.to_owned(), source };
+    let json = |source: serde_json::Error| {
+        let path = path.to_owned();
+        if source.is_eof() {
+            ProjectError::Cut { path, line: source.line() }
+        } else {
+            ProjectError::Json { path, source }
+        }
+    };
     // The version first: another version's fields would only confuse.
     let header: Header = serde_json::from_slice(&text).map_err(json)?;
     if header.format != FORMAT {
-        return Err(ProjectError::Format { path: path.to_owned(), found: header.format });
+        let (path, found) = (path.to_owned(), header.format);
+        let is_newer = version(&found) > version(FORMAT);
+        return Err(if is_newer {
+            ProjectError::Newer { path, found }
+        } else {
+            ProjectError::Format { path, found }
+        });
     }
     let file: ProjectFile = serde_json::from_slice(&text).map_err(json)?;
     Reader { path }.document(file)
+}
+
+/// What the system says of a file that cannot be read.
+fn said(error: &std::io::Error) -> String {
+    if error.kind() == ErrorKind::NotFound { "there is no such file".to_owned() } else { reason(error) }
+}
+
+/// The version of a project's format; none of another format's.
+fn version(format: &str) -> Option<u64> {
+    let (name, version) = format.split_once(' ')?;
+    version.parse().ok().filter(|_| FORMAT.split_once(' ').is_some_and(|(ours, _)| ours == name))
 }
 
 #[derive(Debug, Deserialize)]
@@ -254,6 +288,10 @@ impl Reader<'_> {
             .map_err(|source| ProjectError::Model { path: self.path.to_owned(), source })?;
         let wrong = |source| ProjectError::Fit { path: self.path.to_owned(), source };
         file.fit.check().map_err(wrong)?;
+        for (index, options) in file.measurement.iter().enumerate() {
+            let path = self.path.to_owned();
+            options.check().map_err(|source| ProjectError::Measurement { path, index, source })?;
+        }
         let start = self.pose(&model, "start", &file.start)?;
         let mut keys = BTreeMap::new();
         for (frame, record) in &file.keys {
@@ -393,6 +431,7 @@ mod tests {
             steps: 21,
             lost: false,
         };
+        document.measurement = Arc::new(vec![SegmentOptions::default()]);
         for edit in [
             Edit::SetPose { frame: 3, pose, what: "Move".to_owned() },
             Edit::AddEstimate { frame: 4, estimate: Arc::new(estimate) },
@@ -452,9 +491,11 @@ mod tests {
         write_project(&path, &example()).unwrap();
         let good = std::fs::read_to_string(&path).unwrap();
         for (from, to, expected) in [
-            ("backlit-project 1", "backlit-project 9", "`format` is \"backlit-project 9\""),
+            ("backlit-project 1", "backlit-project 9", "a newer Backlit wrote this project"),
+            ("backlit-project 1", "backlit-pose 9", "`format` is \"backlit-pose 9\""),
             ("\"weight\": 0.3333333333333333", "\"weight\": -1", "weight of cam01 is -1"),
             ("\"pins\": [", "\"pins\": [\"tail\",", "`pins` names the limb \"tail\""),
+            ("\"z_threshold\": 3", "\"z_threshold\": -3", "`measurement`, camera 0 counted from 0: "),
             ("\"lost\": false", "\"lost\": false, \"colour\": 1", "unknown field `colour`"),
         ] {
             assert!(good.contains(from), "{from}");
@@ -462,8 +503,12 @@ mod tests {
             let message = read_project(&path).unwrap_err().to_string();
             assert!(message.contains(expected) && message.contains("b.backlit"), "{message}");
         }
-        std::fs::write(&path, &good[..good.len() / 2]).unwrap();
-        assert!(read_project(&path).is_err());
-        assert!(read_project(&folder.path().join("none.backlit")).is_err());
+        for cut in [0, 1, good.len() / 2, good.trim_end().len() - 1] {
+            std::fs::write(&path, &good[..cut]).unwrap();
+            let message = read_project(&path).unwrap_err().to_string();
+            assert!(message.contains("b.backlit, line") && message.contains("was cut off"), "{message}");
+        }
+        let message = read_project(&folder.path().join("none.backlit")).unwrap_err().to_string();
+        assert!(message.contains("none.backlit: there is no such file"), "{message}");
     }
 }

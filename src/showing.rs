@@ -47,6 +47,10 @@ pub struct Showing<'a> {
     pub project: Option<&'a Path>,
     /// Whether something was exported since the start.
     pub has_exported: bool,
+    /// Whether unsaved work was discarded that can be brought back.
+    pub has_discarded: bool,
+    /// Whether a project was not opened since its take was not there.
+    pub lacks_take: bool,
     /// What is played, and what of the time axis is on the screen.
     pub(crate) time: &'a TimeAxis,
     /// What is looked at of what the cameras see.
@@ -142,8 +146,8 @@ pub enum Request {
     Timeline(TimelineEvent),
     /// Give the frame one of the poses that a search has found, by its place in their list.
     ChoosePose(usize),
-    /// Take what an earlier start of the program left unsaved, or leave it.
-    Recover(Option<usize>),
+    /// What to do with work that an earlier start of the program left unsaved.
+    Recover(Recovery),
     /// Open whatever a path is.
     OpenPath(PathBuf),
     /// Take a path off the list of recent takes.
@@ -158,6 +162,19 @@ pub enum Request {
     Export(Box<ExportOrder>),
     /// Ask in a dialog of the desktop's where an export goes.
     ChooseExportFile,
+}
+
+/// What the user decides about work that was left, by its place in the list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Recovery {
+    /// Go on with it.
+    Restore(usize),
+    /// Offer it no more.
+    Discard(usize),
+    /// Offer none of it any more.
+    DiscardAll,
+    /// Offer all of it again at the next start.
+    Later,
 }
 
 /// What the user did with a tile, whatever stands in it.
@@ -280,6 +297,8 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
             no_fit().or(because(showing.basin.running.is_some(), "A basin is being tried"))
         }
         A::CancelBasin => because(showing.basin.running.is_none(), "No basin is being tried"),
+        A::FindTake => because(!showing.lacks_take, "No project has lost its take"),
+        A::UndoDiscard => because(!showing.has_discarded, "Nothing was discarded"),
         A::RestoreRuns => because(session.removed.is_none(), "No run was removed"),
         A::ClearRuns | A::ExportCurves | A::ExportPlot => {
             because(session.runs.is_empty(), "There are no runs")

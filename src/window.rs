@@ -6,6 +6,8 @@ use anyhow::anyhow;
 use egui::ViewportBuilder;
 
 use crate::app::{App, AppOptions, Opening};
+use crate::clock::Clock;
+use crate::settings;
 use crate::theme::size;
 
 /// The name that the desktop knows the program by.
@@ -40,10 +42,12 @@ pub fn open_window(opening: Option<Opening>, state_file: Option<PathBuf>) -> any
     let create = move |context: &eframe::CreationContext<'_>| {
         // Tests from outside begin where everybody else goes on.
         let offers_tour = state_file.is_none();
-        let look = context.storage.and_then(|storage| eframe::get_value(storage, "look")).unwrap_or_default();
+        let data_folder = eframe::storage_dir(APP_ID);
+        let (look, unread) = data_folder.as_deref().map(settings::read).unwrap_or_default();
         let options =
-            AppOptions { look, data_folder: eframe::storage_dir(APP_ID), opening, state_file, offers_tour };
-        let app = App::new(context.egui_ctx.clone(), options)?;
+            AppOptions { look, data_folder, opening, state_file, offers_tour, clock: Clock::default() };
+        let mut app = App::new(context.egui_ctx.clone(), options)?;
+        app.complain(unread);
         Ok(Box::new(app) as Box<dyn eframe::App>)
     };
     eframe::run_native(APP_ID, options, Box::new(create))

@@ -118,11 +118,7 @@ fn a_window_that_is_killed_loses_less_than_a_second_and_harms_no_file() {
     let mut restored = 0;
     for round in 0..ROUNDS {
         let folder = tempfile::tempdir().unwrap();
-        for (path, bytes) in take::files() {
-            let path = folder.path().join("take").join(path);
-            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-            std::fs::write(path, bytes).unwrap();
-        }
+        take::write_to(&folder.path().join("take"));
         let mut child = Command::new(std::env::current_exe().unwrap())
             .args(["--exact", "work_until_killed", "--nocapture"])
             .env(FOLDER, folder.path())

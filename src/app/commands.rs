@@ -111,6 +111,7 @@ impl App {
             Action::OpenTake => self.ask_for_file(DialogKind::Take),
             Action::OpenBuiltIn => self.open(Opening::Take(TakeSource::BuiltIn)),
             Action::OpenProject => self.ask_for_file(DialogKind::Project),
+            Action::FindTake => self.ask_for_file(DialogKind::FindTake),
             Action::Save => self.save_project(),
             Action::SaveAs => self.ask_for_file(DialogKind::SaveAs),
             Action::ExportView => self.ask_for_export(Subject::View),
@@ -119,6 +120,7 @@ impl App {
             Action::ExportFrames => self.ask_for_export(Subject::Frames),
             Action::StopExport => self.stop_export(),
             Action::ShowExported => self.show_exported(),
+            Action::UndoDiscard => self.undo_discard(),
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             _ => return false,
         }

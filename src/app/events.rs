@@ -1,11 +1,11 @@
 //! What the worker said.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use backlit_tracking::track::Preset;
 
 use super::App;
+use crate::action::Action;
 use crate::document::{CameraUse, Document, Estimate, Origin, TakeSource};
 use crate::edit::Edit;
 use crate::footage::Footage;
@@ -15,7 +15,7 @@ use crate::picture::ViewMode;
 use crate::selection::Selection;
 use crate::session::{Refitted, RunEnding, RunStep};
 use crate::tracking_choices::TrackingChoices;
-use crate::worker::{Event, FitJob, Lane, Predicted, Report};
+use crate::worker::{Event, FitJob, Lane, OpenedProject, Predicted, Report};
 
 impl App {
     /// Takes in all that has happened since the last frame.
@@ -37,6 +37,7 @@ impl App {
     fn hear(&mut self, event: Event) {
         match event {
             Event::TakeOpened { footage, project } => self.take_opened(&footage, project),
+            Event::TakeMissing { project, why } => self.take_missing(project, &why),
             Event::FrameLoaded(frame) => {
                 self.session.frames.insert(frame);
                 self.session.generation += 1;
@@ -53,8 +54,10 @@ impl App {
             Event::TracksJoined { frame, distance_m, meets } => self.tracks_joined(frame, distance_m, meets),
             Event::PosesFound(frame, found) => self.poses_found(frame, found),
             Event::Saved { path, revision } => self.saved(path, revision),
+            Event::NotSaved(text) => self.notices.error_with(text, Action::SaveAs),
             Event::CopySaved { revision } => self.copy_saved(revision),
             Event::CopyFailed(why) => self.copy_failed(&why),
+            Event::SettingsWritten(result) => self.settings_written(result),
             Event::Recalibrated(footage) => self.recalibrated(footage),
             Event::TakenIn { edit, said } => self.taken_in(*edit, said),
             Event::Laboratory(event) => self.hear_laboratory(*event),
@@ -137,7 +140,7 @@ impl App {
         }
     }
 
-    fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<(Box<Document>, PathBuf)>) {
+    fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<OpenedProject>) {
         for lane in [
             Lane::Predict,
             Lane::Load,
@@ -159,14 +162,18 @@ impl App {
         if let Some(TakeSource::Path(path)) = &footage.source {
             self.look.remember(path.clone());
         }
-        let left = self.begin_copy(project.as_ref().map(|(_, path)| path.as_path()));
+        let left = self.begin_copy(project.as_ref().map(|project| project.path.as_path()));
+        self.lost_take = None;
+        if let Some(note) = project.as_ref().and_then(|project| project.note.clone()) {
+            self.notices.info(self.now, note, None);
+        }
         let (history, path) = match project {
-            // What was left unsaved belongs to no file yet.
             // What was left unsaved is in no file as it is.
-            Some((document, _)) if left.is_some() => {
-                (History::unsaved(*document), left.as_ref().and_then(|left| left.project.clone()))
+            Some(project) if left.is_some() => {
+                (History::unsaved(*project.document), left.as_ref().and_then(|left| left.project.clone()))
             }
-            Some((document, path)) => (History::new(*document), Some(path)),
+            Some(project) if project.is_changed => (History::unsaved(*project.document), Some(project.path)),
+            Some(project) => (History::new(*project.document), Some(project.path)),
             None => (History::new(document_of(footage)), None),
         };
         if let Some(project) = &path {

@@ -139,7 +139,7 @@ impl App {
             "take": self.exported_take(),
             "project": self.project,
             "unsaved": self.history.is_dirty(),
-            "recovery": self.unsaved.offered.iter().map(|left| left.what.clone()).collect::<Vec<_>>(),
+            "recovery": self.unsaved.offered.iter().map(|left| format!("{}, {}", left.take, left.work())).collect::<Vec<_>>(),
             "undo": self.history.undo_text(),
             "redo": self.history.redo_text(),
             "frame": selection.frame,

@@ -14,6 +14,7 @@ use crate::action::Action;
 use crate::export::{ExportError, Part, SeriesFormat, SeriesOptions, write_series};
 use crate::panels::camera_tile::PictureAlone;
 use crate::panels::export_dialog::{ExportDialog, ExportOrder, Subject};
+use crate::remedy::remedy;
 use crate::selection::StepRef;
 
 /// An export that is under way.
@@ -107,7 +108,9 @@ impl App {
             let result = export.run(&cancel, &|count| tell(News::Done(count)));
             tell(match result {
                 Err(_) if cancel.is_cancelled() => News::Stopped,
-                result => News::Ended(result.map_err(|error| format!("{error:#}"))),
+                result => {
+                    News::Ended(result.map_err(|error| format!("{error:#}. {}", remedy(error.as_ref()))))
+                }
             });
         });
         match thread {
@@ -186,7 +189,7 @@ impl App {
                 Ok(News::Ended(result)) => break result.map(|()| true),
                 Ok(News::Stopped) => break Ok(false),
                 Err(TryRecvError::Empty) => return,
-                Err(TryRecvError::Disconnected) => break Err("something broke while painting".to_owned()),
+                Err(TryRecvError::Disconnected) => break Err("something broke while painting.".to_owned()),
             }
         };
         let (name, done, total) = (name_of(&exporting.path), exporting.done, exporting.total);

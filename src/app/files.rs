@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::App;
 use super::state::{DialogKind, Opening, Overlay};
+use crate::action::Action;
 use crate::document::TakeSource;
-use crate::recovery::About;
+use crate::recovery::{About, Picture};
 use crate::worker::{Lane, OpenJob, SaveJob};
 
 /// Ending of project files.
@@ -14,13 +15,29 @@ const PROJECT_EXTENSION: &str = "backlit";
 impl App {
     /// Opens a take or a project. What is not saved is kept as a copy.
     pub(super) fn open(&mut self, opening: Opening) {
-        self.keep_unsaved_work();
+        if !self.may_leave("Not opened", "open it") {
+            return;
+        }
         let job = match opening {
             Opening::Take(source) => OpenJob::Take(source),
             Opening::Ready(take) => OpenJob::Ready(take),
             Opening::Project(path) => OpenJob::Project(path),
+            Opening::Moved { project, take } => OpenJob::Moved { project, take },
         };
         self.worker.request(Lane::Open, job);
+    }
+
+    /// Says that a project's take is not where it was, and offers to look for it.
+    pub(super) fn take_missing(&mut self, project: PathBuf, why: &str) {
+        self.notices.error_with(format!("{why}. If it has moved, say where it is now."), Action::FindTake);
+        self.lost_take = Some(project);
+    }
+
+    /// Opens the project whose take was not there with the take in this folder.
+    pub fn find_take(&mut self, take: &Path) {
+        if let Some(project) = self.lost_take.clone() {
+            self.open(Opening::Moved { project, take: take.to_owned() });
+        }
     }
 
     /// Opens whatever a path is: a project file, a take's folder, or its take file.
@@ -41,8 +58,8 @@ impl App {
     }
 
     /// Writes the document to a file, or to the copy of unsaved work.
-    pub(super) fn save_job(&self, path: PathBuf, about: Option<About>) -> SaveJob {
-        SaveJob { document: self.document().clone(), revision: self.history.revision(), path, about }
+    pub(super) fn save_job(&self, path: PathBuf, beside: Option<(About, Option<Picture>)>) -> SaveJob {
+        SaveJob { document: self.document().clone(), revision: self.history.revision(), path, beside }
     }
 
     pub(super) fn saved(&mut self, path: PathBuf, revision: u64) {
@@ -66,6 +83,7 @@ impl App {
             let dialog = rfd::FileDialog::new();
             let path = match kind {
                 DialogKind::Take => dialog.set_title("Open take").pick_folder(),
+                DialogKind::FindTake => dialog.set_title("Find take").pick_folder(),
                 DialogKind::Project => {
                     dialog.set_title("Open project").add_filter("Backlit", &[PROJECT_EXTENSION]).pick_file()
                 }
@@ -98,6 +116,7 @@ impl App {
         while let Ok((kind, path)) = self.dialog_answers.try_recv() {
             match kind {
                 DialogKind::Take | DialogKind::Project => self.open_path(&path),
+                DialogKind::FindTake => self.find_take(&path),
                 DialogKind::Export => {
                     if let Some(Overlay::Export(dialog)) = &mut self.overlay {
                         dialog.set_path(&path);
@@ -129,9 +148,11 @@ fn export_dialog(dialog: rfd::FileDialog, title: &str, name: &str, extension: &s
 /// What a path is to be opened as.
 #[must_use]
 pub fn opening_of(path: &Path) -> Opening {
+    // A project remembers its take, and is opened from elsewhere another day.
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     if path.extension().is_some_and(|extension| extension == PROJECT_EXTENSION) {
-        Opening::Project(path.to_owned())
+        Opening::Project(path)
     } else {
-        Opening::Take(TakeSource::Path(path.to_owned()))
+        Opening::Take(TakeSource::Path(path))
     }
 }

@@ -33,6 +33,8 @@ impl App {
             basin: &self.basin,
             project: self.project.as_deref(),
             has_exported: self.exported_to.is_some(),
+            has_discarded: self.has_discarded(),
+            lacks_take: self.lost_take.is_some(),
             time: &self.time,
             observing: &self.observing,
             doing: self.doing.as_deref(),
@@ -81,7 +83,7 @@ impl App {
                 dock::ui(ui, &showing, &self.tiles_look(), intents);
             });
         } else {
-            empty::ui(ui, &showing, intents, &self.unsaved.offered);
+            empty::ui(ui, &showing, intents, &self.offer());
         }
         for id in notice_cards::ui(ui, &showing, intents, notices_from) {
             intents.request(Request::HoldNotice(id));

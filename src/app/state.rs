@@ -14,10 +14,12 @@ use super::dropping::Hovering;
 use super::exporting::Exporting;
 use super::hand::{Held, Nudging};
 use super::playing::TimeAxis;
+use super::settings::Settings;
 use super::touring::Tour;
 use super::tracking::Tracked;
 use super::unsaved::Unsaved;
 use crate::basin::{BasinState, FileKind};
+use crate::clock::Clock;
 use crate::document::{Document, TakeSource};
 use crate::history::{Gesture, History};
 use crate::laboratory::Laboratory;
@@ -36,7 +38,7 @@ use crate::worker::{Event, LiveFit, LiveLaboratory, Scene, Worker};
 pub struct AppOptions {
     /// The arrangement of the last time.
     pub look: Look,
-    /// Folder for the copy of unsaved work; without one nothing is kept for the next start.
+    /// Folder for the copy of unsaved work and the settings; without one nothing is kept for the next start.
     pub data_folder: Option<PathBuf>,
     /// What is opened at once.
     pub opening: Option<Opening>,
@@ -44,6 +46,8 @@ pub struct AppOptions {
     pub state_file: Option<PathBuf>,
     /// Whether the tour is offered, if it never was.
     pub offers_tour: bool,
+    /// What time it is.
+    pub clock: Clock,
 }
 
 /// Something to open.
@@ -55,6 +59,13 @@ pub enum Opening {
     Ready(Box<Take>),
     /// A project file.
     Project(PathBuf),
+    /// A project file whose take has moved.
+    Moved {
+        /// The project file.
+        project: PathBuf,
+        /// Where its take is now.
+        take: PathBuf,
+    },
 }
 
 /// What lies over the window.
@@ -71,6 +82,7 @@ pub(super) enum Overlay {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum DialogKind {
     Take,
+    FindTake,
     Project,
     SaveAs,
     Export,
@@ -130,6 +142,10 @@ pub struct App {
     pub(super) doing: Option<String>,
     pub(super) time: TimeAxis,
     pub(super) unsaved: Unsaved,
+    pub(super) settings: Settings,
+    pub(super) clock: Clock,
+    /// The project that was not opened since its take was not there.
+    pub(super) lost_take: Option<PathBuf>,
     /// What is opened when the unsaved work is left.
     pub(super) postponed: Option<Opening>,
     pub(super) dialog_sender: Sender<DialogAnswer>,
@@ -156,6 +172,7 @@ impl App {
             history: History::new(Document::new(builtin::full_body())),
             selection: Selection::default(),
             session: Session::default(),
+            settings: Settings::new(options.data_folder.clone(), &options.look),
             look: options.look,
             notices: Notices::default(),
             worker,
@@ -188,6 +205,8 @@ impl App {
             doing: None,
             time: TimeAxis::default(),
             unsaved: Unsaved::new(options.data_folder),
+            clock: options.clock,
+            lost_take: None,
             postponed: None,
             dialog_sender,
             dialog_answers,
@@ -231,6 +250,12 @@ impl App {
     #[must_use]
     pub fn look(&self) -> &Look {
         &self.look
+    }
+
+    /// Whether there is work that is in no file.
+    #[must_use]
+    pub fn is_unsaved(&self) -> bool {
+        self.history.is_dirty()
     }
 
     /// The laboratory.

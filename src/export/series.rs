@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::io::{FileError, atomic, images};
+use backlit_tracking::io::{FileError, atomic, images, reason};
 use image::{DynamicImage, RgbImage};
 use thiserror::Error;
 
@@ -33,7 +33,7 @@ pub struct SeriesOptions {
 pub enum ExportError {
     #[error(transparent)]
     File(#[from] FileError),
-    #[error("{}: the folder cannot be made: {source}", path.display())]
+    #[error("{}: the folder cannot be made: {}", path.display(), reason(.source))]
     Folder { path: PathBuf, source: std::io::Error },
     #[error("{}: picture {number} is {found:?} pixels; the first one is {expected:?}", path.display())]
     Size { path: PathBuf, number: usize, found: (u32, u32), expected: (u32, u32) },

@@ -23,6 +23,7 @@ mod other_poses;
 pub(crate) mod palette;
 mod pose;
 mod recent;
+pub(crate) mod recovery;
 mod refit;
 mod renderer;
 pub(crate) mod right_panel;

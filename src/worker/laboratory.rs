@@ -15,6 +15,7 @@ use super::{CameraPrediction, Event, Extent, Job, Outbox, Predicted, Scene, Step
 use crate::laboratory::comparison::PushKey;
 use crate::laboratory::{CheckProgress, ColumnCheck, Push, Pushed};
 use crate::plot::Figure;
+use crate::remedy::remedy;
 use crate::session::{RunEnding, RunStep};
 use crate::theme::Theme;
 
@@ -269,7 +270,10 @@ impl Job<Event> for LaboratoryPlotJob {
         let picture = DynamicImage::ImageRgba8(self.figure.picture(self.theme));
         match images::write_png(&self.path, &picture) {
             Ok(()) => send(out, LaboratoryEvent::Written(self.path.clone())),
-            Err(error) => out.send(Event::Failed(format!("The plot was not saved: {error}."))),
+            Err(error) => {
+                let remedy = remedy(&error);
+                out.send(Event::Failed(format!("The plot was not saved: {error}. {remedy}")));
+            }
         }
         Step::Done
     }

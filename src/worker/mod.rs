@@ -20,6 +20,7 @@ mod predict;
 mod queue;
 mod read_ahead;
 mod save;
+mod settings;
 mod survey;
 mod take_in;
 mod track;
@@ -38,11 +39,12 @@ pub use laboratory::{
 };
 pub use load::LoadJob;
 pub use observe::{ObserveJob, Observed};
-pub use open::OpenJob;
+pub use open::{OpenJob, OpenedProject};
 pub use poses::PosesJob;
 pub use predict::{CameraPrediction, Derivatives, PredictJob, Predicted, Scene};
 pub use queue::{Job, Lane, Outbox, Report, Step, Worker};
 pub use save::SaveJob;
+pub use settings::SettingsJob;
 pub use survey::{Extent, SurveyJob};
 pub use take_in::TakeInJob;
 pub use track::{Leg, TrackJob};
@@ -54,7 +56,7 @@ use backlit_tracking::track::Hypothesis;
 use backlit_tracking::track::fit_body::BodyFit;
 use backlit_tracking::track::visual_hull::VisualHull;
 
-use crate::document::{Document, Estimate};
+use crate::document::Estimate;
 use crate::edit::Edit;
 use crate::footage::Footage;
 use crate::session::{FrameData, RunEnding, RunStep};
@@ -67,7 +69,14 @@ pub enum Event {
         /// The take.
         footage: Arc<Footage>,
         /// The project and its file.
-        project: Option<(Box<Document>, PathBuf)>,
+        project: Option<OpenedProject>,
+    },
+    /// The take of a project is not where it was.
+    TakeMissing {
+        /// The project.
+        project: PathBuf,
+        /// What is missing.
+        why: String,
     },
     /// A frame was read and segmented.
     FrameLoaded(Arc<FrameData>),
@@ -107,6 +116,8 @@ pub enum Event {
         /// The document's revision.
         revision: u64,
     },
+    /// A project was not written; why, and what can be done.
+    NotSaved(String),
     /// The footage is seen by other cameras.
     Recalibrated(Arc<Footage>),
     /// Dropped files were read.
@@ -123,6 +134,8 @@ pub enum Event {
         /// The document's revision.
         revision: u64,
     },
+    /// The settings were written, or why they were not.
+    SettingsWritten(Result<(), String>),
     /// The copy of unsaved work was not written; why.
     CopyFailed(String),
     /// Something did not work; what it was.

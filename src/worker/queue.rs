@@ -42,6 +42,8 @@ pub enum Lane {
     Load,
     /// Writing a file.
     Save,
+    /// Writing the settings.
+    Settings,
     /// The fit of one frame.
     Fit,
     /// The laboratory's fits.
@@ -74,7 +76,7 @@ impl Lane {
             | Self::Fit
             | Self::Laboratory
             | Self::Observe => Crew::Screen,
-            Self::Save | Self::LaboratoryPlot => Crew::Files,
+            Self::Save | Self::Settings | Self::LaboratoryPlot => Crew::Files,
             Self::Survey | Self::Track | Self::Hull | Self::LaboratoryCheck | Self::Basin => Crew::Long,
         }
     }

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use super::{Event, Job, Outbox, Step};
 use crate::document::Document;
 use crate::project::write_project;
-use crate::recovery::About;
+use crate::recovery::{About, Picture};
+use crate::remedy::remedy;
 
 /// A document to be written.
 #[derive(Debug)]
@@ -16,23 +17,28 @@ pub struct SaveJob {
     pub revision: u64,
     /// The file.
     pub path: PathBuf,
-    /// Where the user is, if it is the copy for the next start.
-    pub about: Option<About>,
+    /// What stands beside it, if it is the copy for the next start.
+    pub beside: Option<(About, Option<Picture>)>,
 }
 
 impl Job<Event> for SaveJob {
     fn step(&mut self, out: &Outbox<Event>) -> Step {
         let mut written = write_project(&self.path, &self.document);
-        if let (Ok(()), Some(about)) = (&written, &self.about) {
+        if let (Ok(()), Some((about, picture))) = (&written, &self.beside) {
             written = about.write(&self.path);
+            if let Some(picture) = picture {
+                // The work is safe without it.
+                let _ = picture.write(&self.path);
+            }
         }
         let (path, revision) = (self.path.clone(), self.revision);
-        out.send(match (written, &self.about) {
+        out.send(match (written, &self.beside) {
             (Ok(()), None) => Event::Saved { path, revision },
             (Ok(()), Some(_)) => Event::CopySaved { revision },
-            (Err(error), None) => {
-                Event::Failed(format!("Not saved: {error}. Your work is kept; save to another place."))
-            }
+            (Err(error), None) => Event::NotSaved(format!(
+                "Not saved: {error}. Your work is still here, and the file is as it was. {}",
+                remedy(&error)
+            )),
             (Err(error), Some(_)) => Event::CopyFailed(error.to_string()),
         });
         Step::Done

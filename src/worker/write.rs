@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use backlit_tracking::io::atomic;
 
 use super::{BackgroundEvent, Job, Outbox, Step};
+use crate::remedy::remedy;
 
 /// Makes the bytes of a file.
 type Make = Box<dyn FnOnce() -> anyhow::Result<Vec<u8>> + Send>;
@@ -32,11 +33,14 @@ impl Job<BackgroundEvent> for WriteJob {
     fn step(&mut self, out: &Outbox<BackgroundEvent>) -> Step {
         let Some(make) = self.make.take() else { return Step::Done };
         let path = std::mem::take(&mut self.path);
-        let written = make().and_then(|bytes| Ok(atomic::write(&path, &bytes)?));
-        out.send(match written {
-            Ok(()) => BackgroundEvent::Written(path),
-            Err(error) => BackgroundEvent::Failed(format!("{} was not written: {error:#}.", path.display())),
-        });
+        let failed = match make() {
+            Ok(bytes) => atomic::write(&path, &bytes).err().map(|error| {
+                let remedy = remedy(&error);
+                format!("Not written: {error}. {remedy}")
+            }),
+            Err(error) => Some(format!("{} was not written: {error:#}.", path.display())),
+        };
+        out.send(failed.map_or(BackgroundEvent::Written(path), BackgroundEvent::Failed));
         Step::Done
     }
 }

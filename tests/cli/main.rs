@@ -5,6 +5,7 @@
 mod experiment;
 mod fit;
 mod fit_body;
+mod formats;
 mod golden;
 mod observability;
 mod real_footage;

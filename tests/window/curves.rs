@@ -158,7 +158,7 @@ fn curves_are_written_as_they_are_shown() {
     assert!(picture.width() > 400);
     harness.state_mut().export_curves_to(&folder.path().join("no/such/folder/x.csv"));
     settle(&mut harness);
-    harness.get_by_label_contains("x.csv was not written");
+    harness.get_by_label_contains("x.csv: cannot be written: its folder is not there");
 }
 
 /// The panel alone, without times.

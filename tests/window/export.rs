@@ -21,7 +21,7 @@ fn open(look: Look) -> Harness<'static, App> {
 }
 
 /// Opens the palette, types, and presses Enter.
-fn command(harness: &mut Harness<'_, App>, text: &str) {
+pub(crate) fn command(harness: &mut Harness<'_, App>, text: &str) {
     harness.key_press_modifiers(Modifiers::COMMAND, Key::K);
     harness.run_steps(2);
     harness.get_by_role(Role::TextInput).type_text(text);
@@ -31,7 +31,7 @@ fn command(harness: &mut Harness<'_, App>, text: &str) {
 }
 
 /// Gives the dialog a path and presses Export.
-fn export_to(harness: &mut Harness<'_, App>, field: &str, path: &Path) {
+pub(crate) fn export_to(harness: &mut Harness<'_, App>, field: &str, path: &Path) {
     let named = |harness: &Harness<'_, App>| harness.get_by_role_and_label(Role::TextInput, field).rect();
     let at = named(harness).center();
     harness.event(egui::Event::PointerMoved(at));

@@ -137,7 +137,7 @@ fn empty_state_with_an_error() {
     for theme in Theme::ALL {
         let recent = vec![PathBuf::from("takes/balancing"), PathBuf::from("takes/walking")];
         let look = Look { theme, recent, ..Look::default() };
-        let opening = Some(opening_of("no/such/take".as_ref()));
+        let opening = Some(opening_of("/no/such/take".as_ref()));
         let window = vec2(900.0, 500.0);
         let mut harness = open_sized(AppOptions { look, opening, ..AppOptions::default() }, window);
         let rect = Rect::from_min_max(pos2(200.0, 100.0), window.to_pos2() - vec2(MARGIN, MARGIN));

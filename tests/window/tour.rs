@@ -4,7 +4,6 @@ use std::time::Instant;
 
 use crate::support::app_window::{PATIENCE, click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
-use crate::support::storage::Storage;
 use backlit::app::{App, AppOptions, Opening};
 use backlit::document::TakeSource;
 use backlit::look::Look;
@@ -148,9 +147,7 @@ fn the_tour_is_offered_once() {
     harness.get_by_label("Offer of the tour");
     click(&mut harness, "Not now");
     assert!(harness.query_by_label("Offer of the tour").is_none());
-    let mut storage = Storage::default();
-    eframe::App::save(harness.state_mut(), &mut storage);
-    let look: Look = eframe::get_value(&storage, "look").unwrap();
+    let look = harness.state().look().clone();
     assert!(look.tour_offered);
     let opening = Some(Opening::Take(TakeSource::BuiltIn));
     let again = open_sized(

@@ -1,19 +1,19 @@
 //! Whole workflows through the real window, by label and role, on a tiny take.
 
 use crate::support::take;
-use std::path::Path;
 use std::time::Instant;
 
 use backlit::app::{App, AppOptions, Opening, opening_of};
 use backlit::look::{Layout, Look};
 use backlit::project::read_project;
+use backlit::settings;
 use egui::accesskit::Role;
-use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
+use egui::{Event, Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-use crate::support::app_window::{PATIENCE, click, open_sized, press, settle};
-use crate::support::storage::Storage;
+use crate::support::app_window::{PATIENCE, click, drag, open_sized, pointer, press, settle};
+use crate::support::storage::NoStorage;
 
 fn open(options: AppOptions) -> Harness<'static, App> {
     open_sized(options, vec2(1500.0, 900.0))
@@ -21,33 +21,6 @@ fn open(options: AppOptions) -> Harness<'static, App> {
 
 fn open_arm() -> Harness<'static, App> {
     open(AppOptions { opening: Some(Opening::Ready(Box::new(take::take()))), ..AppOptions::default() })
-}
-
-/// Writes the take to a folder.
-fn write_take(folder: &Path) {
-    for (path, bytes) in take::files() {
-        let path = folder.join(path);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, bytes).unwrap();
-    }
-}
-
-fn pointer(at: Pos2, pressed: bool) -> Event {
-    Event::PointerButton { pos: at, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE }
-}
-
-/// Drags a joint's handle in a camera's view by some points, in a few moves, and lets go.
-fn drag(harness: &mut Harness<'_, App>, handle: &str, by: egui::Vec2) {
-    let from = harness.get_by_label(handle).rect().center();
-    harness.event(Event::PointerMoved(from));
-    harness.event(pointer(from, true));
-    harness.step();
-    for share in [0.2, 0.5, 0.8, 1.0] {
-        harness.event(Event::PointerMoved(from + share * by));
-        harness.step();
-    }
-    harness.event(pointer(from + by, false));
-    settle(harness);
 }
 
 fn iou(harness: &Harness<'_, App>) -> f64 {
@@ -110,7 +83,7 @@ fn from_a_take_to_a_track_and_back_to_the_saved_file() {
 #[test]
 fn a_project_of_a_folder_is_reopened_equal() {
     let folder = tempfile::tempdir().unwrap();
-    write_take(folder.path());
+    take::write_to(folder.path());
     let mut harness = open(AppOptions { opening: Some(opening_of(folder.path())), ..AppOptions::default() });
     drag(&mut harness, "right elbow, Camera 2", vec2(20.0, 20.0));
     let path = folder.path().join("work.backlit");
@@ -198,7 +171,7 @@ fn the_palette_finds_and_does() {
 #[test]
 fn the_body_is_fitted_to_tracked_frames_and_undone_at_once() {
     let folder = tempfile::tempdir().unwrap();
-    write_take(folder.path());
+    take::write_to(folder.path());
     let body = folder.path().join("arm.toml");
     let thin = std::fs::read_to_string(&body).unwrap().replace("radius = 0.05", "radius = 0.035");
     std::fs::write(&body, thin).unwrap();
@@ -239,7 +212,7 @@ fn a_folder_without_a_take_is_an_error_that_names_the_file() {
 #[test]
 fn unsaved_work_is_offered_at_the_next_start() {
     let (folder, data) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    write_take(folder.path());
+    take::write_to(folder.path());
     let options =
         |opening| AppOptions { data_folder: Some(data.path().to_owned()), opening, ..AppOptions::default() };
     let mut harness = open(options(Some(opening_of(folder.path()))));
@@ -255,7 +228,7 @@ fn unsaved_work_is_offered_at_the_next_start() {
     eframe::App::on_exit(harness.state_mut(), None);
     drop(harness);
     let mut harness = open(options(Some(opening_of(folder.path()))));
-    click(&mut harness, "Leave it");
+    click(&mut harness, "Discard");
     assert!(harness.state().session().take.is_some());
     assert_ne!(*harness.state().document(), left);
     let again = open(options(None));
@@ -264,13 +237,17 @@ fn unsaved_work_is_offered_at_the_next_start() {
 
 #[test]
 fn the_arrangement_is_kept() {
-    let mut harness = open_arm();
+    let data = tempfile::tempdir().unwrap();
+    let data_folder = Some(data.path().join("folder"));
+    let opening = Some(Opening::Ready(Box::new(take::take())));
+    let mut harness = open(AppOptions { opening, data_folder, ..AppOptions::default() });
     press(&mut harness, Modifiers::NONE, Key::F2);
     press(&mut harness, Modifiers::COMMAND, Key::B);
     press(&mut harness, Modifiers::COMMAND, Key::T);
-    let mut storage = Storage::default();
-    eframe::App::save(harness.state_mut(), &mut storage);
-    let kept: Look = eframe::get_value(&storage, "look").unwrap();
+    eframe::App::save(harness.state_mut(), &mut NoStorage);
+    drop(harness);
+    let (kept, unread) = settings::read(&data.path().join("folder"));
+    assert_eq!(unread, None);
     assert_eq!(kept, Look { layout: Layout::Debug, panel: false, lanes: false, ..Look::default() });
 }
 

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use backlit::app::{App, AppOptions};
 use egui::accesskit::Role;
-use egui::{Key, Modifiers, Vec2};
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
@@ -40,5 +40,23 @@ pub(crate) fn click(harness: &mut Harness<'_, App>, label: &str) {
 
 pub(crate) fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
     harness.key_press_modifiers(modifiers, key);
+    settle(harness);
+}
+
+pub(crate) fn pointer(at: Pos2, pressed: bool) -> Event {
+    Event::PointerButton { pos: at, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE }
+}
+
+/// Drags a joint's handle in a camera's view by some points, in a few moves, and lets go.
+pub(crate) fn drag(harness: &mut Harness<'_, App>, handle: &str, by: Vec2) {
+    let from = harness.get_by_label(handle).rect().center();
+    harness.event(Event::PointerMoved(from));
+    harness.event(pointer(from, true));
+    harness.step();
+    for share in [0.2, 0.5, 0.8, 1.0] {
+        harness.event(Event::PointerMoved(from + share * by));
+        harness.step();
+    }
+    harness.event(pointer(from + by, false));
     settle(harness);
 }

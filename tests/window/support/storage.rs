@@ -1,23 +1,16 @@
-//! The window's memory from start to start, in memory.
+//! The library's own memory from start to start, which the tests do without.
 
-use std::collections::BTreeMap;
+/// Nothing is kept.
+pub(crate) struct NoStorage;
 
-/// What eframe keeps from start to start.
-#[derive(Default)]
-pub(crate) struct Storage(BTreeMap<String, String>);
-
-impl eframe::Storage for Storage {
-    fn get_string(&self, key: &str) -> Option<String> {
-        self.0.get(key).cloned()
+impl eframe::Storage for NoStorage {
+    fn get_string(&self, _key: &str) -> Option<String> {
+        None
     }
 
-    fn set_string(&mut self, key: &str, value: String) {
-        self.0.insert(key.to_owned(), value);
-    }
+    fn set_string(&mut self, _key: &str, _value: String) {}
 
-    fn remove_string(&mut self, key: &str) {
-        self.0.remove(key);
-    }
+    fn remove_string(&mut self, _key: &str) {}
 
     fn flush(&mut self) {}
 }

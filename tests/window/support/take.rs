@@ -76,6 +76,15 @@ pub(crate) fn files() -> Vec<(PathBuf, Vec<u8>)> {
     files
 }
 
+/// Writes the take to a folder.
+pub(crate) fn write_to(folder: &Path) {
+    for (path, bytes) in files() {
+        let path = folder.join(path);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    }
+}
+
 /// The take.
 pub(crate) fn take() -> Take {
     Take::from_files(Arc::new(MemoryFiles::new(files())), Path::new("take.toml")).unwrap()

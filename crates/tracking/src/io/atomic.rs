@@ -1,6 +1,7 @@
 //! Writing a file so that it is whole or not there: a temporary file beside it, then a rename.
 
-use std::io::{BufWriter, Write};
+use std::fs::File;
+use std::io::{BufWriter, ErrorKind, Write};
 use std::path::Path;
 
 use super::{FileError, FileProblem};
@@ -27,6 +28,11 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
 fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> std::io::Result<()> {
     // A link stays a link: the file it points to is replaced.
     let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    match std::fs::metadata(&target) {
+        Ok(old) if old.is_dir() => return Err(ErrorKind::IsADirectory.into()),
+        Ok(old) if !old.is_file() => return write_through(&target, write),
+        _ => {}
+    }
     let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     builder.prefix(".backlit-").suffix(".part");
@@ -44,6 +50,16 @@ fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> std::io::Result<()
     file.as_file().sync_all()?;
     file.persist(&target).map_err(|error| error.error)?;
     Ok(())
+}
+
+/// A device or a pipe is written to: a file is not to take its place.
+fn write_through(
+    device: &Path,
+    write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> std::io::Result<()> {
+    let mut out = BufWriter::new(File::options().write(true).open(device)?);
+    write(&mut out)?;
+    out.flush()
 }
 
 #[cfg(test)]
@@ -72,6 +88,34 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let message = write(&folder.path().join("no/pose.json"), b"x").unwrap_err().to_string();
         assert!(message.contains("no/pose.json") && message.contains("cannot be written"), "{message}");
+    }
+
+    #[test]
+    fn a_folder_is_not_replaced_and_what_stands_in_the_way_is_said() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        write(&file, b"old").unwrap();
+        for (path, expected) in [
+            (folder.path().to_owned(), "there is a folder of that name"),
+            (file.join("inside"), "what should be its folder is a file"),
+        ] {
+            let message = write(&path, b"x").unwrap_err().to_string();
+            assert!(message.contains(expected), "{message}");
+        }
+        assert_eq!(std::fs::read(&file).unwrap(), b"old");
+    }
+
+    #[test]
+    fn a_device_is_written_to_and_a_full_one_says_so() {
+        let full = Path::new("/dev/full");
+        if !full.exists() {
+            println!("skipped: there is no /dev/full");
+            return;
+        }
+        let message = write(full, b"x").unwrap_err().to_string();
+        assert_eq!(message, "/dev/full: cannot be written: the disk is full");
+        assert!(!full.metadata().unwrap().is_file(), "it is what it was");
+        write(Path::new("/dev/null"), b"x").unwrap();
     }
 
     #[cfg(unix)]

@@ -32,6 +32,15 @@ impl FileError {
         Self { line, ..self }
     }
 
+    /// Why the system did not let the file be written, if that is what went wrong.
+    #[must_use]
+    pub fn write_error(&self) -> Option<&std::io::Error> {
+        match &*self.problem {
+            FileProblem::Write { error } => Some(error),
+            _ => None,
+        }
+    }
+
     /// Whether the file does not exist.
     #[must_use]
     pub fn is_missing(&self) -> bool {
@@ -49,6 +58,26 @@ impl fmt::Display for FileError {
     }
 }
 
+/// Why the system refuses, in words for people; the system's own where there are none.
+#[must_use]
+pub fn reason(error: &std::io::Error) -> String {
+    use std::io::ErrorKind as Kind;
+    let words = match error.kind() {
+        Kind::StorageFull => "the disk is full",
+        Kind::QuotaExceeded => "your share of the disk is used up",
+        Kind::FileTooLarge => "a file may not become that large there",
+        Kind::ReadOnlyFilesystem => "the disk is read-only",
+        Kind::PermissionDenied => "there is no permission",
+        Kind::NotFound => "its folder is not there",
+        Kind::NotADirectory => "what should be its folder is a file",
+        Kind::AlreadyExists => "there is a file in its place",
+        Kind::IsADirectory => "there is a folder of that name",
+        Kind::InvalidFilename => "the name is too long, or not allowed there",
+        _ => return error.to_string(),
+    };
+    words.to_owned()
+}
+
 /// What is wrong with a file.
 #[derive(Debug, Error)]
 #[expect(missing_docs, reason = "the messages say what each variant and field is")]
@@ -57,9 +86,9 @@ pub enum FileProblem {
     Missing,
     #[error("there is no such file, and no built-in model of that name (there are {known})")]
     MissingModel { known: String },
-    #[error("cannot be read: {error}")]
+    #[error("cannot be read: {}", reason(.error))]
     Read { error: std::io::Error },
-    #[error("cannot be written: {error}")]
+    #[error("cannot be written: {}", reason(.error))]
     Write { error: std::io::Error },
     #[error("is a folder or a device; expected a file")]
     NotAFile,

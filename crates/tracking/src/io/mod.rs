@@ -31,7 +31,7 @@ pub mod take;
 mod text;
 mod toml_text;
 
-pub use error::{FileError, FileProblem, TextFormat};
+pub use error::{FileError, FileProblem, TextFormat, reason};
 pub use files::{DiskFiles, MAX_TEXT_BYTES, MemoryFiles, TakeFiles};
 pub use footage::{Footage, FootageError};
 pub use take::{Take, TakeError};

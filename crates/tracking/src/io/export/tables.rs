@@ -86,7 +86,11 @@ fn table(
 ) -> Result<(), FileError> {
     atomic::write_with(path, |out| {
         let mut rows = csv::Writer::from_writer(out);
-        fill(&mut rows)?;
+        // Of an error of the disk, what the disk said.
+        fill(&mut rows).map_err(|error| match error.into_kind() {
+            csv::ErrorKind::Io(error) => error,
+            other => std::io::Error::other(format!("{other:?}")),
+        })?;
         rows.flush()
     })
 }

@@ -1,0 +1,145 @@
+//! Projects whose take is not what it was: moved, with other cameras, with fewer frames.
+
+use crate::support::take;
+use std::path::Path;
+
+use crate::support::app_window::{click, drag, open_sized, press, settle};
+use backlit::app::{App, AppOptions, opening_of};
+use backlit::document::{Document, TakeSource};
+use backlit::project::{read_project, write_project};
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+
+fn open(path: &Path) -> Harness<'static, App> {
+    open_sized(AppOptions { opening: Some(opening_of(path)), ..AppOptions::default() }, vec2(1200.0, 800.0))
+}
+
+/// A folder with a take `arm` and a project `work.backlit` about it, with poses in the first and the last frame.
+fn project() -> (tempfile::TempDir, Document) {
+    let folder = tempfile::tempdir().unwrap();
+    take::write_to(&folder.path().join("arm"));
+    let mut harness = open(&folder.path().join("arm"));
+    drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 20.0));
+    press(&mut harness, Modifiers::NONE, Key::End);
+    drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 20.0));
+    harness.state_mut().save_to(&folder.path().join("work.backlit"));
+    settle(&mut harness);
+    let document = harness.state().document().clone();
+    (folder, document)
+}
+
+fn last_said(harness: &Harness<'_, App>) -> String {
+    harness.state().notices().all().last().map(|notice| notice.text.clone()).unwrap_or_default()
+}
+
+/// Changes a file of the take.
+fn change(path: &Path, from: &str, to: &str) {
+    let text = std::fs::read_to_string(path).unwrap();
+    assert!(text.contains(from), "{text}");
+    std::fs::write(path, text.replace(from, to)).unwrap();
+}
+
+#[test]
+fn a_take_that_has_moved_is_found_again() {
+    let (folder, saved) = project();
+    let (old, new) = (folder.path().join("arm"), folder.path().join("elsewhere"));
+    std::fs::rename(&old, &new).unwrap();
+    let path = folder.path().join("work.backlit");
+    let mut harness = open(&path);
+    let said = last_said(&harness);
+    assert!(said.contains("the project's take cannot be opened"), "{said}");
+    assert!(said.contains(&old.display().to_string()) && said.contains("there is no such file"), "{said}");
+    harness.get_by_role_and_label(Role::Button, "Find take…");
+    harness.state_mut().find_take(&new);
+    settle(&mut harness);
+    let expected = Document { take: Some(TakeSource::Path(new.clone())), ..saved };
+    assert_eq!(*harness.state().document(), expected);
+    assert!(harness.state().is_unsaved(), "the file still names the old place");
+    press(&mut harness, Modifiers::COMMAND, Key::S);
+    assert!(!harness.state().is_unsaved());
+    assert_eq!(read_project(&path).unwrap(), expected);
+}
+
+#[test]
+fn a_take_may_stand_beside_its_project() {
+    let (folder, mut document) = project();
+    document.take = Some(TakeSource::Path("arm".into()));
+    let inner = folder.path().join("moved");
+    std::fs::create_dir_all(&inner).unwrap();
+    std::fs::rename(folder.path().join("arm"), inner.join("arm")).unwrap();
+    write_project(&inner.join("work.backlit"), &document).unwrap();
+    let harness = open(&inner.join("work.backlit"));
+    assert_eq!(harness.state().document().take, Some(TakeSource::Path(inner.join("arm"))));
+    assert!(!harness.state().is_unsaved());
+}
+
+#[test]
+fn a_take_with_other_cameras_is_refused_by_name() {
+    let (folder, _) = project();
+    let take = folder.path().join("arm/take.toml");
+    let camera =
+        "[[camera]]\nname = \"above\"\nframes = \"above/%d.png\"\nbackground = \"above/empty.png\"\n";
+    change(&take, camera, "");
+    let harness = open(&folder.path().join("work.backlit"));
+    let said = last_said(&harness);
+    assert!(
+        said.contains("work.backlit") && said.contains("the cameras front, above; its take has front"),
+        "{said}"
+    );
+    assert!(harness.state().session().take.is_none());
+}
+
+#[test]
+fn a_take_with_its_cameras_in_another_order_is_the_same() {
+    let (folder, saved) = project();
+    let take = folder.path().join("arm/take.toml");
+    for (from, to) in [("front", "other"), ("above", "front"), ("other", "above")] {
+        // Both words stand in the two tables of cameras only.
+        change(&take, from, to);
+    }
+    let text = std::fs::read_to_string(&take).unwrap();
+    assert!(text.find("above") < text.find("front"), "{text}");
+    let harness = open(&folder.path().join("work.backlit"));
+    let document = harness.state().document();
+    let names: Vec<&str> = document.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    assert_eq!((names, &document.keys), (vec!["above", "front"], &saved.keys));
+}
+
+#[test]
+fn a_take_with_fewer_frames_keeps_all_poses_and_says_so() {
+    let (folder, saved) = project();
+    for camera in ["front", "above"] {
+        std::fs::remove_file(folder.path().join("arm").join(camera).join("2.png")).unwrap();
+    }
+    let mut harness = open(&folder.path().join("work.backlit"));
+    let said = last_said(&harness);
+    assert!(said.contains("only 2 frames") && said.contains("up to frame 2"), "{said}");
+    assert_eq!(*harness.state().document(), saved);
+    for key in [Key::End, Key::N, Key::CloseBracket, Key::CloseBracket] {
+        press(&mut harness, Modifiers::NONE, key);
+    }
+    click(&mut harness, "Track back");
+    assert!(harness.state().selection().frame < 2);
+}
+
+#[test]
+fn what_is_no_project_is_refused_in_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("work.backlit");
+    for (content, expected) in [
+        ("{\"format\": \"backlit-project 2\", \"new\": 1}", "a newer Backlit wrote this project"),
+        ("{\"format\": \"backlit-project 1\", \"take\": ", "it was cut off"),
+        ("", "it was cut off"),
+        ("{\"format\": \"backlit-pose 1\"}", "expected \"backlit-project 1\""),
+        ("{\"format\": \"backlit-project 1\", \"colour\": 1}", "unknown field `colour`"),
+        ("\u{0}\u{1}", "expected value"),
+    ] {
+        std::fs::write(&path, content).unwrap();
+        let harness = open(&path);
+        let said = last_said(&harness);
+        assert!(said.contains("work.backlit") && said.contains(expected), "{said}");
+        assert!(harness.state().session().take.is_none());
+    }
+}

@@ -1,0 +1,177 @@
+//! Work that an earlier start left unsaved: what is offered, and what becomes of each decision.
+
+use crate::support::take;
+use std::fs::File;
+use std::path::Path;
+use std::time::{Duration, SystemTime};
+
+use crate::support::app_window::{click, drag, open_sized, press};
+use crate::support::snapshots::{Snapshots, theme_name};
+use backlit::app::{App, AppOptions, opening_of};
+use backlit::clock::Clock;
+use backlit::document::Document;
+use backlit::look::Look;
+use backlit::theme::{Theme, size};
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use image::imageops::crop_imm;
+
+/// 21 November 2026, 14:44 two hours east of Greenwich.
+const NOW: u64 = 1_795_265_040;
+const TWO_HOURS: i32 = 7200;
+
+fn now() -> SystemTime {
+    SystemTime::UNIX_EPOCH + Duration::from_secs(NOW)
+}
+
+fn options(folder: &Path) -> AppOptions {
+    AppOptions {
+        data_folder: Some(folder.join("data")),
+        clock: Clock::fixed(now(), TWO_HOURS).unwrap(),
+        ..AppOptions::default()
+    }
+}
+
+fn take_in(folder: &Path, options: AppOptions) -> AppOptions {
+    AppOptions { opening: Some(opening_of(&folder.join("arm"))), ..options }
+}
+
+/// A window is closed with unsaved work, so many seconds ago.
+fn leave(folder: &Path, seconds_ago: u64, work: impl Fn(&mut Harness<'_, App>)) -> Document {
+    let options = AppOptions { data_folder: Some(folder.join("new")), ..options(folder) };
+    let mut harness = open_sized(take_in(folder, options), vec2(1500.0, 900.0));
+    work(&mut harness);
+    eframe::App::on_exit(harness.state_mut(), None);
+    let document = harness.state().document().clone();
+    drop(harness);
+    let copy = folder.join("new/unsaved.backlit");
+    File::options()
+        .write(true)
+        .open(&copy)
+        .unwrap()
+        .set_modified(now() - Duration::from_secs(seconds_ago))
+        .unwrap();
+    // Among the others, as another window would have written it.
+    let data = folder.join("data");
+    std::fs::create_dir_all(&data).unwrap();
+    let number = 1 + std::fs::read_dir(&data)
+        .unwrap()
+        .filter(|entry| entry.as_ref().unwrap().path().extension().is_some_and(|ending| ending == "backlit"))
+        .count();
+    for ending in ["backlit", "about.json", "png"] {
+        let from = folder.join("new/unsaved").with_extension(ending);
+        std::fs::rename(from, data.join(format!("unsaved-{number}.{ending}"))).unwrap();
+    }
+    document
+}
+
+fn leave_two(folder: &Path) -> [Document; 2] {
+    take::write_to(&folder.join("arm"));
+    let older = leave(folder, 86_400 + 5 * 3600, |harness| {
+        press(harness, Modifiers::NONE, Key::ArrowRight);
+        press(harness, Modifiers::COMMAND, Key::Enter);
+        harness.state_mut().save_to(&folder.join("wave.backlit"));
+        crate::support::app_window::settle(harness);
+        drag(harness, "right wrist, Camera 1", vec2(0.0, -30.0));
+    });
+    let newer = leave(folder, 720, |harness| drag(harness, "right wrist, Camera 1", vec2(0.0, 30.0)));
+    [older, newer]
+}
+
+fn titles(harness: &Harness<'_, App>) -> Vec<String> {
+    let labels = harness.get_all_by_role(Role::Label).filter_map(|node| node.accesskit_node().value());
+    labels.filter(|text| text.starts_with("Today") || text.starts_with("Yesterday")).collect()
+}
+
+#[test]
+fn copies_are_offered_with_time_picture_and_work_the_newest_first() {
+    let mut snapshots = Snapshots::default();
+    let folder = tempfile::tempdir().unwrap();
+    leave_two(folder.path());
+    for theme in Theme::ALL {
+        let look = Look { theme, ..Look::default() };
+        let options = take_in(folder.path(), AppOptions { look, ..options(folder.path()) });
+        let mut harness = open_sized(options, vec2(1100.0, 700.0));
+        assert_eq!(titles(&harness), ["Today 14:32, 12 minutes ago", "Yesterday 09:44, 29 hours ago"]);
+        harness.get_by_label("At frame 0 of 3: 1 pose set by hand");
+        harness.get_by_label("At frame 2 of 3: 1 pose set by hand, 1 tracked");
+        harness.get_by_label("Never saved to a file");
+        harness.get_by_label("Unsaved changes of wave.backlit");
+        harness.get_by_role_and_label(Role::Button, "Restore arm, today 14:32, 12 minutes ago");
+        assert_eq!(harness.get_all_by_label("Silhouette and body, arm").count(), 2);
+        harness.set_render_cursor(false);
+        let window = harness.render().unwrap();
+        let (left, top) = (250, size::TOOLBAR as u32);
+        let cut = crop_imm(&window, left, top, 1100 - 2 * left, 430);
+        snapshots.picture(&cut.to_image(), &format!("recovery_{}", theme_name(theme)));
+    }
+}
+
+#[test]
+fn each_copy_is_restored_discarded_or_left_for_later() {
+    let folder = tempfile::tempdir().unwrap();
+    let [older, newer] = leave_two(folder.path());
+    let open = || open_sized(take_in(folder.path(), options(folder.path())), vec2(1100.0, 700.0));
+    let mut harness = open();
+    assert!(harness.state().session().take.is_none(), "first the unsaved work");
+    click(&mut harness, "Decide later, open arm");
+    assert!(harness.state().session().take.is_some());
+    drop(harness);
+
+    let mut harness = open();
+    click(&mut harness, "Discard arm, today 14:32, 12 minutes ago");
+    assert_eq!(titles(&harness), ["Yesterday 09:44, 29 hours ago"]);
+    harness.get_by_label_contains("can still be opened as a project");
+    click(&mut harness, "Undo discard");
+    assert_eq!(titles(&harness).len(), 2);
+    click(&mut harness, "Discard arm, today 14:32, 12 minutes ago");
+    // Of one copy alone the buttons need not say which.
+    click(&mut harness, "Restore");
+    assert_eq!(*harness.state().document(), older);
+    assert_eq!(harness.state().selection().frame, 2);
+    drop(harness);
+    let aside = folder.path().join("data/left-1.backlit");
+    let harness = open_sized(
+        AppOptions { opening: Some(opening_of(&aside)), ..AppOptions::default() },
+        vec2(1100.0, 700.0),
+    );
+    assert_eq!(*harness.state().document(), newer, "what was discarded is a project");
+}
+
+#[test]
+fn all_of_it_is_discarded_and_what_waited_is_opened() {
+    let folder = tempfile::tempdir().unwrap();
+    leave_two(folder.path());
+    let open = || open_sized(take_in(folder.path(), options(folder.path())), vec2(1100.0, 700.0));
+    let mut harness = open();
+    click(&mut harness, "Discard all");
+    assert!(harness.state().session().take.is_some() && !harness.state().is_unsaved());
+    drop(harness);
+    assert!(open().state().session().take.is_some(), "nothing is offered any more");
+}
+
+#[test]
+fn work_whose_take_is_gone_stays_on_offer() {
+    let folder = tempfile::tempdir().unwrap();
+    leave_two(folder.path());
+    std::fs::rename(folder.path().join("arm"), folder.path().join("moved")).unwrap();
+    let mut harness = open_sized(options(folder.path()), vec2(1100.0, 700.0));
+    click(&mut harness, "Restore arm, today 14:32, 12 minutes ago");
+    harness.get_by_label_contains("there is no such file");
+    assert_eq!(titles(&harness).len(), 2);
+}
+
+#[test]
+fn without_a_picture_or_anything_beside_it_a_copy_is_still_offered() {
+    let folder = tempfile::tempdir().unwrap();
+    leave_two(folder.path());
+    let data = folder.path().join("data");
+    std::fs::write(data.join("unsaved-1.png"), b"not a picture").unwrap();
+    std::fs::remove_file(data.join("unsaved-2.png")).unwrap();
+    std::fs::write(data.join("unsaved-2.about.json"), "{").unwrap();
+    let harness = open_sized(options(folder.path()), vec2(1100.0, 700.0));
+    assert_eq!(titles(&harness).len(), 2);
+    assert_eq!(harness.get_all_by_label("No picture, arm").count(), 2);
+}
