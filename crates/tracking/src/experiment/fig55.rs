@@ -75,12 +75,13 @@ impl Default for Options {
 /// Pull towards the pose that a frame began with, in [`lm_half`]: weak, for what the cameras do not see.
 const WEAK_PRIOR: f64 = 1.0;
 
-/// Both presets with [`ITERATIONS`], the report's also on its own grey levels, and what suits tiny pictures.
+/// Both presets, the report's with [`ITERATIONS`] and also on its own grey levels, and what suits tiny pictures.
 #[must_use]
 pub fn ways() -> Vec<Way> {
     let way = |name: &str, simulation, fit: FitOptions| Way { name: name.to_owned(), simulation, fit };
-    let [report, robust] =
-        [Preset::Report, Preset::Robust].map(|preset| FitOptions::preset(preset).with_iterations(ITERATIONS));
+    let report = FitOptions::preset(Preset::Report).with_iterations(ITERATIONS);
+    // As it is: its stages suit the scale and end by themselves.
+    let robust = FitOptions::preset(Preset::Robust);
     vec![
         way("Report 2004, its own grey levels", Simulation::Prediction, report.clone()),
         way("Report 2004, masks", Simulation::Mask, report),

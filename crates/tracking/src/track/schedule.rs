@@ -26,10 +26,11 @@ const COARSEST: f64 = 8.0;
 const ITERATIONS: [usize; 2] = [15, 20];
 /// Relative decrease that ends an annealed stage and the last one.
 const TOLERANCES: [f64; 2] = [1e-3, 1e-4];
-/// Proximal weight with one camera, which sees no depth, and with more.
-const PROXIMAL: [f64; 2] = [1.0, 3.0];
+/// Proximal weight of a tiny person: a third of the preset's, for outlines with a third of its pixels. Weaker, a
+/// tracked arm two pixels thick lets go; stronger, it does not follow.
+const PROXIMAL: f64 = 10.0;
 /// Pull of twists: silhouettes of two cameras tell them by where the next limb points.
-const REST: f64 = 0.5;
+const REST: f64 = 5.0;
 
 /// Radius of the thinnest limb that the robust preset's stages are meant for, pixels.
 const MEANT_FOR_PX: f64 = 4.6;
@@ -143,7 +144,7 @@ impl FitOptions {
     pub fn scaled_to(mut self, scale: &Scale) -> Self {
         self.stages = scale.stages();
         self.skip_when_tracking = self.skip_when_tracking.min(self.stages.len() - 1);
-        self.proximal_weight = PROXIMAL[usize::from(scale.cameras > 1)];
+        self.proximal_weight = PROXIMAL;
         self.rest_weight = REST;
         self
     }
