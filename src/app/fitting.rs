@@ -106,8 +106,8 @@ impl App {
         let pose = self.session.shown_pose(self.document(), &self.selection).clone();
         let (part, free) = part.unzip();
         let fit = scene.fit.clone();
-        // The fit makes its stages to the scale of what is seen: these are the ones that its steps will name.
-        let stages = (*fit).clone().at_scale(&scene.model, &scene.views(), &pose).stages;
+        // Stages to the scale of what is seen: these are the ones that the fit's steps will name.
+        let options = (*fit).clone().at_scale(&scene.model, &scene.views(), &pose);
         self.session.runs_begun += 1;
         let branched_from = self.session.step_with_pose(self.selection.frame, &pose);
         let run = Run {
@@ -117,7 +117,7 @@ impl App {
             detail: words::fit_detail(&fit),
             frame: self.selection.frame,
             colour: self.session.free_colour(),
-            stages: stages.iter().map(|stage| words::short_ramp(stage.ramp)).collect(),
+            stages: options.stages.iter().map(|stage| words::short_ramp(stage.ramp)).collect(),
             choices: RunChoices { fit, cameras: scene.uses.clone(), part, branched_from },
             is_shown: true,
             ..Run::default()
@@ -127,7 +127,7 @@ impl App {
         self.name_runs();
         self.session.live_scene = Some(scene.clone());
         self.selection.step = None;
-        let start = FitStart { scene, pose, free };
+        let start = FitStart { scene, pose, options, free };
         self.worker.request(Lane::Fit, FitJob::begin(start, self.live.clone(), steps));
     }
 

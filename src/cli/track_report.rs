@@ -183,7 +183,7 @@ impl TrackReport {
         let by_joint = self.errors.by_joint();
         TrackSummary {
             frames: frames().count(),
-            lost: frames().filter(|frame| frame.lost).count(),
+            lost: frames().filter(|frame| frame.is_lost()).count(),
             left_out: frames().flat_map(|frame| &frame.empty_cameras).fold(
                 BTreeMap::new(),
                 |mut counts, name| {

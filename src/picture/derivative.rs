@@ -2,10 +2,6 @@
 //! coefficient of the pose. Pixels of the ramp whose derivative is zero are hatched, so that zero is not mistaken
 //! for background.
 
-use backlit_tracking::body::{Kinematics, Parameters};
-use backlit_tracking::camera::Camera;
-use backlit_tracking::render::View;
-use backlit_tracking::render::jacobian::{self, for_each_gradient};
 use egui::{Color32, ColorImage};
 
 use super::{PictureInput, hatch};
@@ -40,27 +36,6 @@ impl Derivative {
         };
         Self { values, scale }
     }
-}
-
-/// |∂λ/∂q| of every pixel, q being the point of the limb that the pixel sees: grey levels a metre.
-pub fn gradient_magnitudes(view: &View) -> Derivative {
-    let mut values = vec![0.0; view.width() * view.height()];
-    for_each_gradient(view, |x, y, _, wrench| values[y * view.width() + x] = wrench.force.length() as f32);
-    Derivative::new(values)
-}
-
-/// ∂λ/∂X of one column of the state, in the order of [`Parameters`]: grey levels a metre, radian or raw
-/// coefficient. `None` if the state has no such column.
-pub fn jacobian_column(
-    view: &View,
-    kinematics: &Kinematics,
-    camera: &Camera,
-    parameters: Parameters,
-    column: usize,
-) -> Option<Derivative> {
-    let columns = parameters.columns(kinematics.world_rotations().len());
-    (column < columns)
-        .then(|| Derivative::new(jacobian::jacobian_column(view, kinematics, camera, parameters, column)))
 }
 
 pub(super) fn compose_gradient(input: &PictureInput<'_>) -> ColorImage {

@@ -1,7 +1,7 @@
 //! What there is to look at in one camera.
 
-use backlit_tracking::render::Prediction;
 use backlit_tracking::render::prediction::NO_OWNER;
+use backlit_tracking::render::{Prediction, View};
 use backlit_tracking::silhouette::{Label, Mask, Measurement};
 use egui::{Color32, ColorImage};
 use image::RgbImage;
@@ -25,9 +25,11 @@ pub struct PictureInput<'a> {
     pub data: Option<&'a Measurement>,
     /// What the model predicts.
     pub prediction: Option<&'a Prediction>,
-    /// The gradient's magnitude: see [`gradient_magnitudes`](super::gradient_magnitudes).
+    /// What the prediction was drawn from.
+    pub view: Option<&'a View>,
+    /// How strongly each pixel pulls at its limb, grey levels a metre.
     pub gradient: Option<&'a Derivative>,
-    /// A column of the Jacobian: see [`jacobian_column`](super::jacobian_column).
+    /// A column of the Jacobian: grey levels a metre or radian.
     pub jacobian: Option<&'a Derivative>,
     /// A colour for each limb: see [`limb_colours`](super::limb_colours).
     pub limb_colours: &'a [Color32],
@@ -61,6 +63,7 @@ impl<'a> PictureInput<'a> {
             mask: None,
             data: None,
             prediction: None,
+            view: None,
             gradient: None,
             jacobian: None,
             limb_colours: &[],
@@ -94,9 +97,7 @@ impl<'a> PictureInput<'a> {
         let data = input.level(index);
         let prediction = input.prediction.and_then(|p| finite(p.lambda[index]));
         let owner = input.prediction.map(|p| p.owner[index]).filter(|owner| *owner != NO_OWNER);
-        let owned = |values: fn(&Prediction) -> &[f32]| {
-            input.prediction.filter(|_| owner.is_some()).and_then(|p| finite(values(p)[index]))
-        };
+        let sight = input.view.filter(|_| owner.is_some()).and_then(|view| view.sight(x, y));
         let is_unknown =
             (input.mask.is_some() || input.data.is_some()) && input.label(index) == Label::Unknown;
         Some(Sample {
@@ -104,8 +105,8 @@ impl<'a> PictureInput<'a> {
             prediction,
             residual: data.zip(prediction).filter(|_| !is_unknown).map(|(data, lambda)| data - lambda),
             owner: owner.map(usize::from),
-            distance_over_radius: owned(|p| &p.distance_over_radius),
-            depth_m: owned(|p| &p.depth),
+            distance_over_radius: sight.and_then(|sight| finite(sight.distance_over_radius as f32)),
+            depth_m: sight.and_then(|sight| finite(sight.depth as f32)),
             is_unknown,
         })
     }
@@ -119,11 +120,9 @@ impl<'a> PictureInput<'a> {
             mask: self.mask.filter(|mask| [mask.width(), mask.height()] == self.size),
             data: self.data.filter(|data| [data.width(), data.height()] == self.size),
             prediction: self.prediction.filter(|p| {
-                let floats = [&p.lambda, &p.distance_over_radius, &p.depth];
-                [p.width, p.height] == self.size
-                    && p.owner.len() == pixels
-                    && floats.iter().all(|values| values.len() == pixels)
+                [p.width, p.height] == self.size && p.owner.len() == pixels && p.lambda.len() == pixels
             }),
+            view: self.view.filter(|view| [view.width(), view.height()] == self.size),
             ..*self
         }
     }
@@ -179,18 +178,17 @@ impl<'a> PictureInput<'a> {
 
 #[cfg(test)]
 pub(super) mod tests {
+    use backlit_tracking::body::builtin::upper_body;
+    use backlit_tracking::body::{Kinematics, Pose};
+    use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+    use backlit_tracking::render::{Ramp, RendererKind};
+    use glam::DVec3;
+
     use super::*;
 
-    /// One row of a prediction at 2 m.
+    /// One row of a prediction.
     pub(in crate::picture) fn prediction(lambda: &[f32], owner: &[u16]) -> Prediction {
-        Prediction {
-            width: lambda.len(),
-            height: 1,
-            lambda: lambda.to_vec(),
-            owner: owner.to_vec(),
-            distance_over_radius: vec![0.5; lambda.len()],
-            depth: vec![2.0; lambda.len()],
-        }
+        Prediction { width: lambda.len(), height: 1, lambda: lambda.to_vec(), owner: owner.to_vec() }
     }
 
     #[test]
@@ -217,13 +215,32 @@ pub(super) mod tests {
         let input =
             PictureInput { mask: Some(&mask), prediction: Some(&prediction), ..PictureInput::empty([2, 1]) };
         let first = input.sample(0, 0).unwrap();
-        assert_eq!((first.distance_over_radius, first.depth_m), (Some(0.5), Some(2.0)));
+        assert_eq!((first.distance_over_radius, first.depth_m), (None, None));
         assert_eq!((first.data, first.residual, first.owner), (Some(0.0), Some(-191.0), Some(3)));
         let second = input.sample(1, 0).unwrap();
         assert!(second.is_unknown);
         assert_eq!((second.prediction, second.residual, second.owner), (None, None, None));
         assert_eq!(second.distance_over_radius, None);
         assert_eq!(input.sample(2, 0), None);
+    }
+
+    #[test]
+    fn a_view_says_how_far_the_limb_is() {
+        let model = upper_body();
+        let kinematics = Kinematics::new(&model, &Pose::rest(&model));
+        let place = CameraFromWorld::looking_at(DVec3::new(0.0, 0.25, 3.0), DVec3::Y * 0.25, DVec3::Y);
+        let pinhole = Intrinsics { fx: 9.0, fy: 9.0, cx: 4.0, cy: 4.0 };
+        let camera = Camera::new("camera", [9, 9], pinhole, Distortion::None, place).unwrap();
+        let view = View::new(&model, &kinematics, &camera, RendererKind::Capsule, Ramp::Half);
+        let prediction = Prediction::of(&view);
+        let input =
+            PictureInput { prediction: Some(&prediction), view: Some(&view), ..PictureInput::empty([9, 9]) };
+        let middle = input.sample(4, 4).unwrap();
+        assert!(middle.depth_m.is_some_and(|depth| (2.8..3.1).contains(&depth)), "{middle:?}");
+        assert!(middle.distance_over_radius.is_some_and(|ratio| ratio < 1.0), "{middle:?}");
+        assert_eq!(input.sample(0, 0).unwrap().depth_m, None);
+        let other = PictureInput { size: [3, 27], ..input };
+        assert_eq!(other.sample(1, 1), Some(Sample::default()));
     }
 
     #[test]

@@ -38,7 +38,7 @@ pub mod sway;
 mod tinted;
 
 pub use calibration_marks::CalibrationMarks;
-pub use derivative::{Derivative, gradient_magnitudes, jacobian_column};
+pub use derivative::Derivative;
 pub use input::{PictureInput, Sample};
 pub use joints::{JointId, JointMark, draggable_joints, joint_name, project_joints};
 pub use limbs::{ProjectedLimb, joined_outline, project_limbs};

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use backlit_tracking::body::Pose;
 use backlit_tracking::optimize::Termination;
-use backlit_tracking::track::{Fit, FitError, IterationRecord};
+use backlit_tracking::track::{Fit, FitError, FitOptions, IterationRecord};
 
 use super::{Event, Job, Outbox, Predicted, Scene, Step};
 use crate::session::{RunEnding, RunStep};
@@ -17,6 +17,8 @@ pub struct FitStart {
     pub scene: Scene,
     /// Where it begins.
     pub pose: Pose,
+    /// The scene's choices, at the scale of what is seen.
+    pub options: FitOptions,
     /// Rotations that may move; all of them if there is none.
     pub free: Option<Vec<bool>>,
 }
@@ -60,9 +62,8 @@ impl FitJob {
     fn prepare(&mut self, out: &Outbox<Event>) -> Result<(), FitError> {
         if let Some(start) = self.start.take() {
             let model = start.scene.model.clone();
-            let options = (*start.scene.fit).clone();
             let views = start.scene.views();
-            let fit = Fit::with_free_rotations(model, views, start.pose, options, start.free)?;
+            let fit = Fit::with_free_rotations(model, views, start.pose, start.options, start.free)?;
             let last = Arc::new(Predicted::new(&start.scene, fit.pose(), None));
             let first = RunStep {
                 pose: fit.pose().clone(),

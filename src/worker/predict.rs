@@ -5,13 +5,16 @@ use std::time::Instant;
 
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::render::{Prediction, View};
+use backlit_tracking::render::jacobian::Motion;
+use backlit_tracking::render::{Prediction, View, Wanted, draw};
 use backlit_tracking::silhouette::{Measurement, Overlap};
 use backlit_tracking::track::{FitOptions, FitView};
 
+use rayon::prelude::*;
+
 use super::{Event, Job, Outbox, Step};
 use crate::document::CameraUse;
-use crate::picture::{Derivative, body_outline, gradient_magnitudes, jacobian_column};
+use crate::picture::{Derivative, body_outline};
 use crate::session::FrameData;
 
 /// All that a prediction depends on, but the pose.
@@ -75,6 +78,8 @@ impl Scene {
 pub struct CameraPrediction {
     /// Λ, with the owner of each pixel.
     pub prediction: Prediction,
+    /// What it was drawn from: says what a single pixel sees.
+    pub view: View,
     /// D as the last stage looks at it.
     pub data: Option<Arc<Measurement>>,
     /// Body against silhouette.
@@ -112,7 +117,6 @@ impl Predicted {
     pub fn new(scene: &Scene, pose: &Pose, earlier: Option<&Self>) -> Self {
         let start = Instant::now();
         let kinematics = Kinematics::new(&scene.model, pose);
-        let ramp = scene.fit.final_ramp();
         let reusable = earlier.filter(|earlier| earlier.scene.is(scene));
         let mut result = Self {
             scene: scene.clone(),
@@ -123,49 +127,33 @@ impl Predicted {
             mismatch_by_limb: vec![0.0; scene.model.limbs().len()],
             seconds: 0.0,
         };
-        let mut weight = 0.0;
-        for (index, camera) in scene.cameras.iter().enumerate() {
-            let view = View::new(&scene.model, &kinematics, camera, scene.fit.renderer, ramp);
-            let prediction = Prediction::of(&view);
+        let look = |index: usize| {
             let data = match reusable {
                 Some(earlier) => earlier.cameras[index].data.clone(),
                 None => scene.data(index),
             };
-            let mask = scene.frame.as_ref().and_then(|frame| frame.cameras.get(index)?.mask.clone());
-            let overlap = mask.and_then(|mask| Overlap::between(&mask, &prediction.lambda).ok());
-            if let (Some(data), Some(used)) = (&data, scene.uses.get(index).filter(|used| used.used)) {
-                weight += result.compare(&prediction, data, used.weight);
-            }
-            let gradient = scene.derivatives.gradient.then(|| gradient_magnitudes(&view));
-            let column = scene.derivatives.column;
-            let jacobian = column
-                .and_then(|column| jacobian_column(&view, &kinematics, camera, Parameters::Tangent, column));
-            let outlines = body_outline(&prediction.lambda, prediction.width, prediction.height);
-            let camera = CameraPrediction { prediction, data, overlap, gradient, jacobian, outlines };
+            let camera = CameraPrediction::new(scene, &kinematics, index, data);
+            let used = scene.uses.get(index).filter(|used| used.used);
+            let mismatch = used.zip(camera.data.as_deref()).map(|(used, data)| {
+                Mismatch::between(&camera.prediction, data, used.weight, scene.model.limbs().len())
+            });
+            (camera, mismatch)
+        };
+        // Cameras side by side, sums in their order.
+        let looks: Vec<(CameraPrediction, Option<Mismatch>)> =
+            (0..scene.cameras.len()).into_par_iter().map(look).collect();
+        let mut weight = 0.0;
+        for (camera, mismatch) in looks {
             result.cameras.push(camera);
+            let Some(mismatch) = mismatch else { continue };
+            result.mismatch += mismatch.sum;
+            weight += mismatch.weight;
+            let limbs = result.mismatch_by_limb.iter_mut().zip(mismatch.by_limb);
+            limbs.for_each(|(total, part)| *total += part);
         }
         result.rms = (weight > 0.0).then(|| (result.mismatch / weight).sqrt());
         result.seconds = start.elapsed().as_secs_f64();
         result
-    }
-
-    /// Adds a camera's mismatch and returns the weight of its pixels.
-    fn compare(&mut self, prediction: &Prediction, data: &Measurement, camera_weight: f64) -> f64 {
-        let mut sum = 0.0;
-        let mut weight = 0.0;
-        let pixels = prediction.lambda.iter().zip(&prediction.owner).zip(data.values()).zip(data.weights());
-        for (((lambda, owner), value), pixel_weight) in pixels {
-            let pixel_weight = f64::from(*pixel_weight) * camera_weight;
-            let residual = f64::from(*value) - f64::from(*lambda);
-            let cost = pixel_weight * residual * residual;
-            weight += pixel_weight;
-            sum += cost;
-            if let Some(limb) = self.mismatch_by_limb.get_mut(usize::from(*owner)) {
-                *limb += cost;
-            }
-        }
-        self.mismatch += sum;
-        weight
     }
 
     /// Intersection over union of the cameras that count, all together.
@@ -179,6 +167,58 @@ impl Predicted {
     #[must_use]
     pub fn is_of(&self, scene: &Scene, pose: &Pose) -> bool {
         self.pose == *pose && self.scene.is(scene) && self.scene.derivatives == scene.derivatives
+    }
+}
+
+impl CameraPrediction {
+    fn new(scene: &Scene, kinematics: &Kinematics, index: usize, data: Option<Arc<Measurement>>) -> Self {
+        let camera = &scene.cameras[index];
+        let view = View::new(&scene.model, kinematics, camera, scene.fit.renderer, scene.fit.final_ramp());
+        let columns = Parameters::Tangent.columns(scene.model.rotation_count());
+        let column = scene.derivatives.column.filter(|column| *column < columns);
+        let motion = column.map(|column| {
+            let mut direction = vec![0.0; columns];
+            direction[column] = 1.0;
+            Motion::along(kinematics, camera, Parameters::Tangent, &direction)
+        });
+        let gradient = scene.derivatives.gradient;
+        let drawing = draw(&view, Wanted { gradient, motion: motion.as_ref() });
+        let prediction = drawing.prediction;
+        let mask = scene.frame.as_ref().and_then(|frame| frame.cameras.get(index)?.mask.clone());
+        Self {
+            overlap: mask.and_then(|mask| Overlap::between(&mask, &prediction.lambda).ok()),
+            outlines: body_outline(&prediction.lambda, prediction.width, prediction.height),
+            gradient: gradient.then(|| Derivative::new(drawing.gradient)),
+            jacobian: motion.map(|_| Derivative::new(drawing.change)),
+            prediction,
+            view,
+            data,
+        }
+    }
+}
+
+/// Σ w (D − Λ)² of a camera.
+struct Mismatch {
+    sum: f64,
+    weight: f64,
+    by_limb: Vec<f64>,
+}
+
+impl Mismatch {
+    fn between(prediction: &Prediction, data: &Measurement, camera_weight: f64, limbs: usize) -> Self {
+        let mut result = Self { sum: 0.0, weight: 0.0, by_limb: vec![0.0; limbs] };
+        let pixels = prediction.lambda.iter().zip(&prediction.owner).zip(data.values()).zip(data.weights());
+        for (((lambda, owner), value), pixel_weight) in pixels {
+            let pixel_weight = f64::from(*pixel_weight) * camera_weight;
+            let residual = f64::from(*value) - f64::from(*lambda);
+            let cost = pixel_weight * residual * residual;
+            result.weight += pixel_weight;
+            result.sum += cost;
+            if let Some(limb) = result.by_limb.get_mut(usize::from(*owner)) {
+                *limb += cost;
+            }
+        }
+        result
     }
 }
 

@@ -173,7 +173,7 @@ impl TrackJob {
                         tracker.track_frame(*frame, scene.views(), out.cancel())
                     });
                     match again {
-                        Ok(again) if !again.lost => Some(revised(&again)),
+                        Ok(again) if !again.is_lost() => Some(revised(&again)),
                         _ => best().map(revised),
                     }
                 }
@@ -239,6 +239,6 @@ fn estimate(found: &FrameEstimate) -> Arc<Estimate> {
         cost: found.cost,
         rms: found.rms,
         steps: found.iterations,
-        lost: found.lost,
+        lost: found.is_lost(),
     })
 }

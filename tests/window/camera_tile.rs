@@ -4,7 +4,7 @@ use crate::support;
 use backlit::panels::{CameraTileInput, Comparison, Drag, TileEvent, TileLook, camera_tile};
 use backlit::picture::{
     Derivative, JointId, JointMark, PictureInput, ProjectedLimb, SightRay, ViewMode, body_outline,
-    gradient_magnitudes, jacobian_column, limb_colours, project_joints, project_limbs, sight_ray,
+    limb_colours, project_joints, project_limbs, sight_ray,
 };
 use backlit::theme::Theme;
 use backlit::view_settings::ViewSettings;
@@ -12,7 +12,8 @@ use backlit::widgets::Framing;
 use backlit_tracking::body::builtin::full_body;
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
-use backlit_tracking::render::{Prediction, Ramp, RendererKind, View, predict};
+use backlit_tracking::render::jacobian::Motion;
+use backlit_tracking::render::{Prediction, Ramp, RendererKind, View, Wanted, predict};
 use backlit_tracking::silhouette::{Label, Mask, Measurement, Overlap, SignedDistance};
 use egui::{Color32, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Role, pos2, vec2};
 use egui_kittest::Harness;
@@ -33,6 +34,7 @@ struct Scene {
     mask: Mask,
     data: Measurement,
     prediction: Prediction,
+    view: View,
     gradient: Derivative,
     jacobian: Derivative,
     colours: Vec<Color32>,
@@ -85,7 +87,10 @@ impl Scene {
         // The subject's left thigh swings sideways.
         let thigh = body.limbs()[body.limb_index("left thigh").unwrap()].rotation;
         let column = Parameters::Tangent.first_column(thigh) + 1;
-        let jacobian = jacobian_column(&view, &kinematics, &camera, Parameters::Tangent, column);
+        let mut direction = vec![0.0; Parameters::Tangent.columns(body.rotation_count())];
+        direction[column] = 1.0;
+        let motion = Motion::along(&kinematics, &camera, Parameters::Tangent, &direction);
+        let drawing = backlit_tracking::render::draw(&view, Wanted { gradient: true, motion: Some(&motion) });
         let foot = JointId::End(body.limb_index("left foot").unwrap());
         Self {
             frame: RgbImage::from_fn(SIZE[0] as u32, SIZE[1] as u32, |x, y| {
@@ -97,8 +102,8 @@ impl Scene {
             joints: project_joints(&body, &kinematics, pose.root, &camera, |joint| joint == foot),
             overlap: Overlap::between(&mask, &prediction.lambda).unwrap(),
             colours: limb_colours(&body),
-            gradient: gradient_magnitudes(&view),
-            jacobian: jacobian.unwrap(),
+            gradient: Derivative::new(drawing.gradient),
+            jacobian: Derivative::new(drawing.change),
             wrist: JointId::End(body.limb_index("right forearm").unwrap()),
             body,
             camera,
@@ -106,6 +111,7 @@ impl Scene {
             mask,
             data,
             prediction,
+            view,
         }
     }
 
@@ -127,6 +133,7 @@ impl Scene {
                 mask: Some(&self.mask),
                 data: Some(&self.data),
                 prediction: Some(&self.prediction),
+                view: Some(&self.view),
                 gradient: Some(&self.gradient),
                 jacobian: Some(&self.jacobian),
                 limb_colours: &self.colours,

@@ -170,6 +170,7 @@ impl<'a> CameraPanes<'a> {
             mask: pictures.and_then(|frame| frame.mask.as_deref()),
             data: predicted.filter(|_| is_of_frame).and_then(|camera| camera.data.as_deref()),
             prediction: predicted.map(|camera| &camera.prediction),
+            view: predicted.map(|camera| &camera.view),
             gradient: predicted.and_then(|camera| camera.gradient.as_ref()),
             jacobian: predicted.and_then(|camera| camera.jacobian.as_ref()),
             limb_colours: &self.colours,

@@ -5,6 +5,7 @@
 #![expect(clippy::expect_used, reason = "a bench may end with a message")]
 
 mod naive;
+mod pictures;
 mod scene;
 #[path = "../timing/mod.rs"]
 mod timing;
@@ -35,6 +36,10 @@ fn main() {
     ThreadPoolBuilder::new().num_threads(1).build_global().expect("one thread");
     let quick = std::env::args().any(|argument| argument == "quick");
     let budget = Duration::from_millis(if quick { 1000 } else { 8000 });
+    pictures::tables(budget);
+    if std::env::args().any(|argument| argument == "pictures") {
+        return;
+    }
     for (count, width, height) in SIZES {
         let scene = Scene::new(width, height, count);
         let title = format!("{count} × {width} × {height}");

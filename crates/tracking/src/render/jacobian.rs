@@ -1,6 +1,7 @@
 //! The dense Jacobian ∂Λ/∂X: height·width × columns, row-major pixels. For tests, inspection and export.
 
-use nalgebra::{DMatrix, DVector};
+use glam::{DMat3, DVec3};
+use nalgebra::{DMatrix, DVector, SVector};
 
 use super::View;
 use super::kernels::scalar::RowWinners;
@@ -68,20 +69,82 @@ pub fn jacobian_along(
     parameters: Parameters,
     direction: &[f64],
 ) -> Vec<f64> {
-    let direction = DVector::from_column_slice(direction);
-    let mut map = DMatrix::zeros(7, parameters.columns(kinematics.world_rotations().len()));
-    let mut motions = Vec::with_capacity(kinematics.limb_count());
-    for limb in 0..kinematics.limb_count() {
-        kinematics.fill_map(limb, parameters, &mut map);
-        motions.push(&map * &direction);
-    }
-    let world_from_camera = camera.camera_from_world().rotation.transpose();
+    let motion = Motion::along(kinematics, camera, parameters, direction);
     let mut picture = vec![0.0; view.width() * view.height()];
     for_each_gradient(view, |x, y, limb, wrench| {
-        let h = wrench.rotated(world_from_camera).to_array();
-        picture[y * view.width() + x] = (0..7).map(|i| h[i] * motions[limb][i]).sum();
+        picture[y * view.width() + x] = motion.change(limb, wrench);
     });
     picture
+}
+
+/// How every limb moves along a direction of the state, for one camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    /// By limb: velocity of its first joint, turn, scaling; world axes.
+    limbs: Vec<SVector<f64, 7>>,
+    world_from_camera: DMat3,
+}
+
+/// How one limb moves, camera axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LimbMotion {
+    /// Of the limb's first joint, metres per unit of the direction.
+    pub velocity: DVec3,
+    /// Turn about it, radians.
+    pub turn: DVec3,
+    /// Scaling about it.
+    pub stretch: f64,
+}
+
+impl Motion {
+    /// Along a direction v of the state.
+    ///
+    /// # Panics
+    /// If the direction has not as many entries as the state has columns.
+    #[must_use]
+    pub fn along(
+        kinematics: &Kinematics,
+        camera: &Camera,
+        parameters: Parameters,
+        direction: &[f64],
+    ) -> Self {
+        let direction = DVector::from_column_slice(direction);
+        let mut map = DMatrix::zeros(7, parameters.columns(kinematics.world_rotations().len()));
+        let mut limbs = Vec::with_capacity(kinematics.limb_count());
+        for limb in 0..kinematics.limb_count() {
+            kinematics.fill_map(limb, parameters, &mut map);
+            let motion = &map * &direction;
+            limbs.push(SVector::from_column_slice(motion.as_slice()));
+        }
+        Self { limbs, world_from_camera: camera.camera_from_world().rotation.transpose() }
+    }
+
+    /// How λ changes of a pixel that pulls at a limb with this wrench, in camera axes.
+    #[must_use]
+    pub fn change(&self, limb: usize, wrench: Wrench) -> f64 {
+        let h = wrench.rotated(self.world_from_camera).to_array();
+        (0..7).map(|i| h[i] * self.limbs[limb][i]).sum()
+    }
+
+    /// How a limb moves, in camera axes.
+    #[must_use]
+    pub fn in_camera(&self, limb: usize) -> LimbMotion {
+        let m = &self.limbs[limb];
+        let camera_from_world = self.world_from_camera.transpose();
+        LimbMotion {
+            velocity: camera_from_world * DVec3::new(m[0], m[1], m[2]),
+            turn: camera_from_world * DVec3::new(m[3], m[4], m[5]),
+            stretch: m[6],
+        }
+    }
+}
+
+impl LimbMotion {
+    /// How a point moves against the limb's first joint, given from there.
+    #[must_use]
+    pub fn of_arm(&self, arm: DVec3) -> DVec3 {
+        self.turn.cross(arm) + self.stretch * arm
+    }
 }
 
 /// Calls `visit(x, y, limb, wrench in camera axes)` for every pixel that has a gradient.

@@ -13,9 +13,11 @@
 //! | [`wrench`] | a pixel's gradient as force and moment on its limb |
 //! | [`joint_forces`] | the same as forces at the limb's two joints |
 //! | [`prediction`] | Λ as a picture, with owner and depth |
+//! | [`drawing`] | Λ and derivatives as pictures for the screen, fast |
 //! | [`jacobian`] | the dense ∂Λ/∂X, for tests, inspection and export |
 //! | [`kernels`] | which primitive wins each pixel of a row |
 
+pub mod drawing;
 pub mod jacobian;
 pub mod joint_forces;
 pub mod kernels;
@@ -27,8 +29,9 @@ pub mod renderer;
 pub mod view;
 pub mod wrench;
 
+pub use drawing::{Drawing, Wanted, draw};
 pub use jacobian::dense_jacobian;
 pub use prediction::{Prediction, predict};
 pub use ramp::Ramp;
 pub use renderer::RendererKind;
-pub use view::View;
+pub use view::{Sight, View};

@@ -1,5 +1,6 @@
 //! Λ as a picture.
 
+use super::drawing::{Wanted, draw_plainly};
 use super::kernels::lanes::Lanes;
 use super::kernels::scalar::RowWinners;
 use super::primitive::Solid;
@@ -11,7 +12,8 @@ use crate::camera::Camera;
 /// The owner of a pixel that no limb is near.
 pub const NO_OWNER: u16 = u16::MAX;
 
-/// A predicted silhouette with what made each pixel. Row-major, height × width.
+/// A predicted silhouette with what made each pixel. Row-major, height × width. What a single pixel sees of its limb
+/// is asked of its [`View`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Prediction {
     /// Pixels across.
@@ -22,10 +24,6 @@ pub struct Prediction {
     pub lambda: Vec<f32>,
     /// Index of the limb that wins the pixel, or [`NO_OWNER`].
     pub owner: Vec<u16>,
-    /// Distance of the ray to that limb over its radius; infinite for none.
-    pub distance_over_radius: Vec<f32>,
-    /// Distance along the ray to the limb's closest point, metres; infinite for none.
-    pub depth: Vec<f32>,
 }
 
 /// Draws the model's soft silhouette in one camera.
@@ -41,34 +39,11 @@ pub fn predict(
 }
 
 impl Prediction {
-    /// Draws a prepared view.
+    /// Draws a prepared view by the reference kernel, in f64. For the screen [`draw`](super::drawing::draw) does the
+    /// same many times faster.
     #[must_use]
     pub fn of(view: &View) -> Self {
-        let (width, height) = (view.width(), view.height());
-        let mut out = Self {
-            width,
-            height,
-            lambda: vec![BACKGROUND as f32; width * height],
-            owner: vec![NO_OWNER; width * height],
-            distance_over_radius: vec![f32::INFINITY; width * height],
-            depth: vec![f32::INFINITY; width * height],
-        };
-        let mut row = RowWinners::default();
-        for y in 0..height {
-            row.find(view, y, 1, 0);
-            for x in row.touched() {
-                let Some(winner) = row.winner(x) else { continue };
-                let primitive = &view.primitives()[winner];
-                let slot = y * width + x;
-                out.lambda[slot] = (BACKGROUND * row.level(x).clamp(0.0, 1.0)) as f32;
-                out.owner[slot] = primitive.limb as u16;
-                if let Some(candidate) = primitive.candidate(view.ray(x, y)) {
-                    out.distance_over_radius[slot] = (candidate.squared.sqrt() / primitive.radius) as f32;
-                    out.depth[slot] = candidate.depth as f32;
-                }
-            }
-        }
-        out
+        draw_plainly(view, Wanted::default()).prediction
     }
 }
 

@@ -23,6 +23,17 @@ pub struct View {
     pinhole: crate::camera::Intrinsics,
 }
 
+/// What a ray sees of the limb that wins its pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sight {
+    /// Index of the limb.
+    pub limb: usize,
+    /// Distance of the ray to the limb's axis over its radius.
+    pub distance_over_radius: f64,
+    /// Distance along the ray to the limb's closest point, metres.
+    pub depth: f64,
+}
+
 impl View {
     /// Prepares the limbs of a pose for a camera.
     ///
@@ -130,6 +141,35 @@ impl View {
     #[must_use]
     pub fn primitives(&self) -> &[Primitive] {
         &self.primitives
+    }
+
+    /// The solid that wins a pixel, and λ/255 there before clipping; `None` for background. Ties go to the first.
+    #[must_use]
+    pub fn winner(&self, x: usize, y: usize) -> Option<(&Primitive, f64)> {
+        let ray = self.ray(x, y);
+        let mut darkest = None;
+        for primitive in self.primitives.iter().filter(|primitive| primitive.bounds.contains(x, y)) {
+            let level = primitive.ramp.unclipped(primitive.squared(ray));
+            if level < darkest.map_or(1.0, |(_, level)| level) {
+                darkest = Some((primitive, level));
+            }
+        }
+        darkest
+    }
+
+    /// What the ray of a pixel sees of the limb that wins it; `None` for background and outside the picture.
+    #[must_use]
+    pub fn sight(&self, x: usize, y: usize) -> Option<Sight> {
+        if x >= self.width || y >= self.height {
+            return None;
+        }
+        let (primitive, _) = self.winner(x, y)?;
+        let candidate = primitive.candidate(self.ray(x, y))?;
+        Some(Sight {
+            limb: primitive.limb,
+            distance_over_radius: candidate.squared.sqrt() / primitive.radius,
+            depth: candidate.depth,
+        })
     }
 
     /// Unit ray of a pixel in camera axes. NaN where the lens has no inverse: no solid is seen there.

@@ -94,7 +94,7 @@ fn plain_source(frame: usize, last_forward: usize, forward: &Track, backward: &T
 fn costs_of_changing_after(common: &[usize], forward: &Track, backward: &Track) -> Vec<f64> {
     let cost = |track: &Track, frame: &usize| {
         let estimate = &track.frames[frame];
-        estimate.cost * if estimate.lost { 2.0 } else { 1.0 }
+        estimate.cost * if estimate.is_lost() { 2.0 } else { 1.0 }
     };
     let after: f64 = common.iter().map(|frame| cost(backward, frame)).sum();
     let mut sum = after;
@@ -134,7 +134,6 @@ mod tests {
                 overlap: Vec::new(),
                 empty_cameras: Vec::new(),
                 iterations: 1,
-                lost: false,
                 lost_because: None,
                 termination: None,
                 belief: None,

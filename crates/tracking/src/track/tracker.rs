@@ -54,9 +54,7 @@ pub struct FrameEstimate {
     pub empty_cameras: Vec<String>,
     /// Iterations, rejected ones included.
     pub iterations: usize,
-    /// Whether the subject, or a limb of it, was lost.
-    pub lost: bool,
-    /// Why; `None` unless it was lost.
+    /// Why the subject, or a limb of it, counts as lost; `None` if it does not.
     pub lost_because: Option<Lost>,
     /// Why the fit ended; `None` if there was nothing to fit.
     pub termination: Option<Termination>,
@@ -71,6 +69,12 @@ impl FrameEstimate {
     #[must_use]
     pub fn iou(&self) -> Option<f64> {
         iou(&self.overlap)
+    }
+
+    /// Whether the subject, or a limb of it, was lost.
+    #[must_use]
+    pub fn is_lost(&self) -> bool {
+        self.lost_because.is_some()
     }
 }
 
@@ -261,7 +265,6 @@ impl Tracker {
             overlap,
             empty_cameras: summary.empty_cameras,
             iterations: summary.iterations.len(),
-            lost: lost.is_some(),
             lost_because: lost,
             termination: Some(summary.termination),
             belief,
@@ -288,7 +291,6 @@ impl Tracker {
             rms: 0.0,
             empty_cameras: sight.cameras.iter().map(|camera| camera.name().to_owned()).collect(),
             iterations: 0,
-            lost: true,
             lost_because: Some(Lost::Nobody),
             termination: None,
             belief,
@@ -367,7 +369,7 @@ impl Tracker {
     /// Predicts the next start: the motion between the last two frames goes on, unless the subject was lost.
     fn advance(&mut self, estimate: &FrameEstimate) {
         let (frame, pose) = (estimate.frame, &estimate.pose);
-        let goes_on = self.motion != Motion::Still && !estimate.lost;
+        let goes_on = self.motion != Motion::Still && !estimate.is_lost();
         self.next_start = match &self.last {
             Some((before, from)) if *before != frame && goes_on => {
                 pose.retract(Parameters::Tangent, &pose.local(from))
@@ -375,6 +377,6 @@ impl Tracker {
             _ => pose.clone(),
         };
         self.last = Some((frame, pose.clone()));
-        self.lost = estimate.lost;
+        self.lost = estimate.is_lost();
     }
 }

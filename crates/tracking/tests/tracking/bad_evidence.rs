@@ -104,7 +104,7 @@ fn a_camera_that_sees_nobody_is_left_out_and_named() {
         for (frame, estimate) in &track.frames {
             let expected: &[&str] = if (2..4).contains(frame) { &["right"] } else { &[] };
             assert_eq!(estimate.empty_cameras, expected, "frame {frame}");
-            assert!(!estimate.lost, "frame {frame} is lost: {:?}", estimate.iou());
+            assert!(!estimate.is_lost(), "frame {frame} is lost: {:?}", estimate.iou());
             assert_eq!(estimate.overlap[1].is_none(), (2..4).contains(frame), "frame {frame}");
             let error = error_mm(&model, *frame, &estimate.pose);
             assert!(error < 60.0, "frame {frame}: {error:.0} mm");
@@ -121,7 +121,7 @@ fn frames_in_which_nobody_is_seen_are_lost_and_tracking_goes_on() {
             }
         });
         let lost: Vec<usize> =
-            track.frames.values().filter(|found| found.lost).map(|found| found.frame).collect();
+            track.frames.values().filter(|found| found.is_lost()).map(|found| found.frame).collect();
         assert_eq!(lost, [3, 4], "{preset}");
         for frame in [3, 4] {
             let found = &track.frames[&frame];
@@ -148,7 +148,7 @@ fn masks_of_the_whole_picture_are_survived() {
                 *masks = [filled(Label::Subject), filled(Label::Subject)];
             }
         });
-        assert!(track.frames[&1].lost, "{preset}: {:?}", track.frames[&1].iou());
+        assert!(track.frames[&1].is_lost(), "{preset}: {:?}", track.frames[&1].iou());
         assert!(track.frames[&1].termination.is_some(), "{preset}");
     }
 }
@@ -159,7 +159,7 @@ fn nobody_in_the_first_frame_or_in_any() {
         track(Preset::Robust, 3, |_, masks| *masks = [filled(Label::Background), filled(Label::Background)]);
     let model = builtin::upper_body();
     for estimate in track.frames.values() {
-        assert!(estimate.lost);
+        assert!(estimate.is_lost());
         assert_eq!(estimate.pose, truth(&model, 0).normalized());
     }
 }
@@ -174,7 +174,7 @@ fn a_start_behind_every_camera_is_lost_and_says_why() {
             Tracker::new(Arc::clone(&model), FitOptions::preset(preset), start.clone()).unwrap();
         let estimate = tracker.track_frame(0, views(seen(&model, 0)), &CancelToken::new()).unwrap();
         assert_finite(&estimate);
-        assert!(estimate.lost, "{preset}");
+        assert!(estimate.is_lost(), "{preset}");
         assert_eq!(estimate.termination, Some(Termination::NoGradient), "{preset}");
         assert!(is_same(&estimate.pose, &start), "{preset}: priors alone moved the body");
     }
@@ -192,7 +192,7 @@ fn data_of_another_size_change_nothing_that_was_tracked() {
     assert!(matches!(found, Err(FitError::Size { camera, .. }) if camera == "left"));
     assert_eq!(tracker.next_start(), &next);
     let estimate = tracker.track_frame(1, views(seen(&model, 1)), &CancelToken::new()).unwrap();
-    assert!(!estimate.lost && error_mm(&model, 1, &estimate.pose) < 30.0);
+    assert!(!estimate.is_lost() && error_mm(&model, 1, &estimate.pose) < 30.0);
 }
 
 #[test]

@@ -6,7 +6,7 @@ use backlit_tracking::body::{Kinematics, Model, ModelSpec, Parameters, Pose, bui
 use backlit_tracking::camera::Camera;
 use backlit_tracking::experiment::{fig51, upper_body};
 use backlit_tracking::optimize::NormalEquations;
-use backlit_tracking::render::{Ramp, RendererKind, View, dense_jacobian, predict};
+use backlit_tracking::render::{Prediction, Ramp, RendererKind, View, dense_jacobian, predict};
 use backlit_tracking::track::start::perturb;
 use nalgebra::{DMatrix, DVector};
 
@@ -53,11 +53,13 @@ fn the_darkest_limb_wins_not_the_nearest() {
         spec.limbs = vec![spec.limbs[limb].clone()];
         let one = Model::new(&spec).unwrap();
         let kinematics = Kinematics::new(&one, &Pose::rest(&one));
-        predict(&one, &kinematics, &camera, RendererKind::Capsule, Ramp::Thesis)
+        View::new(&one, &kinematics, &camera, RendererKind::Capsule, Ramp::Thesis)
     };
-    let each = [alone(0), alone(1)];
+    let views = [alone(0), alone(1)];
+    let each = [Prediction::of(&views[0]), Prediction::of(&views[1])];
     let metres = |limb: usize, pixel: usize| {
-        f64::from(each[limb].distance_over_radius[pixel]) * model.limbs()[limb].radius
+        let sight = views[limb].sight(pixel % both.width, pixel / both.width);
+        sight.map_or(f64::INFINITY, |sight| sight.distance_over_radius * model.limbs()[limb].radius)
     };
     let mut told_apart = 0;
     for pixel in 0..both.lambda.len() {

@@ -281,7 +281,10 @@ fn assert_finite(name: &str, model: &Model, pose: &Pose, camera: &Camera, failur
             if !prediction::levels(&view).iter().all(|level| (0.0..=255.0).contains(level)) {
                 failures.push(format!("{case}: a level is none"));
             }
-            if drawn.lambda.iter().chain(&drawn.depth).chain(&drawn.distance_over_radius).any(|x| x.is_nan())
+            let pixels = (0..drawn.lambda.len()).map(|pixel| [pixel % drawn.width, pixel / drawn.width]);
+            let mut sights = pixels.filter_map(|[x, y]| view.sight(x, y));
+            if drawn.lambda.iter().any(|level| level.is_nan())
+                || sights.any(|sight| sight.depth.is_nan() || sight.distance_over_radius.is_nan())
             {
                 failures.push(format!("{case}: the picture has NaN"));
             }

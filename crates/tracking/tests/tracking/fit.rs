@@ -295,7 +295,7 @@ fn a_tracker_that_begins_far_away_searches() {
             let mut tracker = tracker.with_search(search);
             if seed % 2 == 1 {
                 let empty = scene.views.iter().map(emptied).collect();
-                assert!(tracker.track_frame(0, empty, &CancelToken::new()).unwrap().lost);
+                assert!(tracker.track_frame(0, empty, &CancelToken::new()).unwrap().is_lost());
             }
             let found = tracker.track_frame(1, scene.views.clone(), &CancelToken::new()).unwrap();
             joint_error_mm(&scene.model, &found.pose, &scene.truth)

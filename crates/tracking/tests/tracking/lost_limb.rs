@@ -69,15 +69,15 @@ fn wrist_error_mm(model: &Model, frame: &FrameEstimate) -> f64 {
 fn a_lost_arm_is_noticed_by_the_cost_alone() {
     let (model, frames) = track(Search::Never);
     assert!(
-        frames[..JUMP].iter().all(|frame| !frame.lost),
+        frames[..JUMP].iter().all(|frame| !frame.is_lost()),
         "{:?}",
-        frames.iter().map(|f| f.lost).collect::<Vec<_>>()
+        frames.iter().map(|f| f.is_lost()).collect::<Vec<_>>()
     );
     let jump = &frames[JUMP];
     assert!(wrist_error_mm(&model, jump) > 150.0, "found without a search: the test says nothing");
     assert!(jump.iou().unwrap() > LOST_BELOW_IOU);
     assert!(matches!(jump.lost_because, Some(Lost::Cost { .. })), "{:?} {}", jump.lost_because, jump.rms);
-    assert!(jump.lost);
+    assert!(jump.is_lost());
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn a_lost_arm_is_found_again_in_the_same_frame() {
     for frame in &frames {
         let error = wrist_error_mm(&model, frame);
         assert!(
-            error < 30.0 && !frame.lost,
+            error < 30.0 && !frame.is_lost(),
             "frame {}: {error:.0} mm, {:?}",
             frame.frame,
             frame.lost_because

@@ -5,6 +5,7 @@
 mod bad_evidence;
 mod bad_input;
 mod builtin_take;
+mod drawing;
 mod errata;
 mod finite_differences;
 mod fit;

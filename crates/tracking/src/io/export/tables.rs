@@ -67,7 +67,7 @@ pub fn write_frames(path: &Path, export: &TrackExport<'_>) -> Result<(), FileErr
                 number(estimate.cost),
                 number(estimate.rms),
                 estimate.iterations.to_string(),
-                estimate.lost.to_string(),
+                estimate.is_lost().to_string(),
                 estimate.termination.map(|why| why.to_string()).unwrap_or_default(),
             ];
             rows.write_record(fields.into_iter().chain(overlap))?;

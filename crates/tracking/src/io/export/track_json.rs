@@ -71,7 +71,7 @@ fn frame(export: &TrackExport<'_>, number: usize, estimate: &FrameEstimate) -> V
         "rms": estimate.rms,
         "iou": overlap.collect::<Map<String, Value>>(),
         "iterations": estimate.iterations,
-        "lost": estimate.lost,
+        "lost": estimate.is_lost(),
         "termination": estimate.termination.map(|why| why.to_string()),
     })
 }

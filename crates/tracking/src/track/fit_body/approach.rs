@@ -85,7 +85,7 @@ pub fn approach<E: From<BodyFitError>>(
         }
         let views = if frame == first { seen.clone() } else { views(frame)? };
         let estimate = tracker.track_frame(frame, views.clone(), cancel).map_err(at_frame(frame))?;
-        if !estimate.lost && wanted.binary_search(&frame).is_ok() {
+        if !estimate.is_lost() && wanted.binary_search(&frame).is_ok() {
             found.push(BodyFrame { frame, views, start: estimate.pose, joints: joints(frame) });
         }
         progress(done + 1, path.len());

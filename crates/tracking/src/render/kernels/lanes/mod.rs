@@ -24,11 +24,15 @@
 //! |---|---|
 //! | `grid` | one camera's data, packed |
 //! | `solid` | constants of a solid, spans |
+//! | `ground` | all solids of a view and the columns that they may touch |
 //! | `winners` | the darkest solid of every pixel |
 //! | `pull` | forces of the pixels that a solid has won, summed |
 //! | `sums` | a solid's sums as a block |
+//! | `drawing` | whole pictures for the screen |
 
+mod drawing;
 mod grid;
+mod ground;
 mod pull;
 mod solid;
 mod sums;
@@ -38,11 +42,12 @@ use std::ops::Range;
 
 use pulp::{Arch, Simd, WithSimd};
 
+pub(in crate::render) use drawing::draw;
 pub use grid::Grid;
 
 use self::grid::RowData;
+use self::ground::Ground;
 use self::pull::Collected;
-use self::solid::LaneSolid;
 use self::sums::SUMS;
 use self::winners::{Band, Row};
 use crate::render::View;
@@ -60,11 +65,8 @@ const NEAREST_REACHES: f64 = 1.5;
 /// Memory of the kernel, reused from call to call.
 #[derive(Debug, Clone, Default)]
 pub struct Lanes {
-    xs: Vec<f32>,
+    ground: Ground,
     band: Band,
-    solids: Vec<LaneSolid>,
-    spans: Vec<[u32; 2]>,
-    touched: Vec<[u32; 2]>,
     collected: Collected,
     totals: Vec<[f64; SUMS]>,
 }
@@ -89,8 +91,8 @@ impl Lanes {
     /// `blocks` has one entry per limb of the model. [`can_take`](Self::can_take) must hold.
     pub fn accumulate(&mut self, view: &View, grid: &Grid, blocks: &mut [WrenchBlock]) -> f64 {
         self.prepare(view, grid);
-        let cost = Arch::new().dispatch(Pass { lanes: self, grid, view, pulls: true });
-        for (solid, totals) in self.solids.iter().zip(&self.totals) {
+        let cost = Arch::new().dispatch(Pass { lanes: self, grid, pulls: true });
+        for (solid, totals) in self.ground.solids.iter().zip(&self.totals) {
             solid.add_to(totals, &mut blocks[solid.limb]);
         }
         cost
@@ -99,7 +101,7 @@ impl Lanes {
     /// The same change of the cost without anyone's pull.
     pub fn cost(&mut self, view: &View, grid: &Grid) -> f64 {
         self.prepare(view, grid);
-        Arch::new().dispatch(Pass { lanes: self, grid, view, pulls: false })
+        Arch::new().dispatch(Pass { lanes: self, grid, pulls: false })
     }
 
     /// Looks at every pixel of a view row by row: `see` hears of a row, of the first column that any solid may touch,
@@ -107,26 +109,15 @@ impl Lanes {
     pub fn look(&mut self, view: &View, see: impl FnMut(usize, usize, &[f32])) {
         let grid = Grid::without_data([view.width(), view.height()]);
         self.prepare(view, &grid);
-        Arch::new().dispatch(Look { lanes: self, grid: &grid, view, see });
+        Arch::new().dispatch(Look { lanes: self, grid: &grid, see });
     }
 
     fn prepare(&mut self, view: &View, grid: &Grid) {
-        let pinhole = view.pinhole();
-        self.xs.clear();
-        let (start, step) = ((grid.offset as f64 - pinhole.cx) / pinhole.fx, grid.stride as f64 / pinhole.fx);
-        self.xs.extend((0..grid.pitch).map(|column| (start + column as f64 * step) as f32));
+        self.ground.prepare(view, grid);
         self.band.resize(grid.band_rows() * grid.pitch);
         self.collected.reserve();
-        self.solids.clear();
-        self.spans.clear();
-        for primitive in view.primitives() {
-            let Some(mut solid) = LaneSolid::new(primitive, pinhole, grid) else { continue };
-            solid.spans = self.spans.len();
-            self.spans.resize(solid.spans + solid.rows[1] - solid.rows[0], [0; 2]);
-            self.solids.push(solid);
-        }
         self.totals.clear();
-        self.totals.resize(self.solids.len(), [0.0; SUMS]);
+        self.totals.resize(self.ground.solids.len(), [0.0; SUMS]);
     }
 }
 
@@ -139,7 +130,6 @@ impl Grid {
 struct Pass<'a> {
     lanes: &'a mut Lanes,
     grid: &'a Grid,
-    view: &'a View,
     pulls: bool,
 }
 
@@ -148,18 +138,15 @@ impl WithSimd for Pass<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let Self { lanes, grid, view, pulls } = self;
-        let pinhole = view.pinhole();
-        let (start, step) = ((grid.offset as f64 - pinhole.cy) / pinhole.fy, grid.stride as f64 / pinhole.fy);
-        let y = |row: usize| (start + row as f64 * step) as f32;
-        lanes.cut_spans(grid);
+        let Self { lanes, grid, pulls } = self;
+        lanes.ground.cut_spans(grid);
         let mut cost = 0.0;
         for first in (0..grid.rows).step_by(grid.band_rows()) {
             let rows = first..(first + grid.band_rows()).min(grid.rows);
-            lanes.win_band(simd, rows.clone(), grid, y);
-            cost += lanes.cost_of_band(simd, rows.clone(), grid, y);
+            lanes.ground.win_band::<S, false>(simd, &mut lanes.band, rows.clone(), grid);
+            cost += lanes.cost_of_band(simd, rows.clone(), grid);
             if pulls {
-                lanes.pull_band(simd, rows, grid, y);
+                lanes.pull_band(simd, rows, grid);
             }
         }
         cost
@@ -170,7 +157,6 @@ impl WithSimd for Pass<'_> {
 struct Look<'a, F> {
     lanes: &'a mut Lanes,
     grid: &'a Grid,
-    view: &'a View,
     see: F,
 }
 
@@ -179,15 +165,13 @@ impl<F: FnMut(usize, usize, &[f32])> WithSimd for Look<'_, F> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { lanes, grid, view, mut see } = self;
-        let pinhole = view.pinhole();
-        let y = |row: usize| ((row as f64 - pinhole.cy) / pinhole.fy) as f32;
-        lanes.cut_spans(grid);
+        let Self { lanes, grid, mut see } = self;
+        lanes.ground.cut_spans(grid);
         for first in (0..grid.rows).step_by(grid.band_rows()) {
             let rows = first..(first + grid.band_rows()).min(grid.rows);
-            lanes.win_band(simd, rows.clone(), grid, y);
+            lanes.ground.win_band::<S, false>(simd, &mut lanes.band, rows.clone(), grid);
             for row in rows {
-                let [from, to] = lanes.touched[row].map(|column| column as usize);
+                let [from, to] = lanes.ground.touched[row].map(|column| column as usize);
                 if from < to {
                     let start = (row - first) * grid.pitch;
                     see(row, from, &lanes.band.levels[start + from..start + to.min(grid.columns)]);
@@ -198,62 +182,14 @@ impl<F: FnMut(usize, usize, &[f32])> WithSimd for Look<'_, F> {
 }
 
 impl Lanes {
-    /// The columns that each solid, and any of them, may touch on each row.
-    #[inline(always)]
-    fn cut_spans(&mut self, grid: &Grid) {
-        self.touched.clear();
-        self.touched.resize(grid.rows, [u32::MAX, 0]);
-        for solid in &self.solids {
-            let [first, last] = solid.rows;
-            let touched = &mut self.touched[first..last];
-            let spans = &mut self.spans[solid.spans..solid.spans + last - first];
-            for (index, (touched, target)) in touched.iter_mut().zip(spans).enumerate() {
-                let span = solid.span(first + index);
-                *target = span;
-                let is_empty = span[0] >= span[1];
-                touched[0] = touched[0].min(if is_empty { u32::MAX } else { span[0] });
-                touched[1] = touched[1].max(if is_empty { 0 } else { span[1] });
-            }
-        }
-    }
-
-    /// Ground and winners of one band of rows.
-    #[inline(always)]
-    fn win_band<S: Simd>(&mut self, simd: S, rows: Range<usize>, grid: &Grid, y: impl Fn(usize) -> f32) {
-        let Self { xs, band, solids, spans, touched, .. } = self;
-        // Plain loops: what an iterator calls is not compiled for the lanes.
-        for row in rows.clone() {
-            let here = Row { row, start: (row - rows.start) * grid.pitch, y: y(row), xs, span: touched[row] };
-            if here.is_touched() {
-                band.open_row(simd, &here);
-            }
-        }
-        for (index, solid) in solids.iter().enumerate() {
-            for row in solid.rows_in(&rows) {
-                let span = spans[solid.spans + row - solid.rows[0]];
-                let here = Row { row, start: (row - rows.start) * grid.pitch, y: y(row), xs, span };
-                if here.is_touched() {
-                    band.challenge(simd, solid, index, &here);
-                }
-            }
-        }
-    }
-
     /// Cost of one band of rows, whose winners are known.
     #[inline(always)]
-    fn cost_of_band<S: Simd>(
-        &self,
-        simd: S,
-        rows: Range<usize>,
-        grid: &Grid,
-        y: impl Fn(usize) -> f32,
-    ) -> f64 {
-        let Self { xs, band, touched, .. } = self;
+    fn cost_of_band<S: Simd>(&self, simd: S, rows: Range<usize>, grid: &Grid) -> f64 {
         let mut cost = 0.0;
         for row in rows.clone() {
-            let here = Row { row, start: (row - rows.start) * grid.pitch, y: y(row), xs, span: touched[row] };
+            let here = self.ground.row(row, &rows, grid, self.ground.touched[row]);
             if here.is_touched() {
-                cost += row_cost(simd, &here, band, grid.row(row));
+                cost += row_cost(simd, &here, &self.band, grid.row(row));
             }
         }
         cost
@@ -261,12 +197,11 @@ impl Lanes {
 
     /// Pull of one band of rows, whose winners are known.
     #[inline(always)]
-    fn pull_band<S: Simd>(&mut self, simd: S, rows: Range<usize>, grid: &Grid, y: impl Fn(usize) -> f32) {
-        let Self { xs, band, solids, spans, collected, totals, .. } = self;
-        for (index, (solid, totals)) in solids.iter().zip(totals).enumerate() {
+    fn pull_band<S: Simd>(&mut self, simd: S, rows: Range<usize>, grid: &Grid) {
+        let Self { ground, band, collected, totals } = self;
+        for (index, (solid, totals)) in ground.solids.iter().zip(totals).enumerate() {
             for row in solid.rows_in(&rows) {
-                let span = spans[solid.spans + row - solid.rows[0]];
-                let here = Row { row, start: (row - rows.start) * grid.pitch, y: y(row), xs, span };
+                let here = ground.row(row, &rows, grid, ground.span(solid, row));
                 if here.is_touched() {
                     collected.pull_row(simd, (solid, index), &here, band, grid.row(row), totals);
                 }

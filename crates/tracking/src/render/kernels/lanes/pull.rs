@@ -72,19 +72,7 @@ impl Collected {
             }
             let weight = simd.select_f32s(active, weights[i], zero);
             let residual = simd.negate_mul_add_e_f32s(level, white, values[i]);
-            let mut force = match solid.shape {
-                Shape::Capsule | Shape::Spheres { .. } => {
-                    round(simd, solid, xs[i], row.y, fractions[i], norms[i])
-                }
-                Shape::Cylinder { .. } => flat(simd, solid, xs[i], row.y, fractions[i], norms[i]),
-            };
-            if solid.ramp.is_linear {
-                let [start, width] = solid.ramp.distance;
-                let distance = simd.mul_add_e_f32s(level, splat(width), splat(start));
-                let inverse = simd.div_f32s(one, distance);
-                force.f = force.f.map(|f| simd.mul_f32s(f, inverse));
-                force.cap = force.cap.map(|g| simd.mul_f32s(g, inverse));
-            }
+            let force = Force::new(simd, solid, (xs[i], row.y), (level, fractions[i]), norms[i]);
             let (vectors, _) = S::as_mut_simd_f32s(&mut self.vectors);
             let entry = &mut vectors[self.groups * ENTRY..(self.groups + 1) * ENTRY];
             entry[0] = force.f[0];
@@ -128,10 +116,35 @@ impl Collected {
 }
 
 /// A pixel's pull: f, κ h and the fraction t.
-struct Force<S: Simd> {
-    f: [S::f32s; 3],
-    cap: [S::f32s; 3],
-    fraction: S::f32s,
+pub(super) struct Force<S: Simd> {
+    pub f: [S::f32s; 3],
+    pub cap: [S::f32s; 3],
+    pub fraction: S::f32s,
+}
+
+impl<S: Simd> Force<S> {
+    /// Of rays (x, y) that see a solid at a level and a fraction.
+    #[inline(always)]
+    pub(super) fn new(
+        simd: S,
+        solid: &LaneSolid,
+        (x, y): (S::f32s, f32),
+        (level, fraction): (S::f32s, S::f32s),
+        inverse_norm: S::f32s,
+    ) -> Self {
+        let mut force = match solid.shape {
+            Shape::Capsule | Shape::Spheres { .. } => round(simd, solid, x, y, fraction, inverse_norm),
+            Shape::Cylinder { .. } => flat(simd, solid, x, y, fraction, inverse_norm),
+        };
+        if solid.ramp.is_linear {
+            let [start, width] = solid.ramp.distance.map(|part| simd.splat_f32s(part));
+            let distance = simd.mul_add_e_f32s(level, width, start);
+            let inverse = simd.div_f32s(simd.splat_f32s(1.0), distance);
+            force.f = force.f.map(|f| simd.mul_f32s(f, inverse));
+            force.cap = force.cap.map(|g| simd.mul_f32s(g, inverse));
+        }
+        force
+    }
 }
 
 /// The axis, a round end or a sphere at fraction t.

@@ -7,16 +7,23 @@ use glam::{DVec2, DVec3, Vec3};
 use super::grid::Grid;
 use crate::camera::Intrinsics;
 use crate::render::primitive::{PixelBox, Primitive, Solid};
-use crate::render::ramp::RampForm;
+use crate::render::ramp::{RampForm, SolidRamp};
 
 /// The reach is taken this much larger than it is, relatively, where spans are cut.
 const REACH_MARGIN: f64 = 1e-6;
+
+/// A flat cap is looked at as if it reached this much farther than it does.
+const WIDE: f64 = 1.1;
+/// How many roundings of a ray's place on the plane z = 1 a distance is wrong by, at the most.
+const ROUNDINGS: f64 = 4.0;
 
 /// A solid in camera axes, ready for lanes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LaneSolid {
     /// Index of its limb.
     pub limb: usize,
+    /// Its index in the view.
+    pub primitive: usize,
     /// What is nearest to a ray.
     pub shape: Shape,
     /// First joint, from which t is counted.
@@ -35,6 +42,10 @@ pub(super) struct LaneSolid {
     edges: Edges,
     /// Where its spans begin in the list of all of them.
     pub spans: usize,
+    /// No pixel of a flat cap is darker than background beyond this, squared, in units of the first joint's depth.
+    pub cap_reach: f32,
+    /// λ/255 of it is at most this wrong.
+    pub error: f32,
     /// For a sphere fixed anywhere in its limb.
     pub anchor: Option<Anchor>,
 }
@@ -124,6 +135,7 @@ impl LaneSolid {
         };
         Some(Self {
             limb: primitive.limb,
+            primitive: 0,
             shape,
             start: Joint::new(p0, axis),
             end: Joint::new(p1, axis),
@@ -134,6 +146,8 @@ impl LaneSolid {
             rows: bounds.rows,
             edges: Edges::new(p0, a, reach * (1.0 + REACH_MARGIN), pinhole, grid, bounds.columns),
             spans: 0,
+            cap_reach: (WIDE * reach / p0.z).powi(2) as f32,
+            error: error(&primitive.ramp, p0, p1),
             anchor: match primitive.solid {
                 Solid::Sphere { p0, p1, centre } => Some(Anchor { arm: centre - p0, limb_axis: p1 - p0 }),
                 _ => None,
@@ -158,6 +172,18 @@ impl LaneSolid {
         let high = (line(self.edges.high) + 0.5).min(self.edges.columns[1]);
         [whole(low), whole(high.max(0.0))]
     }
+}
+
+/// How wrong f32 may be about λ/255 on the ramp of a solid: the ray's place and the joint's are rounded.
+fn error(ramp: &SolidRamp, p0: DVec3, p1: DVec3) -> f32 {
+    let rounding = 0.5 * f64::from(f32::EPSILON);
+    let aside = |p: DVec3| p.x.abs().max(p.y.abs()).max(0.5 * p.z) + ramp.reach();
+    let distance = ROUNDINGS * rounding * aside(p0).max(aside(p1));
+    let (steepness, offset) = match ramp.form() {
+        RampForm::Quadratic { alpha, beta, .. } => (2.0 * alpha * ramp.reach(), beta),
+        RampForm::Linear { start, width, .. } => (1.0 / width, start / width),
+    };
+    (steepness * distance + ROUNDINGS * rounding * offset.abs().max(1.0)) as f32
 }
 
 /// The nearest whole number of one from 0 up to 2³² (smaller and larger ones do not occur here), in a way that

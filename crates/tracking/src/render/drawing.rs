@@ -1,0 +1,192 @@
+//! Predictions for the screen: Λ with its owners, how strongly each pixel pulls, how it changes along a motion.
+//!
+//! Where the fit's lanes can take a view they draw it: λ within [`MOST_ERROR`] of the oracle, owners the oracle's,
+//! since pixels that f32 cannot decide are decided in f64. Other views (a lens, a limb across the camera's plane)
+//! are drawn by the oracle itself. Either way on all threads, and to the bit the same on any number of them.
+//!
+//! The oracle is [`draw_plainly`]: one pixel and one solid at a time, in f64.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::View;
+use super::jacobian::Motion;
+use super::kernels::lanes::{self, Lanes};
+use super::kernels::scalar::RowWinners;
+use super::prediction::{NO_OWNER, Prediction};
+use super::primitive::Primitive;
+use super::ramp::BACKGROUND;
+use super::wrench::Wrench;
+
+/// λ/255 of a drawing is at most this far from the oracle's.
+pub const MOST_ERROR: f32 = 1e-4;
+/// Rows that a thread takes at once where the oracle draws.
+const PLAIN_ROWS: usize = 8;
+
+/// Which pictures are wanted beside λ and its owners.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Wanted<'a> {
+    /// How strongly each pixel pulls.
+    pub gradient: bool,
+    /// How each pixel changes along this motion.
+    pub motion: Option<&'a Motion>,
+}
+
+/// One camera's pictures, row-major, height × width.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Drawing {
+    /// λ and its owners.
+    pub prediction: Prediction,
+    /// |∂λ/∂q| of every pixel, q being the point of the limb that the pixel sees: grey levels a metre, zero where the
+    /// ramp is clipped. Empty if it was not wanted.
+    pub gradient: Vec<f32>,
+    /// J v of every pixel. Empty if it was not wanted.
+    pub change: Vec<f32>,
+}
+
+/// Draws a view as fast as may be.
+#[must_use]
+pub fn draw(view: &View, wanted: Wanted<'_>) -> Drawing {
+    let mut drawing = Drawing::empty(view, wanted);
+    if Lanes::can_take(view) {
+        lanes::draw(view, wanted, &mut drawing);
+    } else {
+        fill_plainly(view, wanted, &mut drawing);
+    }
+    drawing
+}
+
+/// Draws a view by the reference kernel.
+#[must_use]
+pub fn draw_plainly(view: &View, wanted: Wanted<'_>) -> Drawing {
+    let mut drawing = Drawing::empty(view, wanted);
+    fill_plainly(view, wanted, &mut drawing);
+    drawing
+}
+
+fn fill_plainly(view: &View, wanted: Wanted<'_>, drawing: &mut Drawing) {
+    drawing.strips(PLAIN_ROWS).into_par_iter().for_each_init(RowWinners::default, |winners, mut strip| {
+        for y in strip.rows() {
+            winners.find(view, y, 1, 0);
+            strip.row(y).background(0..0);
+            for x in winners.touched() {
+                let Some(winner) = winners.winner(x) else { continue };
+                strip.put(view, wanted, (x, y), Some((&view.primitives()[winner], winners.level(x))));
+            }
+        }
+    });
+}
+
+impl Drawing {
+    /// Pictures of the view's size, of zeros: memory that nobody has touched yet, so that threads share that too.
+    fn empty(view: &View, wanted: Wanted<'_>) -> Self {
+        let (width, height) = (view.width(), view.height());
+        let pixels = width * height;
+        let prediction = Prediction { width, height, lambda: vec![0.0; pixels], owner: vec![0; pixels] };
+        let numbers = |is_wanted: bool| vec![0.0; if is_wanted { pixels } else { 0 }];
+        let (gradient, change) = (numbers(wanted.gradient), numbers(wanted.motion.is_some()));
+        Self { prediction, gradient, change }
+    }
+
+    /// All pictures cut into strips of so many rows.
+    pub(in crate::render) fn strips(&mut self, rows: usize) -> Vec<Strip<'_>> {
+        let width = self.prediction.width;
+        let entries = rows.max(1) * width;
+        if entries == 0 {
+            return Vec::new();
+        }
+        let mut gradients = self.gradient.chunks_mut(entries);
+        let mut changes = self.change.chunks_mut(entries);
+        let lambdas = self.prediction.lambda.chunks_mut(entries);
+        let parts = lambdas.zip(self.prediction.owner.chunks_mut(entries)).enumerate();
+        let strip = |(index, (lambda, owner))| {
+            let gradient = gradients.next().unwrap_or_default();
+            let change = changes.next().unwrap_or_default();
+            Strip { first_row: index * rows, width, pixels: Pixels { lambda, owner, gradient, change } }
+        };
+        parts.map(strip).collect()
+    }
+}
+
+/// Some rows of all pictures of a drawing.
+#[derive(Debug)]
+pub(in crate::render) struct Strip<'a> {
+    first_row: usize,
+    width: usize,
+    pixels: Pixels<'a>,
+}
+
+/// Pixels of all pictures; those that are not wanted are empty.
+#[derive(Debug)]
+pub(in crate::render) struct Pixels<'a> {
+    pub(in crate::render) lambda: &'a mut [f32],
+    pub(in crate::render) owner: &'a mut [u16],
+    pub(in crate::render) gradient: &'a mut [f32],
+    pub(in crate::render) change: &'a mut [f32],
+}
+
+impl Pixels<'_> {
+    /// Paints background everywhere but in these columns.
+    #[inline(always)]
+    pub(in crate::render) fn background(&mut self, but: Range<usize>) {
+        for outside in [0..but.start, but.end..self.lambda.len()] {
+            self.lambda[outside.clone()].fill(BACKGROUND as f32);
+            self.owner[outside].fill(NO_OWNER);
+        }
+    }
+}
+
+impl Strip<'_> {
+    /// Its rows in the picture.
+    pub(in crate::render) fn rows(&self) -> Range<usize> {
+        self.first_row..self.first_row + self.pixels.lambda.len() / self.width
+    }
+
+    /// One row.
+    #[inline(always)]
+    pub(in crate::render) fn row(&mut self, y: usize) -> Pixels<'_> {
+        let start = (y - self.first_row) * self.width;
+        let row = start..start + self.width;
+        let Pixels { lambda, owner, gradient, change } = &mut self.pixels;
+        Pixels {
+            lambda: &mut lambda[row.clone()],
+            owner: &mut owner[row.clone()],
+            gradient: gradient.get_mut(row.clone()).unwrap_or_default(),
+            change: change.get_mut(row).unwrap_or_default(),
+        }
+    }
+
+    /// Paints one pixel as the oracle does.
+    #[inline(never)]
+    pub(in crate::render) fn put_exactly(&mut self, view: &View, wanted: Wanted<'_>, x: usize, y: usize) {
+        self.put(view, wanted, (x, y), view.winner(x, y));
+    }
+
+    /// Paints one pixel that a solid has won at this λ/255.
+    fn put(
+        &mut self,
+        view: &View,
+        wanted: Wanted<'_>,
+        (x, y): (usize, usize),
+        winner: Option<(&Primitive, f64)>,
+    ) {
+        let row = self.row(y);
+        let level = winner.map_or(1.0, |(_, level)| level);
+        row.lambda[x] = (BACKGROUND * level.clamp(0.0, 1.0)) as f32;
+        row.owner[x] = winner.map_or(NO_OWNER, |(primitive, _)| primitive.limb as u16);
+        if row.gradient.is_empty() && row.change.is_empty() {
+            return;
+        }
+        let wrench = winner.and_then(|(primitive, _)| {
+            primitive.sample(view.ray(x, y)).wrench.map(|wrench| (primitive.limb, wrench))
+        });
+        let value = |of: &dyn Fn(usize, Wrench) -> f64| wrench.map_or(0.0, |(limb, wrench)| of(limb, wrench));
+        if let Some(target) = row.gradient.get_mut(x) {
+            *target = value(&|_, wrench| wrench.force.length()) as f32;
+        }
+        if let (Some(target), Some(motion)) = (row.change.get_mut(x), wanted.motion) {
+            *target = value(&|limb, wrench| motion.change(limb, wrench)) as f32;
+        }
+    }
+}
