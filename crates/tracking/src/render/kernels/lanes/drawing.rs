@@ -264,7 +264,7 @@ fn magnitude<S: Simd>(simd: S, solid: &LaneSolid, force: &Force<S>, by_depth: Op
     simd.sqrt_f32s(simd.mul_add_e_f32s(x, x, simd.mul_add_e_f32s(y, y, simd.mul_f32s(z, z))))
 }
 
-/// f·v₀ + g₁·v_a, with v₀ how the solid's start moves, v_a how its axis does, g₁ = t f + κ h; and the depth's part.
+/// f·v₀ + g₁·v₁, with v₀ how the solid's start moves, v₁ how its axis does, g₁ = t f + κ h; and the depth's part.
 #[inline(always)]
 fn change<S: Simd>(simd: S, rate: &Rate, force: &Force<S>, by_depth: Option<S::f32s>) -> S::f32s {
     let start = dot(simd, force.f, rate.start);
