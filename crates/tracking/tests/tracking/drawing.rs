@@ -151,6 +151,24 @@ fn drawings_are_the_oracle_s() {
     assert!(taken > 250, "the lanes took only {taken} of {seed}");
 }
 
+/// Where a pixel is a millimetre, and the ramp a few of them, rounding weighs most.
+#[test]
+fn full_hd_drawings_are_the_oracle_s() {
+    let body = builtin::upper_body();
+    let mut failures = Vec::new();
+    for (seed, renderer) in RENDERERS[..3].iter().cycle().take(9).enumerate() {
+        let camera = camera([1920, 1080], 0.9 * seed as f64, 1.9 + 0.4 * seed as f64, Distortion::None);
+        let ramp = Ramp::Distance { inner_px: 1.5, outer_px: 1.5 };
+        let case = Case::new(&body, 100 + seed as u64, &camera, *renderer, ramp);
+        assert!(Lanes::can_take(&case.view));
+        let oracle = draw_plainly(&case.view, Wanted::default());
+        case.compare(&draw(&case.view, Wanted::default()), &oracle, &mut failures);
+    }
+    let count = failures.len();
+    failures.truncate(30);
+    assert!(count == 0, "{count} mismatches:\n{}", failures.join("\n"));
+}
+
 /// Views that the lanes cannot take are the oracle's own work.
 #[test]
 fn lenses_and_limbs_around_the_camera_are_drawn_by_the_oracle() {

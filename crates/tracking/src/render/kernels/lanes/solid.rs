@@ -15,7 +15,7 @@ const REACH_MARGIN: f64 = 1e-6;
 /// A flat cap is looked at as if it reached this much farther than it does.
 const WIDE: f64 = 1.1;
 /// How many roundings of a ray's place on the plane z = 1 a distance is wrong by, at the most.
-const ROUNDINGS: f64 = 4.0;
+const ROUNDINGS: f64 = 2.0;
 
 /// A solid in camera axes, ready for lanes.
 #[derive(Debug, Clone, Copy)]
