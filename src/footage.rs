@@ -48,7 +48,7 @@ pub struct MadeWith {
 }
 
 /// One camera's picture of one frame, on the ideal pinhole grid.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct CameraFrame {
     /// The picture.
     pub image: Option<Arc<RgbImage>>,

@@ -71,6 +71,13 @@ impl Pane {
         self.row().map_or("The camera's picture, silhouette and fit", |row| Self::KINDS[row].3)
     }
 
+    /// The scope of its widgets: of the pane, not of its place, so that a pane that is moved keeps its state and its
+    /// textures.
+    #[must_use]
+    pub fn scope(self) -> egui::Id {
+        egui::Id::unique(("pane", self))
+    }
+
     /// Where it comes in when it has no place yet.
     #[must_use]
     pub fn side(self) -> Side {

@@ -5,14 +5,20 @@
 //! | `upright` | which way is up, and where the floor is |
 //! | `viewpoint` | the orbit view, and a camera's own place |
 //! | `contents` | body, cameras, floor, hull and sight ray as things to draw |
+//! | `order` | all that a picture of the scene shows |
+//! | `drawing` | the picture made of that, and the cameras' pictures small |
 
 mod contents;
+mod drawing;
+mod order;
 mod upright;
 mod viewpoint;
 
 use serde::{Deserialize, Serialize};
 
 pub use contents::{Contents, ContentsInput, Frustum, contents};
+pub use drawing::{SceneDrawing, Thumbnails};
+pub use order::SceneOrder;
 pub use upright::Upright;
 pub use viewpoint::{Orbit, Viewpoint};
 

@@ -22,6 +22,7 @@ pub use run_names::{count_twins, name_runs, plain_names};
 
 use crate::document::Document;
 use crate::footage::Footage;
+use crate::scene_view::SceneDrawing;
 use crate::selection::{Selection, StepRef};
 use crate::worker::{Extent, Predicted, Scene};
 
@@ -56,6 +57,8 @@ pub struct Session {
     pub is_stepping: bool,
     /// Visual hulls of frames.
     pub hulls: HullCache,
+    /// The picture of the 3-D scene. While a newer one is drawn, the old stays.
+    pub scene_drawing: Option<Arc<SceneDrawing>>,
     /// The frame that is being loaded.
     pub loading: Option<usize>,
     /// The frame that was shown last: it stays until the next one is there.

@@ -21,7 +21,7 @@ use crate::panels::camera_tile::TileEvent;
 use crate::panels::export_dialog::ExportOrder;
 use crate::panels::timeline::TimelineEvent;
 use crate::picture::JointId;
-use crate::scene_view::SceneLook;
+use crate::scene_view::{SceneLook, SceneOrder};
 use crate::selection::{Selection, StepRef};
 use crate::session::Session;
 use crate::view_settings::ViewSettings;
@@ -199,6 +199,8 @@ pub struct Intents {
     pub requests: Vec<Request>,
     /// What is looked at of what the cameras see, in this frame: nothing that is asked for.
     pub glance: Glance,
+    /// What the 3-D scene is to show, where its picture shows something else.
+    pub scene: Option<Box<SceneOrder>>,
 }
 
 impl Intents {

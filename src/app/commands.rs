@@ -17,7 +17,9 @@ use crate::observing::ObserveRequest;
 use crate::pane::Pane;
 use crate::panels::export_dialog::Subject;
 use crate::panels::palette::Palette;
-use crate::panels::{Comparison, dragged_until_now, preset_of, renderer_of, rotation_tree, view_mode_of};
+use crate::panels::{
+    Comparison, dragged_until_now, preset_of, renderer_of, rotation_tree, scene, view_mode_of,
+};
 use crate::picture::{JointId, ViewMode};
 use crate::selection::Selection;
 use crate::showing::{Intents, PaneEvent, unavailable};
@@ -30,7 +32,9 @@ impl App {
         let mut intents = Intents::default();
         let is_moving = self.is_moving_tile(ctx);
         if self.overlay.is_none() && self.held.is_none() && !is_moving && !egui::Popup::is_any_open(ctx) {
+            let of_scene = scene::keys::hold_back(ctx);
             intents.actions = Action::pressed(ctx);
+            scene::keys::give_back(ctx, of_scene);
             intents.actions.extend(self.read_clipboard(ctx));
         }
         intents

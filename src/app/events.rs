@@ -45,6 +45,7 @@ impl App {
             Event::HullCarved(frame, hull) => self.session.hulls.insert(frame, hull),
             Event::Surveyed(extents) => self.session.subject = extents,
             Event::Predicted(predicted) => self.show_prediction(predicted),
+            Event::SceneDrawn(drawing) => self.session.scene_drawing = Some(drawing),
             Event::Observed(observed) => self.observing.hear(observed),
             Event::FitStep(step, predicted) => self.fit_step(*step, predicted),
             Event::FitEnded(ending) => self.finish_run(ending),
@@ -143,6 +144,7 @@ impl App {
     fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<OpenedProject>) {
         for lane in [
             Lane::Predict,
+            Lane::Scene,
             Lane::Load,
             Lane::Survey,
             Lane::Fit,

@@ -83,7 +83,8 @@ impl App {
             TileEvent::SetFraming(framing) => self.set_tile(camera, |tile| tile.framing = framing),
             TileEvent::ToggleExpanded => self.pane_event(Pane::Camera(camera), PaneEvent::ToggleAlone),
             TileEvent::DragTile => {}
-            TileEvent::Switch(other) => self.switch_camera(camera, other),
+            TileEvent::Switch(Pane::Camera(other)) => self.switch_camera(camera, other),
+            TileEvent::Switch(pane) => self.pane_event(pane, PaneEvent::Open),
             TileEvent::Close => self.pane_event(Pane::Camera(camera), PaneEvent::Close),
             TileEvent::Segment => self.session.forget_measurements(),
         }

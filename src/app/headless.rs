@@ -15,6 +15,9 @@ use crate::picture::ViewMode;
 use crate::raster::Headless;
 use crate::theme::Theme;
 
+/// What has come to rest so often is at rest; what plays never is.
+const ROUNDS: usize = 2;
+
 /// What the picture shows.
 #[derive(Debug, Clone)]
 pub struct PictureOptions {
@@ -129,20 +132,29 @@ fn headless_app(opening: Opening, options: &PictureOptions) -> anyhow::Result<(H
 
 /// Runs frames until nothing is being worked on and nothing moves.
 fn settle(window: &mut Headless, app: &mut App, patience: Duration) -> RgbaImage {
-    let start = Instant::now();
-    loop {
-        window.run(1, Vec::new(), |ui| app.frame(ui));
-        if app.is_idle() || start.elapsed() > patience {
-            break;
-        }
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    // Sizes settle over two frames; times are not the picture's business.
+    rest(window, app, patience, &CancelToken::default());
+    // Times are not the picture's business.
     app.freeze_times();
     window.frames(3, Vec::new(), |ui| {
         app.frame(ui);
         app.freeze_times();
     })
+}
+
+/// Runs frames until there is nothing more to do.
+pub(super) fn rest(window: &mut Headless, app: &mut App, patience: Duration, cancel: &CancelToken) {
+    let start = Instant::now();
+    for _ in 0..ROUNDS {
+        loop {
+            window.run(1, Vec::new(), |ui| app.frame(ui));
+            if app.is_idle() || cancel.is_cancelled() || start.elapsed() > patience {
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        // Sizes settle over two frames, and may ask for more.
+        window.run(1, Vec::new(), |ui| app.frame(ui));
+    }
 }
 
 impl App {

@@ -16,6 +16,9 @@ impl App {
         if self.observing.glance(intents.glance) {
             ctx.request_repaint();
         }
+        if let Some(order) = intents.scene {
+            self.draw_scene(*order);
+        }
         for (edit, gesture) in intents.edits {
             if matches!(edit, Edit::SetPose { .. }) {
                 self.interrupt_fit();

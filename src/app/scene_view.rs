@@ -5,8 +5,8 @@ use backlit_tracking::body::Kinematics;
 use super::App;
 use crate::action::Action;
 use crate::pane::Pane;
-use crate::scene_view::{HullLook, Orbit, Upright, Viewpoint};
-use crate::worker::{HullJob, Lane};
+use crate::scene_view::{HullLook, Orbit, SceneOrder, Upright, Viewpoint};
+use crate::worker::{DrawSceneJob, HullJob, Lane};
 
 /// Views of a side of the body are from so far away, metres.
 const BODY_FROM: f64 = 4.5;
@@ -17,6 +17,15 @@ impl App {
         match self.docking.alone {
             Some(alone) => alone == Pane::Scene,
             None => self.look.is_open(Pane::Scene, self.session.camera_count()),
+        }
+    }
+
+    /// Has the scene drawn, if it is not being drawn. What changes meanwhile is ordered when that picture is there: the
+    /// newest order follows, and a scene that never rests gets its pictures too.
+    pub(super) fn draw_scene(&mut self, order: SceneOrder) {
+        if !self.worker.is_busy(Lane::Scene) {
+            let earlier = self.session.scene_drawing.clone();
+            self.worker.request(Lane::Scene, DrawSceneJob::new(order, earlier));
         }
     }
 

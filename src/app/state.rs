@@ -31,7 +31,7 @@ use crate::panels::export_dialog::ExportDialog;
 use crate::panels::palette::Palette;
 use crate::selection::Selection;
 use crate::session::Session;
-use crate::worker::{Event, LiveFit, LiveLaboratory, Scene, Worker};
+use crate::worker::{Event, Lane, LiveFit, LiveLaboratory, Scene, Worker};
 
 /// What the window begins with.
 #[derive(Debug, Default)]
@@ -285,7 +285,10 @@ impl App {
     #[must_use]
     pub fn is_idle(&self) -> bool {
         let is_waiting = self.laboratory.is_waiting && self.look.layout == Layout::Demonstrate;
-        self.worker.is_idle()
+        // A body that sways never comes to rest, and neither does its picture.
+        let is_drawn = !self.worker.is_busy(Lane::Scene) || self.observing.is_playing();
+        self.worker.is_idle_but(Lane::Scene)
+            && is_drawn
             && self.background.is_idle()
             && !self.session.is_stale
             && self.prepared.is_none()

@@ -1,12 +1,13 @@
 //! A second inspector that nobody sees: it shows what the first one shows, or only one camera's picture, and is
 //! painted on the CPU. Exports are its pictures, so they are exactly what is shown.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use backlit_tracking::cancel::CancelToken;
 use egui::{Memory, Vec2, vec2};
 use image::{DynamicImage, RgbImage};
 
+use super::headless::rest;
 use super::{App, AppOptions};
 use crate::basin::BasinState;
 use crate::document::Document;
@@ -176,14 +177,6 @@ impl Twin {
 
     /// Runs frames until nothing is being worked on any more.
     fn settle(&mut self, cancel: &CancelToken) {
-        let (start, app) = (Instant::now(), &mut self.app);
-        loop {
-            self.window.run(1, Vec::new(), |ui| app.frame(ui));
-            if app.is_idle() || cancel.is_cancelled() || start.elapsed() > PATIENCE {
-                break;
-            }
-            std::thread::sleep(Duration::from_millis(2));
-        }
-        self.window.run(1, Vec::new(), |ui| app.frame(ui));
+        rest(&mut self.window, &mut self.app, PATIENCE, cancel);
     }
 }

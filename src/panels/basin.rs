@@ -7,30 +7,29 @@ mod success;
 use egui::{Align, Button, Layout as Direction, Rect, RichText, Ui, UiBuilder, vec2};
 
 use super::command::named_button;
+use super::pane_title;
 use crate::action::Action;
 use crate::basin::{BasinRequest, BasinState, BasinView, FileKind, FitCount, MapResult, Running};
 use crate::format;
-use crate::pane::HEADER_BUTTONS;
+use crate::pane::{HEADER_BUTTONS, Pane};
 use crate::showing::{Intents, Request, Showing};
-use crate::theme::{self, space};
+use crate::theme::{self, size, space};
 use crate::widgets::segmented;
 
 pub(super) use section::ui as section;
 
-/// Height of the row above the plot.
-const HEAD: f32 = 30.0;
 /// A pane narrower than this has two rows above the plot.
 const ONE_ROW: f32 = 470.0;
 /// Height of the bar that says how far it is.
 const BAR: f32 = 2.0;
 
 /// The pane, in all of the space that is left.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, siblings: &[Pane], intents: &mut Intents) {
     let rect = ui.available_rect_before_wrap();
     ui.painter().rect_filled(rect, 0.0, theme::palette(ui).panel);
     let inner = UiBuilder::new().max_rect(rect.shrink2(vec2(space::WIDGET, 0.0)));
     ui.scope_builder(inner, |ui| {
-        head(ui, showing, intents);
+        head(ui, showing, siblings, intents);
         progress_bar(ui, showing.basin);
         conditions(ui, showing.basin, showing.look.basin.view);
         match (showing.look.basin.view, &showing.basin.angles, &showing.basin.map) {
@@ -42,17 +41,17 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
 }
 
 /// The name and all that can be done: in one row, or in two where the pane is a narrow column.
-fn head(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+fn head(ui: &mut Ui, showing: &Showing<'_>, siblings: &[Pane], intents: &mut Intents) {
     let is_narrow = ui.available_width() < ONE_ROW;
     let row = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
-        let size = vec2(ui.available_width(), HEAD);
+        let size = vec2(ui.available_width(), size::TILE_HEADER);
         ui.allocate_ui_with_layout(size, Direction::left_to_right(Align::Center), |ui| {
-            ui.set_min_height(HEAD);
+            ui.set_min_height(size::TILE_HEADER);
             add(ui);
         });
     };
     row(ui, &mut |ui| {
-        ui.label(RichText::new("Basin").size(14.0));
+        pane_title::show(ui, Pane::Basin, siblings, intents);
         if !is_narrow {
             ui.add_space(space::ROW);
             controls(ui, showing, intents);

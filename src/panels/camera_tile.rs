@@ -44,6 +44,7 @@ pub use look::{Comparison, TileLook};
 pub use observed::ObservedMarks;
 pub(crate) use pane::{CameraPanes, CameraViews};
 
+use crate::pane::Pane;
 use crate::picture::{JointId, JointMark, PictureInput, ProjectedLimb, SightRay};
 use crate::theme::{self, size};
 use crate::view_settings::ViewSettings;
@@ -61,8 +62,8 @@ pub struct CameraTileInput<'a> {
     pub is_active: bool,
     /// It fills the window.
     pub is_expanded: bool,
-    /// Cameras that stand behind this one, counted from zero; the header has a badge for each.
-    pub siblings: &'a [usize],
+    /// Panes that stand behind this one; the header has a badge or a name for each.
+    pub siblings: &'a [Pane],
     /// It zooms and pans with the other linked tiles.
     pub is_linked: bool,
     /// There is a calibration. Without one there are pictures only.

@@ -4,19 +4,17 @@
 pub(super) mod plot;
 mod read_out;
 
-use egui::{Align, Layout as Direction, RichText, Ui, UiBuilder, vec2};
+use egui::{Align, Layout as Direction, Ui, UiBuilder, vec2};
 
 use super::command::menu_row;
-use super::{runs, steps};
+use super::{pane_title, runs, steps};
 use crate::action::Action;
 use crate::curves::{CurvesLook, CurvesRequest, Quantity};
-use crate::pane::HEADER_BUTTONS;
+use crate::pane::{HEADER_BUTTONS, Pane};
 use crate::showing::{Intents, Request, Showing};
 use crate::theme::{self, size, space};
 use crate::widgets::{checkbox, segmented};
 
-/// Height of the row above the plot.
-const HEAD: f32 = 30.0;
 /// Height of the row of steps.
 const STEPS: f32 = 52.0;
 /// The plot's list of runs folds below this width.
@@ -27,15 +25,15 @@ const LIST_SHARE: f32 = 0.4;
 const QUANTITY: f32 = 124.0;
 
 /// The panel, in all of the space that is left.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, siblings: &[Pane], intents: &mut Intents) {
     let rect = ui.available_rect_before_wrap();
     ui.painter().rect_filled(rect, 0.0, theme::palette(ui).panel);
     let inner = UiBuilder::new().max_rect(rect.shrink2(vec2(space::WIDGET, 0.0)));
-    ui.scope_builder(inner, |ui| contents(ui, showing, intents));
+    ui.scope_builder(inner, |ui| contents(ui, showing, siblings, intents));
 }
 
-fn contents(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
-    head(ui, showing, intents);
+fn contents(ui: &mut Ui, showing: &Showing<'_>, siblings: &[Pane], intents: &mut Intents) {
+    head(ui, showing, siblings, intents);
     let list = ui.available_width() >= LIST_FROM;
     let list_width = if list { size::RUN_LIST.min(LIST_SHARE * ui.available_width()) } else { 0.0 };
     let plot_height = (ui.available_height() - STEPS).max(80.0);
@@ -51,13 +49,13 @@ fn contents(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
     steps::ui(ui, showing, intents);
 }
 
-fn head(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+fn head(ui: &mut Ui, showing: &Showing<'_>, siblings: &[Pane], intents: &mut Intents) {
     let mut look = showing.look.curves;
     ui.allocate_ui_with_layout(
-        vec2(ui.available_width(), HEAD),
+        vec2(ui.available_width(), size::TILE_HEADER),
         Direction::left_to_right(Align::Center),
         |ui| {
-            ui.label(RichText::new("Convergence").size(14.0));
+            pane_title::show(ui, Pane::Convergence, siblings, intents);
             ui.add_space(space::ROW);
             choices(ui, &mut look);
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {

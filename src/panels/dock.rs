@@ -2,8 +2,8 @@
 //! with.
 
 use egui::{
-    Align, Button, Color32, Id, Layout as Direction, Popup, Rect, Role, Sense, Stroke, Ui, UiBuilder,
-    Visuals, WidgetInfo, pos2, vec2,
+    Align, Button, Color32, Layout as Direction, Popup, Rect, Role, Sense, Stroke, Ui, UiBuilder, Visuals,
+    WidgetInfo, pos2, vec2,
 };
 use egui_tiles::{Behavior, EditAction, ResizeState, TabState, Tabs, TileId, Tiles, UiResponse};
 
@@ -78,17 +78,15 @@ struct Contents<'a> {
     look: &'a TilesLook<'a>,
     common: &'a CameraPanes<'a>,
     pane: Pane,
-    /// Cameras that stand behind this one.
-    siblings: &'a [usize],
+    /// Panes that stand behind this one.
+    siblings: &'a [Pane],
 }
 
 /// Shows a pane; whether its tile is dragged away by its header.
 fn contents(ui: &mut Ui, rect: Rect, input: &Contents<'_>, intents: &mut Intents) -> bool {
     let Contents { showing, look, common, pane, siblings } = *input;
-    // Of the pane, not of its place: a pane that is moved keeps its state and its textures.
-    let id = Id::unique(("pane", pane));
     let mut dragged = false;
-    ui.scope_builder(UiBuilder::new().scope_id(id).max_rect(rect), |ui| {
+    ui.scope_builder(UiBuilder::new().scope_id(pane.scope()).max_rect(rect), |ui| {
         ui.set_clip_rect(rect.intersect(ui.clip_rect()));
         if !matches!(pane, Pane::Camera(_)) {
             dragged = handle(ui, rect, pane, intents);
@@ -97,9 +95,9 @@ fn contents(ui: &mut Ui, rect: Rect, input: &Contents<'_>, intents: &mut Intents
             Pane::Camera(index) => {
                 dragged = common.show(ui, index, siblings, intents);
             }
-            Pane::Scene => scene::ui(ui, showing, look.views.dragged, intents),
-            Pane::Convergence => convergence::ui(ui, showing, intents),
-            Pane::Basin => basin::ui(ui, showing, intents),
+            Pane::Scene => scene::ui(ui, showing, look.views.dragged, siblings, intents),
+            Pane::Convergence => convergence::ui(ui, showing, siblings, intents),
+            Pane::Basin => basin::ui(ui, showing, siblings, intents),
         }
         if !matches!(pane, Pane::Camera(_)) {
             header_buttons(ui, rect, pane, look.alone == Some(pane), intents);
@@ -185,7 +183,7 @@ struct Dock<'a> {
     showing: &'a Showing<'a>,
     look: &'a TilesLook<'a>,
     common: &'a CameraPanes<'a>,
-    /// Whether cameras that stand behind one are named in its header.
+    /// Whether panes that stand behind one are named in its header.
     shows_siblings: bool,
     intents: &'a mut Intents,
     before: &'a Arrangement,
@@ -198,18 +196,12 @@ impl Dock<'_> {
         theme.palette()
     }
 
-    /// Cameras that stand behind this one.
-    fn siblings(&self, pane: Pane) -> Vec<usize> {
+    /// Panes that stand behind this one.
+    fn siblings(&self, pane: Pane) -> Vec<Pane> {
         if !self.shows_siblings {
             return Vec::new();
         }
-        let others = panes_with(self.before, pane).into_iter().filter(|other| *other != pane);
-        others
-            .filter_map(|other| match other {
-                Pane::Camera(index) => Some(index),
-                _ => None,
-            })
-            .collect()
+        panes_with(self.before, pane).into_iter().filter(|other| *other != pane).collect()
     }
 }
 
@@ -245,10 +237,9 @@ impl Behavior<Pane> for Dock<'_> {
         titles.join(", ").into()
     }
 
-    /// Cameras stand behind each other without a bar: their headers name the others.
+    /// Panes stand behind each other without a bar: their headers name the others. Only what is split has none.
     fn is_tab_bar_visible(&self, _tile_id: TileId, tabs: &Tabs) -> bool {
-        let is_camera = |child: &TileId| matches!(self.before.tiles.get_pane(child), Some(Pane::Camera(_)));
-        !tabs.children.iter().all(is_camera)
+        !tabs.children.iter().all(|child| self.before.tiles.get_pane(child).is_some())
     }
 
     fn on_tab_button(

@@ -3,22 +3,25 @@
 //! | file | holds |
 //! |---|---|
 //! | `header` | title and the menu of views and of what is shown |
-//! | `hand` | orbit, pan, zoom, click on a camera |
-//! | `canvas` | the picture, drawn anew only when something in it has changed |
+//! | `hand`, `keys` | orbit, pan, zoom, click on a camera |
+//! | `canvas` | the picture, ordered anew only when something in it has changed |
 //! | `marks` | badges, the held joint, axes and words, over the picture |
 
 mod canvas;
 mod hand;
 mod header;
+pub(crate) mod keys;
 mod marks;
 
 use backlit_tracking::body::Kinematics;
+use backlit_tracking::track::visual_hull::VisualHull;
 use egui::{Rect, Ui, pos2};
 use glam::DVec3;
 
+use crate::pane::Pane;
 use crate::picture::JointId;
 use crate::raster::scene::SceneCamera;
-use crate::scene_view::{ContentsInput, Orbit, Upright, Viewpoint, contents};
+use crate::scene_view::{ContentsInput, Frustum, Orbit, SceneDrawing, Upright, Viewpoint};
 use crate::showing::{Intents, Showing};
 use crate::theme::size;
 
@@ -28,25 +31,29 @@ pub(super) fn ui(
     ui: &mut Ui,
     showing: &Showing<'_>,
     dragged: Option<(usize, JointId)>,
+    siblings: &[Pane],
     intents: &mut Intents,
 ) {
     let tile = ui.available_rect_before_wrap();
     let header = Rect::from_min_max(tile.min, pos2(tile.right(), tile.top() + size::TILE_HEADER));
     let picture = Rect::from_min_max(pos2(tile.left(), header.bottom()), tile.max);
     let Some(stage) = Stage::new(showing, dragged, picture) else { return };
-    header::show(ui, header, showing, intents);
+    header::show(ui, header, showing, siblings, intents);
     if !picture.is_positive() {
         return;
     }
-    let moves = hand::navigate(ui, showing, &stage, intents);
-    let input = stage.contents_input(ui, showing);
-    let contents = contents(&input, stage.eye.position);
-    canvas::show(ui, showing, &stage, &contents, moves);
-    hand::pick_camera(ui, showing, &stage, &contents.frusta, intents);
-    marks::show(ui, showing, &stage, &contents.frusta);
+    let (viewpoint, moves) = hand::navigate(ui, showing, &stage, intents);
+    canvas::order(ui, showing, &stage.seen_from(showing, viewpoint), moves, intents);
+    canvas::ground(ui, picture);
+    let Some(drawing) = &showing.session.scene_drawing else { return };
+    canvas::show(ui, picture, drawing);
+    let seen = Seen::new(drawing, picture);
+    hand::pick_camera(ui, showing, &seen, intents);
+    marks::show(ui, showing, &seen);
+    keys::show_focus(ui, picture);
 }
 
-/// Where the scene is, and how it is seen.
+/// The scene as it is to be seen.
 struct Stage {
     /// The picture on the screen.
     picture: Rect,
@@ -93,7 +100,22 @@ impl Stage {
         Some(stage)
     }
 
-    fn contents_input<'a>(&'a self, ui: &Ui, showing: &Showing<'a>) -> ContentsInput<'a> {
+    /// The same from elsewhere: what the hand asks for is ordered in the very frame.
+    fn seen_from(self, showing: &Showing<'_>, viewpoint: Viewpoint) -> Self {
+        if viewpoint == self.viewpoint {
+            return self;
+        }
+        let cameras = showing.session.take.as_ref().map_or(&[][..], |take| take.cameras.as_slice());
+        let aspect = f64::from(self.picture.width() / self.picture.height().max(1.0));
+        Self { viewpoint, eye: viewpoint.camera(&self.upright, cameras, aspect), ..self }
+    }
+
+    fn contents_input<'a>(
+        &'a self,
+        showing: &Showing<'a>,
+        hull: Option<&'a VisualHull>,
+        scale: f32,
+    ) -> ContentsInput<'a> {
         let (session, document) = (showing.session, showing.document());
         let rotation = match showing.selection.joint {
             JointId::Root => None,
@@ -102,7 +124,6 @@ impl Stage {
                 document.model.limbs().get(limb).map(|limb| limb.rotation)
             }
         };
-        let hull = session.shown_frame(showing.selection.frame).and_then(|frame| session.hulls.get(frame));
         ContentsInput {
             look: &showing.look.scene,
             model: &document.model,
@@ -112,13 +133,38 @@ impl Stage {
             cameras: session.take.as_ref().map_or(&[], |take| take.cameras.as_slice()),
             uses: &document.cameras,
             active: showing.selection.camera,
-            hull: hull.flatten().map(AsRef::as_ref),
+            hull,
             ray: self.ray,
             upright: self.upright,
             floor: self.floor,
             middle: self.middle,
-            scale: f64::from(ui.pixels_per_point()),
+            scale: f64::from(scale),
         }
+    }
+
+    /// Where a joint is.
+    fn position(&self, joint: JointId) -> Option<DVec3> {
+        match joint {
+            JointId::Root => Some(self.root),
+            JointId::End(limb) => self.kinematics.ends().get(limb).copied(),
+        }
+    }
+}
+
+/// The scene as it was drawn: what lies over the picture belongs to that one, until the next is there.
+struct Seen<'a> {
+    /// The picture on the screen.
+    picture: Rect,
+    eye: SceneCamera,
+    frusta: &'a [Frustum],
+    /// Where the held joint is.
+    held: Option<DVec3>,
+}
+
+impl<'a> Seen<'a> {
+    fn new(drawing: &'a SceneDrawing, picture: Rect) -> Self {
+        let order = &drawing.order;
+        Self { picture, eye: order.eye, frusta: &order.frusta, held: order.held }
     }
 
     /// Where a point appears on the screen, and its depth.
@@ -129,13 +175,5 @@ impl Stage {
         let (at, _) = self.eye.project(point, [size.x.max(1.0) as u32, size.y.max(1.0) as u32])?;
         let share = egui::vec2(at.x as f32 + 0.5, at.y as f32 + 0.5) / FINE;
         Some(self.picture.min + share).filter(|at| at.is_finite())
-    }
-
-    /// Where a joint is.
-    fn position(&self, joint: JointId) -> Option<DVec3> {
-        match joint {
-            JointId::Root => Some(self.root),
-            JointId::End(limb) => self.kinematics.ends().get(limb).copied(),
-        }
     }
 }

@@ -2,6 +2,7 @@
 
 use egui::{Align, Label, RichText, ScrollArea, Ui, vec2};
 
+use super::scene;
 use crate::action::{Action, Menu, keys_text};
 use crate::theme::{self, size};
 use crate::widgets::{Icon, icon_button, search_card, text_field};
@@ -53,6 +54,8 @@ pub(crate) fn ui(ui: &Ui, search: &mut String) -> bool {
                         });
                     is_empty &= !group(ui, menu.text(), rows, &words);
                 }
+                let of_scene = scene::keys::KEYS.iter().map(|(keys, text)| ((*keys).to_owned(), *text, ""));
+                is_empty &= !group(ui, "Pointer over the scene", of_scene, &words);
                 let gestures = GESTURES.iter().map(|(keys, text)| ((*keys).to_owned(), *text, ""));
                 is_empty &= !group(ui, "Pointer", gestures, &words);
                 if is_empty {

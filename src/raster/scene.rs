@@ -1,17 +1,19 @@
 //! The 3-D scene on the CPU: bodies, cameras and the floor, seen by an orbit view.
 //!
-//! Capsules are intersected with each pixel's ray, so they are round at every scale; pictures are shown in
+//! Limbs are intersected with each pixel's ray, so they are round at every scale; pictures are shown in
 //! true perspective; a depth buffer decides what is in front. Every pixel is the mean of 2 × 2 samples.
 //! Lengths are metres, and nothing closer to the eye than [`NEAR`] is drawn. What is not finite is skipped.
 
 mod dots;
 mod frame;
+mod limb;
 
 use egui::Color32;
 use glam::{DMat3, DVec2, DVec3};
 use image::RgbaImage;
 
 pub use frame::SceneFrame;
+pub use limb::{Ends, Limb};
 
 /// What is closer to the eye than this is not drawn.
 pub const NEAR: f64 = 0.01;
@@ -45,17 +47,6 @@ impl SceneCamera {
         let point = view.in_view(point_in_world);
         (point.z >= NEAR).then(|| (view.on_screen(point), point.z))
     }
-}
-
-/// A limb: all points within `radius` of a segment. With both ends in one place it is a sphere.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Capsule {
-    /// The ends of the segment.
-    pub ends: [DVec3; 2],
-    /// The radius.
-    pub radius: f64,
-    /// Its colour in full light; taken as opaque.
-    pub colour: Color32,
 }
 
 /// A line of constant width on the screen.
@@ -134,7 +125,7 @@ impl Floor {
 #[derive(Clone, Debug, Default)]
 pub struct Scene<'a> {
     /// Limbs.
-    pub capsules: Vec<Capsule>,
+    pub limbs: Vec<Limb>,
     /// The floor, if any.
     pub floor: Option<Floor>,
     /// Pictures. Where they are more than half opaque they hide lines behind them.
@@ -178,38 +169,6 @@ impl View {
     }
 }
 
-/// How far along the ray from the eye a capsule is first met, in lengths of `ray`; negative behind the eye.
-fn capsule_hit(ray: DVec3, [a, b]: [DVec3; 2], radius: f64) -> Option<f64> {
-    let axis = b - a;
-    let (axis_axis, axis_ray, ray_ray) = (axis.length_squared(), axis.dot(ray), ray.length_squared());
-    let sphere = |centre: DVec3| {
-        let half = ray.dot(centre);
-        let root = half * half - ray_ray * (centre.length_squared() - radius * radius);
-        (root >= 0.0).then(|| (half - root.sqrt()) / ray_ray)
-    };
-    // The infinite cylinder: square·t² + 2·half·t + rest = 0.
-    let square = axis_axis * ray_ray - axis_ray * axis_ray;
-    if square <= 1e-12 * axis_axis * ray_ray {
-        return [sphere(a), sphere(b)].into_iter().flatten().reduce(f64::min);
-    }
-    let along_a = -axis.dot(a);
-    let half = -axis_axis * ray.dot(a) - along_a * axis_ray;
-    let rest = axis_axis * (a.length_squared() - radius * radius) - along_a * along_a;
-    let root = half * half - square * rest;
-    if root < 0.0 {
-        return None;
-    }
-    let hit = (-half - root.sqrt()) / square;
-    let along = along_a + hit * axis_ray;
-    if along <= 0.0 {
-        sphere(a)
-    } else if along >= axis_axis {
-        sphere(b)
-    } else {
-        Some(hit)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -236,35 +195,5 @@ mod tests {
             let camera = SceneCamera { position: DVec3::ZERO, target, up, fov_y: 1.0 };
             assert!((camera.view_from_world().determinant() - 1.0).abs() < 1e-12);
         }
-    }
-
-    /// Marching the distance to the segment finds the same point.
-    #[test]
-    fn capsule_hits_lie_on_the_surface() {
-        let ends = [DVec3::new(-0.6, 0.1, 3.0), DVec3::new(0.5, -0.3, 4.2)];
-        let axis = ends[1] - ends[0];
-        let distance = |p: DVec3| {
-            let t = ((p - ends[0]).dot(axis) / axis.length_squared()).clamp(0.0, 1.0);
-            p.distance(ends[0] + axis * t)
-        };
-        let mut hits = 0;
-        for row in -20..=20 {
-            for column in -20..=20 {
-                let ray = DVec3::new(f64::from(column) * 0.02, f64::from(row) * 0.02, 1.0);
-                let mut travelled = 0.0;
-                for _ in 0..400 {
-                    travelled += (distance(ray * travelled) - 0.25) / ray.length();
-                }
-                let is_hit = travelled < 10.0;
-                match capsule_hit(ray, ends, 0.25) {
-                    Some(hit) => {
-                        hits += 1;
-                        assert!((hit - travelled).abs() < 1e-4, "{column}, {row}: {hit} {travelled}");
-                    }
-                    None => assert!(!is_hit, "{column}, {row}: missed at {travelled}"),
-                }
-            }
-        }
-        assert!(hits > 100, "{hits}");
     }
 }

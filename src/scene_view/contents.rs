@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 
 use super::{HullLook, SceneLook, Upright, Viewpoint};
 use crate::document::CameraUse;
-use crate::raster::scene::{Capsule, Dot, Floor, Line, Scene};
+use crate::raster::scene::{Dot, Ends, Floor, Limb, Line, Scene};
 use crate::theme::camera_colours;
 use crate::theme::data_colours::{AGREEMENT, SCENE_BODY, SCENE_FLOOR, SELECTED};
 
@@ -65,7 +65,7 @@ pub struct ContentsInput<'a> {
     pub floor: f64,
     /// A point above the middle of the floor.
     pub middle: DVec3,
-    /// Pixels per point.
+    /// Pixels of the picture for a point of the screen.
     pub scale: f64,
 }
 
@@ -82,19 +82,19 @@ pub struct Frustum {
     pub opacity: f32,
 }
 
-/// What is drawn, but for the pictures on the frusta.
+/// What is drawn, but for the pictures on the frusta and the hull's cubes: they are dear to make.
 #[derive(Debug, Clone, Default)]
 pub struct Contents {
-    /// Limbs, floor, voxels and lines.
+    /// Limbs, floor and lines.
     pub scene: Scene<'static>,
     /// The cameras.
     pub frusta: Vec<Frustum>,
 }
 
-/// Builds the scene as it is seen by an eye.
+/// Builds the scene.
 #[must_use]
-pub fn contents(input: &ContentsInput<'_>, eye: DVec3) -> Contents {
-    let mut scene = Scene { capsules: limbs(input), ..Scene::default() };
+pub fn contents(input: &ContentsInput<'_>) -> Contents {
+    let mut scene = Scene { limbs: limbs(input), ..Scene::default() };
     if input.look.floor {
         scene.floor = Some(floor(input));
     }
@@ -102,13 +102,8 @@ pub fn contents(input: &ContentsInput<'_>, eye: DVec3) -> Contents {
     for frustum in &frusta {
         scene.lines.extend(frustum_lines(input, frustum));
     }
-    if let Some(hull) = input.hull {
-        if input.look.hull != HullLook::Hidden {
-            scene.lines.extend(box_lines(hull, input.scale));
-        }
-        if input.look.hull == HullLook::Shell {
-            scene.dots = shell(hull, eye);
-        }
+    if let Some(hull) = input.hull.filter(|_| input.look.hull != HullLook::Hidden) {
+        scene.lines.extend(box_lines(hull, input.scale));
     }
     if let Some((camera, joint)) = input.ray
         && let Some(camera) = input.cameras.get(camera)
@@ -118,26 +113,27 @@ pub fn contents(input: &ContentsInput<'_>, eye: DVec3) -> Contents {
     Contents { scene, frusta }
 }
 
-fn limbs(input: &ContentsInput<'_>) -> Vec<Capsule> {
+fn limbs(input: &ContentsInput<'_>) -> Vec<Limb> {
     let (starts, ends) = (input.kinematics.starts(), input.kinematics.ends());
-    let mut capsules = Vec::new();
+    let mut limbs = Vec::new();
     for (index, limb) in input.model.limbs().iter().enumerate() {
         let colour = if input.rotation == Some(limb.rotation) { SELECTED } else { SCENE_BODY };
         let (from, to) = (starts[index], ends[index]);
-        let capsule = |ends| Capsule { ends, radius: limb.radius, colour };
+        let shaped = |ends, shape| Limb { ends, radius: limb.radius, shape, colour };
         match input.renderer {
             RendererKind::SphereTree { spheres } => {
                 let own = 1.0 + (2.0 * limb.length / limb.radius.max(1e-6)).ceil();
                 let count = spheres.unwrap_or(own.clamp(1.0, 64.0) as usize).clamp(1, 64);
                 for sphere in 0..count {
                     let share = if count > 1 { sphere as f64 / (count - 1) as f64 } else { 0.5 };
-                    capsules.push(capsule([from.lerp(to, share); 2]));
+                    limbs.push(shaped([from.lerp(to, share); 2], Ends::Round));
                 }
             }
-            RendererKind::Cylinder | RendererKind::Capsule => capsules.push(capsule([from, to])),
+            RendererKind::Cylinder => limbs.push(shaped([from, to], Ends::Flat)),
+            RendererKind::Capsule => limbs.push(shaped([from, to], Ends::Round)),
         }
     }
-    capsules
+    limbs
 }
 
 fn floor(input: &ContentsInput<'_>) -> Floor {
@@ -204,7 +200,7 @@ fn box_lines(hull: &VisualHull, scale: f64) -> Vec<Line> {
 }
 
 /// The cubes that face the eye, lit from there.
-fn shell(hull: &VisualHull, eye: DVec3) -> Vec<Dot> {
+pub(super) fn shell(hull: &VisualHull, eye: DVec3) -> Vec<Dot> {
     let lit = |voxel: &backlit_tracking::track::visual_hull::ShellVoxel| {
         let light = voxel.normal.dot((eye - voxel.centre).normalize_or_zero()).max(0.0);
         let colour: Color32 = AGREEMENT.gamma_multiply(VOXEL * (0.35 + 0.65 * light as f32));
@@ -268,7 +264,7 @@ mod tests {
             scale: 1.0,
         };
         let result = change(&mut input);
-        (contents(&input, DVec3::new(5.0, 5.0, 2.0)), result)
+        (contents(&input), result)
     }
 
     #[test]
@@ -298,14 +294,17 @@ mod tests {
             look,
         );
         let model = builtin::full_body();
-        assert_eq!(contents.scene.capsules.len(), model.limbs().len());
-        let marked = contents.scene.capsules.iter().filter(|capsule| capsule.colour == SELECTED).count();
+        assert_eq!(contents.scene.limbs.len(), model.limbs().len());
+        let marked = contents.scene.limbs.iter().filter(|capsule| capsule.colour == SELECTED).count();
         assert_eq!(marked, model.limbs().iter().filter(|limb| Some(limb.rotation) == rotation).count());
         assert!(contents.scene.floor.is_none() && contents.scene.lines.is_empty());
+        assert!(contents.scene.limbs.iter().all(|limb| limb.shape == Ends::Round));
+        let (flat, ()) = with(|input| input.renderer = RendererKind::Cylinder, look);
+        assert!(flat.scene.limbs.iter().all(|limb| limb.shape == Ends::Flat));
         let (spheres, ()) =
             with(|input| input.renderer = RendererKind::SphereTree { spheres: Some(3) }, look);
-        assert_eq!(spheres.scene.capsules.len(), 3 * model.limbs().len());
-        assert!(spheres.scene.capsules.iter().all(|sphere| sphere.ends[0] == sphere.ends[1]));
+        assert_eq!(spheres.scene.limbs.len(), 3 * model.limbs().len());
+        assert!(spheres.scene.limbs.iter().all(|sphere| sphere.ends[0] == sphere.ends[1]));
     }
 
     #[test]

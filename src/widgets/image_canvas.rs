@@ -3,6 +3,7 @@
 //! Pixel centres lie at integer coordinates, so a picture of w × h pixels covers −½ … w − ½ by −½ … h − ½.
 
 use std::hash::Hash;
+use std::sync::Arc;
 
 use egui::{
     Color32, ColorImage, Context, Id, Painter, PointerButton, Pos2, Rect, Response, TextureHandle,
@@ -201,12 +202,12 @@ struct CachedTexture {
 
 /// The texture of `id`, made anew by `image` only when `key` differs from the last call's. Pixels are squares if
 /// `is_crisp`.
-pub fn cached_texture(
+pub fn cached_texture<I: Into<Arc<ColorImage>>>(
     ctx: &Context,
     id: Id,
     key: impl Hash,
     is_crisp: bool,
-    image: impl FnOnce() -> ColorImage,
+    image: impl FnOnce() -> I,
 ) -> TextureHandle {
     let key = egui::util::hash((key, is_crisp));
     let cached = ctx.data(|data| data.get_temp::<CachedTexture>(id));
@@ -214,7 +215,7 @@ pub fn cached_texture(
         return cached.handle.clone();
     }
     let options = if is_crisp { TextureOptions::NEAREST } else { TextureOptions::LINEAR };
-    let image = within_side(image(), ctx.input(|input| input.max_texture_side));
+    let image = within_side(image().into(), ctx.input(|input| input.max_texture_side));
     let handle = match cached {
         Some(mut cached) => {
             cached.handle.set(image, options);
@@ -232,7 +233,7 @@ pub fn forget_textures(ctx: &Context) {
 }
 
 /// The image with every n-th row and column, so that no side is longer than a texture's can be.
-fn within_side(image: ColorImage, side: usize) -> ColorImage {
+fn within_side(image: Arc<ColorImage>, side: usize) -> Arc<ColorImage> {
     let [width, height] = image.size;
     let step = width.max(height).div_ceil(side.max(1));
     if step <= 1 {
@@ -242,7 +243,7 @@ fn within_side(image: ColorImage, side: usize) -> ColorImage {
         .step_by(step)
         .flat_map(|y| image.pixels[y * width..(y + 1) * width].iter().step_by(step).copied())
         .collect();
-    ColorImage::new([width.div_ceil(step), height.div_ceil(step)], pixels)
+    Arc::new(ColorImage::new([width.div_ceil(step), height.div_ceil(step)], pixels))
 }
 
 /// Paints a texture as the picture of `view`.
@@ -341,6 +342,7 @@ mod tests {
     #[test]
     fn pictures_too_large_for_a_texture_lose_rows_and_columns() {
         let image = ColorImage::new([5, 2], (0..10).map(Color32::from_gray).collect());
+        let image = Arc::new(image);
         let smaller = within_side(image.clone(), 3);
         assert_eq!(smaller.size, [3, 1]);
         assert_eq!(smaller.pixels[1], Color32::from_gray(2));

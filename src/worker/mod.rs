@@ -1,14 +1,15 @@
 //! The threads that work while the window draws: typed jobs in, events out.
 //!
 //! Every kind of work has a [`Lane`]. A new job supersedes the one of its lane: that one is cancelled, and
-//! events of it that are still on their way are dropped by their generation. What the screen waits for, files, and
-//! what takes its time have a thread each, so neither a drag nor the copy of unsaved work waits for a tracker. Jobs
+//! events of it that are still on their way are dropped by their generation. What the screen waits for, the 3-D scene,
+//! files, and what takes its time have a thread each, so neither a drag nor the copy of unsaved work waits for a tracker. Jobs
 //! work in steps, the most urgent lane of a thread first. Dropping the [`Worker`] cancels everything but what is to
 //! be saved. A panic in a job is an event, and the thread lives on.
 
 mod basin;
 mod body;
 mod calibrate;
+mod draw_scene;
 mod fit;
 mod hull;
 mod laboratory;
@@ -32,6 +33,7 @@ use std::sync::Arc;
 pub use basin::{BasinJob, BasinWork};
 pub use body::BodyJob;
 pub use calibrate::CalibrateJob;
+pub use draw_scene::DrawSceneJob;
 pub use fit::{FitJob, FitStart, LiveFit};
 pub use hull::HullJob;
 pub use laboratory::{
@@ -59,6 +61,7 @@ use backlit_tracking::track::visual_hull::VisualHull;
 use crate::document::Estimate;
 use crate::edit::Edit;
 use crate::footage::Footage;
+use crate::scene_view::SceneDrawing;
 use crate::session::{FrameData, RunEnding, RunStep};
 
 /// What the jobs say.
@@ -86,6 +89,8 @@ pub enum Event {
     Predicted(Arc<Predicted>),
     /// The visual hull of a frame, if its silhouettes leave one.
     HullCarved(Arc<FrameData>, Option<Arc<VisualHull>>),
+    /// The 3-D scene as it was ordered.
+    SceneDrawn(Arc<SceneDrawing>),
     /// What the cameras see of a pose, and what they do not.
     Observed(Arc<Observed>),
     /// A step of the fit; the first is the start.

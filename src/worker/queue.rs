@@ -8,12 +8,14 @@ use std::thread::JoinHandle;
 
 use backlit_tracking::cancel::CancelToken;
 
-/// The threads: each does the most urgent of its lanes. A search that takes seconds must not hold up a drag, and
-/// neither may hold up the copy of unsaved work.
+/// The threads: each does the most urgent of its lanes. A search that takes seconds must not hold up a drag, neither may
+/// hold up the copy of unsaved work, and the scene is drawn while silhouettes are predicted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Crew {
     /// What the screen waits for.
     Screen,
+    /// The picture of the 3-D scene.
+    Scene,
     /// What is written.
     Files,
     /// What takes its time.
@@ -21,8 +23,12 @@ enum Crew {
 }
 
 impl Crew {
-    const ALL: [(Self, &'static str); 3] =
-        [(Self::Screen, "backlit worker"), (Self::Files, "backlit files"), (Self::Long, "backlit long work")];
+    const ALL: [(Self, &'static str); 4] = [
+        (Self::Screen, "backlit worker"),
+        (Self::Scene, "backlit scene"),
+        (Self::Files, "backlit files"),
+        (Self::Long, "backlit long work"),
+    ];
 }
 
 /// A kind of work, the most urgent first. At most one job of a lane is alive.
@@ -30,6 +36,8 @@ impl Crew {
 pub enum Lane {
     /// The silhouettes of the pose on the screen.
     Predict,
+    /// The picture of the 3-D scene.
+    Scene,
     /// The pictures of the laboratory's step.
     LaboratoryLook,
     /// Opening a take.
@@ -76,6 +84,7 @@ impl Lane {
             | Self::Fit
             | Self::Laboratory
             | Self::Observe => Crew::Screen,
+            Self::Scene => Crew::Scene,
             Self::Save | Self::Settings | Self::LaboratoryPlot => Crew::Files,
             Self::Survey | Self::Track | Self::Hull | Self::LaboratoryCheck | Self::Basin => Crew::Long,
         }
@@ -243,6 +252,12 @@ impl<E: Send + 'static> Worker<E> {
     #[must_use]
     pub fn is_idle(&self) -> bool {
         self.alive.is_empty()
+    }
+
+    /// Whether no other lane has work.
+    #[must_use]
+    pub fn is_idle_but(&self, lane: Lane) -> bool {
+        self.alive.keys().all(|other| *other == lane)
     }
 
     /// What has happened since the last call, in order, without events of superseded jobs.

@@ -21,6 +21,7 @@ mod painter;
 mod panels;
 mod posing;
 mod recovery;
+mod scene;
 mod support;
 mod tour;
 mod workflow;

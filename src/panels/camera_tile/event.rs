@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::Comparison;
+use crate::pane::Pane;
 use crate::picture::{JointId, ViewMode};
 use crate::view_settings::ViewSettings;
 use crate::widgets::Framing;
@@ -48,8 +49,8 @@ pub enum TileEvent {
     ToggleExpanded,
     /// Drags the tile away by its header.
     DragTile,
-    /// Asked for a camera that stands behind this one.
-    Switch(usize),
+    /// Asked for a pane that stands behind this one.
+    Switch(Pane),
     /// Asked to close the tile.
     Close,
     /// Asked for silhouettes.

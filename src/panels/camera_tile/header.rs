@@ -9,6 +9,7 @@ use egui::{
 use super::comparison::mode_text;
 use super::{CameraTileInput, TileEvent, TileLayout, gutter, tile_menu};
 use crate::format;
+use crate::panels::pane_title;
 use crate::theme::{self, size, space};
 use crate::widgets::{Icon, camera_badge, icon_button};
 
@@ -46,7 +47,8 @@ pub(super) fn show(
     }
 
     let has_link = rect.width() >= LINK_FROM;
-    let badges_width = input.siblings.len() as f32 * (size::BADGE + space::ROW);
+    let badges_width: f32 =
+        input.siblings.iter().map(|sibling| pane_title::width_behind(ui, *sibling) + space::ROW).sum();
     let buttons_width = if has_link { 3.0 } else { 2.0 } * size::BUTTON + space::ROW + badges_width;
     let (left, right) = rect.split_left_right_at_x((rect.right() - buttons_width).max(rect.left()));
     let left = Rect::from_min_max(pos2(left.left() + space::WIDGET, left.top()), left.max);
@@ -83,10 +85,9 @@ pub(super) fn show(
     let builder = UiBuilder::new().max_rect(right).layout(Layout::left_to_right(Align::Center));
     ui.scope_builder(builder, |ui| {
         ui.spacing_mut().item_spacing.x = space::ROW;
-        for &camera in input.siblings {
-            let tooltip = format!("Show camera {} here", camera + 1);
-            if camera_badge(ui, camera).on_hover_text(tooltip).clicked() {
-                events.push(TileEvent::Switch(camera));
+        for &sibling in input.siblings {
+            if pane_title::behind(ui, sibling).clicked() {
+                events.push(TileEvent::Switch(sibling));
             }
         }
         ui.spacing_mut().item_spacing.x = 0.0;

@@ -11,6 +11,7 @@ use glam::{DVec2, DVec3};
 use super::linked::follow;
 use super::{CameraTileInput, ObservedMarks, PictureAlone, TileEvent, TileLook, camera_tile, stored_view};
 use crate::edit::Edit;
+use crate::pane::Pane;
 use crate::panels::{dragged_until_now, observability};
 use crate::picture::{
     JointId, PictureInput, ProjectedLimb, SightRay, SwayMarks, Swaying, joined_outline, limb_colours,
@@ -79,9 +80,9 @@ impl<'a> CameraPanes<'a> {
         }
     }
 
-    /// Shows the view of a camera in all of the space that `ui` has, with the cameras that stand behind it; whether it
+    /// Shows the view of a camera in all of the space that `ui` has, with the panes that stand behind it; whether it
     /// is dragged away by its header.
-    pub(crate) fn show(&self, ui: &mut Ui, index: usize, siblings: &[usize], intents: &mut Intents) -> bool {
+    pub(crate) fn show(&self, ui: &mut Ui, index: usize, siblings: &[Pane], intents: &mut Intents) -> bool {
         let (showing, session) = (self.showing, self.showing.session);
         let document = showing.document();
         let Some(camera) = session.take.as_ref().and_then(|take| take.cameras.get(index)) else {

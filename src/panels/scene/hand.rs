@@ -1,9 +1,9 @@
-//! The pointer in the scene: orbit by drag, pan by middle drag, zoom by wheel, a click on a camera.
+//! The pointer in the scene: orbit by drag, pan by middle drag, zoom by wheel, a click on a camera. Keys do it too.
 
 use egui::{CursorIcon, Id, PointerButton, Pos2, Response, Role, Sense, Ui, Vec2, WidgetInfo};
 
-use super::Stage;
 use super::marks::badge_rect;
+use super::{Seen, Stage, keys};
 use crate::scene_view::{Frustum, Orbit, SceneLook, Viewpoint};
 use crate::showing::{Intents, Request, Showing};
 
@@ -13,22 +13,29 @@ const WHEEL_POINTS: f32 = 240.0;
 const LEAST_SIDE: f32 = 4.0;
 
 fn canvas_id(ui: &Ui) -> Id {
-    ui.scope_id().with("scene canvas")
+    keys::canvas_id(ui.scope_id())
 }
 
-/// Asks for another view where the pointer wants one; whether it moves now.
-pub(super) fn navigate(ui: &Ui, showing: &Showing<'_>, stage: &Stage, intents: &mut Intents) -> bool {
+/// Asks for another view where the pointer or the keys want one: from where the scene is to be seen, and whether it moves
+/// now.
+pub(super) fn navigate(
+    ui: &Ui,
+    showing: &Showing<'_>,
+    stage: &Stage,
+    intents: &mut Intents,
+) -> (Viewpoint, bool) {
     let response = ui.interact(stage.picture, canvas_id(ui), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Scene"));
     let ask = |intents: &mut Intents, viewpoint: Option<Viewpoint>| {
         intents.request(Request::Scene(SceneLook { viewpoint, ..showing.look.scene }));
     };
-    if response.double_clicked() {
+    let pressed = keys::take(ui, &response);
+    if response.double_clicked() || pressed.resets {
         ask(intents, None);
-        return false;
+        return (stage.viewpoint, false);
     }
     let before = orbit(stage);
-    let mut after = before;
+    let mut after = before.turned(pressed.turn);
     let delta = response.drag_delta();
     let by = [f64::from(delta.x), f64::from(delta.y)];
     let is_pan = response.dragged_by(PointerButton::Middle)
@@ -39,21 +46,23 @@ pub(super) fn navigate(ui: &Ui, showing: &Showing<'_>, stage: &Stage, intents: &
     } else if response.dragged_by(PointerButton::Primary) {
         after = after.turned(by);
     }
-    let factor = wheel(ui, &response);
-    if (factor - 1.0).abs() > f32::EPSILON {
-        after = after.zoomed(f64::from(factor));
+    let factor = f64::from(wheel(ui, &response)) * pressed.zoom;
+    if (factor - 1.0).abs() > f64::from(f32::EPSILON) {
+        after = after.zoomed(factor);
     }
     if response.dragged() {
         ui.set_cursor_icon(CursorIcon::Grabbing);
     }
-    if after != before {
-        ask(intents, Some(Viewpoint::Orbit(after)));
+    if after == before {
+        return (stage.viewpoint, response.dragged());
     }
-    if after != before && !response.dragged() {
+    let viewpoint = Viewpoint::Orbit(after);
+    ask(intents, Some(viewpoint));
+    if !response.dragged() {
         // Wheels do not say when they end: the next frame is drawn well.
         ui.request_repaint();
     }
-    response.dragged() || after != before
+    (viewpoint, true)
 }
 
 fn wheel(ui: &Ui, response: &Response) -> f32 {
@@ -80,15 +89,9 @@ fn orbit(stage: &Stage) -> Orbit {
 }
 
 /// A click on a camera's badge or picture makes its tile the active one.
-pub(super) fn pick_camera(
-    ui: &Ui,
-    showing: &Showing<'_>,
-    stage: &Stage,
-    frusta: &[Frustum],
-    intents: &mut Intents,
-) {
-    for frustum in frusta {
-        let Some(rect) = badge_rect(stage, frustum) else { continue };
+pub(super) fn pick_camera(ui: &Ui, showing: &Showing<'_>, seen: &Seen<'_>, intents: &mut Intents) {
+    for frustum in seen.frusta {
+        let Some(rect) = badge_rect(seen, frustum) else { continue };
         let id = ui.scope_id().with(("scene camera", frustum.camera));
         let response = ui.interact(rect, id, Sense::click());
         let name = showing.document().cameras.get(frustum.camera).map_or("", |camera| camera.name.as_str());
@@ -100,9 +103,9 @@ pub(super) fn pick_camera(
             intents.request(Request::Camera(frustum.camera));
         }
     }
-    let response = ui.interact(stage.picture, canvas_id(ui).with("over"), Sense::hover());
+    let response = ui.interact(seen.picture, canvas_id(ui).with("over"), Sense::hover());
     let Some(pointer) = response.hover_pos() else { return };
-    let Some(camera) = picture_at(stage, frusta, pointer) else { return };
+    let Some(camera) = picture_at(seen, pointer) else { return };
     let is_dragging = ui.input(|input| input.pointer.is_decidedly_dragging());
     if !is_dragging {
         ui.set_cursor_icon(CursorIcon::PointingHand);
@@ -113,13 +116,13 @@ pub(super) fn pick_camera(
 }
 
 /// The camera whose picture is under the pointer, the nearest to the eye.
-fn picture_at(stage: &Stage, frusta: &[Frustum], pointer: Pos2) -> Option<usize> {
-    let mut near: Vec<&Frustum> = frusta.iter().collect();
-    let eye = stage.eye.position;
+fn picture_at(seen: &Seen<'_>, pointer: Pos2) -> Option<usize> {
+    let mut near: Vec<&Frustum> = seen.frusta.iter().collect();
+    let eye = seen.eye.position;
     near.sort_by(|a, b| a.apex.distance(eye).total_cmp(&b.apex.distance(eye)));
     let hit = |frustum: &&&Frustum| {
         let corners: Option<Vec<Pos2>> =
-            frustum.corners.iter().map(|corner| stage.on_screen(*corner)).collect();
+            frustum.corners.iter().map(|corner| seen.on_screen(*corner)).collect();
         corners.is_some_and(|corners| contains(&corners, pointer))
     };
     near.iter().find(hit).map(|frustum| frustum.camera)

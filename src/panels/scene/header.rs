@@ -3,7 +3,8 @@
 use egui::{Align, Button, Layout, Popup, Rect, Role, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
 
 use crate::action::Action;
-use crate::pane::HEADER_BUTTONS;
+use crate::pane::{HEADER_BUTTONS, Pane};
+use crate::panels::pane_title;
 use crate::scene_view::{HullLook, SceneLook, Viewpoint};
 use crate::showing::{Intents, Request, Showing};
 use crate::theme::{self, size, space};
@@ -12,13 +13,13 @@ use crate::widgets::{Icon, checkbox};
 /// Space for the chevron behind the menu's name.
 const CHEVRON: f32 = 18.0;
 
-pub(super) fn show(ui: &mut Ui, rect: Rect, showing: &Showing<'_>, intents: &mut Intents) {
+pub(super) fn show(ui: &mut Ui, rect: Rect, showing: &Showing<'_>, siblings: &[Pane], intents: &mut Intents) {
     ui.painter().rect_filled(rect, 0.0, theme::palette(ui).raised);
     let right = (rect.right() - HEADER_BUTTONS).max(rect.left());
     let left = Rect::from_min_max(pos2(rect.left() + space::WIDGET, rect.top()), pos2(right, rect.bottom()));
     let builder = UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center));
     ui.scope_builder(builder, |ui| {
-        let _ = ui.add(egui::Label::new("Scene").selectable(false));
+        pane_title::show(ui, Pane::Scene, siblings, intents);
         menu(ui, showing, intents);
     });
 }

@@ -1,9 +1,9 @@
 //! What lies over the scene's picture: badges, the held joint, axes, and words about the hull.
 
-use egui::{Align2, FontId, Rect, Role, Sense, Stroke, TextStyle, Ui, Vec2, WidgetInfo, vec2};
+use egui::{Align2, FontId, Pos2, Rect, Role, Sense, Stroke, TextStyle, Ui, Vec2, WidgetInfo, pos2, vec2};
 use glam::DVec3;
 
-use super::Stage;
+use super::Seen;
 use crate::format;
 use crate::scene_view::{Frustum, HullLook, Viewpoint};
 use crate::showing::Showing;
@@ -13,6 +13,10 @@ use crate::widgets::paint_camera_badge;
 
 /// A badge stands so far above its camera, in points.
 const BADGE_ABOVE: f32 = 14.0;
+/// A name stands so far beside its badge, in points.
+const BESIDE: f32 = 5.0;
+/// Badges and names keep this far from the picture's edge, in points.
+const EDGE: f32 = 3.0;
 /// Names stand beside the badges in a picture at least so wide, in points.
 const NAMES_FROM: f32 = 460.0;
 /// The mark of the held joint: smaller than in the views, as the body is.
@@ -28,34 +32,48 @@ const fn palette() -> &'static Palette {
     Theme::Dark.palette()
 }
 
-/// Where a camera's badge is, if it is in the picture.
-pub(super) fn badge_rect(stage: &Stage, frustum: &Frustum) -> Option<Rect> {
-    let at = stage.on_screen(frustum.apex)? - vec2(0.0, BADGE_ABOVE);
-    let rect = Rect::from_center_size(at, Vec2::splat(size::BADGE));
-    stage.picture.shrink(2.0).contains_rect(rect).then_some(rect)
+/// Where a camera's badge is, if the camera is in the picture: above it, and whole.
+pub(super) fn badge_rect(seen: &Seen<'_>, frustum: &Frustum) -> Option<Rect> {
+    let apex = seen.on_screen(frustum.apex).filter(|apex| seen.picture.contains(*apex))?;
+    let room = seen.picture.shrink(EDGE + 0.5 * size::BADGE);
+    if !room.is_positive() {
+        return None;
+    }
+    let at = (apex - vec2(0.0, BADGE_ABOVE)).clamp(room.min, room.max);
+    Some(Rect::from_center_size(at, Vec2::splat(size::BADGE)))
 }
 
-pub(super) fn show(ui: &Ui, showing: &Showing<'_>, stage: &Stage, frusta: &[Frustum]) {
-    let painter = ui.painter().with_clip_rect(stage.picture.intersect(ui.clip_rect()));
+/// Where a text of some size stands beside a badge: at its right, or at its left where the picture ends.
+fn beside(badge: Rect, text: Vec2, picture: Rect) -> Option<Pos2> {
+    let top = badge.center().y - 0.5 * text.y;
+    let [right, left] = [badge.right() + BESIDE, badge.left() - BESIDE - text.x];
+    let fits = |from: &f32| *from >= picture.left() + EDGE && from + text.x <= picture.right() - EDGE;
+    [right, left].into_iter().find(fits).map(|from| pos2(from, top))
+}
+
+pub(super) fn show(ui: &Ui, showing: &Showing<'_>, seen: &Seen<'_>) {
+    let painter = ui.painter().with_clip_rect(seen.picture.intersect(ui.clip_rect()));
     let small = TextStyle::Small.resolve(ui.style());
-    for frustum in frusta {
-        let Some(rect) = badge_rect(stage, frustum) else { continue };
+    for frustum in seen.frusta {
+        let Some(rect) = badge_rect(seen, frustum) else { continue };
         paint_camera_badge(&painter, rect, frustum.camera);
         let name = showing.document().cameras.get(frustum.camera).map(|camera| camera.name.as_str());
-        if let Some(name) = name.filter(|_| stage.picture.width() >= NAMES_FROM) {
-            let at = rect.right_center() + vec2(5.0, 0.0);
-            painter.text(at, Align2::LEFT_CENTER, name, small.clone(), palette().text2);
+        if let Some(name) = name.filter(|_| seen.picture.width() >= NAMES_FROM) {
+            let galley = painter.layout_no_wrap(name.to_owned(), small.clone(), palette().text2);
+            if let Some(at) = beside(rect, galley.size(), seen.picture) {
+                painter.galley(at, galley, palette().text2);
+            }
         }
     }
-    if let Some(at) = stage.position(showing.selection.joint).and_then(|joint| stage.on_screen(joint)) {
+    if let Some(at) = seen.held.and_then(|joint| seen.on_screen(joint)) {
         painter.circle_filled(at, JOINT_RADIUS + size::CASING, CASING);
         painter.circle_filled(at, JOINT_RADIUS, SELECTED);
     }
     if showing.look.scene.floor {
-        axes(&painter, stage);
+        axes(&painter, seen);
     }
     if let Some(text) = words(showing) {
-        let at = stage.picture.right_bottom() + WORDS_AT;
+        let at = seen.picture.right_bottom() + WORDS_AT;
         let rect = painter.text(at, Align2::RIGHT_BOTTOM, &text, small, palette().text2);
         let response = ui.interact(rect, ui.scope_id().with("hull words"), Sense::hover());
         response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &text));
@@ -64,9 +82,9 @@ pub(super) fn show(ui: &Ui, showing: &Showing<'_>, stage: &Stage, frusta: &[Frus
 }
 
 /// The world's axes as the eye sees them.
-fn axes(painter: &egui::Painter, stage: &Stage) {
-    let view_from_world = stage.eye.view_from_world();
-    let origin = stage.picture.left_bottom() + AXES_AT;
+fn axes(painter: &egui::Painter, seen: &Seen<'_>) {
+    let view_from_world = seen.eye.view_from_world();
+    let origin = seen.picture.left_bottom() + AXES_AT;
     let axes = [(DVec3::X, "x", 4), (DVec3::Y, "y", 2), (DVec3::Z, "z", 0)];
     let mut seen = axes.map(|(axis, name, run)| (view_from_world * axis, name, run));
     // The farthest first.
@@ -95,4 +113,19 @@ fn words(showing: &Showing<'_>) -> Option<String> {
             format!("Visual hull {x} × {y} × {z} m")
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_stands_where_the_picture_has_room_for_it() {
+        let picture = Rect::from_min_size(pos2(100.0, 50.0), vec2(300.0, 200.0));
+        let badge = |x: f32| Rect::from_center_size(pos2(x, 120.0), Vec2::splat(size::BADGE));
+        let text = vec2(80.0, 12.0);
+        assert_eq!(beside(badge(200.0), text, picture), Some(pos2(213.0, 114.0)));
+        assert_eq!(beside(badge(380.0), text, picture), Some(pos2(287.0, 114.0)));
+        assert_eq!(beside(badge(250.0), vec2(290.0, 12.0), picture), None);
+    }
 }

@@ -31,7 +31,7 @@ mod tests {
     use egui::Color32;
     use glam::DVec3;
 
-    use super::super::{Capsule, Scene, SceneCamera};
+    use super::super::{Ends, Limb, Scene, SceneCamera};
     use super::*;
 
     #[test]
@@ -44,7 +44,7 @@ mod tests {
         };
         let green = Color32::from_rgba_premultiplied(0, 100, 0, 128);
         let dot = |z: f64| Dot { at: DVec3::new(0.0, 0.0, z), side: 1.0, colour: green };
-        let ball = Capsule { ends: [DVec3::ZERO; 2], radius: 0.2, colour: Color32::RED };
+        let ball = Limb { ends: [DVec3::ZERO; 2], radius: 0.2, shape: Ends::Round, colour: Color32::RED };
         let draw = |scene: &Scene<'_>| {
             let mut frame = SceneFrame::draft(41, 41);
             frame.draw(&camera, Color32::from_rgb(200, 0, 0), scene);
@@ -52,10 +52,10 @@ mod tests {
             [image.get_pixel(20, 20).0, image.get_pixel(20, 14).0, image.get_pixel(20, 2).0]
         };
         let [middle, beside, outside] =
-            draw(&Scene { capsules: vec![ball], dots: vec![dot(1.0)], ..Scene::default() });
+            draw(&Scene { limbs: vec![ball], dots: vec![dot(1.0)], ..Scene::default() });
         assert_eq!((middle[1], beside[1], outside[1]), (0, 100, 0));
         assert!(beside[0] < 110, "half of the ground shines through: {beside:?}");
-        let [middle, ..] = draw(&Scene { capsules: vec![ball], dots: vec![dot(-1.0)], ..Scene::default() });
+        let [middle, ..] = draw(&Scene { limbs: vec![ball], dots: vec![dot(-1.0)], ..Scene::default() });
         assert_eq!(middle[1], 100);
         let nowhere = Dot { at: DVec3::splat(f64::NAN), ..dot(0.0) };
         assert_eq!(draw(&Scene { dots: vec![nowhere, dot(-9.0)], ..Scene::default() })[0][1], 0);

@@ -4,18 +4,12 @@ use egui::Color32;
 use glam::{DMat3, DVec2, DVec3};
 use image::{Rgba, RgbaImage};
 
-use super::{Capsule, Line, NEAR, Picture, Scene, SceneCamera, View, capsule_hit};
+use super::{Line, NEAR, Picture, Scene, SceneCamera, View};
 
 /// Samples across and down a pixel.
 const SAMPLES: u32 = 2;
 /// Samples of a draft.
 const DRAFT_SAMPLES: u32 = 1;
-
-/// Light on a surface that is turned away from the lamp.
-const AMBIENT: f64 = 0.42;
-
-/// Direction to the lamp in the view's axes, of length one: over the viewer's left shoulder.
-const TO_LAMP: DVec3 = DVec3::new(-0.40, -0.56, -0.725_534_29);
 
 /// A line is drawn this share of its depth closer than it is, so that it shows on surfaces it lies in.
 const LINE_LIFT: f64 = 0.002;
@@ -34,7 +28,7 @@ pub struct SceneFrame {
 }
 
 /// Samples `left..right` by `top..bottom`.
-struct Bounds {
+pub(super) struct Bounds {
     left: usize,
     top: usize,
     right: usize,
@@ -70,8 +64,8 @@ impl SceneFrame {
         self.colours.fill(channels(background));
         self.depths.fill(f32::INFINITY);
         let view = View::new(camera, self.size, self.samples);
-        for capsule in &scene.capsules {
-            self.draw_capsule(&view, capsule);
+        for limb in &scene.limbs {
+            self.draw_limb(&view, limb);
         }
         for line in scene.floor.iter().flat_map(super::Floor::lines) {
             self.draw_line(&view, &line);
@@ -106,46 +100,6 @@ impl SceneFrame {
             let [r, g, b] = sum.map(|total| (total * share + 0.5) as u8);
             Rgba([r, g, b, 255])
         })
-    }
-
-    fn draw_capsule(&mut self, view: &View, capsule: &Capsule) {
-        let ends = capsule.ends.map(|end| view.in_view(end));
-        let Some(bounds) = self.capsule_bounds(view, ends, capsule.radius) else { return };
-        let full_light = channels(capsule.colour);
-        let axis = ends[1] - ends[0];
-        self.for_each_sample(&bounds, |sample, colour, depth| {
-            let ray = view.ray(sample);
-            let Some(hit) = capsule_hit(ray, ends, capsule.radius) else { return };
-            let point = ray * hit;
-            if point.z < NEAR || point.z as f32 >= *depth {
-                return;
-            }
-            let from_end = point - ends[0];
-            let along = (from_end.dot(axis) / axis.length_squared().max(1e-300)).clamp(0.0, 1.0);
-            let normal = (from_end - axis * along) / capsule.radius;
-            let light = AMBIENT + (1.0 - AMBIENT) * normal.dot(TO_LAMP).max(0.0);
-            *depth = point.z as f32;
-            *colour = full_light.map(|channel| channel * light as f32);
-        });
-    }
-
-    /// The samples a capsule may touch: the box about its end spheres as seen, or the whole frame when one
-    /// of them reaches too close to the eye for that.
-    fn capsule_bounds(&self, view: &View, ends: [DVec3; 2], radius: f64) -> Option<Bounds> {
-        let drawable = radius > 0.0 && radius.is_finite() && ends.iter().all(|end| end.is_finite());
-        if !drawable || ends.iter().all(|end| end.z + radius < NEAR) {
-            return None;
-        }
-        if ends.iter().any(|end| end.z - radius < NEAR) {
-            return Some(self.all());
-        }
-        let corner = |end: DVec3, side: f64, depth: f64| {
-            view.on_screen(end + DVec3::new(side * radius, side * radius, depth * radius))
-        };
-        let corners = ends.into_iter().flat_map(|end| {
-            [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)].map(|(side, depth)| corner(end, side, depth))
-        });
-        Some(self.bounds_of(corners))
     }
 
     fn draw_picture(&mut self, view: &View, picture: &Picture<'_>) {
@@ -218,11 +172,11 @@ impl SceneFrame {
         }
     }
 
-    fn all(&self) -> Bounds {
+    pub(super) fn all(&self) -> Bounds {
         Bounds { left: 0, top: 0, right: self.width, bottom: self.height }
     }
 
-    fn bounds_of(&self, points: impl Iterator<Item = DVec2>) -> Bounds {
+    pub(super) fn bounds_of(&self, points: impl Iterator<Item = DVec2>) -> Bounds {
         let (low, high) = points.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), point| {
             (low.min(point), high.max(point))
         });
@@ -234,7 +188,11 @@ impl SceneFrame {
         }
     }
 
-    fn for_each_sample(&mut self, bounds: &Bounds, mut draw: impl FnMut(DVec2, &mut [f32; 3], &mut f32)) {
+    pub(super) fn for_each_sample(
+        &mut self,
+        bounds: &Bounds,
+        mut draw: impl FnMut(DVec2, &mut [f32; 3], &mut f32),
+    ) {
         for y in bounds.top..bounds.bottom {
             let row = y * self.width;
             for x in bounds.left..bounds.right {
@@ -277,7 +235,7 @@ pub(super) fn over(source: [f32; 3], alpha: f32, target: [f32; 3]) -> [f32; 3] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Floor;
+    use super::super::{Ends, Floor, Limb};
     use super::*;
 
     const CAMERA: SceneCamera =
@@ -286,8 +244,9 @@ mod tests {
     const BLUE: Color32 = Color32::from_rgb(0, 0, 250);
     const GREEN: Color32 = Color32::from_rgb(0, 250, 0);
 
-    fn capsule(ends: [(f64, f64, f64); 2], radius: f64, colour: Color32) -> Capsule {
-        Capsule { ends: ends.map(|(x, y, z)| DVec3::new(x, y, z)), radius, colour }
+    fn capsule(ends: [(f64, f64, f64); 2], radius: f64, colour: Color32) -> Limb {
+        let ends = ends.map(|(x, y, z)| DVec3::new(x, y, z));
+        Limb { ends, radius, shape: Ends::Round, colour }
     }
 
     /// One letter a pixel: the strongest of red, green and blue.
@@ -310,7 +269,7 @@ mod tests {
     #[test]
     fn nearer_limbs_and_lines_hide_farther_ones() {
         let scene = Scene {
-            capsules: vec![
+            limbs: vec![
                 capsule([(-1.2, 0.0, 0.0), (1.2, 0.0, 0.0)], 0.3, RED),
                 capsule([(0.0, 0.0, -1.0), (0.0, 0.0, -1.0)], 0.4, BLUE),
             ],
@@ -359,7 +318,7 @@ mod tests {
             opacity: 1.0,
         };
         let hidden = capsule([(0.0, 0.0, 1.0), (0.0, 0.0, 1.0)], 0.2, RED);
-        let scene = Scene { capsules: vec![hidden], pictures: vec![picture], ..Scene::default() };
+        let scene = Scene { limbs: vec![hidden], pictures: vec![picture], ..Scene::default() };
         assert_eq!(
             letters(&scene),
             [
@@ -410,16 +369,13 @@ mod tests {
 
     #[test]
     fn the_lit_side_faces_the_lamp() {
-        let scene = Scene {
-            capsules: vec![capsule([(0.0, 0.0, 0.0), (0.0, 0.0, 0.0)], 0.8, RED)],
-            ..Scene::default()
-        };
+        let scene =
+            Scene { limbs: vec![capsule([(0.0, 0.0, 0.0), (0.0, 0.0, 0.0)], 0.8, RED)], ..Scene::default() };
         let mut frame = SceneFrame::new(41, 41);
         frame.draw(&CAMERA, Color32::BLACK, &scene);
         let image = frame.image();
         let red = |x, y| image.get_pixel(x, y).0[0];
         assert!(red(13, 11) > red(27, 29) + 60, "{} {}", red(13, 11), red(27, 29));
-        assert!((TO_LAMP.length() - 1.0).abs() < 1e-6);
     }
 
     #[test]
@@ -434,9 +390,9 @@ mod tests {
             opacity: 1.0,
         };
         let scene = Scene {
-            capsules: vec![
-                Capsule { ends: [nowhere, DVec3::ZERO], radius: 0.1, colour: RED },
-                Capsule { ends: [CAMERA.position, DVec3::ZERO], radius: f64::NAN, colour: RED },
+            limbs: vec![
+                Limb { ends: [nowhere, DVec3::ZERO], ..capsule(Default::default(), 0.1, RED) },
+                Limb { radius: f64::NAN, ..capsule([(0.0, 0.0, -4.0), (0.0, 0.0, 0.0)], 0.1, RED) },
                 capsule([(0.0, 0.0, -4.0), (0.0, 0.0, -9.0)], 0.5, RED),
                 capsule([(0.0, 0.0, -9.0), (0.0, 0.0, -9.0)], 0.5, RED),
             ],
