@@ -35,6 +35,7 @@ mod accessible;
 mod background;
 mod basin;
 mod body;
+mod broken;
 mod clipboard;
 mod commands;
 mod curves;

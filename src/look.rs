@@ -152,6 +152,22 @@ impl Look {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::curves::Quantity;
+
+    #[test]
+    fn what_is_chosen_for_plots_and_basin_is_kept_and_outlives_a_reset() {
+        let mut look = Look::default();
+        look.curves = CurvesLook { quantity: Quantity::StepNorm, is_log: false, rejected: false };
+        look.basin.settings.seed = 12;
+        look.basin.view = crate::basin::BasinView::Map;
+        let kept: Look = serde_json::from_str(&serde_json::to_string(&look).unwrap()).unwrap();
+        assert_eq!(kept, look);
+        let mut after = kept.clone();
+        after.reset();
+        assert_eq!((after.curves, &after.basin), (look.curves, &look.basin));
+        // An arrangement of before there were such choices.
+        assert_eq!(serde_json::from_str::<Look>("{}").unwrap(), Look::default());
+    }
 
     #[test]
     fn recent_takes_are_few_and_different() {

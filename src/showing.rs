@@ -75,6 +75,8 @@ pub struct Busy {
     pub opening: bool,
     /// The frame is being read and segmented.
     pub loading: bool,
+    /// Whether reading the frame on the screen broke down.
+    pub load_broke: bool,
     /// A fit is running.
     pub fitting: bool,
     /// The tracker is running.

@@ -62,11 +62,9 @@ impl App {
                 Report::Event(BackgroundEvent::Failed(text)) => self.notices.error(text),
                 Report::Ended(Lane::Save) => self.write_next(),
                 Report::Ended(_) => self.basin_ended(),
-                Report::Panicked(lane, text) => {
-                    let what =
-                        format!("Something broke while working ({lane:?}): {text}. Your work is unharmed.");
-                    self.notices.error(what);
-                    if lane == Lane::Basin { self.basin_ended() } else { self.write_next() }
+                Report::Panicked(lane, why) => {
+                    self.broke(lane, &why);
+                    self.write_next();
                 }
             }
         }

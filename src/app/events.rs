@@ -23,12 +23,7 @@ impl App {
         for report in self.worker.poll() {
             match report {
                 Report::Event(event) => self.hear(event),
-                Report::Panicked(lane, text) => {
-                    let what =
-                        format!("Something broke while working ({lane:?}): {text}. Your work is unharmed.");
-                    self.notices.error(what);
-                    self.ended(lane);
-                }
+                Report::Panicked(lane, why) => self.broke(lane, &why),
                 Report::Ended(lane) => self.ended(lane),
             }
         }
@@ -156,6 +151,7 @@ impl App {
         ] {
             self.worker.drop_lane(lane);
         }
+        self.forget_broken();
         self.reset_laboratory(footage);
         self.session.reset(Some(footage.clone()));
         self.observing.forget();

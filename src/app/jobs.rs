@@ -18,18 +18,22 @@ impl App {
         if let Some(shown) = self.session.frames.get(frame) {
             self.session.last_frame = Some(shown.clone());
         }
-        if is_missing && !(self.worker.is_busy(Lane::Load) && self.session.loading == Some(frame)) {
+        let may_load = self.may_ask(Lane::Load);
+        if is_missing && may_load && !(self.worker.is_busy(Lane::Load) && self.session.loading == Some(frame))
+        {
             self.session.loading = Some(frame);
             self.worker.request(Lane::Load, LoadJob::new(take.clone(), measurement.clone(), frame));
         }
         if !is_missing
+            && may_load
             && !self.worker.is_busy(Lane::Load)
             && let Some(ahead) = self.frame_to_read_ahead()
         {
             self.session.loading = Some(ahead);
             self.worker.request(Lane::Load, LoadJob::new(take.clone(), measurement.clone(), ahead));
         }
-        if self.session.subject.is_empty() && !is_missing && !self.worker.is_busy(Lane::Survey) {
+        let may_survey = !is_missing && self.may_ask(Lane::Survey) && !self.worker.is_busy(Lane::Survey);
+        if self.session.subject.is_empty() && may_survey {
             self.worker.request(Lane::Survey, SurveyJob::new(take, measurement));
         }
         self.request_prediction();
@@ -42,7 +46,7 @@ impl App {
         let Some(take) = self.session.take.clone() else { return };
         let (calibration, masks) = (self.document().calibration.clone(), self.document().masks.clone());
         if take.calibration != calibration {
-            if !self.worker.is_busy(Lane::Calibrate) {
+            if !self.worker.is_busy(Lane::Calibrate) && self.may_ask(Lane::Calibrate) {
                 self.worker.request(Lane::Calibrate, CalibrateJob { footage: take.clone(), calibration });
             }
         } else if take.masks != masks {
@@ -71,7 +75,7 @@ impl App {
         let pose = self.shown_pose().clone();
         let shown = self.session.predicted.clone();
         self.session.is_stale = !shown.as_ref().is_some_and(|shown| shown.is_of(&scene, &pose));
-        if !self.session.is_stale {
+        if !self.session.is_stale || !self.may_ask(Lane::Predict) {
             return;
         }
         let wanted = self.session.wanted.as_ref();

@@ -4,6 +4,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use backlit_tracking::body::Pose;
+
 use super::App;
 use super::state::DialogKind;
 use crate::action::Action;
@@ -12,12 +14,14 @@ use crate::document::TakeSource;
 use crate::footage::Footage;
 use crate::laboratory::comparison::{Checked, PushKey};
 use crate::laboratory::start::StartParts;
-use crate::laboratory::{Basis, ColumnCheck, Comparison, Laboratory, LaboratoryRequest, StartChoice, table};
+use crate::laboratory::{
+    Basis, ColumnCheck, Comparison, Contestant, Laboratory, LaboratoryRequest, StartChoice, table,
+};
 use crate::look::Layout;
 use crate::selection::Selection;
 use crate::showing::Request;
 use crate::worker::{
-    LaboratoryCheckJob, LaboratoryEvent, LaboratoryJob, LaboratoryLookJob, LaboratoryPlotJob, Lane,
+    FitCheck, LaboratoryCheckJob, LaboratoryEvent, LaboratoryJob, LaboratoryLookJob, LaboratoryPlotJob, Lane,
     LiveLaboratory,
 };
 
@@ -69,7 +73,7 @@ impl App {
             return;
         }
         let Some(basis) = self.basis() else {
-            self.laboratory.is_waiting = self.session.take.is_some();
+            self.laboratory.is_waiting = self.session.take.is_some() && self.may_ask(Lane::Load);
             return;
         };
         let is_same = self.laboratory.comparison.as_ref().is_some_and(|old| old.basis.is(&basis));
@@ -112,11 +116,10 @@ impl App {
             .stale()
             .map(|(index, fit, pose)| (index, fit.scene.clone(), pose.clone(), fit.shown.clone()))
             .collect();
-        let lacks = !looks.is_empty() || !has_pushes;
+        let lacks = (!looks.is_empty() || !has_pushes) && self.may_ask(Lane::LaboratoryLook);
         if lacks && !self.worker.is_busy(Lane::LaboratoryLook) {
             let starts = || {
-                let one =
-                    |fit: &crate::laboratory::Contestant| (fit.scene.clone(), comparison.basis.start.clone());
+                let one = |fit: &Contestant| (fit.scene.clone(), comparison.basis.start.clone());
                 comparison.contestants.iter().map(one).collect()
             };
             let push = (!has_pushes).then(|| (key, starts()));
@@ -126,40 +129,44 @@ impl App {
         lacks || (!self.laboratory.is_running && self.check_in_laboratory())
     }
 
-    /// Asks for the check of the gradients at the step that is looked at. Whether one is still to come.
+    /// Asks for the check of the gradients at the step that is looked at, in all cameras, the one that is shown first.
+    /// Whether one is still to come.
     fn check_in_laboratory(&mut self) -> bool {
-        let camera_index = self.laboratory.camera;
         let Some(comparison) = &self.laboratory.comparison else { return false };
-        let Some(camera) = comparison.basis.scene.cameras.get(camera_index) else { return false };
-        let mut checks = Vec::new();
-        let mut is_coming = false;
-        for (index, fit) in comparison.contestants.iter().enumerate() {
-            let Some(pose) = fit.pose(comparison.cursor) else { continue };
-            let known = fit.checked.as_ref().filter(|old| old.camera == camera_index && old.pose == *pose);
-            if known.is_some_and(|known| known.progress.is_whole()) {
-                continue;
-            }
-            is_coming = true;
-            let check = ColumnCheck {
-                model: fit.scene.model.clone(),
-                pose: pose.clone(),
-                camera: camera.clone(),
-                renderer: fit.scene.fit.renderer,
-                ramp: fit.scene.fit.final_ramp(),
-                parameters: fit.scene.fit.parameters,
-            };
-            checks.push((index, check));
+        let (wanted, cameras) = (unchecked(comparison), comparison.basis.scene.cameras.len());
+        if wanted.is_empty() || cameras == 0 || !self.may_ask(Lane::LaboratoryCheck) {
+            return false;
         }
-        let wanted: Vec<_> = checks.iter().map(|(index, check)| (*index, check.pose.clone())).collect();
         let is_asked = self.worker.is_busy(Lane::LaboratoryCheck)
-            && self.laboratory.check_wanted.as_ref().is_some_and(|(camera, asked)| {
-                *camera == camera_index && wanted.iter().all(|one| asked.contains(one))
-            });
-        if is_coming && !is_asked {
-            self.laboratory.check_wanted = Some((camera_index, wanted));
-            self.worker.request(Lane::LaboratoryCheck, LaboratoryCheckJob::new(camera_index, checks));
+            && (self.laboratory.check_wanted.as_ref())
+                .is_some_and(|asked| wanted.iter().all(|one| asked.contains(one)));
+        if !is_asked {
+            let shown = self.laboratory.camera;
+            let order: Vec<usize> =
+                std::iter::once(shown).chain((0..cameras).filter(|camera| *camera != shown)).collect();
+            let checks =
+                wanted.iter().map(|(index, pose)| check_of(comparison, *index, pose, &order)).collect();
+            self.laboratory.check_wanted = Some(wanted);
+            self.laboratory.check_broke = false;
+            self.worker.request(Lane::LaboratoryCheck, LaboratoryCheckJob::new(checks));
         }
-        is_coming
+        true
+    }
+
+    /// A job of the laboratory broke down.
+    pub(super) fn laboratory_broke(&mut self, lane: Lane) {
+        match lane {
+            Lane::Laboratory => {
+                self.laboratory.pending_steps = 0;
+                self.laboratory.wants_run = false;
+                self.live_laboratory = LiveLaboratory::default();
+                if let Some(comparison) = &mut self.laboratory.comparison {
+                    comparison.break_down("the work on the fits broke down; Restart begins again");
+                }
+            }
+            Lane::LaboratoryCheck => self.laboratory.check_broke = true,
+            _ => {}
+        }
     }
 
     /// Which pushes are shown.
@@ -192,9 +199,9 @@ impl App {
                     fit.pushed = Some((key, Arc::new(pushed)));
                 }
             }
-            LaboratoryEvent::Checked { index, camera, pose, progress } => {
+            LaboratoryEvent::Checked { index, pose, progress } => {
                 if let Some(fit) = comparison.contestants.get_mut(index) {
-                    fit.checked = Some(Checked { camera, pose, progress });
+                    fit.checked = Some(Checked { pose, progress });
                 }
             }
             LaboratoryEvent::Written(_) => {}
@@ -275,7 +282,7 @@ impl App {
                 self.request(Request::Joint(joint));
             }
             LaboratoryRequest::Log(is_log) => self.laboratory.is_log = is_log,
-            LaboratoryRequest::Mark(fit) => self.laboratory.marked = fit,
+            LaboratoryRequest::Mark(fit) => self.mark_worst(fit),
             LaboratoryRequest::Step(step) => {
                 if let Some(comparison) = &mut self.laboratory.comparison {
                     comparison.go_to(step);
@@ -291,6 +298,16 @@ impl App {
         }
     }
 
+    /// Marks the worst pixel of a fit, and shows the camera that it is in.
+    fn mark_worst(&mut self, fit: Option<usize>) {
+        self.laboratory.marked = fit;
+        let comparison = self.laboratory.comparison.as_ref();
+        let marked = fit.and_then(|fit| comparison?.contestants.get(fit)?.checked.as_ref());
+        if let Some(worst) = marked.and_then(|checked| checked.progress.worst.as_ref()) {
+            self.laboratory.camera = worst.camera;
+        }
+    }
+
     /// Writes the laboratory's plot as a PNG.
     pub fn save_laboratory_plot(&mut self, path: &Path) {
         let Some(comparison) = &self.laboratory.comparison else { return };
@@ -301,6 +318,33 @@ impl App {
         let path = if path.extension().is_none() { path.with_extension("png") } else { path.to_owned() };
         self.worker.request(Lane::LaboratoryPlot, LaboratoryPlotJob { figure, theme: self.look.theme, path });
     }
+}
+
+/// Fits whose gradient was not wholly checked at the step that is looked at, with their poses.
+fn unchecked(comparison: &Comparison) -> Vec<(usize, Pose)> {
+    let pose = |(index, fit): (usize, &Contestant)| {
+        let pose = fit.pose(comparison.cursor)?;
+        let known = fit.checked.as_ref().filter(|old| old.pose == *pose);
+        (!known.is_some_and(|known| known.progress.is_whole())).then(|| (index, pose.clone()))
+    };
+    comparison.contestants.iter().enumerate().filter_map(pose).collect()
+}
+
+/// The check of a fit in these cameras.
+fn check_of(comparison: &Comparison, index: usize, pose: &Pose, order: &[usize]) -> FitCheck {
+    let scene = &comparison.contestants[index].scene;
+    let check = |camera: &usize| {
+        let check = ColumnCheck {
+            model: scene.model.clone(),
+            pose: pose.clone(),
+            camera: scene.cameras.get(*camera)?.clone(),
+            renderer: scene.fit.renderer,
+            ramp: scene.fit.final_ramp(),
+            parameters: scene.fit.parameters,
+        };
+        Some((*camera, check))
+    };
+    FitCheck::new(index, order.iter().filter_map(check).collect())
 }
 
 /// The demonstration that a take is.

@@ -31,8 +31,8 @@ impl App {
 
     /// Asks for the hull of the frame on the screen, where it is to be seen and not carved yet.
     pub(super) fn request_hull(&mut self) {
-        if !self.shows_scene() || self.look.scene.hull == HullLook::Hidden || self.worker.is_busy(Lane::Hull)
-        {
+        let may_carve = self.may_ask(Lane::Hull) && !self.worker.is_busy(Lane::Hull);
+        if !self.shows_scene() || self.look.scene.hull == HullLook::Hidden || !may_carve {
             return;
         }
         let Some(take) = &self.session.take else { return };

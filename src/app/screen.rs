@@ -26,6 +26,7 @@ impl App {
             busy: Busy {
                 opening: self.worker.is_busy(Lane::Open),
                 loading: self.worker.is_busy(Lane::Load),
+                load_broke: !self.may_ask(Lane::Load),
                 fitting: self.worker.is_busy(Lane::Fit),
                 tracking: self.worker.is_busy(Lane::Track),
                 exporting: self.export_progress(),

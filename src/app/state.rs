@@ -7,6 +7,7 @@ use backlit_tracking::body::{Pose, builtin};
 use backlit_tracking::io::Take;
 
 use super::background::Background;
+use super::broken::Broken;
 use super::clipboard::Clipboard;
 use super::demonstrating::Prepared;
 use super::docking::Docking;
@@ -105,6 +106,7 @@ pub struct App {
     pub(super) notices: Notices,
     pub(super) worker: Worker<Event>,
     pub(super) background: Background,
+    pub(super) broken: Broken,
     pub(super) live: LiveFit,
     /// Steps that were asked for while one was being made.
     pub(super) pending_steps: usize,
@@ -177,6 +179,7 @@ impl App {
             notices: Notices::default(),
             worker,
             background: Background::start(&context)?,
+            broken: Broken::default(),
             live: LiveFit::default(),
             pending_steps: 0,
             run_gesture: None,
@@ -290,7 +293,7 @@ impl App {
         self.worker.is_idle_but(Lane::Scene)
             && is_drawn
             && self.background.is_idle()
-            && !self.session.is_stale
+            && !(self.session.is_stale && self.may_ask(Lane::Predict))
             && self.prepared.is_none()
             && self.exporting.is_none()
             && !is_waiting

@@ -51,6 +51,11 @@ impl Unsaved {
     pub(super) fn new(folder: Option<PathBuf>) -> Self {
         Self { copies: folder.map(Copies::new), ..Self::default() }
     }
+
+    /// Writing broke down: it is tried again later, not at once.
+    pub(super) const fn copy_broke(&mut self) {
+        self.failed = true;
+    }
 }
 
 impl App {

@@ -1,5 +1,5 @@
-//! The analytic Jacobian of one camera against central differences, one column of the state at a time, so that it
-//! can be watched and stopped.
+//! The analytic Jacobian of every camera against central differences, one column of the state in one camera at a time,
+//! so that it can be watched and stopped.
 
 use std::sync::Arc;
 
@@ -29,6 +29,8 @@ pub struct ColumnCheck {
 /// The pixel in which analytic and numeric derivative differ most.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Worst {
+    /// Index of the camera.
+    pub camera: usize,
     /// x and y.
     pub pixel: [usize; 2],
     /// The column of the state, in words.
@@ -39,12 +41,12 @@ pub struct Worst {
     pub numeric: f64,
 }
 
-/// How far a check has come, and what it has found.
+/// How far a check has come, and what it has found, over all cameras.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CheckProgress {
-    /// Columns that were compared.
+    /// Columns that were compared, those of every camera counted.
     pub done: usize,
-    /// Columns of the state.
+    /// Columns of the state by cameras.
     pub total: usize,
     /// Derivatives that were compared, and those at a kink, where differences cannot tell.
     pub compared: usize,
@@ -71,8 +73,8 @@ impl CheckProgress {
         self.mismatches == 0
     }
 
-    /// Adds what was found in one column.
-    pub fn add(&mut self, found: &GradientCheck, check: &ColumnCheck, column: usize) {
+    /// Adds what was found in one column in one camera.
+    pub fn add(&mut self, found: &GradientCheck, check: &ColumnCheck, (camera, column): (usize, usize)) {
         self.done += 1;
         self.compared += found.compared;
         self.skipped += found.skipped;
@@ -82,6 +84,7 @@ impl CheckProgress {
             self.largest_error = worst.relative_error;
             let width = check.camera.width().max(1);
             self.worst = Some(Worst {
+                camera,
                 pixel: [worst.row % width, worst.row / width],
                 column: column_name(&check.model, check.parameters, column),
                 analytic: worst.analytic,
@@ -164,7 +167,7 @@ mod tests {
         for column in 0..check.columns() {
             let mut analytic = check.analytic(column);
             fault(column, &mut analytic);
-            progress.add(&check.compare(column, &analytic), check, column);
+            progress.add(&check.compare(column, &analytic), check, (2, column));
         }
         progress
     }
@@ -194,6 +197,7 @@ mod tests {
         assert_eq!(found.mismatches, 1);
         let worst = found.worst.unwrap();
         assert_eq!((worst.pixel, worst.column.as_str()), ([spoilt % 96, spoilt / 96], "root y"));
+        assert_eq!(worst.camera, 2);
         assert!((worst.analytic / worst.numeric - 1.02).abs() < 1e-4, "{worst:?}");
     }
 

@@ -37,11 +37,9 @@ impl Basis {
 /// What a picture of pushing pixels is of.
 pub type PushKey = (usize, PushAxis, usize);
 
-/// A check of the gradient at one pose in one camera.
+/// A check of the gradient at one pose in all cameras.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Checked {
-    /// The camera.
-    pub camera: usize,
     /// The pose.
     pub pose: Pose,
     /// What was found so far.
@@ -198,6 +196,14 @@ impl Comparison {
     pub fn end(&mut self, index: usize, ending: RunEnding) {
         if let Some(fit) = self.contestants.get_mut(index) {
             fit.ending = Some(ending);
+        }
+        self.follow();
+    }
+
+    /// The work on the fits has broken down: those that were going on have ended.
+    pub fn break_down(&mut self, words: &str) {
+        for fit in self.contestants.iter_mut().filter(|fit| fit.ending.is_none()) {
+            fit.ending = Some(RunEnding::Solver(words.to_owned()));
         }
         self.follow();
     }

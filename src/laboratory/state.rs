@@ -29,8 +29,10 @@ pub struct Laboratory {
     pub is_running: bool,
     /// Whether gradients are being checked.
     pub is_checking: bool,
-    /// The check that was asked for last: its camera, and the pose of each fit.
-    pub check_wanted: Option<(usize, Vec<(usize, Pose)>)>,
+    /// The check that was asked for last: the pose of each fit.
+    pub check_wanted: Option<Vec<(usize, Pose)>>,
+    /// Whether that check broke down.
+    pub check_broke: bool,
     /// Whether the comparison is to run as soon as it has begun.
     pub wants_run: bool,
     /// Steps that were asked for while one was being made.
@@ -108,7 +110,10 @@ impl Laboratory {
             | Action::FirstFrame => because(comparison.cursor == 0, "This is the start"),
             Action::LastFrame | Action::TenFramesOn => because(at_end, "This is the newest step"),
             Action::Stop if self.is_running => None,
-            Action::RestartLaboratory => because(comparison.last() == 0, "No step has been made yet"),
+            Action::RestartLaboratory => {
+                let is_new = comparison.last() == 0 && comparison.problem().is_none();
+                because(is_new, "No step has been made yet")
+            }
             _ => return None,
         })
     }

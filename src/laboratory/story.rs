@@ -54,7 +54,7 @@ pub fn tell(comparison: &Comparison, lineup: Lineup, key: PushKey) -> Story {
         (true, true) => format!("{} arrive", capital(lineup.all_text())),
         (true, false) if is_over => "They end alike".to_owned(),
         (true, false) => "So far they are alike".to_owned(),
-        (false, _) => why(&fits[worst], is_over),
+        (false, _) => why(&fits[worst], is_over, has_few(&fits[best], &fits[worst], key).is_some()),
     };
     let reason = if most - least < ALIKE_PERCENT {
         pushes_of(fits, key)
@@ -66,12 +66,12 @@ pub fn tell(comparison: &Comparison, lineup: Lineup, key: PushKey) -> Story {
     Story { title, paragraphs }
 }
 
-/// The title where one falls behind.
-fn why(worst: &Contestant, is_over: bool) -> String {
+/// The title where one falls behind. Its ends are to blame only where too few pixels push.
+fn why(worst: &Contestant, is_over: bool, has_few: bool) -> String {
     let (who, many) = match worst.entrant.name {
-        "Cylinder" => ("the flat ends", true),
-        "Capsule" => ("the round ends", true),
-        "Sphere tree" => ("the spheres", true),
+        "Cylinder" if has_few => ("the flat ends", true),
+        "Capsule" if has_few => ("the round ends", true),
+        "Sphere tree" if has_few => ("the spheres", true),
         _ => (worst.entrant.subject, false),
     };
     let verb = match (is_over, many) {
@@ -147,12 +147,15 @@ fn few_and_many(
     )
 }
 
+/// Pixels that push in the worst and in the best fit, if the worst has few of them.
+fn has_few(best: &Contestant, worst: &Contestant, key: PushKey) -> Option<[(usize, usize); 2]> {
+    let (few, many) = counts(worst, key).zip(counts(best, key))?;
+    (share(few) < FEW * share(many)).then_some([few, many])
+}
+
 /// Why one falls behind another.
 fn reason(best: &Contestant, worst: &Contestant, key: PushKey) -> Option<String> {
-    let (few, many) = (counts(worst, key), counts(best, key));
-    if let (Some(few), Some(many)) = (few, many)
-        && share(few) < FEW * share(many)
-    {
+    if let Some([few, many]) = has_few(best, worst, key) {
         return Some(few_and_many(&(worst, few), &(best, many), key.1.way()));
     }
     let raised = raised(worst);
@@ -278,7 +281,7 @@ mod tests {
         assert!(all.paragraphs[0].starts_with("About as many pixels"), "{all:?}");
 
         let raised = told([&[100.0, 1.0], &[10.0, 12.0], &[20.0, 0.2]], [600, 610, 620], false);
-        assert_eq!(raised.title, "Why the round ends lag");
+        assert_eq!(raised.title, "Why the capsule lags");
         assert!(raised.paragraphs[0].contains("1 step of the capsule went too far"), "{raised:?}");
 
         let zero = told([&[0.0, 0.0], &[0.0, 0.0], &[0.0, 0.0]], [1, 1, 1], true);

@@ -30,8 +30,11 @@ const COMPACT_BELOW: f32 = 760.0;
 /// The plot's share of the height, and its ends.
 const PLOT_SHARE: f32 = 0.38;
 const PLOT_HEIGHT: std::ops::RangeInclusive<f32> = 212.0..=350.0;
-/// The caption's share of the width.
+/// With little room the caption needs so much, with all of its words and its legend.
+const COMPACT_PLOT_HEIGHT: f32 = 236.0;
+/// The caption's share of the width; with little room it is wider, so that it is less high.
 const CAPTION_SHARE: f32 = 0.35;
+const COMPACT_CAPTION_SHARE: f32 = 0.42;
 
 /// How things are laid out in the room that there is.
 #[derive(Clone, Copy)]
@@ -102,6 +105,8 @@ fn page(ui: &mut Ui, rect: Rect, bench: &Bench<'_>, intents: &mut Intents) {
         pos2(rect.right() - margin, rect.bottom() - margin.min(20.0)),
     );
     let plot_height = (PLOT_SHARE * inner.height()).clamp(*PLOT_HEIGHT.start(), *PLOT_HEIGHT.end());
+    let is_compact = bench.room.is_compact;
+    let plot_height = if is_compact { plot_height.max(COMPACT_PLOT_HEIGHT) } else { plot_height };
     let (above, below) = inner.split_top_bottom_at_y(inner.bottom() - plot_height);
     let above = above.with_max_y(above.bottom() - gap);
     let fits = &bench.comparison.contestants;
@@ -113,13 +118,15 @@ fn page(ui: &mut Ui, rect: Rect, bench: &Bench<'_>, intents: &mut Intents) {
         card(ui, column);
         inside(ui, column, ("column", index), |ui| column::ui(ui, column, bench, index, fit, intents));
     }
-    let caption_width = (CAPTION_SHARE * below.width()).max(330.0);
+    let share = if is_compact { COMPACT_CAPTION_SHARE } else { CAPTION_SHARE };
+    let caption_width = (share * below.width()).max(330.0);
     let (plot, caption) = below.split_left_right_at_x(below.right() - caption_width - gap);
     let caption = caption.with_min_x(caption.left() + gap);
     card(ui, plot);
     inside(ui, plot.shrink2(vec2(14.0, 8.0)), "plot", |ui| curves::ui(ui, bench, intents));
     card(ui, caption);
-    inside(ui, caption.shrink2(vec2(18.0, 12.0)), "caption", |ui| caption::ui(ui, bench, intents));
+    let margin = if is_compact { vec2(14.0, 8.0) } else { vec2(18.0, 12.0) };
+    inside(ui, caption.shrink2(margin), "caption", |ui| caption::ui(ui, bench, intents));
 }
 
 /// The ground of a part of the page.
@@ -140,6 +147,7 @@ fn inside(ui: &mut Ui, rect: Rect, salt: impl egui::AsIdSalt, add: impl FnOnce(&
 fn waiting(ui: &mut Ui, rect: Rect, showing: &Showing<'_>) {
     let has_mask = showing.session.frames.get(showing.selection.frame).map(|frame| frame.has_mask());
     let text = match has_mask {
+        None if showing.busy.load_broke => "This frame cannot be read: Help › Messages says why",
         None => "Reading the frame…",
         Some(false) => "This frame has no silhouette yet: choose another in the Pose layout",
         Some(true) => "Preparing the fits…",

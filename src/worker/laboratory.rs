@@ -9,6 +9,7 @@ use backlit_tracking::body::Pose;
 use backlit_tracking::io::images;
 use backlit_tracking::track::Fit;
 use image::DynamicImage;
+use rayon::prelude::*;
 
 use super::fit::{ending_of, run_step};
 use super::{CameraPrediction, Event, Extent, Job, Outbox, Predicted, Scene, Step};
@@ -19,6 +20,8 @@ use crate::remedy::remedy;
 use crate::session::{RunEnding, RunStep};
 use crate::theme::Theme;
 
+/// Columns of a gradient that are checked at once.
+const COLUMNS_A_STEP: usize = 8;
 /// The level of the background, and from where on a pixel is hardly anything else.
 const BACKGROUND: f32 = 255.0;
 const NEARLY_BACKGROUND: f32 = 250.0;
@@ -40,8 +43,6 @@ pub enum LaboratoryEvent {
     Checked {
         /// The fit.
         index: usize,
-        /// The camera.
-        camera: usize,
         /// The pose.
         pose: Pose,
         /// What was found so far.
@@ -219,37 +220,67 @@ impl Job<Event> for LaboratoryLookJob {
     }
 }
 
-/// Checks the gradients of several fits, a column of one of them a step: all of them come on together.
+/// Checks the gradients of several fits in all cameras, a few columns of one of them a step: all of them come
+/// on together.
 #[derive(Debug)]
 pub struct LaboratoryCheckJob {
-    /// The camera.
-    pub camera: usize,
-    /// Fits, each with what is to be checked and how far that has come.
-    pub checks: Vec<(usize, ColumnCheck, CheckProgress)>,
+    fits: Vec<FitCheck>,
+}
+
+/// The check of one fit.
+#[derive(Debug)]
+pub struct FitCheck {
+    /// The fit.
+    pub index: usize,
+    /// What is to be checked, by camera, in the order in which it is.
+    pub cameras: Vec<(usize, ColumnCheck)>,
+    /// How far it has come.
+    pub progress: CheckProgress,
+}
+
+impl FitCheck {
+    /// A check of a fit in these cameras.
+    #[must_use]
+    pub fn new(index: usize, cameras: Vec<(usize, ColumnCheck)>) -> Self {
+        let total = cameras.iter().map(|(_, check)| check.columns()).sum();
+        Self { index, cameras, progress: CheckProgress { total, ..CheckProgress::default() } }
+    }
+
+    /// Compares the next columns, shared out among threads; the pose that they are of. What is found does not depend on
+    /// how they are shared out.
+    fn go_on(&mut self) -> Option<Pose> {
+        let (_, first) = self.cameras.first()?;
+        // All cameras see the same state.
+        let columns = first.columns().max(1);
+        let last = (self.progress.done + COLUMNS_A_STEP).min(self.progress.total);
+        let compare = |at: usize| {
+            let (camera, check) = self.cameras.get(at / columns)?;
+            let column = at % columns;
+            Some((*camera, check, column, check.compare(column, &check.analytic(column))))
+        };
+        let found: Vec<_> = (self.progress.done..last).into_par_iter().filter_map(compare).collect();
+        for (camera, check, column, found) in found {
+            self.progress.add(&found, check, (camera, column));
+        }
+        Some(first.pose.clone())
+    }
 }
 
 impl LaboratoryCheckJob {
     /// A check of these fits.
     #[must_use]
-    pub fn new(camera: usize, checks: Vec<(usize, ColumnCheck)>) -> Self {
-        let begin = |(index, check): (usize, ColumnCheck)| {
-            let progress = CheckProgress { total: check.columns(), ..CheckProgress::default() };
-            (index, check, progress)
-        };
-        Self { camera, checks: checks.into_iter().map(begin).collect() }
+    pub const fn new(fits: Vec<FitCheck>) -> Self {
+        Self { fits }
     }
 }
 
 impl Job<Event> for LaboratoryCheckJob {
     fn step(&mut self, out: &Outbox<Event>) -> Step {
-        let going = self.checks.iter_mut().filter(|(.., progress)| !progress.is_whole());
-        let next = going.min_by_key(|(index, _, progress)| (progress.done, *index));
-        let Some((index, check, progress)) = next else { return Step::Done };
-        let column = progress.done;
-        let found = check.compare(column, &check.analytic(column));
-        progress.add(&found, check, column);
-        let (pose, progress) = (check.pose.clone(), progress.clone());
-        send(out, LaboratoryEvent::Checked { index: *index, camera: self.camera, pose, progress });
+        let going = self.fits.iter_mut().filter(|fit| !fit.progress.is_whole());
+        let next = going.min_by_key(|fit| (fit.progress.done, fit.index));
+        let Some(fit) = next else { return Step::Done };
+        let Some(pose) = fit.go_on() else { return Step::Done };
+        send(out, LaboratoryEvent::Checked { index: fit.index, pose, progress: fit.progress.clone() });
         Step::Again
     }
 }

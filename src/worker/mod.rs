@@ -37,7 +37,8 @@ pub use draw_scene::DrawSceneJob;
 pub use fit::{FitJob, FitStart, LiveFit};
 pub use hull::HullJob;
 pub use laboratory::{
-    LaboratoryCheckJob, LaboratoryEvent, LaboratoryJob, LaboratoryLookJob, LaboratoryPlotJob, LiveLaboratory,
+    FitCheck, LaboratoryCheckJob, LaboratoryEvent, LaboratoryJob, LaboratoryLookJob, LaboratoryPlotJob,
+    LiveLaboratory,
 };
 pub use load::LoadJob;
 pub use observe::{ObserveJob, Observed};

@@ -59,7 +59,8 @@ fn assert_whole(harness: &Harness<'_, App>) {
         assert!(pushed.pushing <= pushed.in_ramp);
         let checked = fit.checked.as_ref().unwrap();
         assert_eq!(Some(&checked.pose), fit.pose(comparison.cursor));
-        assert_eq!(checked.camera, harness.state().laboratory().camera);
+        let columns = fit.scene.fit.parameters.columns(fit.scene.model.rotation_count());
+        assert_eq!(checked.progress.total, fit.scene.cameras.len() * columns, "every camera is checked");
         assert!(checked.progress.is_whole() && checked.progress.passes(), "{:?}", checked.progress);
         assert!(checked.progress.compared > 0 && checked.progress.worst.is_some());
     }
@@ -206,6 +207,52 @@ fn the_plot_is_clicked_copied_and_saved_and_the_worst_pixel_is_marked() {
     harness.get_by_role_and_label(Role::RadioButton, "Log").click();
     settle(&mut harness);
     assert!(harness.state().laboratory().is_log);
+}
+
+/// The worst pixel over all cameras: named with its camera, which a click shows.
+#[test]
+fn the_worst_pixel_of_all_cameras_is_shown_by_a_click() {
+    let mut harness = open_arm();
+    let worst = comparison(&harness).contestants[1].checked.as_ref().unwrap().progress.worst.clone().unwrap();
+    let other = 1 - worst.camera;
+    press(&mut harness, NONE, [Key::Num1, Key::Num2][other]);
+    assert_eq!(harness.state().laboratory().camera, other);
+    let button = harness.get_all_by_label_contains("Gradient check of the capsule").next().unwrap();
+    let at = button.rect().center();
+    harness
+        .get_all_by_label(&format!("Gradient check, worst in camera {}", worst.camera + 1))
+        .next()
+        .unwrap();
+    point(&mut harness, at);
+    let laboratory = harness.state().laboratory();
+    assert_eq!((laboratory.marked, laboratory.camera), (Some(1), worst.camera));
+    assert_whole(&harness);
+    press(&mut harness, NONE, [Key::Num1, Key::Num2][other]);
+    point(&mut harness, at);
+    assert_eq!(harness.state().laboratory().camera, worst.camera, "back to it, still marked");
+    point(&mut harness, at);
+    assert_eq!(harness.state().laboratory().marked, None);
+}
+
+/// At the least size of the window nothing of the caption has to be scrolled to, whatever is compared.
+#[test]
+fn caption_and_legend_have_room_in_the_least_window() {
+    let single = Opening::Take(TakeSource::Demonstration(Demonstration::SingleLimb));
+    let arm = Opening::Ready(Box::new(take::take()));
+    for opening in [single, arm] {
+        let mut harness = open(opening, Theme::Dark, vec2(1100.0, 700.0));
+        for (lineup, name) in Lineup::ALL {
+            choose(&mut harness, "Compare", name);
+            for run in [false, true] {
+                if run {
+                    press(&mut harness, NONE, Key::Enter);
+                }
+                let link = harness.get_by_label_contains("compare ").rect();
+                let lowest = harness.get_by_label("Laboratory plot").rect().bottom();
+                assert!(link.bottom() <= lowest, "{lineup:?}: {link} below {lowest}");
+            }
+        }
+    }
 }
 
 #[test]

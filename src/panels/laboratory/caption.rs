@@ -1,6 +1,8 @@
 //! Why they differ, in words, and what the colours of the pictures mean.
 
-use egui::{Color32, Rect, RichText, ScrollArea, Sense, StrokeKind, TextFormat, Ui, text::LayoutJob, vec2};
+use egui::{
+    Color32, Rect, RichText, ScrollArea, Sense, Separator, StrokeKind, TextFormat, Ui, text::LayoutJob, vec2,
+};
 
 use super::Bench;
 use crate::document::TakeSource;
@@ -13,7 +15,9 @@ use crate::theme::{self, residual_colour};
 /// Size of a swatch.
 const SWATCH: egui::Vec2 = vec2(40.0, 11.0);
 /// Line height of the caption where there is little room.
-const COMPACT_LINE: f32 = 18.0;
+const COMPACT_LINE: f32 = 17.0;
+/// Height of a row of the legend there, with what is between two.
+const COMPACT_ROW: f32 = 21.0;
 
 /// The caption and the legend; what has no room is scrolled to.
 pub(super) fn ui(ui: &mut Ui, bench: &Bench<'_>, intents: &mut Intents) {
@@ -27,7 +31,7 @@ pub(super) fn ui(ui: &mut Ui, bench: &Bench<'_>, intents: &mut Intents) {
         for paragraph in &story.paragraphs {
             text(ui, paragraph, bench.room.is_compact);
         }
-        ui.separator();
+        ui.add(Separator::default().spacing(if bench.room.is_compact { 5.0 } else { 6.0 }));
         if bench.room.is_compact {
             ui.spacing_mut().interact_size.y = COMPACT_LINE;
             ui.spacing_mut().item_spacing.y = 2.0;
@@ -73,6 +77,11 @@ fn legend(ui: &mut Ui, bench: &Bench<'_>) {
             x += 6.0;
         }
     });
+    // The pictures say that themselves: with many words above, what follows needs the room.
+    let room = ui.clip_rect().bottom() - ui.cursor().top();
+    if bench.room.is_compact && room < 2.0 * COMPACT_ROW {
+        return;
+    }
     row(ui, "Data only / model only / both", |ui, rect| {
         for (index, grey) in [REPORT_DATA, REPORT_MODEL, REPORT_BOTH].into_iter().enumerate() {
             let corner = rect.min + vec2(14.0 * index as f32, 0.0);

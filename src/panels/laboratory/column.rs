@@ -8,7 +8,7 @@ use egui::{
 use super::{Bench, picture};
 use crate::format;
 use crate::laboratory::story::percent_text;
-use crate::laboratory::{Contestant, LaboratoryRequest, Worst};
+use crate::laboratory::{CheckProgress, Contestant, LaboratoryRequest, Worst};
 use crate::session::RunEnding;
 use crate::showing::{Intents, Request};
 use crate::theme::{self, Palette, run_style, size, space};
@@ -45,6 +45,7 @@ pub(super) fn ui(
     });
     let marked = (bench.showing.laboratory.marked == Some(index)).then(|| checked(bench, fit)).flatten();
     let worst = marked.and_then(|checked| checked.progress.worst.as_ref());
+    let worst = worst.filter(|worst| worst.camera == bench.key.0);
     let (upper, lower) = if picture::is_stacked(bench, pictures) {
         let middle = pictures.center().y.round();
         let (upper, lower) = pictures.split_top_bottom_at_y(middle);
@@ -135,7 +136,7 @@ fn pushes(ui: &mut Ui, bench: &Bench<'_>, fit: &Contestant) {
 /// The check that belongs to what is shown.
 fn checked<'a>(bench: &Bench<'_>, fit: &'a Contestant) -> Option<&'a crate::laboratory::comparison::Checked> {
     let pose = fit.pose(bench.comparison.cursor)?;
-    fit.checked.as_ref().filter(|checked| checked.camera == bench.key.0 && checked.pose == *pose)
+    fit.checked.as_ref().filter(|checked| checked.pose == *pose)
 }
 
 fn gradient(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, intents: &mut Intents) {
@@ -143,13 +144,19 @@ fn gradient(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, inte
     let fresh = checked(bench, fit);
     let progress = fresh.or(fit.checked.as_ref()).map(|checked| &checked.progress);
     let is_whole = fresh.is_some_and(|checked| checked.progress.is_whole());
+    let cameras = bench.comparison.basis.scene.cameras.len();
     let name = match fresh {
-        Some(checked) if !is_whole => {
-            format!("Gradient check, {} of {} columns", checked.progress.done, checked.progress.total)
+        None if bench.showing.laboratory.check_broke => "Gradient check, broke down".to_owned(),
+        Some(checked) if !is_whole && bench.showing.laboratory.check_broke => {
+            format!("Gradient check, broke down at {} %", done_percent(&checked.progress))
         }
+        Some(checked) if !is_whole => format!("Gradient check, {} % done", done_percent(&checked.progress)),
         None if bench.showing.laboratory.is_running => "Gradient check, after the run".to_owned(),
         None => "Gradient check, computing".to_owned(),
-        Some(_) => "Gradient check, worst pixel".to_owned(),
+        Some(checked) => match &checked.progress.worst {
+            Some(worst) if cameras > 1 => format!("Gradient check, worst in camera {}", worst.camera + 1),
+            _ => "Gradient check, worst pixel".to_owned(),
+        },
     };
     let value =
         progress.map_or_else(|| format::MISSING.to_owned(), |progress| format::cost(progress.largest_error));
@@ -169,11 +176,15 @@ fn gradient(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, inte
         ui.set_cursor_icon(egui::CursorIcon::PointingHand);
     }
     let tooltip = fresh.map_or_else(
-        || "The analytic Jacobian against central differences, at this step in this camera".to_owned(),
+        || "The analytic Jacobian against central differences, at this step in all cameras".to_owned(),
         |checked| explained(bench, checked, is_marked),
     );
     if response.on_hover_text(tooltip).clicked() {
-        let mark = (!is_marked).then_some(index);
+        // A mark in another camera is gone to first.
+        let is_seen = fresh
+            .and_then(|checked| checked.progress.worst.as_ref())
+            .is_none_or(|worst| worst.camera == bench.key.0);
+        let mark = (!is_marked || !is_seen).then_some(index);
         intents.request(Request::Laboratory(LaboratoryRequest::Mark(mark)));
     }
 }
@@ -186,12 +197,17 @@ fn verdict(palette: &Palette, is_whole: bool, fails: bool) -> egui::Color32 {
     }
 }
 
+/// How much of a check is done, in whole percent.
+fn done_percent(progress: &CheckProgress) -> usize {
+    100 * progress.done / progress.total.max(1)
+}
+
 /// The worst pixel in words.
-fn pixel_words(bench: &Bench<'_>, worst: &Worst) -> String {
+fn pixel_words(worst: &Worst) -> String {
     let [x, y] = worst.pixel;
     format!(
         "Camera {}, pixel ({x}, {y}), column {}: analytic {}, differences {}",
-        bench.key.0 + 1,
+        worst.camera + 1,
         worst.column,
         figures(worst.analytic),
         figures(worst.numeric)
@@ -207,10 +223,17 @@ fn figures(value: f64) -> String {
 fn explained(bench: &Bench<'_>, checked: &crate::laboratory::comparison::Checked, is_marked: bool) -> String {
     let progress = &checked.progress;
     let count = |n: usize| format::count(n as i64);
-    let worst = progress.worst.as_ref().map_or_else(String::new, |worst| pixel_words(bench, worst) + ".\n");
-    let click = if is_marked { "Click to take the mark away" } else { "Click to mark the pixel" };
+    let worst = progress.worst.as_ref().map_or_else(String::new, |worst| pixel_words(worst) + ".\n");
+    let is_seen = progress.worst.as_ref().is_none_or(|worst| worst.camera == bench.key.0);
+    let click = match (is_marked, is_seen) {
+        (true, true) => "Click to take the mark away",
+        (false, true) => "Click to mark the pixel",
+        (_, false) => "Click to see the pixel, in its camera",
+    };
+    let cameras = bench.comparison.basis.scene.cameras.len();
+    let of = if cameras == 1 { String::new() } else { format!(" in {cameras} cameras") };
     format!(
-        "{worst}{} derivatives compared with central differences, {} differ, {} skipped at kinks; the number is the \
+        "{worst}{} derivatives{of} compared with central differences, {} differ, {} skipped at kinks; the number is the \
          largest difference over the largest derivative of its column.\n{click}",
         count(progress.compared),
         count(progress.mismatches),
@@ -231,7 +254,7 @@ fn ending(ui: &mut Ui, bench: &Bench<'_>, fit: &Contestant) {
         == bench.showing.laboratory.marked;
     let worst = checked(bench, fit).and_then(|checked| checked.progress.worst.as_ref()).filter(|_| is_marked);
     let (text, colour) = match worst {
-        Some(worst) => (pixel_words(bench, worst), palette.accent_text),
+        Some(worst) => (pixel_words(worst), palette.accent_text),
         None => (text, palette.text3),
     };
     let rect = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), ROW));

@@ -17,6 +17,8 @@ use crate::widgets::{segmented, still_plot};
 
 /// Height of the row above the plot.
 const HEAD: f32 = 30.0;
+/// With less room than this the hint behind the title is left out.
+const HINT: f32 = 210.0;
 /// Room right of the curves for their names.
 const LABEL_ROOM: f64 = 168.0;
 /// Names at the curves' ends keep so far apart.
@@ -56,8 +58,10 @@ fn head(ui: &mut Ui, bench: &Bench<'_>, intents: &mut Intents) -> bool {
             ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
                 let title = RichText::new("Cost, percent of start").text_style(theme::column_heading());
                 ui.add(egui::Label::new(title.color(palette.text)).truncate());
-                let hint = RichText::new("a click goes to that step").color(palette.text3);
-                ui.add(egui::Label::new(hint).truncate());
+                if ui.available_width() >= HINT {
+                    let hint = RichText::new("by step; a click goes to that step").color(palette.text3);
+                    ui.add(egui::Label::new(hint).truncate());
+                }
             });
         },
     );

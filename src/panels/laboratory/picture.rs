@@ -82,7 +82,9 @@ pub(super) fn overlay(
     if let Some(worst) = mark {
         paint_mark(ui, &view, worst);
     }
-    label(ui, rect, "Data black, model white", Color32::from_gray(0x20));
+    let words = "Data black, model white, both grey";
+    let words = if fits(ui, rect, words) { words } else { "Data black, model white" };
+    label(ui, rect, words, Color32::from_gray(0x20));
 }
 
 /// What pushes at the start; pixels of the ramp that do not are hatched.
