@@ -20,6 +20,9 @@ use crate::widgets::{Icon, hint, icon_button, named_row, number_field, section, 
 
 /// Width of the names in this section.
 const NAME: f32 = 64.0;
+/// Width of a fit's colour, and of the box of angles.
+const SWATCH: f32 = 10.0;
+const ANGLE: f32 = 94.0;
 /// Width of a number.
 const FIELD: f32 = 62.0;
 
@@ -143,22 +146,27 @@ fn compared(ui: &mut Ui, showing: &Showing<'_>, settings: &mut BasinSettings) {
     });
     let mut removed = None;
     for (index, other) in settings.compared.iter_mut().enumerate() {
+        // Two rows: side by side their names are wider than the panel.
         row(ui, "", |ui| {
             swatch(ui, index + 1);
-            let width = 0.5 * (ui.available_width() - size::BUTTON - 3.0 * space::ROW);
+            let width = ui.available_width() - size::BUTTON - 2.0 * space::ROW;
             let ways = ComparedWay::ALL.map(|way| (way, way.text(), format!("Compare with {}", way.text())));
             let name = format!("Compared fit {}", index + 1);
             if let Some(way) = choice(ui, &name, width, other.way.text(), &ways) {
                 other.way = way;
             }
+            let label = format!("Remove compared fit {}", index + 1);
+            if icon_button(ui, Icon::Close, &label, "Compare with one fit less").clicked() {
+                removed = Some(index);
+            }
+        });
+        row(ui, "", |ui| {
+            ui.add_space(SWATCH + ui.spacing().item_spacing.x);
+            let width = ui.available_width() - size::BUTTON - 2.0 * space::ROW;
             let renderers = RENDERERS.map(|kind| (kind, words::renderer_name(kind), String::new()));
             let name = format!("Renderer of compared fit {}", index + 1);
             if let Some(kind) = choice(ui, &name, width, words::renderer_name(other.renderer), &renderers) {
                 other.renderer = kind;
-            }
-            let label = format!("Remove compared fit {}", index + 1);
-            if icon_button(ui, Icon::Close, &label, "Compare with one fit less").clicked() {
-                removed = Some(index);
             }
         });
     }
@@ -180,7 +188,7 @@ const RENDERERS: [RendererKind; 3] =
     [RendererKind::Capsule, RendererKind::Cylinder, RendererKind::SphereTree { spheres: None }];
 
 fn swatch(ui: &mut Ui, index: usize) {
-    let (rect, _) = ui.allocate_exact_size(vec2(10.0, size::ROW), egui::Sense::hover());
+    let (rect, _) = ui.allocate_exact_size(vec2(SWATCH, size::ROW), egui::Sense::hover());
     let colour = run_style(index).colour;
     ui.painter().circle_filled(rect.center(), 4.0, colour);
 }
@@ -189,11 +197,11 @@ fn map(ui: &mut Ui, showing: &Showing<'_>, settings: &mut BasinSettings) {
     let model = &showing.document().model;
     for (direction, name) in settings.directions.iter_mut().zip(["Across", "Up"]) {
         row(ui, name, |ui| {
-            let width = 0.5 * (ui.available_width() - 2.0 * space::ROW);
-            joint(ui, name, width + 16.0, direction, model);
+            let width = ui.available_width() - ANGLE - 2.0 * space::ROW;
+            joint(ui, name, width, direction, model);
             let angles = Angle::ALL.map(|angle| (angle, angle_name(angle), String::new()));
             let label = format!("Angle {}", name.to_lowercase());
-            if let Some(angle) = choice(ui, &label, width - 16.0, angle_name(direction.angle), &angles) {
+            if let Some(angle) = choice(ui, &label, ANGLE, angle_name(direction.angle), &angles) {
                 direction.angle = angle;
             }
         });
@@ -202,6 +210,9 @@ fn map(ui: &mut Ui, showing: &Showing<'_>, settings: &mut BasinSettings) {
         number_field(ui, "Farthest of the map", &mut settings.map_degrees, 0, "°", 1.0, FIELD - 8.0)
             .on_hover_text("How far the map sets the two angles off to either side");
         settings.map_degrees = settings.map_degrees.clamp(1.0, 180.0);
+        hint(ui, "to either side");
+    });
+    row(ui, "Cells", |ui| {
         let cells = [(7, "7"), (11, "11"), (15, "15"), (21, "21")];
         segmented(ui, &mut settings.cells, &cells).on_hover_text("Cells across and up; each is a fit");
     });
@@ -216,11 +227,14 @@ fn joint(ui: &mut Ui, name: &str, width: f32, direction: &mut MapDirection, mode
     let known = direction.joint.as_deref().filter(|name| model.limb_index(name).is_some());
     let chosen = known.unwrap_or("held joint").to_owned();
     ui.name_inputs(format!("Joint {}", name.to_lowercase()), |ui| {
-        ComboBox::from_id_salt(("map joint", name)).width(width).selected_text(chosen).show_ui(ui, |ui| {
-            ui.selectable_value(&mut direction.joint, None, "held joint");
-            for text in (0..model.rotation_count()).filter_map(name_of) {
-                ui.selectable_value(&mut direction.joint, Some(text.to_owned()), text);
-            }
-        });
+        ComboBox::from_id_salt(("map joint", name)).width(width).truncate().selected_text(chosen).show_ui(
+            ui,
+            |ui| {
+                ui.selectable_value(&mut direction.joint, None, "held joint");
+                for text in (0..model.rotation_count()).filter_map(name_of) {
+                    ui.selectable_value(&mut direction.joint, Some(text.to_owned()), text);
+                }
+            },
+        );
     });
 }
