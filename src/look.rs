@@ -156,8 +156,8 @@ mod tests {
 
     #[test]
     fn what_is_chosen_for_plots_and_basin_is_kept_and_outlives_a_reset() {
-        let mut look = Look::default();
-        look.curves = CurvesLook { quantity: Quantity::StepNorm, is_log: false, rejected: false };
+        let curves = CurvesLook { quantity: Quantity::StepNorm, is_log: false, rejected: false };
+        let mut look = Look { curves, ..Look::default() };
         look.basin.settings.seed = 12;
         look.basin.view = crate::basin::BasinView::Map;
         let kept: Look = serde_json::from_str(&serde_json::to_string(&look).unwrap()).unwrap();

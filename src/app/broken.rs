@@ -80,6 +80,7 @@ const fn work_of(lane: Lane) -> &'static str {
         Lane::TakeIn => "Reading the dropped files",
         Lane::Calibrate => "Seeing the footage by other cameras",
         Lane::Load => "Reading the frame",
+        Lane::Settings => "Keeping the settings",
         Lane::Save => "Writing a file",
         Lane::Fit => "The fit",
         Lane::Laboratory => "The laboratory",
@@ -115,7 +116,8 @@ mod tests {
         }
     }
 
-    const ALL: [Lane; 16] = [
+    const ALL: [Lane; 17] = [
+        Lane::Settings,
         Lane::Predict,
         Lane::LaboratoryLook,
         Lane::Open,
