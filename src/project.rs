@@ -1,152 +1,34 @@
-//! The project file `*.backlit`: a document as versioned JSON.
+//! The project file `*.backlit`: a document as versioned JSON (see `docs/formats.md`).
 //!
 //! Poses are written by limb name, so that a person can read them; numbers are written so that they are read
 //! back to the bit.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `error` | [`ProjectError`]: what can be wrong |
+//! | `record` | the file as it is |
+//! | `reader` | from the file to a document that holds together |
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+mod error;
+mod reader;
+mod record;
 
-use backlit_tracking::body::{Model, ModelError, ModelSpec, Pose, PoseError};
-use backlit_tracking::io::calibration::{CalibrationOptions, backlit};
-use backlit_tracking::io::{FileError, atomic, reason};
-use backlit_tracking::segment::{SegmentError, SegmentOptions};
-use backlit_tracking::track::FitOptions;
-use backlit_tracking::track::options::OptionsError;
-use glam::{DQuat, DVec3};
-use serde::{Deserialize, Serialize};
-use thiserror::Error;
+pub use error::ProjectError;
 
-use crate::demonstration::Demonstration;
-use crate::document::{CameraUse, Document, Estimate, Origin, TakeSource};
-use crate::replacement::{Calibration, MaskFiles};
-use crate::tracking_choices::TrackingChoices;
+use std::path::Path;
+
+use backlit_tracking::io::atomic;
+use serde::Deserialize;
+
+use crate::document::Document;
+use reader::Reader;
+use record::{ProjectFile, to_file};
 
 /// Name and version of the project file's format.
 pub const FORMAT: &str = "backlit-project 1";
 
 /// Files larger than this are not projects.
 const MAX_BYTES: u64 = 256 << 20;
-
-/// Why a project cannot be read or written.
-#[derive(Debug, Error)]
-#[expect(missing_docs, reason = "the messages say what each variant and field is")]
-pub enum ProjectError {
-    #[error("{}: {}", path.display(), said(.source))]
-    Io { path: PathBuf, source: std::io::Error },
-    #[error(transparent)]
-    File(#[from] FileError),
-    #[error("{}: the file has {bytes} bytes; a project has at most {MAX_BYTES}", path.display())]
-    TooLarge { path: PathBuf, bytes: u64 },
-    #[error("{}: {source}", path.display())]
-    Json { path: PathBuf, source: serde_json::Error },
-    #[error("{}: `format` is \"{found}\"; expected \"{FORMAT}\"", path.display())]
-    Format { path: PathBuf, found: String },
-    #[error(
-        "{}: a newer Backlit wrote this project (\"{found}\"; this one reads \"{FORMAT}\"): open it with that one",
-        path.display()
-    )]
-    Newer { path: PathBuf, found: String },
-    #[error("{}, line {line}: the file ends too early: it was cut off", path.display())]
-    Cut { path: PathBuf, line: usize },
-    #[error("{}: `model`: {source}", path.display())]
-    Model { path: PathBuf, source: ModelError },
-    #[error("{}: `{field}`: {source}", path.display())]
-    Pose { path: PathBuf, field: String, source: PoseError },
-    #[error("{}: `{field}` names the limb \"{limb}\", which the model does not have", path.display())]
-    Limb { path: PathBuf, field: String, limb: String },
-    #[error("{}: `masks.{frame}` names the camera \"{camera}\", which the take does not have", path.display())]
-    MaskCamera { path: PathBuf, frame: usize, camera: String },
-    #[error("{}: `fit`: {source}", path.display())]
-    Fit { path: PathBuf, source: OptionsError },
-    #[error("{}: `measurement`, camera {index} counted from 0: {source}", path.display())]
-    Measurement { path: PathBuf, index: usize, source: SegmentError },
-    #[error("{}: `cameras`: the weight of {camera} is {weight}; expected a number from 0 on", path.display())]
-    Weight { path: PathBuf, camera: String, weight: f64 },
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ProjectFile {
-    format: String,
-    take: Option<TakeRecord>,
-    model: ModelSpec,
-    start: PoseRecord,
-    #[serde(default)]
-    keys: BTreeMap<usize, PoseRecord>,
-    #[serde(default)]
-    estimates: BTreeMap<usize, EstimateRecord>,
-    #[serde(default)]
-    cameras: Vec<CameraRecord>,
-    #[serde(default)]
-    fit: FitOptions,
-    /// Left out, it is what goes with the fit.
-    #[serde(default)]
-    tracking: Option<TrackingChoices>,
-    #[serde(default)]
-    measurement: Vec<SegmentOptions>,
-    #[serde(default)]
-    pins: Vec<String>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    calibration: Option<CalibrationRecord>,
-    /// By frame, then by camera's name.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    masks: BTreeMap<usize, BTreeMap<String, PathBuf>>,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct CalibrationRecord {
-    file: PathBuf,
-    /// As in a file `backlit-cameras 1`, so that nothing is lost with the file.
-    cameras: serde_json::Value,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum TakeRecord {
-    BuiltIn,
-    Demonstration(Demonstration),
-    Path(PathBuf),
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct PoseRecord {
-    root: [f64; 3],
-    /// w x y z by the limb that owns the rotation; left out where it is at rest.
-    #[serde(default)]
-    rotations: BTreeMap<String, [f64; 4]>,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct EstimateRecord {
-    pose: PoseRecord,
-    origin: OriginRecord,
-    cost: f64,
-    rms: f64,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    iou: Option<f64>,
-    steps: usize,
-    lost: bool,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum OriginRecord {
-    Fit,
-    Track,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct CameraRecord {
-    name: String,
-    used: bool,
-    weight: f64,
-}
 
 /// Writes a document. The file appears whole or not at all.
 ///
@@ -193,11 +75,6 @@ pub fn read_project(path: &Path) -> Result<Document, ProjectError> {
     Reader { path }.document(file)
 }
 
-/// What the system says of a file that cannot be read.
-fn said(error: &std::io::Error) -> String {
-    if error.kind() == ErrorKind::NotFound { "there is no such file".to_owned() } else { reason(error) }
-}
-
 /// The version of a project's format; none of another format's.
 fn version(format: &str) -> Option<u64> {
     let (name, version) = format.split_once(' ')?;
@@ -209,211 +86,22 @@ struct Header {
     format: String,
 }
 
-fn to_file(document: &Document) -> ProjectFile {
-    let model = &*document.model;
-    ProjectFile {
-        format: FORMAT.to_owned(),
-        take: document.take.as_ref().map(|take| match take {
-            TakeSource::BuiltIn => TakeRecord::BuiltIn,
-            TakeSource::Demonstration(which) => TakeRecord::Demonstration(*which),
-            TakeSource::Path(path) => TakeRecord::Path(path.clone()),
-        }),
-        model: model.to_spec(),
-        start: pose_record(model, &document.start),
-        keys: document.keys.iter().map(|(frame, pose)| (*frame, pose_record(model, pose))).collect(),
-        estimates: document
-            .estimates
-            .iter()
-            .map(|(frame, estimate)| (*frame, estimate_record(model, estimate)))
-            .collect(),
-        cameras: document
-            .cameras
-            .iter()
-            .map(|camera| CameraRecord {
-                name: camera.name.clone(),
-                used: camera.used,
-                weight: camera.weight,
-            })
-            .collect(),
-        fit: (*document.fit).clone(),
-        tracking: Some(document.tracking),
-        measurement: (*document.measurement).clone(),
-        pins: document.pins.iter().map(|&limb| model.limbs()[limb].name.clone()).collect(),
-        calibration: document.calibration.as_ref().map(|calibration| CalibrationRecord {
-            file: calibration.path.clone(),
-            cameras: serde_json::from_str(&backlit::to_text(&calibration.rig)).unwrap_or_default(),
-        }),
-        masks: document.masks.iter().map(|(frame, masks)| (*frame, mask_records(document, masks))).collect(),
-    }
-}
-
-fn mask_records(document: &Document, masks: &BTreeMap<usize, PathBuf>) -> BTreeMap<String, PathBuf> {
-    let named = |(camera, path): (&usize, &PathBuf)| {
-        document.cameras.get(*camera).map(|camera| (camera.name.clone(), path.clone()))
-    };
-    masks.iter().filter_map(named).collect()
-}
-
-fn pose_record(model: &Model, pose: &Pose) -> PoseRecord {
-    let owners = model.rotation_owners().iter();
-    let rotations = owners
-        .zip(&pose.rotations)
-        .map(|(&owner, q)| (model.limbs()[owner].name.clone(), [q.w, q.x, q.y, q.z]))
-        .collect();
-    PoseRecord { root: pose.root.to_array(), rotations }
-}
-
-fn estimate_record(model: &Model, estimate: &Estimate) -> EstimateRecord {
-    EstimateRecord {
-        pose: pose_record(model, &estimate.pose),
-        origin: match estimate.origin {
-            Origin::Fit => OriginRecord::Fit,
-            Origin::Track => OriginRecord::Track,
-        },
-        cost: estimate.cost,
-        rms: estimate.rms,
-        iou: estimate.iou,
-        steps: estimate.steps,
-        lost: estimate.lost,
-    }
-}
-
-struct Reader<'a> {
-    path: &'a Path,
-}
-
-impl Reader<'_> {
-    fn document(&self, file: ProjectFile) -> Result<Document, ProjectError> {
-        let model = Model::new(&file.model)
-            .map_err(|source| ProjectError::Model { path: self.path.to_owned(), source })?;
-        let wrong = |source| ProjectError::Fit { path: self.path.to_owned(), source };
-        file.fit.check().map_err(wrong)?;
-        for (index, options) in file.measurement.iter().enumerate() {
-            let path = self.path.to_owned();
-            options.check().map_err(|source| ProjectError::Measurement { path, index, source })?;
-        }
-        let start = self.pose(&model, "start", &file.start)?;
-        let mut keys = BTreeMap::new();
-        for (frame, record) in &file.keys {
-            keys.insert(*frame, self.pose(&model, &format!("keys.{frame}"), record)?);
-        }
-        let mut estimates = BTreeMap::new();
-        for (frame, record) in &file.estimates {
-            let pose = self.pose(&model, &format!("estimates.{frame}.pose"), &record.pose)?;
-            estimates.insert(*frame, Arc::new(estimate(pose, record)));
-        }
-        let mut pins = BTreeSet::new();
-        for name in &file.pins {
-            pins.insert(self.limb(&model, "pins", name)?);
-        }
-        let cameras = self.cameras(file.cameras)?;
-        let masks = self.masks(&cameras, file.masks)?;
-        let calibration = file.calibration.map(|record| self.calibration(record)).transpose()?;
-        Ok(Document {
-            take: file.take.map(|take| match take {
-                TakeRecord::BuiltIn => TakeSource::BuiltIn,
-                TakeRecord::Demonstration(which) => TakeSource::Demonstration(which),
-                TakeRecord::Path(path) => TakeSource::Path(path),
-            }),
-            model: Arc::new(model),
-            start: Arc::new(start),
-            keys: Arc::new(keys),
-            estimates: Arc::new(estimates),
-            cameras: Arc::new(cameras),
-            tracking: file.tracking.unwrap_or_else(|| TrackingChoices::of_preset(file.fit.as_preset())),
-            fit: Arc::new(file.fit),
-            measurement: Arc::new(file.measurement),
-            pins: Arc::new(pins),
-            calibration,
-            masks: Arc::new(masks),
-        })
-    }
-
-    fn cameras(&self, records: Vec<CameraRecord>) -> Result<Vec<CameraUse>, ProjectError> {
-        let camera = |record: CameraRecord| {
-            if record.weight.is_finite() && record.weight >= 0.0 {
-                Ok(CameraUse { name: record.name, used: record.used, weight: record.weight })
-            } else {
-                let path = self.path.to_owned();
-                Err(ProjectError::Weight { path, camera: record.name, weight: record.weight })
-            }
-        };
-        records.into_iter().map(camera).collect()
-    }
-
-    fn calibration(&self, record: CalibrationRecord) -> Result<Arc<Calibration>, ProjectError> {
-        let json = |source| ProjectError::Json { path: self.path.to_owned(), source };
-        let text = serde_json::to_string(&record.cameras).map_err(json)?;
-        let rig = backlit::parse(self.path, &text, CalibrationOptions::default())?;
-        Ok(Arc::new(Calibration { path: record.file, rig }))
-    }
-
-    fn masks(
-        &self,
-        cameras: &[CameraUse],
-        records: BTreeMap<usize, BTreeMap<String, PathBuf>>,
-    ) -> Result<MaskFiles, ProjectError> {
-        let mut masks = MaskFiles::new();
-        for (frame, record) in records {
-            for (name, path) in record {
-                let camera = cameras.iter().position(|camera| camera.name == name);
-                let camera = camera.ok_or_else(|| ProjectError::MaskCamera {
-                    path: self.path.to_owned(),
-                    frame,
-                    camera: name.clone(),
-                })?;
-                masks.entry(frame).or_default().insert(camera, path);
-            }
-        }
-        Ok(masks)
-    }
-
-    fn pose(&self, model: &Model, field: &str, record: &PoseRecord) -> Result<Pose, ProjectError> {
-        let mut pose = Pose::rest(model);
-        pose.root = DVec3::from_array(record.root);
-        for (name, [w, x, y, z]) in &record.rotations {
-            let limb = self.limb(model, field, name)?;
-            pose.rotations[model.limbs()[limb].rotation] = DQuat::from_xyzw(*x, *y, *z, *w);
-        }
-        let wrong =
-            |source| ProjectError::Pose { path: self.path.to_owned(), field: field.to_owned(), source };
-        pose.check(model).map_err(wrong)?;
-        Ok(pose)
-    }
-
-    fn limb(&self, model: &Model, field: &str, name: &str) -> Result<usize, ProjectError> {
-        model.limb_index(name).ok_or_else(|| ProjectError::Limb {
-            path: self.path.to_owned(),
-            field: field.to_owned(),
-            limb: name.to_owned(),
-        })
-    }
-}
-
-fn estimate(pose: Pose, record: &EstimateRecord) -> Estimate {
-    Estimate {
-        pose,
-        origin: match record.origin {
-            OriginRecord::Fit => Origin::Fit,
-            OriginRecord::Track => Origin::Track,
-        },
-        cost: record.cost,
-        rms: record.rms,
-        iou: record.iou,
-        steps: record.steps,
-        lost: record.lost,
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use backlit_tracking::body::{Parameters, builtin};
+    use std::collections::BTreeMap;
+    use std::path::PathBuf;
+    use std::sync::Arc;
 
+    use backlit_tracking::body::{Parameters, builtin};
+    use backlit_tracking::segment::SegmentOptions;
     use backlit_tracking::track::Search;
+    use glam::DVec3;
 
     use super::*;
+    use crate::document::{CameraUse, Estimate, Origin, TakeSource};
     use crate::edit::Edit;
-    use crate::tracking_choices::Following;
+    use crate::replacement::Calibration;
+    use crate::tracking_choices::{Following, TrackingChoices};
 
     fn example() -> Document {
         let mut document = Document::new(builtin::upper_body());

@@ -1,0 +1,54 @@
+//! What can be wrong with a project.
+
+use std::io::ErrorKind;
+use std::path::PathBuf;
+
+use backlit_tracking::body::{ModelError, PoseError};
+use backlit_tracking::io::{FileError, reason};
+use backlit_tracking::segment::SegmentError;
+use backlit_tracking::track::options::OptionsError;
+use thiserror::Error;
+
+use super::{FORMAT, MAX_BYTES};
+
+/// Why a project cannot be read or written.
+#[derive(Debug, Error)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum ProjectError {
+    #[error("{}: {}", path.display(), said(.source))]
+    Io { path: PathBuf, source: std::io::Error },
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error("{}: the file has {bytes} bytes; a project has at most {MAX_BYTES}", path.display())]
+    TooLarge { path: PathBuf, bytes: u64 },
+    #[error("{}: {source}", path.display())]
+    Json { path: PathBuf, source: serde_json::Error },
+    #[error("{}: `format` is \"{found}\"; expected \"{FORMAT}\"", path.display())]
+    Format { path: PathBuf, found: String },
+    #[error(
+        "{}: a newer Backlit wrote this project (\"{found}\"; this one reads \"{FORMAT}\"): open it with that one",
+        path.display()
+    )]
+    Newer { path: PathBuf, found: String },
+    #[error("{}, line {line}: the file ends too early: it was cut off", path.display())]
+    Cut { path: PathBuf, line: usize },
+    #[error("{}: `model`: {source}", path.display())]
+    Model { path: PathBuf, source: ModelError },
+    #[error("{}: `{field}`: {source}", path.display())]
+    Pose { path: PathBuf, field: String, source: PoseError },
+    #[error("{}: `{field}` names the limb \"{limb}\", which the model does not have", path.display())]
+    Limb { path: PathBuf, field: String, limb: String },
+    #[error("{}: `masks.{frame}` names the camera \"{camera}\", which the take does not have", path.display())]
+    MaskCamera { path: PathBuf, frame: usize, camera: String },
+    #[error("{}: `fit`: {source}", path.display())]
+    Fit { path: PathBuf, source: OptionsError },
+    #[error("{}: `measurement`, camera {index} counted from 0: {source}", path.display())]
+    Measurement { path: PathBuf, index: usize, source: SegmentError },
+    #[error("{}: `cameras`: the weight of {camera} is {weight}; expected a number from 0 on", path.display())]
+    Weight { path: PathBuf, camera: String, weight: f64 },
+}
+
+/// What the system says of a file that cannot be read.
+fn said(error: &std::io::Error) -> String {
+    if error.kind() == ErrorKind::NotFound { "there is no such file".to_owned() } else { reason(error) }
+}
