@@ -22,5 +22,6 @@ mod panels;
 mod posing;
 mod recovery;
 mod support;
+mod timeline;
 mod tour;
 mod workflow;
