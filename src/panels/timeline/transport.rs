@@ -44,7 +44,7 @@ pub(super) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
         icon(ui, showing, intents, Action::NextKey, Icon::NextKey);
         ui.add_space(space::WIDGET);
         icon(ui, showing, intents, Action::PreviousWorst, Icon::Previous);
-        named_button(ui, showing, intents, Action::NextWorst, "Next worst");
+        named_button(ui, showing, intents, Action::NextWorst, if folded { "Worst" } else { "Next worst" });
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
             let (short, full) = (short_summary(showing), summary(showing));
             let text = if folded { &short } else { &full };
