@@ -322,7 +322,7 @@ const TABLE: &[Command] = &{
     row(M::Track, A::TrackForward, "Track forward", "Fit frame after frame from here to the end", &[ctrl(Key::Enter)]),
     row(M::Track, A::TrackBack, "Track back", "Fit frame after frame from here to the beginning", &[ctrl_shift(Key::Enter)]),
     row(M::Track, A::TrackBetween, "Track between keys", "Fit from the key pose before on and from the one after back; both tracks are joined where their joints lie nearest, and the frames about the join are blended and fitted again", &[ctrl_shift(Key::K)]),
-    row(M::Track, A::SetKeyPose, "Set or clear key pose", "Mark the pose of this frame as one that was set by hand", &[key(Key::K)]),
+    row(M::Track, A::SetKeyPose, "Set or clear key pose", "Keep the pose of this frame as one that was set by hand, a diamond in the timeline: the tracker begins anew from it. Dragging a joint sets one too; again clears it", &[key(Key::K)]),
     row(M::Track, A::PreviousKey, "Previous key pose", "Go to the key pose before", &[key(Key::OpenBracket)]),
     row(M::Track, A::NextKey, "Next key pose", "Go to the next key pose", &[key(Key::CloseBracket)]),
     row(M::Track, A::ClearTrack, "Clear track", "Forget all tracked poses; key poses stay", &[]),

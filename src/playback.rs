@@ -150,6 +150,15 @@ impl Playback {
         Cue::Show(frame)
     }
 
+    /// Seconds until the next frame is due; `None` while nothing is played.
+    #[must_use]
+    pub fn next_in(&self, rate: f64, now: f64) -> Option<f64> {
+        let film = self.film?;
+        let rate = (rate * self.speed).max(f64::MIN_POSITIVE);
+        let due = film.since + (passed(film, rate, now) + 1) as f64 / rate;
+        Some((due - now).max(0.0))
+    }
+
     /// The frame that will be due in so many seconds, to be read ahead.
     #[must_use]
     pub fn due_in(&self, seconds: f64, count: usize, rate: f64, now: f64) -> Option<usize> {
@@ -221,6 +230,17 @@ mod tests {
         // The user goes elsewhere: the film goes on from there, once its picture is there.
         assert_eq!(playback.cue(50, 100, RATE, 0.9, |_| false), Cue::Wait);
         assert_eq!(playback.cue(50, 100, RATE, 1.9, |_| true), Cue::Show(60));
+    }
+
+    #[test]
+    fn the_window_wakes_when_the_next_frame_is_due() {
+        let mut playback = Playback::default();
+        assert_eq!(playback.next_in(RATE, 0.0), None);
+        playback.start(0, 100, 2.0);
+        assert!((playback.next_in(RATE, 2.0).unwrap() - 0.1).abs() < 1e-9);
+        assert!((playback.next_in(RATE, 2.07).unwrap() - 0.03).abs() < 1e-9, "not a whole frame later");
+        playback.set_speed(0.5, 2.07);
+        assert!((playback.next_in(RATE, 2.07).unwrap() - 0.2).abs() < 1e-9);
     }
 
     #[test]

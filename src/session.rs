@@ -23,6 +23,7 @@ pub use run_names::{count_twins, name_runs, plain_names};
 use crate::document::Document;
 use crate::footage::Footage;
 use crate::scene_view::SceneDrawing;
+use crate::playback::FrameRange;
 use crate::selection::{Selection, StepRef};
 use crate::worker::{Extent, Predicted, Scene};
 
@@ -103,11 +104,33 @@ pub struct Tracking {
     pub backwards: bool,
     /// The key poses between which it goes both ways, if it does.
     pub between: Option<(usize, usize)>,
+    /// The frames that are tracked.
+    pub range: FrameRange,
     /// When it began.
     pub began: Instant,
 }
 
 impl Tracking {
+    /// The frames that are still to come, as long as there are any. Between key poses every frame comes twice.
+    #[must_use]
+    pub fn to_come(&self) -> Option<FrameRange> {
+        let FrameRange { first, last } = self.range;
+        if self.done >= self.total {
+            return None;
+        }
+        let count = self.range.count();
+        let (done, backwards) = match self.between {
+            None => (self.done, self.backwards),
+            Some(_) => (self.done % count, self.done >= count),
+        };
+        let range = FrameRange { first, last };
+        Some(if backwards {
+            FrameRange { last: last.saturating_sub(done).max(first), ..range }
+        } else {
+            FrameRange { first: (first + done).min(last), ..range }
+        })
+    }
+
     /// Frames a second so far, once there is something to tell.
     #[must_use]
     pub fn rate(&self) -> Option<f64> {
@@ -226,5 +249,29 @@ impl Session {
     pub fn forget_measurements(&mut self) {
         self.frames.clear();
         self.predicted = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_still_come_from_the_side_to_which_the_tracker_goes() {
+        let tracking = |done: usize, backwards: bool, between: Option<(usize, usize)>| Tracking {
+            done,
+            total: if between.is_some() { 12 } else { 6 },
+            backwards,
+            between,
+            range: FrameRange { first: 4, last: 9 },
+            began: Instant::now(),
+        };
+        let to_come = |tracking: Tracking| tracking.to_come().map(|FrameRange { first, last }| (first, last));
+        assert_eq!(to_come(tracking(0, false, None)), Some((4, 9)));
+        assert_eq!(to_come(tracking(2, false, None)), Some((6, 9)));
+        assert_eq!(to_come(tracking(2, true, None)), Some((4, 7)));
+        assert_eq!(to_come(tracking(6, true, None)), None);
+        assert_eq!(to_come(tracking(5, false, Some((4, 9)))), Some((9, 9)));
+        assert_eq!(to_come(tracking(7, false, Some((4, 9)))), Some((4, 8)), "and from the other side");
     }
 }

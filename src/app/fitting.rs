@@ -52,6 +52,7 @@ impl App {
     /// One step, or all of them: of the run that is live, if the pose on the screen is its last one and
     /// nothing that it depends on has changed; else of a new run.
     pub(super) fn step(&mut self, steps: Option<usize>) {
+        self.pause();
         if self.worker.is_busy(Lane::Fit) {
             self.pending_steps += steps.unwrap_or(0);
             return;
@@ -101,6 +102,7 @@ impl App {
         part: Option<(String, Vec<bool>)>,
         steps: Option<usize>,
     ) {
+        self.pause();
         self.session.refitting = None;
         let Some(scene) = self.scene() else { return };
         let pose = self.session.shown_pose(self.document(), &self.selection).clone();

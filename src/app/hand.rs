@@ -108,6 +108,7 @@ impl App {
     /// A drag begins. A modifier pressed on the way begins anew from the pose that is reached: still one gesture.
     fn take_hold(&mut self, camera: usize, drag: Drag) {
         self.interrupt_fit();
+        self.pause();
         let base = self.session.shown_pose(self.document(), &self.selection).clone();
         let gesture = self.held.take().map_or_else(|| self.new_gesture(), |held| held.gesture);
         let body = self.document().model.clone();

@@ -10,6 +10,8 @@ use crate::playback::{Cue, Playback};
 
 /// How long a frame takes to be read, before one was: seconds.
 const FIRST_GUESS: f64 = 0.05;
+/// While frames are played, the window looks at its clock at least this often: seconds.
+const LONGEST_WAIT: f64 = 1.0;
 /// Share of the newest time of reading in the one that is expected.
 const NEW_SHARE: f64 = 0.3;
 
@@ -26,6 +28,12 @@ pub(crate) struct TimeAxis {
 }
 
 impl App {
+    /// Whether frames are being played.
+    #[must_use]
+    pub fn is_playing(&self) -> bool {
+        self.time.playback.is_playing()
+    }
+
     /// Does a command about the time axis; whether it was one.
     pub(super) fn act_on_time(&mut self, action: Action) -> bool {
         match action {
@@ -42,11 +50,16 @@ impl App {
         true
     }
 
+    /// Stops playing: the frame on the screen is about to be worked on.
+    pub(super) fn pause(&mut self) {
+        self.time.playback.stop();
+    }
+
     /// Plays, or stops playing.
     pub(super) fn play_or_pause(&mut self) {
         let (here, count) = (self.selection.frame, self.session.frame_count());
         if self.time.playback.is_playing() {
-            self.time.playback.stop();
+            self.pause();
         } else {
             self.follows_tracker = false;
             self.interrupt_fit();
@@ -75,9 +88,8 @@ impl App {
             Cue::Show(frame) | Cue::End(frame) => self.go_to_frame(frame),
             Cue::Wait => {}
         }
-        if self.time.playback.is_playing() {
-            let wait = 1.0 / (rate * self.time.playback.speed).clamp(1.0, 240.0);
-            ctx.request_repaint_after(Duration::from_secs_f64(wait));
+        if let Some(seconds) = self.time.playback.next_in(rate, self.now) {
+            ctx.request_repaint_after(Duration::from_secs_f64(seconds.min(LONGEST_WAIT)));
         }
     }
 
@@ -103,6 +115,7 @@ impl App {
                 // Who marks frames wants to see them again and again.
                 self.time.playback.loops |= range.is_some();
             }
+            TimelineEvent::Pause => self.pause(),
             TimelineEvent::Speed(speed) => self.time.playback.set_speed(speed, self.now),
         }
     }

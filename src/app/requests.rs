@@ -40,6 +40,7 @@ impl App {
         match self.history.apply(edit, gesture) {
             Ok(()) => {
                 if sets_pose {
+                    self.pause();
                     // The pose on the screen is now the document's again.
                     self.selection.step = None;
                 }

@@ -11,6 +11,7 @@ use super::App;
 use crate::action::Action;
 use crate::document::{Document, Estimate};
 use crate::edit::Edit;
+use crate::playback::FrameRange;
 use crate::session::{OtherPoses, Tracking};
 use crate::worker::{Lane, Leg, PosesJob, TrackJob};
 
@@ -86,10 +87,14 @@ impl App {
         // There a leg begins, from the pose on the screen.
         keys.retain(|key, _| !begins.contains(key));
         let total = legs.iter().map(|leg| leg.frames.len()).sum();
+        let asked = || legs.iter().flat_map(|leg| leg.frames.iter().copied());
+        let range = FrameRange::between(asked().min().unwrap_or(0), asked().max().unwrap_or(0));
         let job =
             TrackJob::new(take, document.measurement.clone(), scene, document.tracking, Arc::new(keys), legs);
+        self.pause();
         self.run_gesture = Some(self.new_gesture());
-        self.session.tracking = Some(Tracking { done: 0, total, backwards, between, began: Instant::now() });
+        let began = Instant::now();
+        self.session.tracking = Some(Tracking { done: 0, total, backwards, between, range, began });
         self.follows_tracker = true;
         self.tracked = Tracked::default();
         self.selection.step = None;
@@ -149,8 +154,14 @@ impl App {
             Some((first, last)) if whole => {
                 format!("Tracked between the key poses of frames {first} and {last}, from both sides.")
             }
+            _ if whole && tracking.done == 1 => "Tracked one frame.".to_owned(),
             _ if whole => format!("Tracked {} frames.", tracking.done),
-            _ => format!("Stopped after {} of {} frames.", tracking.done, tracking.total),
+            Some((first, last)) => format!(
+                "Stopped after {} of {} fits between the key poses of frames {first} and {last}; the two tracks \
+                 are not joined.",
+                tracking.done, tracking.total
+            ),
+            None => format!("Stopped after {} of {} frames.", tracking.done, tracking.total),
         };
         let undo = (tracking.done > 0).then_some(Action::Undo);
         self.notices.info(self.now, text, undo);

@@ -43,8 +43,20 @@ pub(super) fn named_button(
     action: Action,
     text: &str,
 ) {
+    sized_button(ui, showing, intents, action, text, 0.0);
+}
+
+/// A button with a text of its own that is at least so wide.
+pub(super) fn sized_button(
+    ui: &mut Ui,
+    showing: &Showing<'_>,
+    intents: &mut Intents,
+    action: Action,
+    text: &str,
+    width: f32,
+) {
     command(ui, showing, intents, action, |ui, tooltip| {
-        let button = ui.add(Button::new(text).min_size(vec2(0.0, size::BUTTON)));
+        let button = ui.add(Button::new(text).min_size(vec2(width, size::BUTTON)));
         button.on_hover_text(tooltip).on_disabled_hover_text(tooltip)
     });
 }

@@ -15,7 +15,7 @@ const NAMES: f32 = 190.0;
 const HEIGHT: f32 = 0.6;
 
 /// Gestures of the pointer: they have no command.
-const GESTURES: [(&str, &str); 9] = [
+const GESTURES: [(&str, &str); 13] = [
     ("Drag a joint", "Move it parallel to the picture; the chain follows"),
     ("Shift + drag", "Move it in depth"),
     ("Ctrl + drag", "Twist the limb"),
@@ -24,6 +24,10 @@ const GESTURES: [(&str, &str); 9] = [
     ("Wheel", "Zoom at the pointer"),
     ("Middle drag", "Pan"),
     ("Hold H", "Keep the numbers of the pixel under the pointer"),
+    ("Drag in the timeline", "Go through the frames"),
+    ("Shift + drag there", "Mark frames, to play or clear only these; Shift + click: none"),
+    ("Wheel there", "Zoom at the pointer; sideways, with Shift or by middle drag: move"),
+    ("Double click there", "Show the whole take"),
     ("Drop a file", "Open a take or a project, or take over cameras, silhouettes, a pose or a body"),
 ];
 

@@ -5,16 +5,20 @@
 //! | `transport` | the row of buttons |
 //! | `span` | which frames are on the screen, and where |
 //! | `lanes` | the curves |
-//! | `marks` | ruler, key poses, lost and worst frames, the frame on the screen |
+//! | `marks` | ruler, lost and worst frames, the frame on the screen |
+//! | `key_poses` | the diamonds |
 //! | `read_out` | the frame under the pointer |
 
+mod key_poses;
 mod lanes;
 mod marks;
 mod read_out;
 mod span;
 mod transport;
 
-use egui::{Frame, Id, Margin, Panel, PointerButton, Pos2, Rect, Response, Sense, Ui, WidgetInfo, pos2};
+use egui::{
+    Frame, Id, Margin, Panel, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2,
+};
 
 use super::command::menu_row;
 use crate::action::Action;
@@ -43,6 +47,8 @@ pub enum TimelineEvent {
     Show(Option<Span>),
     /// Mark these frames, or none.
     Mark(Option<FrameRange>),
+    /// Stop playing.
+    Pause,
     /// Play at this multiple of the take's speed.
     Speed(f64),
 }
@@ -75,13 +81,20 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, wind
 fn frames(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, lanes: &[Lane]) {
     let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     let count = showing.session.frame_count();
-    response.widget_info(|| WidgetInfo::slider(true, showing.selection.frame as f64, "Timeline"));
+    let shown = showing.selection.frame as f64;
+    response.widget_info(|| WidgetInfo::slider(true, shown, "Timeline"));
     let names = rect.with_max_x(rect.left() + NAMES);
     let plot = Rect::from_x_y_ranges(names.right()..=rect.right() - AXES, rect.y_range());
     if count == 0 || plot.width() < 1.0 {
         return;
     }
     let span = shown_span(ui, showing, intents, count);
+    let (frames, last) = (span.frames(count), count - 1);
+    ui.ctx().accesskit_node_builder(response.id, |node| {
+        node.set_min_numeric_value(0.0);
+        node.set_max_numeric_value(last as f64);
+        node.set_description(format!("Frames {} to {} of 0 to {last}", frames.start(), frames.end()));
+    });
     let scale = Scale::new(span, plot);
     let area = Area { plot, scale, count };
     area.act(ui, showing, intents, &response);
@@ -100,17 +113,33 @@ fn frames(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, lanes: &[La
             marks::troubles(ui, document, lane_area, &scale, count);
         }
         let name = Rect::from_x_y_ranges(names.x_range(), lane_area.y_range());
-        ui.interact(name, response.id.with(index), Sense::hover()).on_hover_text(lane.explanation());
+        let name = ui.interact(name, response.id.with(index), Sense::hover());
+        let said = || lane.said(document, showing.selection.frame);
+        name.widget_info(|| WidgetInfo::labeled(Role::Label, true, said()));
+        name.on_hover_text(lane.explanation(document));
     }
-    marks::on_ruler(ui, document, plot, &scale, count);
+    if document.estimates.is_empty() && showing.session.tracking.is_none() {
+        let below = plot.with_min_y(plot.top() + RULER);
+        marks::first_steps(ui, below, document.keys.is_empty());
+    }
+    marks::on_ruler(ui, showing, plot, &scale, count);
     marks::playhead(ui, showing, plot, &scale);
-    if let Some(pointer) = response.hover_pos().filter(|pointer| plot.expand(4.0).contains(*pointer)) {
-        let frame = scale.frame_at(pointer.x, count);
+    let key = key_poses::ui(ui, showing, intents, plot, &scale, count);
+    let under = response.hover_pos().filter(|pointer| plot.expand(4.0).contains(*pointer));
+    if let Some(frame) = key.or_else(|| Some(scale.frame_at(under?.x, count))) {
         read_out::ui(ui, showing, frame, pos2(scale.x(frame as f64), plot.top()));
+    }
+    if response.secondary_clicked()
+        && let Some(pointer) = response.interact_pointer_pos()
+    {
+        // What the menu offers is about the frame on the screen.
+        intents.request(Request::Frame(area.frame_at(pointer)));
     }
     response.context_menu(|ui| {
         for action in [
             Action::SetKeyPose,
+            Action::TrackForward,
+            Action::TrackBack,
             Action::TrackBetween,
             Action::ClearRange,
             Action::ClearTrack,
@@ -123,7 +152,6 @@ fn frames(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, lanes: &[La
 
 /// The frames on the screen. A zoomed timeline follows the frame when that goes elsewhere.
 fn shown_span(ui: &Ui, showing: &Showing<'_>, intents: &mut Intents, count: usize) -> Span {
-    let Some(span) = showing.time.span else { return Span::whole(count) };
     let frame = showing.selection.frame;
     let id = Id::unique("timeline's frame");
     let before: Option<usize> = ui.data_mut(|data| {
@@ -131,6 +159,7 @@ fn shown_span(ui: &Ui, showing: &Showing<'_>, intents: &mut Intents, count: usiz
         data.insert_temp(id, frame);
         before
     });
+    let Some(span) = showing.time.span else { return Span::whole(count) };
     if before == Some(frame) {
         return span;
     }
@@ -194,6 +223,9 @@ impl Area {
             && !response.secondary_clicked()
             && ui.input(|input| !input.pointer.secondary_down())
         {
+            if response.drag_started() && showing.time.playback.is_playing() {
+                ask(intents, TimelineEvent::Pause);
+            }
             self.scrub(showing, intents, pointer);
         }
         if let Some(pointer) = response.hover_pos() {

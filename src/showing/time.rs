@@ -18,16 +18,28 @@ pub(super) fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'sta
             .or(because(showing.busy.tracking, "The tracker is at work"))
     };
     match action {
-        A::TrackForward => no_track(),
-        A::TrackBack => no_track().or(because(selection.frame == 0, "This is the first frame")),
-        A::TrackBetween => no_track().or(because(
-            keys_around(document, selection.frame).is_none(),
-            "Set a key pose before this frame and one after it, with K",
-        )),
-        A::PreviousKey | A::NextKey => {
-            because(document.keys.is_empty(), "There is no key pose yet: K sets one")
+        A::TrackForward => {
+            let is_last = selection.frame + 1 >= session.frame_count();
+            no_track().or(because(is_last, "This is the last frame: Enter fits it"))
         }
-        A::ClearTrack | A::NextWorst | A::PreviousWorst => not_tracked,
+        A::TrackBack => {
+            no_track().or(because(selection.frame == 0, "This is the first frame: Enter fits it"))
+        }
+        A::TrackBetween => no_track().or(match keys_around(document, selection.frame) {
+            None => Some("Set a key pose before this frame and one after it, with K"),
+            Some((first, last)) => {
+                because(last - first < 2, "There is no frame between the key poses around this frame")
+            }
+        }),
+        A::PreviousKey | A::NextKey => {
+            let is_only = document.keys.len() == 1 && document.keys.contains_key(&selection.frame);
+            because(document.keys.is_empty(), "There is no key pose yet: K sets one")
+                .or(because(is_only, "This frame has the only key pose"))
+        }
+        A::ClearTrack => not_tracked,
+        A::NextWorst | A::PreviousWorst => {
+            not_tracked.or(because(document.estimates.len() < 2, "Only one frame is fitted"))
+        }
         A::ClearRange => match showing.time.playback.range {
             None => Some("Mark frames first: drag along the timeline with Shift"),
             Some(range) => {

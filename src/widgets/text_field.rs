@@ -7,15 +7,15 @@ use crate::theme::{self, size};
 /// A field as wide as there is room. `name` is what screen readers call it; `hint` stands in it while it is empty.
 pub fn text_field(ui: &mut Ui, name: &str, hint: &str, text: &mut String) -> Response {
     let palette = theme::palette(ui);
-    ui.name_inputs(name, |ui| {
-        ui.scope(|ui| {
-            let widgets = &mut ui.visuals_mut().widgets;
-            for state in [&mut widgets.inactive, &mut widgets.hovered] {
-                state.bg_stroke = palette.hairline();
-                state.corner_radius = CornerRadius::same(size::FIELD_RADIUS);
-            }
-            ui.add(TextEdit::singleline(text).hint_text(hint).desired_width(f32::INFINITY))
-        })
-        .inner
-    })
+    let field = ui.scope(|ui| {
+        let widgets = &mut ui.visuals_mut().widgets;
+        for state in [&mut widgets.inactive, &mut widgets.hovered] {
+            state.bg_stroke = palette.hairline();
+            state.corner_radius = CornerRadius::same(size::FIELD_RADIUS);
+        }
+        ui.add(TextEdit::singleline(text).hint_text(hint).desired_width(f32::INFINITY))
+    });
+    // `Ui::name_inputs` leaves out fields with a hint, and a hint is gone once something is typed.
+    ui.ctx().accesskit_node_builder(field.inner.id, |node| node.set_label(name));
+    field.inner
 }

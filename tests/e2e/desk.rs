@@ -1,5 +1,6 @@
 //! A virtual screen and a home folder of its own.
 
+use std::cell::Cell;
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::os::unix::fs::PermissionsExt;
@@ -16,6 +17,7 @@ pub(crate) struct Desk {
     server: Child,
     display: String,
     home: TempDir,
+    windows: Cell<usize>,
 }
 
 impl Desk {
@@ -44,11 +46,17 @@ impl Desk {
         let mut number = String::new();
         BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
         assert!(!number.trim().is_empty(), "the virtual screen does not start");
-        Some(Self { server, display: format!(":{}", number.trim()), home })
+        Some(Self { server, display: format!(":{}", number.trim()), home, windows: Cell::new(0) })
     }
 
     pub(crate) fn home(&self) -> &Path {
         self.home.path()
+    }
+
+    /// A number for a window that no other of this screen has.
+    pub(crate) fn next_window(&self) -> usize {
+        self.windows.update(|number| number + 1);
+        self.windows.get()
     }
 
     /// A command that sees this screen and this home only.

@@ -6,24 +6,37 @@
 //! | variable | meaning |
 //! |---|---|
 //! | `BACKLIT_BIN` | the program [default: the one that is tested] |
-//! | `BACKLIT_SHOTS` | folder for pictures of the window [default: none are kept] |
+//! | `BACKLIT_SHOTS` | folder for pictures of what the tests see [default: none are kept] |
+//! | `BACKLIT_SCREENSHOTS` | folder for the README's pictures of the window [default: none are made] |
 //! | `BACKLIT_DATA` | where the real footage lies; without it that part is skipped |
+//!
+//! The README's pictures are made anew by
+//!
+//!     BACKLIT_SCREENSHOTS=screenshots cargo test --release --test e2e readme
 //!
 //! Needs no GPU and no desktop. Debian packages: xvfb xdotool imagemagick libx11-6 libx11-xcb1 libxcursor1 libxi6
 //! libxkbcommon-x11-0 libegl1 libgl1-mesa-dri. Where a program is missing it says so and skips.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
 
+mod clipboard;
 mod desk;
+mod readme;
 mod window;
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use serde_json::Value;
 
 use desk::Desk;
 use window::Window;
+
+/// Frames a second of the built-in take.
+const BUILT_IN_RATE: f64 = 30.0;
+/// The first picture may have to be read, and a busy machine looks late: seconds.
+const LATE: f64 = 8.0;
 
 #[test]
 fn every_act_does_what_it_should() {
@@ -37,6 +50,7 @@ fn every_act_does_what_it_should() {
     posing(&mut window);
     stepping(&mut window);
     looking(&mut window);
+    playing(&mut window);
     tracking(&mut window);
     let saved = saving(&desk, &mut window);
     window.quit();
@@ -149,6 +163,29 @@ fn looking(window: &mut Window<'_>) {
     window.until("camera 1 is left out", |state| state["cameras"][0]["used"] == false);
     window.key("ctrl+z");
     window.until("and is used again", |state| state["cameras"][0]["used"] == true && state["idle"] == true);
+}
+
+/// The film keeps the time of the take, stops by its key and at its end.
+fn playing(window: &mut Window<'_>) {
+    window.key("Home");
+    let start = window.until("the first frame", |state| state["frame"] == 0 && state["idle"] == true);
+    window.key("p");
+    window.until("P plays", |state| state["playing"] == true && number(&state["frame"]) >= 3.0);
+    window.key("p");
+    let paused = window.until("and again pauses", |state| state["playing"] == false && state["idle"] == true);
+    assert!(number(&paused["frame"]) < number(&start["take"]["frames"]) - 1.0, "it is under way");
+    let last = number(&start["take"]["frames"]) - 1.0;
+    window.key("End");
+    window.until("the last frame", |state| number(&state["frame"]) == last && state["idle"] == true);
+    let began = Instant::now();
+    window.key("p");
+    window.until("at the end it begins again", |state| number(&state["frame"]) < last);
+    let over = |state: &Value| state["playing"] == false && number(&state["frame"]) == last;
+    window.until("and stops at the end", over);
+    let (took, film) = (began.elapsed().as_secs_f64(), (last + 1.0) / BUILT_IN_RATE);
+    assert!(took > 0.9 * film && took < film + LATE, "a film of {film} s took {took} s");
+    window.key("Home");
+    window.until("the first frame again", |state| state["frame"] == 0 && state["idle"] == true);
 }
 
 /// The tracker runs, is stopped, and what it did stays.

@@ -1,7 +1,7 @@
 //! The program's window: mouse and keyboard go in by `xdotool`, what became of it comes out of the exported state.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -28,8 +28,9 @@ pub(crate) struct Window<'a> {
 impl<'a> Window<'a> {
     /// Starts the program and waits for its window and its first state.
     pub(crate) fn open(desk: &'a Desk, arguments: &[&str]) -> Self {
-        let (state, stderr) = (desk.home().join("state.json"), desk.home().join("stderr"));
-        let _ = fs::remove_file(&state);
+        let number = desk.next_window();
+        let file = |kind: &str| desk.home().join(format!("window-{number}.{kind}"));
+        let (state, stderr) = (file("json"), file("stderr"));
         let mut command = desk.program(&["--state", state.to_str().unwrap()]);
         command.args(arguments).stdout(Stdio::null()).stderr(fs::File::create(&stderr).unwrap());
         let process = command.spawn().unwrap();
@@ -45,8 +46,15 @@ impl<'a> Window<'a> {
             window.id = found.lines().next().unwrap_or_default().to_owned();
             sleep(GLANCE);
         }
-        window.xdotool(&["mousemove", "1", "1", "windowfocus", &window.id.clone()]);
+        window.xdotool(&["mousemove", "1", "1"]);
+        window.focus();
         window
+    }
+
+    /// Brings it before other windows; keys go to it from now on.
+    pub(crate) fn focus(&self) {
+        self.xdotool(&["windowraise", &self.id, "windowfocus", "--sync", &self.id]);
+        sleep(4 * GLANCE);
     }
 
     fn complaints(&self) -> String {
@@ -173,12 +181,18 @@ impl<'a> Window<'a> {
 
     /// Keeps a picture of the screen, where pictures are wanted.
     pub(crate) fn picture(&self, name: &str) {
-        let Some(folder) = std::env::var_os("BACKLIT_SHOTS").map(PathBuf::from) else { return };
-        fs::create_dir_all(&folder).unwrap();
+        if let Some(folder) = std::env::var_os("BACKLIT_SHOTS").map(PathBuf::from) {
+            self.picture_in(&folder, name);
+        }
+    }
+
+    /// Keeps a picture of the window in a folder.
+    pub(crate) fn picture_in(&self, folder: &Path, name: &str) {
+        fs::create_dir_all(folder).unwrap();
         // What the state says is on the screen one frame later.
         sleep(10 * GLANCE);
         let file = folder.join(format!("{name}.png"));
-        let status = self.desk.command("import").args(["-window", "root"]).arg(&file).status().unwrap();
+        let status = self.desk.command("import").args(["-window", &self.id]).arg(&file).status().unwrap();
         assert!(status.success(), "no picture {}", file.display());
     }
 

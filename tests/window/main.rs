@@ -23,5 +23,6 @@ mod posing;
 mod recovery;
 mod scene;
 mod support;
+mod timeline;
 mod tour;
 mod workflow;

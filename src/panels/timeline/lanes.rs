@@ -37,16 +37,37 @@ impl Lane {
         }
     }
 
-    /// What is drawn, in a sentence without its full stop.
-    pub(super) const fn explanation(self) -> &'static str {
-        match self {
-            Self::Cost => "Cost where the fit of a frame ended, in squared grey levels",
-            Self::Overlap => {
-                "Intersection over union of body and silhouettes, all cameras together; the lane ends where a \
-                 frame counts as lost"
+    /// What is drawn, what is good, and where the lane ends.
+    pub(super) fn explanation(self, document: &Document) -> String {
+        let what = match self {
+            Self::Cost => {
+                "Cost: what the fit of each frame has left over, in squared grey levels summed over all pixels. \
+                 Less is better; one frame that stands out has gone wrong."
             }
-            Self::Steps => "Steps of the fit, rejected ones included",
-        }
+            Self::Overlap => {
+                "IoU: the area that body and silhouettes share, over the area that either covers, all cameras \
+                 together. 1 is perfect; below the lane's lower end a frame counts as lost. A filled triangle \
+                 marks a lost frame, an outlined one the worst of the others."
+            }
+            Self::Steps => {
+                "Steps: how many steps the fit of each frame took, rejected ones included. Many mean that the \
+                 frame was hard."
+            }
+        };
+        format!("{what}\nThe lane goes from {}.", self.ends(document))
+    }
+
+    /// Both ends of the axis in words.
+    fn ends(self, document: &Document) -> String {
+        let [low, high] = self.axis(document).map(|value| self.axis_text(value));
+        format!("{low} to {high}")
+    }
+
+    /// The lane in words: its value at a frame, and its ends.
+    pub(super) fn said(self, document: &Document, frame: usize) -> String {
+        let value = document.estimates.get(&frame).and_then(|estimate| self.value(estimate));
+        let value = value.map_or_else(|| "not known".to_owned(), |value| self.text(Some(value)));
+        format!("{}: {value}, lane from {}", self.name(), self.ends(document))
     }
 
     pub(super) fn value(self, estimate: &Estimate) -> Option<f64> {
@@ -87,7 +108,7 @@ impl Lane {
 
     fn axis_text(self, value: f64) -> String {
         match self {
-            Self::Cost if value > 0.0 => format!("{value:.0e}").replace('-', &format::MINUS.to_string()),
+            Self::Cost if value >= 1e4 => format!("{value:.0e}").replace('-', &format::MINUS.to_string()),
             Self::Overlap if value.fract() != 0.0 => format::number(value, 1),
             _ => format::number(value, 0),
         }
@@ -143,6 +164,8 @@ pub(super) fn draw(ui: &Ui, document: &Document, lane: Lane, area: Rect, scale: 
     let palette = theme::palette(ui);
     let painter = ui.painter().with_clip_rect(area.expand2(vec2(4.0, 0.0)));
     painter.rect_filled(area, 0.0, palette.plot);
+    // A curve near the upper end of its lane is not taken for the one above.
+    painter.hline(area.x_range(), area.top() - 1.0, palette.hairline());
     let axis = lane.axis(document);
     let height = area.height() - 3.0;
     let y = |value: f64| {

@@ -1,7 +1,10 @@
-//! The ruler, and what is marked on it: tracked and marked frames, key poses, lost and worst frames, the frame on
-//! the screen.
+//! The ruler, and what is marked on it and in the lane of the overlap: tracked and marked frames, lost and worst
+//! frames, the frame on the screen.
 
-use egui::{Align2, Pos2, Rect, Shape, Stroke, StrokeKind, Ui, pos2, vec2};
+use egui::{
+    Align2, Id, Pos2, Rect, Role, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, Vec2, WidgetInfo, pos2,
+    vec2,
+};
 
 use super::span::{Scale, Span};
 use crate::document::Document;
@@ -14,8 +17,10 @@ use crate::theme::{self, tick};
 pub(super) const RULER: f32 = 18.0;
 /// Thickness of the bar of fitted frames.
 const BAR: f32 = 3.0;
-/// Half a key pose's diamond.
-const KEY: f32 = 4.5;
+/// Half a mark's height and width, for the pointer.
+const MARK: f32 = 5.0;
+/// From this width on there is room for a second sentence.
+const WIDE: f32 = 900.0;
 /// Least distance of two numbers on the ruler.
 const NUMBERS: f32 = 60.0;
 
@@ -54,6 +59,17 @@ fn overview(ui: &Ui, plot: Rect, scale: &Scale, count: usize) {
     ui.painter().hline(shown, y, Stroke::new(2.0, palette.text3));
 }
 
+/// What may be done where no frame is fitted yet, over the empty lanes.
+pub(super) fn first_steps(ui: &Ui, lanes: Rect, has_no_key: bool) {
+    let palette = theme::palette(ui);
+    let track =
+        "Ctrl+Enter tracks from this frame on: cost, overlap and steps of every frame stand here then.";
+    let key = "K keeps this frame\u{2019}s pose as a key pose, a diamond above.";
+    let text = if has_no_key && lanes.width() > WIDE { format!("{track} {key}") } else { track.to_owned() };
+    let font = TextStyle::Small.resolve(ui.style());
+    ui.painter().text(lanes.center(), Align2::CENTER_CENTER, text, font, palette.text3);
+}
+
 /// The frames that are marked, behind everything else.
 pub(super) fn marked(ui: &Ui, plot: Rect, scale: &Scale, range: FrameRange) {
     let palette = theme::palette(ui);
@@ -67,11 +83,16 @@ pub(super) fn marked(ui: &Ui, plot: Rect, scale: &Scale, range: FrameRange) {
     }
 }
 
-/// Fitted frames as a bar, key poses as diamonds.
-pub(super) fn on_ruler(ui: &Ui, document: &Document, plot: Rect, scale: &Scale, count: usize) {
-    let palette = theme::palette(ui);
-    let painter = ui.painter().with_clip_rect(plot.expand2(vec2(KEY + 1.0, 0.0)));
-    let y = plot.top() + RULER - 3.0;
+/// Height of the line of fitted frames.
+pub(super) fn line(plot: Rect) -> f32 {
+    plot.top() + RULER - 3.0
+}
+
+/// Fitted frames as a bar, and those that the tracker still has before it.
+pub(super) fn on_ruler(ui: &Ui, showing: &Showing<'_>, plot: Rect, scale: &Scale, count: usize) {
+    let (palette, document) = (theme::palette(ui), showing.document());
+    let painter = ui.painter().with_clip_rect(plot.expand2(vec2(3.0, 0.0)));
+    let y = line(plot);
     painter.hline(plot.x_range(), y, Stroke::new(1.0, palette.line));
     let half = 0.5 * scale.step().min(6.0);
     for (from, to) in pieces(document.estimates.range(scale.span.frames(count)).map(|(frame, _)| *frame)) {
@@ -79,16 +100,10 @@ pub(super) fn on_ruler(ui: &Ui, document: &Document, plot: Rect, scale: &Scale, 
             scale.x(from as f64) - half..=(scale.x(to as f64) + half).max(scale.x(from as f64) + 1.0);
         painter.hline(across, y, Stroke::new(BAR, palette.text3));
     }
-    let mut before = f32::NEG_INFINITY;
-    for frame in document.keys.range(scale.span.frames(count)).map(|(frame, _)| *frame) {
-        let at = scale.x(frame as f64);
-        if at - before < 1.0 {
-            continue;
-        }
-        before = at;
-        let corners = [vec2(0.0, -KEY), vec2(KEY, 0.0), vec2(0.0, KEY), vec2(-KEY, 0.0)];
-        let corners = corners.map(|corner| pos2(at, y) + corner).to_vec();
-        painter.add(Shape::convex_polygon(corners, palette.text, Stroke::new(1.0, palette.panel)));
+    if let Some(FrameRange { first, last }) = showing.session.tracking.and_then(|tracking| tracking.to_come())
+    {
+        let across = scale.x(first as f64) - half..=scale.x(last as f64) + half;
+        painter.hline(across, y, Stroke::new(BAR, palette.accent_text));
     }
 }
 
@@ -112,18 +127,27 @@ pub(super) fn troubles(ui: &Ui, document: &Document, lane: Rect, scale: &Scale, 
     let mut before = f32::NEG_INFINITY;
     let found = document.estimates.range(scale.span.frames(count));
     for (frame, _) in found.clone().filter(|(_, estimate)| estimate.lost) {
-        let at = scale.x(*frame as f64);
-        if at - before < 3.0 {
+        let at = pos2(scale.x(*frame as f64), lane.bottom() - 5.0);
+        if at.x - before < 3.0 {
             continue;
         }
-        before = at;
-        let shape =
-            Shape::convex_polygon(triangle(pos2(at, lane.bottom() - 5.0)), palette.warn, Stroke::NONE);
-        painter.add(shape);
+        before = at.x;
+        painter.add(Shape::convex_polygon(triangle(at), palette.warn, Stroke::NONE));
+        named(ui, lane, at, format!("Lost frame {frame}"));
     }
     if let Some(frame) = worst(document) {
         let at = pos2(scale.x(frame as f64), lane.top() + 6.0);
         painter.add(Shape::closed_line(triangle(at), Stroke::new(1.2, palette.warn)));
+        named(ui, lane, at, format!("Worst frame {frame}"));
+    }
+}
+
+/// The name of a mark that is on the screen, for those who cannot see it.
+fn named(ui: &Ui, lane: Rect, at: Pos2, name: String) {
+    if lane.x_range().expand(0.5).contains(at.x) {
+        let rect = Rect::from_center_size(at, Vec2::splat(2.0 * MARK));
+        let mark = ui.interact(rect, Id::unique(("timeline's mark", &name)), Sense::hover());
+        mark.widget_info(|| WidgetInfo::labeled(Role::GraphicsSymbol, true, &name));
     }
 }
 

@@ -14,6 +14,9 @@ use crate::theme;
 /// Width that words may take.
 const WIDTH: f32 = 210.0;
 
+/// What a key pose is.
+const KEY_POSE: &str = "Key pose: set by hand. The tracker begins anew from it; K clears it.";
+
 /// The card above the timeline, over a frame.
 pub(super) fn ui(ui: &Ui, showing: &Showing<'_>, frame: usize, at: Pos2) {
     let above = PopupAnchor::Position(pos2(at.x, at.y - 4.0));
@@ -47,12 +50,15 @@ pub(super) fn ui(ui: &Ui, showing: &Showing<'_>, frame: usize, at: Pos2) {
                     Origin::Fit => "Fitted by itself",
                     Origin::Track => "Tracked",
                 };
-                let key = if document.keys.contains_key(&frame) { ", from a key pose" } else { "" };
+                let key = if document.keys.contains_key(&frame) { " from its key pose" } else { "" };
                 note(format!("{origin}{key}"), palette.text2);
                 if estimate.lost {
                     note(lost_words(estimate.iou), palette.warn);
                 }
             }
+        }
+        if document.keys.contains_key(&frame) {
+            note(KEY_POSE.to_owned(), palette.text3);
         }
         if worst(document) == Some(frame) {
             note("The least overlap of all frames".to_owned(), palette.warn);

@@ -2,10 +2,11 @@
 
 use egui::{Align, Layout as Direction, RichText, Sense, Ui, vec2};
 
-use super::super::command::{icon, named_button};
+use super::super::command::{icon, named_button, sized_button};
 use super::super::toolbar::choice;
 use super::TimelineEvent;
 use crate::action::Action;
+use crate::document::Document;
 use crate::format;
 use crate::playback::SPEEDS;
 use crate::showing::{Intents, Request, Showing};
@@ -22,6 +23,8 @@ const FRAME: f32 = 84.0;
 const TIME: f32 = 64.0;
 /// Width of the speed.
 const SPEED: f32 = 58.0;
+/// Width of the button that sets and clears a key pose.
+const KEY: f32 = 72.0;
 
 /// The row.
 pub(super) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
@@ -33,17 +36,23 @@ pub(super) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
         playing(ui, showing, intents);
         ui.add_space(space::WIDGET);
         named_button(ui, showing, intents, Action::TrackBack, "Track back");
-        named_button(ui, showing, intents, Action::TrackBetween, "Between keys");
+        let between = if folded { "Between" } else { "Between keys" };
+        named_button(ui, showing, intents, Action::TrackBetween, between);
         ui.add_space(space::WIDGET);
         icon(ui, showing, intents, Action::PreviousKey, Icon::PreviousKey);
-        named_button(ui, showing, intents, Action::SetKeyPose, if folded { "Key" } else { "Key pose" });
+        key_pose(ui, showing, intents);
         icon(ui, showing, intents, Action::NextKey, Icon::NextKey);
         ui.add_space(space::WIDGET);
         icon(ui, showing, intents, Action::PreviousWorst, Icon::Previous);
-        named_button(ui, showing, intents, Action::NextWorst, "Next worst");
+        named_button(ui, showing, intents, Action::NextWorst, if folded { "Worst" } else { "Next worst" });
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-            let text = RichText::new(summary(showing)).small().color(theme::palette(ui).text3);
-            ui.add(egui::Label::new(text).truncate());
+            let (short, full) = (short_summary(showing), summary(showing));
+            let text = if folded { &short } else { &full };
+            let text = RichText::new(text).small().color(theme::palette(ui).text3);
+            let label = ui.add(egui::Label::new(text).truncate());
+            if folded {
+                label.on_hover_text(full);
+            }
         });
     });
 }
@@ -65,6 +74,13 @@ fn going(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, folded: bool
         let (rect, _) = ui.allocate_exact_size(vec2(TIME, size::ROW), Sense::hover());
         ui.put(rect, egui::Label::new(text.color(theme::palette(ui).text2)));
     }
+}
+
+/// Sets or clears the key pose of the frame on the screen: the text says which, in a place that does not change.
+fn key_pose(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let is_key = showing.document().keys.contains_key(&showing.selection.frame);
+    let text = if is_key { "Clear key" } else { "Set key" };
+    sized_button(ui, showing, intents, Action::SetKeyPose, text, KEY);
 }
 
 /// When a frame was taken, in seconds since the first.
@@ -104,6 +120,23 @@ fn speed_text(speed: f64) -> String {
     format!("{}×", format::number(speed, decimals))
 }
 
+/// The mean overlap of the frames that are fitted.
+fn mean_overlap(document: &Document) -> Option<f64> {
+    let overlaps: Vec<f64> = document.estimates.values().filter_map(|estimate| estimate.iou).collect();
+    (!overlaps.is_empty()).then(|| overlaps.iter().sum::<f64>() / overlaps.len() as f64)
+}
+
+/// What is known of the take, in two words.
+fn short_summary(showing: &Showing<'_>) -> String {
+    let document = showing.document();
+    let lost = document.estimates.values().filter(|estimate| estimate.lost).count();
+    match mean_overlap(document) {
+        None => String::new(),
+        Some(mean) if lost == 0 => format!("IoU {}", format::ratio(mean)),
+        Some(mean) => format!("IoU {}, {lost} lost", format::ratio(mean)),
+    }
+}
+
 /// What is known of the take, in a line.
 fn summary(showing: &Showing<'_>) -> String {
     let document = showing.document();
@@ -111,8 +144,7 @@ fn summary(showing: &Showing<'_>) -> String {
     let (Some((first, _)), Some((last, _))) = (found.first_key_value(), found.last_key_value()) else {
         return "No frame is fitted yet".to_owned();
     };
-    let overlaps: Vec<f64> = found.values().filter_map(|estimate| estimate.iou).collect();
-    let mean = (!overlaps.is_empty()).then(|| overlaps.iter().sum::<f64>() / overlaps.len() as f64);
+    let mean = mean_overlap(document);
     let mean = mean.map_or_else(String::new, |mean| format!(", mean IoU {}", format::ratio(mean)));
     let lost = found.values().filter(|estimate| estimate.lost).count();
     let lost = if lost > 0 { format!(", {lost} lost") } else { String::new() };

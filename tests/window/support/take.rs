@@ -56,6 +56,11 @@ const START: &str = r#"{"format": "backlit-pose 1", "root": [0, 0, 0],
 
 /// The take's files, as bytes.
 pub(crate) fn files() -> Vec<(PathBuf, Vec<u8>)> {
+    files_of(FRAMES, &[])
+}
+
+/// The files of a take of so many frames; the arm is out of the picture in the `empty` ones.
+fn files_of(frames: usize, empty: &[usize]) -> Vec<(PathBuf, Vec<u8>)> {
     let cameras = cameras();
     let mut files = vec![
         (PathBuf::from("take.toml"), TAKE.into()),
@@ -68,9 +73,10 @@ pub(crate) fn files() -> Vec<(PathBuf, Vec<u8>)> {
     for camera in &cameras {
         let folder = PathBuf::from(camera.name());
         files.push((folder.join("empty.png"), picture(camera, None)));
-        for frame in 0..FRAMES {
+        for frame in 0..frames {
             let kinematics = Kinematics::new(&model, &truth(&model, frame));
-            files.push((folder.join(format!("{frame}.png")), picture(camera, Some((&model, &kinematics)))));
+            let body = (!empty.contains(&frame)).then_some((&model, &kinematics));
+            files.push((folder.join(format!("{frame}.png")), picture(camera, body)));
         }
     }
     files
@@ -88,6 +94,12 @@ pub(crate) fn write_to(folder: &Path) {
 /// The take.
 pub(crate) fn take() -> Take {
     Take::from_files(Arc::new(MemoryFiles::new(files())), Path::new("take.toml")).unwrap()
+}
+
+/// A take of so many frames; the arm is out of the picture in the `empty` ones.
+pub(crate) fn take_of(frames: usize, empty: &[usize]) -> Take {
+    let files = MemoryFiles::new(files_of(frames, empty));
+    Take::from_files(Arc::new(files), Path::new("take.toml")).unwrap()
 }
 
 /// The pose in which a frame was drawn.
