@@ -405,7 +405,7 @@ fn limits_ellipses_and_what_is_compared() {
     known.hover_at(centre(&known, "left wrist, Camera 1"));
     known.run();
     for label in ["Left wrist", "Across, 1σ ±2.3 mm", "In depth, 1σ ±6.1 mm"] {
-        known.get_by_label_contains(label);
+        assert!(known.query_all_by_label_contains(label).next().is_some(), "{label}");
     }
 
     let look =

