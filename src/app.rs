@@ -29,6 +29,7 @@
 //! | `outside` | folders and pages in other programs |
 //! | `scene_view` | where the 3-D scene is seen from, and its hull |
 //! | `screen` | which panels there are, and where |
+//! | `zoom` | zoom by the keyboard |
 //! | `headless` | the window's picture without a display |
 
 mod accessible;
@@ -63,6 +64,7 @@ mod touring;
 mod tracking;
 mod twin;
 mod unsaved;
+mod zoom;
 
 pub use files::opening_of;
 pub(crate) use hand::nudge_of;

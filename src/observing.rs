@@ -6,9 +6,11 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Pose};
 use backlit_tracking::track::observability::{Cause, Direction, JointUncertainty, Observability};
+use backlit_tracking::track::posing::LimitedAngle;
 
 use crate::document::Document;
 use crate::picture::Swaying;
+use crate::picture::ellipse_factor::automatic_factor;
 use crate::worker::Observed;
 
 /// Farthest that a joint sways at first, millimetres, and the ends of its slider.
@@ -59,6 +61,8 @@ pub enum ObserveRequest {
     Speed(f64),
     /// Whether ellipses are in the views.
     Ellipses(bool),
+    /// How much larger than life they are drawn; `None` chooses by itself.
+    EllipseFactor(Option<u32>),
 }
 
 /// What the panels of one frame look at.
@@ -68,6 +72,8 @@ pub struct Glance {
     pub at_figures: bool,
     /// The set of cameras under the pointer, by its place in the list.
     pub subset: Option<usize>,
+    /// The angle of the selected limb under the pointer, or held by it.
+    pub angle: Option<LimitedAngle>,
 }
 
 /// What is looked at.
@@ -81,6 +87,8 @@ pub struct Observing {
     amplitude_mm: f64,
     speed: f64,
     ellipses: bool,
+    /// Chosen by the user.
+    ellipse_factor: Option<u32>,
 }
 
 impl Default for Observing {
@@ -94,6 +102,7 @@ impl Default for Observing {
             amplitude_mm: AMPLITUDE_MM,
             speed: SPEED,
             ellipses: false,
+            ellipse_factor: None,
         }
     }
 }
@@ -202,6 +211,12 @@ impl Observing {
         })
     }
 
+    /// The angle of the selected limb that a panel looks at.
+    #[must_use]
+    pub fn angle(&self) -> Option<LimitedAngle> {
+        self.glance.angle
+    }
+
     /// The joints whose ellipses are shown, and the cameras that they are of, where these are not the ones in use.
     #[must_use]
     pub fn ellipses(&self) -> Option<(&[JointUncertainty], Option<&[usize]>)> {
@@ -210,6 +225,25 @@ impl Observing {
             return Some((&subset.joints, Some(&subset.cameras)));
         }
         self.ellipses.then_some((&found.shown.joints, None))
+    }
+
+    /// How much larger than life ellipses are drawn; the same for every set of cameras, so that they can be compared.
+    #[must_use]
+    pub fn ellipse_factor(&self) -> u32 {
+        self.ellipse_factor.unwrap_or_else(|| self.automatic_factor())
+    }
+
+    /// The factor that the user has chosen.
+    #[must_use]
+    pub fn chosen_factor(&self) -> Option<u32> {
+        self.ellipse_factor
+    }
+
+    /// The factor that suits what the cameras in use know.
+    #[must_use]
+    pub fn automatic_factor(&self) -> u32 {
+        let joints = self.found.iter().flat_map(|found| &found.shown.joints);
+        automatic_factor(joints.map(JointUncertainty::worst_deviation_m))
     }
 
     /// Does what was asked.
@@ -237,6 +271,7 @@ impl Observing {
             }
             ObserveRequest::Speed(speed) => self.speed = speed.clamp(SPEEDS[0], SPEEDS[1]),
             ObserveRequest::Ellipses(on) => self.ellipses = on,
+            ObserveRequest::EllipseFactor(factor) => self.ellipse_factor = factor,
         }
     }
 
@@ -265,6 +300,7 @@ impl Observing {
             amplitude_mm: self.amplitude_mm,
             speed: self.speed,
             ellipses: self.ellipses,
+            ellipse_factor: self.ellipse_factor,
             ..Self::default()
         };
     }

@@ -22,8 +22,8 @@ pub use run_names::{count_twins, name_runs, plain_names};
 
 use crate::document::Document;
 use crate::footage::Footage;
-use crate::scene_view::SceneDrawing;
 use crate::playback::FrameRange;
+use crate::scene_view::SceneDrawing;
 use crate::selection::{Selection, StepRef};
 use crate::worker::{Extent, Predicted, Scene};
 

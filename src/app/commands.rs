@@ -8,6 +8,7 @@ use super::demonstrating::demonstration_of;
 use super::fitting::Part;
 use super::hand::nudge_of;
 use super::state::{DialogKind, Opening, Overlay};
+use super::zoom;
 use crate::action::Action;
 use crate::basin::BasinView;
 use crate::document::TakeSource;
@@ -241,6 +242,8 @@ impl App {
             }
             Action::FitSubject => framing(self, Framing::Subject),
             Action::WholePicture => framing(self, Framing::Whole),
+            Action::ZoomIn => self.zoom(zoom::STEP),
+            Action::ZoomOut => self.zoom(1.0 / zoom::STEP),
             _ => return self.act_on_tiles(action),
         }
         true

@@ -61,7 +61,12 @@ impl App {
             }
             TileEvent::DragStart(drag) => self.take_hold(camera, drag),
             TileEvent::Drag(drag) => self.drag_on(drag),
-            TileEvent::DragEnd => self.held = None,
+            TileEvent::DragEnd => {
+                if let Some(held) = self.held.take() {
+                    let what = posing::words(&held.body, held.drag);
+                    self.doing = Some(format!("{what}: done. Ctrl+Z takes it back."));
+                }
+            }
             TileEvent::DragCancelled => {
                 if let Some(held) = self.held.take() {
                     self.history.put_back(held.gesture);
@@ -93,6 +98,7 @@ impl App {
     /// What the cameras' views show.
     pub(super) fn camera_views(&self) -> CameraViews<'_> {
         let held = self.held.as_ref();
+        let nudging = self.nudging.as_ref().filter(|nudging| self.now - nudging.at < NUDGE_SECONDS);
         CameraViews {
             tiles: &self.tiles[usize::from(self.look.layout == crate::look::Layout::Debug)],
             alone: match self.docking.alone {
@@ -101,6 +107,11 @@ impl App {
             },
             is_dragging: held.is_some(),
             picture_alone: self.picture_alone,
+            turned_from: held.map(|held| &held.base).or(nudging.map(|nudging| &nudging.base)),
+            twisted: held.and_then(|held| match held.drag {
+                Drag::Twist { limb, .. } => Some(limb),
+                _ => None,
+            }),
             dragged: held.and_then(|held| Some((held.camera, dragged_joint(held.drag)?))),
         }
     }
@@ -190,6 +201,8 @@ impl App {
         let edit = Edit::SetPose { frame: self.selection.frame, pose, what: format!("Nudge {name}") };
         self.edit(edit, Some(nudging.gesture));
         nudging.reached = self.shown_pose().clone();
+        // What is shown of the limits goes by itself.
+        self.context.request_repaint_after(std::time::Duration::from_secs_f64(NUDGE_SECONDS));
         self.nudging = Some(nudging);
     }
 }

@@ -23,7 +23,7 @@ impl App {
     /// Has the scene drawn, if it is not being drawn. What changes meanwhile is ordered when that picture is there: the
     /// newest order follows, and a scene that never rests gets its pictures too.
     pub(super) fn draw_scene(&mut self, order: SceneOrder) {
-        if !self.worker.is_busy(Lane::Scene) {
+        if self.may_ask(Lane::Scene) && !self.worker.is_busy(Lane::Scene) {
             let earlier = self.session.scene_drawing.clone();
             self.worker.request(Lane::Scene, DrawSceneJob::new(order, earlier));
         }

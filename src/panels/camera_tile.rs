@@ -13,7 +13,7 @@
 //! | `comparison` | wipe and blink between two modes |
 //! | [`observed`] | a body that sways, ellipses of joints |
 //! | `gutter` | overlap, use in the fit, what the hand does |
-//! | `legend` | the strip under the picture |
+//! | `legend`, `legend_block` | the strip under the picture; how to read one mode in it |
 //! | `hover_card` | the numbers of the pixel under the pointer |
 
 mod alone;
@@ -24,6 +24,7 @@ mod hand;
 mod header;
 mod hover_card;
 mod legend;
+mod legend_block;
 mod linked;
 pub mod look;
 pub mod observed;
@@ -45,7 +46,7 @@ pub use observed::ObservedMarks;
 pub(crate) use pane::{CameraPanes, CameraViews};
 
 use crate::pane::Pane;
-use crate::picture::{JointId, JointMark, PictureInput, ProjectedLimb, SightRay};
+use crate::picture::{JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SightRay};
 use crate::theme::{self, size};
 use crate::view_settings::ViewSettings;
 use crate::widgets::{Framing, ViewTransform};
@@ -98,6 +99,8 @@ pub struct CameraTileInput<'a> {
     pub sized: Option<usize>,
     /// The ray of the joint that is dragged in another view.
     pub sight_ray: Option<&'a SightRay>,
+    /// Limits of joints that the hand has met.
+    pub limits: &'a [LimitMark],
     /// How prediction and mask overlap; `None` without a mask.
     pub overlap: Option<Overlap>,
     /// The overlap is of an earlier pose, and a new one is on its way.
@@ -148,7 +151,7 @@ impl TileLayout {
 }
 
 /// The view that a camera's tile had when it was last shown.
-fn stored_view(ctx: &Context, index: usize) -> Option<ViewTransform> {
+pub(crate) fn stored_view(ctx: &Context, index: usize) -> Option<ViewTransform> {
     ctx.data(|data| data.get_temp(view_id(index)))
 }
 

@@ -30,7 +30,13 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, look: &TilesLook<'_>, inten
     ui.painter().rect_filled(rect, 0.0, theme::palette(ui).well);
     let common = CameraPanes::new(showing, look.views);
     if let Some(pane) = look.alone {
-        let input = Contents { showing, look, common: &common, pane, siblings: &[] };
+        // Alone in the window, a camera has the badges of all others.
+        let cameras = (0..showing.session.camera_count()).map(Pane::Camera);
+        let others: Vec<Pane> = match pane {
+            Pane::Camera(_) => cameras.filter(|other| *other != pane).collect(),
+            _ => Vec::new(),
+        };
+        let input = Contents { showing, look, common: &common, pane, siblings: &others };
         contents(ui, rect, &input, intents);
         return;
     }

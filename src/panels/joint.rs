@@ -1,12 +1,14 @@
 //! The section of the selected joint: its angles with their limits, where it is, and what can be done with it.
 
 use backlit_tracking::body::{Kinematics, Limb, Pose};
-use egui::{RichText, Ui};
+use backlit_tracking::track::posing::LimitedAngle;
+use egui::{Align2, RichText, TextStyle, Ui, vec2};
 
 use super::command::{gesture, named_button};
 use super::pose::capitalised;
 use crate::action::Action;
 use crate::edit::Edit;
+use crate::picture::limits::WARN_WITHIN;
 use crate::picture::{JointId, joint_name};
 use crate::posing::moved;
 use crate::showing::{Intents, Showing};
@@ -15,8 +17,11 @@ use crate::widgets::{SliderRow, named_section, number_field, row_name};
 
 /// Degrees by which a slider reaches beyond a joint's limits.
 const BEYOND_LIMITS: f64 = 20.0;
-/// A limit's mark warns when the joint is within so many degrees.
-const WARN_WITHIN: f64 = 3.0;
+
+/// A narrower field has no room for the letter of its axis.
+const AXIS_FROM: f32 = 78.0;
+/// From a field's edge to the letter of its axis.
+const AXIS_AWAY: f32 = 5.0;
 
 /// The section of the selected joint.
 pub(super) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
@@ -72,6 +77,10 @@ fn angles(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, limb: &Limb
             tooltip,
         };
         let response = row.show(ui, &mut degrees);
+        if response.hovered() || response.dragged() || response.has_focus() {
+            let angles = [LimitedAngle::Flexion, LimitedAngle::Sideways, LimitedAngle::Twist];
+            intents.glance.angle = Some(angles[index]);
+        }
         if response.changed() && degrees.is_finite() {
             let mut angles = now;
             *[&mut angles.flexion, &mut angles.sideways, &mut angles.twist][index] = degrees.to_radians();
@@ -112,7 +121,15 @@ fn position(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, pose: &Po
                     Edit::SetPose { frame: showing.selection.frame, pose, what: format!("Move {name}") };
                 intents.edits.push((edit, drag));
             }
-            response.on_hover_text(format!("Where the {name} is in the world; the chain follows"));
+            let letter = ["x", "y", "z"][axis];
+            let font = TextStyle::Small.resolve(ui.style());
+            let at = response.rect.left_center() + vec2(AXIS_AWAY, 0.0);
+            if response.rect.width() >= AXIS_FROM && !response.has_focus() {
+                ui.painter().text(at, Align2::LEFT_CENTER, letter, font, theme::palette(ui).text3);
+            }
+            response.on_hover_text(format!(
+                "{letter} of the {name} in the world, metres; the chain follows. Drag, or click and type"
+            ));
         }
     });
     if let JointId::End(limb) = joint

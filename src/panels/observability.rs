@@ -4,17 +4,20 @@ mod chart;
 
 use backlit_tracking::camera::Camera;
 use backlit_tracking::track::observability::{Direction, JointUncertainty, Observability};
-use egui::{Align, Layout, Rect, RichText, Role, Sense, Ui, WidgetInfo, vec2};
+use egui::{Align, ComboBox, Layout, Rect, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 
 use super::command::named_button;
 use crate::action::Action;
 use crate::format;
 use crate::observing::{AMPLITUDES_MM, ObserveRequest, Observing, SPEEDS};
+use crate::picture::ellipse_factor::FACTORS;
 use crate::picture::{JointEllipse, JointId, joint_ellipses, joint_name};
 use crate::showing::{Intents, Request, Showing, unavailable};
 use crate::theme::{self, size, space};
-use crate::widgets::{Icon, SliderRow, checkbox, icon_button, section};
+use crate::widgets::{Icon, SliderRow, checkbox, icon_button, named_row, section};
 
+/// Width of the name of the ellipses' factor.
+const FACTOR_NAME: f32 = 68.0;
 /// Joints that are listed.
 const LISTED: usize = 3;
 /// A joint that sways by less than this share of the one that sways most is not listed.
@@ -57,6 +60,11 @@ pub(crate) fn length(metres: f64) -> String {
     }
 }
 
+/// "±2.3 mm", or that nothing bounds it.
+pub(super) fn deviation(metres: f64) -> String {
+    if metres.is_finite() { format!("±{}", length(metres)) } else { length(metres) }
+}
+
 /// What people call the joint at the end of a limb; `None` is the root.
 pub(crate) fn name_of(shown: &Observability, limb: Option<usize>) -> String {
     joint_name(&shown.model, limb.map_or(JointId::Root, JointId::End))
@@ -68,15 +76,9 @@ pub(super) fn ellipses(observing: &Observing, camera: &Camera) -> (Vec<JointElli
     else {
         return (Vec::new(), false);
     };
-    let text = |joint: &JointUncertainty| {
-        let name = name_of(shown, joint.limb);
-        let deviation = joint.worst_deviation_m();
-        if deviation.is_finite() {
-            let by = length(deviation);
-            format!("{name}: known to ±{by} in the worst direction. The ellipse is twice that.")
-        } else {
-            format!("{name}: nothing bounds it along the arrow.")
-        }
+    let text = |joint: &JointUncertainty, deviations_m: [f64; 2]| {
+        let [across, depth] = deviations_m.map(deviation);
+        format!("{}: {across} across, {depth} in depth (1σ)", name_of(shown, joint.limb))
     };
     (joint_ellipses(joints, camera, text), others.is_some())
 }
@@ -268,13 +270,40 @@ fn uncertainty(ui: &mut Ui, showing: &Showing<'_>, shown: &Observability, intent
     if response.inner.on_hover_text(tooltip).changed() {
         intents.request(Request::Observe(ObserveRequest::Ellipses(shows)));
     }
+    if observing.shows_ellipses() {
+        factor_row(ui, observing, intents);
+    }
     if let Some((limb, deviation)) = shown.worst_joint() {
         let palette = theme::palette(ui);
         let colour = if observing.is_stale() { palette.text3 } else { palette.text2 };
-        let value =
-            if deviation.is_finite() { format!("±{}", length(deviation)) } else { length(deviation) };
-        mover_row(ui, &format!("Known worst: {}", name_of(shown, limb)), &value, colour);
+        let name = format!("Known worst: {}", name_of(shown, limb));
+        mover_row(ui, &name, &format!("{} (1σ)", self::deviation(deviation)), colour);
     }
+}
+
+/// How much larger than life the ellipses are drawn.
+fn factor_row(ui: &mut Ui, observing: &Observing, intents: &mut Intents) {
+    let automatic = format!("Automatic, ×{}", observing.automatic_factor());
+    let chosen = observing.chosen_factor();
+    let text = chosen.map_or_else(|| automatic.clone(), |factor| format!("×{factor}"));
+    named_row(ui, "Drawn", FACTOR_NAME, |ui| {
+        let combo = ComboBox::from_id_salt("ellipse factor").selected_text(text.as_str());
+        let response = combo.width(ui.available_width()).show_ui(ui, |ui| {
+            let choices = std::iter::once((None, automatic.clone()))
+                .chain(FACTORS.into_iter().map(|factor| (Some(factor), format!("×{factor}"))));
+            for (factor, text) in choices {
+                if ui.selectable_label(chosen == factor, text).clicked() {
+                    intents.request(Request::Observe(ObserveRequest::EllipseFactor(factor)));
+                }
+            }
+        });
+        let label = format!("Ellipses drawn {text}");
+        response.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &label));
+        response.response.on_hover_text(
+            "Several cameras know a joint to millimetres: ellipses are drawn larger than life, all by the same \
+             factor. The legend under each picture says by how much; hovering a joint says the true size.",
+        );
+    });
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use backlit_tracking::body::Model;
 use egui::{Align2, Rect, Response, Role, Sense, StrokeKind, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 use crate::edit::Edit;
+use crate::format;
 use crate::picture::JointId;
 use crate::selection::Selection;
 use crate::showing::{Intents, Request, Showing};
@@ -100,6 +101,12 @@ fn row(
     let at = pos2(rect.left() + 8.0 + INDENT * depth as f32, rect.center().y);
     ui.painter().text(at, Align2::LEFT_CENTER, &name, font, colour);
     bar(ui, rect, share, is_held);
+    let share_text = share.filter(|share| share.is_finite()).map_or_else(String::new, |share| {
+        let percent = format::percent(f64::from(share));
+        format!(" Its pixels are {percent} as wrong as those of the worst limb, by the sum of (D − Λ)².")
+    });
+    let response = response
+        .on_hover_text(format!("Select the {}; Tab goes to the next.{share_text}", model.limbs()[limb].name));
     if let JointId::End(end) = joint {
         pin(ui, showing, intents, end, rect, is_held || response.hovered());
     }
@@ -133,7 +140,7 @@ fn pin(ui: &Ui, showing: &Showing<'_>, intents: &mut Intents, limb: usize, row: 
     } else if is_near || response.hovered() || response.has_focus() {
         ui.painter().rect_stroke(square, 1.0, egui::Stroke::new(1.0, palette.text3), StrokeKind::Inside);
     }
-    response.on_hover_text("A pinned joint stays where it is while others are dragged");
+    response.on_hover_text("A pinned joint stays where it is while others are dragged   I");
 }
 
 #[cfg(test)]

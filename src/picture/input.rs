@@ -85,6 +85,13 @@ impl<'a> PictureInput<'a> {
         if can_show { mode } else { ViewMode::Footage }
     }
 
+    /// Whether the data says nothing of some pixel.
+    pub fn has_unknown(&self) -> bool {
+        let input = self.fitting();
+        let in_mask = input.mask.is_some_and(|mask| mask.labels().contains(&Label::Unknown));
+        in_mask || input.data.is_some_and(|data| data.weights().iter().any(|weight| *weight <= 0.0))
+    }
+
     /// The numbers at a pixel; `None` outside the picture.
     pub fn sample(&self, x: usize, y: usize) -> Option<Sample> {
         let [width, height] = self.size;

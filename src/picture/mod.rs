@@ -9,8 +9,10 @@
 //! | [`input`] | [`PictureInput`]: what there is to look at; [`Sample`]: its values at one pixel |
 //! | `footage` … `owner_limb` | one view mode each |
 //! | [`derivative`] | gradient and Jacobian column: what they are and how they look |
+//! | [`ellipse_factor`] | how much larger than life ellipses of uncertainty are drawn |
 //! | `hatch` | the hatches of don't-know and of no gradient |
 //! | [`outline`] | the body's outline by marching squares |
+//! | [`limits`] | a joint's limits: the arc of what an angle may be |
 //! | [`limbs`] | limbs projected to capsules of the picture |
 //! | [`joints`] | the joints that can be dragged, and their names |
 //! | [`sway`] | a body that sways, and ellipses of joints |
@@ -21,11 +23,13 @@
 pub mod calibration_marks;
 mod data;
 pub mod derivative;
+pub mod ellipse_factor;
 mod footage;
 mod hatch;
 pub mod input;
 pub mod joints;
 pub mod limbs;
+pub mod limits;
 pub mod mode;
 pub mod outline;
 mod owner_limb;
@@ -42,9 +46,10 @@ pub use derivative::Derivative;
 pub use input::{PictureInput, Sample};
 pub use joints::{JointId, JointMark, draggable_joints, joint_name, project_joints};
 pub use limbs::{ProjectedLimb, joined_outline, project_limbs};
-pub use mode::{Legend, LegendEntry, NO_CHANGE_LEGEND, NO_PULL_LEGEND, Swatch, ViewMode};
+pub use limits::{BoundedAngle, LimitMark};
+pub use mode::{Legend, LegendEntry, NO_CHANGE_LEGEND, NO_PULL_LEGEND, Swatch, UNKNOWN_LEGEND, ViewMode};
 pub use outline::body_outline;
-pub use owner_limb::limb_colours;
+pub use owner_limb::{limb_chains, limb_colours};
 pub use sight_ray::{SightRay, sight_ray};
 pub use state_axis::StateAxis;
 pub use sway::{JointEllipse, SwayMarks, Swaying, joint_ellipses};

@@ -39,6 +39,8 @@ pub enum Legend {
     None,
     /// Swatches with a word each.
     Entries(&'static [LegendEntry]),
+    /// The chains of the body in their colours: see [`limb_chains`](super::limb_chains).
+    Chains,
     /// The residual's map, from −255 to 255.
     ResidualMap,
     /// The gradient's map, from zero to the scale of [`PictureInput::gradient`](super::PictureInput::gradient).
@@ -65,6 +67,8 @@ pub enum Swatch {
     Hatch(Color32),
     /// The hatch of no gradient.
     NoGradient(Color32),
+    /// The line of an ellipse.
+    Ring(Color32),
     /// Words only.
     None,
 }
@@ -74,24 +78,26 @@ const fn fill(text: &'static str, colour: Color32) -> LegendEntry {
 }
 
 const UNKNOWN_ENTRY: LegendEntry = LegendEntry { text: "Don’t know", swatch: Swatch::Hatch(UNKNOWN) };
+/// Pixels of which the data says nothing.
+pub const UNKNOWN_LEGEND: &[LegendEntry] = &[UNKNOWN_ENTRY];
 const DATA_LEGEND: &[LegendEntry] =
-    &[fill("Subject", Color32::BLACK), fill("Background", Color32::WHITE), UNKNOWN_ENTRY];
+    &[fill("Subject 0", Color32::BLACK), fill("Background 255", Color32::WHITE), UNKNOWN_ENTRY];
 const PREDICTION_LEGEND: &[LegendEntry] =
-    &[fill("Subject", Color32::BLACK), fill("Background", Color32::WHITE)];
+    &[fill("Body 0", Color32::BLACK), fill("Background 255", Color32::WHITE)];
 const REPORT_LEGEND: &[LegendEntry] = &[
     fill("Data only", Color32::from_gray(REPORT_DATA)),
     fill("Model only", Color32::from_gray(REPORT_MODEL)),
     fill("Both", Color32::from_gray(REPORT_BOTH)),
+    UNKNOWN_ENTRY,
 ];
 const TINTED_LEGEND: &[LegendEntry] =
-    &[fill("Agreement", AGREEMENT), fill("Missing", MISSING), fill("Spurious", SPURIOUS)];
+    &[fill("Agreement", AGREEMENT), fill("Missing", MISSING), fill("Spurious", SPURIOUS), UNKNOWN_ENTRY];
 /// Pixels of the ramp that pull at nothing.
 pub const NO_PULL_LEGEND: &[LegendEntry] =
     &[LegendEntry { text: "No pull", swatch: Swatch::NoGradient(NO_GRADIENT) }];
 /// Pixels of the ramp that the coefficient does not change.
 pub const NO_CHANGE_LEGEND: &[LegendEntry] =
     &[LegendEntry { text: "No change", swatch: Swatch::NoGradient(NO_GRADIENT) }];
-const OWNER_LEGEND: &[LegendEntry] = &[LegendEntry { text: "Hue by chain", swatch: Swatch::None }];
 
 impl ViewMode {
     /// All modes, in the order of the menu.
@@ -171,6 +177,49 @@ impl ViewMode {
         }
     }
 
+    /// How to read it, for somebody who sees it for the first time.
+    pub const fn explanation(self) -> &'static str {
+        match self {
+            Self::Footage => {
+                "The frame as it was filmed. The white line is the outline of the body in its pose."
+            }
+            Self::Data => {
+                "What was measured: the silhouette of the subject, in grey levels. 0, black, is subject; 255, white, is \
+                 background; grey is the edge between them. Of hatched pixels nobody knows: they weigh nothing."
+            }
+            Self::Prediction => {
+                "What the model predicts for this pose, in grey levels. 0, black, is body; 255, white, is background; \
+                 grey is the ramp at its edge, which tells the fit where to go."
+            }
+            Self::ReportOverlay => {
+                "Data and model in one picture, as the report of 2004 printed it: black is subject that the body does \
+                 not cover, white is body without subject. Where both agree it is a quiet grey."
+            }
+            Self::Tinted => {
+                "Grey: subject and body agree. Orange, missing: subject that the body does not cover. Blue, spurious: \
+                 body where there is no subject. Counts are pixels. Of hatched pixels nobody knows: they do not count."
+            }
+            Self::Residual => {
+                "Data minus prediction, D − Λ, from −255 to 255 grey levels. Orange, missing: subject that the body \
+                 does not cover. Blue, spurious: body without subject. Dark: no error. The fit makes the sum of the \
+                 squares small. Hatched pixels weigh nothing."
+            }
+            Self::OwnerLimb => {
+                "The limb that decides each pixel: a hue for each chain of limbs, darker from joint to joint outwards. \
+                 The card at the pointer names the limb."
+            }
+            Self::Gradient => {
+                "How strongly each pixel pulls at its limb: by how many grey levels it changes when the limb moves a \
+                 metre towards it. Only the ramp at the body's edge pulls; what is hatched is on it and does not."
+            }
+            Self::JacobianColumn => {
+                "How each pixel changes with one number of the pose: grey levels for a turn of one radian of the \
+                 selected limb, or for a move of one metre of the body. Orange becomes darker, more body; blue becomes \
+                 lighter. J again: the next axis."
+            }
+        }
+    }
+
     /// How to read its colours.
     pub const fn legend(self) -> Legend {
         match self {
@@ -180,7 +229,7 @@ impl ViewMode {
             Self::ReportOverlay => Legend::Entries(REPORT_LEGEND),
             Self::Tinted => Legend::Entries(TINTED_LEGEND),
             Self::Residual => Legend::ResidualMap,
-            Self::OwnerLimb => Legend::Entries(OWNER_LEGEND),
+            Self::OwnerLimb => Legend::Chains,
             Self::Gradient => Legend::GradientMap,
             Self::JacobianColumn => Legend::JacobianMap,
         }

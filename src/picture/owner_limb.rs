@@ -21,6 +21,34 @@ pub(super) fn compose(input: &PictureInput<'_>) -> ColorImage {
 /// A colour for each limb of a model. Limbs that turn together share one; a chain is a run of rotations
 /// without a branch.
 pub fn limb_colours(model: &Model) -> Vec<Color32> {
+    let places = chain_places(model);
+    model.limbs().iter().map(|limb| limb_colour(places[limb.rotation].0, places[limb.rotation].1)).collect()
+}
+
+/// What people call the chains of a model, each with the colour of its first limb: "Right arm".
+pub fn limb_chains(model: &Model) -> Vec<(String, Color32)> {
+    const NAMES: [(&str, &str); 6] = [
+        ("clavicle", "arm"),
+        ("shoulder", "arm"),
+        ("upper arm", "arm"),
+        ("hip", "leg"),
+        ("thigh", "leg"),
+        ("neck", "head"),
+    ];
+    let places = chain_places(model);
+    let firsts = model.rotations_parents_first().iter().filter(|rotation| places[**rotation].1 == 0);
+    let name = |rotation: &usize| {
+        let limb = model.limbs()[model.rotation_owners()[*rotation]].name.as_str();
+        let part = NAMES.iter().find_map(|(part, chain)| Some((limb.strip_suffix(part)?, *chain)));
+        let name = part.map_or_else(|| limb.to_owned(), |(side, chain)| format!("{side}{chain}"));
+        let mut letters = name.chars();
+        letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+    };
+    firsts.map(|rotation| (name(rotation), limb_colour(places[*rotation].0, 0))).collect()
+}
+
+/// Chain and place in it of each rotation.
+fn chain_places(model: &Model) -> Vec<(usize, usize)> {
     let parents = model.rotation_parents();
     let mut places = vec![(0, 0); model.rotation_count()];
     let mut chains = 0;
@@ -34,7 +62,7 @@ pub fn limb_colours(model: &Model) -> Vec<Color32> {
             }
         };
     }
-    model.limbs().iter().map(|limb| limb_colour(places[limb.rotation].0, places[limb.rotation].1)).collect()
+    places
 }
 
 #[cfg(test)]
@@ -42,6 +70,15 @@ mod tests {
     use backlit_tracking::body::builtin::full_body;
 
     use super::*;
+
+    #[test]
+    fn chains_are_called_what_people_call_them() {
+        let names: Vec<String> = limb_chains(&full_body()).into_iter().map(|(name, _)| name).collect();
+        for name in ["Spine", "Chest", "Head", "Right arm", "Left arm", "Right leg", "Left leg"] {
+            assert!(names.contains(&name.to_owned()), "{name} of {names:?}");
+        }
+        assert_eq!(names.len(), 7);
+    }
 
     #[test]
     fn a_chain_keeps_its_hue_and_darkens() {

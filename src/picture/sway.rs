@@ -87,19 +87,24 @@ pub struct JointEllipse {
     pub joint: JointId,
     /// One standard deviation.
     pub ellipse: ImageEllipse,
-    /// The same in millimetres, for its tooltip.
+    /// One standard deviation across the camera's sight ray and along it, metres.
+    pub deviations_m: [f64; 2],
+    /// The same in words.
     pub text: String,
 }
 
-/// Ellipses of joints before a camera; `text` says what a joint's covariance means.
+/// Ellipses of joints before a camera; `text` says what a joint's deviations across the camera's sight ray and along it
+/// mean.
 pub fn joint_ellipses(
     joints: &[JointUncertainty],
     camera: &Camera,
-    text: impl Fn(&JointUncertainty) -> String,
+    text: impl Fn(&JointUncertainty, [f64; 2]) -> String,
 ) -> Vec<JointEllipse> {
     let one = |joint: &JointUncertainty| {
         let id = joint.limb.map_or(JointId::Root, JointId::End);
-        Some(JointEllipse { joint: id, ellipse: joint.ellipse(camera)?, text: text(joint) })
+        let deviations_m = joint.deviations_from(camera);
+        let text = text(joint, deviations_m);
+        Some(JointEllipse { joint: id, ellipse: joint.ellipse(camera)?, deviations_m, text })
     };
     joints.iter().filter_map(one).collect()
 }

@@ -14,6 +14,9 @@ const REACH: f32 = 12.0;
 /// A hovered joint's ring is this much larger.
 const HOVER_GROWTH: f32 = 1.6;
 
+/// A joint that makes room is a dot of this radius.
+const SMALL_RADIUS: f32 = 2.0;
+
 /// A selected joint's square, if it is pinned, is this much larger than any other's.
 const SELECTED_PIN_SCALE: f32 = 1.5;
 
@@ -63,6 +66,8 @@ pub struct JointLook {
     pub is_hovered: bool,
     /// It is being dragged, or pressed.
     pub is_dragged: bool,
+    /// It makes room for what is drawn about it.
+    pub is_small: bool,
 }
 
 /// Paints a joint's mark with its casing.
@@ -85,6 +90,11 @@ pub fn paint_joint(painter: &Painter, at: Pos2, is_pinned: bool, look: JointLook
             if is_selected {
                 painter.circle_filled(at, mark::SELECTED_CORE_RADIUS, CASING);
             }
+        }
+        (false, _) if look.is_small && !look.is_dragged && !look.is_hovered => {
+            let colour = if look.is_selected { SELECTED } else { JOINT };
+            painter.circle_filled(at, SMALL_RADIUS + size::CASING, CASING);
+            painter.circle_filled(at, SMALL_RADIUS, colour);
         }
         (false, true) => {
             painter.circle_filled(at, mark::SELECTED_CASING_RADIUS, CASING);

@@ -173,9 +173,9 @@ impl ViewTransform {
     }
 }
 
-/// Zooms at the pointer with the wheel (or a pinch) and pans with the middle or right button. `None` when
-/// nothing changed.
-pub fn navigate(ui: &Ui, response: &Response, view: &ViewTransform) -> Option<ViewTransform> {
+/// Zooms at the pointer with the wheel (or a pinch) and pans with the middle or right button; with the left one too
+/// where that holds nothing (`is_free`). `None` when nothing changed.
+pub fn navigate(ui: &Ui, response: &Response, view: &ViewTransform, is_free: bool) -> Option<ViewTransform> {
     let mut changed = *view;
     if response.contains_pointer()
         && let Some(pointer) = ui.input(|input| input.pointer.latest_pos())
@@ -188,7 +188,10 @@ pub fn navigate(ui: &Ui, response: &Response, view: &ViewTransform) -> Option<Vi
             changed = changed.zoomed_at(pointer, factor);
         }
     }
-    if response.dragged_by(PointerButton::Middle) || response.dragged_by(PointerButton::Secondary) {
+    let others = [PointerButton::Middle, PointerButton::Secondary];
+    let pans = others.into_iter().any(|button| response.dragged_by(button))
+        || is_free && response.dragged_by(PointerButton::Primary);
+    if pans {
         changed = changed.panned(response.drag_delta());
     }
     (changed != *view).then_some(changed)

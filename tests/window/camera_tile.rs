@@ -1,24 +1,26 @@
 //! A camera's tile: one small picture a view mode, and what it says the user did.
 
 use crate::support;
-use backlit::panels::{CameraTileInput, Comparison, Drag, TileEvent, TileLook, camera_tile};
+use backlit::panels::{CameraTileInput, Comparison, Drag, ObservedMarks, TileEvent, TileLook, camera_tile};
 use backlit::picture::{
-    Derivative, JointId, JointMark, PictureInput, ProjectedLimb, SightRay, ViewMode, body_outline,
-    limb_colours, project_joints, project_limbs, sight_ray,
+    BoundedAngle, Derivative, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb,
+    SightRay, ViewMode, body_outline, limb_colours, project_joints, project_limbs, sight_ray,
 };
 use backlit::theme::Theme;
 use backlit::view_settings::ViewSettings;
 use backlit::widgets::Framing;
 use backlit_tracking::body::builtin::full_body;
-use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
+use backlit_tracking::body::{JointAngles, Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::render::jacobian::Motion;
 use backlit_tracking::render::{Prediction, Ramp, RendererKind, View, Wanted, predict};
 use backlit_tracking::silhouette::{Label, Mask, Measurement, Overlap, SignedDistance};
+use backlit_tracking::track::observability::ImageEllipse;
+use backlit_tracking::track::posing::LimitedAngle;
 use egui::{Color32, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Role, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec2, DVec3};
 use image::{Rgb, RgbImage};
 
 use crate::support::snapshots::{Snapshots, theme_name};
@@ -149,11 +151,12 @@ impl Scene {
             joints: &[],
             selected: None,
             sight_ray: None,
+            limits: &[],
             overlap: Some(self.overlap),
             is_overlap_stale: false,
             is_used: true,
             weight: 1.0,
-            observed: backlit::panels::ObservedMarks::default(),
+            observed: ObservedMarks::default(),
             shows_hover_card: false,
         }
     }
@@ -171,6 +174,35 @@ impl Scene {
         self.joints.iter().find(|mark| mark.id == joint).unwrap()
     }
 
+    /// The right elbow, bent as far as it goes.
+    fn limit_of_elbow(&self) -> LimitMark {
+        let forearm = self.body.limb_index("right forearm").unwrap();
+        let limb = &self.body.limbs()[forearm];
+        let mut pose = Pose::rest(&self.body);
+        pose.root = DVec3::new(0.0, 0.0, 1.0);
+        let flexion = limb.limits.unwrap().flexion.1;
+        let angles = JointAngles { flexion, ..JointAngles::default() };
+        pose.rotations[limb.rotation] = limb.rotation_from_angles(angles);
+        let kinematics = Kinematics::new(&self.body, &pose);
+        let bounded = BoundedAngle::new(&self.body, &pose, forearm, LimitedAngle::Flexion).unwrap();
+        LimitMark::new(&self.body, &pose, &kinematics, &self.camera, &bounded).unwrap()
+    }
+
+    /// All joints known equally well.
+    fn ellipses(&self) -> Vec<JointEllipse> {
+        let one = |joint: &JointMark| JointEllipse {
+            joint: joint.id,
+            ellipse: ImageEllipse {
+                centre: joint.px,
+                half_axes: [DVec2::new(0.25, 0.1), DVec2::new(-0.05, 0.12)],
+                unseen: Vec::new(),
+            },
+            deviations_m: [0.0023, 0.0061],
+            text: format!("{}: ±2.3 mm across, ±6.1 mm in depth (1σ)", joint.name),
+        };
+        self.joints.iter().map(one).collect()
+    }
+
     fn ray(&self) -> SightRay {
         let elsewhere = sight_ray_target(self);
         sight_ray(&self.other_camera, 1, elsewhere.0, elsewhere.1, &self.camera).unwrap()
@@ -182,7 +214,7 @@ fn wipe(mode: ViewMode, other: ViewMode, wipe_at: f32) -> TileLook {
 }
 
 /// The held wrist as the other camera sees it: pixel and depth.
-fn sight_ray_target(scene: &Scene) -> (glam::DVec2, f64) {
+fn sight_ray_target(scene: &Scene) -> (DVec2, f64) {
     let wrist = scene.joint(scene.wrist);
     let ray = scene.camera.ray_in_camera(wrist.px).unwrap();
     let point_in_camera = ray * (wrist.depth_m / ray.z);
@@ -288,7 +320,7 @@ fn the_hover_card_is_held_by_a_key() {
         harness.get_by_label_contains("Pixel ").accesskit_node().value().unwrap_or_default()
     };
     for label in
-        ["Data D ", "Prediction Λ ", "Residual D − Λ ", "Owner ", "d / r ", "Distance ", "Pull 0 / m"]
+        ["Data D ", "Prediction Λ ", "Residual D − Λ ", "Owner ", "d / r ", "Distance ", "Pull, grey 0 / m"]
     {
         harness.get_by_label_contains(label);
     }
@@ -349,6 +381,42 @@ fn sight_ray_wipe_hover_card_and_empty_tiles() {
     shot(empty, WIDE, Theme::Light, None, "camera_tile_empty");
     let strange = CameraTileInput { is_calibrated: false, overlap: None, ..empty };
     shot(strange, NARROW, Theme::Dark, None, "camera_tile_not_calibrated");
+}
+
+#[test]
+fn limits_ellipses_and_what_is_compared() {
+    let scene = Scene::new();
+    let mut snapshots = Snapshots::default();
+    let mut shot = |harness: &mut Harness<'_, Events>, name: &str| {
+        harness.run_steps(2);
+        snapshots.picture(&harness.render().unwrap(), name);
+    };
+    let limits = [scene.limit_of_elbow()];
+    let mut stopped = harness(CameraTileInput { limits: &limits, ..scene.posing() }, WIDE, Theme::Dark);
+    shot(&mut stopped, "camera_tile_limit");
+    stopped.get_by_label_contains("right elbow: limit, flexion ");
+
+    let ellipses = scene.ellipses();
+    let observed = ObservedMarks { ellipses: &ellipses, factor: 20, ..ObservedMarks::default() };
+    let observed = CameraTileInput { observed, shows_hover_card: true, ..scene.posing() };
+    let mut known = harness(observed, WIDE, Theme::Dark);
+    shot(&mut known, "camera_tile_ellipses");
+    known.get_by_label_contains("Uncertainty, 2σ, drawn ×20");
+    known.hover_at(centre(&known, "left wrist, Camera 1"));
+    known.run();
+    for label in ["Left wrist", "Across, 1σ ±2.3 mm", "In depth, 1σ ±6.1 mm"] {
+        assert!(known.query_all_by_label_contains(label).next().is_some(), "{label}");
+    }
+
+    let look =
+        TileLook { comparison: Some(Comparison::Blink), ..wipe(ViewMode::Residual, ViewMode::Data, 0.5) };
+    let mut blinking =
+        harness(CameraTileInput { look, ..scene.input(ViewMode::Residual) }, WIDE, Theme::Dark);
+    shot(&mut blinking, "camera_tile_blink");
+    // Both are explained at once: nothing jumps.
+    blinking.get_by_label_contains(
+        "Legend: Residual:, Don’t know, Missing −255 to 255 spurious, Data:, Subject 0",
+    );
 }
 
 /// Everything the tile has said since the last call.

@@ -108,6 +108,14 @@ fn ellipses_and_sets_of_cameras() {
     assert_eq!((joints.len(), others), (3, None));
     let two = joints[2].worst_deviation_m();
     assert!(two > 0.0 && two.is_finite());
+    // What is drawn says by how much it is larger than life, and the user may choose.
+    let drawn = harness.state().observing().ellipse_factor();
+    harness.get_by_role_and_label(Role::ComboBox, &format!("Ellipses drawn Automatic, ×{drawn}")).click();
+    settle(&mut harness);
+    harness.get_by_role_and_label(Role::Button, "×5").click();
+    settle(&mut harness);
+    assert!(harness.query_all_by_label_contains("σ, drawn ×5").next().is_some());
+    assert_eq!(harness.state().observing().ellipse_factor(), 5);
 
     harness.get_by_role_and_label(Role::ListItem, "Cameras 2").hover();
     harness.run_steps(3);

@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 
 use crate::support::app_window::{click, open_sized, press, settle};
 use backlit::app::{App, AppOptions, Opening};
+use backlit::document::TakeSource;
 use backlit::picture::JointId;
 use backlit_tracking::body::{Kinematics, Pose};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, OutputCommand, PointerButton, Pos2, Rect, Vec2, vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use glam::DVec2;
 
 const CAMERAS: [&str; 2] = ["Camera 1", "Camera 2"];
@@ -113,6 +114,34 @@ fn a_modifier_on_the_way_is_the_same_act() {
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert_eq!(pose(&harness), before);
     assert!(harness.state().document().keys.is_empty());
+}
+
+#[test]
+fn limits_are_shown_in_the_views_as_they_are_reached() {
+    let opening = Some(Opening::Take(TakeSource::BuiltIn));
+    let mut harness = open_sized(AppOptions { opening, ..AppOptions::default() }, vec2(1500.0, 900.0));
+    let stops = |harness: &Harness<'_, App>| {
+        let labels = harness.query_all_by_label_contains(": limit, ");
+        labels.filter_map(|node| node.accesskit_node().value()).collect::<Vec<_>>()
+    };
+    assert_eq!(stops(&harness), [""; 0]);
+    // The wrist goes to the shoulder: the elbow cannot bend so far.
+    let from = centre(&harness, "right wrist, Camera 1");
+    let to = centre(&harness, "right shoulder, Camera 1") - from;
+    grab(&mut harness, from, &[to * 0.4, to * 0.7, to, to * 1.05]);
+    harness.step();
+    let stopped = stops(&harness);
+    for camera in ["Camera 1", "Camera 2"] {
+        let is_named = |stop: &String| stop.starts_with("right elbow: limit, ") && stop.ends_with(camera);
+        assert!(stopped.iter().any(is_named), "{camera}: {stopped:?}");
+    }
+    release(&mut harness, from + to * 1.05);
+    assert_eq!(stops(&harness), [""; 0], "what is let go is not stopped");
+    // The sliders of the panel say what they may be, in the views.
+    let flexion = harness.get_by_role_and_label(Role::Slider, "Flexion").rect().center();
+    harness.event(Event::PointerMoved(flexion));
+    harness.run_steps(3);
+    assert_eq!(harness.query_all_by_label_contains("right elbow: ").count(), 4);
 }
 
 #[test]
@@ -315,14 +344,44 @@ fn wipe_blink_and_the_jacobians_axis_have_keys() {
     press(&mut harness, Modifiers::NONE, Key::B);
     assert!(shown(&harness, "Tinted overlay on footage"));
     press(&mut harness, Modifiers::NONE, Key::J);
-    assert!(shown(&harness, "Jacobian column, turn about x"));
+    assert!(shown(&harness, "Jacobian column, right upper arm about x"));
     let column = |harness: &Harness<'_, App>| {
         harness.state().session().predicted.as_ref().unwrap().scene.derivatives.column
     };
     let first = column(&harness).unwrap();
     press(&mut harness, Modifiers::NONE, Key::J);
-    assert!(shown(&harness, "Jacobian column, turn about y"));
+    assert!(shown(&harness, "Jacobian column, right upper arm about y"));
     assert_eq!(column(&harness), Some(first + 1));
+}
+
+#[test]
+fn views_zoom_by_keys_and_are_moved_by_their_background() {
+    let mut harness = open();
+    let elbow = |harness: &Harness<'_, App>| centre(harness, "right elbow, Camera 1");
+    let length =
+        |harness: &Harness<'_, App>| elbow(harness).distance(centre(harness, "right wrist, Camera 1"));
+    let (before, at) = (length(&harness), elbow(&harness));
+    press(&mut harness, Modifiers::NONE, Key::Plus);
+    assert!((length(&harness) / before - 1.25).abs() < 0.02, "{before} {}", length(&harness));
+    press(&mut harness, Modifiers::NONE, Key::Minus);
+    assert!((length(&harness) / before - 1.0).abs() < 0.02);
+    let pose_before = pose(&harness);
+    let corner = harness.get_by_label("Camera 1 picture").rect().left_top() + vec2(16.0, 40.0);
+    let way = [vec2(12.0, 8.0), vec2(30.0, 20.0), vec2(50.0, 30.0)];
+    grab(&mut harness, corner, &way);
+    harness.step();
+    release(&mut harness, corner + way[2]);
+    assert!(elbow(&harness).x - at.x > 20.0 && elbow(&harness).y - at.y > 10.0, "{at} {}", elbow(&harness));
+    assert_eq!(pose(&harness), pose_before, "the body stays");
+    // Every event takes a frame here, and frames take long.
+    harness.ctx.options_mut(|options| options.input_options.max_double_click_delay = 10.0);
+    for _ in 0..2 {
+        harness.event(pointer(corner + way[2], true, Modifiers::NONE));
+        harness.event(pointer(corner + way[2], false, Modifiers::NONE));
+        harness.step();
+    }
+    settle(&mut harness);
+    assert!(elbow(&harness).distance(at) < 1.0, "a double click fits the subject");
 }
 
 #[test]

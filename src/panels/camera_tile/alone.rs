@@ -32,6 +32,7 @@ impl PictureAlone {
         if !self.marks {
             (input.joints, input.limbs, input.outlines) = (&[], &[], &[]);
             (input.selected, input.sight_ray, input.quick_outline) = (None, None, None);
+            input.limits = &[];
             input.settings.calibration_marks = false;
         }
         let id = ui.scope_id().with("picture alone");

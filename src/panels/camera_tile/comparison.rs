@@ -1,11 +1,17 @@
 //! Two view modes in one picture: a wipe with its handle, or a blink.
 
-use egui::{CursorIcon, Id, Painter, Pos2, Rect, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+use std::sync::Arc;
 
+use egui::{
+    CursorIcon, Galley, Id, Painter, Pos2, Rect, Sense, Stroke, StrokeKind, TextStyle, Ui, Vec2, WidgetInfo,
+    pos2, vec2,
+};
+
+use super::hand::rotation_owner;
 use super::{CameraTileInput, Comparison, TileEvent};
-use crate::picture::ViewMode;
+use crate::picture::{JointId, ViewMode};
 use crate::theme::data_colours::{CASING, JOINT};
-use crate::theme::size;
+use crate::theme::{Theme, size};
 
 /// Radius of the wipe's handle.
 const WIPE_RADIUS: f32 = 11.0;
@@ -16,6 +22,15 @@ const WIPE_HEIGHT: f32 = 0.6;
 /// Width of the wipe's line.
 const WIPE_WIDTH: f32 = 1.5;
 
+/// From the picture's corner to the name of what is seen there.
+const CHIP_AWAY: f32 = 8.0;
+
+/// Around a name.
+const CHIP_MARGIN: Vec2 = vec2(6.0, 3.0);
+
+/// Opacity of a name's ground.
+const CHIP_GROUND: f32 = 0.82;
+
 /// What is seen in this frame of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Seen {
@@ -23,14 +38,45 @@ pub(super) enum Seen {
     One(ViewMode),
     /// Two modes, and where between them the handle is.
     Wiped(ViewMode, ViewMode, f32),
+    /// Two modes one after the other, and whether the second is seen now.
+    Blinking([ViewMode; 2], bool),
 }
 
 impl Seen {
-    /// The mode whose legend is shown: in a wipe, that of the left part.
+    /// The mode that is seen: in a wipe, that of the left part.
     pub(super) const fn mode(self) -> ViewMode {
         match self {
             Self::One(mode) | Self::Wiped(mode, ..) => mode,
+            Self::Blinking([mode, other], is_other) => {
+                if is_other {
+                    other
+                } else {
+                    mode
+                }
+            }
         }
+    }
+
+    /// The mode that is seen at a point of the picture.
+    pub(super) fn mode_at(self, picture: Rect, at: Pos2) -> ViewMode {
+        match self {
+            Self::Wiped(_, other, share) if at.x >= picture.left() + picture.width() * share => other,
+            _ => self.mode(),
+        }
+    }
+
+    /// All modes that are compared, or the only one.
+    pub(super) fn modes(self) -> Vec<ViewMode> {
+        match self {
+            Self::One(mode) => vec![mode],
+            Self::Wiped(mode, other, _) | Self::Blinking([mode, other], _) if mode == other => vec![mode],
+            Self::Wiped(mode, other, _) | Self::Blinking([mode, other], _) => vec![mode, other],
+        }
+    }
+
+    /// Whether a mode that is compared is not seen at this moment.
+    pub(super) fn is_hidden_now(self, mode: ViewMode) -> bool {
+        matches!(self, Self::Blinking(..)) && mode != self.mode()
     }
 }
 
@@ -53,7 +99,7 @@ pub(super) fn seen(
             let seconds = input.settings.blink_seconds();
             let (is_other, wait) = blink(ui.input(|input| input.time), seconds);
             ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(wait));
-            Seen::One(shown(if is_other { look.other } else { look.mode }))
+            Seen::Blinking([look.mode, look.other].map(shown), is_other)
         }
     }
 }
@@ -101,13 +147,55 @@ pub(super) fn paint_wipe(painter: &Painter, rect: Rect, at: f32) {
     }
 }
 
+/// Names what is compared: in a wipe each side at its corner, in a blink both, the one that is seen now bright.
+pub(super) fn paint_names(ui: &Ui, painter: &Painter, rect: Rect, seen: Seen) {
+    let palette = Theme::Dark.palette();
+    let font = TextStyle::Small.resolve(ui.style());
+    let name = |mode: ViewMode, colour| painter.layout_no_wrap(mode.label().to_owned(), font.clone(), colour);
+    let chip = |at: Rect, galley: Arc<Galley>| {
+        painter.rect_filled(at, f32::from(size::FIELD_RADIUS), CASING.gamma_multiply(CHIP_GROUND));
+        painter.galley(at.min + CHIP_MARGIN, galley, palette.text);
+    };
+    let corner = rect.shrink(CHIP_AWAY);
+    match seen {
+        Seen::One(_) => {}
+        Seen::Wiped(mode, other, at) => {
+            let line = rect.left() + rect.width() * at;
+            let [left, right] = [mode, other].map(|mode| name(mode, palette.text));
+            let left_at = Rect::from_min_size(corner.min, left.size() + 2.0 * CHIP_MARGIN);
+            let size = right.size() + 2.0 * CHIP_MARGIN;
+            let right_at = Rect::from_min_size(pos2(corner.right() - size.x, corner.top()), size);
+            // A name stands on its own side or not at all.
+            if left_at.right() + CHIP_AWAY <= line {
+                chip(left_at, left);
+            }
+            if right_at.left() - CHIP_AWAY >= line {
+                chip(right_at, right);
+            }
+        }
+        Seen::Blinking(modes, is_other) => {
+            let mut at = corner.min;
+            for (mode, is_seen) in modes.into_iter().zip([!is_other, is_other]) {
+                let galley = name(mode, if is_seen { palette.text } else { palette.text3 });
+                let place = Rect::from_min_size(at, galley.size() + 2.0 * CHIP_MARGIN);
+                at.x = place.right() + CHIP_AWAY * 0.5;
+                chip(place, galley);
+                if is_seen {
+                    let edge = Stroke::new(1.0, palette.text2);
+                    painter.rect_stroke(place, f32::from(size::FIELD_RADIUS), edge, StrokeKind::Inside);
+                }
+            }
+        }
+    }
+}
+
 /// What a mode is named where two are compared, for the header: "tinted overlay on footage | footage".
 pub(super) fn mode_text(input: &CameraTileInput<'_>, is_short: bool) -> String {
     let look = &input.look;
     let axis = input.settings.axis;
     let mode = |mode: ViewMode| match (mode, is_short) {
         (ViewMode::JacobianColumn, true) => format!("J, {}", axis.short_label()),
-        (ViewMode::JacobianColumn, false) => format!("{}, {}", mode.label(), axis.label().to_lowercase()),
+        (ViewMode::JacobianColumn, false) => format!("{}, {}", mode.label(), axis_text(input)),
         (_, true) => mode.short_label().to_owned(),
         (_, false) => mode.label().to_owned(),
     };
@@ -116,6 +204,21 @@ pub(super) fn mode_text(input: &CameraTileInput<'_>, is_short: bool) -> String {
         Some(Comparison::Blink) => format!("{} / {}", mode(look.mode), mode(look.other).to_lowercase()),
         None => mode(look.mode),
     }
+}
+
+/// What the Jacobian's column is of: "right forearm about x", "root along z".
+fn axis_text(input: &CameraTileInput<'_>) -> String {
+    let axis = input.settings.axis;
+    let letter = axis.label().chars().last().unwrap_or('x');
+    if axis.is_of_root() {
+        return format!("root along {letter}");
+    }
+    let owner = match input.selected {
+        Some(JointId::End(limb)) => rotation_owner(input.body, limb),
+        Some(JointId::Root) | None => input.body.rotation_owners().first().copied().unwrap_or_default(),
+    };
+    let name = input.body.limbs().get(owner).map_or("limb", |limb| limb.name.as_str());
+    format!("{name} about {letter}")
 }
 
 #[cfg(test)]

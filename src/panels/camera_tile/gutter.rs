@@ -77,25 +77,30 @@ pub(super) fn show_overlap(ui: &mut Ui, input: &CameraTileInput<'_>) {
     let colour = if input.is_overlap_stale { palette.text3 } else { palette.text };
     let iou = overlap.iou().map_or(format::MISSING.to_owned(), format::ratio);
     let font = headline();
-    number_row(ui, None, "IoU", &iou, font, colour);
+    let row = number_row(ui, None, "IoU", &iou, font, colour);
+    row.on_hover_text(
+        "What silhouette and body have in common, as a share of what either covers: 1 is a perfect fit",
+    );
     ui.add_space(space::ROW);
     bar(ui, &overlap);
     ui.add_space(space::ROW);
     let parts = [
-        (AGREEMENT, "Agreement", overlap.agreement),
-        (MISSING, "Missing", overlap.missing),
-        (SPURIOUS, "Spurious", overlap.spurious),
+        (AGREEMENT, "Agreement", overlap.agreement, "Pixels of the silhouette that the body covers"),
+        (MISSING, "Missing", overlap.missing, "Pixels of the silhouette that the body does not cover"),
+        (SPURIOUS, "Spurious", overlap.spurious, "Pixels of the body where there is no silhouette"),
     ];
-    for (swatch, label, count) in parts {
+    for (swatch, label, count, tooltip) in parts {
         let count = format::count(i64::try_from(count).unwrap_or(i64::MAX));
-        number_row(ui, Some(swatch), label, &count, TextStyle::Monospace, colour);
+        number_row(ui, Some(swatch), label, &count, TextStyle::Monospace, colour).on_hover_text(tooltip);
     }
 }
 
 /// Whether, and how much, the camera counts in the fit.
 pub(super) fn show_fit_use(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) {
     let mut is_used = input.is_used;
-    if checkbox(ui, &mut is_used, "Used in the fit").changed() {
+    let used = checkbox(ui, &mut is_used, "Used in the fit")
+        .on_hover_text("Whether this camera’s silhouette counts; without it the view is only looked at");
+    if used.changed() {
         events.push(TileEvent::SetUsed(is_used));
     }
     let palette = theme::palette(ui);
@@ -112,6 +117,9 @@ pub(super) fn show_fit_use(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mu
             if slider.changed() {
                 events.push(TileEvent::SetWeight(weight));
             }
+            slider.on_hover_text(
+                "How much each pixel of this camera counts in the fit, next to those of the others",
+            );
         });
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.label(RichText::new(format::number(input.weight, 2)).monospace().color(text));
@@ -132,12 +140,7 @@ fn show_hand(ui: &mut Ui, input: &CameraTileInput<'_>, hand: &Hand) {
         Action::Length(limb) => format!("Length of {}", limb_name(limb)),
         Action::Radius(limb) => format!("Radius of {}", limb_name(limb)),
     });
-    let hovered = hand.hovered.or(hand.grip()).map(|grip| match grip {
-        Grip::Joint(joint) => capitalised(&joint_name(input.body, joint)),
-        Grip::Limb(limb) => capitalised(limb_name(limb)),
-        Grip::Length(limb) => format!("Length of {}", limb_name(limb)),
-        Grip::Radius(limb) => format!("Radius of {}", limb_name(limb)),
-    });
+    let hovered = hand.hovered.or(hand.grip()).map(|grip| grip_name(input, grip));
     if let Some(title) = held.as_ref().or(hovered.as_ref()) {
         separator(ui);
         let colour = if held.is_some() { palette.accent_text } else { palette.text };
@@ -156,6 +159,17 @@ fn show_hand(ui: &mut Ui, input: &CameraTileInput<'_>, hand: &Hand) {
     } else if let Some(ray) = input.sight_ray {
         separator(ui);
         show_ray(ui, input, ray);
+    }
+}
+
+/// What people call something that can be taken hold of.
+pub(super) fn grip_name(input: &CameraTileInput<'_>, grip: Grip) -> String {
+    let limb_name = |limb: usize| input.body.limbs().get(limb).map_or("limb", |limb| limb.name.as_str());
+    match grip {
+        Grip::Joint(joint) => capitalised(&joint_name(input.body, joint)),
+        Grip::Limb(limb) => capitalised(limb_name(limb)),
+        Grip::Length(limb) => format!("Length of {}", limb_name(limb)),
+        Grip::Radius(limb) => format!("Radius of {}", limb_name(limb)),
     }
 }
 
@@ -199,7 +213,7 @@ fn number_row(
     number: &str,
     style: TextStyle,
     colour: Color32,
-) {
+) -> egui::Response {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{label} {number}")));
     let palette = theme::palette(ui);
@@ -213,6 +227,7 @@ fn number_row(
     words(ui, pos2(left, rect.center().y), label, palette.text2);
     let font = style.resolve(ui.style());
     ui.painter().text(rect.right_center(), egui::Align2::RIGHT_CENTER, number, font, colour);
+    response
 }
 
 fn words(ui: &Ui, at: egui::Pos2, text: &str, colour: Color32) {

@@ -98,6 +98,11 @@ impl Hand {
         self.held.filter(|held| !matches!(held.stage, Stage::Cancelled)).map(|held| held.grip)
     }
 
+    /// Whether a press has taken hold of nothing.
+    pub(super) fn is_free(&self) -> bool {
+        self.held.is_none()
+    }
+
     /// What the drag in progress does.
     pub(super) fn action(&self) -> Option<Action> {
         match self.held?.stage {

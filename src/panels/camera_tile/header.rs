@@ -8,6 +8,7 @@ use egui::{
 
 use super::comparison::mode_text;
 use super::{CameraTileInput, TileEvent, TileLayout, gutter, tile_menu};
+use crate::action::Action;
 use crate::format;
 use crate::panels::pane_title;
 use crate::theme::{self, size, space};
@@ -18,6 +19,12 @@ const LINK_FROM: f32 = 300.0;
 
 /// A wider header has the camera's name in the take too.
 const NAME_FROM: f32 = 420.0;
+
+/// A narrower header has no word beside the badge.
+const TITLE_FROM: f32 = 236.0;
+
+/// Width of the button back to all views, with the space behind it.
+const BACK: f32 = 84.0;
 
 /// Space for the chevron behind the mode's name.
 const CHEVRON: f32 = 18.0;
@@ -49,12 +56,14 @@ pub(super) fn show(
     let has_link = rect.width() >= LINK_FROM;
     let badges_width: f32 =
         input.siblings.iter().map(|sibling| pane_title::width_behind(ui, *sibling) + space::ROW).sum();
-    let buttons_width = if has_link { 3.0 } else { 2.0 } * size::BUTTON + space::ROW + badges_width;
+    let back_width = if input.is_expanded { BACK } else { 0.0 };
+    let buttons_width =
+        if has_link { 3.0 } else { 2.0 } * size::BUTTON + space::ROW + badges_width + back_width;
     let (left, right) = rect.split_left_right_at_x((rect.right() - buttons_width).max(rect.left()));
     let left = Rect::from_min_max(pos2(left.left() + space::WIDGET, left.top()), left.max);
     let builder = UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center));
     ui.scope_builder(builder, |ui| {
-        if camera_badge(ui, input.index).clicked() {
+        if camera_badge(ui, input.index).on_hover_text(expand_tooltip(input)).clicked() {
             events.push(TileEvent::ToggleExpanded);
         }
         if !input.is_calibrated {
@@ -66,9 +75,12 @@ pub(super) fn show(
         let palette = theme::palette(ui);
         let name = egui::RichText::new(input.name);
         let name = if input.is_used { name } else { name.color(palette.text3) };
-        let name = ui.add(egui::Label::new(name).selectable(false));
+        // The badge has the number; where there is little room the mode needs it more than the word.
+        let name = (rect.width() >= TITLE_FROM).then(|| ui.add(egui::Label::new(name).selectable(false)));
         if let Some(camera) = input.camera {
-            name.on_hover_text(about(camera));
+            if let Some(name) = name {
+                name.on_hover_text(about(camera));
+            }
             if rect.width() >= NAME_FROM {
                 let name = egui::RichText::new(camera.name()).small().color(palette.text3);
                 ui.add(egui::Label::new(name).selectable(false));
@@ -82,6 +94,17 @@ pub(super) fn show(
         }
         mode_menu(ui, input, events);
     });
+    show_buttons(ui, right, input, has_link, events);
+}
+
+/// Cameras that stand behind this one, the way back, link, expand, more.
+fn show_buttons(
+    ui: &mut Ui,
+    right: Rect,
+    input: &CameraTileInput<'_>,
+    has_link: bool,
+    events: &mut Vec<TileEvent>,
+) {
     let builder = UiBuilder::new().max_rect(right).layout(Layout::left_to_right(Align::Center));
     ui.scope_builder(builder, |ui| {
         ui.spacing_mut().item_spacing.x = space::ROW;
@@ -91,6 +114,14 @@ pub(super) fn show(
             }
         }
         ui.spacing_mut().item_spacing.x = 0.0;
+        if input.is_expanded {
+            let back = egui::Button::new("All views").min_size(vec2(BACK - space::WIDGET, size::ROW));
+            let back = ui.add(back).on_hover_text("Back to all views, with their timeline   Esc");
+            if back.clicked() {
+                events.push(TileEvent::ToggleExpanded);
+            }
+            ui.add_space(space::WIDGET);
+        }
         if has_link {
             link_button(ui, input, events);
         }
@@ -121,7 +152,9 @@ fn mode_menu(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEven
         let radius = CornerRadius::same(size::BUTTON_RADIUS);
         ui.painter().rect_stroke(rect, radius, palette.focus_ring(), egui::StrokeKind::Outside);
     }
-    let response = response.on_hover_text(input.look.mode.tooltip());
+    let mode = input.look.mode;
+    let tooltip = format!("{}: {}   {}", mode.label(), mode.tooltip(), mode.key());
+    let response = response.on_hover_text(tooltip);
     Popup::menu(&response)
         .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
         .show(|ui| tile_menu::modes(ui, input, events));
@@ -129,9 +162,9 @@ fn mode_menu(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEven
 
 fn link_button(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) {
     let (icon, tooltip) = if input.is_linked {
-        (Icon::Link, "Zooms and pans with the other linked views")
+        (Icon::Link, "All views zoom and pan together, about the same point of the body   Z")
     } else {
-        (Icon::Unlink, "Zooms and pans by itself")
+        (Icon::Unlink, "This view zooms and pans by itself; link it with the others   Z")
     };
     let verb = if input.is_linked { "Unlink" } else { "Link" };
     if icon_button(ui, icon, &format!("{verb} zoom of {}", input.name), tooltip).clicked() {
@@ -140,14 +173,25 @@ fn link_button(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEv
 }
 
 fn buttons(ui: &mut Ui, input: &CameraTileInput<'_>, has_link: bool, events: &mut Vec<TileEvent>) {
-    let tooltip = if input.is_expanded { "Back to all views" } else { "Fill the window with this view" };
-    if icon_button(ui, Icon::Expand, &format!("Expand {}", input.name), tooltip).clicked() {
+    if icon_button(ui, Icon::Expand, &format!("Expand {}", input.name), &expand_tooltip(input)).clicked() {
         events.push(TileEvent::ToggleExpanded);
     }
-    let more = icon_button(ui, Icon::More, &format!("More for {}", input.name), "More");
+    let tooltip = "Framing, marks, and what this camera counts in the fit";
+    let more = icon_button(ui, Icon::More, &format!("More for {}", input.name), tooltip);
     Popup::menu(&more)
         .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
         .show(|ui| tile_menu::more(ui, input, has_link, events));
+}
+
+/// What a click on badge or button does, with its keys.
+fn expand_tooltip(input: &CameraTileInput<'_>) -> String {
+    let key = Action::camera_alone(input.index).and_then(Action::keys_text);
+    let key = key.map_or_else(String::new, |key| format!("   {key}"));
+    if input.is_expanded {
+        format!("Back to all views   Esc, or{key}")
+    } else {
+        format!("{} alone in the window, and back; also by a double click on the header{key}", input.name)
+    }
 }
 
 /// What the calibration says of a camera, in a sentence.

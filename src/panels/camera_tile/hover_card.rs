@@ -7,11 +7,13 @@ use egui::{
 use glam::DVec2;
 
 use super::CameraTileInput;
+use super::gutter::grip_name;
 use crate::format;
+use crate::panels::observability::deviation;
 use crate::picture::{Sample, ViewMode};
 use crate::theme::data_colours::{CASING, JOINT};
 use crate::theme::{self, size};
-use crate::widgets::ViewTransform;
+use crate::widgets::{Grip, ViewTransform};
 
 /// From the pixel to the card, across.
 const DISTANCE: f32 = 26.0;
@@ -22,45 +24,90 @@ const ROW: f32 = 18.0;
 /// Between the card's edge and its text.
 const MARGIN: f32 = 12.0;
 
-pub(super) fn show(
-    ui: &Ui,
-    id: Id,
-    picture: Rect,
-    view: &ViewTransform,
-    input: &CameraTileInput<'_>,
-    (pixel, is_frozen): ([usize; 2], bool),
-    mode: ViewMode,
-) {
-    let Some(sample) = input.picture.sample(pixel[0], pixel[1]) else { return };
-    let derivative = derivative_row(input, pixel, mode);
-    let at = view.screen_from_px(DVec2::new(pixel[0] as f64, pixel[1] as f64));
-    let height = if derivative.is_some() { size::HOVER_CARD.y + ROW } else { size::HOVER_CARD.y };
-    let card = place(at, vec2(size::HOVER_CARD.x, height), picture.intersect(ui.ctx().content_rect()));
-    let edge = if card.left() > at.x { card.left() } else { card.right() };
-    let painter = ui.painter_at(picture);
-    let leader = [at, pos2(edge, at.y.clamp(card.top(), card.bottom()))];
-    painter.line_segment(leader, Stroke::new(1.0 + 2.0 * size::CASING, CASING));
-    painter.line_segment(leader, Stroke::new(1.0, JOINT));
-    painter.circle_filled(at, 2.5 + size::CASING, CASING);
-    painter.circle_filled(at, 2.5, JOINT);
+/// The card of one pixel.
+pub(super) struct HoverCard {
+    /// The pixel.
+    pub(super) pixel: [usize; 2],
+    /// It is held by a key.
+    pub(super) is_frozen: bool,
+    /// The view mode at that pixel.
+    pub(super) mode: ViewMode,
+    /// What can be taken hold of there.
+    pub(super) grip: Option<Grip>,
+    /// What the modifiers do is said nowhere else.
+    pub(super) has_keys: bool,
+}
 
-    let area = Area::new(id).order(Order::Tooltip).fixed_pos(card.min).interactable(false).fade_in(false);
-    area.show(ui.ctx(), |ui| {
-        let palette = theme::palette(ui);
-        Frame::new()
-            .fill(palette.raised)
-            .stroke(palette.edge())
-            .corner_radius(CornerRadius::same(size::BUTTON_RADIUS))
-            .inner_margin(Margin::same(MARGIN as i8 - 1))
-            .show(ui, |ui| {
-                ui.set_width(size::HOVER_CARD.x - 2.0 * MARGIN);
-                ui.spacing_mut().item_spacing.y = 0.0;
-                rows(ui, input, (pixel, is_frozen), &sample);
-                if let Some((label, value)) = &derivative {
-                    row(ui, label, value, TextStyle::Monospace, palette.text);
-                }
-            });
-    });
+impl HoverCard {
+    pub(super) fn show(
+        &self,
+        ui: &Ui,
+        id: Id,
+        picture: Rect,
+        view: &ViewTransform,
+        input: &CameraTileInput<'_>,
+    ) {
+        let pixel = self.pixel;
+        let Some(sample) = input.picture.sample(pixel[0], pixel[1]) else { return };
+        let rows = self.grip_rows(input);
+        let derivative = derivative_row(input, pixel, self.mode);
+        let at = view.screen_from_px(DVec2::new(pixel[0] as f64, pixel[1] as f64));
+        let more = rows.len() + usize::from(derivative.is_some());
+        let height = size::HOVER_CARD.y + more as f32 * ROW;
+        let card = place(at, vec2(size::HOVER_CARD.x, height), picture.intersect(ui.ctx().content_rect()));
+        let edge = if card.left() > at.x { card.left() } else { card.right() };
+        let painter = ui.painter_at(picture);
+        let leader = [at, pos2(edge, at.y.clamp(card.top(), card.bottom()))];
+        painter.line_segment(leader, Stroke::new(1.0 + 2.0 * size::CASING, CASING));
+        painter.line_segment(leader, Stroke::new(1.0, JOINT));
+        painter.circle_filled(at, 2.5 + size::CASING, CASING);
+        painter.circle_filled(at, 2.5, JOINT);
+
+        let area = Area::new(id).order(Order::Tooltip).fixed_pos(card.min).interactable(false).fade_in(false);
+        area.show(ui.ctx(), |ui| {
+            let palette = theme::palette(ui);
+            Frame::new()
+                .fill(palette.raised)
+                .stroke(palette.edge())
+                .corner_radius(CornerRadius::same(size::BUTTON_RADIUS))
+                .inner_margin(Margin::same(MARGIN as i8 - 1))
+                .show(ui, |ui| {
+                    ui.set_width(size::HOVER_CARD.x - 2.0 * MARGIN);
+                    ui.spacing_mut().item_spacing.y = 0.0;
+                    for (index, (label, value)) in rows.iter().enumerate() {
+                        match index {
+                            0 => title_row(ui, label, value),
+                            _ => row(ui, label, value, TextStyle::Small, palette.text),
+                        }
+                    }
+                    pixel_rows(ui, input, (pixel, self.is_frozen), &sample);
+                    if let Some((label, value)) = &derivative {
+                        row(ui, label, value, TextStyle::Monospace, palette.text);
+                    }
+                });
+        });
+    }
+
+    /// What is under the pointer, what the modifiers do, and how well a joint is known.
+    fn grip_rows(&self, input: &CameraTileInput<'_>) -> Vec<(String, String)> {
+        let mut rows = Vec::new();
+        let Some(grip) = self.grip else { return rows };
+        let joint = if let Grip::Joint(joint) = grip { Some(joint) } else { None };
+        let known = input.observed.ellipses.iter().find(|known| Some(known.joint) == joint);
+        if self.has_keys || known.is_some() {
+            let drag = if joint.is_some() { "drag moves it" } else { "drag turns it" };
+            rows.push((grip_name(input, grip), drag.to_owned()));
+        }
+        if let Some(known) = known {
+            let [across, depth] = known.deviations_m.map(deviation);
+            rows.push(("Across, 1σ".to_owned(), across));
+            rows.push(("In depth, 1σ".to_owned(), depth));
+        }
+        if self.has_keys && matches!(grip, Grip::Joint(_) | Grip::Limb(_)) {
+            rows.push(("Shift: depth".to_owned(), "Ctrl: twist".to_owned()));
+        }
+        rows
+    }
 }
 
 /// What the picture's own colour says at a pixel, where it is a derivative.
@@ -70,15 +117,20 @@ fn derivative_row(
     mode: ViewMode,
 ) -> Option<(&'static str, String)> {
     let (label, derivative, unit) = match mode {
-        ViewMode::Gradient => ("Pull", input.picture.gradient?, "m"),
-        ViewMode::JacobianColumn => ("Jacobian", input.picture.jacobian?, input.settings.axis.unit()),
+        ViewMode::Gradient => ("Pull, grey", input.picture.gradient?, "m"),
+        ViewMode::JacobianColumn => ("Change, grey", input.picture.jacobian?, input.settings.axis.unit()),
         _ => return None,
     };
     let value = *derivative.values.get(pixel[1] * input.picture.size[0] + pixel[0])?;
     Some((label, format!("{} / {unit}", format::number(f64::from(value), 0))))
 }
 
-fn rows(ui: &mut Ui, input: &CameraTileInput<'_>, (pixel, is_frozen): ([usize; 2], bool), sample: &Sample) {
+fn pixel_rows(
+    ui: &mut Ui,
+    input: &CameraTileInput<'_>,
+    (pixel, is_frozen): ([usize; 2], bool),
+    sample: &Sample,
+) {
     let palette = theme::palette(ui);
     let title = format!("Pixel {}, {}", pixel[0], pixel[1]);
     let hint = if is_frozen { "held" } else { "H holds" };
@@ -133,7 +185,11 @@ fn place(at: Pos2, card: Vec2, bounds: Rect) -> Rect {
     } else {
         at.x + DISTANCE
     };
-    let top = if at.y - card.y >= bounds.top() { at.y - card.y } else { at.y };
+    let top = if at.y - card.y >= bounds.top() {
+        at.y - card.y
+    } else {
+        at.y.min(bounds.bottom() - card.y).max(bounds.top())
+    };
     Rect::from_min_size(pos2(left, top), card)
 }
 

@@ -3,12 +3,11 @@
 use egui::{Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 use glam::DVec2;
 
-use crate::picture::{JointEllipse, SwayMarks};
+use crate::picture::ellipse_factor::DEVIATIONS;
+use crate::picture::{JointEllipse, JointMark, SwayMarks};
 use crate::theme::data_colours::{CASING, JOINT, SELECTED, mark};
 use crate::widgets::ViewTransform;
 
-/// Ellipses are of so many standard deviations.
-const DEVIATIONS: f64 = 2.0;
 /// Points of an ellipse.
 const POINTS: usize = 48;
 /// Half axes are drawn no longer than this, points: what is longer is outside any view.
@@ -22,6 +21,8 @@ const FAR_SEAM: f32 = 0.35;
 /// Opacity of paths and of casings.
 const PATH: f32 = 0.75;
 const CASING_OPACITY: f32 = 0.6;
+/// Opacity of ellipses of an older pose.
+const STALE: f32 = 0.4;
 const WIDTH: f32 = 1.25;
 
 /// What is drawn over a picture.
@@ -31,8 +32,25 @@ pub struct ObservedMarks<'a> {
     pub sway: Option<&'a SwayMarks>,
     /// Ellipses of joints; empty for none.
     pub ellipses: &'a [JointEllipse],
+    /// They are drawn so many times as large as they are; 0 counts as 1.
+    pub factor: u32,
+    /// They are of an older pose: pale, until there are new ones.
+    pub is_stale: bool,
     /// Whether the ellipses are of other cameras than those in use.
     pub are_of_others: bool,
+}
+
+impl ObservedMarks<'_> {
+    /// What the ellipses are, for the legend.
+    pub(super) fn words(&self) -> Option<String> {
+        let of = if self.are_of_others { "Uncertainty with the other cameras" } else { "Uncertainty" };
+        let sigmas = format!("{DEVIATIONS:.0}σ");
+        match self.factor.max(1) {
+            _ if self.ellipses.is_empty() => None,
+            1 => Some(format!("{of}, {sigmas}")),
+            factor => Some(format!("{of}, {sigmas}, drawn ×{factor}")),
+        }
+    }
 }
 
 /// Paints a body that sways: its outline, the ways of its joints, seams of limbs that twist.
@@ -67,14 +85,24 @@ pub(super) fn paint_sway(painter: &Painter, view: &ViewTransform, marks: &SwayMa
 }
 
 /// Paints the ellipses of joints, and arrows where nothing bounds them.
-pub(super) fn paint_ellipses(painter: &Painter, view: &ViewTransform, marks: &ObservedMarks<'_>) {
+pub(super) fn paint_ellipses(
+    painter: &Painter,
+    view: &ViewTransform,
+    marks: &ObservedMarks<'_>,
+    joints: &[JointMark],
+) {
+    let mut painter = painter.clone();
+    painter.multiply_opacity(if marks.is_stale { STALE } else { 1.0 });
+    let painter = &painter;
     let colour = if marks.are_of_others { SELECTED } else { JOINT };
-    for JointEllipse { ellipse, .. } in marks.ellipses {
-        let centre = view.screen_from_px(ellipse.centre);
+    for JointEllipse { joint, ellipse, .. } in marks.ellipses {
+        // They go along with a body that is dragged.
+        let now = joints.iter().find(|mark| mark.id == *joint && marks.is_stale);
+        let centre = view.screen_from_px(now.map_or(ellipse.centre, |mark| mark.px));
         if !painter.clip_rect().expand(LONGEST as f32).contains(centre) {
             continue;
         }
-        let scale = DEVIATIONS * f64::from(view.points_per_px);
+        let scale = DEVIATIONS * f64::from(marks.factor.max(1)) * f64::from(view.points_per_px);
         let [long, short] = ellipse.half_axes.map(|axis| (axis * scale).clamp_length_max(LONGEST));
         let point = |index: usize| {
             let (sine, cosine) = (index as f64 / POINTS as f64 * std::f64::consts::TAU).sin_cos();

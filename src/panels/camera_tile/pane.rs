@@ -2,11 +2,12 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use backlit_tracking::body::Kinematics;
+use backlit_tracking::body::{Kinematics, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::render::Ramp;
+use backlit_tracking::track::posing::LimitedAngle;
 use egui::{Color32, Rect, Role, Ui, WidgetInfo, pos2};
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 use super::linked::follow;
 use super::{CameraTileInput, ObservedMarks, PictureAlone, TileEvent, TileLook, camera_tile, stored_view};
@@ -14,12 +15,12 @@ use crate::edit::Edit;
 use crate::pane::Pane;
 use crate::panels::{dragged_until_now, observability};
 use crate::picture::{
-    JointId, PictureInput, ProjectedLimb, SightRay, SwayMarks, Swaying, joined_outline, limb_colours,
-    project_joints, project_limbs, sight_ray,
+    BoundedAngle, JointId, LimitMark, PictureInput, ProjectedLimb, SightRay, SwayMarks, Swaying,
+    joined_outline, limb_colours, project_joints, project_limbs, sight_ray,
 };
 use crate::showing::{Intents, Request, Showing};
 use crate::theme::{self, size};
-use crate::widgets::Framing;
+use crate::widgets::{Framing, ViewTransform};
 
 /// The report's ramp is half grey at this many radii.
 const THESIS_HALF: f64 = 1.118_034;
@@ -35,6 +36,10 @@ pub(crate) struct CameraViews<'a> {
     pub(crate) is_dragging: bool,
     /// The camera in whose view a joint is dragged, and the joint.
     pub(crate) dragged: Option<(usize, JointId)>,
+    /// The limb that is twisted: no outline shows how far.
+    pub(crate) twisted: Option<usize>,
+    /// The pose in which what the hand does began: limits that are met since then are shown.
+    pub(crate) turned_from: Option<&'a Pose>,
     /// One camera's picture and nothing else, for an export.
     pub(crate) picture_alone: Option<PictureAlone>,
 }
@@ -44,7 +49,9 @@ pub(crate) struct CameraPanes<'a> {
     showing: &'a Showing<'a>,
     views: CameraViews<'a>,
     kinematics: Kinematics,
-    root: DVec3,
+    pose: &'a Pose,
+    /// Limits that the hand has met.
+    limits: Vec<BoundedAngle>,
     colours: Vec<Color32>,
     /// Camera, pixel and depth of the joint that is dragged.
     ray: Option<(usize, DVec2, f64)>,
@@ -72,7 +79,8 @@ impl<'a> CameraPanes<'a> {
             showing,
             views,
             kinematics,
-            root: pose.root,
+            pose,
+            limits: limits(showing, views, pose),
             colours: limb_colours(&document.model),
             ray,
             swaying: showing.observing.swaying(),
@@ -92,7 +100,9 @@ impl<'a> CameraPanes<'a> {
         let predicted = session.predicted.as_ref().and_then(|predicted| predicted.cameras.get(index));
         let limbs = project_limbs(&document.model, &self.kinematics, camera, document.fit.renderer);
         let is_pinned = |joint: JointId| matches!(joint, JointId::End(limb) if document.pins.contains(&limb));
-        let joints = project_joints(&document.model, &self.kinematics, self.root, camera, is_pinned);
+        let joints = project_joints(&document.model, &self.kinematics, self.pose.root, camera, is_pinned);
+        let limit = |bounded| LimitMark::new(&document.model, self.pose, &self.kinematics, camera, bounded);
+        let limits: Vec<LimitMark> = self.limits.iter().filter_map(limit).collect();
         let ray = self.ray_in(index, camera);
         let marks = |body: &Swaying| SwayMarks::new(&document.model, body, camera, document.fit.renderer);
         let sway = self.swaying.as_ref().map(marks);
@@ -123,11 +133,18 @@ impl<'a> CameraPanes<'a> {
             selected: Some(showing.selection.joint),
             sized: Some(showing.selection.sized_limb(&document.model)),
             sight_ray: ray.as_ref(),
+            limits: &limits,
             overlap: predicted.and_then(|camera| camera.overlap),
             is_overlap_stale: session.is_stale,
             is_used: uses.is_some_and(|used| used.used),
             weight: uses.map_or(1.0, |used| used.weight),
-            observed: ObservedMarks { sway: sway.as_ref(), ellipses: &ellipses, are_of_others },
+            observed: ObservedMarks {
+                sway: sway.as_ref(),
+                ellipses: &ellipses,
+                factor: showing.observing.ellipse_factor(),
+                is_stale: showing.observing.is_stale(),
+                are_of_others,
+            },
             shows_hover_card: true,
         };
         if let Some(alone) = self.views.picture_alone {
@@ -135,14 +152,31 @@ impl<'a> CameraPanes<'a> {
             return false;
         }
         let before = stored_view(ui.ctx(), index);
+        let events = camera_tile(ui, &input);
+        let is_dragged = self.pass_on(ui, index, events, before, intents);
+        if let Some(problem) = frame.and_then(|frame| frame.problem.as_deref()) {
+            problem_strip(ui, problem);
+        }
+        is_dragged
+    }
+
+    /// Asks for what the user did in a view, which was `before` this frame; whether it is dragged away by its header.
+    fn pass_on(
+        &self,
+        ui: &Ui,
+        index: usize,
+        events: Vec<TileEvent>,
+        before: Option<ViewTransform>,
+        intents: &mut Intents,
+    ) -> bool {
         let mut is_dragged = false;
-        for event in camera_tile(ui, &input) {
+        for event in events {
             if event == TileEvent::DragTile {
                 is_dragged = true;
                 continue;
             }
             if let TileEvent::SetFraming(framing) = event
-                && showing.look.linked_zoom
+                && self.showing.look.linked_zoom
             {
                 self.link(ui, index, framing, before, intents);
             }
@@ -152,9 +186,6 @@ impl<'a> CameraPanes<'a> {
                 continue;
             }
             intents.request(Request::Tile(index, event));
-        }
-        if let Some(problem) = frame.and_then(|frame| frame.problem.as_deref()) {
-            problem_strip(ui, problem);
         }
         is_dragged
     }
@@ -208,7 +239,7 @@ impl<'a> CameraPanes<'a> {
         ui: &Ui,
         index: usize,
         framing: Framing,
-        before: Option<crate::widgets::ViewTransform>,
+        before: Option<ViewTransform>,
         intents: &mut Intents,
     ) {
         let Some(take) = &self.showing.session.take else { return };
@@ -234,7 +265,7 @@ impl<'a> CameraPanes<'a> {
 
     /// How far away the body is at a pixel, along the optical axis, metres; beside the body, its root's depth.
     fn depth_at(&self, index: usize, camera: &Camera, px: DVec2) -> f64 {
-        let root = camera.depth(self.root);
+        let root = camera.depth(self.pose.root);
         let pixel = px.round();
         if pixel.x < 0.0 || pixel.y < 0.0 {
             return root;
@@ -252,6 +283,19 @@ impl<'a> CameraPanes<'a> {
         (self.showing.session.generation, self.showing.selection.frame).hash(&mut hasher);
         hasher.finish()
     }
+}
+
+/// The limits that are shown: those of the angle that a panel looks at, or those that the hand has met.
+fn limits(showing: &Showing<'_>, views: CameraViews<'_>, pose: &Pose) -> Vec<BoundedAngle> {
+    let model = &showing.document().model;
+    if let Some(angle) = showing.observing.angle() {
+        let limb = showing.selection.limb(model);
+        return BoundedAngle::new(model, pose, limb, angle).into_iter().collect();
+    }
+    let twist = views.twisted.and_then(|limb| BoundedAngle::new(model, pose, limb, LimitedAngle::Twist));
+    let met = views.turned_from.map_or_else(Vec::new, |before| BoundedAngle::met(model, before, pose));
+    let others = met.into_iter().filter(|met| twist.is_none_or(|twist| *met != twist));
+    twist.into_iter().chain(others).collect()
 }
 
 /// Why a camera has no picture or no silhouette, under its header.

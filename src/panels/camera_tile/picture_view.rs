@@ -6,15 +6,19 @@ use egui::{
 
 use super::comparison::{self, Seen};
 use super::hand::{PointerInput, Scene, rotation_owner};
+use super::hover_card::HoverCard;
 use super::observed::{paint_ellipses, paint_sway};
-use super::{CameraTileInput, TileEvent, TileLayout, TileState, hover_card, legend, view_id};
+use super::{CameraTileInput, TileEvent, TileLayout, TileState, legend, view_id};
+use glam::DVec2;
+
 use crate::picture::{CalibrationMarks, JointId, ProjectedLimb, ViewMode, compose};
 use crate::theme::data_colours::PICTURE_GROUND;
 use crate::theme::{Theme, size};
 use crate::widgets::image_canvas::{cached_texture, navigate, paint_picture, paint_pixel_grid};
 use crate::widgets::{
     Framing, Grip, JointLook, SizeHandles, ViewTransform, grip_at, paint_body_outline, paint_calibration,
-    paint_joint, paint_limb_edges, paint_limbs, paint_quick_outline, paint_sight_ray,
+    paint_joint, paint_limb_edges, paint_limbs, paint_limit_words, paint_limits, paint_quick_outline,
+    paint_sight_ray,
 };
 
 /// Shows the picture and says how high its legend is.
@@ -30,18 +34,21 @@ pub(super) fn show(
     let size_px = input.picture.size;
     let free = Rect::from_min_max(rect.min, pos2(rect.right(), rect.bottom() - layout.reserved));
     let mut view = input.look.framing.view(free, size_px, input.subject_px);
-    let response = ui.interact(rect, id.with("picture"), Sense::DRAG);
+    let response = ui.interact(rect, id.with("picture"), Sense::CLICK | Sense::DRAG);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("{} picture", input.name)));
-    if let Some(changed) = navigate(ui, &response, &view) {
+    if let Some(changed) = navigate(ui, &response, &view, state.hand.is_free()) {
         events.push(TileEvent::SetFraming(Framing::of(&changed, size_px, input.subject_px)));
         view = changed;
+    }
+    if response.double_clicked() && state.hand.hovered.is_none() {
+        events.push(TileEvent::SetFraming(Framing::Subject));
     }
     ui.data_mut(|data| data.insert_temp(view_id(input.index), view));
     let seen = comparison::seen(ui, id, rect, input, events);
 
     ui.painter().rect_filled(rect, 0.0, PICTURE_GROUND);
     match seen {
-        Seen::One(mode) => paint_part(ui, id, rect, &view, input, mode),
+        Seen::One(_) | Seen::Blinking(..) => paint_part(ui, id, rect, &view, input, seen.mode()),
         Seen::Wiped(mode, other, at) => {
             let (left, right) = rect.split_left_right_at_fraction(at);
             paint_part(ui, id.with("left"), left, &view, input, mode);
@@ -68,8 +75,9 @@ pub(super) fn show(
     if let Seen::Wiped(_, _, at) = seen {
         comparison::paint_wipe(&painter, rect, at);
     }
-    show_card(ui, id, response.rect, &view, input, (state, seen.mode()));
-    if layout.has_legend { legend::show(ui, layout, input, seen.mode()) } else { 0.0 }
+    comparison::paint_names(ui, &painter, rect, seen);
+    show_card(ui, id, rect, &view, input, (state, seen, layout.gutter.is_none()));
+    if layout.has_legend { legend::show(ui, layout, input, seen) } else { 0.0 }
 }
 
 /// One view mode in one part of the picture.
@@ -136,6 +144,8 @@ fn follow_pointer(
         ui.set_cursor_icon(CursorIcon::Grabbing);
     } else if state.hand.hovered.is_some() {
         ui.set_cursor_icon(CursorIcon::Grab);
+    } else if response.dragged() && state.hand.is_free() {
+        ui.set_cursor_icon(CursorIcon::AllScroll);
     }
     let hovered = inside.and_then(|at| view.pixel_at(at, input.picture.size));
     if hovered != state.hovered {
@@ -176,6 +186,7 @@ fn paint_marks(
     if let Some(ray) = input.sight_ray {
         paint_sight_ray(painter, view, ray);
     }
+    paint_limits(painter, view, input.limits, Theme::Dark.palette());
     if let Some(sway) = input.observed.sway {
         paint_sway(painter, view, sway);
     }
@@ -189,6 +200,7 @@ fn paint_marks(
             is_selected: Some(joint.id) == input.selected,
             is_hovered: state.hand.hovered == grip,
             is_dragged: state.hand.grip() == grip,
+            is_small: !input.observed.ellipses.is_empty(),
         };
         paint_joint(painter, at, joint.is_pinned, look);
         let box_of_joint = Rect::from_center_size(at, vec2(size::ROW, size::ROW));
@@ -197,11 +209,18 @@ fn paint_marks(
             let label = format!("{}, {}", joint.name, input.name);
             node.widget_info(|| WidgetInfo::labeled(Role::GraphicsSymbol, true, &label));
             if let Some(known) = input.observed.ellipses.iter().find(|known| known.joint == joint.id) {
-                node.on_hover_text(&known.text);
+                let ellipse = ui.interact(box_of_joint, id.with(("ellipse", joint.id)), Sense::hover());
+                let label = format!("{}, {}", known.text, input.name);
+                ellipse.widget_info(|| WidgetInfo::labeled(Role::GraphicsSymbol, true, &label));
             }
         }
     }
-    paint_ellipses(painter, view, &input.observed);
+    paint_ellipses(painter, view, &input.observed, input.joints);
+    let font = TextStyle::Small.resolve(ui.style());
+    for (at, words) in paint_limit_words(painter, view, input.limits, Theme::Dark.palette(), &font) {
+        let node = ui.interact(at, id.with(("limit", words)), Sense::hover());
+        node.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{words}, {}", input.name)));
+    }
 }
 
 /// The handles of the selected limb's size, if they are wanted.
@@ -235,13 +254,21 @@ fn show_card(
     picture: Rect,
     view: &ViewTransform,
     input: &CameraTileInput<'_>,
-    (state, mode): (&mut TileState, ViewMode),
+    (state, seen, has_keys): (&mut TileState, Seen, bool),
 ) {
     let is_frozen = ui.input(|input| input.key_down(Key::H));
     if !is_frozen {
         state.card = state.hovered.filter(|_| state.hand.action().is_none());
     }
     if let Some(pixel) = state.card.filter(|_| input.shows_hover_card) {
-        hover_card::show(ui, id.with("hover card"), picture, view, input, (pixel, is_frozen), mode);
+        let at = view.screen_from_px(DVec2::new(pixel[0] as f64, pixel[1] as f64));
+        let card = HoverCard {
+            pixel,
+            is_frozen,
+            mode: seen.mode_at(picture, at),
+            grip: state.hand.hovered.filter(|_| !is_frozen),
+            has_keys,
+        };
+        card.show(ui, id.with("hover card"), picture, view, input);
     }
 }

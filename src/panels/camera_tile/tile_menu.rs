@@ -84,11 +84,17 @@ fn blink_rate(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEve
 /// Framing, marks, and the camera's use in the fit.
 pub(super) fn more(ui: &mut Ui, input: &CameraTileInput<'_>, has_link: bool, events: &mut Vec<TileEvent>) {
     ui.set_min_width(WIDTH);
-    for (text, key, framing) in
-        [("Fit subject", "F", Framing::Subject), ("Whole picture", "A", Framing::Whole)]
-    {
+    for (text, key, framing, tooltip) in [
+        (
+            "Fit subject",
+            "F",
+            Framing::Subject,
+            "As large as the subject fits in all frames; the wheel zooms from there",
+        ),
+        ("Whole picture", "A", Framing::Whole, "All that the camera saw"),
+    ] {
         let entry = Button::new(text).shortcut_text(key).selected(input.look.framing == framing);
-        if ui.add(entry).clicked() {
+        if ui.add(entry).on_hover_text(tooltip).clicked() {
             events.push(TileEvent::SetFraming(framing));
             ui.close();
         }

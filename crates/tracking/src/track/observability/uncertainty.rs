@@ -61,7 +61,25 @@ impl JointUncertainty {
         self.covariance.symmetric_eigenvalues().max().max(0.0).sqrt()
     }
 
-    /// The same in a camera's picture, to first order, for an ideal pinhole. `None` behind the camera.
+    /// Standard deviations as a camera sees the joint, metres: in the worst direction across its sight ray, and along it.
+    /// Infinite where nothing bounds it.
+    #[must_use]
+    pub fn deviations_from(&self, camera: &Camera) -> [f64; 2] {
+        let ray = (self.at - camera.centre()).normalize_or(DVec3::Z);
+        let ray = Vector3::new(ray.x, ray.y, ray.z);
+        let aside = Matrix3::identity() - ray * ray.transpose();
+        let parts = |matrix: &Matrix3<f64>| {
+            let across = (aside * matrix * aside).symmetric_eigenvalues().max();
+            [across, (ray.transpose() * matrix * ray)[0]]
+        };
+        let (seen, unseen) = (parts(&self.covariance), parts(&self.unseen));
+        std::array::from_fn(|part| {
+            let is_bounded = unseen[part] <= MOVED_BY_NULL_M.powi(2);
+            if is_bounded { seen[part].max(0.0).sqrt() } else { f64::INFINITY }
+        })
+    }
+
+    /// One standard deviation in a camera's picture, to first order, for an ideal pinhole. `None` behind the camera.
     #[must_use]
     pub fn ellipse(&self, camera: &Camera) -> Option<ImageEllipse> {
         let centre = camera.project(self.at)?;
