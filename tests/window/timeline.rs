@@ -139,7 +139,11 @@ impl Film {
     }
 
     fn key(&mut self, seconds: f64, key: Key) {
-        self.window.key_press(key);
+        self.keys(seconds, Modifiers::NONE, key);
+    }
+
+    fn keys(&mut self, seconds: f64, modifiers: Modifiers, key: Key) {
+        self.window.key_press_modifiers(modifiers, key);
         self.at(seconds);
     }
 
@@ -175,10 +179,10 @@ fn playing_goes_slower_faster_and_round_and_round() {
     film.key(0.0, Key::P);
     assert_eq!([0.05, 0.1, 0.3].map(|seconds| film.at(seconds)), [1, 2, 6], "twice as fast");
     for _ in 0..3 {
-        film.key(0.3, Key::Minus);
+        film.keys(0.3, Modifiers::SHIFT, Key::Comma);
     }
     assert_eq!([0.4, 0.5, 0.7].map(|seconds| film.at(seconds)), [6, 7, 8], "half as fast");
-    film.key(0.7, Key::Equals);
+    film.keys(0.7, Modifiers::SHIFT, Key::Period);
     film.window.get_by_role_and_label(Role::CheckBox, "Loop").click();
     film.at(0.7);
     assert_eq!([1.0, 1.15].map(|seconds| film.at(seconds)), [11, 0], "round and round");
