@@ -331,3 +331,29 @@ fn the_pane_as_a_plot_and_as_a_map() {
         pane(&mut snapshots, &mut harness, &format!("basin_map_{}", theme_name(theme)));
     }
 }
+
+#[test]
+fn the_section_does_not_widen_the_panel() {
+    for width in [1100.0, 1600.0] {
+        let look = Look { layout: Layout::Pose, ..Look::default() };
+        let opening = Some(Opening::Take(TakeSource::BuiltIn));
+        let options = AppOptions { look, opening, ..AppOptions::default() };
+        let mut harness = open_sized(options, vec2(width, 900.0));
+        let left = |harness: &Harness<'_, App>| {
+            harness.get_by_role_and_label(Role::Button, "Camera subsets").rect().left()
+        };
+        for section in ["Pose", "Refit"] {
+            click(&mut harness, section);
+        }
+        let before = left(&harness);
+        click(&mut harness, "Basin");
+        for _ in 0..2 {
+            click(&mut harness, "Compare with…");
+        }
+        let mut settings = harness.state().look().basin.settings.clone();
+        settings.directions[0].joint = Some("right upper arm".to_owned());
+        harness.state_mut().set_basin(settings);
+        settle(&mut harness);
+        assert_eq!(left(&harness), before, "{width}");
+    }
+}

@@ -226,15 +226,17 @@ fn joint(ui: &mut Ui, name: &str, width: f32, direction: &mut MapDirection, mode
     // A joint that was chosen for another body is the held one here.
     let known = direction.joint.as_deref().filter(|name| model.limb_index(name).is_some());
     let chosen = known.unwrap_or("held joint").to_owned();
-    ui.name_inputs(format!("Joint {}", name.to_lowercase()), |ui| {
-        ComboBox::from_id_salt(("map joint", name)).width(width).truncate().selected_text(chosen).show_ui(
-            ui,
-            |ui| {
+    // A box cuts its words at the end of its row, not at its own: the row ends where it does.
+    let row = egui::Layout::left_to_right(egui::Align::Center);
+    ui.allocate_ui_with_layout(vec2(width, size::BUTTON), row, |ui| {
+        ui.name_inputs(format!("Joint {}", name.to_lowercase()), |ui| {
+            let joints = ComboBox::from_id_salt(("map joint", name)).width(width).truncate();
+            joints.selected_text(chosen).show_ui(ui, |ui| {
                 ui.selectable_value(&mut direction.joint, None, "held joint");
                 for text in (0..model.rotation_count()).filter_map(name_of) {
                     ui.selectable_value(&mut direction.joint, Some(text.to_owned()), text);
                 }
-            },
-        );
+            });
+        });
     });
 }
