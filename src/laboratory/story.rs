@@ -174,10 +174,16 @@ fn reason(best: &Contestant, worst: &Contestant, key: PushKey) -> Option<String>
             worst.entrant.subject
         ));
     }
+    // The plot shows the cost by the last stage's ramp; each stage lowers its own.
+    let rises = (1..=worst.last()).any(|step| worst.percent(step) > worst.percent(step - 1));
+    let steps = if rises {
+        "every step of {} lowered the cost by its stage's ramp, if not by the last one's that is plotted"
+    } else {
+        "no step of {} raised its cost"
+    };
+    let steps = steps.replace("{}", worst.entrant.subject);
     Some(format!(
-        "As many pixels push, and no step of {} raised its cost: it goes down another valley, or its shape cannot come \
-         nearer.",
-        worst.entrant.subject
+        "As many pixels push, and {steps}: it goes down another valley, or its shape cannot come nearer."
     ))
 }
 
