@@ -26,11 +26,11 @@ const COARSEST: f64 = 8.0;
 const ITERATIONS: [usize; 2] = [15, 20];
 /// Relative decrease that ends an annealed stage and the last one.
 const TOLERANCES: [f64; 2] = [1e-3, 1e-4];
-/// Proximal weight of a tiny person: a third of the preset's, for outlines with a third of its pixels. Weaker, a
-/// tracked arm two pixels thick lets go; stronger, it does not follow.
-const PROXIMAL: f64 = 10.0;
-/// Pull of twists: silhouettes of two cameras tell them by where the next limb points.
-const REST: f64 = 5.0;
+/// Proximal weight and pull of twists for a tiny person from any start, with one camera and with more: where a start may
+/// be far off, weak; one camera holds no depth by itself.
+const WIDE: [[f64; 2]; 2] = [[10.0, 5.0], [3.0, 0.5]];
+/// The same for a frame near the one before: weaker, an arm two pixels thick lets go; stronger, it does not follow.
+const NEAR: [f64; 2] = [10.0, 5.0];
 
 /// Radius of the thinnest limb that the robust preset's stages are meant for, pixels.
 const MEANT_FOR_PX: f64 = 4.6;
@@ -125,6 +125,20 @@ impl FitOptions {
         options
     }
 
+    /// The same for a frame whose start is the pose of the one before, or what the motion foretells: without the widest
+    /// stages, and with priors that hold a tiny person's limbs.
+    #[must_use]
+    pub fn near_at_scale(self, model: &Model, views: &[FitView], start: &Pose) -> Self {
+        let is_tiny = self.to_scale && Scale::of(model, views, start).is_tiny();
+        let mut options = self.at_scale(model, views, start);
+        let skipped = options.skip_when_tracking.min(options.stages.len().saturating_sub(1));
+        options.stages.drain(..skipped);
+        if is_tiny {
+            [options.proximal_weight, options.rest_weight] = NEAR;
+        }
+        options
+    }
+
     fn widened_to(mut self, scale: &Scale) -> Self {
         let doublings = (scale.thinnest_px / MEANT_FOR_PX).log2().round();
         let doublings = if doublings.is_finite() { doublings.clamp(0.0, MOST_DOUBLINGS) as usize } else { 0 };
@@ -144,15 +158,21 @@ impl FitOptions {
     pub fn scaled_to(mut self, scale: &Scale) -> Self {
         self.stages = scale.stages();
         self.skip_when_tracking = self.skip_when_tracking.min(self.stages.len() - 1);
-        self.proximal_weight = PROXIMAL;
-        self.rest_weight = REST;
+        [self.proximal_weight, self.rest_weight] = WIDE[usize::from(scale.cameras > 1)];
         self
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
+    use glam::DVec3;
+
     use super::*;
+    use crate::body::builtin;
+    use crate::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+    use crate::silhouette::Measurement;
 
     #[test]
     fn the_presets_stages_grow_with_the_limbs() {
@@ -172,6 +192,33 @@ mod tests {
         assert_eq!(outer(&wider), [96.0, 48.0, 24.0, 12.0, 6.0, 3.0, 1.5]);
         assert_eq!((wider.skip_when_tracking, wider.stages[0].stride), (3, 8));
         assert_eq!(wider.check(), Ok(()));
+    }
+
+    #[test]
+    fn a_tiny_person_is_held_from_frame_to_frame() {
+        let (model, preset) = (builtin::upper_body(), FitOptions::default());
+        let pose = Pose::rest(&model);
+        for (size, is_tiny) in [([48, 36], true), ([192, 144], false)] {
+            let place = CameraFromWorld::looking_at(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO, DVec3::Y);
+            let [width, height] = size;
+            let focal = width as f64;
+            let pinhole = Intrinsics { fx: focal, fy: focal, cx: focal / 2.0, cy: height as f64 / 2.0 };
+            let camera = Arc::new(Camera::new("camera", size, pinhole, Distortion::None, place).unwrap());
+            let whole = |value: f32| vec![value; (width * height) as usize];
+            let data = Measurement::new(width as usize, height as usize, whole(255.0), whole(1.0)).unwrap();
+            let evidence = Evidence::Measurement(Arc::new(data));
+            let views = vec![FitView { camera, evidence, weight: 1.0 }; 2];
+            let wide = preset.clone().at_scale(&model, &views, &pose);
+            let near = preset.clone().near_at_scale(&model, &views, &pose);
+            assert_eq!(near.stages, wide.stages[wide.skip_when_tracking..], "{size:?}");
+            assert_eq!(near.proximal_weight > wide.proximal_weight, is_tiny, "{size:?}");
+            assert_eq!(near.check(), Ok(()));
+            let fixed = preset.clone().with_iterations(25);
+            assert_eq!(
+                fixed.clone().near_at_scale(&model, &views, &pose).proximal_weight,
+                fixed.proximal_weight
+            );
+        }
     }
 
     #[test]

@@ -309,9 +309,7 @@ impl Tracker {
         cancel: &CancelToken,
     ) -> Result<(Fit, SolverSummary), FitError> {
         let model = Arc::clone(&self.model);
-        let mut options = self.options.clone().at_scale(&model, &views, &start);
-        let skipped = options.skip_when_tracking.min(options.stages.len() - 1);
-        options.stages.drain(..skipped);
+        let options = self.options.clone().near_at_scale(&model, &views, &start);
         let mut fit = match prior {
             Some(prior) => Fit::with_motion_prior(model, views, prior, options),
             None => Fit::new(model, views, start, options),
