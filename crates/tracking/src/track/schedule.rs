@@ -205,7 +205,7 @@ mod tests {
             let pinhole = Intrinsics { fx: focal, fy: focal, cx: focal / 2.0, cy: height as f64 / 2.0 };
             let camera = Arc::new(Camera::new("camera", size, pinhole, Distortion::None, place).unwrap());
             let whole = |value: f32| vec![value; (width * height) as usize];
-            let data = Measurement::new(width as usize, height as usize, whole(255.0), whole(1.0)).unwrap();
+            let data = Measurement::new(width as usize, height as usize, whole(0.0), whole(1.0)).unwrap();
             let evidence = Evidence::Measurement(Arc::new(data));
             let views = vec![FitView { camera, evidence, weight: 1.0 }; 2];
             let wide = preset.clone().at_scale(&model, &views, &pose);
