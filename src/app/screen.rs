@@ -112,6 +112,9 @@ impl App {
         };
         if stays {
             self.overlay = Some(overlay);
+        } else if let Some(field) = ui.memory(egui::Memory::focused) {
+            // The next key is the window's, also if no frame comes before it.
+            ui.memory_mut(|memory| memory.surrender_focus(field));
         }
     }
 }
