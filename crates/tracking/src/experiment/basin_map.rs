@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::basin::leaf_error_mm;
-use super::frame_basin::{Frame, Target, check_limit, target};
+use super::frame_basin::{Frame, Target, check_limit, targets};
 use super::{ExperimentError, FitChoice};
 use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
@@ -162,8 +162,7 @@ impl BasinMap {
     /// Options that make no sense, a fit that cannot begin, or `cancel`.
     pub fn new(frame: Frame, options: Options, cancel: &CancelToken) -> Result<Self, ExperimentError> {
         options.check(&frame.model)?;
-        let target = |choice: &FitChoice| target(&frame, choice, options.target, cancel);
-        let targets = options.choices.iter().map(target).collect::<Result<Vec<_>, _>>()?;
+        let targets = targets(&frame, &options.choices, options.target, cancel)?;
         let order = options.order();
         Ok(Self { frame, options, order, targets })
     }

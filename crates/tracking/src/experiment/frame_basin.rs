@@ -89,8 +89,7 @@ impl FrameBasin {
     /// Options that make no sense, a fit that cannot begin, or `cancel`.
     pub fn new(frame: Frame, options: Options, cancel: &CancelToken) -> Result<Self, ExperimentError> {
         options.check(&frame.model)?;
-        let target = |choice: &FitChoice| target(&frame, choice, options.target, cancel);
-        let targets = options.choices.iter().map(target).collect::<Result<Vec<_>, _>>()?;
+        let targets = targets(&frame, &options.choices, options.target, cancel)?;
         Ok(Self { frame, options, targets })
     }
 
@@ -126,17 +125,18 @@ impl FrameBasin {
     }
 }
 
-/// Where a choice of fit is to end.
-pub(super) fn target(
+/// Where each choice of fit is to end.
+pub(super) fn targets(
     frame: &Frame,
-    choice: &FitChoice,
+    choices: &[FitChoice],
     target: Target,
     cancel: &CancelToken,
-) -> Result<Pose, ExperimentError> {
-    match target {
+) -> Result<Vec<Pose>, ExperimentError> {
+    let end = |choice: &FitChoice| match target {
         Target::Reference => Ok(frame.reference.clone()),
         Target::Fit => choice.end(&frame.model, frame.views.clone(), &frame.reference, cancel),
-    }
+    };
+    choices.iter().map(end).collect()
 }
 
 impl Options {

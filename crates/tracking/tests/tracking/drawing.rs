@@ -1,6 +1,6 @@
 //! Pictures for the screen against the reference kernel: every renderer, ramp, odd size and view.
 
-use backlit_tracking::body::{Kinematics, LimbSphere, Model, Parameters, Pose, builtin};
+use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::render::drawing::{MOST_ERROR, draw_plainly};
 use backlit_tracking::render::jacobian::{Motion, for_each_gradient, jacobian_along};
@@ -8,6 +8,8 @@ use backlit_tracking::render::kernels::lanes::Lanes;
 use backlit_tracking::render::{Drawing, Prediction, Ramp, RendererKind, View, Wanted, draw};
 use backlit_tracking::track::start;
 use glam::DVec3;
+
+use crate::bodies::with_own_spheres;
 
 const RAMPS: [Ramp; 7] = [
     Ramp::Thesis,
@@ -36,20 +38,6 @@ fn camera(size: [u64; 2], azimuth: f64, distance: f64, lens: Distortion) -> Came
     let pinhole =
         Intrinsics { fx: f, fy: 1.02 * f, cx: 0.5 * size[0] as f64 - 0.7, cy: 0.5 * size[1] as f64 + 0.4 };
     Camera::new("camera", size, pinhole, lens, place).unwrap()
-}
-
-/// Two spheres a limb, of other radii than the limb's and off its axis.
-fn with_own_spheres(model: &Model) -> Model {
-    let mut spec = model.to_spec();
-    for limb in &mut spec.limbs {
-        let sphere = |at, scale, x| LimbSphere {
-            at,
-            radius: scale * limb.radius,
-            offset: DVec3::new(x, 0.02, -0.01) * limb.radius * 5.0,
-        };
-        limb.spheres = vec![sphere(0.2, 1.1, 0.05), sphere(0.8, 0.8, -0.04)];
-    }
-    Model::new(&spec).unwrap()
 }
 
 /// All limbs as thick as each other: whole joints are ties.

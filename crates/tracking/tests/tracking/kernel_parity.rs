@@ -1,6 +1,6 @@
 //! The lanes against the reference kernel: costs and wrench blocks, for every ramp, stride and odd view.
 
-use backlit_tracking::body::{Kinematics, LimbSphere, Model, Parameters, Pose, builtin};
+use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::optimize::NormalEquations;
 use backlit_tracking::render::kernels::lanes::Lanes;
@@ -14,6 +14,8 @@ use glam::DVec3;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
+
+use crate::bodies::with_own_spheres;
 
 const RAMPS: [Ramp; 6] = [
     Ramp::Thesis,
@@ -42,20 +44,6 @@ fn camera(width: u64, height: u64, azimuth: f64, distance: f64) -> Camera {
 
 fn view(model: &Model, pose: &Pose, camera: &Camera, renderer: RendererKind, ramp: Ramp) -> View {
     View::new(model, &Kinematics::new(model, pose), camera, renderer, ramp)
-}
-
-/// Two spheres a limb, of other radii than the limb's and off its axis.
-fn with_own_spheres(model: &Model) -> Model {
-    let mut spec = model.to_spec();
-    for limb in &mut spec.limbs {
-        let sphere = |at, scale, x| LimbSphere {
-            at,
-            radius: scale * limb.radius,
-            offset: DVec3::new(x, 0.02, -0.01) * limb.radius * 5.0,
-        };
-        limb.spheres = vec![sphere(0.2, 1.1, 0.05), sphere(0.8, 0.8, -0.04)];
-    }
-    Model::new(&spec).unwrap()
 }
 
 /// Another pose's picture with noise, and one pixel in eight without weight.

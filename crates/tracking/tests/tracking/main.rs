@@ -4,11 +4,13 @@
 
 mod bad_evidence;
 mod bad_input;
+mod bodies;
 mod builtin_take;
 mod drawing;
 mod errata;
 mod finite_differences;
 mod fit;
+mod footage;
 mod golden;
 mod hostile_files;
 mod kernel_parity;

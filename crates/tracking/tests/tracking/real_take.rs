@@ -1,7 +1,4 @@
 //! The take of the real footage, `tests/takes/balancing`, and calibrations of the same cameras in two formats.
-//!
-//! Looks for the footage in the folder that `BACKLIT_DATA` names, else in `../shared/data` beside the workspace, and is
-//! skipped if it is not there.
 
 use std::path::{Path, PathBuf};
 
@@ -9,19 +6,10 @@ use backlit_tracking::body::builtin;
 use backlit_tracking::io::calibration::{self, CalibrationOptions};
 use backlit_tracking::io::{Take, model_file};
 
+use crate::footage::footage;
+
 fn take_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/takes/balancing")
-}
-
-fn footage() -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let data = std::env::var_os("BACKLIT_DATA").map_or_else(beside, PathBuf::from);
-    let footage = data.join("balancing");
-    if !footage.is_dir() {
-        println!("skipped: no footage (set BACKLIT_DATA)");
-        return None;
-    }
-    Some(footage)
 }
 
 #[test]

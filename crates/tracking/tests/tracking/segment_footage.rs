@@ -1,20 +1,12 @@
 //! Segmentation of real footage: four cameras, one moving person.
-//!
-//! Looks for the footage in the folder that `BACKLIT_DATA` names, else in `../shared/data` beside the workspace, and is
-//! skipped if it is not there.
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use backlit_tracking::segment::{Background, SegmentOptions, segment};
 use backlit_tracking::silhouette::{Label, Mask};
 
-fn footage() -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let data = std::env::var_os("BACKLIT_DATA").map_or_else(beside, PathBuf::from);
-    let footage = data.join("balancing");
-    footage.is_dir().then_some(footage)
-}
+use crate::footage::footage;
 
 fn picture(path: &Path) -> image::RgbImage {
     image::open(path).unwrap_or_else(|error| panic!("{}: {error}", path.display())).to_rgb8()
@@ -28,10 +20,7 @@ fn subject_in(mask: &Mask, columns: Range<usize>, rows: Range<usize>) -> usize {
 
 #[test]
 fn a_person_is_found_whole_and_alone() {
-    let Some(footage) = footage() else {
-        println!("skipped: no footage (set BACKLIT_DATA)");
-        return;
-    };
+    let Some(footage) = footage() else { return };
     // In frames 5 and 50: pixels of the subject in masks that were seen to be right, and a box (columns, rows) around the person.
     let expected = [
         ("cam01", [(8_000, (60..150), (75..305)), (9_450, (10..215), (80..305))]),
