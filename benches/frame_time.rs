@@ -13,9 +13,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use backlit::app::{App, AppOptions, Opening};
-use backlit::document::TakeSource;
-use backlit::look::{Layout, Look};
-use backlit::scene_view::{Upright, Viewpoint};
+use backlit::context::preferences::{Layout, Look};
+use backlit::features::scene::{Upright, Viewpoint};
+use backlit::take::source::TakeSource;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
 
 /// Points of the window.

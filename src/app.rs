@@ -32,47 +32,39 @@
 //! | `zoom` | zoom by the keyboard |
 //! | `headless` | the window's picture without a display |
 
-mod accessible;
-mod background;
-mod basin;
-mod body;
-mod broken;
-mod clipboard;
-mod commands;
-mod curves;
-mod demonstrating;
-mod docking;
-mod dropping;
-mod events;
-mod exported;
-mod exporting;
-mod files;
-mod fitting;
-mod hand;
-mod headless;
-mod jobs;
-mod laboratory;
-mod observing;
-mod outside;
-mod playing;
-mod requests;
-mod scene_view;
-mod screen;
-mod settings;
-mod state;
-mod touring;
-mod tracking;
-mod twin;
-mod unsaved;
-mod zoom;
+pub(crate) mod background;
+pub(crate) mod calibrate_job;
+pub(crate) mod commands;
+pub mod dropped;
+pub(crate) mod dropping;
+pub(crate) mod events;
+pub(crate) mod failure;
+pub(crate) mod files;
+pub(crate) mod headless;
+pub(crate) mod load_job;
+pub(crate) mod open_job;
+pub(crate) mod open_with_system;
+pub(crate) mod refresh;
+pub(crate) mod requests;
+pub(crate) mod save_job;
+pub(crate) mod screen;
+pub(crate) mod settings;
+pub mod settings_file;
+pub(crate) mod settings_job;
+pub(crate) mod state;
+pub(crate) mod state_dump;
+pub(crate) mod survey_job;
+pub(crate) mod take_in_job;
+pub mod window;
+pub(crate) mod write_job;
 
+pub(crate) use crate::features::pose::drag::nudge_of;
+pub(crate) use crate::features::timeline::playing::TimeAxis;
+pub(crate) use crate::features::tracking::keys_around;
 pub use files::opening_of;
-pub(crate) use hand::nudge_of;
 pub(crate) use headless::headless_export;
 pub use headless::{PictureOptions, headless_picture};
-pub(crate) use playing::TimeAxis;
 pub use state::{App, AppOptions, Opening};
-pub(crate) use tracking::keys_around;
 
 impl App {
     /// One frame of the window.

@@ -3,28 +3,25 @@
 //! A document knows nothing of the window and of derived data. Its large parts are shared, so a snapshot for
 //! undo costs a few pointers.
 
+pub mod edit;
+pub(crate) mod fit_words;
+pub mod history;
+pub mod project;
+pub(crate) mod run;
+pub(crate) mod run_names;
+pub mod take_match;
+pub mod tracking_choices;
+
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::track::FitOptions;
 
-use crate::demonstration::Demonstration;
-use crate::replacement::{Calibration, MaskFiles};
-use crate::tracking_choices::TrackingChoices;
-
-/// Where the footage of a document comes from.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum TakeSource {
-    /// The take that comes with the program.
-    BuiltIn,
-    /// A simulated take, made anew when it is opened.
-    Demonstration(Demonstration),
-    /// A folder with a `take.toml`, or the file itself.
-    Path(PathBuf),
-}
+use crate::document::tracking_choices::TrackingChoices;
+use crate::take::replacement::{Calibration, MaskFiles};
+use crate::take::source::TakeSource;
 
 /// What one camera does in the fit.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,10 +2,9 @@
 //! be made again at any time and is never saved.
 
 mod frames;
-mod hulls;
-mod refitted;
-mod run;
-mod run_names;
+pub mod playback;
+pub(crate) mod prediction;
+pub mod selection;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -15,17 +14,19 @@ use backlit_tracking::body::Pose;
 use backlit_tracking::track::{FitOptions, Hypothesis};
 
 pub use frames::{FrameCache, FrameData};
-pub use hulls::HullCache;
-pub use refitted::Refitted;
-pub use run::{Run, RunChoices, RunEnding, RunStep};
-pub use run_names::{count_twins, name_runs, plain_names};
 
 use crate::document::Document;
-use crate::footage::Footage;
-use crate::playback::FrameRange;
-use crate::scene_view::SceneDrawing;
-use crate::selection::{Selection, StepRef};
-use crate::worker::{Extent, Predicted, Scene};
+use crate::document::run::{Run, RunStep};
+use crate::features::fit::refitted::Refitted;
+use crate::features::scene::SceneDrawing;
+use crate::features::scene::hulls::HullCache;
+use crate::session::playback::FrameRange;
+use crate::session::prediction::{FitInputs, Predicted};
+use crate::session::selection::{Selection, StepRef};
+use crate::take::footage::Footage;
+
+/// Bounds in a camera's pictures: left, top, right, bottom, in pixels.
+pub type Extent = [f32; 4];
 
 /// The derived data.
 #[derive(Debug, Clone, Default)]
@@ -47,7 +48,7 @@ pub struct Session {
     /// The newest run, if it may go on.
     pub live: Option<usize>,
     /// What that run depends on.
-    pub live_scene: Option<Scene>,
+    pub live_scene: Option<FitInputs>,
     /// What the last step of that run predicts.
     pub live_prediction: Option<Arc<Predicted>>,
     /// What the run that is going on refits, if it does.
@@ -67,7 +68,7 @@ pub struct Session {
     /// Changes with the pictures on the screen.
     pub generation: u64,
     /// The prediction that was asked for last.
-    pub wanted: Option<(Scene, Pose)>,
+    pub wanted: Option<(FitInputs, Pose)>,
     /// Where the subject is over the whole take, by camera.
     pub subject: Vec<Option<Extent>>,
     /// What the tracker is doing.

@@ -17,9 +17,9 @@ use std::time::{Duration, Instant};
 
 use backlit::app::{App, AppOptions, opening_of};
 use backlit::document::Document;
-use backlit::project::read_project;
+use backlit::document::project::read_project;
+use backlit::features::recovery::Copies;
 use backlit::raster::Headless;
-use backlit::recovery::Copies;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, pos2};
 
 /// Names the folder in which the process that is going to be killed works.

@@ -6,32 +6,33 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::App;
-use crate::worker::{BackgroundEvent, Lane, Report, Worker, WriteJob};
+use crate::app::write_job::WriteJob;
+use crate::worker::{BackgroundEvent, Lane, Report, Worker};
 
 /// The worker, and what waits for it.
 #[derive(Debug)]
-pub(super) struct Background {
-    pub(super) worker: Worker<BackgroundEvent>,
+pub(crate) struct Background {
+    pub(crate) worker: Worker<BackgroundEvent>,
     /// When the basin that is tried was begun.
-    pub(super) basin_began: Option<Instant>,
+    pub(crate) basin_began: Option<Instant>,
     waiting: VecDeque<WriteJob>,
 }
 
 impl Background {
-    pub(super) fn start(context: &egui::Context) -> std::io::Result<Self> {
+    pub(crate) fn start(context: &egui::Context) -> std::io::Result<Self> {
         let context = context.clone();
         let worker = Worker::start(move || context.request_repaint())?;
         Ok(Self { worker, basin_began: None, waiting: VecDeque::new() })
     }
 
-    pub(super) fn is_idle(&self) -> bool {
+    pub(crate) fn is_idle(&self) -> bool {
         self.worker.is_idle() && self.waiting.is_empty()
     }
 }
 
 impl App {
     /// Writes a file; `make` makes it on the worker's thread.
-    pub(super) fn write(
+    pub(crate) fn write(
         &mut self,
         path: &Path,
         make: impl FnOnce() -> anyhow::Result<Vec<u8>> + Send + 'static,
@@ -49,7 +50,7 @@ impl App {
     }
 
     /// Takes in what the second worker has done.
-    pub(super) fn hear_background(&mut self) {
+    pub(crate) fn hear_background(&mut self) {
         for report in self.background.worker.poll() {
             match report {
                 Report::Event(BackgroundEvent::Written(path)) => {

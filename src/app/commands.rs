@@ -4,32 +4,36 @@ use backlit_tracking::body::Pose;
 use backlit_tracking::track::{FitOptions, posing};
 
 use super::App;
-use super::demonstrating::demonstration_of;
-use super::fitting::Part;
-use super::hand::nudge_of;
 use super::state::{DialogKind, Opening, Overlay};
-use super::zoom;
-use crate::action::Action;
-use crate::basin::BasinView;
-use crate::document::TakeSource;
-use crate::edit::Edit;
-use crate::look::Layout;
-use crate::observing::ObserveRequest;
-use crate::pane::Pane;
-use crate::panels::export_dialog::Subject;
-use crate::panels::palette::Palette;
-use crate::panels::{
-    Comparison, dragged_until_now, preset_of, renderer_of, rotation_tree, scene, view_mode_of,
-};
-use crate::picture::{JointId, ViewMode};
-use crate::selection::Selection;
-use crate::showing::{Intents, PaneEvent, unavailable};
+use crate::context::action::Action;
+use crate::context::command_button::dragged_until_now;
+use crate::context::pane::Pane;
+use crate::context::preferences::Layout;
+use crate::context::{Intents, PaneEvent, unavailable};
+use crate::document::edit::Edit;
+use crate::drawing::{JointId, ViewMode};
+use crate::features::basin::BasinView;
+use crate::features::camera_views::Comparison;
+use crate::features::camera_views::zoom;
+use crate::features::demonstration::demonstration_of;
+use crate::features::export::dialog::Subject;
+use crate::features::fit::Part;
+use crate::features::fit::renderer::renderer_of;
+use crate::features::fit::solver::preset_of;
+use crate::features::observability::ObserveRequest;
+use crate::features::pose::drag::nudge_of;
+use crate::features::pose::panel::rotation_tree;
+use crate::features::scene::panel as scene;
+use crate::session::selection::Selection;
+use crate::shell::palette::Palette;
+use crate::shell::toolbar::view_mode_of;
+use crate::take::source::TakeSource;
 use crate::widgets::Framing;
 
 impl App {
     /// The commands whose keys were pressed. While something lies over the window, or the hand holds
     /// something, keys are theirs.
-    pub(super) fn read_keys(&mut self, ctx: &egui::Context) -> Intents {
+    pub(crate) fn read_keys(&mut self, ctx: &egui::Context) -> Intents {
         let mut intents = Intents::default();
         let is_moving = self.is_moving_tile(ctx);
         if self.overlay.is_none() && self.held.is_none() && !is_moving && !egui::Popup::is_any_open(ctx) {
@@ -42,7 +46,7 @@ impl App {
     }
 
     /// Does a command, if it can be used now.
-    pub(super) fn act(&mut self, action: Action, ctx: &egui::Context) {
+    pub(crate) fn act(&mut self, action: Action, ctx: &egui::Context) {
         let is_free = !self.laboratory.is_running || self.look.layout != Layout::Demonstrate;
         if action == Action::Stop && is_free && (self.put_back(ctx) || self.let_go()) {
             return;
@@ -346,7 +350,7 @@ impl App {
     }
 
     /// The pose on the screen.
-    pub(super) fn shown_pose(&self) -> &Pose {
+    pub(crate) fn shown_pose(&self) -> &Pose {
         self.session.shown_pose(self.document(), &self.selection)
     }
 

@@ -3,22 +3,23 @@
 use std::path::PathBuf;
 
 use super::App;
-use crate::action::Action;
-use crate::dropped::Dropped;
-use crate::edit::Edit;
-use crate::panels::drop_overlay;
-use crate::worker::{Lane, TakeInJob};
+use crate::app::dropped::Dropped;
+use crate::app::take_in_job::TakeInJob;
+use crate::context::action::Action;
+use crate::document::edit::Edit;
+use crate::shell::drop_overlay;
+use crate::worker::Lane;
 
 /// The files over the window, and what they are.
 #[derive(Debug)]
-pub(super) struct Hovering {
+pub(crate) struct Hovering {
     paths: Vec<PathBuf>,
     dropped: Dropped,
 }
 
 impl App {
     /// Looks what is dragged over the window, and takes what is dropped.
-    pub(super) fn take_dropped_files(&mut self, ctx: &egui::Context) {
+    pub(crate) fn take_dropped_files(&mut self, ctx: &egui::Context) {
         let (hovered, dropped): (Vec<PathBuf>, Vec<PathBuf>) = ctx.input(|input| {
             let hovered = input.raw.hovered_files.iter().filter_map(|file| file.path.clone());
             let dropped = input.raw.dropped_files.iter().map(|file| file.path().to_owned());
@@ -54,7 +55,7 @@ impl App {
     }
 
     /// What was dropped is read: it becomes a change that can be undone.
-    pub(super) fn taken_in(&mut self, edit: Edit, said: String) {
+    pub(crate) fn taken_in(&mut self, edit: Edit, said: String) {
         self.interrupt_fit();
         let revision = self.history.revision();
         self.edit(edit, None);
@@ -66,7 +67,7 @@ impl App {
     }
 
     /// Says what will happen, over everything.
-    pub(super) fn show_drop(&self, ui: &egui::Ui) {
+    pub(crate) fn show_drop(&self, ui: &egui::Ui) {
         let Some(Hovering { dropped, .. }) = &self.hovering else { return };
         let (what, name) = dropped.explanation(self.selection.frame);
         let lacks_take = dropped.needs_take() && self.session.take.is_none();

@@ -5,21 +5,26 @@ use std::sync::Arc;
 use backlit_tracking::track::Preset;
 
 use super::App;
-use crate::action::Action;
-use crate::document::{CameraUse, Document, Estimate, Origin, TakeSource};
-use crate::edit::Edit;
-use crate::footage::Footage;
-use crate::history::History;
-use crate::panels::camera_tile::{Comparison, TileLook};
-use crate::picture::ViewMode;
-use crate::selection::Selection;
-use crate::session::{Refitted, RunEnding, RunStep};
-use crate::tracking_choices::TrackingChoices;
-use crate::worker::{Event, FitJob, Lane, OpenedProject, Predicted, Report};
+use crate::app::open_job::OpenedProject;
+use crate::context::action::Action;
+use crate::document::edit::Edit;
+use crate::document::history::History;
+use crate::document::run::{RunEnding, RunStep};
+use crate::document::tracking_choices::TrackingChoices;
+use crate::document::{CameraUse, Document, Estimate, Origin};
+use crate::drawing::ViewMode;
+use crate::features::camera_views::{Comparison, TileLook};
+use crate::features::fit::job::FitJob;
+use crate::features::fit::refitted::Refitted;
+use crate::session::prediction::Predicted;
+use crate::session::selection::Selection;
+use crate::take::footage::Footage;
+use crate::take::source::TakeSource;
+use crate::worker::{Event, Lane, Report};
 
 impl App {
     /// Takes in all that has happened since the last frame.
-    pub(super) fn hear_worker(&mut self) {
+    pub(crate) fn hear_worker(&mut self) {
         for report in self.worker.poll() {
             match report {
                 Report::Event(event) => self.hear(event),
@@ -84,7 +89,7 @@ impl App {
     }
 
     /// The steps asked for are done, or the fit has ended: its pose becomes the frame's.
-    pub(super) fn finish_run(&mut self, ending: Option<RunEnding>) {
+    pub(crate) fn finish_run(&mut self, ending: Option<RunEnding>) {
         let Some(run) = self.session.live.and_then(|live| self.session.runs.get_mut(live)) else { return };
         let stays_live = ending.is_none();
         run.ending = ending;

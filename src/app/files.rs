@@ -4,17 +4,19 @@ use std::path::{Path, PathBuf};
 
 use super::App;
 use super::state::{DialogKind, Opening, Overlay};
-use crate::action::Action;
-use crate::document::TakeSource;
-use crate::recovery::{About, Picture};
-use crate::worker::{Lane, OpenJob, SaveJob};
+use crate::app::open_job::OpenJob;
+use crate::app::save_job::SaveJob;
+use crate::context::action::Action;
+use crate::features::recovery::{About, Picture};
+use crate::take::source::TakeSource;
+use crate::worker::Lane;
 
 /// Ending of project files.
 const PROJECT_EXTENSION: &str = "backlit";
 
 impl App {
     /// Opens a take or a project. What is not saved is kept as a copy.
-    pub(super) fn open(&mut self, opening: Opening) {
+    pub(crate) fn open(&mut self, opening: Opening) {
         if !self.may_leave("Not opened", "open it") {
             return;
         }
@@ -28,7 +30,7 @@ impl App {
     }
 
     /// Says that a project's take is not where it was, and offers to look for it.
-    pub(super) fn take_missing(&mut self, project: PathBuf, why: &str) {
+    pub(crate) fn take_missing(&mut self, project: PathBuf, why: &str) {
         self.notices.error_with(format!("{why}. If it has moved, say where it is now."), Action::FindTake);
         self.lost_take = Some(project);
     }
@@ -50,7 +52,7 @@ impl App {
         self.worker.request(Lane::Save, self.save_job(path.to_owned(), None));
     }
 
-    pub(super) fn save_project(&mut self) {
+    pub(crate) fn save_project(&mut self) {
         match self.project.clone() {
             Some(path) => self.save_to(&path),
             None => self.ask_for_file(DialogKind::SaveAs),
@@ -58,11 +60,11 @@ impl App {
     }
 
     /// Writes the document to a file, or to the copy of unsaved work.
-    pub(super) fn save_job(&self, path: PathBuf, beside: Option<(About, Option<Picture>)>) -> SaveJob {
+    pub(crate) fn save_job(&self, path: PathBuf, beside: Option<(About, Option<Picture>)>) -> SaveJob {
         SaveJob { document: self.document().clone(), revision: self.history.revision(), path, beside }
     }
 
-    pub(super) fn saved(&mut self, path: PathBuf, revision: u64) {
+    pub(crate) fn saved(&mut self, path: PathBuf, revision: u64) {
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         self.notices.info(self.now, format!("Saved to {name}."), None);
         self.history.mark_saved(revision);
@@ -71,7 +73,7 @@ impl App {
     }
 
     /// Asks for a file in a dialog of the desktop's, on a thread of its own.
-    pub(super) fn ask_for_file(&mut self, kind: DialogKind) {
+    pub(crate) fn ask_for_file(&mut self, kind: DialogKind) {
         let answers = self.dialog_sender.clone();
         let context = self.context.clone();
         let name = self.session.take.as_ref().map_or_else(|| "project".to_owned(), |take| take.name.clone());
@@ -112,7 +114,7 @@ impl App {
         }
     }
 
-    pub(super) fn hear_dialogs(&mut self) {
+    pub(crate) fn hear_dialogs(&mut self) {
         while let Ok((kind, path)) = self.dialog_answers.try_recv() {
             match kind {
                 DialogKind::Take | DialogKind::Project => self.open_path(&path),

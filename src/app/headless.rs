@@ -8,12 +8,12 @@ use egui::Vec2;
 use image::RgbaImage;
 
 use super::{App, AppOptions, Opening};
-use crate::action::Action;
-use crate::look::{Layout, Look};
-use crate::panels::export_dialog::ExportOrder;
-use crate::picture::ViewMode;
+use crate::context::action::Action;
+use crate::context::preferences::{Layout, Look};
+use crate::drawing::ViewMode;
+use crate::features::export::dialog::ExportOrder;
 use crate::raster::Headless;
-use crate::theme::Theme;
+use crate::style::theme::Theme;
 
 /// What has come to rest so often is at rest; what plays never is.
 const ROUNDS: usize = 2;
@@ -142,7 +142,7 @@ fn settle(window: &mut Headless, app: &mut App, patience: Duration) -> RgbaImage
 }
 
 /// Runs frames until there is nothing more to do.
-pub(super) fn rest(window: &mut Headless, app: &mut App, patience: Duration, cancel: &CancelToken) {
+pub(crate) fn rest(window: &mut Headless, app: &mut App, patience: Duration, cancel: &CancelToken) {
     let start = Instant::now();
     for _ in 0..ROUNDS {
         loop {

@@ -2,13 +2,13 @@
 
 use super::App;
 use super::state::{DialogKind, Opening};
-use crate::edit::Edit;
-use crate::history::Gesture;
-use crate::showing::{Intents, Request};
+use crate::context::{Intents, Request};
+use crate::document::edit::Edit;
+use crate::document::history::Gesture;
 
 impl App {
     /// Applies edits, then requests, then commands.
-    pub(super) fn apply(&mut self, intents: Intents, ctx: &egui::Context) {
+    pub(crate) fn apply(&mut self, intents: Intents, ctx: &egui::Context) {
         if !(intents.edits.is_empty() && intents.requests.is_empty() && intents.actions.is_empty()) {
             // What was asked for in this frame is seen in the next.
             ctx.request_repaint();
@@ -34,7 +34,7 @@ impl App {
     }
 
     /// Makes a change, and what follows from it for the selection.
-    pub(super) fn edit(&mut self, edit: Edit, gesture: Option<Gesture>) {
+    pub(crate) fn edit(&mut self, edit: Edit, gesture: Option<Gesture>) {
         let sets_pose = matches!(edit, Edit::SetPose { .. });
         let remeasures = matches!(edit, Edit::SetMeasurement(_));
         match self.history.apply(edit, gesture) {
@@ -52,7 +52,7 @@ impl App {
         }
     }
 
-    pub(super) fn request(&mut self, request: Request) {
+    pub(crate) fn request(&mut self, request: Request) {
         match request {
             Request::Frame(frame) => {
                 self.follows_tracker = false;

@@ -4,19 +4,19 @@ use egui::{CentralPanel, Frame, Ui, pos2};
 
 use super::App;
 use super::state::Overlay;
-use crate::look::Layout;
-use crate::panels::tiles::TilesLook;
-use crate::panels::{
-    about, dock, empty, explanation, laboratory, messages, notice_cards, right_panel, shortcuts, status_bar,
-    timeline, toolbar,
-};
-use crate::showing::{Busy, Intents, Request, Showing};
-use crate::theme::size;
+use crate::context::preferences::Layout;
+use crate::context::{Busy, Intents, Request, Showing};
+use crate::features::demonstration::explanation;
+use crate::features::laboratory::panel as laboratory;
+use crate::features::timeline;
+use crate::shell::tiles::TilesLook;
+use crate::shell::{about, dock, empty, messages, notice_cards, right_panel, shortcuts, status_bar, toolbar};
+use crate::style::theme::size;
 use crate::worker::Lane;
 
 impl App {
     /// What the panels may look at.
-    pub(super) fn showing(&self) -> Showing<'_> {
+    pub(crate) fn showing(&self) -> Showing<'_> {
         Showing {
             history: &self.history,
             session: &self.session,
@@ -47,7 +47,7 @@ impl App {
     }
 
     /// Shows all panels.
-    pub(super) fn show(&mut self, ui: &mut Ui, intents: &mut Intents) {
+    pub(crate) fn show(&mut self, ui: &mut Ui, intents: &mut Intents) {
         if ui.input(|input| !input.events.is_empty()) && self.held.is_none() && !intents.actions.is_empty() {
             self.doing = None;
         }
@@ -97,7 +97,7 @@ impl App {
         self.show_drop(ui);
     }
 
-    pub(super) fn tiles_look(&self) -> TilesLook<'_> {
+    pub(crate) fn tiles_look(&self) -> TilesLook<'_> {
         TilesLook { views: self.camera_views(), alone: self.docking.alone, pair: self.docking.pair }
     }
 

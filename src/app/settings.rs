@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use super::App;
-use crate::look::Look;
-use crate::worker::{Lane, SettingsJob};
+use crate::app::settings_job::SettingsJob;
+use crate::context::preferences::Look;
+use crate::worker::Lane;
 
 /// What is in the settings file.
 #[derive(Debug)]
-pub(super) struct Settings {
+pub(crate) struct Settings {
     /// `None` without a folder for it.
     folder: Option<PathBuf>,
     written: Look,
@@ -17,7 +18,7 @@ pub(super) struct Settings {
 
 impl Settings {
     /// They are in the file as they are.
-    pub(super) fn new(folder: Option<PathBuf>, look: &Look) -> Self {
+    pub(crate) fn new(folder: Option<PathBuf>, look: &Look) -> Self {
         Self { folder, written: look.clone(), failed: false }
     }
 }
@@ -31,7 +32,7 @@ impl App {
     }
 
     /// Writes the settings, if they are others than in the file.
-    pub(super) fn write_settings(&mut self) {
+    pub(crate) fn write_settings(&mut self) {
         let Some(folder) = self.settings.folder.clone() else { return };
         if self.settings.failed || self.settings.written != self.look {
             self.settings.written = self.look.clone();
@@ -40,7 +41,7 @@ impl App {
     }
 
     /// A failure is said once, until it works again.
-    pub(super) fn settings_written(&mut self, result: Result<(), String>) {
+    pub(crate) fn settings_written(&mut self, result: Result<(), String>) {
         match result {
             Ok(()) => self.settings.failed = false,
             Err(why) if !std::mem::replace(&mut self.settings.failed, true) => {

@@ -7,32 +7,36 @@ use backlit_tracking::body::{Pose, builtin};
 use backlit_tracking::io::Take;
 
 use super::background::Background;
-use super::broken::Broken;
-use super::clipboard::Clipboard;
-use super::demonstrating::Prepared;
-use super::docking::Docking;
 use super::dropping::Hovering;
-use super::exporting::Exporting;
-use super::hand::{Held, Nudging};
-use super::playing::TimeAxis;
+use super::failure::Broken;
 use super::settings::Settings;
-use super::touring::Tour;
-use super::tracking::Tracked;
-use super::unsaved::Unsaved;
-use crate::basin::{BasinState, FileKind};
-use crate::clock::Clock;
-use crate::document::{Document, TakeSource};
-use crate::history::{Gesture, History};
-use crate::laboratory::Laboratory;
-use crate::look::{Layout, Look};
-use crate::notices::Notices;
-use crate::observing::Observing;
-use crate::panels::camera_tile::{PictureAlone, TileLook};
-use crate::panels::export_dialog::ExportDialog;
-use crate::panels::palette::Palette;
-use crate::selection::Selection;
+use crate::context::clock::Clock;
+use crate::context::notices::Notices;
+use crate::context::preferences::{Layout, Look};
+use crate::document::Document;
+use crate::document::history::{Gesture, History};
+use crate::features::basin::{BasinState, FileKind};
+use crate::features::camera_views::{PictureAlone, TileLook};
+use crate::features::demonstration::Prepared;
+use crate::features::export::dialog::ExportDialog;
+use crate::features::export::exporting::Exporting;
+use crate::features::fit::job::LiveFit;
+use crate::features::laboratory::Laboratory;
+use crate::features::laboratory::job::LiveLaboratory;
+use crate::features::observability::Observing;
+use crate::features::pose::clipboard::Clipboard;
+use crate::features::pose::drag::{Held, Nudging};
+use crate::features::recovery::unsaved::Unsaved;
+use crate::features::timeline::playing::TimeAxis;
+use crate::features::tour::Tour;
+use crate::features::tracking::Tracked;
 use crate::session::Session;
-use crate::worker::{Event, Lane, LiveFit, LiveLaboratory, Scene, Worker};
+use crate::session::prediction::FitInputs;
+use crate::session::selection::Selection;
+use crate::shell::docking::Docking;
+use crate::shell::palette::Palette;
+use crate::take::source::TakeSource;
+use crate::worker::{Event, Lane, Worker};
 
 /// What the window begins with.
 #[derive(Debug, Default)]
@@ -71,7 +75,7 @@ pub enum Opening {
 
 /// What lies over the window.
 #[derive(Debug)]
-pub(super) enum Overlay {
+pub(crate) enum Overlay {
     Palette(Palette),
     Shortcuts(String),
     Messages,
@@ -81,7 +85,7 @@ pub(super) enum Overlay {
 
 /// What a file dialog was asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum DialogKind {
+pub(crate) enum DialogKind {
     Take,
     FindTake,
     Project,
@@ -94,69 +98,69 @@ pub(super) enum DialogKind {
 }
 
 /// What a file dialog was asked for, and the file that was chosen.
-pub(super) type DialogAnswer = (DialogKind, PathBuf);
+pub(crate) type DialogAnswer = (DialogKind, PathBuf);
 
 /// The inspector.
 #[derive(Debug)]
 pub struct App {
-    pub(super) history: History,
-    pub(super) selection: Selection,
-    pub(super) session: Session,
-    pub(super) look: Look,
-    pub(super) notices: Notices,
-    pub(super) worker: Worker<Event>,
-    pub(super) background: Background,
-    pub(super) broken: Broken,
-    pub(super) live: LiveFit,
+    pub(crate) history: History,
+    pub(crate) selection: Selection,
+    pub(crate) session: Session,
+    pub(crate) look: Look,
+    pub(crate) notices: Notices,
+    pub(crate) worker: Worker<Event>,
+    pub(crate) background: Background,
+    pub(crate) broken: Broken,
+    pub(crate) live: LiveFit,
     /// Steps that were asked for while one was being made.
-    pub(super) pending_steps: usize,
+    pub(crate) pending_steps: usize,
     /// The gesture of the run of fit or tracker that is going on.
-    pub(super) run_gesture: Option<Gesture>,
+    pub(crate) run_gesture: Option<Gesture>,
     /// Whether the screen follows the tracker.
-    pub(super) follows_tracker: bool,
-    pub(super) tracked: Tracked,
-    pub(super) observing: Observing,
+    pub(crate) follows_tracker: bool,
+    pub(crate) tracked: Tracked,
+    pub(crate) observing: Observing,
     /// What figures were asked for last, whatever came of it.
-    pub(super) asked_to_observe: Option<(Scene, Pose)>,
-    pub(super) held: Option<Held>,
-    pub(super) nudging: Option<Nudging>,
-    pub(super) basin: BasinState,
+    pub(crate) asked_to_observe: Option<(FitInputs, Pose)>,
+    pub(crate) held: Option<Held>,
+    pub(crate) nudging: Option<Nudging>,
+    pub(crate) basin: BasinState,
     /// The demonstration that is being prepared.
-    pub(super) prepared: Option<Prepared>,
-    pub(super) explanation: Option<&'static str>,
-    pub(super) state_file: Option<PathBuf>,
-    pub(super) tour: Option<Tour>,
-    pub(super) hovering: Option<Hovering>,
-    pub(super) exporting: Option<Exporting>,
+    pub(crate) prepared: Option<Prepared>,
+    pub(crate) explanation: Option<&'static str>,
+    pub(crate) state_file: Option<PathBuf>,
+    pub(crate) tour: Option<Tour>,
+    pub(crate) hovering: Option<Hovering>,
+    pub(crate) exporting: Option<Exporting>,
     /// Folder of the last export.
-    pub(super) exported_to: Option<PathBuf>,
+    pub(crate) exported_to: Option<PathBuf>,
     /// One camera's picture and nothing else: this is the twin that an export paints.
-    pub(super) picture_alone: Option<PictureAlone>,
-    pub(super) laboratory: Laboratory,
-    pub(super) live_laboratory: LiveLaboratory,
+    pub(crate) picture_alone: Option<PictureAlone>,
+    pub(crate) laboratory: Laboratory,
+    pub(crate) live_laboratory: LiveLaboratory,
     /// By layout, then by camera.
-    pub(super) tiles: [Vec<TileLook>; 2],
+    pub(crate) tiles: [Vec<TileLook>; 2],
     /// Tiles of the centre.
-    pub(super) docking: Docking,
-    pub(super) clipboard: Clipboard,
-    pub(super) project: Option<PathBuf>,
-    pub(super) overlay: Option<Overlay>,
-    pub(super) doing: Option<String>,
-    pub(super) time: TimeAxis,
-    pub(super) unsaved: Unsaved,
-    pub(super) settings: Settings,
-    pub(super) clock: Clock,
+    pub(crate) docking: Docking,
+    pub(crate) clipboard: Clipboard,
+    pub(crate) project: Option<PathBuf>,
+    pub(crate) overlay: Option<Overlay>,
+    pub(crate) doing: Option<String>,
+    pub(crate) time: TimeAxis,
+    pub(crate) unsaved: Unsaved,
+    pub(crate) settings: Settings,
+    pub(crate) clock: Clock,
     /// The project that was not opened since its take was not there.
-    pub(super) lost_take: Option<PathBuf>,
+    pub(crate) lost_take: Option<PathBuf>,
     /// What is opened when the unsaved work is left.
-    pub(super) postponed: Option<Opening>,
-    pub(super) dialog_sender: Sender<DialogAnswer>,
-    pub(super) dialog_answers: Receiver<DialogAnswer>,
-    pub(super) next_gesture: u64,
-    pub(super) now: f64,
-    pub(super) frame_seconds: f64,
-    pub(super) shown_theme: Option<crate::theme::Theme>,
-    pub(super) context: egui::Context,
+    pub(crate) postponed: Option<Opening>,
+    pub(crate) dialog_sender: Sender<DialogAnswer>,
+    pub(crate) dialog_answers: Receiver<DialogAnswer>,
+    pub(crate) next_gesture: u64,
+    pub(crate) now: f64,
+    pub(crate) frame_seconds: f64,
+    pub(crate) shown_theme: Option<crate::style::theme::Theme>,
+    pub(crate) context: egui::Context,
 }
 
 impl App {
@@ -307,21 +311,21 @@ impl App {
     }
 
     /// A gesture that was not used before.
-    pub(super) fn new_gesture(&mut self) -> Gesture {
+    pub(crate) fn new_gesture(&mut self) -> Gesture {
         // Far from those of the panels, which count from one.
         self.next_gesture += 1;
         Gesture(u64::MAX - self.next_gesture)
     }
 
     /// How the tiles of the layout look.
-    pub(super) fn tiles_mut(&mut self) -> &mut Vec<TileLook> {
+    pub(crate) fn tiles_mut(&mut self) -> &mut Vec<TileLook> {
         &mut self.tiles[usize::from(self.look.layout == Layout::Debug)]
     }
 
     /// Hands the theme to egui when it has changed.
-    pub(super) fn apply_theme(&mut self, ui: &mut egui::Ui) {
+    pub(crate) fn apply_theme(&mut self, ui: &mut egui::Ui) {
         if self.shown_theme != Some(self.look.theme) {
-            crate::theme::apply(ui.ctx(), self.look.theme);
+            crate::style::theme::apply(ui.ctx(), self.look.theme);
             // This frame has begun in the old one.
             let style = ui.ctx().style_of(self.look.theme.to_egui());
             ui.set_style(style);

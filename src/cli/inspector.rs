@@ -13,10 +13,10 @@ use super::output;
 use super::take_options::{self, StartArguments};
 use super::track::follow;
 use super::track_report::TrackReport;
+use crate::app::window::open_window;
 use crate::app::{Opening, PictureOptions, headless_picture, opening_of};
-use crate::builtin_take;
-use crate::document::TakeSource;
-use crate::window::open_window;
+use crate::take::builtin as builtin_take;
+use crate::take::source::TakeSource;
 
 /// The picture of the window, in the working folder.
 const PICTURE: &str = "backlit-window.png";

@@ -14,7 +14,7 @@ use super::fit_options::SolverArguments;
 use super::output;
 use super::table::Table;
 use super::take_options::{self, StartArguments};
-use crate::panels::{length, name_of};
+use crate::features::observability::panel::{length, name_of};
 
 const NOTES: &str = "\
 Singular values of JᵀJ are of the silhouettes alone, without priors, at every pixel, by the last stage's ramp.
@@ -95,7 +95,7 @@ fn known(shown: &Observability, direction: &Direction) -> String {
     }
     let (limb, moved) = direction.largest_move();
     if direction.moves_no_joint() {
-        return crate::format::degrees(direction.deviation * direction.largest_turn());
+        return crate::style::format::degrees(direction.deviation * direction.largest_turn());
     }
     format!("{}, {}", length(direction.deviation * moved), name_of(shown, limb))
 }

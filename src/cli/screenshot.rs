@@ -11,14 +11,14 @@ use image::DynamicImage;
 
 use super::output;
 use crate::app::{Opening, PictureOptions, headless_export, headless_picture, opening_of};
-use crate::demonstration::Demonstration;
-use crate::document::TakeSource;
-use crate::export::choices::{DELAYS_MS, MAX_SIDE};
-use crate::export::{ExportChoices, Part, SeriesFormat};
-use crate::look::Layout;
-use crate::panels::export_dialog::{ExportOrder, Subject};
-use crate::picture::ViewMode;
-use crate::theme::Theme;
+use crate::context::preferences::Layout;
+use crate::drawing::ViewMode;
+use crate::features::export::choices::{DELAYS_MS, MAX_SIDE};
+use crate::features::export::dialog::{ExportOrder, Subject};
+use crate::features::export::{ExportChoices, Part, SeriesFormat};
+use crate::style::theme::Theme;
+use crate::take::demonstration::Demonstration;
+use crate::take::source::TakeSource;
 
 /// Sides of a picture, pixels.
 const SIDES: std::ops::RangeInclusive<u16> = 200..=8192;

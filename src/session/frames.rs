@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use crate::footage::{CameraFrame, MadeWith};
+use crate::take::footage::{CameraFrame, MadeWith};
 
 /// Frames that are kept.
 const CAPACITY: usize = 48;

@@ -2,7 +2,7 @@
 
 use egui::{Align2, CornerRadius, FontId, Painter, Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo};
 
-use crate::theme::{camera_colours, size};
+use crate::style::theme::{camera_colours, size};
 
 /// Size of the digit.
 const DIGIT: f32 = 12.0;

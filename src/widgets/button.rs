@@ -3,7 +3,8 @@
 use egui::{Button, CornerRadius, Response, RichText, Role, Sense, StrokeKind, Ui, WidgetInfo, vec2};
 
 use super::Icon;
-use crate::theme::{self, size};
+use crate::style::theme;
+use crate::style::theme::size;
 
 /// A square button that shows only an icon. `label` is its name for screen readers and tests, `tooltip`
 /// what it says under the pointer.

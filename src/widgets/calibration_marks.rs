@@ -5,9 +5,9 @@ use glam::DVec2;
 
 use super::ViewTransform;
 use super::picture_marks::{MARGIN, clipped};
-use crate::picture::CalibrationMarks;
-use crate::theme::data_colours::{CASING, JOINT};
-use crate::theme::size;
+use crate::drawing::CalibrationMarks;
+use crate::style::theme::data_colours::{CASING, JOINT};
+use crate::style::theme::size;
 
 /// Opacity of the grid.
 const GRID_OPACITY: f32 = 0.3;

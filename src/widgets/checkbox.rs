@@ -6,7 +6,8 @@ use egui::{
 
 use super::Icon;
 use super::button::focus_ring;
-use crate::theme::{self, size};
+use crate::style::theme;
+use crate::style::theme::size;
 
 /// A box with its label; a click on either changes `ticked`.
 pub fn checkbox(ui: &mut Ui, ticked: &mut bool, label: &str) -> Response {

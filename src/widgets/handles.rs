@@ -4,9 +4,9 @@ use egui::{Painter, Pos2, Rect, Shape, Stroke, Vec2};
 use glam::DVec2;
 
 use super::ViewTransform;
-use crate::picture::{JointId, JointMark, ProjectedLimb, joined_outline};
-use crate::theme::data_colours::{CASING, JOINT, SELECTED, SELECTED_LIMB_FILL, mark};
-use crate::theme::size;
+use crate::drawing::{JointId, JointMark, ProjectedLimb, joined_outline};
+use crate::style::theme::data_colours::{CASING, JOINT, SELECTED, SELECTED_LIMB_FILL, mark};
+use crate::style::theme::size;
 
 /// A joint is taken hold of within this distance, in points.
 const REACH: f32 = 12.0;

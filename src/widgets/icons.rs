@@ -3,7 +3,7 @@
 use egui::epaint::PathShape;
 use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, pos2};
 
-use crate::theme::size;
+use crate::style::theme::size;
 
 /// What an icon shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

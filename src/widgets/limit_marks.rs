@@ -3,10 +3,10 @@
 use egui::{Align2, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
 
 use super::ViewTransform;
-use crate::picture::LimitMark;
-use crate::theme::Palette;
-use crate::theme::data_colours::{CASING, SELECTED, mark};
-use crate::theme::size;
+use crate::drawing::LimitMark;
+use crate::style::theme::Palette;
+use crate::style::theme::data_colours::{CASING, SELECTED, mark};
+use crate::style::theme::size;
 
 /// Opacity of the wedge, and of its sides.
 const WEDGE: f32 = 0.14;

@@ -4,8 +4,8 @@ use egui::{Painter, Pos2, Rect, Shape, Stroke};
 use glam::DVec2;
 
 use super::ViewTransform;
-use crate::picture::{ProjectedLimb, SightRay};
-use crate::theme::data_colours::{
+use crate::drawing::{ProjectedLimb, SightRay};
+use crate::style::theme::data_colours::{
     BODY_OUTLINE, BODY_OUTLINE_CASING, CASING, INNER_EDGE, RAY_CASING, SELECTED, mark,
 };
 

@@ -5,7 +5,8 @@ use egui::{Align2, Rect, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 use super::Icon;
 use super::button::focus_ring;
-use crate::theme::{self, size, space};
+use crate::style::theme;
+use crate::style::theme::{size, space};
 
 /// Space between the chevron and the title.
 const TITLE_GAP: f32 = 8.0;

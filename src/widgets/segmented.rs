@@ -6,7 +6,8 @@ use egui::{
 };
 
 use super::button::focus_ring;
-use crate::theme::{self, size};
+use crate::style::theme;
+use crate::style::theme::size;
 
 /// Space on each side of a segment's text.
 const PADDING: f32 = 12.0;

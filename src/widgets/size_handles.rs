@@ -4,9 +4,9 @@ use egui::{Painter, Pos2, Shape, Stroke, Vec2, vec2};
 use glam::DVec2;
 
 use super::{Grip, ViewTransform};
-use crate::picture::{JointMark, ProjectedLimb};
-use crate::theme::data_colours::{CASING, SELECTED, mark};
-use crate::theme::size;
+use crate::drawing::{JointMark, ProjectedLimb};
+use crate::style::theme::data_colours::{CASING, SELECTED, mark};
+use crate::style::theme::size;
 
 /// A handle is taken hold of within this distance, in points.
 const REACH: f32 = 9.0;

@@ -8,7 +8,8 @@ use egui::{
 };
 
 use super::button::focus_ring;
-use crate::theme::{self, size};
+use crate::style::theme;
+use crate::style::theme::size;
 
 /// Radius of the handle.
 const HANDLE_RADIUS: f32 = 6.0;

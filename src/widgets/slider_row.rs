@@ -5,8 +5,9 @@ use std::ops::RangeInclusive;
 use egui::{CornerRadius, DragValue, Response, RichText, Sense, TextStyle, Ui, vec2};
 
 use super::slider::ValueSlider;
-use crate::format;
-use crate::theme::{self, size, space};
+use crate::style::format;
+use crate::style::theme;
+use crate::style::theme::{size, space};
 
 /// Width of the name before the slider.
 const NAME: f32 = 68.0;

@@ -3,7 +3,7 @@
 use egui::Vec2;
 use egui_plot::Plot;
 
-use crate::theme::Palette;
+use crate::style::theme::Palette;
 
 /// A plot of a size in points: what it shows is what there is, and a click or the pointer over it means a point of it.
 pub fn still_plot<'a>(name: &str, size: Vec2, palette: &Palette) -> Plot<'a> {

@@ -2,7 +2,8 @@
 
 use egui::{CornerRadius, Response, TextEdit, Ui};
 
-use crate::theme::{self, size};
+use crate::style::theme;
+use crate::style::theme::size;
 
 /// A field as wide as there is room. `name` is what screen readers call it; `hint` stands in it while it is empty.
 pub fn text_field(ui: &mut Ui, name: &str, hint: &str, text: &mut String) -> Response {

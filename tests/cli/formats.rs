@@ -5,11 +5,12 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use backlit::document::{Origin, TakeSource};
-use backlit::look::Layout;
-use backlit::project::read_project;
-use backlit::settings;
-use backlit::theme::Theme;
+use backlit::app::settings_file as settings;
+use backlit::context::preferences::Layout;
+use backlit::document::Origin;
+use backlit::document::project::read_project;
+use backlit::style::theme::Theme;
+use backlit::take::source::TakeSource;
 use backlit_tracking::body::{Model, builtin};
 use backlit_tracking::io::calibration::{self, CalibrationOptions};
 use backlit_tracking::io::pose_file::{self, Quaternions};
@@ -119,7 +120,7 @@ fn the_project_is_read_and_its_tables_name_all_there_is() {
 
     // What is written has no field that is not in the tables, and the tables have none besides.
     let written = folder.path().join("written.backlit");
-    backlit::project::write_project(&written, &document).unwrap();
+    backlit::document::project::write_project(&written, &document).unwrap();
     let written: Value = serde_json::from_slice(&std::fs::read(&written).unwrap()).unwrap();
     let section = section("Project");
     let (project, fit) = section.split_once("| `fit` | unit |").unwrap();

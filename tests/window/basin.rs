@@ -4,10 +4,10 @@ use crate::support::app_window::{PATIENCE, click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
 use backlit::app::{App, AppOptions, Opening};
-use backlit::basin::{BasinView, Compared, ComparedWay, FileKind, MapDirection, Reference};
-use backlit::document::TakeSource;
-use backlit::look::{Layout, Look};
-use backlit::theme::Theme;
+use backlit::context::preferences::{Layout, Look};
+use backlit::features::basin::{BasinView, Compared, ComparedWay, FileKind, MapDirection, Reference};
+use backlit::style::theme::Theme;
+use backlit::take::source::TakeSource;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::experiment::FitChoice;
 use backlit_tracking::experiment::basin_map::Angle;
@@ -68,7 +68,7 @@ fn the_window_finds_the_same_as_the_core_on_the_built_in_take() {
 
     let state = harness.state();
     let footage = state.session().take.as_ref().unwrap();
-    let take = backlit_tracking::io::Footage::new(backlit::builtin_take::open().unwrap());
+    let take = backlit_tracking::io::Footage::new(backlit::take::builtin::open().unwrap());
     let views = take.fit_views(&[0, 1, 2, 3], 0).unwrap();
     let frame = Frame { model: footage.model().clone(), views, reference: footage.start() };
     let level = |degrees, metres| Level { degrees, metres };

@@ -1,13 +1,16 @@
 //! A camera's tile: one small picture a view mode, and what it says the user did.
 
 use crate::support;
-use backlit::panels::{CameraTileInput, Comparison, Drag, ObservedMarks, TileEvent, TileLook, camera_tile};
-use backlit::picture::{
+use backlit::context::view_settings::ViewSettings;
+use backlit::drawing::{
     BoundedAngle, Derivative, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb,
     SightRay, ViewMode, body_outline, limb_colours, project_joints, project_limbs, sight_ray,
 };
-use backlit::theme::Theme;
-use backlit::view_settings::ViewSettings;
+use backlit::features::camera_views as camera_tile;
+use backlit::features::camera_views::{
+    CameraTileInput, Comparison, Drag, ObservedMarks, TileEvent, TileLook,
+};
+use backlit::style::theme::Theme;
 use backlit::widgets::Framing;
 use backlit_tracking::body::builtin::full_body;
 use backlit_tracking::body::{JointAngles, Kinematics, Model, Parameters, Pose};

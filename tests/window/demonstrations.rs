@@ -1,8 +1,8 @@
 //! Every demonstration through the real window, from the menu to what is to be seen.
 
 use backlit::app::{App, AppOptions, Opening, opening_of};
-use backlit::document::TakeSource;
-use backlit::laboratory::Contestant;
+use backlit::features::laboratory::Contestant;
+use backlit::take::source::TakeSource;
 use backlit_tracking::body::{Kinematics, Pose, builtin};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::experiment::{fig51, upper_body};
@@ -122,7 +122,7 @@ fn a_sequence_is_tracked_and_a_project_of_it_opens_again() {
 
 #[test]
 fn what_ran_by_itself_is_no_unsaved_work_and_stops_when_asked() {
-    let demonstration = backlit::demonstration::Demonstration::SingleLimb;
+    let demonstration = backlit::take::demonstration::Demonstration::SingleLimb;
     let opening = Some(Opening::Take(TakeSource::Demonstration(demonstration)));
     let mut harness = open_sized(AppOptions { opening, ..AppOptions::default() }, vec2(1500.0, 900.0));
     assert!(harness.query_by_label_contains("Fig. 5.1: one limb •").is_none(), "nothing is unsaved");

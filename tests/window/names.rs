@@ -3,7 +3,7 @@
 use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::take;
 use backlit::app::{App, AppOptions, Opening};
-use backlit::look::{Layout, Look};
+use backlit::context::preferences::{Layout, Look};
 use egui::accesskit::{Action, Role};
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;

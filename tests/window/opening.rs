@@ -5,8 +5,9 @@ use std::path::Path;
 
 use crate::support::app_window::{click, drag, open_sized, press, settle};
 use backlit::app::{App, AppOptions, opening_of};
-use backlit::document::{Document, TakeSource};
-use backlit::project::{read_project, write_project};
+use backlit::document::Document;
+use backlit::document::project::{read_project, write_project};
+use backlit::take::source::TakeSource;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;

@@ -1,9 +1,10 @@
 //! The CPU painter on known shapes, and a gallery of the theme in both of its versions.
 
 use crate::support;
-use backlit::format;
 use backlit::raster::{Canvas, TextureStore};
-use backlit::theme::{self, Theme};
+use backlit::style::format;
+use backlit::style::theme;
+use backlit::style::theme::Theme;
 use backlit::widgets::{
     Icon, ValueSlider, camera_badge, checkbox, icon_button, icon_toggle, primary_button, segmented,
 };

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use backlit::app::{App, AppOptions, Opening};
-use backlit::look::{Layout, Look};
-use backlit::scene_view::{SceneDrawing, Upright, Viewpoint};
+use backlit::context::preferences::{Layout, Look};
+use backlit::features::scene::{SceneDrawing, Upright, Viewpoint};
 use backlit_tracking::body::Kinematics;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};

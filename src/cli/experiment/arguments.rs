@@ -7,7 +7,7 @@ use backlit_tracking::experiment::Simulation;
 use clap::{Args, ValueEnum};
 
 use crate::cli::take_options::StartNoise;
-use crate::theme::Theme;
+use crate::style::theme::Theme;
 
 /// Where the results go, and how they look.
 #[derive(Debug, Args)]

@@ -18,7 +18,7 @@ use super::frame_basin::{self, FrameArguments};
 use super::waiting::Waiting;
 use crate::cli::output;
 use crate::cli::table::Table;
-use crate::plot::{Axis, Figure, Line};
+use crate::drawing::plot::{Axis, Figure, Line};
 
 /// What `backlit experiment basin` is told.
 #[derive(Debug, Args)]

@@ -12,9 +12,9 @@ use backlit_tracking::experiment::basin_map::{Angle, BasinMap, Direction, Option
 use super::arguments::OutputArguments;
 use super::files::{self, ResultFiles};
 use super::frame_basin::{FrameArguments, Subject, all_of, rotation_of};
-use crate::basin::MapResult;
-use crate::basin::settings::{angle_name, direction_name};
-use crate::plot;
+use crate::drawing::plot;
+use crate::features::basin::MapResult;
+use crate::features::basin::settings::{angle_name, direction_name};
 
 /// Two angles of the body: across and up.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -8,7 +8,7 @@ use super::arguments::{OutputArguments, PictureSize};
 use super::files;
 use super::waiting::Waiting;
 use crate::cli::table::Table;
-use crate::plot::{Axis, Figure, Line};
+use crate::drawing::plot::{Axis, Figure, Line};
 
 /// What `backlit experiment bias` is told.
 #[derive(Debug, Args)]

@@ -7,7 +7,7 @@ use clap::Args;
 use super::arguments::{DataWord, OutputArguments};
 use super::files;
 use crate::cli::table::Table;
-use crate::plot::{Axis, Figure, Line};
+use crate::drawing::plot::{Axis, Figure, Line};
 
 /// What `backlit experiment fig5.1` is told.
 #[derive(Debug, Args)]

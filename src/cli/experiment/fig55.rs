@@ -8,7 +8,7 @@ use super::arguments::{NoiseArguments, OutputArguments, StartArguments};
 use super::files;
 use super::waiting::Waiting;
 use crate::cli::table::Table;
-use crate::plot::{Axis, Figure, Line};
+use crate::drawing::plot::{Axis, Figure, Line};
 
 /// What `backlit experiment fig5.5` and `fig5.6` are told.
 #[derive(Debug, Args)]

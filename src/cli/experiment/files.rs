@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::arguments::OutputArguments;
 use crate::cli::output;
-use crate::plot::Figure;
+use crate::drawing::plot::Figure;
 
 /// Name and version of the files with the numbers.
 const FORMAT: &str = "backlit-experiment 1";

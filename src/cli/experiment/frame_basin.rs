@@ -17,10 +17,10 @@ use super::arguments::OutputArguments;
 use super::basin_map::MapAngles;
 use super::files::{self, ResultFiles};
 use super::waiting::Waiting;
-use crate::basin::settings::{MOST_COMPARED, name_choices};
-use crate::basin::{About, AnglesResult, Compared};
 use crate::cli::table::Table;
 use crate::cli::take_options;
+use crate::features::basin::settings::{MOST_COMPARED, name_choices};
+use crate::features::basin::{About, AnglesResult, Compared};
 
 /// Metres that the root is moved a degree, where the table of levels has no such angle.
 const METRES_A_DEGREE: f64 = 0.005;

@@ -6,7 +6,8 @@ pub(crate) mod storage;
 pub(crate) mod take;
 
 use backlit::raster::{Canvas, TextureStore};
-use backlit::theme::{self, Theme};
+use backlit::style::theme;
+use backlit::style::theme::Theme;
 use egui::{Context, FullOutput, TexturesDelta, Vec2};
 use egui_kittest::{HarnessBuilder, TestRenderer};
 use image::RgbaImage;

@@ -1,0 +1,23 @@
+//! Making footage anew for other cameras: the lens is taken out of every picture by tables that take their time.
+
+use std::sync::Arc;
+
+use crate::take::footage::Footage;
+use crate::take::replacement::Calibration;
+use crate::worker::{Event, Job, Outbox, Step};
+
+/// Footage that is to be seen by other cameras.
+#[derive(Debug)]
+pub struct CalibrateJob {
+    /// The footage.
+    pub footage: Arc<Footage>,
+    /// The cameras; the take's own without any.
+    pub calibration: Option<Arc<Calibration>>,
+}
+
+impl Job<Event> for CalibrateJob {
+    fn step(&mut self, out: &Outbox<Event>) -> Step {
+        out.send(Event::Recalibrated(Arc::new(self.footage.with_calibration(self.calibration.take()))));
+        Step::Done
+    }
+}

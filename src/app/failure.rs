@@ -1,0 +1,262 @@
+//! When a job breaks down: what it was busy with ends, and what began it by itself does not begin it again for the
+//! same, over and over. The thread lives on, and the user's next change tries again.
+
+use std::collections::BTreeMap;
+
+use super::App;
+use crate::context::preferences::Layout;
+use crate::document::run::RunEnding;
+use crate::features::fit::job::LiveFit;
+use crate::session::selection::Selection;
+use crate::worker::Lane;
+
+/// Lanes whose last job broke down, and how things were then.
+#[derive(Debug, Default)]
+pub(crate) struct Broken(BTreeMap<Lane, Circumstances>);
+
+/// What the jobs that begin by themselves depend on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Circumstances {
+    revision: u64,
+    selection: Selection,
+    layout: Layout,
+    /// Comparison of the laboratory, its step and its camera.
+    laboratory: (Option<(u64, usize)>, usize),
+}
+
+impl App {
+    fn circumstances(&self) -> Circumstances {
+        let comparison = self.laboratory.comparison.as_ref();
+        Circumstances {
+            revision: self.history.revision(),
+            selection: self.selection,
+            layout: self.look.layout,
+            laboratory: (comparison.map(|it| (it.id, it.cursor)), self.laboratory.camera),
+        }
+    }
+
+    /// Whether a job of this lane may begin by itself: not where the last one broke down and nothing has changed.
+    pub(crate) fn may_ask(&self, lane: Lane) -> bool {
+        self.broken.0.get(&lane).is_none_or(|then| *then != self.circumstances())
+    }
+
+    /// Another take: it may be better.
+    pub(crate) fn forget_broken(&mut self) {
+        self.broken = Broken::default();
+    }
+
+    /// A job broke down: says so, and ends what waits for it.
+    pub(crate) fn broke(&mut self, lane: Lane, why: &str) {
+        let circumstances = self.circumstances();
+        self.broken.0.insert(lane, circumstances);
+        self.notices.error(format!("{} broke down: {why}. Your work is unharmed.", work_of(lane)));
+        match lane {
+            Lane::Fit => self.fit_broke(),
+            Lane::Laboratory | Lane::LaboratoryCheck => self.laboratory_broke(lane),
+            Lane::Track => self.tracking_ended(),
+            // Without its frame a demonstration cannot go on.
+            Lane::Load | Lane::Open => self.prepared = None,
+            Lane::Save => self.unsaved.copy_broke(),
+            Lane::Basin => self.basin_ended(),
+            _ => {}
+        }
+    }
+
+    /// The steps that were made stay; the fit that made them is lost.
+    fn fit_broke(&mut self) {
+        self.pending_steps = 0;
+        self.stop_demonstrating();
+        self.finish_run(Some(RunEnding::Solver("a step broke down".to_owned())));
+        self.session.live = None;
+        self.live = LiveFit::default();
+    }
+}
+
+/// What a lane does, at the beginning of a sentence.
+const fn work_of(lane: Lane) -> &'static str {
+    match lane {
+        Lane::Predict => "Drawing the silhouettes of the pose",
+        Lane::LaboratoryLook => "Drawing the laboratory's pictures",
+        Lane::Open => "Opening the take",
+        Lane::TakeIn => "Reading the dropped files",
+        Lane::Calibrate => "Seeing the footage by other cameras",
+        Lane::Load => "Reading the frame",
+        Lane::Scene => "Drawing the 3-D scene",
+        Lane::Settings => "Keeping the settings",
+        Lane::Save => "Writing a file",
+        Lane::Fit => "The fit",
+        Lane::Laboratory => "The laboratory",
+        Lane::LaboratoryPlot => "Saving the laboratory's plot",
+        Lane::Observe => "The look at what the cameras see",
+        Lane::Survey => "The look at the whole take",
+        Lane::Track => "The tracker",
+        Lane::Hull => "Carving the visual hull",
+        Lane::LaboratoryCheck => "The check of the laboratory's gradients",
+        Lane::Basin => "The basin",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use super::*;
+    use crate::app::{AppOptions, Opening};
+    use crate::context::action::Action;
+    use crate::context::notices::Severity;
+    use crate::context::preferences::Look;
+    use crate::document::edit::Edit;
+    use crate::raster::Headless;
+    use crate::take::source::TakeSource;
+    use crate::worker::{Job, Outbox, Step};
+
+    struct Breaks;
+
+    impl<E> Job<E> for Breaks {
+        fn step(&mut self, _: &Outbox<E>) -> Step {
+            panic!("thirteen");
+        }
+    }
+
+    const ALL: [Lane; 18] = [
+        Lane::Scene,
+        Lane::Settings,
+        Lane::Predict,
+        Lane::LaboratoryLook,
+        Lane::Open,
+        Lane::TakeIn,
+        Lane::Calibrate,
+        Lane::Load,
+        Lane::Save,
+        Lane::Fit,
+        Lane::Laboratory,
+        Lane::LaboratoryPlot,
+        Lane::Observe,
+        Lane::Survey,
+        Lane::Track,
+        Lane::Hull,
+        Lane::LaboratoryCheck,
+        Lane::Basin,
+    ];
+
+    fn settle(window: &mut Headless, app: &mut App) {
+        let began = Instant::now();
+        window.run(2, Vec::new(), |ui| app.frame(ui));
+        while !app.is_idle() {
+            assert!(began.elapsed() < Duration::from_secs(60), "it waits for ever");
+            std::thread::sleep(Duration::from_millis(1));
+            window.run(1, Vec::new(), |ui| app.frame(ui));
+        }
+    }
+
+    fn open(layout: Layout) -> (Headless, App) {
+        let mut window = Headless::new(1100.0, 700.0, 1.0);
+        let which = crate::take::demonstration::Demonstration::SingleLimb;
+        let opening = Some(Opening::Take(TakeSource::Demonstration(which)));
+        let options = AppOptions { look: Look::default(), opening, ..AppOptions::default() };
+        let mut app = App::new(window.ctx.clone(), options).unwrap();
+        settle(&mut window, &mut app);
+        app.look.layout = layout;
+        settle(&mut window, &mut app);
+        (window, app)
+    }
+
+    fn errors(app: &App) -> Vec<&str> {
+        let all = app.notices.all().iter();
+        all.filter(|notice| notice.severity == Severity::Error).map(|notice| notice.text.as_str()).collect()
+    }
+
+    #[test]
+    fn whatever_breaks_down_is_said_once_and_nothing_waits_for_it() {
+        for layout in [Layout::Pose, Layout::Demonstrate] {
+            let (mut window, mut app) = open(layout);
+            // A check that nobody sees is dropped, not waited for.
+            let is_seen = |lane: &Lane| *lane != Lane::LaboratoryCheck || layout == Layout::Demonstrate;
+            for lane in ALL.into_iter().filter(is_seen) {
+                let before = errors(&app).len();
+                if lane == Lane::Basin {
+                    app.background.worker.request(lane, Breaks);
+                } else {
+                    app.worker.request(lane, Breaks);
+                }
+                settle(&mut window, &mut app);
+                let said = errors(&app);
+                assert_eq!(said.len(), before + 1, "{lane:?}: {said:?}");
+                assert!(
+                    said[before].starts_with(work_of(lane)) && said[before].contains("thirteen"),
+                    "{said:?}"
+                );
+                let showing = app.showing();
+                assert!(!showing.busy.is_long() && showing.basin.running.is_none(), "{lane:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_begins_by_itself_is_tried_again_after_a_change_and_not_before() {
+        let (mut window, mut app) = open(Layout::Pose);
+        app.worker.request(Lane::Predict, Breaks);
+        settle(&mut window, &mut app);
+        assert!(!app.may_ask(Lane::Predict) && app.may_ask(Lane::Load));
+        let mut pose = app.shown_pose().clone();
+        pose.root.x += 0.01;
+        app.edit(Edit::SetPose { frame: 0, pose, what: "Move".to_owned() }, None);
+        assert!(app.may_ask(Lane::Predict));
+        settle(&mut window, &mut app);
+        assert!(!app.session.is_stale, "it is drawn now");
+    }
+
+    #[test]
+    fn a_fit_and_a_tracker_that_break_down_leave_what_they_have_done() {
+        let (mut window, mut app) = open(Layout::Pose);
+        let context = window.ctx.clone();
+        app.act(Action::Step, &context);
+        settle(&mut window, &mut app);
+        let steps = app.session.runs[0].steps.len();
+        app.act(Action::Run, &context);
+        app.worker.request(Lane::Fit, Breaks);
+        settle(&mut window, &mut app);
+        let run = &app.session.runs[0];
+        assert_eq!((run.steps.len(), run.ending_text().as_str()), (steps, "Stopped: a step broke down"));
+        assert!(app.session.live.is_none());
+        app.act(Action::Step, &context);
+        settle(&mut window, &mut app);
+        assert!(app.session.runs.last().unwrap().steps.len() > 1, "the next run is a new one");
+
+        app.act(Action::TrackForward, &context);
+        app.worker.request(Lane::Track, Breaks);
+        settle(&mut window, &mut app);
+        assert!(app.session.tracking.is_none());
+    }
+
+    #[test]
+    fn a_laboratory_that_breaks_down_says_so_and_begins_again() {
+        let (mut window, mut app) = open(Layout::Demonstrate);
+        app.laboratory.comparison = None;
+        app.go_on_with_laboratory();
+        app.worker.request(Lane::Laboratory, Breaks);
+        settle(&mut window, &mut app);
+        let comparison = app.laboratory.comparison.as_ref().unwrap();
+        assert!(comparison.has_begun() && comparison.problem().unwrap().contains("broke down"));
+        let context = window.ctx.clone();
+        app.act(Action::RestartLaboratory, &context);
+        settle(&mut window, &mut app);
+        let comparison = app.laboratory.comparison.as_ref().unwrap();
+        assert!(
+            comparison.problem().is_none() && comparison.contestants.iter().all(|fit| !fit.steps.is_empty())
+        );
+        app.worker.request(Lane::LaboratoryCheck, Breaks);
+        settle(&mut window, &mut app);
+        assert!(app.laboratory.check_broke);
+    }
+
+    #[test]
+    fn a_basin_that_breaks_down_is_a_part_or_nothing() {
+        let (mut window, mut app) = open(Layout::Pose);
+        app.run_basin(crate::features::basin::BasinView::Angles);
+        assert!(app.basin.running.is_some());
+        app.background.worker.request(Lane::Basin, Breaks);
+        settle(&mut window, &mut app);
+        assert!(app.basin.running.is_none() && app.basin.angles.is_none());
+    }
+}

@@ -1,0 +1,131 @@
+//! Opening a take or a project.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::Context;
+use backlit_tracking::io::{Take, TakeError};
+
+use crate::document::Document;
+use crate::document::project::read_project;
+use crate::document::take_match::match_take;
+use crate::take::footage::Footage;
+use crate::take::source::TakeSource;
+use crate::worker::{Event, Job, Outbox, Step};
+
+/// What is to be opened.
+#[derive(Debug)]
+pub enum OpenJob {
+    /// A take.
+    Take(TakeSource),
+    /// A take that has been read.
+    Ready(Box<Take>),
+    /// A project, and the take that it names.
+    Project(PathBuf),
+    /// A project, and its take, which has moved.
+    Moved {
+        /// The project.
+        project: PathBuf,
+        /// Where its take is now.
+        take: PathBuf,
+    },
+}
+
+/// A project that was opened.
+#[derive(Debug)]
+pub struct OpenedProject {
+    /// What it holds.
+    pub document: Box<Document>,
+    /// The file.
+    pub path: PathBuf,
+    /// Whether it is not any more as it is in the file: its take has moved.
+    pub is_changed: bool,
+    /// What there is to know about its take.
+    pub note: Option<String>,
+}
+
+/// Why nothing was opened.
+#[derive(Debug)]
+enum Failure {
+    /// The project's take is not where it was.
+    TakeMissing {
+        project: PathBuf,
+        error: anyhow::Error,
+    },
+    Other(anyhow::Error),
+}
+
+impl<E: Into<anyhow::Error>> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self::Other(error.into())
+    }
+}
+
+impl Job<Event> for OpenJob {
+    fn step(&mut self, out: &Outbox<Event>) -> Step {
+        out.send(match self.open() {
+            Ok((footage, project)) => Event::TakeOpened { footage: Arc::new(footage), project },
+            Err(Failure::TakeMissing { project, error }) => {
+                Event::TakeMissing { project, why: format!("{error:#}") }
+            }
+            Err(Failure::Other(error)) => Event::Failed(format!("{error:#}")),
+        });
+        Step::Done
+    }
+}
+
+impl OpenJob {
+    fn open(&self) -> Result<(Footage, Option<OpenedProject>), Failure> {
+        match self {
+            Self::Take(source) => Ok((open_take(source)?, None)),
+            Self::Ready(take) => Ok((Footage::new((**take).clone(), None), None)),
+            Self::Project(path) => open_project(path, None),
+            Self::Moved { project, take } => open_project(project, Some(take)),
+        }
+    }
+}
+
+fn open_project(path: &Path, moved_to: Option<&Path>) -> Result<(Footage, Option<OpenedProject>), Failure> {
+    let mut document = read_project(path)?;
+    let source =
+        document.take.clone().with_context(|| format!("{}: the project names no take", path.display()))?;
+    let source = match (moved_to, source) {
+        (Some(take), _) => TakeSource::Path(take.to_owned()),
+        // As it is written, or beside the project.
+        (None, TakeSource::Path(take)) if take.is_relative() => {
+            let beside = path.parent().unwrap_or(Path::new("")).join(&take);
+            TakeSource::Path(if beside.exists() { beside } else { take })
+        }
+        (None, source) => source,
+    };
+    let footage = open_take(&source).map_err(|error| {
+        let is_missing = is_missing(&error) && matches!(source, TakeSource::Path(_));
+        let error = error.context("the project's take cannot be opened");
+        let project = path.to_owned();
+        if is_missing { Failure::TakeMissing { project, error } } else { Failure::Other(error) }
+    })?;
+    let names: Vec<&str> = footage.cameras.iter().map(|camera| camera.name()).collect();
+    let note = match_take(&mut document, &names, footage.measurement(), footage.frame_count())
+        .with_context(|| path.display().to_string())?;
+    let is_changed = moved_to.is_some();
+    document.take = Some(source);
+    Ok((
+        footage,
+        Some(OpenedProject { document: Box::new(document), path: path.to_owned(), is_changed, note }),
+    ))
+}
+
+/// Opens a take from where it is.
+fn open_take(source: &TakeSource) -> anyhow::Result<Footage> {
+    let take = match source {
+        TakeSource::BuiltIn => crate::take::builtin::open()?,
+        TakeSource::Demonstration(which) => which.take()?,
+        TakeSource::Path(path) => Take::open(path)?,
+    };
+    Ok(Footage::new(take, Some(source.clone())))
+}
+
+/// Whether the take, or a file of it, is not there.
+fn is_missing(error: &anyhow::Error) -> bool {
+    matches!(error.downcast_ref::<TakeError>(), Some(TakeError::File(file)) if file.is_missing())
+}

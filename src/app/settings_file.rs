@@ -1,0 +1,140 @@
+//! The settings file: how the window is arranged, from start to start (`docs/formats.md`).
+//!
+//! It is read field by field: what is not understood, because it is damaged or of another version, is as it was at
+//! first, and the rest stays.
+
+use std::path::{Path, PathBuf};
+
+use backlit_tracking::io::{DiskFiles, FileError, MAX_TEXT_BYTES, TakeFiles, atomic};
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use crate::context::preferences::Look;
+
+/// Name and version of the settings file's format.
+pub const FORMAT: &str = "backlit-settings 1";
+/// Its name in the data folder.
+const NAME: &str = "settings.json";
+
+#[derive(Debug, Serialize)]
+struct File<'a> {
+    format: &'static str,
+    #[serde(flatten)]
+    look: &'a Look,
+}
+
+/// The settings file of a data folder.
+#[must_use]
+pub fn path_in(folder: &Path) -> PathBuf {
+    folder.join(NAME)
+}
+
+/// Writes the settings to a folder, which is made if it is not there. The file appears whole or not at all.
+///
+/// # Errors
+/// The file system says no.
+pub fn write(folder: &Path, look: &Look) -> Result<(), FileError> {
+    // If it cannot be made, the file cannot be written, and that is said.
+    let _ = std::fs::create_dir_all(folder);
+    atomic::write_with(&path_in(folder), |out| {
+        serde_json::to_writer_pretty(&mut *out, &File { format: FORMAT, look })?;
+        out.write_all(b"\n")
+    })
+}
+
+/// The settings of a folder, and a sentence about what of them could not be read. Without a file they are as at first.
+#[must_use]
+pub fn read(folder: &Path) -> (Look, Option<String>) {
+    let path = path_in(folder);
+    let text = match DiskFiles.read(&path, MAX_TEXT_BYTES) {
+        Ok(text) => text,
+        Err(error) if error.is_missing() => return (Look::default(), None),
+        Err(error) => return (Look::default(), Some(format!("{error}. The settings are as at first."))),
+    };
+    match serde_json::from_slice::<Map<String, Value>>(&text) {
+        Ok(fields) => {
+            let (look, unread) = read_fields(fields);
+            let said =
+                format!("{}: {} could not be read and is as at first.", path.display(), unread.join(", "));
+            (look, (!unread.is_empty()).then_some(said))
+        }
+        Err(error) => {
+            let said = format!("{}: {error}. The settings are as at first.", path.display());
+            (Look::default(), Some(said))
+        }
+    }
+}
+
+/// The settings with all fields that can be read, and the names of the others.
+fn read_fields(fields: Map<String, Value>) -> (Look, Vec<String>) {
+    let mut unread = Vec::new();
+    let (mut look, mut known) = (Look::default(), Map::new());
+    for (name, value) in fields {
+        if name == "format" {
+            continue;
+        }
+        known.insert(name.clone(), value);
+        match serde_json::from_value(Value::Object(known.clone())) {
+            Ok(with) => look = with,
+            Err(_) => {
+                known.remove(&name);
+                unread.push(format!("`{name}`"));
+            }
+        }
+    }
+    (look, unread)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::context::preferences::Layout;
+    use crate::style::theme::Theme;
+
+    fn look() -> Look {
+        let recent = vec![PathBuf::from("/takes/balancing")];
+        Look { theme: Theme::Light, layout: Layout::Debug, panel: false, recent, ..Look::default() }
+    }
+
+    #[test]
+    fn settings_are_read_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let inner = folder.path().join("not/there/yet");
+        assert_eq!(read(&inner), (Look::default(), None));
+        write(&inner, &look()).unwrap();
+        assert_eq!(read(&inner), (look(), None));
+        let text = std::fs::read_to_string(path_in(&inner)).unwrap();
+        assert!(text.contains(FORMAT), "{text}");
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_as_at_first_and_the_rest_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        write(folder.path(), &look()).unwrap();
+        let path = path_in(folder.path());
+        let good = std::fs::read_to_string(&path).unwrap();
+        assert!(good.contains("\"debug\""));
+        std::fs::write(&path, good.replace("\"debug\"", "\"upside-down\"").replace('{', "{\"new\": 1,"))
+            .unwrap();
+        let (read_back, said) = read(folder.path());
+        assert_eq!(read_back.layout, Layout::Pose);
+        assert_eq!((read_back.theme, read_back.recent), (Theme::Light, look().recent));
+        let said = said.unwrap();
+        assert!(said.contains("settings.json: ") && said.contains("`layout`"), "{said}");
+        for broken in ["", "[]", &good[..good.len() / 2]] {
+            std::fs::write(&path, broken).unwrap();
+            let (read_back, said) = read(folder.path());
+            assert_eq!(read_back, Look::default());
+            assert!(said.unwrap().contains("settings.json: "));
+        }
+    }
+
+    #[test]
+    fn settings_that_cannot_be_written_are_an_error_that_names_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        std::fs::write(&file, "").unwrap();
+        let message = write(&file, &look()).unwrap_err().to_string();
+        assert!(message.contains("file/settings.json: cannot be written"), "{message}");
+    }
+}

@@ -1,0 +1,262 @@
+//! What matters of the window, as a JSON file that is written anew whenever it changes: for tests that drive
+//! the window from outside, and for looking into a window that misbehaves. `docs/formats.md` describes it.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use egui::{Context, FullOutput};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::App;
+use super::state::Overlay;
+use crate::context::notices::{Notice, Severity};
+use crate::document::run::Run;
+use crate::drawing::joint_name;
+use crate::features::camera_views::Comparison;
+use crate::take::source::TakeSource;
+use crate::widgets::accessible::{Named, named};
+use crate::worker::Lane;
+
+/// Name and version of the file's format.
+const FORMAT: &str = "backlit-state 1";
+
+/// Writes the state after each frame in which it changed.
+#[derive(Debug)]
+struct StateWriter {
+    path: PathBuf,
+    /// What the app says of itself.
+    state: Value,
+    /// What was written last, without its serial number.
+    written: Option<Exported>,
+    serial: u64,
+    has_failed: bool,
+}
+
+/// The file's content.
+#[derive(Debug, Serialize, PartialEq)]
+struct Exported {
+    pixels_per_point: f32,
+    state: Value,
+    widgets: Vec<Widget>,
+}
+
+/// A widget that has a name.
+#[derive(Debug, Serialize, PartialEq)]
+struct Widget {
+    name: String,
+    role: String,
+    /// Left, top, width, height in points of the window.
+    rect: [f64; 4],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    value: Option<Value>,
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    disabled: bool,
+}
+
+impl From<Named> for Widget {
+    fn from(named: Named) -> Self {
+        let (corner, size) = (named.rect.min, named.rect.size());
+        let rect = [corner.x, corner.y, size.x, size.y].map(|x| (f64::from(x) * 10.0).round() / 10.0);
+        let role = format!("{:?}", named.role);
+        Self { name: named.name, role, rect, value: named.value, disabled: named.is_disabled }
+    }
+}
+
+impl egui::Plugin for StateWriter {
+    fn debug_name(&self) -> &'static str {
+        "exported state"
+    }
+
+    fn output_hook(&mut self, _ctx: &Context, output: &mut FullOutput) {
+        let Some(update) = &output.platform_output.accesskit_update else { return };
+        let exported = Exported {
+            pixels_per_point: output.pixels_per_point,
+            state: self.state.clone(),
+            widgets: named(update).into_iter().map(Widget::from).collect(),
+        };
+        if self.written.as_ref() != Some(&exported) {
+            self.serial += 1;
+            let result = write(&self.path, self.serial, &exported);
+            if let (Err(error), false) = (&result, self.has_failed) {
+                tracing::error!("{}: the state was not written: {error}", self.path.display());
+            }
+            self.has_failed = result.is_err();
+            self.written = Some(exported);
+        }
+    }
+}
+
+/// Whole or not at all, and without waiting for the disk: who reads it reads it now.
+fn write(path: &Path, serial: u64, exported: &Exported) -> std::io::Result<()> {
+    let mut content = serde_json::to_value(exported)?;
+    if let Some(fields) = content.as_object_mut() {
+        fields.insert("format".to_owned(), json!(FORMAT));
+        fields.insert("serial".to_owned(), json!(serial));
+    }
+    let mut part = path.as_os_str().to_owned();
+    part.push(".part");
+    let mut file = std::fs::File::create(&part)?;
+    file.write_all(&serde_json::to_vec_pretty(&content)?)?;
+    drop(file);
+    std::fs::rename(&part, path)
+}
+
+impl App {
+    /// Hands the state of this frame to who writes it, if anybody does.
+    pub(crate) fn export_state(&self) {
+        let Some(path) = &self.state_file else { return };
+        let state = self.exported_state();
+        let writer = self.context.plugin_opt::<StateWriter>().unwrap_or_else(|| {
+            self.context.enable_accesskit();
+            let path = path.clone();
+            let writer =
+                StateWriter { path, state: Value::Null, written: None, serial: 0, has_failed: false };
+            self.context.add_plugin(writer);
+            // The widgets are named from the next frame on.
+            self.context.request_repaint();
+            self.context.plugin::<StateWriter>()
+        });
+        writer.lock().state = state;
+    }
+
+    /// What matters of the window.
+    fn exported_state(&self) -> Value {
+        let (session, selection, document) = (&self.session, &self.selection, self.document());
+        let model = &document.model;
+        let pose = self.shown_pose();
+        let rotations: BTreeMap<&str, [f64; 4]> = model
+            .rotation_owners()
+            .iter()
+            .zip(&pose.rotations)
+            .map(|(&owner, q)| (model.limbs()[owner].name.as_str(), [q.w, q.x, q.y, q.z]))
+            .collect();
+        let step = selection.step.map(|step| json!({"run": step.run, "step": step.step}));
+        json!({
+            "idle": self.is_idle(),
+            "busy": self.busy_lanes(),
+            "take": self.exported_take(),
+            "project": self.project,
+            "unsaved": self.history.is_dirty(),
+            "recovery": self.unsaved.offered.iter().map(|left| format!("{}, {}", left.take, left.work())).collect::<Vec<_>>(),
+            "undo": self.history.undo_text(),
+            "redo": self.history.redo_text(),
+            "frame": selection.frame,
+            "camera": selection.camera,
+            "joint": joint_name(model, selection.joint),
+            "limb": model.limbs()[selection.limb(model)].name,
+            "held": self.held.is_some(),
+            "step": step,
+            "pose": {"root": pose.root.to_array(), "rotations": rotations},
+            "cost": session.predicted.as_ref().map(|predicted| predicted.mismatch),
+            "rms": session.predicted.as_ref().and_then(|predicted| predicted.rms),
+            "iou": session.iou(),
+            "stale": session.is_stale,
+            "renderer": document.fit.renderer.name(),
+            "runs": session.runs.iter().map(run).collect::<Vec<_>>(),
+            "cameras": self.exported_cameras(),
+            "layout": self.look.layout,
+            "theme": self.look.theme,
+            "panel": self.look.panel,
+            "lanes": self.look.lanes,
+            "alone": self.docking.alone.map(|pane| pane.title()),
+            "playing": self.time.playback.is_playing(),
+            "track": self.exported_track(),
+            "notices": self.notices.cards().map(notice).collect::<Vec<_>>(),
+            "messages": self.notices.all().len(),
+            "tour": self.tour_step(),
+            "over": self.overlay.as_ref().map(overlay_name),
+        })
+    }
+
+    fn busy_lanes(&self) -> Vec<String> {
+        let lanes = [Lane::Predict, Lane::Open, Lane::Load, Lane::Save, Lane::Fit, Lane::Survey, Lane::Track];
+        let busy = lanes.into_iter().filter(|lane| self.worker.is_busy(*lane));
+        busy.map(|lane| format!("{lane:?}").to_lowercase()).collect()
+    }
+
+    fn exported_take(&self) -> Value {
+        let Some(take) = &self.session.take else { return Value::Null };
+        let source = match &take.source {
+            Some(TakeSource::BuiltIn) => json!("built-in"),
+            Some(TakeSource::Demonstration(which)) => json!({"demonstration": which.name()}),
+            Some(TakeSource::Path(path)) => json!({"path": path}),
+            None => Value::Null,
+        };
+        json!({
+            "name": take.name,
+            "source": source,
+            "frames": self.session.frame_count(),
+            "cameras": self.session.camera_count(),
+            "loaded": self.session.frames.get(self.selection.frame).is_some(),
+        })
+    }
+
+    fn exported_cameras(&self) -> Vec<Value> {
+        let predicted = self.session.predicted.as_ref();
+        let tiles = self.tiles_look().views.tiles;
+        let camera = |(index, camera): (usize, &crate::document::CameraUse)| {
+            let overlap = predicted.and_then(|predicted| predicted.cameras.get(index)?.overlap);
+            let tile = tiles.get(index);
+            let compared = |way| tile.filter(|tile| tile.comparison == Some(way));
+            json!({
+                "name": camera.name,
+                "used": camera.used,
+                "weight": camera.weight,
+                "mode": tile.map(|tile| tile.mode),
+                "wipe": compared(Comparison::Wipe).map(|tile| json!({"other": tile.other, "at": tile.wipe_at})),
+                "blink": compared(Comparison::Blink).map(|tile| json!({"other": tile.other})),
+                "iou": overlap.and_then(|overlap| overlap.iou()),
+            })
+        };
+        self.document().cameras.iter().enumerate().map(camera).collect()
+    }
+
+    fn exported_track(&self) -> Value {
+        let document = self.document();
+        let lost = document.estimates.iter().filter(|(_, found)| found.lost).map(|(frame, _)| *frame);
+        let running = self.session.tracking.map(
+            |tracking| json!({"done": tracking.done, "total": tracking.total, "backwards": tracking.backwards}),
+        );
+        json!({
+            "frames": document.estimates.len(),
+            "first": document.estimates.keys().next(),
+            "last": document.estimates.keys().next_back(),
+            "lost": lost.collect::<Vec<_>>(),
+            "keys": document.keys.keys().collect::<Vec<_>>(),
+            "running": running,
+        })
+    }
+}
+
+fn run(run: &Run) -> Value {
+    json!({
+        "name": run.name,
+        "detail": run.detail,
+        "frame": run.frame,
+        "steps": run.steps.len().saturating_sub(1),
+        "rejected": run.steps.iter().filter(|step| !step.accepted).count(),
+        "cost": run.steps.last().map(|step| step.mismatch),
+        "ending": run.ending.as_ref().map(|_| run.ending_text()),
+        "shown": run.is_shown,
+    })
+}
+
+fn notice(notice: &Notice) -> Value {
+    json!({
+        "text": notice.text,
+        "error": notice.severity == Severity::Error,
+        "action": notice.action.map(|action| action.text()),
+    })
+}
+
+fn overlay_name(overlay: &Overlay) -> &'static str {
+    match overlay {
+        Overlay::Palette(_) => "palette",
+        Overlay::Shortcuts(_) => "keys",
+        Overlay::Messages => "messages",
+        Overlay::About => "about",
+        Overlay::Export(_) => "export",
+    }
+}

@@ -1,0 +1,107 @@
+//! Where the subject is over the whole take, so that the views need not jump while frames go by.
+
+use std::sync::Arc;
+
+use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::silhouette::{Label, Mask};
+
+use crate::session::Extent;
+use crate::take::footage::Footage;
+use crate::worker::{Event, Job, Outbox, Step};
+
+/// So many frames are looked at.
+const FRAMES: usize = 6;
+/// This share of the subject's pixels may lie outside on each side: specks are not the subject.
+const OUTSIDE: f64 = 0.004;
+
+/// A look at a few frames of the take.
+#[derive(Debug)]
+pub struct SurveyJob {
+    footage: Arc<Footage>,
+    measurement: Arc<Vec<SegmentOptions>>,
+    /// Frame and camera of every picture that is still to be looked at.
+    left: Vec<(usize, usize)>,
+    extents: Vec<Option<Extent>>,
+}
+
+impl SurveyJob {
+    /// Frames spread over the take, all cameras.
+    #[must_use]
+    pub fn new(footage: Arc<Footage>, measurement: Arc<Vec<SegmentOptions>>) -> Self {
+        let (count, cameras) = (footage.frame_count(), footage.cameras.len());
+        let shown = FRAMES.min(count);
+        let frame = |index: usize| index * (count - 1) / shown.saturating_sub(1).max(1);
+        let left =
+            (0..shown).flat_map(|index| (0..cameras).map(move |camera| (frame(index), camera))).collect();
+        Self { footage, measurement, left, extents: vec![None; cameras] }
+    }
+}
+
+impl Job<Event> for SurveyJob {
+    fn step(&mut self, out: &Outbox<Event>) -> Step {
+        if out.cancel().is_cancelled() {
+            return Step::Done;
+        }
+        if let Some((frame, camera)) = self.left.pop() {
+            let options = self.measurement.get(camera).cloned().unwrap_or_default();
+            let found = self.footage.load(camera, frame, &options).mask.as_deref().and_then(extent);
+            let known = &mut self.extents[camera];
+            *known = match (*known, found) {
+                (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]),
+                (a, b) => a.or(b),
+            };
+            return Step::Again;
+        }
+        out.send(Event::Surveyed(std::mem::take(&mut self.extents)));
+        Step::Done
+    }
+}
+
+/// Where nearly all of the subject's pixels are.
+fn extent(mask: &Mask) -> Option<Extent> {
+    let mut columns = vec![0_usize; mask.width()];
+    let mut rows = vec![0_usize; mask.height()];
+    for (index, label) in mask.labels().iter().enumerate() {
+        if *label == Label::Subject {
+            columns[index % mask.width()] += 1;
+            rows[index / mask.width()] += 1;
+        }
+    }
+    let (left, right) = middle(&columns)?;
+    let (top, bottom) = middle(&rows)?;
+    Some([left as f32, top as f32, right as f32, bottom as f32])
+}
+
+/// First and last place between which nearly all counts are.
+fn middle(counts: &[usize]) -> Option<(usize, usize)> {
+    let total: usize = counts.iter().sum();
+    let outside = (total as f64 * OUTSIDE) as usize;
+    let counted = |places: &mut dyn Iterator<Item = usize>| {
+        let mut sum = 0;
+        for place in places {
+            sum += counts[place];
+            if sum > outside {
+                return Some(place);
+            }
+        }
+        None
+    };
+    Some((counted(&mut (0..counts.len()))?, counted(&mut (0..counts.len()).rev())?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn specks_do_not_count() {
+        let mut rows = vec![".".repeat(60); 40];
+        for row in &mut rows[10..30] {
+            row.replace_range(20..50, &"#".repeat(30));
+        }
+        rows[0].replace_range(0..1, "#");
+        let mask = Mask::from_ascii(&rows.join("\n")).unwrap();
+        assert_eq!(extent(&mask), Some([20.0, 10.0, 49.0, 29.0]));
+        assert_eq!(extent(&Mask::filled(4, 4, Label::Background).unwrap()), None);
+    }
+}

@@ -1,0 +1,80 @@
+//! Reading what was dropped on the window.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use backlit_tracking::body::Model;
+use backlit_tracking::io::pose_file::Quaternions;
+use backlit_tracking::io::{model_file, pose_file};
+
+use crate::app::dropped::Dropped;
+use crate::document::edit::Edit;
+use crate::take::footage::Footage;
+use crate::take::replacement::{masks_of, read_calibration};
+use crate::worker::{Event, Job, Outbox, Step};
+
+/// Files that were dropped, and what they are for.
+#[derive(Debug)]
+pub struct TakeInJob {
+    /// What they are.
+    pub dropped: Dropped,
+    /// The take that is open.
+    pub footage: Arc<Footage>,
+    /// The document's body.
+    pub model: Arc<Model>,
+    /// The frame on the screen.
+    pub frame: usize,
+}
+
+impl Job<Event> for TakeInJob {
+    fn step(&mut self, out: &Outbox<Event>) -> Step {
+        out.send(match self.read() {
+            Ok((edit, said)) => Event::TakenIn { edit: Box::new(edit), said },
+            Err(error) => Event::Failed(format!("{error:#}")),
+        });
+        Step::Done
+    }
+}
+
+impl TakeInJob {
+    /// The change of the document, and what is said of it.
+    fn read(&self) -> anyhow::Result<(Edit, String)> {
+        let name = |path: &PathBuf| {
+            path.file_name()
+                .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+        };
+        let cameras = self.footage.take_cameras();
+        let frame = self.frame;
+        Ok(match &self.dropped {
+            Dropped::Calibration(path) => {
+                let calibration = read_calibration(path, cameras)?;
+                let said =
+                    format!("The {} cameras are those of {} now.", calibration.rig.count(), name(path));
+                (Edit::SetCalibration(Some(Arc::new(calibration))), said)
+            }
+            Dropped::Masks(paths) => {
+                let masks = masks_of(paths, cameras)?;
+                let numbers: Vec<String> = masks.keys().map(|camera| (camera + 1).to_string()).collect();
+                let plural = if numbers.len() == 1 { "" } else { "s" };
+                let said = format!(
+                    "Replaced the silhouettes of frame {frame} in camera{plural} {}.",
+                    numbers.join(", ")
+                );
+                (Edit::SetMasks { frame, masks }, said)
+            }
+            Dropped::Pose(path) => {
+                let pose = pose_file::read(path, &self.model, Quaternions::Normalised)?;
+                let said = format!("Frame {frame} has the pose of {} now.", name(path));
+                (Edit::SetPose { frame, pose, what: "Drop pose".to_owned() }, said)
+            }
+            Dropped::Body(path) => {
+                let model = model_file::read(path)?;
+                let said = format!("The body has the sizes of {} now.", name(path));
+                (Edit::SetBody(Arc::new(model)), said)
+            }
+            Dropped::Open(path) | Dropped::Unknown(path, _) => {
+                anyhow::bail!("{}: nothing is to be taken from it", path.display())
+            }
+        })
+    }
+}

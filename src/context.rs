@@ -1,0 +1,356 @@
+//! What panels read, and what they ask for.
+
+pub mod action;
+pub mod arrangement;
+pub mod clock;
+pub(crate) mod command_button;
+pub mod notices;
+pub mod pane;
+pub mod preferences;
+pub(crate) mod unavailable_in_time;
+pub mod view_settings;
+pub mod write_advice;
+
+use std::path::{Path, PathBuf};
+
+use crate::app::{TimeAxis, nudge_of};
+use crate::context::action::Action;
+use crate::context::arrangement::Arrangement;
+use crate::context::notices::Notices;
+use crate::context::pane::Pane;
+use crate::context::preferences::{Layout, Look};
+use crate::context::view_settings::ViewSettings;
+use crate::document::Document;
+use crate::document::edit::Edit;
+use crate::document::history::{Gesture, History};
+use crate::drawing::JointId;
+use crate::features::basin::{BasinRequest, BasinState};
+use crate::features::camera_views::TileEvent;
+use crate::features::convergence::CurvesRequest;
+use crate::features::export::dialog::ExportOrder;
+use crate::features::laboratory::{Laboratory, LaboratoryRequest};
+use crate::features::observability::{Glance, ObserveRequest, Observing};
+use crate::features::scene::{SceneLook, SceneOrder};
+use crate::features::timeline::TimelineEvent;
+use crate::session::Session;
+use crate::session::selection::{Selection, StepRef};
+use crate::take::source::TakeSource;
+
+/// All that a panel may look at while a frame is drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct Showing<'a> {
+    /// The document with its past.
+    pub history: &'a History,
+    /// Derived data.
+    pub session: &'a Session,
+    /// What is selected.
+    pub selection: &'a Selection,
+    /// The arrangement.
+    pub look: &'a Look,
+    /// What was said.
+    pub notices: &'a Notices,
+    /// Work in progress.
+    pub busy: Busy,
+    /// The basin of the frame.
+    pub basin: &'a BasinState,
+    /// The project file, if there is one.
+    pub project: Option<&'a Path>,
+    /// Whether something was exported since the start.
+    pub has_exported: bool,
+    /// Whether unsaved work was discarded that can be brought back.
+    pub has_discarded: bool,
+    /// Whether a project was not opened since its take was not there.
+    pub lacks_take: bool,
+    /// What is played, and what of the time axis is on the screen.
+    pub(crate) time: &'a TimeAxis,
+    /// What is looked at of what the cameras see.
+    pub observing: &'a Observing,
+    /// The sentence of the status bar about what the hand is doing.
+    pub doing: Option<&'a str>,
+    /// What the open demonstration shows, until that is closed.
+    pub explanation: Option<&'a str>,
+    /// Whether a change of the layout can be taken back.
+    pub can_restore_layout: bool,
+    /// The laboratory.
+    pub laboratory: &'a Laboratory,
+    /// Time that the last frame of the window took, in seconds.
+    pub frame_seconds: f64,
+}
+
+/// Which lanes of the worker have work.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "lanes work independently of each other")]
+pub struct Busy {
+    /// A take is being opened.
+    pub opening: bool,
+    /// The frame is being read and segmented.
+    pub loading: bool,
+    /// Whether reading the frame on the screen broke down.
+    pub load_broke: bool,
+    /// A fit is running.
+    pub fitting: bool,
+    /// The tracker is running.
+    pub tracking: bool,
+    /// Pictures of an export that are done, and all of them.
+    pub exporting: Option<(usize, usize)>,
+}
+
+impl Busy {
+    /// Whether a bar under the toolbar says that something takes its time.
+    #[must_use]
+    pub fn is_long(self) -> bool {
+        self.opening || self.fitting || self.tracking
+    }
+}
+
+impl<'a> Showing<'a> {
+    /// The document.
+    #[must_use]
+    pub fn document(&self) -> &'a Document {
+        self.history.document()
+    }
+}
+
+/// Something a panel asks for that is neither an edit nor a command of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Request {
+    /// Go to a frame.
+    Frame(usize),
+    /// Hold a joint.
+    Joint(JointId),
+    /// Make a camera's tile the active one.
+    Camera(usize),
+    /// Look at a step of a run.
+    Step(StepRef),
+    /// Show or hide a run's curve.
+    ShowRun(usize, bool),
+    /// A wish of the convergence panel.
+    Curves(CurvesRequest),
+    /// Something about what the cameras see.
+    Observe(ObserveRequest),
+    /// A wish of the basin's panels.
+    Basin(BasinRequest),
+    /// What the user did in a camera's tile.
+    Tile(usize, TileEvent),
+    /// Look at the size of this limb, of those that turn with the held joint.
+    Part(usize),
+    /// How all camera views look.
+    Views(ViewSettings),
+    /// How the window is arranged.
+    Layout(Layout),
+    /// What the user did with a tile.
+    Pane(Pane, PaneEvent),
+    /// What the 3-D scene shows, and from where.
+    Scene(SceneLook),
+    /// The user has arranged the tiles.
+    Arrange(Box<Arrangement>),
+    /// Open a take.
+    Open(TakeSource),
+    /// What is asked of the laboratory.
+    Laboratory(LaboratoryRequest),
+    /// Close a notice.
+    CloseNotice(u64),
+    /// Close the explanation of a demonstration.
+    CloseExplanation,
+    /// A notice is under the pointer: it stays.
+    HoldNotice(u64),
+    /// What was done in the timeline.
+    Timeline(TimelineEvent),
+    /// Give the frame one of the poses that a search has found, by its place in their list.
+    ChoosePose(usize),
+    /// What to do with work that an earlier start of the program left unsaved.
+    Recover(Recovery),
+    /// Open whatever a path is.
+    OpenPath(PathBuf),
+    /// Take a path off the list of recent takes.
+    ForgetRecent(PathBuf),
+    /// Copy a text, and say what it was.
+    Copy(&'static str, String),
+    /// Open a page of the web outside.
+    OpenPage(&'static str),
+    /// A command was chosen in the palette.
+    Used(Action),
+    /// Export pictures.
+    Export(Box<ExportOrder>),
+    /// Ask in a dialog of the desktop's where an export goes.
+    ChooseExportFile,
+}
+
+/// What the user decides about work that was left, by its place in the list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Recovery {
+    /// Go on with it.
+    Restore(usize),
+    /// Offer it no more.
+    Discard(usize),
+    /// Offer none of it any more.
+    DiscardAll,
+    /// Offer all of it again at the next start.
+    Later,
+}
+
+/// What the user did with a tile, whatever stands in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PaneEvent {
+    /// Asked for it in the whole window, or back.
+    ToggleAlone,
+    /// Opened it, or brought it before what it shares tabs with.
+    Open,
+    /// Closed it; its place is kept.
+    Close,
+}
+
+/// What the panels ask for in one frame.
+#[derive(Debug, Default)]
+pub struct Intents {
+    /// Changes of the document, each with its gesture.
+    pub edits: Vec<(Edit, Option<Gesture>)>,
+    /// Commands.
+    pub actions: Vec<Action>,
+    /// Everything else.
+    pub requests: Vec<Request>,
+    /// What is looked at of what the cameras see, in this frame: nothing that is asked for.
+    pub glance: Glance,
+    /// What the 3-D scene is to show, where its picture shows something else.
+    pub scene: Option<Box<SceneOrder>>,
+}
+
+impl Intents {
+    /// Asks for a change that is undone by itself.
+    pub fn edit(&mut self, edit: Edit) {
+        self.edits.push((edit, None));
+    }
+
+    /// Asks for a change that is part of a drag.
+    pub fn drag(&mut self, edit: Edit, gesture: Gesture) {
+        self.edits.push((edit, Some(gesture)));
+    }
+
+    /// Asks for a command.
+    pub fn act(&mut self, action: Action) {
+        self.actions.push(action);
+    }
+
+    /// Asks for something else.
+    pub fn request(&mut self, request: Request) {
+        self.requests.push(request);
+    }
+}
+
+/// Why a command cannot be used now, in a sentence without its full stop; `None` if it can.
+#[must_use]
+#[expect(clippy::too_many_lines, reason = "one row for each reason")]
+pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str> {
+    use Action as A;
+    const NO_TAKE: &str = "Open a take first";
+    let (session, selection, document) = (showing.session, showing.selection, showing.document());
+    let because = |is_so: bool, why: &'static str| is_so.then_some(why);
+    let no_take = because(session.take.is_none(), NO_TAKE);
+    let no_fit = || {
+        let no_camera = document.used_cameras().next().is_none();
+        let no_mask = session.frames.get(selection.frame).is_none_or(|frame| !frame.has_mask());
+        no_take
+            .or(because(no_camera, "No camera is used in the fit: tick one beside its view"))
+            .or(because(no_mask, "This frame has no silhouette yet"))
+            .or(because(showing.busy.tracking, "The tracker is at work"))
+    };
+    if showing.look.layout == Layout::Demonstrate
+        && let Some(answer) = showing.laboratory.unavailable(action)
+    {
+        return no_take.or(answer);
+    }
+    let run = session.run_of(selection).and_then(|run| session.runs.get(run).map(|r| (run, r)));
+    if let Some(camera) = (0..8).find(|index| A::camera_alone(*index) == Some(action)) {
+        return no_take.or(because(camera >= session.camera_count(), "The take has fewer cameras"));
+    }
+    match action {
+        A::Undo => {
+            let nothing = showing.history.undo_text().is_none() && session.removed.is_none();
+            because(nothing, "There is nothing to undo")
+        }
+        A::Wipe | A::Blink => no_take,
+        nudge if nudge_of(nudge).is_some() => no_take,
+        A::Redo => because(showing.history.redo_text().is_none(), "There is nothing to redo"),
+        A::Save => no_take,
+        A::Step | A::Run | A::RefitLimb | A::RefitChain | A::RefitBody => {
+            no_fit().or(because(showing.busy.fitting && action != A::Step, "The fit is running"))
+        }
+        A::Stop => {
+            let busy = showing.busy;
+            let is_behind = busy.exporting.is_some() || showing.basin.running.is_some();
+            let is_running = busy.fitting || busy.tracking || is_behind;
+            because(!is_running, "Nothing is running")
+        }
+        A::ExportView
+        | A::ExportWindow
+        | A::ExportSteps
+        | A::ExportFrames
+        | A::StopExport
+        | A::ShowExported => export_unavailable(action, showing),
+        A::StepBack | A::EarlierStep => match (run, selection.step) {
+            (None, _) => Some("This frame has no run yet: press Space to step"),
+            (Some(_), Some(StepRef { step: 0, .. })) => Some("This is the start of the run"),
+            (Some((_, run)), _) => because(run.steps.len() < 2, "The run has no step yet"),
+        },
+        A::LaterStep | A::Branch => because(selection.step.is_none(), "This is the newest step of the run"),
+        A::ShowScene
+        | A::ShowConvergence
+        | A::ShowBasin
+        | A::ArrangeTiles
+        | A::SceneFront
+        | A::SceneSide
+        | A::SceneTop
+        | A::SceneFromCamera
+        | A::SceneReset => {
+            let has_none = showing.look.layout == Layout::Demonstrate;
+            no_take.or(because(has_none, "This layout has no tiles"))
+        }
+        A::RestoreLayout => because(!showing.can_restore_layout, "The layout was not reset"),
+        A::RestartLaboratory => Some("The Demonstrate layout has the laboratory: press F3"),
+        A::RunBasin | A::RunBasinMap => {
+            no_fit().or(because(showing.basin.running.is_some(), "A basin is being tried"))
+        }
+        A::CancelBasin => because(showing.basin.running.is_none(), "No basin is being tried"),
+        A::FindTake => because(!showing.lacks_take, "No project has lost its take"),
+        A::UndoDiscard => because(!showing.has_discarded, "Nothing was discarded"),
+        A::RestoreRuns => because(session.removed.is_none(), "No run was removed"),
+        A::ClearRuns | A::ExportCurves | A::ExportPlot => {
+            because(session.runs.is_empty(), "There are no runs")
+        }
+        A::SearchPoses => no_fit(),
+        A::FitBody => no_fit().or(because(showing.busy.fitting, "The fit is running")),
+        A::SaveAs
+        | A::CopyPose
+        | A::PastePose
+        | A::Mirror
+        | A::MirrorPose
+        | A::PinJoint
+        | A::ResetLimb
+        | A::ResetBody
+        | A::Uncertainty
+        | A::Sway
+        | A::SetKeyPose => no_take,
+        A::WeakerDirection | A::StrongerDirection => {
+            no_take.or(because(showing.observing.found().is_none(), "Open the Observability section first"))
+        }
+        _ => unavailable_in_time::unavailable(action, showing),
+    }
+}
+
+/// The same for exports.
+fn export_unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str> {
+    let is_exporting = showing.busy.exporting.is_some();
+    let has_take = showing.session.take.is_some();
+    let has_run = showing.session.run_of(showing.selection).is_some();
+    match action {
+        Action::ShowExported if showing.has_exported => None,
+        Action::ShowExported => Some("Nothing was exported since the start"),
+        Action::StopExport if is_exporting => None,
+        Action::StopExport => Some("Nothing is being exported"),
+        _ if is_exporting => Some("An export is under way"),
+        Action::ExportWindow => None,
+        _ if !has_take => Some("Open a take first"),
+        Action::ExportSteps if !has_run => Some("This frame has no run yet: press Space to step"),
+        _ => None,
+    }
+}

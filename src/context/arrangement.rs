@@ -1,0 +1,23 @@
+//! How panes are arranged in the centre: a tree of splits and tabs.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `automatic` | the arrangement that follows the window, until the user changes it |
+//! | `kept` | arrangements of the user's own, by layout and number of cameras |
+//! | `change` | opening, closing, showing a pane |
+//! | `snap` | splits that snap at thirds and halves |
+
+mod automatic;
+mod change;
+mod kept;
+mod snap;
+
+pub use automatic::{Centre, automatic, has_strip, is_open_at_first};
+pub use change::{close, is_open, open, panes_with, show};
+pub use kept::{Kept, fits};
+pub use snap::snap;
+
+use crate::context::pane::Pane;
+
+/// An arrangement.
+pub type Arrangement = egui_tiles::Tree<Pane>;

@@ -1,0 +1,125 @@
+//! Commands as buttons and menu rows: what cannot be used is grey, and its tooltip says why.
+
+use egui::{AsIdSalt, Button, Id, Response, Ui, vec2};
+
+use crate::context::action::Action;
+use crate::context::{Intents, Showing, unavailable};
+use crate::document::history::Gesture;
+use crate::style::theme::size;
+use crate::widgets::{Icon, icon_button, primary_button};
+
+/// Adds a widget for a command, grey where it cannot be used, and asks for the command on a click.
+fn command(
+    ui: &mut Ui,
+    showing: &Showing<'_>,
+    intents: &mut Intents,
+    action: Action,
+    add: impl FnOnce(&mut Ui, &str) -> Response,
+) -> Response {
+    let why_not = unavailable(action, showing);
+    let tooltip = why_not.map_or_else(|| action.tooltip(), |why| format!("{}\n{why}.", action.tooltip()));
+    let response = ui.add_enabled_ui(why_not.is_none(), |ui| add(ui, &tooltip)).inner;
+    if response.clicked() {
+        intents.act(action);
+    }
+    response
+}
+
+/// A square button.
+pub(crate) fn icon(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, action: Action, icon: Icon) {
+    command(ui, showing, intents, action, |ui, tooltip| icon_button(ui, icon, action.text(), tooltip));
+}
+
+/// A button with the command's text.
+pub(crate) fn button(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, action: Action) {
+    named_button(ui, showing, intents, action, action.text());
+}
+
+/// A button with a shorter text.
+pub(crate) fn named_button(
+    ui: &mut Ui,
+    showing: &Showing<'_>,
+    intents: &mut Intents,
+    action: Action,
+    text: &str,
+) {
+    sized_button(ui, showing, intents, action, text, 0.0);
+}
+
+/// A button with a text of its own that is at least so wide.
+pub(crate) fn sized_button(
+    ui: &mut Ui,
+    showing: &Showing<'_>,
+    intents: &mut Intents,
+    action: Action,
+    text: &str,
+    width: f32,
+) {
+    command(ui, showing, intents, action, |ui, tooltip| {
+        let button = ui.add(Button::new(text).min_size(vec2(width, size::BUTTON)));
+        button.on_hover_text(tooltip).on_disabled_hover_text(tooltip)
+    });
+}
+
+/// The one button in the accent.
+pub(crate) fn primary(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, action: Action) {
+    command(ui, showing, intents, action, |ui, tooltip| {
+        primary_button(ui, action.text()).on_hover_text(tooltip).on_disabled_hover_text(tooltip)
+    });
+}
+
+/// A row of a menu, with its keys.
+pub(crate) fn menu_row(
+    ui: &mut Ui,
+    showing: &Showing<'_>,
+    intents: &mut Intents,
+    action: Action,
+    text: &str,
+) {
+    let response = command(ui, showing, intents, action, |ui, tooltip| {
+        let button = Button::new(text).shortcut_text(action.keys_text().unwrap_or_default());
+        ui.add(button).on_hover_text(tooltip).on_disabled_hover_text(tooltip)
+    });
+    if response.clicked() {
+        ui.close();
+    }
+}
+
+/// The gesture of a widget that the pointer holds, from the press on: every press has one of its own. `None` when it
+/// changes otherwise.
+pub(crate) fn gesture(ui: &Ui, key: impl AsIdSalt, response: &Response) -> Option<Gesture> {
+    let id = ui.scope_id().with(key);
+    let is_down = response.is_pointer_button_down_on();
+    if is_down && ui.input(|input| input.pointer.any_pressed()) {
+        let gesture = next_gesture(ui.ctx());
+        ui.data_mut(|data| data.insert_temp(id, gesture));
+    }
+    let is_held = is_down || response.dragged();
+    let gesture: Option<Gesture> = (is_held || response.drag_stopped() || response.clicked())
+        .then(|| ui.data(|data| data.get_temp(id)))
+        .flatten();
+    if let Some(gesture) = gesture.filter(|_| is_held) {
+        let pass = ui.ctx().cumulative_pass_nr();
+        ui.data_mut(|data| data.insert_temp(Id::unique(DRAGGED), (gesture, pass)));
+    }
+    gesture
+}
+
+/// Name of the gesture of the widget that was dragged last.
+const DRAGGED: &str = "dragged gesture";
+
+/// The gesture of a widget that was dragged until this frame of the window: Esc has ended it.
+pub(crate) fn dragged_until_now(ctx: &egui::Context) -> Option<Gesture> {
+    let (gesture, pass): (Gesture, u64) = ctx.data(|data| data.get_temp(Id::unique(DRAGGED)))?;
+    (ctx.cumulative_pass_nr() <= pass + 2).then_some(gesture)
+}
+
+/// A gesture that was not used before.
+pub(crate) fn next_gesture(ctx: &egui::Context) -> Gesture {
+    let id = Id::unique("newest gesture");
+    ctx.data_mut(|data| {
+        let newest: &mut u64 = data.get_temp_mut_or_default(id);
+        *newest += 1;
+        Gesture(*newest)
+    })
+}

@@ -1,0 +1,161 @@
+//! What the program says in passing: the newest few as cards, all of them in *Help › Messages*.
+
+use crate::context::action::Action;
+
+/// Time that a card stays, in seconds.
+const LIFETIME: f64 = 6.0;
+/// Cards at once.
+const MAX_CARDS: usize = 3;
+/// Messages that are kept.
+const MAX_KEPT: usize = 200;
+
+/// How bad it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Severity {
+    /// Good to know.
+    Info,
+    /// Something did not work; the card stays until it is closed.
+    Error,
+}
+
+/// One sentence, and at most one button.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Notice {
+    /// Names it for closing.
+    pub id: u64,
+    /// How bad it is.
+    pub severity: Severity,
+    /// The sentence.
+    pub text: String,
+    /// The button.
+    pub action: Option<Action>,
+    /// When it was said, in seconds of the window's clock.
+    pub said: f64,
+    /// When it goes, in seconds of the window's clock; never for errors.
+    expires: Option<f64>,
+    is_open: bool,
+}
+
+/// All that was said since the start.
+#[derive(Debug, Default)]
+pub struct Notices {
+    kept: Vec<Notice>,
+    next_id: u64,
+    /// The window's clock, as far as it is known.
+    now: f64,
+}
+
+impl Notices {
+    /// Says something good to know.
+    pub fn info(&mut self, now: f64, text: impl Into<String>, action: Option<Action>) {
+        self.now = now;
+        self.push(Severity::Info, text.into(), action, Some(now + LIFETIME));
+    }
+
+    /// Says that something did not work.
+    pub fn error(&mut self, text: impl Into<String>) {
+        self.push(Severity::Error, text.into(), None, None);
+    }
+
+    /// Says that something did not work, and offers a command that helps.
+    pub fn error_with(&mut self, text: impl Into<String>, action: Action) {
+        self.push(Severity::Error, text.into(), Some(action), None);
+    }
+
+    /// The cards on the screen, the newest last.
+    pub fn cards(&self) -> impl Iterator<Item = &Notice> {
+        let open = self.kept.iter().filter(|notice| notice.is_open).count();
+        self.kept.iter().filter(|notice| notice.is_open).skip(open.saturating_sub(MAX_CARDS))
+    }
+
+    /// All messages, the newest last.
+    #[must_use]
+    pub fn all(&self) -> &[Notice] {
+        &self.kept
+    }
+
+    /// Closes a card.
+    pub fn close(&mut self, id: u64) {
+        for notice in self.kept.iter_mut().filter(|notice| notice.id == id) {
+            notice.is_open = false;
+        }
+    }
+
+    /// Closes the cards whose sentence begins so: that is over.
+    pub fn close_about(&mut self, beginning: &str) {
+        for notice in self.kept.iter_mut().filter(|notice| notice.text.starts_with(beginning)) {
+            notice.is_open = false;
+        }
+    }
+
+    /// Closes all cards; they stay among the messages.
+    pub fn close_all(&mut self) {
+        for notice in &mut self.kept {
+            notice.is_open = false;
+        }
+    }
+
+    /// Closes the cards whose time is over, and says when the next one's will be.
+    pub fn tick(&mut self, now: f64) -> Option<f64> {
+        self.now = now;
+        let mut next: Option<f64> = None;
+        for notice in self.kept.iter_mut().filter(|notice| notice.is_open) {
+            match notice.expires {
+                Some(expires) if expires <= now => notice.is_open = false,
+                Some(expires) => next = Some(next.map_or(expires, |other| other.min(expires))),
+                None => {}
+            }
+        }
+        next
+    }
+
+    /// A card under the pointer stays.
+    pub fn hold(&mut self, id: u64, now: f64) {
+        for notice in self.kept.iter_mut().filter(|notice| notice.id == id) {
+            notice.expires = notice.expires.map(|_| now + LIFETIME);
+        }
+    }
+
+    fn push(&mut self, severity: Severity, text: String, action: Option<Action>, expires: Option<f64>) {
+        if self.kept.len() == MAX_KEPT {
+            self.kept.remove(0);
+        }
+        // The same sentence twice is one card.
+        for notice in self.kept.iter_mut().filter(|notice| notice.text == text) {
+            notice.is_open = false;
+        }
+        let (id, said) = (self.next_id, self.now);
+        self.kept.push(Notice { id, severity, text, action, said, expires, is_open: true });
+        self.next_id += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cards_go_by_themselves_and_errors_stay() {
+        let mut notices = Notices::default();
+        notices.info(0.0, "Saved", None);
+        notices.error("No such file");
+        assert_eq!(notices.tick(1.0), Some(6.0));
+        assert_eq!(notices.cards().count(), 2);
+        assert_eq!(notices.tick(6.5), None);
+        let texts: Vec<&str> = notices.cards().map(|notice| notice.text.as_str()).collect();
+        assert_eq!(texts, ["No such file"]);
+        let id = notices.cards().next().unwrap().id;
+        notices.close(id);
+        assert_eq!((notices.cards().count(), notices.all().len()), (0, 2));
+    }
+
+    #[test]
+    fn at_most_three_cards_are_shown_and_none_twice() {
+        let mut notices = Notices::default();
+        for text in ["a", "b", "c", "d", "d"] {
+            notices.info(0.0, text, None);
+        }
+        let texts: Vec<&str> = notices.cards().map(|notice| notice.text.as_str()).collect();
+        assert_eq!(texts, ["b", "c", "d"]);
+    }
+}

@@ -1,0 +1,113 @@
+//! Panes: what can stand in a tile of the centre.
+//!
+//! Another kind of pane is one variant of [`Pane`] with its row in [`Pane::KINDS`], and one arm in
+//! `panels::dock::contents` that calls the panel's `ui` function. Menus, saving, dragging, closing and the
+//! full window follow from those. A panel fills the `Ui` that it gets. Its first [`size::TILE_HEADER`] points
+//! are the header by which the tile is dragged: the dock puts its own buttons at the right end of it, so a
+//! panel leaves [`HEADER_BUTTONS`] points free there.
+//!
+//! [`size::TILE_HEADER`]: crate::style::theme::size::TILE_HEADER
+
+use egui_tiles::TileId;
+use serde::{Deserialize, Serialize};
+
+use crate::style::theme::size;
+
+/// Room that is left free at the right end of a pane's header, in points.
+pub const HEADER_BUTTONS: f32 = 2.0 * size::BUTTON + 4.0;
+
+/// What stands in a tile.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Pane {
+    /// A camera's view, counted from zero.
+    Camera(usize),
+    /// Body and cameras in three dimensions.
+    Scene,
+    /// The convergence plot with its runs and steps.
+    Convergence,
+    /// The basin of the frame: success over angle, or a map.
+    Basin,
+}
+
+/// Where a pane comes in that has no place yet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Side {
+    /// A column at the right of everything.
+    Right,
+    /// A row below everything.
+    Below,
+}
+
+impl Pane {
+    /// The panes that are no cameras: title, where they come in, and what they show.
+    pub const KINDS: [(Self, &'static str, Side, &'static str); 3] = [
+        (Self::Scene, "Scene", Side::Right, "Body, cameras and their pictures in three dimensions"),
+        (Self::Convergence, "Convergence", Side::Below, "The runs of the fit, step by step"),
+        (Self::Basin, "Basin", Side::Right, "How far off a start may be, and still come home"),
+    ];
+
+    /// All panes of a take with so many cameras.
+    pub fn all(cameras: usize) -> impl Iterator<Item = Self> {
+        (0..cameras).map(Self::Camera).chain(Self::KINDS.iter().map(|kind| kind.0))
+    }
+
+    fn row(self) -> Option<usize> {
+        Self::KINDS.iter().position(|kind| kind.0 == self)
+    }
+
+    /// Its title.
+    #[must_use]
+    pub fn title(self) -> String {
+        match (self, self.row()) {
+            (Self::Camera(index), _) => format!("Camera {}", index + 1),
+            (_, row) => row.map_or_else(String::new, |row| Self::KINDS[row].1.to_owned()),
+        }
+    }
+
+    /// What it shows, in words.
+    #[must_use]
+    pub fn explanation(self) -> &'static str {
+        self.row().map_or("The camera's picture, silhouette and fit", |row| Self::KINDS[row].3)
+    }
+
+    /// The scope of its widgets: of the pane, not of its place, so that a pane that is moved keeps its state and its
+    /// textures.
+    #[must_use]
+    pub fn scope(self) -> egui::Id {
+        egui::Id::unique(("pane", self))
+    }
+
+    /// Where it comes in when it has no place yet.
+    #[must_use]
+    pub fn side(self) -> Side {
+        self.row().map_or(Side::Right, |row| Self::KINDS[row].2)
+    }
+
+    /// Names its tile: the same in every arrangement, so that a pane that is moved stays the same for egui.
+    #[must_use]
+    pub fn tile_id(self) -> TileId {
+        const CAMERAS_FROM: u64 = 2000;
+        const KINDS_FROM: u64 = 1000;
+        TileId::from_u64(match self {
+            Self::Camera(index) => CAMERAS_FROM + index as u64,
+            _ => KINDS_FROM + self.row().unwrap_or(0) as u64,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_pane_has_its_row_and_a_tile_of_its_own() {
+        let panes: Vec<Pane> = Pane::all(9).collect();
+        // The last variant of the enumeration.
+        assert!(panes.contains(&Pane::Basin));
+        for (index, pane) in panes.iter().enumerate() {
+            assert!(!pane.title().is_empty() && !pane.explanation().ends_with('.'), "{pane:?}");
+            assert!(panes[..index].iter().all(|other| other.tile_id() != pane.tile_id()), "{pane:?}");
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! How the window is arranged: kept from start to start, not in the document and not undone.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use crate::context::arrangement;
+use crate::context::arrangement::Kept;
+use crate::context::pane::Pane;
+use crate::context::view_settings::ViewSettings;
+use crate::features::basin::BasinLook;
+use crate::features::convergence::CurvesLook;
+use crate::features::export::ExportChoices;
+use crate::features::scene::SceneLook;
+use crate::style::theme::{Theme, size};
+
+/// What the window is arranged for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Layout {
+    /// Large views for setting a pose by hand.
+    #[default]
+    Pose,
+    /// Views above the convergence plot and its steps.
+    Debug,
+    /// The laboratory: several ways to fit, from one start, side by side.
+    Demonstrate,
+}
+
+impl Layout {
+    /// The layouts with their names.
+    pub const ALL: [(Self, &'static str); 3] =
+        [(Self::Pose, "Pose"), (Self::Debug, "Debug"), (Self::Demonstrate, "Demonstrate")];
+
+    /// Width of the right panel at first.
+    #[must_use]
+    pub const fn panel_width(self) -> f32 {
+        match self {
+            Self::Pose | Self::Demonstrate => size::RIGHT_PANEL,
+            Self::Debug => size::RIGHT_PANEL_DEBUG,
+        }
+    }
+}
+
+/// Most recent takes that are offered.
+const MAX_RECENT: usize = 5;
+
+/// The arrangement.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Look {
+    /// Dark or light.
+    pub theme: Theme,
+    /// What it is arranged for.
+    pub layout: Layout,
+    /// Whether the right panel is there.
+    pub panel: bool,
+    /// Whether the timeline has its lanes.
+    pub lanes: bool,
+    /// Whether zoom and pan go together in all views.
+    pub linked_zoom: bool,
+    /// How all camera views look.
+    pub views: ViewSettings,
+    /// Takes that were opened last, the newest first.
+    pub recent: Vec<PathBuf>,
+    /// What the 3-D scene shows.
+    pub scene: SceneLook,
+    /// How the user has arranged the tiles.
+    pub kept: Kept,
+    /// What was chosen for the last export.
+    pub export: ExportChoices,
+    /// What the convergence plot shows.
+    pub curves: CurvesLook,
+    /// What is chosen for the basin, and how it is shown.
+    pub basin: BasinLook,
+    /// Names of the commands that were chosen last in the palette, the newest first.
+    pub used_commands: Vec<String>,
+    /// Whether the tour was offered.
+    pub tour_offered: bool,
+    /// Changes with *Reset layout*, so that egui forgets sizes and open sections.
+    pub generation: u32,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self {
+            theme: Theme::Dark,
+            layout: Layout::Pose,
+            panel: true,
+            lanes: true,
+            linked_zoom: false,
+            views: ViewSettings::default(),
+            recent: Vec::new(),
+            scene: SceneLook::default(),
+            kept: Kept::default(),
+            export: ExportChoices::default(),
+            curves: CurvesLook::default(),
+            basin: BasinLook::default(),
+            used_commands: Vec::new(),
+            tour_offered: false,
+            generation: 0,
+        }
+    }
+}
+
+impl Look {
+    /// Puts a take at the head of the recent ones.
+    pub fn remember(&mut self, path: PathBuf) {
+        self.recent.retain(|other| *other != path);
+        self.recent.insert(0, path);
+        self.recent.truncate(MAX_RECENT);
+    }
+
+    /// Puts a command at the head of those that were chosen last.
+    pub fn use_command(&mut self, name: &str) {
+        self.used_commands.retain(|other| other != name);
+        self.used_commands.insert(0, name.to_owned());
+        self.used_commands.truncate(MAX_RECENT);
+    }
+
+    /// Whether a pane is open in the layout, for a take with so many cameras.
+    #[must_use]
+    pub fn is_open(&self, pane: Pane, cameras: usize) -> bool {
+        match self.kept.get(self.layout, cameras) {
+            Some(tree) => arrangement::is_open(tree, pane),
+            None => arrangement::is_open_at_first(self.layout, pane),
+        }
+    }
+
+    /// The arrangement as it was at first; theme and recent takes stay.
+    pub fn reset(&mut self) {
+        let generation = self.generation.wrapping_add(1);
+        let before = std::mem::take(self);
+        *self = Self { layout: before.layout, generation, ..Self::default() }.with_memory_of(before);
+    }
+
+    /// The same arrangement with what another one remembers that *Reset layout* does not touch.
+    #[must_use]
+    pub fn with_memory_of(self, other: Self) -> Self {
+        Self {
+            theme: other.theme,
+            recent: other.recent,
+            export: other.export,
+            curves: other.curves,
+            basin: other.basin,
+            used_commands: other.used_commands,
+            tour_offered: other.tour_offered,
+            ..self
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::features::convergence::Quantity;
+
+    #[test]
+    fn what_is_chosen_for_plots_and_basin_is_kept_and_outlives_a_reset() {
+        let curves = CurvesLook { quantity: Quantity::StepNorm, is_log: false, rejected: false };
+        let mut look = Look { curves, ..Look::default() };
+        look.basin.settings.seed = 12;
+        look.basin.view = crate::features::basin::BasinView::Map;
+        let kept: Look = serde_json::from_str(&serde_json::to_string(&look).unwrap()).unwrap();
+        assert_eq!(kept, look);
+        let mut after = kept.clone();
+        after.reset();
+        assert_eq!((after.curves, &after.basin), (look.curves, &look.basin));
+        // An arrangement of before there were such choices.
+        assert_eq!(serde_json::from_str::<Look>("{}").unwrap(), Look::default());
+    }
+
+    #[test]
+    fn recent_takes_are_few_and_different() {
+        let mut look = Look::default();
+        for name in ["a", "b", "c", "a", "d", "e", "f"] {
+            look.remember(PathBuf::from(name));
+        }
+        let names: Vec<_> = look.recent.iter().map(|path| path.to_string_lossy().into_owned()).collect();
+        assert_eq!(names, ["f", "e", "d", "a", "c"]);
+    }
+}

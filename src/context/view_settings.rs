@@ -1,0 +1,52 @@
+//! How all camera views look and what the hand does in them: kept from start to start with the arrangement.
+
+use std::ops::RangeInclusive;
+
+use serde::{Deserialize, Serialize};
+
+use crate::drawing::StateAxis;
+
+/// The settings that all camera views share.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+#[expect(clippy::struct_excessive_bools, reason = "ticks that do not depend on each other")]
+pub struct ViewSettings {
+    /// How often a blinking view changes, per second.
+    pub blink_hz: f32,
+    /// Whether principal point, world axes, floor and lens edge are drawn.
+    pub calibration_marks: bool,
+    /// Whether lines lie between pixels that are shown large.
+    pub pixel_grid: bool,
+    /// The coefficient of the pose whose Jacobian column is shown.
+    pub axis: StateAxis,
+    /// Whether the selected limb has handles for its length and radius.
+    pub size_handles: bool,
+    /// Whether a size is changed on both sides of the body.
+    pub both_sides: bool,
+}
+
+impl ViewSettings {
+    /// Slowest and fastest blink, changes per second.
+    pub const BLINK_HZ: RangeInclusive<f64> = 0.5..=8.0;
+
+    /// Seconds that a blinking view stays as it is.
+    #[must_use]
+    pub fn blink_seconds(&self) -> f64 {
+        let hz = f64::from(self.blink_hz);
+        let hz = if hz.is_finite() { hz } else { 2.0 };
+        1.0 / hz.clamp(*Self::BLINK_HZ.start(), *Self::BLINK_HZ.end())
+    }
+}
+
+impl Default for ViewSettings {
+    fn default() -> Self {
+        Self {
+            blink_hz: 2.0,
+            calibration_marks: false,
+            pixel_grid: true,
+            axis: StateAxis::default(),
+            size_handles: false,
+            both_sides: true,
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! What can be done where a file cannot be written.
+
+use std::error::Error;
+use std::io::{self, ErrorKind};
+
+use backlit_tracking::io::FileError;
+
+use crate::document::project::ProjectError;
+use crate::features::export::ExportError;
+
+/// A sentence for the user about what to do next; `error` or one of its causes is what the disk said.
+#[must_use]
+pub fn remedy(error: &(dyn Error + 'static)) -> &'static str {
+    let mut cause = Some(error);
+    while let Some(error) = cause {
+        if let Some(said) = said_by_disk(error) {
+            return match said.kind() {
+                ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
+                    "Free some space and try again, or choose another disk."
+                }
+                ErrorKind::InvalidFilename => "Choose a shorter or plainer name.",
+                ErrorKind::IsADirectory => "Choose another name.",
+                _ => "Choose another folder.",
+            };
+        }
+        cause = error.source();
+    }
+    "Try again, or choose another place."
+}
+
+fn said_by_disk<'a>(error: &'a (dyn Error + 'static)) -> Option<&'a io::Error> {
+    if let Some(error) = error.downcast_ref::<io::Error>() {
+        return Some(error);
+    }
+    let file = error.downcast_ref::<FileError>();
+    let file = file.or_else(|| match error.downcast_ref::<ProjectError>()? {
+        ProjectError::File(file) => Some(file),
+        _ => None,
+    });
+    match (file, error.downcast_ref::<ExportError>()) {
+        (Some(file), _) | (None, Some(ExportError::File(file))) => file.write_error(),
+        (None, Some(ExportError::Folder { source, .. })) => Some(source),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use backlit_tracking::io::FileProblem;
+
+    use super::*;
+
+    #[test]
+    fn a_remedy_is_found_through_every_wrapping() {
+        let full = || io::Error::from(ErrorKind::StorageFull);
+        let file = || FileError::new(Path::new("a.png"), FileProblem::Write { error: full() });
+        let folder = ExportError::Folder { path: "a".into(), source: full() };
+        let wrapped = anyhow::Error::new(file()).context("the plot");
+        let all: [&(dyn Error + 'static); 6] = [
+            &full(),
+            &file(),
+            &ProjectError::from(file()),
+            &ExportError::from(file()),
+            &folder,
+            wrapped.as_ref(),
+        ];
+        for error in all {
+            assert!(remedy(error).starts_with("Free some space"), "{error}");
+        }
+        assert!(file().to_string().ends_with("a.png: cannot be written: the disk is full"));
+        assert!(remedy(&io::Error::from(ErrorKind::NotADirectory)).contains("another folder"));
+        assert!(remedy(&ExportError::Empty).contains("another place"));
+    }
+}

@@ -1,0 +1,203 @@
+//! The project file `*.backlit`: a document as versioned JSON (see `docs/formats.md`).
+//!
+//! Poses are written by limb name, so that a person can read them; numbers are written so that they are read
+//! back to the bit.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `error` | [`ProjectError`]: what can be wrong |
+//! | `record` | the file as it is |
+//! | `reader` | from the file to a document that holds together |
+
+mod error;
+mod reader;
+mod record;
+
+pub use error::ProjectError;
+
+use std::path::Path;
+
+use backlit_tracking::io::atomic;
+use serde::Deserialize;
+
+use crate::document::Document;
+use reader::Reader;
+use record::{ProjectFile, to_file};
+
+/// Name and version of the project file's format.
+pub const FORMAT: &str = "backlit-project 1";
+
+/// Files larger than this are not projects.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// Writes a document. The file appears whole or not at all.
+///
+/// # Errors
+/// The file system says no.
+pub fn write_project(path: &Path, document: &Document) -> Result<(), ProjectError> {
+    let file = to_file(document);
+    let json = serde_json::to_vec_pretty(&file)
+        .map_err(|source| ProjectError::Json { path: path.to_owned(), source })?;
+    Ok(atomic::write(path, &json)?)
+}
+
+/// Reads a document; it is equal to the one that was written.
+///
+/// # Errors
+/// The first thing that is wrong, with the file and the field.
+pub fn read_project(path: &Path) -> Result<Document, ProjectError> {
+    let io = |source| ProjectError::Io { path: path.to_owned(), source };
+    let bytes = std::fs::metadata(path).map_err(io)?.len();
+    if bytes > MAX_BYTES {
+        return Err(ProjectError::TooLarge { path: path.to_owned(), bytes });
+    }
+    let text = std::fs::read(path).map_err(io)?;
+    let json = |source: serde_json::Error| {
+        let path = path.to_owned();
+        if source.is_eof() {
+            ProjectError::Cut { path, line: source.line() }
+        } else {
+            ProjectError::Json { path, source }
+        }
+    };
+    // The version first: another version's fields would only confuse.
+    let header: Header = serde_json::from_slice(&text).map_err(json)?;
+    if header.format != FORMAT {
+        let (path, found) = (path.to_owned(), header.format);
+        let is_newer = version(&found) > version(FORMAT);
+        return Err(if is_newer {
+            ProjectError::Newer { path, found }
+        } else {
+            ProjectError::Format { path, found }
+        });
+    }
+    let file: ProjectFile = serde_json::from_slice(&text).map_err(json)?;
+    Reader { path }.document(file)
+}
+
+/// The version of a project's format; none of another format's.
+fn version(format: &str) -> Option<u64> {
+    let (name, version) = format.split_once(' ')?;
+    version.parse().ok().filter(|_| FORMAT.split_once(' ').is_some_and(|(ours, _)| ours == name))
+}
+
+#[derive(Debug, Deserialize)]
+struct Header {
+    format: String,
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+    use std::path::PathBuf;
+    use std::sync::Arc;
+
+    use backlit_tracking::body::{Parameters, builtin};
+    use backlit_tracking::segment::SegmentOptions;
+    use backlit_tracking::track::Search;
+    use glam::DVec3;
+
+    use super::*;
+    use crate::document::edit::Edit;
+    use crate::document::tracking_choices::{Following, TrackingChoices};
+    use crate::document::{CameraUse, Estimate, Origin};
+    use crate::take::replacement::Calibration;
+    use crate::take::source::TakeSource;
+
+    fn example() -> Document {
+        let mut document = Document::new(builtin::upper_body());
+        document.take = Some(TakeSource::Path(PathBuf::from("/takes/balancing")));
+        document.cameras =
+            Arc::new(vec![CameraUse { name: "cam01".to_owned(), used: true, weight: 1.0 / 3.0 }]);
+        let step: Vec<f64> = (0..27).map(|i| 0.3 * (f64::from(i) * 1.7).sin()).collect();
+        let pose = document.start.retract(Parameters::Tangent, &step);
+        let estimate = Estimate {
+            pose: pose.clone(),
+            origin: Origin::Track,
+            cost: 1.25e8,
+            rms: 20.5,
+            iou: Some(0.83),
+            steps: 21,
+            lost: false,
+        };
+        document.measurement = Arc::new(vec![SegmentOptions::default()]);
+        for edit in [
+            Edit::SetPose { frame: 3, pose, what: "Move".to_owned() },
+            Edit::AddEstimate { frame: 4, estimate: Arc::new(estimate) },
+            Edit::UseCamera { camera: 0, used: false },
+            Edit::SetTracking(TrackingChoices {
+                motion: Following::Smoothed { lag: Some(3) },
+                search: Search::Never,
+            }),
+            Edit::Pin { limb: 5, pinned: true },
+            Edit::SetSize { limb: 2, length: 0.2, radius: 0.05, both_sides: true },
+            Edit::SetCalibration(Some(calibration())),
+            Edit::SetMasks { frame: 4, masks: BTreeMap::from([(0, PathBuf::from("/masks/cam01.png"))]) },
+        ] {
+            document.apply(edit).unwrap();
+        }
+        document
+    }
+
+    fn calibration() -> Arc<Calibration> {
+        use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
+        let intrinsics = Intrinsics { fx: 410.123_456_789, fy: 1e3 / 3.0, cx: 135.5, cy: 0.1 + 0.2 };
+        let place = CameraFromWorld::looking_at(DVec3::new(0.1, -2.7, 1.3), DVec3::ZERO, DVec3::Z);
+        let lens = Distortion::OpenCv { k1: -0.1, k2: 1e-9, p1: 0.0, p2: 0.7, k3: 0.0 };
+        let camera = Camera::new("cam01", [272, 480], intrinsics, lens, place).unwrap();
+        Arc::new(Calibration { path: PathBuf::from("/c.qca.txt"), rig: Rig::new(vec![camera]).unwrap() })
+    }
+
+    #[test]
+    fn a_project_is_read_back_equal() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.backlit");
+        let document = example();
+        write_project(&path, &document).unwrap();
+        assert_eq!(read_project(&path).unwrap(), document);
+        let names: Vec<_> =
+            std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+        assert_eq!(names, ["a.backlit"], "nothing else is left in the folder");
+    }
+
+    #[test]
+    fn a_project_from_before_the_choices_of_tracking_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("old.backlit");
+        write_project(&path, &example()).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert!(json.as_object_mut().unwrap().remove("tracking").is_some());
+        std::fs::write(&path, json.to_string()).unwrap();
+        let tracking = read_project(&path).unwrap().tracking;
+        assert_eq!(tracking, TrackingChoices { motion: Following::Velocity, search: Search::WhenPoor });
+    }
+
+    #[test]
+    fn errors_name_file_and_field() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("b.backlit");
+        write_project(&path, &example()).unwrap();
+        let good = std::fs::read_to_string(&path).unwrap();
+        for (from, to, expected) in [
+            ("backlit-project 1", "backlit-project 9", "a newer Backlit wrote this project"),
+            ("backlit-project 1", "backlit-pose 9", "`format` is \"backlit-pose 9\""),
+            ("\"weight\": 0.3333333333333333", "\"weight\": -1", "weight of cam01 is -1"),
+            ("\"pins\": [", "\"pins\": [\"tail\",", "`pins` names the limb \"tail\""),
+            ("\"z_threshold\": 3", "\"z_threshold\": -3", "`measurement`, camera 0 counted from 0: "),
+            ("\"lost\": false", "\"lost\": false, \"colour\": 1", "unknown field `colour`"),
+        ] {
+            assert!(good.contains(from), "{from}");
+            std::fs::write(&path, good.replacen(from, to, 1)).unwrap();
+            let message = read_project(&path).unwrap_err().to_string();
+            assert!(message.contains(expected) && message.contains("b.backlit"), "{message}");
+        }
+        for cut in [0, 1, good.len() / 2, good.trim_end().len() - 1] {
+            std::fs::write(&path, &good[..cut]).unwrap();
+            let message = read_project(&path).unwrap_err().to_string();
+            assert!(message.contains("b.backlit, line") && message.contains("was cut off"), "{message}");
+        }
+        let message = read_project(&folder.path().join("none.backlit")).unwrap_err().to_string();
+        assert!(message.contains("none.backlit: there is no such file"), "{message}");
+    }
+}

@@ -1,0 +1,83 @@
+//! The basin of a frame, one fit a step.
+
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::experiment::ExperimentError;
+use backlit_tracking::experiment::basin_map::{self, BasinMap};
+use backlit_tracking::experiment::frame_basin::{self, Frame, FrameBasin};
+
+use crate::worker::{BackgroundEvent, Job, Outbox, Step};
+
+/// What is to be tried.
+#[derive(Debug)]
+pub enum BasinWork {
+    /// Success over angle.
+    Angles(Box<frame_basin::Options>),
+    /// The map.
+    Map(Box<basin_map::Options>),
+}
+
+#[derive(Debug)]
+enum Prepared {
+    Angles(Box<FrameBasin>),
+    Map(Box<BasinMap>),
+}
+
+/// An experiment about a frame. Its first step finds where fits are to end.
+#[derive(Debug)]
+pub struct BasinJob {
+    begin: Option<(Frame, BasinWork)>,
+    prepared: Option<Prepared>,
+    next: usize,
+}
+
+impl BasinJob {
+    /// All fits about this frame.
+    #[must_use]
+    pub fn new(frame: Frame, work: BasinWork) -> Self {
+        Self { begin: Some((frame, work)), prepared: None, next: 0 }
+    }
+
+    /// Makes the next fit; whether there is one more.
+    fn go_on(&mut self, out: &Outbox<BackgroundEvent>) -> Result<bool, ExperimentError> {
+        if let Some((frame, work)) = self.begin.take() {
+            self.prepared = Some(prepare(frame, work, out.cancel())?);
+        }
+        let index = self.next;
+        self.next += 1;
+        let total = match &self.prepared {
+            Some(Prepared::Angles(basin)) => {
+                out.send(BackgroundEvent::BasinTrial(basin.run(index, out.cancel())?));
+                basin.len()
+            }
+            Some(Prepared::Map(map)) => {
+                out.send(BackgroundEvent::BasinCell(map.run(index, out.cancel())?));
+                map.len()
+            }
+            None => 0,
+        };
+        Ok(self.next < total)
+    }
+}
+
+fn prepare(frame: Frame, work: BasinWork, cancel: &CancelToken) -> Result<Prepared, ExperimentError> {
+    Ok(match work {
+        BasinWork::Angles(options) => Prepared::Angles(Box::new(FrameBasin::new(frame, *options, cancel)?)),
+        BasinWork::Map(options) => Prepared::Map(Box::new(BasinMap::new(frame, *options, cancel)?)),
+    })
+}
+
+impl Job<BackgroundEvent> for BasinJob {
+    fn step(&mut self, out: &Outbox<BackgroundEvent>) -> Step {
+        if out.cancel().is_cancelled() {
+            return Step::Done;
+        }
+        match self.go_on(out) {
+            Ok(true) => Step::Again,
+            Ok(false) | Err(ExperimentError::Cancelled) => Step::Done,
+            Err(error) => {
+                out.send(BackgroundEvent::Failed(format!("The basin cannot be tried: {error}.")));
+                Step::Done
+            }
+        }
+    }
+}

@@ -1,0 +1,203 @@
+//! The basin's pane: success over angle, or a map of two directions, while it is tried in the background.
+
+mod map;
+mod section;
+mod success;
+
+use egui::{Align, Button, Layout as Direction, Rect, RichText, Ui, UiBuilder, vec2};
+
+use crate::context::action::Action;
+use crate::context::command_button::named_button;
+use crate::context::pane::{HEADER_BUTTONS, Pane};
+use crate::context::{Intents, Request, Showing};
+use crate::features::basin::{BasinRequest, BasinState, BasinView, FileKind, FitCount, MapResult, Running};
+use crate::shell::pane_title;
+use crate::style::format;
+use crate::style::theme;
+use crate::style::theme::{size, space};
+use crate::widgets::segmented;
+
+pub(crate) use section::ui as section;
+
+/// A pane narrower than this has two rows above the plot.
+const ONE_ROW: f32 = 470.0;
+/// Height of the bar that says how far it is.
+const BAR: f32 = 2.0;
+
+/// The pane, in all of the space that is left.
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, siblings: &[Pane], intents: &mut Intents) {
+    let rect = ui.available_rect_before_wrap();
+    ui.painter().rect_filled(rect, 0.0, theme::palette(ui).panel);
+    let inner = UiBuilder::new().max_rect(rect.shrink2(vec2(space::WIDGET, 0.0)));
+    ui.scope_builder(inner, |ui| {
+        head(ui, showing, siblings, intents);
+        progress_bar(ui, showing.basin);
+        conditions(ui, showing.basin, showing.look.basin.view);
+        match (showing.look.basin.view, &showing.basin.angles, &showing.basin.map) {
+            (BasinView::Angles, Some(result), _) => success::ui(ui, result),
+            (BasinView::Map, _, Some(result)) => map::ui(ui, result, showing.look.basin.colour, intents),
+            _ => empty(ui, showing, intents),
+        }
+    });
+}
+
+/// The name and all that can be done: in one row, or in two where the pane is a narrow column.
+fn head(ui: &mut Ui, showing: &Showing<'_>, siblings: &[Pane], intents: &mut Intents) {
+    let is_narrow = ui.available_width() < ONE_ROW;
+    let row = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
+        let size = vec2(ui.available_width(), size::TILE_HEADER);
+        ui.allocate_ui_with_layout(size, Direction::left_to_right(Align::Center), |ui| {
+            ui.set_min_height(size::TILE_HEADER);
+            add(ui);
+        });
+    };
+    row(ui, &mut |ui| {
+        pane_title::show(ui, Pane::Basin, siblings, intents);
+        if !is_narrow {
+            ui.add_space(space::ROW);
+            controls(ui, showing, intents);
+            choice_of_map(ui, showing, intents);
+        }
+        ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+            ui.add_space(HEADER_BUTTONS);
+            export(ui, showing.basin, showing.look.basin.view, intents);
+            progress(ui, showing.basin);
+        });
+    });
+    if is_narrow {
+        row(ui, &mut |ui| controls(ui, showing, intents));
+        if several_maps(showing).is_some() {
+            row(ui, &mut |ui| choice_of_map(ui, showing, intents));
+        }
+    }
+}
+
+/// The maps that are shown, where there is more than one to choose from.
+fn several_maps<'a>(showing: &Showing<'a>) -> Option<&'a MapResult> {
+    let map = showing.basin.map.as_ref().filter(|map| map.options.choices.len() > 1);
+    map.filter(|_| showing.look.basin.view == BasinView::Map)
+}
+
+fn choice_of_map(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    if let Some(map) = several_maps(showing) {
+        map::choice_box(ui, map, intents);
+    }
+}
+
+fn controls(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let shown = showing.look.basin.view;
+    let mut view = shown;
+    segmented(ui, &mut view, &[(BasinView::Angles, "Angles"), (BasinView::Map, "Map")])
+        .on_hover_text("Success over how far starts are off, or a map of two angles");
+    if view != shown {
+        intents.request(Request::Basin(BasinRequest::View(view)));
+    }
+    run_or_cancel(ui, showing, intents, shown);
+}
+
+fn progress(ui: &mut Ui, basin: &BasinState) {
+    if let Some(running) = basin.running {
+        let text = RichText::new(progress_text(running)).small().color(theme::palette(ui).text2);
+        ui.add(egui::Label::new(text).truncate());
+    }
+}
+
+/// The button that begins what a view shows, or stops what runs.
+fn run_or_cancel(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, view: BasinView) {
+    let (action, text) = match (showing.basin.running, view) {
+        (Some(_), _) => (Action::CancelBasin, "Cancel basin"),
+        (None, BasinView::Angles) => (Action::RunBasin, "Run starts"),
+        (None, BasinView::Map) => (Action::RunBasinMap, "Run map"),
+    };
+    named_button(ui, showing, intents, action, text);
+}
+
+fn export(ui: &mut Ui, basin: &BasinState, view: BasinView, intents: &mut Intents) {
+    let has_result = match view {
+        BasinView::Angles => basin.angles.is_some(),
+        BasinView::Map => basin.map.is_some(),
+    };
+    ui.add_enabled_ui(has_result, |ui| {
+        ui.menu_button("Export", |ui| {
+            for kind in FileKind::ALL {
+                if ui.add(Button::new(kind.text())).clicked() {
+                    intents.request(Request::Basin(BasinRequest::Export(kind)));
+                    ui.close();
+                }
+            }
+        })
+        .response
+        .on_hover_text("Write what is shown to a file")
+        .on_disabled_hover_text("There is nothing to write yet");
+    });
+}
+
+/// How far an experiment is, in words.
+pub(crate) fn progress_text(running: Running) -> String {
+    let left = match running.seconds_left {
+        Some(seconds) if seconds >= 90.0 => {
+            format!(", about {} min left", format::number(seconds / 60.0, 0))
+        }
+        Some(seconds) => format!(", about {} s left", format::number(seconds.ceil(), 0)),
+        None => String::new(),
+    };
+    format!("{} of {} fits{left}", format::count(running.done as i64), format::count(running.total as i64))
+}
+
+fn progress_bar(ui: &mut Ui, basin: &BasinState) {
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), BAR), egui::Sense::hover());
+    if let Some(running) = basin.running {
+        let share = running.done as f32 / running.total.max(1) as f32;
+        let bar = Rect::from_min_size(rect.min, vec2(rect.width() * share, BAR));
+        ui.painter().rect_filled(bar, 0.0, theme::palette(ui).accent);
+    }
+}
+
+/// What is shown is about, and whether it is all of it; or why nothing could be begun.
+fn conditions(ui: &mut Ui, basin: &BasinState, view: BasinView) {
+    let palette = theme::palette(ui);
+    if let Some(problem) = &basin.problem {
+        ui.label(RichText::new(format!("{problem}.")).color(palette.warn));
+        return;
+    }
+    let about = match view {
+        BasinView::Angles => basin.angles.as_ref().map(|result| &result.about),
+        BasinView::Map => basin.map.as_ref().map(|result| &result.about),
+    };
+    if let Some(about) = about {
+        let mut letters = about.conditions.chars();
+        let first = letters.next().map_or_else(String::new, |first| first.to_uppercase().collect());
+        let text = RichText::new(format!("{first}{}", letters.as_str())).small().color(palette.text3);
+        ui.horizontal(|ui| {
+            ui.spacing_mut().interact_size.y = 0.0;
+            if let Some(partial) = basin.partial(view).and_then(FitCount::partial_text) {
+                ui.label(RichText::new(partial).small().color(palette.warn)).on_hover_text(
+                    "It was stopped before all fits were made: shares and bars are of those that were. Files that are \
+                     written of it say so too",
+                );
+            }
+            ui.add(egui::Label::new(text).truncate());
+        });
+    }
+}
+
+fn empty(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    let text = match showing.look.basin.view {
+        BasinView::Angles => {
+            "How far off may a start be, and still come home? Starts are drawn about the pose on the screen, farther \
+             and farther off; each is fitted to this frame, and those that end where they should are counted."
+        }
+        BasinView::Map => {
+            "Two angles of the body are set off on a grid. Each cell is fitted, and coloured by how far from home it \
+             ends; a click on a cell takes its start, to be stepped."
+        }
+    };
+    let middle = Rect::from_center_size(ui.available_rect_before_wrap().center(), vec2(420.0, 110.0));
+    let builder = UiBuilder::new().max_rect(middle).layout(Direction::top_down(Align::Center));
+    ui.scope_builder(builder, |ui| {
+        ui.label(RichText::new(text).color(palette.text3));
+        ui.add_space(space::WIDGET);
+        run_or_cancel(ui, showing, intents, showing.look.basin.view);
+    });
+}

@@ -1,0 +1,392 @@
+//! What is typed and chosen for a basin, and the experiment's options that follow.
+
+use std::str::FromStr;
+
+use backlit_tracking::body::Model;
+use backlit_tracking::experiment::FitChoice;
+use backlit_tracking::experiment::basin::{self, SUCCESS_MM};
+use backlit_tracking::experiment::basin_map::{self, Angle, Direction, MOST_CELLS};
+use backlit_tracking::experiment::frame_basin::{self, Target};
+use backlit_tracking::experiment::starts::{LEVELS, Level};
+use backlit_tracking::render::RendererKind;
+use backlit_tracking::track::{FitOptions, Preset};
+use serde::{Deserialize, Serialize};
+
+use crate::document::run::{Run, RunChoices};
+use crate::document::run_names::{count_twins, plain_names};
+
+/// Most fits that the current choices are compared with.
+pub const MOST_COMPARED: usize = 3;
+/// Most starts of an angle.
+pub const MOST_STARTS: usize = 500;
+/// Most angles.
+const MOST_ANGLES: usize = 12;
+
+/// The pose that starts are drawn about.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reference {
+    /// The one on the screen; fits are to end where its own fit ends.
+    #[default]
+    Pose,
+    /// The take's true pose, where that is known; fits are to end there.
+    Truth,
+}
+
+/// A way of fitting to compare with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ComparedWay {
+    /// A preset, downhill from the start.
+    Preset(Preset),
+    /// The robust preset, with annealing by scale and a search for other hypotheses.
+    Search,
+}
+
+impl ComparedWay {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Preset(Preset::Robust), Self::Preset(Preset::Report), Self::Search];
+
+    /// In the order in which they are offered for a comparison.
+    const OFFERED: [Self; 3] = [Self::Preset(Preset::Report), Self::Search, Self::Preset(Preset::Robust)];
+
+    /// Its name.
+    #[must_use]
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::Preset(Preset::Robust) => "Robust",
+            Self::Preset(Preset::Report) => "Report 2004",
+            Self::Search => "Robust, search",
+        }
+    }
+}
+
+/// A fit that the current choices are compared with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Compared {
+    /// How it fits.
+    pub way: ComparedWay,
+    /// The solid that stands for a limb.
+    pub renderer: RendererKind,
+}
+
+/// A direction of the map: an angle of a joint, or of the one that is held.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MapDirection {
+    /// Name of the joint's limb; `None`, or one that the body does not have, is the joint that is held.
+    pub joint: Option<String>,
+    /// Which of its angles.
+    pub angle: Angle,
+}
+
+impl MapDirection {
+    /// The joint's rotation in a body; `held` where it has no such joint.
+    #[must_use]
+    pub fn rotation(&self, model: &Model, held: usize) -> usize {
+        let limb = self.joint.as_deref().and_then(|name| model.limb_index(name));
+        limb.map_or(held, |limb| model.limbs()[limb].rotation)
+    }
+}
+
+/// The settings. They are kept from start to start.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct BasinSettings {
+    /// What starts are drawn about.
+    pub reference: Reference,
+    /// Whether the held joint alone is turned.
+    pub only_held: bool,
+    /// Angles, degrees, as they are typed.
+    pub angles: String,
+    /// Moves of the root, centimetres, as they are typed: one for each angle, the last one for all that follow.
+    pub root_cm: String,
+    /// Starts of each angle.
+    pub starts: usize,
+    /// Seed of the starts.
+    pub seed: u64,
+    /// A fit that ends nearer than this has found its target, millimetres.
+    pub success_mm: f64,
+    /// Fits to compare with the current choices.
+    pub compared: Vec<Compared>,
+    /// What the map sets off across and up.
+    pub directions: [MapDirection; 2],
+    /// How far it does, degrees.
+    pub map_degrees: f64,
+    /// Its cells across and up.
+    pub cells: usize,
+}
+
+impl Compared {
+    /// The choice of fit, without a name yet.
+    #[must_use]
+    pub fn choice(self) -> FitChoice {
+        let mut choice = match self.way {
+            ComparedWay::Preset(preset) => FitChoice::downhill("", FitOptions::preset(preset)),
+            ComparedWay::Search => basin::Options::of(Preset::Robust).choice(),
+        };
+        choice.fit.renderer = self.renderer;
+        choice
+    }
+
+    /// What to compare with next: the first way that is neither the current choices nor compared already.
+    #[must_use]
+    pub fn next(current: &FitOptions, compared: &[Self]) -> Self {
+        let renderer = current.renderer;
+        let is_new = |way: &ComparedWay| {
+            let is_current = matches!(way, ComparedWay::Preset(preset) if FitOptions { renderer, ..FitOptions::preset(*preset) } == *current);
+            !is_current && !compared.contains(&Self { way: *way, renderer })
+        };
+        let way = ComparedWay::OFFERED.into_iter().find(is_new).unwrap_or(ComparedWay::Search);
+        Self { way, renderer }
+    }
+}
+
+/// What is wrong with the words of a fit to compare with.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0:?}: expected robust, report or search, and a solid behind a colon if wanted: search:cylinder")]
+pub struct ParseComparedError(String);
+
+impl FromStr for Compared {
+    type Err = ParseComparedError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let wrong = || ParseComparedError(text.to_owned());
+        let (way, solid) = text.split_once(':').unwrap_or((text, "capsule"));
+        let way = match way {
+            "search" => ComparedWay::Search,
+            preset => ComparedWay::Preset(preset.parse().ok().ok_or_else(wrong)?),
+        };
+        Ok(Self { way, renderer: solid.parse().ok().ok_or_else(wrong)? })
+    }
+}
+
+impl Default for BasinSettings {
+    fn default() -> Self {
+        let list = |value: fn(&Level) -> String| LEVELS.iter().map(value).collect::<Vec<_>>().join(" ");
+        Self {
+            reference: Reference::default(),
+            only_held: false,
+            angles: list(|level| level.degrees.to_string()),
+            root_cm: list(|level| format!("{:.0}", 100.0 * level.metres)),
+            starts: 20,
+            seed: 1,
+            success_mm: SUCCESS_MM,
+            compared: Vec::new(),
+            directions: [Angle::Flexion, Angle::Sideways].map(|angle| MapDirection { joint: None, angle }),
+            map_degrees: 60.0,
+            cells: 11,
+        }
+    }
+}
+
+impl BasinSettings {
+    /// The levels that are typed.
+    ///
+    /// # Errors
+    /// What is wrong with the text, in a sentence without its full stop.
+    pub fn levels(&self) -> Result<Vec<Level>, String> {
+        let angles = numbers(&self.angles, "Angles", 180.0)?;
+        let roots = numbers(&self.root_cm, "Root", 200.0)?;
+        if angles.is_empty() {
+            return Err("Angles: expected degrees, as 5 10 20".to_owned());
+        }
+        if angles.len() > MOST_ANGLES {
+            return Err(format!("Angles: expected {MOST_ANGLES} at most"));
+        }
+        let mut levels: Vec<Level> = Vec::with_capacity(angles.len());
+        for (index, angle) in angles.into_iter().enumerate() {
+            if angle.fract() != 0.0 || angle == 0.0 {
+                return Err(format!("Angles: {angle} is no whole number of degrees above 0"));
+            }
+            let degrees = angle as u32;
+            if levels.iter().any(|level| level.degrees == degrees) {
+                return Err(format!("Angles: {degrees} stands there twice"));
+            }
+            let metres = roots.get(index).or(roots.last()).map_or(0.0, |cm| 0.01 * cm);
+            levels.push(Level { degrees, metres });
+        }
+        levels.sort_by_key(|level| level.degrees);
+        Ok(levels)
+    }
+
+    /// The choices of fit: the current ones first, each named by what differs.
+    #[must_use]
+    pub fn choices(&self, current: &FitOptions) -> Vec<FitChoice> {
+        let mut choices = vec![FitChoice::downhill("", current.clone())];
+        choices.extend(self.compared.iter().take(MOST_COMPARED).map(|compared| compared.choice()));
+        name_choices(&mut choices);
+        choices
+    }
+
+    /// The options of the experiment over angles. `held` is the rotation that is held.
+    ///
+    /// # Errors
+    /// What is wrong with what is typed.
+    pub fn options(&self, current: &FitOptions, held: usize) -> Result<frame_basin::Options, String> {
+        Ok(frame_basin::Options {
+            choices: self.choices(current),
+            rotation: self.only_held.then_some(held),
+            levels: self.levels()?,
+            starts: self.starts.clamp(1, MOST_STARTS),
+            seed: self.seed,
+            target: self.target(),
+            success_mm: self.success_mm,
+        })
+    }
+
+    /// The options of the map. `held` is the rotation that is held.
+    #[must_use]
+    pub fn map_options(&self, current: &FitOptions, model: &Model, held: usize) -> basin_map::Options {
+        let direction = |direction: &MapDirection| Direction {
+            rotation: direction.rotation(model, held),
+            angle: direction.angle,
+        };
+        basin_map::Options {
+            choices: self.choices(current),
+            directions: self.directions.each_ref().map(direction),
+            degrees: self.map_degrees,
+            cells: self.cells.clamp(2, MOST_CELLS),
+            target: self.target(),
+            success_mm: self.success_mm,
+        }
+    }
+
+    fn target(&self) -> Target {
+        match self.reference {
+            Reference::Pose => Target::Fit,
+            Reference::Truth => Target::Reference,
+        }
+    }
+}
+
+/// Names choices of fit by what differs, and those that search by that.
+pub fn name_choices(choices: &mut [FitChoice]) {
+    let run = |choice: &FitChoice| Run {
+        choices: RunChoices { fit: choice.fit.clone().into(), ..RunChoices::default() },
+        is_shown: true,
+        ..Run::default()
+    };
+    let runs: Vec<Run> = choices.iter().map(run).collect();
+    let searches = |(name, choice): (String, &FitChoice)| {
+        if choice.hypotheses.is_some() { format!("{name}, search") } else { name }
+    };
+    let plain = plain_names(&runs).into_iter().zip(choices.iter()).map(searches).collect();
+    for (choice, name) in choices.iter_mut().zip(count_twins(plain)) {
+        choice.name = name;
+    }
+}
+
+/// The numbers of a list with blanks or commas between them.
+fn numbers(text: &str, name: &str, most: f64) -> Result<Vec<f64>, String> {
+    let words =
+        text.split(|c: char| c.is_whitespace() || c == ',' || c == ';').filter(|word| !word.is_empty());
+    let number = |word: &str| {
+        let value = word.trim_end_matches(['°', 'c', 'm']).parse::<f64>().ok();
+        value
+            .filter(|value| value.is_finite() && (0.0..=most).contains(value))
+            .ok_or_else(|| format!("{name}: “{word}” is no number from 0 to {most}"))
+    };
+    words.map(number).collect()
+}
+
+/// The name of a direction: "right forearm, flexion".
+#[must_use]
+pub fn direction_name(model: &Model, direction: Direction) -> String {
+    let owner = model.rotation_owners().get(direction.rotation).and_then(|limb| model.limbs().get(*limb));
+    let limb = owner.map_or("", |limb| limb.name.as_str());
+    format!("{limb}, {}", angle_name(direction.angle))
+}
+
+/// The name of an angle.
+#[must_use]
+pub const fn angle_name(angle: Angle) -> &'static str {
+    match angle {
+        Angle::Flexion => "flexion",
+        Angle::Sideways => "sideways",
+        Angle::Twist => "twist",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_settings_begin_with_the_commands_levels() {
+        assert_eq!(BasinSettings::default().levels().unwrap(), LEVELS);
+    }
+
+    #[test]
+    fn lists_are_read_and_what_is_wrong_is_said() {
+        let levels = |angles: &str, root: &str| {
+            BasinSettings { angles: angles.to_owned(), root_cm: root.to_owned(), ..BasinSettings::default() }
+                .levels()
+        };
+        let level = |degrees, metres| Level { degrees, metres };
+        assert_eq!(levels("20°, 10", "").unwrap(), [level(10, 0.0), level(20, 0.0)]);
+        assert_eq!(levels("5 10 20", "1 2").unwrap(), [level(5, 0.01), level(10, 0.02), level(20, 0.02)]);
+        for (angles, root, said) in [
+            ("", "", "expected degrees"),
+            ("5 x", "", "“x”"),
+            ("5 5", "", "twice"),
+            ("2.5", "", "whole"),
+            ("5", "900", "900"),
+        ] {
+            let error = levels(angles, root).unwrap_err();
+            assert!(error.contains(said), "{angles}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_fit_to_compare_with_is_read() {
+        let compared = |text: &str| text.parse::<Compared>();
+        let search = Compared { way: ComparedWay::Search, renderer: RendererKind::Cylinder };
+        assert_eq!(compared("search:cylinder"), Ok(search));
+        let report = Compared { way: ComparedWay::Preset(Preset::Report), renderer: RendererKind::Capsule };
+        assert_eq!(compared("report"), Ok(report));
+        for wrong in ["", "best", "report:ball", "search:"] {
+            assert!(compared(wrong).unwrap_err().to_string().contains("search:cylinder"), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn what_is_compared_next_is_new() {
+        let robust = FitOptions::preset(Preset::Robust);
+        let mut compared: Vec<Compared> = Vec::new();
+        for way in [ComparedWay::Preset(Preset::Report), ComparedWay::Search, ComparedWay::Search] {
+            let next = Compared::next(&robust, &compared);
+            assert_eq!(next.way, way);
+            compared.push(next);
+        }
+        assert_eq!(Compared::next(&FitOptions::preset(Preset::Report), &[]).way, ComparedWay::Search);
+    }
+
+    #[test]
+    fn a_joint_that_another_body_has_is_the_held_one() {
+        let model = backlit_tracking::body::builtin::full_body();
+        let direction = |name: &str| MapDirection { joint: Some(name.to_owned()), angle: Angle::Twist };
+        let forearm = model.limbs()[model.limb_index("right forearm").unwrap()].rotation;
+        assert_eq!(direction("right forearm").rotation(&model, 2), forearm);
+        assert_eq!(direction("tail").rotation(&model, 2), 2);
+    }
+
+    #[test]
+    fn choices_are_named_by_what_differs() {
+        let robust = FitOptions::preset(Preset::Robust);
+        let names = |compared: Vec<Compared>| -> Vec<String> {
+            let settings = BasinSettings { compared, ..BasinSettings::default() };
+            settings.choices(&robust).into_iter().map(|choice| choice.name).collect()
+        };
+        assert_eq!(names(Vec::new()), ["Robust"]);
+        let report = Compared { way: ComparedWay::Preset(Preset::Report), renderer: RendererKind::Capsule };
+        assert_eq!(names(vec![report]), ["Robust", "Report 2004"]);
+        let search = Compared { way: ComparedWay::Search, renderer: RendererKind::Capsule };
+        assert_eq!(names(vec![search]), ["Robust", "Robust, search"]);
+        assert_eq!(names(vec![search, search]), ["Robust", "Robust, search", "Robust, search (2)"]);
+        let same = Compared { way: ComparedWay::Preset(Preset::Robust), renderer: RendererKind::Capsule };
+        assert_eq!(names(vec![search, same]), ["Robust", "Robust, search", "Robust (2)"]);
+        let cylinder = Compared { renderer: RendererKind::Cylinder, ..search };
+        assert_eq!(names(vec![search, cylinder]), ["Capsule", "Capsule, search", "Cylinder, search"]);
+    }
+}

@@ -1,0 +1,278 @@
+//! Beside a portrait picture: how model and data overlap, the camera's use in the fit, and what the hand does.
+
+use backlit_tracking::silhouette::Overlap;
+use egui::{
+    Align, Color32, CornerRadius, Layout, Rect, RichText, Role, Sense, Shape, Stroke, StrokeKind, TextStyle,
+    Ui, UiBuilder, WidgetInfo, pos2, vec2,
+};
+
+use super::hand::{Action, Hand};
+use super::{CameraTileInput, TileEvent};
+use crate::context::command_button::gesture;
+use crate::drawing::{SightRay, joint_name};
+use crate::style::format;
+use crate::style::theme;
+use crate::style::theme::data_colours::{AGREEMENT, MISSING, SELECTED, SPURIOUS, mark};
+use crate::style::theme::{headline, size, space};
+use crate::widgets::{Grip, ValueSlider, checkbox};
+
+/// Height of a row of words and numbers.
+const ROW: f32 = 20.0;
+
+/// Side of a swatch.
+const SWATCH: f32 = 9.0;
+
+/// Height of the bar of shares.
+const BAR: f32 = 5.0;
+
+/// Between the parts of that bar.
+const BAR_GAP: f32 = 2.0;
+
+/// Width of the weight's slider.
+const WEIGHT_SLIDER: f32 = 72.0;
+
+/// Largest weight that the slider offers.
+const MAX_WEIGHT: f64 = 2.0;
+
+/// Where the words beside the keys begin.
+const KEY_COLUMN: f32 = 84.0;
+
+pub(crate) fn show(
+    ui: &mut Ui,
+    rect: Rect,
+    input: &CameraTileInput<'_>,
+    hand: &Hand,
+    events: &mut Vec<TileEvent>,
+) {
+    let inner = rect.shrink2(vec2(space::GUTTER_MARGIN, space::GROUP));
+    let builder = UiBuilder::new().max_rect(inner).layout(Layout::top_down(Align::Min));
+    ui.scope_builder(builder, |ui| {
+        ui.set_clip_rect(rect.intersect(ui.clip_rect()));
+        ui.spacing_mut().item_spacing.y = 0.0;
+        if !input.is_calibrated {
+            ui.label(RichText::new("Not calibrated: pictures only").color(theme::palette(ui).text3));
+            return;
+        }
+        show_overlap(ui, input);
+        if input.picture.mask.is_none() && input.picture.data.is_none() {
+            ui.add_space(space::ROW);
+            if ui.button("Segment").on_hover_text("Find the silhouettes of this take.").clicked() {
+                events.push(TileEvent::Segment);
+            }
+        }
+        separator(ui);
+        show_fit_use(ui, input, events);
+        show_hand(ui, input, hand);
+    });
+}
+
+/// Overlap in words and numbers, for the gutter and for the header's tooltip.
+pub(crate) fn show_overlap(ui: &mut Ui, input: &CameraTileInput<'_>) {
+    let palette = theme::palette(ui);
+    let Some(overlap) = input.overlap else {
+        let no_mask = input.picture.mask.is_none() && input.picture.data.is_none();
+        let text = if no_mask { "No silhouette yet" } else { "No overlap yet" };
+        ui.label(RichText::new(text).color(palette.text3));
+        return;
+    };
+    let colour = if input.is_overlap_stale { palette.text3 } else { palette.text };
+    let iou = overlap.iou().map_or(format::MISSING.to_owned(), format::ratio);
+    let font = headline();
+    let row = number_row(ui, None, "IoU", &iou, font, colour);
+    row.on_hover_text(
+        "What silhouette and body have in common, as a share of what either covers: 1 is a perfect fit",
+    );
+    ui.add_space(space::ROW);
+    bar(ui, &overlap);
+    ui.add_space(space::ROW);
+    let parts = [
+        (AGREEMENT, "Agreement", overlap.agreement, "Pixels of the silhouette that the body covers"),
+        (MISSING, "Missing", overlap.missing, "Pixels of the silhouette that the body does not cover"),
+        (SPURIOUS, "Spurious", overlap.spurious, "Pixels of the body where there is no silhouette"),
+    ];
+    for (swatch, label, count, tooltip) in parts {
+        let count = format::count(i64::try_from(count).unwrap_or(i64::MAX));
+        number_row(ui, Some(swatch), label, &count, TextStyle::Monospace, colour).on_hover_text(tooltip);
+    }
+}
+
+/// Whether, and how much, the camera counts in the fit.
+pub(crate) fn show_fit_use(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) {
+    let mut is_used = input.is_used;
+    let used = checkbox(ui, &mut is_used, "Used in the fit")
+        .on_hover_text("Whether this camera’s silhouette counts; without it the view is only looked at");
+    if used.changed() {
+        events.push(TileEvent::SetUsed(is_used));
+    }
+    let palette = theme::palette(ui);
+    ui.horizontal(|ui| {
+        ui.set_height(size::ROW);
+        let text = if input.is_used { palette.text2 } else { palette.text3 };
+        ui.label(RichText::new("Weight").color(text));
+        ui.add_enabled_ui(input.is_used, |ui| {
+            let mut weight = input.weight;
+            let label = format!("Weight of {}", input.name);
+            let slider = ValueSlider::new(&mut weight, 0.0..=MAX_WEIGHT, &label).width(WEIGHT_SLIDER);
+            let slider = ui.add(slider);
+            gesture(ui, "weight", &slider);
+            if slider.changed() {
+                events.push(TileEvent::SetWeight(weight));
+            }
+            slider.on_hover_text(
+                "How much each pixel of this camera counts in the fit, next to those of the others",
+            );
+        });
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.label(RichText::new(format::number(input.weight, 2)).monospace().color(text));
+        });
+    });
+}
+
+/// What the hand holds here, or the ray of what it holds in another view.
+fn show_hand(ui: &mut Ui, input: &CameraTileInput<'_>, hand: &Hand) {
+    let palette = theme::palette(ui);
+    let limb_name = |limb: usize| input.body.limbs().get(limb).map_or("limb", |limb| limb.name.as_str());
+    let held = hand.action().map(|action| match action {
+        Action::Joint(joint) => format!("Dragging {}", joint_name(input.body, joint)),
+        Action::Depth(joint) => format!("Depth of {}", joint_name(input.body, joint)),
+        Action::Twist(limb) => format!("Twisting {}", limb_name(limb)),
+        Action::Turn(limb) => format!("Turning {}", limb_name(limb)),
+        Action::Body => "Moving the whole body".to_owned(),
+        Action::Length(limb) => format!("Length of {}", limb_name(limb)),
+        Action::Radius(limb) => format!("Radius of {}", limb_name(limb)),
+    });
+    let hovered = hand.hovered.or(hand.grip()).map(|grip| grip_name(input, grip));
+    if let Some(title) = held.as_ref().or(hovered.as_ref()) {
+        separator(ui);
+        let colour = if held.is_some() { palette.accent_text } else { palette.text };
+        ui.label(RichText::new(title).color(colour));
+        ui.add_space(space::ROW);
+        let is_size = matches!(hand.hovered.or(hand.grip()), Some(Grip::Length(_) | Grip::Radius(_)));
+        let keys: &[(&str, &str)] = match () {
+            () if !is_size => &[("Shift", "depth"), ("Ctrl", "twist"), ("Ctrl Shift", "whole body")],
+            () if input.settings.both_sides => &[("Drag", "on both sides")],
+            () => &[("Drag", "this limb alone")],
+        };
+        let escape = held.is_some().then_some(("Esc", "put back"));
+        for (key, act) in keys.iter().copied().chain(escape) {
+            key_row(ui, key, act);
+        }
+    } else if let Some(ray) = input.sight_ray {
+        separator(ui);
+        show_ray(ui, input, ray);
+    }
+}
+
+/// What people call something that can be taken hold of.
+pub(crate) fn grip_name(input: &CameraTileInput<'_>, grip: Grip) -> String {
+    let limb_name = |limb: usize| input.body.limbs().get(limb).map_or("limb", |limb| limb.name.as_str());
+    match grip {
+        Grip::Joint(joint) => capitalised(&joint_name(input.body, joint)),
+        Grip::Limb(limb) => capitalised(limb_name(limb)),
+        Grip::Length(limb) => format!("Length of {}", limb_name(limb)),
+        Grip::Radius(limb) => format!("Radius of {}", limb_name(limb)),
+    }
+}
+
+fn show_ray(ui: &mut Ui, input: &CameraTileInput<'_>, ray: &SightRay) {
+    let palette = theme::palette(ui);
+    let text = format!("Sight ray, camera {}", ray.camera + 1);
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &text));
+    let sample = [rect.left_center(), rect.left_center() + vec2(18.0, 0.0)];
+    let colour = if ui.visuals().dark_mode { SELECTED } else { palette.accent_text };
+    let [dash, gap] = mark::RAY_DASH;
+    ui.painter().extend(Shape::dashed_line(&sample, Stroke::new(mark::RAY_WIDTH, colour), dash, gap));
+    words(ui, pos2(rect.left() + 28.0, rect.center().y), &text, palette.text2);
+    let selected = input.joints.iter().find(|joint| Some(joint.id) == input.selected);
+    if let Some(joint) = selected {
+        let name = joint_name(input.body, joint.id);
+        let name = name.strip_prefix("right ").or(name.strip_prefix("left ")).unwrap_or(&name);
+        let label = format!("{} depth here", capitalised(name));
+        let depth = format!("{} m", format::number(joint.depth_m, 2));
+        number_row(ui, None, &label, &depth, TextStyle::Monospace, palette.text);
+    }
+}
+
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+fn separator(ui: &mut Ui) {
+    ui.add_space(space::GROUP);
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), size::HAIRLINE), Sense::hover());
+    ui.painter().hline(rect.x_range(), rect.center().y, theme::palette(ui).hairline());
+    ui.add_space(space::WIDGET);
+}
+
+/// A row with a word at the left and a number at the right.
+fn number_row(
+    ui: &mut Ui,
+    swatch: Option<Color32>,
+    label: &str,
+    number: &str,
+    style: TextStyle,
+    colour: Color32,
+) -> egui::Response {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{label} {number}")));
+    let palette = theme::palette(ui);
+    let mut left = rect.left();
+    if let Some(swatch) = swatch {
+        let square = Rect::from_center_size(pos2(left + SWATCH * 0.5, rect.center().y), vec2(SWATCH, SWATCH));
+        let edge = if ui.visuals().dark_mode { Stroke::NONE } else { palette.edge() };
+        ui.painter().rect(square, CornerRadius::same(2), swatch, edge, StrokeKind::Inside);
+        left += SWATCH + space::WIDGET;
+    }
+    words(ui, pos2(left, rect.center().y), label, palette.text2);
+    let font = style.resolve(ui.style());
+    ui.painter().text(rect.right_center(), egui::Align2::RIGHT_CENTER, number, font, colour);
+    response
+}
+
+fn words(ui: &Ui, at: egui::Pos2, text: &str, colour: Color32) {
+    let font = TextStyle::Body.resolve(ui.style());
+    ui.painter().text(at, egui::Align2::LEFT_CENTER, text, font, colour);
+}
+
+fn key_row(ui: &mut Ui, key: &str, act: &str) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{key}: {act}")));
+    let palette = theme::palette(ui);
+    let font = TextStyle::Monospace.resolve(ui.style());
+    ui.painter().text(rect.left_center(), egui::Align2::LEFT_CENTER, key, font, palette.text);
+    let small = TextStyle::Small.resolve(ui.style());
+    let at = pos2(rect.left() + KEY_COLUMN, rect.center().y);
+    ui.painter().text(at, egui::Align2::LEFT_CENTER, act, small, palette.text3);
+}
+
+/// The shares of agreement, missing and spurious.
+fn bar(ui: &mut Ui, overlap: &Overlap) {
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), BAR), Sense::hover());
+    let parts = [(overlap.agreement, AGREEMENT), (overlap.missing, MISSING), (overlap.spurious, SPURIOUS)];
+    let total: usize = parts.iter().map(|(count, _)| count).sum();
+    let shown = parts.iter().filter(|(count, _)| *count > 0).count();
+    let width = rect.width() - BAR_GAP * shown.saturating_sub(1) as f32;
+    let mut left = rect.left();
+    for (count, colour) in parts.into_iter().filter(|(count, _)| *count > 0) {
+        let part = width * (count as f64 / total as f64) as f32;
+        ui.painter().rect_filled(
+            Rect::from_min_size(pos2(left, rect.top()), vec2(part, BAR)),
+            CornerRadius::same(1),
+            colour,
+        );
+        left += part + BAR_GAP;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn titles_begin_with_a_capital() {
+        assert_eq!(capitalised("right wrist"), "Right wrist");
+        assert_eq!(capitalised(""), "");
+    }
+}

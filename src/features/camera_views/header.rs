@@ -1,0 +1,215 @@
+//! A tile's header: badge, name, view mode, link, expand, more.
+
+use backlit_tracking::camera::Camera;
+use egui::{
+    Align, CornerRadius, Layout, Popup, Rect, Role, Sense, TextStyle, TextWrapMode, Ui, UiBuilder,
+    WidgetInfo, WidgetText, pos2, vec2,
+};
+
+use super::comparison::mode_text;
+use super::{CameraTileInput, TileEvent, TileLayout, gutter, tile_menu};
+use crate::context::action::Action;
+use crate::shell::pane_title;
+use crate::style::format;
+use crate::style::theme;
+use crate::style::theme::{size, space};
+use crate::widgets::{Icon, camera_badge, icon_button};
+
+/// In a narrower header the link button folds into the menu.
+const LINK_FROM: f32 = 300.0;
+
+/// A wider header has the camera's name in the take too.
+const NAME_FROM: f32 = 420.0;
+
+/// A narrower header has no word beside the badge.
+const TITLE_FROM: f32 = 236.0;
+
+/// Width of the button back to all views, with the space behind it.
+const BACK: f32 = 84.0;
+
+/// Space for the chevron behind the mode's name.
+const CHEVRON: f32 = 18.0;
+
+/// Dashes around the badge of a camera without calibration.
+const DASH: f32 = 2.5;
+
+pub(crate) fn show(
+    ui: &mut Ui,
+    layout: &TileLayout,
+    input: &CameraTileInput<'_>,
+    events: &mut Vec<TileEvent>,
+) {
+    let rect = layout.header;
+    ui.painter().rect_filled(rect, 0.0, theme::palette(ui).raised);
+    let back = ui.interact(rect, ui.scope_id().with("header"), Sense::click_and_drag());
+    back.widget_info(|| WidgetInfo::labeled(Role::TitleBar, true, format!("{} header", input.name)));
+    if back.double_clicked() {
+        events.push(TileEvent::ToggleExpanded);
+    } else if back.clicked() {
+        events.push(TileEvent::Activate);
+    } else if back.drag_started() {
+        events.push(TileEvent::DragTile);
+    }
+    if layout.gutter.is_none() {
+        back.on_hover_ui(|ui| gutter::show_overlap(ui, input));
+    }
+
+    let has_link = rect.width() >= LINK_FROM;
+    let badges_width: f32 =
+        input.siblings.iter().map(|sibling| pane_title::width_behind(ui, *sibling) + space::ROW).sum();
+    let back_width = if input.is_expanded { BACK } else { 0.0 };
+    let buttons_width =
+        if has_link { 3.0 } else { 2.0 } * size::BUTTON + space::ROW + badges_width + back_width;
+    let (left, right) = rect.split_left_right_at_x((rect.right() - buttons_width).max(rect.left()));
+    let left = Rect::from_min_max(pos2(left.left() + space::WIDGET, left.top()), left.max);
+    let builder = UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center));
+    ui.scope_builder(builder, |ui| {
+        if camera_badge(ui, input.index).on_hover_text(expand_tooltip(input)).clicked() {
+            events.push(TileEvent::ToggleExpanded);
+        }
+        if !input.is_calibrated {
+            paint_dashes(
+                ui,
+                Rect::from_center_size(pos2(left.left() + 8.0, left.center().y), vec2(18.0, 18.0)),
+            );
+        }
+        let palette = theme::palette(ui);
+        let name = egui::RichText::new(input.name);
+        let name = if input.is_used { name } else { name.color(palette.text3) };
+        // The badge has the number; where there is little room the mode needs it more than the word.
+        let name = (rect.width() >= TITLE_FROM).then(|| ui.add(egui::Label::new(name).selectable(false)));
+        if let Some(camera) = input.camera {
+            if let Some(name) = name {
+                name.on_hover_text(about(camera));
+            }
+            if rect.width() >= NAME_FROM {
+                let name = egui::RichText::new(camera.name()).small().color(palette.text3);
+                ui.add(egui::Label::new(name).selectable(false));
+            }
+        }
+        if !input.is_used && input.is_calibrated {
+            let off = egui::RichText::new("not in fit").small().color(palette.text3);
+            ui.add(egui::Label::new(off).selectable(false)).on_hover_text(
+                "This camera's silhouette does not count: tick it in the gutter or under More.",
+            );
+        }
+        mode_menu(ui, input, events);
+    });
+    show_buttons(ui, right, input, has_link, events);
+}
+
+/// Cameras that stand behind this one, the way back, link, expand, more.
+fn show_buttons(
+    ui: &mut Ui,
+    right: Rect,
+    input: &CameraTileInput<'_>,
+    has_link: bool,
+    events: &mut Vec<TileEvent>,
+) {
+    let builder = UiBuilder::new().max_rect(right).layout(Layout::left_to_right(Align::Center));
+    ui.scope_builder(builder, |ui| {
+        ui.spacing_mut().item_spacing.x = space::ROW;
+        for &sibling in input.siblings {
+            if pane_title::behind(ui, sibling).clicked() {
+                events.push(TileEvent::Switch(sibling));
+            }
+        }
+        ui.spacing_mut().item_spacing.x = 0.0;
+        if input.is_expanded {
+            let back = egui::Button::new("All views").min_size(vec2(BACK - space::WIDGET, size::ROW));
+            let back = ui.add(back).on_hover_text("Back to all views, with their timeline   Esc");
+            if back.clicked() {
+                events.push(TileEvent::ToggleExpanded);
+            }
+            ui.add_space(space::WIDGET);
+        }
+        if has_link {
+            link_button(ui, input, events);
+        }
+        buttons(ui, input, has_link, events);
+    });
+}
+
+fn mode_menu(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) {
+    let palette = theme::palette(ui);
+    let text = mode_text(input, false);
+    let room = (ui.available_width() - CHEVRON).max(0.0);
+    let lay_out =
+        |text: &str, mode| WidgetText::from(text).into_galley(ui, Some(mode), room, TextStyle::Button);
+    let mut galley = lay_out(&text, TextWrapMode::Extend);
+    if galley.size().x > room {
+        galley = lay_out(&mode_text(input, true), TextWrapMode::Truncate);
+    }
+    let (rect, response) = ui.allocate_exact_size(vec2(galley.size().x + CHEVRON, size::ROW), Sense::click());
+    let label = format!("{}, view mode: {text}", input.name);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
+    let is_open = Popup::is_id_open(ui.ctx(), Popup::default_response_id(&response));
+    let colour = if response.hovered() || is_open { palette.text } else { palette.text2 };
+    let at = pos2(rect.left(), rect.center().y - galley.size().y * 0.5);
+    ui.painter().galley(at, galley, colour);
+    let chevron = Rect::from_min_max(pos2(rect.right() - size::ICON, rect.top()), rect.max);
+    Icon::ChevronDown.paint_scaled(ui.painter(), chevron, colour, 0.85);
+    if response.has_focus() {
+        let radius = CornerRadius::same(size::BUTTON_RADIUS);
+        ui.painter().rect_stroke(rect, radius, palette.focus_ring(), egui::StrokeKind::Outside);
+    }
+    let mode = input.look.mode;
+    let tooltip = format!("{}: {}   {}", mode.label(), mode.tooltip(), mode.key());
+    let response = response.on_hover_text(tooltip);
+    Popup::menu(&response)
+        .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
+        .show(|ui| tile_menu::modes(ui, input, events));
+}
+
+fn link_button(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) {
+    let (icon, tooltip) = if input.is_linked {
+        (Icon::Link, "All views zoom and pan together, about the same point of the body   Z")
+    } else {
+        (Icon::Unlink, "This view zooms and pans by itself; link it with the others   Z")
+    };
+    let verb = if input.is_linked { "Unlink" } else { "Link" };
+    if icon_button(ui, icon, &format!("{verb} zoom of {}", input.name), tooltip).clicked() {
+        events.push(TileEvent::SetLinked(!input.is_linked));
+    }
+}
+
+fn buttons(ui: &mut Ui, input: &CameraTileInput<'_>, has_link: bool, events: &mut Vec<TileEvent>) {
+    if icon_button(ui, Icon::Expand, &format!("Expand {}", input.name), &expand_tooltip(input)).clicked() {
+        events.push(TileEvent::ToggleExpanded);
+    }
+    let tooltip = "Framing, marks, and what this camera counts in the fit";
+    let more = icon_button(ui, Icon::More, &format!("More for {}", input.name), tooltip);
+    Popup::menu(&more)
+        .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
+        .show(|ui| tile_menu::more(ui, input, has_link, events));
+}
+
+/// What a click on badge or button does, with its keys.
+fn expand_tooltip(input: &CameraTileInput<'_>) -> String {
+    let key = Action::camera_alone(input.index).and_then(Action::keys_text);
+    let key = key.map_or_else(String::new, |key| format!("   {key}"));
+    if input.is_expanded {
+        format!("Back to all views   Esc, or{key}")
+    } else {
+        format!("{} alone in the window, and back; also by a double click on the header{key}", input.name)
+    }
+}
+
+/// What the calibration says of a camera, in a sentence.
+fn about(camera: &Camera) -> String {
+    let focal = format::number(camera.intrinsics().mean_focal_px(), 0);
+    let (width, height) = (camera.width(), camera.height());
+    let [x, y, z] = camera.centre().to_array().map(|metres| format::number(metres, 2));
+    format!(
+        "In the take: {}. {width} × {height} pixels, focal length {focal} pixels, at {x}, {y}, {z} m.",
+        camera.name()
+    )
+}
+
+/// The sign of a camera without calibration.
+fn paint_dashes(ui: &Ui, rect: Rect) {
+    let stroke = theme::palette(ui).edge();
+    let corners =
+        [rect.left_top(), rect.right_top(), rect.right_bottom(), rect.left_bottom(), rect.left_top()];
+    ui.painter().extend(egui::Shape::dashed_line(&corners, stroke, DASH, DASH));
+}

@@ -1,0 +1,215 @@
+//! The numbers of the pixel under the pointer, on a card beside it. Holding H keeps the card while the pointer moves.
+
+use egui::{
+    Area, Color32, CornerRadius, Frame, Id, Margin, Order, Pos2, Rect, Role, Sense, Stroke, TextStyle, Ui,
+    Vec2, WidgetInfo, pos2, vec2,
+};
+use glam::DVec2;
+
+use super::CameraTileInput;
+use super::gutter::grip_name;
+use crate::drawing::{Sample, ViewMode};
+use crate::features::observability::panel::deviation;
+use crate::style::format;
+use crate::style::theme;
+use crate::style::theme::data_colours::{CASING, JOINT};
+use crate::style::theme::size;
+use crate::widgets::{Grip, ViewTransform};
+
+/// From the pixel to the card, across.
+const DISTANCE: f32 = 26.0;
+
+/// Height of a row.
+const ROW: f32 = 18.0;
+
+/// Between the card's edge and its text.
+const MARGIN: f32 = 12.0;
+
+/// The card of one pixel.
+pub(crate) struct HoverCard {
+    /// The pixel.
+    pub(crate) pixel: [usize; 2],
+    /// It is held by a key.
+    pub(crate) is_frozen: bool,
+    /// The view mode at that pixel.
+    pub(crate) mode: ViewMode,
+    /// What can be taken hold of there.
+    pub(crate) grip: Option<Grip>,
+    /// What the modifiers do is said nowhere else.
+    pub(crate) has_keys: bool,
+}
+
+impl HoverCard {
+    pub(crate) fn show(
+        &self,
+        ui: &Ui,
+        id: Id,
+        picture: Rect,
+        view: &ViewTransform,
+        input: &CameraTileInput<'_>,
+    ) {
+        let pixel = self.pixel;
+        let Some(sample) = input.picture.sample(pixel[0], pixel[1]) else { return };
+        let rows = self.grip_rows(input);
+        let derivative = derivative_row(input, pixel, self.mode);
+        let at = view.screen_from_px(DVec2::new(pixel[0] as f64, pixel[1] as f64));
+        let more = rows.len() + usize::from(derivative.is_some());
+        let height = size::HOVER_CARD.y + more as f32 * ROW;
+        let card = place(at, vec2(size::HOVER_CARD.x, height), picture.intersect(ui.ctx().content_rect()));
+        let edge = if card.left() > at.x { card.left() } else { card.right() };
+        let painter = ui.painter_at(picture);
+        let leader = [at, pos2(edge, at.y.clamp(card.top(), card.bottom()))];
+        painter.line_segment(leader, Stroke::new(1.0 + 2.0 * size::CASING, CASING));
+        painter.line_segment(leader, Stroke::new(1.0, JOINT));
+        painter.circle_filled(at, 2.5 + size::CASING, CASING);
+        painter.circle_filled(at, 2.5, JOINT);
+
+        let area = Area::new(id).order(Order::Tooltip).fixed_pos(card.min).interactable(false).fade_in(false);
+        area.show(ui.ctx(), |ui| {
+            let palette = theme::palette(ui);
+            Frame::new()
+                .fill(palette.raised)
+                .stroke(palette.edge())
+                .corner_radius(CornerRadius::same(size::BUTTON_RADIUS))
+                .inner_margin(Margin::same(MARGIN as i8 - 1))
+                .show(ui, |ui| {
+                    ui.set_width(size::HOVER_CARD.x - 2.0 * MARGIN);
+                    ui.spacing_mut().item_spacing.y = 0.0;
+                    for (index, (label, value)) in rows.iter().enumerate() {
+                        match index {
+                            0 => title_row(ui, label, value),
+                            _ => row(ui, label, value, TextStyle::Small, palette.text),
+                        }
+                    }
+                    pixel_rows(ui, input, (pixel, self.is_frozen), &sample);
+                    if let Some((label, value)) = &derivative {
+                        row(ui, label, value, TextStyle::Monospace, palette.text);
+                    }
+                });
+        });
+    }
+
+    /// What is under the pointer, what the modifiers do, and how well a joint is known.
+    fn grip_rows(&self, input: &CameraTileInput<'_>) -> Vec<(String, String)> {
+        let mut rows = Vec::new();
+        let Some(grip) = self.grip else { return rows };
+        let joint = if let Grip::Joint(joint) = grip { Some(joint) } else { None };
+        let known = input.observed.ellipses.iter().find(|known| Some(known.joint) == joint);
+        if self.has_keys || known.is_some() {
+            let drag = if joint.is_some() { "drag moves it" } else { "drag turns it" };
+            rows.push((grip_name(input, grip), drag.to_owned()));
+        }
+        if let Some(known) = known {
+            let [across, depth] = known.deviations_m.map(deviation);
+            rows.push(("Across, 1σ".to_owned(), across));
+            rows.push(("In depth, 1σ".to_owned(), depth));
+        }
+        if self.has_keys && matches!(grip, Grip::Joint(_) | Grip::Limb(_)) {
+            rows.push(("Shift: depth".to_owned(), "Ctrl: twist".to_owned()));
+        }
+        rows
+    }
+}
+
+/// What the picture's own colour says at a pixel, where it is a derivative.
+fn derivative_row(
+    input: &CameraTileInput<'_>,
+    pixel: [usize; 2],
+    mode: ViewMode,
+) -> Option<(&'static str, String)> {
+    let (label, derivative, unit) = match mode {
+        ViewMode::Gradient => ("Pull, grey", input.picture.gradient?, "m"),
+        ViewMode::JacobianColumn => ("Change, grey", input.picture.jacobian?, input.settings.axis.unit()),
+        _ => return None,
+    };
+    let value = *derivative.values.get(pixel[1] * input.picture.size[0] + pixel[0])?;
+    Some((label, format!("{} / {unit}", format::number(f64::from(value), 0))))
+}
+
+fn pixel_rows(
+    ui: &mut Ui,
+    input: &CameraTileInput<'_>,
+    (pixel, is_frozen): ([usize; 2], bool),
+    sample: &Sample,
+) {
+    let palette = theme::palette(ui);
+    let title = format!("Pixel {}, {}", pixel[0], pixel[1]);
+    let hint = if is_frozen { "held" } else { "H holds" };
+    title_row(ui, &title, hint);
+    let number = |value: Option<f32>, decimals: usize| {
+        value.map_or(format::MISSING.to_owned(), |value| format::number(f64::from(value), decimals))
+    };
+    let data = if sample.is_unknown { "don’t know".to_owned() } else { number(sample.data, 0) };
+    let owner = sample.owner.and_then(|owner| input.body.limbs().get(owner));
+    let owner = owner.map_or(format::MISSING, |limb| limb.name.as_str());
+    let depth = match sample.depth_m {
+        Some(depth) => format!("{} m", format::number(f64::from(depth), 2)),
+        None => format::MISSING.to_owned(),
+    };
+    let mono = TextStyle::Monospace;
+    row(ui, "Data D", &data, mono.clone(), palette.text);
+    row(ui, "Prediction Λ", &number(sample.prediction, 0), mono.clone(), palette.text);
+    row(ui, "Residual D − Λ", &number(sample.residual, 0), mono.clone(), palette.text);
+    row(ui, "Owner", owner, TextStyle::Small, palette.text);
+    row(ui, "d / r", &number(sample.distance_over_radius, 2), mono.clone(), palette.text);
+    row(ui, "Distance", &depth, mono, palette.text);
+}
+
+fn title_row(ui: &mut Ui, title: &str, hint: &str) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, title));
+    let palette = theme::palette(ui);
+    let text = |at: Pos2, align, text: &str, style: TextStyle, colour| {
+        ui.painter().text(at, align, text, style.resolve(ui.style()), colour);
+    };
+    text(rect.left_center(), egui::Align2::LEFT_CENTER, title, TextStyle::Body, palette.text);
+    text(rect.right_center(), egui::Align2::RIGHT_CENTER, hint, TextStyle::Small, palette.text3);
+}
+
+fn row(ui: &mut Ui, label: &str, value: &str, style: TextStyle, colour: Color32) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{label} {value}")));
+    let palette = theme::palette(ui);
+    let font = TextStyle::Small.resolve(ui.style());
+    ui.painter().text(rect.left_center(), egui::Align2::LEFT_CENTER, label, font, palette.text2);
+    let font = style.resolve(ui.style());
+    ui.painter().text(rect.right_center(), egui::Align2::RIGHT_CENTER, value, font, colour);
+}
+
+/// The card's place: to the right of the pixel and above it; flipped where it would leave `bounds`, and moved
+/// inside where it fits on neither side.
+fn place(at: Pos2, card: Vec2, bounds: Rect) -> Rect {
+    let left = if at.x + DISTANCE + card.x <= bounds.right() {
+        at.x + DISTANCE
+    } else if at.x - DISTANCE - card.x >= bounds.left() {
+        at.x - DISTANCE - card.x
+    } else {
+        at.x + DISTANCE
+    };
+    let top = if at.y - card.y >= bounds.top() {
+        at.y - card.y
+    } else {
+        at.y.min(bounds.bottom() - card.y).max(bounds.top())
+    };
+    Rect::from_min_size(pos2(left, top), card)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_card_flips_at_edges_and_is_never_under_the_pointer() {
+        let bounds = Rect::from_min_max(pos2(0.0, 0.0), pos2(500.0, 400.0));
+        let at = pos2(100.0, 300.0);
+        let card = place(at, size::HOVER_CARD, bounds);
+        assert_eq!((card.left(), card.bottom()), (126.0, 300.0));
+        for at in [pos2(480.0, 300.0), pos2(20.0, 20.0), pos2(490.0, 10.0), pos2(0.0, 399.0)] {
+            let card = place(at, size::HOVER_CARD, bounds);
+            assert!(bounds.contains_rect(card), "{at:?}: {card:?}");
+            assert!(!card.expand(20.0).x_range().contains(at.x), "{at:?}: {card:?}");
+        }
+        let narrow = Rect::from_min_max(pos2(0.0, 0.0), pos2(220.0, 200.0));
+        assert!(!place(pos2(110.0, 100.0), size::HOVER_CARD, narrow).contains(pos2(110.0, 100.0)));
+    }
+}

@@ -1,0 +1,143 @@
+//! The strip at the foot of a picture that says how to read its colours, in a row for each mode that is compared; the
+//! overlap too, where there is no gutter.
+
+use std::sync::Arc;
+
+use egui::{Galley, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
+
+use super::comparison::Seen;
+use super::legend_block::{Block, Item, ROW};
+use super::{CameraTileInput, TileLayout};
+use crate::drawing::{Legend, ViewMode};
+use crate::style::format;
+use crate::style::theme::data_colours::PICTURE_GROUND;
+use crate::style::theme::{Theme, space};
+
+/// Above and below the rows.
+const MARGIN: f32 = 2.0;
+
+/// What a picture without gutter leaves free for the strip: one row, in every mode, so that it never jumps.
+pub(crate) const RESERVED: f32 = ROW + 2.0 * MARGIN;
+
+/// Opacity of its ground.
+const OPACITY: f32 = 0.86;
+
+/// Opacity of what explains the mode that a blink does not show now.
+const NOT_NOW: f32 = 0.45;
+
+/// Shows the strip, if there is anything to say, and returns its height.
+pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, seen: Seen) -> f32 {
+    let has_gutter = layout.gutter.is_some();
+    let is_compared = seen.modes().len() > 1;
+    let mut modes = seen.modes();
+    // The name in the picture's corner says all of footage.
+    modes.retain(|mode| !is_compared || mode.legend() != Legend::None);
+    let note = (!has_gutter).then(|| note(input)).flatten();
+    let observed = input.observed.words();
+    let has_marks = input.settings.calibration_marks && input.camera.is_some();
+    // The gutter's bar and counts are this legend.
+    let says_nothing =
+        |mode: ViewMode| mode.legend() == Legend::None || has_gutter && mode == ViewMode::Tinted;
+    if !is_compared && says_nothing(modes[0]) && note.is_none() && observed.is_none() && !has_marks {
+        return 0.0;
+    }
+    let palette = Theme::Dark.palette();
+    let fonts = [TextStyle::Small, TextStyle::Monospace].map(|style| style.resolve(ui.style()));
+    let [small, mono] = &fonts;
+    let painter = ui.painter_at(layout.picture);
+    let note = note.map(|note| painter.layout_no_wrap(note, mono.clone(), palette.text));
+    let note_width = note.as_ref().map_or(0.0, |note| note.size().x);
+    let width = layout.picture.width() - 2.0 * space::GROUP;
+
+    let name = |mode: &ViewMode| {
+        painter.layout_no_wrap(format!("{}:", mode.short_label()), small.clone(), palette.text)
+    };
+    let names: Vec<Arc<Galley>> = modes.iter().filter(|_| is_compared).map(name).collect();
+    let column = names.iter().map(|name| name.size().x + space::WIDGET).fold(0.0, f32::max);
+    let last = modes.len().saturating_sub(1);
+    let has_unknown = has_unknown(ui, input);
+    let block = |(index, mode): (usize, &ViewMode)| {
+        let is_told = !is_compared && says_nothing(*mode);
+        let mut items =
+            if is_told { Vec::new() } else { Item::all_of(*mode, input, has_unknown, &painter, small) };
+        items.extend(observed.iter().filter(|_| index == last).map(|text| Item::ring(text, &painter, small)));
+        if index == last && has_marks {
+            items.extend(Item::calibration(&painter, small));
+        }
+        let legend = if is_told { Legend::None } else { mode.legend() };
+        let note = if index == last { note_width } else { 0.0 };
+        Block::new(legend, items, input, [width - column, note], &painter, small)
+    };
+    let blocks: Vec<Block> = modes.iter().enumerate().map(block).collect();
+
+    let rows: usize = blocks.iter().map(|block| block.rows).sum();
+    let height = rows as f32 * ROW + 2.0 * MARGIN;
+    let picture = layout.picture;
+    let strip = Rect::from_min_max(egui::pos2(picture.left(), picture.bottom() - height), picture.max);
+    painter.rect_filled(strip, 0.0, PICTURE_GROUND.gamma_multiply(OPACITY));
+    let mut origin = strip.min + vec2(space::GROUP, MARGIN + ROW * 0.5);
+    let mut words: Vec<String> = Vec::new();
+    for (index, (block, mode)) in blocks.iter().zip(&modes).enumerate() {
+        let opacity = if seen.is_hidden_now(*mode) { NOT_NOW } else { 1.0 };
+        let mut painter = painter.clone();
+        painter.multiply_opacity(opacity);
+        if let Some(name) = names.get(index) {
+            painter.galley(origin - vec2(0.0, name.size().y * 0.5), Arc::clone(name), palette.text);
+            words.push(name.text().to_owned());
+        }
+        block.paint(&painter, origin + vec2(column, 0.0), small, &mut words);
+        origin.y += block.rows as f32 * ROW;
+    }
+    if let Some(note) = note {
+        let at = origin + vec2(width - note.size().x, -ROW - note.size().y * 0.5);
+        words.push(note.text().to_owned());
+        painter.galley(at, note, palette.text);
+    }
+    let node = ui.interact(strip, ui.scope_id().with("legend"), Sense::hover());
+    node.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("Legend: {}", words.join(", "))));
+    node.on_hover_ui(|ui| explain(ui, &modes, input));
+    height
+}
+
+/// Whether some pixel of the picture is unknown, looked up when the picture changes.
+fn has_unknown(ui: &Ui, input: &CameraTileInput<'_>) -> bool {
+    let id = ui.scope_id().with("has unknown");
+    let known = ui.data(|data| data.get_temp::<(u64, bool)>(id));
+    if let Some((_, known)) = known.filter(|(generation, _)| *generation == input.generation) {
+        return known;
+    }
+    let has_unknown = input.picture.has_unknown();
+    ui.data_mut(|data| data.insert_temp(id, (input.generation, has_unknown)));
+    has_unknown
+}
+
+/// What the colours mean, in sentences.
+fn explain(ui: &mut Ui, modes: &[ViewMode], input: &CameraTileInput<'_>) {
+    for mode in modes {
+        ui.label(RichText::new(format!("{}   {}", mode.label(), mode.key())).strong());
+        ui.label(mode.explanation());
+    }
+    if input.overlap.is_some() {
+        ui.label(
+            "IoU: what data and model have in common, as a share of what either covers. 1 is a perfect fit.",
+        );
+    }
+    if !input.observed.ellipses.is_empty() {
+        ui.label(
+            "Ellipses: where each joint may be, two standard deviations, from the data alone. Hovering a joint says by \
+             how much. Arrows point where nothing bounds it.",
+        );
+    }
+}
+
+/// What stands at the strip's right: the overlap, or what is missing for it.
+fn note(input: &CameraTileInput<'_>) -> Option<String> {
+    if !input.is_calibrated {
+        return Some("Not calibrated".to_owned());
+    }
+    match input.overlap {
+        Some(overlap) => overlap.iou().map(|iou| format!("IoU {}", format::ratio(iou))),
+        None if input.picture.mask.is_none() => Some("No silhouette yet".to_owned()),
+        None => None,
+    }
+}

@@ -1,0 +1,105 @@
+//! What a camera's tile shows, and how.
+
+use serde::{Deserialize, Serialize};
+
+use crate::drawing::ViewMode;
+use crate::widgets::Framing;
+
+/// How a second view mode is seen in the same picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Comparison {
+    /// Side by side: the tile's own mode is left of a handle, the other one right of it.
+    Wipe,
+    /// One after the other.
+    Blink,
+}
+
+/// What a tile shows and how.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct TileLook {
+    /// What the picture shows.
+    pub mode: ViewMode,
+    /// What it is compared with.
+    pub other: ViewMode,
+    /// How the two are compared; `None` shows [`mode`](Self::mode) alone.
+    pub comparison: Option<Comparison>,
+    /// Where the wipe's handle is: 0 at the left edge of the picture, 1 at the right.
+    pub wipe_at: f32,
+    /// Which part of the picture.
+    pub framing: Framing,
+}
+
+impl Default for TileLook {
+    fn default() -> Self {
+        Self {
+            mode: ViewMode::Tinted,
+            other: ViewMode::Footage,
+            comparison: None,
+            wipe_at: 0.5,
+            framing: Framing::default(),
+        }
+    }
+}
+
+impl TileLook {
+    /// Whether a mode is seen, alone or in a comparison.
+    #[must_use]
+    pub fn shows(&self, mode: ViewMode) -> bool {
+        self.mode == mode || (self.comparison.is_some() && self.other == mode)
+    }
+
+    /// Shows a mode. In a comparison the modes trade places rather than be the same.
+    pub fn set_mode(&mut self, mode: ViewMode) {
+        if self.comparison.is_some() && mode == self.other {
+            self.other = self.mode;
+        }
+        self.mode = mode;
+    }
+
+    /// Compares with a mode, in the way of now or else by a wipe.
+    pub fn compare_with(&mut self, other: ViewMode) {
+        if other == self.mode {
+            self.mode = self.other;
+        }
+        self.other = other;
+        self.comparison = self.comparison.or(Some(Comparison::Wipe));
+        self.keep_apart();
+    }
+
+    /// Begins or ends a comparison.
+    pub fn toggle(&mut self, comparison: Comparison) {
+        self.comparison = (self.comparison != Some(comparison)).then_some(comparison);
+        self.keep_apart();
+    }
+
+    /// Two modes that are the same compare nothing.
+    fn keep_apart(&mut self) {
+        if self.other == self.mode {
+            self.other = if self.mode == ViewMode::Footage { ViewMode::Tinted } else { ViewMode::Footage };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_comparison_is_of_two_different_modes() {
+        let mut look = TileLook { mode: ViewMode::Footage, ..TileLook::default() };
+        look.toggle(Comparison::Blink);
+        assert_eq!((look.mode, look.other), (ViewMode::Footage, ViewMode::Tinted));
+        look.set_mode(ViewMode::Tinted);
+        assert_eq!((look.mode, look.other), (ViewMode::Tinted, ViewMode::Footage));
+        look.compare_with(ViewMode::Tinted);
+        assert_eq!((look.mode, look.other), (ViewMode::Footage, ViewMode::Tinted));
+        look.toggle(Comparison::Wipe);
+        assert_eq!(look.comparison, Some(Comparison::Wipe));
+        look.toggle(Comparison::Wipe);
+        assert!(look.comparison.is_none() && !look.shows(ViewMode::Tinted));
+        look.compare_with(ViewMode::Residual);
+        assert!(look.comparison == Some(Comparison::Wipe) && look.shows(ViewMode::Residual));
+    }
+}

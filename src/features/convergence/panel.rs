@@ -1,0 +1,101 @@
+//! The convergence panel: a quantity of the fit against its steps, one curve a run, rejected steps as ×; the list of
+//! runs beside it, the steps of the run on the screen below.
+
+pub(crate) mod plot;
+mod read_out;
+
+use egui::{Align, Layout as Direction, Ui, UiBuilder, vec2};
+
+use super::{runs, steps};
+use crate::context::action::Action;
+use crate::context::command_button::menu_row;
+use crate::context::pane::{HEADER_BUTTONS, Pane};
+use crate::context::{Intents, Request, Showing};
+use crate::features::convergence::{CurvesLook, CurvesRequest, Quantity};
+use crate::shell::pane_title;
+use crate::style::theme;
+use crate::style::theme::{size, space};
+use crate::widgets::{checkbox, segmented};
+
+/// Height of the row of steps.
+const STEPS: f32 = 52.0;
+/// The plot's list of runs folds below this width.
+const LIST_FROM: f32 = 760.0;
+/// The list takes no more than this part of the width.
+const LIST_SHARE: f32 = 0.4;
+/// Width of the box of quantities.
+const QUANTITY: f32 = 124.0;
+
+/// The panel, in all of the space that is left.
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, siblings: &[Pane], intents: &mut Intents) {
+    let rect = ui.available_rect_before_wrap();
+    ui.painter().rect_filled(rect, 0.0, theme::palette(ui).panel);
+    let inner = UiBuilder::new().max_rect(rect.shrink2(vec2(space::WIDGET, 0.0)));
+    ui.scope_builder(inner, |ui| contents(ui, showing, siblings, intents));
+}
+
+fn contents(ui: &mut Ui, showing: &Showing<'_>, siblings: &[Pane], intents: &mut Intents) {
+    head(ui, showing, siblings, intents);
+    let list = ui.available_width() >= LIST_FROM;
+    let list_width = if list { size::RUN_LIST.min(LIST_SHARE * ui.available_width()) } else { 0.0 };
+    let plot_height = (ui.available_height() - STEPS).max(80.0);
+    ui.horizontal_top(|ui| {
+        let width = ui.available_width() - list_width;
+        plot::ui(ui, showing, intents, vec2(width - space::WIDGET, plot_height), !list);
+        if list {
+            let area = vec2(list_width - space::WIDGET, plot_height);
+            let down = Direction::top_down(Align::Min);
+            ui.allocate_ui_with_layout(area, down, |ui| runs::ui(ui, showing, intents, plot_height));
+        }
+    });
+    steps::ui(ui, showing, intents);
+}
+
+fn head(ui: &mut Ui, showing: &Showing<'_>, siblings: &[Pane], intents: &mut Intents) {
+    let mut look = showing.look.curves;
+    ui.allocate_ui_with_layout(
+        vec2(ui.available_width(), size::TILE_HEADER),
+        Direction::left_to_right(Align::Center),
+        |ui| {
+            pane_title::show(ui, Pane::Convergence, siblings, intents);
+            ui.add_space(space::ROW);
+            choices(ui, &mut look);
+            ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+                ui.add_space(HEADER_BUTTONS);
+                more(ui, showing, intents);
+            });
+        },
+    );
+    if look != showing.look.curves {
+        intents.request(Request::Curves(CurvesRequest::Look(look)));
+    }
+}
+
+fn choices(ui: &mut Ui, look: &mut CurvesLook) {
+    let all = Quantity::ALL.map(|quantity| (quantity, quantity.text(), quantity.explanation().to_owned()));
+    if let Some(quantity) =
+        crate::shell::toolbar::choice(ui, "Quantity", QUANTITY, look.quantity.text(), &all)
+    {
+        look.quantity = quantity;
+    }
+    segmented(ui, &mut look.is_log, &[(true, "Log"), (false, "Linear")])
+        .on_hover_text("How the axis of heights runs");
+    checkbox(ui, &mut look.rejected, "Rejected steps")
+        .on_hover_text("A × for each step that would have raised the cost and was taken back");
+}
+
+/// What is done with all runs.
+fn more(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    crate::context::command_button::button(ui, showing, intents, Action::ClearRuns);
+    let has_runs = !showing.session.runs.is_empty();
+    ui.add_enabled_ui(has_runs, |ui| {
+        ui.menu_button("Export", |ui| {
+            for action in [Action::ExportCurves, Action::ExportPlot] {
+                menu_row(ui, showing, intents, action, action.text());
+            }
+        })
+        .response
+        .on_hover_text("Write the curves to a CSV file, or the plot to a PNG file")
+        .on_disabled_hover_text("There are no runs");
+    });
+}

@@ -1,0 +1,232 @@
+//! What is plotted over the steps of a run.
+
+use serde::{Deserialize, Serialize};
+
+use crate::document::run::{Run, RunStep};
+use crate::style::format;
+
+/// A quantity of a step.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Quantity {
+    /// The mismatch in percent of the start's, as in the report's Fig. 5.1.
+    #[default]
+    Percent,
+    /// The mismatch, squared grey levels.
+    Cost,
+    /// Root of the mean squared residual, grey levels.
+    Rms,
+    /// Length of the step, metres and radians together.
+    StepNorm,
+    /// Damping of the step, in units of mean(diag JᵀJ).
+    Damping,
+    /// By how much the step lowered the cost, and by how much the linear model said it would, in percent of the
+    /// cost before.
+    Decrease,
+}
+
+impl Quantity {
+    /// All of them, in the order in which they are offered.
+    pub const ALL: [Self; 6] =
+        [Self::Percent, Self::Cost, Self::Rms, Self::StepNorm, Self::Damping, Self::Decrease];
+
+    /// Its name.
+    #[must_use]
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::Percent => "Cost, % of start",
+            Self::Cost => "Cost",
+            Self::Rms => "RMS",
+            Self::StepNorm => "Step norm",
+            Self::Damping => "Damping",
+            Self::Decrease => "Decrease",
+        }
+    }
+
+    /// What it is, in a sentence without its full stop.
+    #[must_use]
+    pub const fn explanation(self) -> &'static str {
+        match self {
+            Self::Percent => {
+                "Squared mismatch of body and silhouettes, in percent of the start’s, by one measure for all runs"
+            }
+            Self::Cost => "Squared mismatch of body and silhouettes, by one measure for all stages and runs",
+            Self::Rms => "Root mean square of D − Λ over the pixels that count, in grey levels",
+            Self::StepNorm => "How long each step was, metres and radians together",
+            Self::Damping => {
+                "How much each step was shortened: small is Gauss-Newton, large goes straight down"
+            }
+            Self::Decrease => {
+                "By how much a step lowered its cost (dots), and by how much it was foretold to (rings)"
+            }
+        }
+    }
+
+    /// Whether a rejected step has a value of its own; else its mark stands above the step before it.
+    #[must_use]
+    pub const fn is_of_trials(self) -> bool {
+        matches!(self, Self::StepNorm | Self::Damping | Self::Decrease)
+    }
+
+    /// Its value at a step; `None` where it has none.
+    #[must_use]
+    pub fn value(self, run: &Run, step: usize) -> Option<f64> {
+        let record = run.steps.get(step)?;
+        let value = match self {
+            Self::Percent => 100.0 * run.fraction(step)?,
+            Self::Cost => record.mismatch,
+            Self::Rms => record.rms,
+            Self::StepNorm | Self::Damping | Self::Decrease if step == 0 => return None,
+            Self::StepNorm => record.step_norm,
+            Self::Damping => record.damping,
+            Self::Decrease => 100.0 * record.fell_share()?,
+        };
+        value.is_finite().then_some(value)
+    }
+
+    /// A value as it is written at the axis and beside curves.
+    #[must_use]
+    pub fn text_of(self, value: f64) -> String {
+        match self {
+            Self::Percent | Self::Decrease => format!("{} %", format::number(value, decimals(value))),
+            Self::Rms => format::number(value, if value.abs() < 10.0 { 2 } else { 1 }),
+            Self::Cost => format::cost(value),
+            Self::StepNorm | Self::Damping => format::short(value),
+        }
+    }
+}
+
+/// Decimals of a percentage to three figures, up to four.
+fn decimals(percent: f64) -> usize {
+    let percent = percent.abs();
+    if percent >= 99.95 || percent == 0.0 {
+        0
+    } else if percent >= 0.995 {
+        1
+    } else {
+        (1.0 - percent.log10().floor()).clamp(2.0, 4.0) as usize
+    }
+}
+
+/// A point of a run's curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurvePoint {
+    /// Index of the step in the run.
+    pub step: usize,
+    /// Accepted steps up to here. A rejected trial of a quantity [of its own](Quantity::is_of_trials) lies between
+    /// the accepted ones.
+    pub x: f64,
+    /// The quantity.
+    pub y: f64,
+    /// Whether the step was accepted.
+    pub accepted: bool,
+    /// How many rejected trials stand at this place up to this one, it included; 0 of an accepted step.
+    pub stacked: usize,
+}
+
+/// The points of a run's curve, in the order of its steps.
+#[must_use]
+pub fn points(run: &Run, quantity: Quantity) -> Vec<CurvePoint> {
+    points_of(run, quantity, |step| quantity.value(run, step))
+}
+
+/// What the linear model said of every step, in percent of the cost before it.
+#[must_use]
+pub fn foretold(run: &Run) -> Vec<CurvePoint> {
+    let value = |step: &RunStep| step.foretold_share().map(|share| 100.0 * share);
+    points_of(run, Quantity::Decrease, |step| if step == 0 { None } else { value(&run.steps[step]) })
+}
+
+fn points_of(run: &Run, quantity: Quantity, value: impl Fn(usize) -> Option<f64>) -> Vec<CurvePoint> {
+    let mut points = Vec::with_capacity(run.steps.len());
+    let (mut x, mut stacked) = (0.0, 0_usize);
+    let mut last = None;
+    for (step, record) in run.steps.iter().enumerate() {
+        let accepted = step == 0 || record.accepted;
+        if accepted {
+            (x, stacked) = (if step == 0 { 0.0 } else { x + 1.0 }, 0);
+            last = value(step);
+        } else {
+            stacked += 1;
+        }
+        let y = if accepted || quantity.is_of_trials() { value(step) } else { last };
+        if let Some(y) = y {
+            let among = trials_at(run, step) as f64 + 1.0;
+            let between = if quantity.is_of_trials() { stacked as f64 / among } else { 0.0 };
+            points.push(CurvePoint { step, x: x + between, y, accepted, stacked });
+        }
+    }
+    points
+}
+
+/// Rejected trials in the row that a step belongs to.
+fn trials_at(run: &Run, step: usize) -> usize {
+    let is_rejected = |step: &&RunStep| !step.accepted;
+    let before = run.steps[1.min(step)..step].iter().rev().take_while(is_rejected).count();
+    before + run.steps[step..].iter().take_while(is_rejected).count()
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use backlit_tracking::body::Pose;
+    use glam::DVec3;
+
+    use super::*;
+
+    /// A run of four steps, the second of which was rejected twice.
+    pub(crate) fn run() -> Run {
+        let step = |mismatch: f64, accepted: bool| RunStep {
+            pose: Pose { root: DVec3::ZERO, rotations: Vec::new() },
+            mismatch,
+            rms: mismatch.sqrt(),
+            cost: mismatch,
+            trial_cost: mismatch * if accepted { 1.0 } else { 1.5 },
+            foretold: 0.6 * mismatch,
+            fell: if accepted { mismatch } else { 0.0 },
+            damping: 0.01,
+            step_norm: 0.25,
+            seconds: 0.001,
+            stage: 0,
+            accepted,
+        };
+        let steps = vec![
+            step(800.0, true),
+            step(400.0, true),
+            step(400.0, false),
+            step(400.0, false),
+            step(200.0, true),
+        ];
+        Run { number: 1, name: "Robust".to_owned(), steps, is_shown: true, ..Run::default() }
+    }
+
+    #[test]
+    fn rejected_steps_stand_above_costs_and_between_dampings() {
+        let run = run();
+        let at = |quantity| points(&run, quantity).into_iter().map(|p| (p.x, p.y, p.stacked));
+        let percents: Vec<_> = at(Quantity::Percent).collect();
+        let expected = [(0.0, 100.0, 0), (1.0, 50.0, 0), (1.0, 50.0, 1), (1.0, 50.0, 2), (2.0, 25.0, 0)];
+        assert_eq!(percents, expected);
+        let norms: Vec<f64> = at(Quantity::StepNorm).map(|(x, ..)| x).collect();
+        let third = 1.0 / 3.0;
+        let expected = [1.0, 1.0 + third, 1.0 + 2.0 * third, 2.0];
+        assert!(norms.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{norms:?}");
+    }
+
+    #[test]
+    fn decreases_are_of_the_cost_before() {
+        let run = run();
+        let found: Vec<f64> = points(&run, Quantity::Decrease).iter().map(|point| point.y).collect();
+        assert_eq!(found, [50.0, -50.0, -50.0, 50.0]);
+        let foretold: Vec<f64> = foretold(&run).iter().map(|point| point.y).collect();
+        assert_eq!(foretold, [30.0, 60.0, 60.0, 30.0]);
+    }
+
+    #[test]
+    fn values_have_three_figures() {
+        let percent = |value| Quantity::Percent.text_of(value);
+        let texts = [100.0, 13.24, 1.5, 0.0213, 0.0].map(percent);
+        assert_eq!(texts, ["100 %", "13.2 %", "1.5 %", "0.021 %", "0 %"]);
+        assert_eq!(Quantity::Damping.text_of(0.05), "0.05");
+        assert_eq!(Quantity::Cost.text_of(1.76e8), "1.8e8");
+    }
+}

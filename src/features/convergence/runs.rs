@@ -1,0 +1,165 @@
+//! The list of runs beside the convergence plot: named by what differs, shown or hidden, renamed, removed.
+
+use egui::{
+    Align, Id, Key, Layout as Direction, Rect, Response, RichText, Role, ScrollArea, Sense, Stroke, TextEdit,
+    Ui, WidgetInfo, vec2,
+};
+
+use crate::context::{Intents, Request, Showing};
+use crate::document::run::Run;
+use crate::features::convergence::CurvesRequest;
+use crate::session::selection::StepRef;
+use crate::style::format;
+use crate::style::theme;
+use crate::style::theme::{run_style, size};
+use crate::widgets::{Icon, icon_button};
+
+/// Height of a run's card.
+const CARD: f32 = 64.0;
+/// Width of the sample of a run's line.
+const SAMPLE: f32 = 20.0;
+/// Room of the figure and the buttons at the right of a card.
+const RIGHT: f32 = 62.0 + 3.0 * (size::BUTTON + 2.0);
+
+/// The name that is being typed: of which run, and the text so far.
+type Typing = Option<(usize, String)>;
+
+/// The list.
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, height: f32) {
+    ScrollArea::vertical().max_height(height).auto_shrink(false).show(ui, |ui| {
+        ui.spacing_mut().item_spacing.y = 2.0;
+        let current = showing.session.run_of(showing.selection);
+        for (index, run) in showing.session.runs.iter().enumerate().rev() {
+            card(ui, intents, index, run, current == Some(index));
+        }
+        if showing.session.runs.is_empty() {
+            let text = "Runs are kept here, each with all its steps.";
+            ui.label(RichText::new(text).small().color(theme::palette(ui).text3));
+        }
+    });
+}
+
+fn card(ui: &mut Ui, intents: &mut Intents, index: usize, run: &Run, is_current: bool) {
+    let palette = theme::palette(ui);
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), CARD), Sense::click());
+    let name = format!("Run {}: {}", run.number, run.name);
+    response.widget_info(|| WidgetInfo::selected(Role::ListItem, true, is_current, &name));
+    if response.clicked() {
+        intents.request(Request::Step(StepRef { run: index, step: run.last_step() }));
+    }
+    if response.has_focus() && ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Delete)) {
+        intents.request(Request::Curves(CurvesRequest::Remove(index)));
+    }
+    if is_current {
+        ui.painter().rect_filled(rect, 3.0, palette.select);
+    } else if response.hovered() || response.has_focus() {
+        ui.painter().rect_filled(rect, 3.0, palette.raised);
+    }
+    sample(ui, rect, run);
+    let inner = Rect::from_min_max(rect.min + vec2(SAMPLE + 16.0, 4.0), rect.max - vec2(4.0, 4.0));
+    let mut inside =
+        ui.new_child(egui::UiBuilder::new().max_rect(inner).layout(Direction::top_down(Align::Min)));
+    inside.spacing_mut().item_spacing.y = 1.0;
+    inside.horizontal(|ui| {
+        ui.set_height(size::ROW);
+        ui.spacing_mut().item_spacing.x = 2.0;
+        title(ui, intents, index, run, &response);
+        ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+            buttons(ui, intents, index, run);
+            let share = run.fraction(run.last_step());
+            let text = share.map_or_else(|| format::MISSING.to_owned(), format::percent);
+            ui.label(RichText::new(text).monospace().color(palette.text));
+        });
+    });
+    let detail = format!("{}, frame {}", run.detail, run.frame);
+    let full = format!("{name}\n{detail}\n{}: {}", run.reached_text(), run.ending_text());
+    for text in [detail, run.ending_text()] {
+        line(&mut inside, &text);
+    }
+    response.on_hover_text(full);
+}
+
+/// A piece of the run's line; pale while it is hidden.
+fn sample(ui: &Ui, rect: Rect, run: &Run) {
+    let style = run_style(run.colour);
+    let from = egui::pos2(rect.left() + 8.0, rect.top() + 15.0);
+    let to = from + vec2(SAMPLE, 0.0);
+    let colour = if run.is_shown { style.colour } else { style.colour.gamma_multiply(0.35) };
+    let stroke = Stroke::new(style.width, colour);
+    match style.dash {
+        [] => drop(ui.painter().line_segment([from, to], stroke)),
+        [length, ..] => {
+            ui.painter().extend(egui::Shape::dashed_line(&[from, to], stroke, *length, *length));
+        }
+    }
+}
+
+fn buttons(ui: &mut Ui, intents: &mut Intents, index: usize, run: &Run) {
+    let number = run.number;
+    let button = |ui: &mut Ui, icon, what: &str, tooltip: &str| {
+        icon_button(ui, icon, &format!("{what} run {number}"), tooltip).clicked()
+    };
+    if button(ui, Icon::Close, "Remove", "Remove the run; a notice offers to undo it") {
+        intents.request(Request::Curves(CurvesRequest::Remove(index)));
+    }
+    let (icon, what, tooltip) = if run.is_shown {
+        (Icon::Eye, "Hide curve of", "Hide the curve. With Shift: hide all others")
+    } else {
+        (Icon::EyeOff, "Show curve of", "Show the curve. With Shift: hide all others")
+    };
+    if button(ui, icon, what, tooltip) {
+        if ui.input(|input| input.modifiers.shift) {
+            intents.request(Request::Curves(CurvesRequest::ShowOnly(index)));
+        } else {
+            intents.request(Request::ShowRun(index, !run.is_shown));
+        }
+    }
+    if button(ui, Icon::Pencil, "Rename", "Rename; an empty name says again what differs") {
+        let typing: Typing = Some((number, run.name.clone()));
+        ui.data_mut(|data| data.insert_temp(typing_id(), typing));
+    }
+}
+
+/// Where the name that is being typed is kept.
+fn typing_id() -> Id {
+    Id::unique("name of a run")
+}
+
+/// The name, or the field in which it is typed; a double click on the card begins that too.
+fn title(ui: &mut Ui, intents: &mut Intents, index: usize, run: &Run, card: &Response) {
+    let palette = theme::palette(ui);
+    let width = (ui.available_width() - RIGHT).max(60.0);
+    let typing: Typing = ui.data(|data| data.get_temp(typing_id())).flatten();
+    let Some((_, mut text)) = typing.filter(|(number, _)| *number == run.number) else {
+        let colour = if run.is_shown { palette.text } else { palette.text3 };
+        let label = egui::Label::new(RichText::new(&run.name).color(colour)).truncate().selectable(false);
+        ui.allocate_ui_with_layout(vec2(width, size::ROW), Direction::left_to_right(Align::Center), |ui| {
+            ui.set_min_width(width);
+            ui.add(label);
+        });
+        if card.double_clicked() {
+            let typing: Typing = Some((run.number, run.name.clone()));
+            ui.data_mut(|data| data.insert_temp(typing_id(), typing));
+        }
+        return;
+    };
+    let id = ui.make_persistent_id(("rename", run.number));
+    let field = TextEdit::singleline(&mut text).id(id).desired_width(width - 8.0).char_limit(60);
+    let response = ui.name_inputs(format!("Name of run {}", run.number), |ui| ui.add(field));
+    let cancelled = ui.input(|input| input.key_pressed(Key::Escape));
+    let mut typing: Typing = Some((run.number, text.clone()));
+    if response.lost_focus() {
+        typing = None;
+        if !cancelled && text != run.name {
+            intents.request(Request::Curves(CurvesRequest::Rename(index, text)));
+        }
+    } else if !response.has_focus() {
+        response.request_focus();
+    }
+    ui.data_mut(|data| data.insert_temp(typing_id(), typing));
+}
+
+fn line(ui: &mut Ui, text: &str) {
+    let colour = theme::palette(ui).text2;
+    ui.add(egui::Label::new(RichText::new(text).small().color(colour)).truncate().selectable(false));
+}

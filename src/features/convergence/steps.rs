@@ -1,0 +1,145 @@
+//! The steps of a run as a slider: accepted ones are ticks, rejected ones ×, stages stand above.
+
+use egui::{Align, Align2, Layout as Direction, Rect, RichText, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+
+use crate::context::action::Action;
+use crate::context::command_button::{button, icon};
+use crate::context::{Intents, Request, Showing};
+use crate::document::run::{Run, RunStep};
+use crate::features::convergence::Quantity;
+use crate::session::selection::StepRef;
+use crate::style::format;
+use crate::style::theme;
+use crate::style::theme::{size, space};
+use crate::widgets::Icon;
+
+/// Room for the words about the step.
+const WORDS: f32 = 380.0;
+/// Radius of the handle.
+const HANDLE: f32 = 6.0;
+
+/// The row of steps.
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    ui.allocate_ui_with_layout(
+        vec2(ui.available_width(), 44.0),
+        Direction::left_to_right(Align::Center),
+        |ui| {
+            icon(ui, showing, intents, Action::EarlierStep, Icon::Previous);
+            icon(ui, showing, intents, Action::LaterStep, Icon::Next);
+            let run_index = showing.session.run_of(showing.selection);
+            let run = run_index.and_then(|run| Some((run, showing.session.runs.get(run)?)));
+            let Some((index, run)) = run else {
+                ui.label(RichText::new("No step on this frame yet").color(theme::palette(ui).text3));
+                return;
+            };
+            let last = run.steps.len().saturating_sub(1);
+            let at = showing.selection.step.filter(|step| step.run == index).map_or(last, |step| step.step);
+            let text = RichText::new(format!("Step {at} of {last}")).monospace();
+            let (rect, _) = ui.allocate_exact_size(vec2(104.0, size::ROW), Sense::hover());
+            ui.put(rect, egui::Label::new(text));
+            let width = (ui.available_width() - WORDS).max(120.0);
+            slider(ui, intents, index, run, at, width);
+            words(ui, showing, intents, run, at);
+        },
+    );
+}
+
+fn slider(ui: &mut Ui, intents: &mut Intents, index: usize, run: &Run, at: usize, width: f32) {
+    let (rect, response) = ui.allocate_exact_size(vec2(width, 40.0), Sense::click_and_drag());
+    let last = run.steps.len().saturating_sub(1).max(1);
+    response.widget_info(|| WidgetInfo::slider(true, at as f64, "Step"));
+    let rail = Rect::from_center_size(rect.center() + vec2(0.0, 2.0), vec2(rect.width() - 2.0 * HANDLE, 3.0));
+    let x = |step: usize| rail.left() + rail.width() * step as f32 / last as f32;
+    if let Some(pointer) = response.interact_pointer_pos() {
+        let share = ((pointer.x - rail.left()) / rail.width()).clamp(0.0, 1.0);
+        let step = (share * last as f32).round() as usize;
+        if step != at && step < run.steps.len() {
+            intents.request(Request::Step(StepRef { run: index, step }));
+        }
+    }
+    if let Some(step) = step_by_key(ui, &response, at, run.last_step()) {
+        intents.request(Request::Step(StepRef { run: index, step }));
+    }
+    let palette = theme::palette(ui);
+    let painter = ui.painter();
+    painter.rect_filled(rail, 1.5, palette.widget);
+    painter.rect_filled(Rect::from_x_y_ranges(rail.left()..=x(at), rail.y_range()), 1.5, palette.accent);
+    let colour = theme::run_style(run.colour).colour;
+    let (mut stage, mut free_from) = (usize::MAX, f32::NEG_INFINITY);
+    for (step, record) in run.steps.iter().enumerate() {
+        let centre = pos2(x(step), rail.bottom() + 9.0);
+        if record.accepted {
+            painter.vline(centre.x, centre.y - 2.5..=centre.y + 2.5, Stroke::new(1.0, palette.text3));
+        } else {
+            let stroke = Stroke::new(1.3, colour);
+            for turn in [vec2(2.6, 2.6), vec2(2.6, -2.6)] {
+                painter.line_segment([centre - turn, centre + turn], stroke);
+            }
+        }
+        if step > 0 && record.stage != stage {
+            stage = record.stage;
+            let font = theme::tick().resolve(ui.style());
+            let label = run.stages.get(stage).map_or("", String::as_str);
+            // A stage of a step or two leaves its neighbour no room for a word of its own.
+            if x(step) >= free_from {
+                let at = pos2(x(step), rail.top() - 4.0);
+                let text = painter.text(at, Align2::LEFT_BOTTOM, label, font, palette.text2);
+                free_from = text.right() + space::ROW;
+            }
+        }
+    }
+    let response =
+        response.on_hover_text("Drag or click to look at a step; the arrow keys once it has the focus");
+    let fill = if response.hovered() || response.has_focus() { palette.text } else { palette.text2 };
+    painter.circle(pos2(x(at), rail.center().y), HANDLE, fill, Stroke::new(1.0, palette.panel));
+}
+
+/// The step that the arrow keys go to while the slider has the focus.
+fn step_by_key(ui: &Ui, response: &egui::Response, at: usize, last: usize) -> Option<usize> {
+    if response.clicked() || response.dragged() {
+        response.request_focus();
+    }
+    if !response.has_focus() {
+        return None;
+    }
+    let filter = egui::EventFilter { horizontal_arrows: true, ..egui::EventFilter::default() };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+    let pressed = |key| ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, key));
+    let step = if pressed(egui::Key::ArrowLeft) {
+        at.saturating_sub(1)
+    } else if pressed(egui::Key::ArrowRight) {
+        (at + 1).min(last)
+    } else {
+        return None;
+    };
+    (step != at).then_some(step)
+}
+
+fn words(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, run: &Run, at: usize) {
+    ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+        button(ui, showing, intents, Action::Branch);
+        let text = run.steps.get(at).map_or_else(String::new, |step| sentence(step, at));
+        let text = RichText::new(text).small().color(theme::palette(ui).text2);
+        ui.add(egui::Label::new(text).truncate());
+    });
+}
+
+/// What a step did.
+fn sentence(step: &RunStep, index: usize) -> String {
+    if index == 0 {
+        return "The start of the run.".to_owned();
+    }
+    let share = |value: Option<f64>| {
+        value.map_or_else(|| format::MISSING.to_owned(), |share| Quantity::Percent.text_of(100.0 * share))
+    };
+    let fell = step.fell_share().map(f64::abs);
+    let foretold = share(step.foretold_share());
+    if step.accepted && step.fell >= 0.0 {
+        format!("Accepted. Cost fell by {}, {foretold} foretold.", share(fell))
+    } else if step.accepted {
+        format!("Taken, though the cost rose by {}; {foretold} fall foretold.", share(fell))
+    } else {
+        let damping = format::short(step.damping);
+        format!("Rejected: the cost would have risen by {}. Damping {damping}.", share(fell))
+    }
+}

@@ -1,0 +1,83 @@
+//! All steps of all runs as a table.
+
+use crate::document::run::Run;
+
+/// Names of the columns.
+const TITLES: [&str; 18] = [
+    "run",
+    "name",
+    "choices",
+    "frame",
+    "step",
+    "stage",
+    "accepted",
+    "mismatch",
+    "percent_of_start",
+    "rms",
+    "stage_cost",
+    "trial_cost",
+    "fell",
+    "foretold",
+    "damping",
+    "step_norm",
+    "seconds",
+    "ending",
+];
+
+/// Every step of the runs as CSV, one row a step; mismatch and costs in squared grey levels, RMS in grey levels, the
+/// step in metres and radians together. `ending` is in a run's last row.
+#[must_use]
+pub fn csv<'a>(runs: impl IntoIterator<Item = &'a Run>) -> Vec<u8> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    // A vector takes all that is written to it.
+    let mut row = |fields: &[String]| drop(writer.write_record(fields));
+    row(&TITLES.map(str::to_owned));
+    for run in runs {
+        for (index, step) in run.steps.iter().enumerate() {
+            let percent = run.fraction(index).map_or_else(String::new, |share| (100.0 * share).to_string());
+            let is_last = index == run.last_step();
+            row(&[
+                run.number.to_string(),
+                run.name.clone(),
+                run.detail.clone(),
+                run.frame.to_string(),
+                index.to_string(),
+                run.stages.get(step.stage).cloned().unwrap_or_default(),
+                step.accepted.to_string(),
+                step.mismatch.to_string(),
+                percent,
+                step.rms.to_string(),
+                step.cost.to_string(),
+                step.trial_cost.to_string(),
+                step.fell.to_string(),
+                step.foretold.to_string(),
+                step.damping.to_string(),
+                step.step_norm.to_string(),
+                step.seconds.to_string(),
+                if is_last { run.ending_text() } else { String::new() },
+            ]);
+        }
+    }
+    writer.into_inner().unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_step_has_a_row() {
+        let mut run = crate::features::convergence::quantity::tests::run();
+        run.name = "Robust, capsule".to_owned();
+        let bytes = csv([&run]);
+        let mut reader = csv::Reader::from_reader(bytes.as_slice());
+        let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().unwrap();
+        assert_eq!(rows.len(), run.steps.len());
+        let column = |name: &str| TITLES.iter().position(|title| *title == name).unwrap();
+        assert_eq!(&rows[1][column("name")], "Robust, capsule");
+        assert_eq!(&rows[1][column("percent_of_start")], "50");
+        assert_eq!(&rows[2][column("accepted")], "false");
+        assert_eq!(&rows[4][column("ending")], "4 steps so far");
+        assert_eq!(&rows[3][column("ending")], "");
+    }
+}

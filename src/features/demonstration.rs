@@ -1,0 +1,84 @@
+//! Showing a demonstration: its arrangement, its sentences, and its runs one after the other.
+
+pub(crate) mod explanation;
+
+use std::collections::VecDeque;
+
+use crate::app::App;
+use crate::context::action::Action;
+use crate::context::preferences::Layout;
+use crate::document::edit::Edit;
+use crate::document::history::{Gesture, History};
+use crate::drawing::ViewMode;
+use crate::take::demonstration::{Demonstration, PreparedRun};
+use crate::worker::Lane;
+
+/// Runs that begin by themselves.
+#[derive(Debug)]
+pub(crate) struct Prepared {
+    runs: VecDeque<PreparedRun>,
+    gesture: Gesture,
+}
+
+/// The demonstration of a command.
+pub(crate) fn demonstration_of(action: Action) -> Option<Demonstration> {
+    Some(match action {
+        Action::ShowSingleLimb => Demonstration::SingleLimb,
+        Action::ShowOneCamera => Demonstration::OneCamera,
+        Action::ShowTwoCameras => Demonstration::TwoCameras,
+        Action::ShowSequence => Demonstration::Sequence,
+        Action::ShowTinySequence => Demonstration::TinySequence,
+        Action::ShowBias => Demonstration::Bias,
+        _ => return None,
+    })
+}
+
+impl App {
+    /// Arranges the window for a demonstration that has just been opened.
+    pub(crate) fn demonstrate(&mut self, which: Demonstration) {
+        self.notices.close_all();
+        if which == Demonstration::SingleLimb {
+            self.explanation = Some(which.explanation());
+            self.look.layout = Layout::Demonstrate;
+            self.laboratory.wants_run = true;
+            return;
+        }
+        let runs = which.runs();
+        self.look.layout = if runs.is_empty() { Layout::Pose } else { Layout::Debug };
+        self.explanation = Some(which.explanation());
+        for tile in &mut self.tiles[1] {
+            (tile.mode, tile.comparison) = (ViewMode::Residual, None);
+        }
+        self.prepared = Some(Prepared { runs: runs.into(), gesture: self.new_gesture() });
+    }
+
+    /// Begins the next run of a demonstration once the one before has ended and the frame is there.
+    pub(crate) fn go_on_demonstrating(&mut self) {
+        let frame = self.selection.frame;
+        let has_data = self.session.frames.get(frame).is_some_and(|frame| frame.has_mask());
+        if !has_data || self.worker.is_busy(Lane::Fit) {
+            return;
+        }
+        let Some(prepared) = &mut self.prepared else { return };
+        let gesture = prepared.gesture;
+        let Some(run) = prepared.runs.pop_front() else {
+            self.prepared = None;
+            // What has run by itself is nobody's work: there is nothing to undo and nothing to save.
+            self.history = History::new(self.document().clone());
+            return;
+        };
+        let what = "Demonstrate".to_owned();
+        self.edit(Edit::SetFit { options: Box::new(run.fit), what }, Some(gesture));
+        // From the start again: without key pose and without what the run before has found.
+        self.edit(Edit::ClearEstimates, Some(gesture));
+        self.run_gesture = Some(gesture);
+        self.begin(Some(run.name), None, None);
+    }
+
+    /// The user has something else in mind: no further run begins by itself.
+    pub(crate) fn stop_demonstrating(&mut self) {
+        if let Some(prepared) = &mut self.prepared {
+            prepared.runs.clear();
+        }
+    }
+}

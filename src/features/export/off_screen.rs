@@ -1,0 +1,182 @@
+//! A second inspector that nobody sees: it shows what the first one shows, or only one camera's picture, and is
+//! painted on the CPU. Exports are its pictures, so they are exactly what is shown.
+
+use std::time::Duration;
+
+use backlit_tracking::cancel::CancelToken;
+use egui::{Memory, Vec2, vec2};
+use image::{DynamicImage, RgbImage};
+
+use crate::app::headless::rest;
+use crate::app::{App, AppOptions};
+use crate::context::pane::Pane;
+use crate::context::preferences::Look;
+use crate::document::Document;
+use crate::document::history::History;
+use crate::features::basin::BasinState;
+use crate::features::camera_views::{PictureAlone, TileLook};
+use crate::features::export::choices::MAX_SIDE;
+use crate::features::laboratory::Laboratory;
+use crate::raster::Headless;
+use crate::session::Session;
+use crate::session::selection::{Selection, StepRef};
+use crate::widgets::{Framing, image_canvas};
+
+/// How long a picture is waited for.
+const PATIENCE: Duration = Duration::from_secs(300);
+/// From this many pixels for a pixel of the footage on, marks grow with the picture.
+const MARKS_GROW_FROM: f32 = 2.0;
+
+/// What is painted, and how large.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum PictureOf {
+    /// The window, of its own size in points.
+    Window {
+        /// Points.
+        size: Vec2,
+        /// Pixels for a point.
+        scale: f32,
+    },
+    /// A camera's picture.
+    View {
+        /// Which camera, and with what.
+        picture: PictureAlone,
+        /// Pixels for a pixel of the footage.
+        scale: f32,
+        /// The whole frame, not what is framed in the tile.
+        whole_frame: bool,
+    },
+}
+
+/// What is to be seen in a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Shot {
+    /// What is selected.
+    AsShown,
+    /// A step of a run.
+    Step(StepRef),
+    /// A frame with its pose.
+    Frame(usize),
+}
+
+/// All of an inspector that its twin needs. It can be sent to another thread.
+#[derive(Debug)]
+pub(crate) struct Snapshot {
+    document: Document,
+    session: Session,
+    selection: Selection,
+    look: Look,
+    tiles: [Vec<TileLook>; 2],
+    alone: Option<Pane>,
+    pair: [usize; 2],
+    basin: BasinState,
+    laboratory: Laboratory,
+    explanation: Option<&'static str>,
+    frame_seconds: f64,
+    memory: Memory,
+}
+
+impl App {
+    /// What a twin needs to show the same.
+    pub(crate) fn snapshot(&self) -> Snapshot {
+        // Textures are the first window's: its twin makes its own.
+        image_canvas::forget_textures(&self.context);
+        Snapshot {
+            document: self.document().clone(),
+            session: self.session.at_rest(),
+            selection: self.selection,
+            look: self.look.clone(),
+            tiles: self.tiles.clone(),
+            alone: self.docking.alone,
+            pair: self.docking.pair,
+            basin: BasinState { running: None, ..self.basin.clone() },
+            laboratory: self.laboratory.at_rest(),
+            explanation: self.explanation,
+            frame_seconds: self.frame_seconds,
+            memory: self.context.memory(Memory::clone),
+        }
+    }
+}
+
+/// The inspector that nobody sees, in its window.
+#[derive(Debug)]
+pub(crate) struct Twin {
+    window: Headless,
+    app: App,
+    frame_seconds: f64,
+}
+
+impl Twin {
+    /// A twin of an inspector that paints `what`.
+    pub(crate) fn new(snapshot: Snapshot, what: PictureOf) -> anyhow::Result<Self> {
+        let footage_size = |camera: usize| {
+            let cameras = snapshot.session.take.as_ref().map(|take| take.cameras.clone())?;
+            cameras.get(camera).map(|camera| vec2(camera.width() as f32, camera.height() as f32))
+        };
+        let (size, pixels_per_point) = match what {
+            PictureOf::Window { size, scale } => (size, scale),
+            PictureOf::View { picture, scale, .. } => {
+                let size = footage_size(picture.camera).unwrap_or(Vec2::splat(1.0));
+                let pixels_per_point = (scale / MARKS_GROW_FROM).max(1.0);
+                (size * scale / pixels_per_point, pixels_per_point)
+            }
+        };
+        let most = MAX_SIDE as f32 / size.max_elem().max(1.0);
+        let window = Headless::new(size.x, size.y, pixels_per_point.min(most));
+        window.ctx.memory_mut(|memory| *memory = snapshot.memory);
+        let options = AppOptions { look: snapshot.look, ..AppOptions::default() };
+        let mut app = App::new(window.ctx.clone(), options)?;
+        app.history = History::new(snapshot.document);
+        app.session = snapshot.session;
+        app.selection = snapshot.selection;
+        app.tiles = snapshot.tiles;
+        app.docking.alone = snapshot.alone;
+        app.docking.pair = snapshot.pair;
+        app.basin = snapshot.basin;
+        app.laboratory = snapshot.laboratory;
+        app.explanation = snapshot.explanation;
+        let mut twin = Self { window, app, frame_seconds: snapshot.frame_seconds };
+        if let PictureOf::View { picture, whole_frame, .. } = what {
+            twin.show_alone(picture, whole_frame);
+        }
+        Ok(twin)
+    }
+
+    /// Shows one camera's picture alone, and makes room for its legend.
+    fn show_alone(&mut self, picture: PictureAlone, whole_frame: bool) {
+        self.app.docking.alone = Some(Pane::Camera(picture.camera));
+        self.app.picture_alone = Some(picture);
+        if whole_frame && let Some(tile) = self.app.tiles_mut().get_mut(picture.camera) {
+            tile.framing = Framing::Whole;
+        }
+        self.settle(&CancelToken::default());
+        let strip = PictureAlone::legend_height(&self.window.ctx);
+        self.window.resize(self.window.size() + vec2(0.0, strip));
+    }
+
+    /// The picture of a shot.
+    pub(crate) fn paint(&mut self, shot: Shot, cancel: &CancelToken) -> RgbImage {
+        match shot {
+            Shot::AsShown => {}
+            Shot::Step(step) => {
+                if let Some(run) = self.app.session.runs.get(step.run) {
+                    self.app.selection.frame = run.frame;
+                    self.app.selection.step = Some(step);
+                }
+            }
+            Shot::Frame(frame) => self.app.go_to_frame(frame),
+        }
+        self.settle(cancel);
+        let (app, seconds) = (&mut self.app, self.frame_seconds);
+        let picture = self.window.frames(2, Vec::new(), |ui| {
+            app.frame_seconds = seconds;
+            app.frame(ui);
+        });
+        DynamicImage::ImageRgba8(picture).into_rgb8()
+    }
+
+    /// Runs frames until nothing is being worked on any more.
+    fn settle(&mut self, cancel: &CancelToken) {
+        rest(&mut self.window, &mut self.app, PATIENCE, cancel);
+    }
+}

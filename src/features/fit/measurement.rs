@@ -1,0 +1,76 @@
+//! The Measurement section: how silhouettes are made from footage.
+
+use backlit_tracking::segment::{DontKnowOptions, SegmentOptions, ShadowOptions};
+use egui::Ui;
+
+use crate::context::command_button::gesture;
+use crate::context::{Intents, Showing};
+use crate::document::edit::Edit;
+use crate::style::format;
+use crate::widgets::{SliderRow, checkbox, section};
+
+/// The Measurement section.
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
+    // Cameras differ in their regions only.
+    let Some(options) = showing.document().measurement.first() else { return };
+    let shadows = if options.shadow.is_some() { "shadows tested" } else { "shadows off" };
+    let summary = format!("z-score {}, {shadows}", format::number(f64::from(options.z_threshold), 1));
+    section(ui, "Measurement", &summary, open, |ui| {
+        let mut changed = options.clone();
+        numbers(ui, intents, &mut changed);
+        let mut toggles = options.clone();
+        switches(ui, &mut toggles);
+        if toggles != *options {
+            intents.edit(Edit::SetMeasurement(Box::new(toggles)));
+        }
+    });
+}
+
+fn numbers(ui: &mut Ui, intents: &mut Intents, options: &mut SegmentOptions) {
+    let mut z = f64::from(options.z_threshold);
+    let mut floor = f64::from(options.noise_floor);
+    let mut opening = options.opening_px as f64;
+    let mut closing = options.closing_px as f64;
+    let mut smallest = options.min_component_px as f64;
+    let rows = [
+        ("Z-score", "", 1, 1.0..=20.0, &mut z, "How many deviations a pixel must be off to be foreground"),
+        ("Noise", "", 1, 0.5..=20.0, &mut floor, "The smallest deviation that is believed, in grey levels"),
+        ("Opening", " px", 0, 0.0..=6.0, &mut opening, "Removes specks up to this radius"),
+        ("Closing", " px", 0, 0.0..=8.0, &mut closing, "Closes gaps up to this radius"),
+        ("Smallest", " px", 0, 0.0..=2000.0, &mut smallest, "Components with fewer pixels are dropped"),
+    ];
+    let mut drag = None;
+    let mut changed = false;
+    for (index, (name, unit, decimals, range, value, tooltip)) in rows.into_iter().enumerate() {
+        let origin = *range.start();
+        let row = SliderRow { name, unit, decimals, range, limits: None, origin, is_held: false, tooltip };
+        let response = row.show(ui, value);
+        let this = gesture(ui, ("measurement", index), &response);
+        if response.changed() {
+            (drag, changed) = (this, true);
+        }
+    }
+    if changed {
+        options.z_threshold = z as f32;
+        options.noise_floor = floor as f32;
+        options.opening_px = opening.round().max(0.0) as usize;
+        options.closing_px = closing.round().max(0.0) as usize;
+        options.min_component_px = smallest.round().max(0.0) as usize;
+        intents.edits.push((Edit::SetMeasurement(Box::new(options.clone())), drag));
+    }
+}
+
+fn switches(ui: &mut Ui, options: &mut SegmentOptions) {
+    let mut shadow = options.shadow.is_some();
+    let tip = "Foreground that is only darker than the background, not differently coloured, is shadow";
+    if checkbox(ui, &mut shadow, "Take out shadows").on_hover_text(tip).changed() {
+        options.shadow = shadow.then(ShadowOptions::default);
+    }
+    let mut dont_know = options.dont_know.is_some();
+    let tip = "Where plate and frame are both dark, a pixel says nothing and weighs nothing";
+    if checkbox(ui, &mut dont_know, "Don’t know where both are dark").on_hover_text(tip).changed() {
+        options.dont_know = dont_know.then(DontKnowOptions::default);
+    }
+    let tip = "The frame may be exposed differently from the background";
+    checkbox(ui, &mut options.match_exposure, "Match exposure").on_hover_text(tip);
+}

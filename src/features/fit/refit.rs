@@ -1,0 +1,43 @@
+//! The Refit section: fit one limb, its chain, or the whole body from the pose on the screen.
+
+use egui::{RichText, Ui};
+
+use super::other_poses;
+use crate::context::action::Action;
+use crate::context::command_button::named_button;
+use crate::context::{Intents, Showing};
+use crate::style::theme;
+use crate::style::theme::space;
+use crate::widgets::section;
+
+/// The Refit section.
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
+    let last = showing.session.refits.get(&showing.selection.frame);
+    let summary = last.map_or("the rest stays", |last| last.what.as_str());
+    section(ui, "Refit", if open { "the rest stays" } else { summary }, open, |ui| {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 6.0;
+            let actions = [
+                (Action::RefitLimb, "Refit limb"),
+                (Action::RefitChain, "Refit chain"),
+                (Action::RefitBody, "Refit body"),
+            ];
+            for (action, text) in actions {
+                named_button(ui, showing, intents, action, text);
+            }
+        });
+        ui.add_space(space::ROW);
+        let palette = theme::palette(ui);
+        let small = |text: String, colour| egui::Label::new(RichText::new(text).small().color(colour)).wrap();
+        match last {
+            Some(last) => {
+                ui.add(small(last.sentence(), palette.text2));
+                ui.add(small(format!("{}.", last.ending), palette.text3));
+            }
+            None => {
+                ui.add(small("No refit of this frame yet".to_owned(), palette.text3));
+            }
+        }
+        other_poses::ui(ui, showing, intents);
+    });
+}

@@ -1,0 +1,54 @@
+//! What a refit has done to the cost, in words that stay.
+
+use crate::style::format;
+
+/// A refit that has ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refitted {
+    /// What was fitted: "Refit right forearm".
+    pub what: String,
+    /// Mismatch before, squared grey levels.
+    pub before: f64,
+    /// Mismatch after.
+    pub after: f64,
+    /// Accepted and rejected steps.
+    pub steps: usize,
+    /// How it ended, without its full stop.
+    pub ending: String,
+}
+
+impl Refitted {
+    /// "Refit right forearm: cost fell by 3.1 %, from 1.84e7 to 1.78e7, in 12 steps."
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        let change = 100.0 * (self.after / self.before - 1.0);
+        let how = match change {
+            change if !change.is_finite() || change.abs() < 0.05 => "cost stayed".to_owned(),
+            change if change < 0.0 => format!("cost fell by {} %", format::number(-change, 1)),
+            change => format!("cost rose by {} %", format::number(change, 1)),
+        };
+        let (before, after) = (format::cost(self.before), format::cost(self.after));
+        let plural = if self.steps == 1 { "" } else { "s" };
+        format!("{}: {how}, from {before} to {after}, in {} step{plural}.", self.what, self.steps)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fall_a_rise_and_neither_are_said() {
+        let refit = |after: f64| Refitted {
+            what: "Refit right forearm".to_owned(),
+            before: 2e7,
+            after,
+            steps: 12,
+            ending: String::new(),
+        };
+        let said = refit(1.5e7).sentence();
+        assert_eq!(said, "Refit right forearm: cost fell by 25.0 %, from 2.0e7 to 1.5e7, in 12 steps.");
+        assert!(refit(2.2e7).sentence().contains("rose by 10.0 %"));
+        assert!(refit(2e7).sentence().contains("cost stayed, from"));
+    }
+}

@@ -1,0 +1,80 @@
+//! The Renderer section: which solid stands for a limb.
+
+use backlit_tracking::render::RendererKind;
+use egui::{RichText, Ui};
+
+use crate::context::action::Action;
+use crate::context::{Intents, Showing};
+use crate::document::edit::Edit;
+use crate::document::fit_words as words;
+use crate::shell::toolbar::choice;
+use crate::style::theme;
+use crate::widgets::{SliderRow, section};
+
+/// The renderers with their commands.
+const KINDS: [(Action, RendererKind); 3] = [
+    (Action::RendererCapsule, RendererKind::Capsule),
+    (Action::RendererCylinder, RendererKind::Cylinder),
+    (Action::RendererSphereTree, RendererKind::SphereTree { spheres: None }),
+];
+
+/// The command that switches to a renderer.
+fn action_of(kind: RendererKind) -> Action {
+    match kind {
+        RendererKind::Capsule => Action::RendererCapsule,
+        RendererKind::Cylinder => Action::RendererCylinder,
+        RendererKind::SphereTree { .. } => Action::RendererSphereTree,
+    }
+}
+
+/// The renderer of a command.
+pub(crate) fn renderer_of(action: Action) -> Option<RendererKind> {
+    KINDS.iter().find(|(other, _)| *other == action).map(|(_, kind)| *kind)
+}
+
+/// A box of the three renderers.
+pub(crate) fn kind_box(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, width: f32) {
+    let chosen = action_of(showing.document().fit.renderer).text();
+    let choices = KINDS.map(|(action, _)| (action, action.text(), action.tooltip()));
+    if let Some(action) = choice(ui, "Renderer", width, chosen, &choices) {
+        intents.act(action);
+    }
+}
+
+/// The Renderer section.
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
+    let fit = &*showing.document().fit;
+    let name = action_of(fit.renderer).text().to_lowercase();
+    let ramps = words::ramps(fit);
+    section(ui, "Renderer", &format!("{name}, {ramps}"), open, |ui| {
+        kind_box(ui, showing, intents, ui.available_width());
+        if let RendererKind::SphereTree { spheres } = fit.renderer {
+            let mut count = spheres.unwrap_or(0) as f64;
+            let row = SliderRow {
+                name: "Spheres",
+                unit: "",
+                decimals: 0,
+                range: 0.0..=30.0,
+                limits: None,
+                origin: 0.0,
+                is_held: false,
+                tooltip: "Spheres of a limb; 0 takes as many as its length asks for",
+            };
+            let response = row.show(ui, &mut count);
+            let drag = crate::context::command_button::gesture(ui, "spheres", &response);
+            if response.changed() {
+                let count = count.round().max(0.0) as usize;
+                let mut options = fit.clone();
+                options.renderer = RendererKind::SphereTree { spheres: (count > 0).then_some(count) };
+                let what = "Change sphere count".to_owned();
+                intents.edits.push((Edit::SetFit { options: Box::new(options), what }, drag));
+            }
+        }
+        let text = match fit.renderer {
+            RendererKind::Capsule => "Round ends fade over a band, so every end says which way to go.",
+            RendererKind::Cylinder => "Flat ends: seen from the side, they hardly pull along the limb.",
+            RendererKind::SphereTree { .. } => "Spheres pull along the limb everywhere, a little.",
+        };
+        ui.label(RichText::new(text).small().color(theme::palette(ui).text3));
+    });
+}

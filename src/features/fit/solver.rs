@@ -1,0 +1,113 @@
+//! The Solver section: every choice of the fit by itself.
+
+use backlit_tracking::body::Parameters;
+use backlit_tracking::optimize::Method;
+use backlit_tracking::render::Ramp;
+use backlit_tracking::track::{FitOptions, Preset};
+use egui::{RichText, Ui};
+
+use crate::context::action::Action;
+use crate::context::{Intents, Showing};
+use crate::document::edit::Edit;
+use crate::document::fit_words as words;
+use crate::document::fit_words::preset_like;
+use crate::features::tracking::choices as tracking_choices;
+use crate::shell::toolbar::choice;
+use crate::style::theme;
+use crate::widgets::{hint, named_row, number_field, section, segmented};
+
+/// Width of the names in this section.
+const NAME: f32 = 78.0;
+/// Width of a field.
+const FIELD: f32 = 72.0;
+
+/// The preset of a command.
+pub(crate) fn preset_of(action: Action) -> Option<Preset> {
+    match action {
+        Action::PresetReport => Some(Preset::Report),
+        Action::PresetRobust => Some(Preset::Robust),
+        _ => None,
+    }
+}
+
+/// A box of the presets.
+pub(crate) fn preset_box(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, width: f32) {
+    let chosen = preset_like(&showing.document().fit).map_or("Own", Preset::label);
+    let choices = [Action::PresetRobust, Action::PresetReport].map(|a| (a, a.text(), a.tooltip()));
+    if let Some(action) = choice(ui, "Preset", width, chosen, &choices) {
+        intents.act(action);
+    }
+}
+
+/// The Solver section.
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
+    let fit = &*showing.document().fit;
+    let summary = preset_like(fit).map_or_else(|| "own choices".to_owned(), |p| p.label().to_owned());
+    section(ui, "Solver", &summary, open, |ui| {
+        let mut options = fit.clone();
+        ui.spacing_mut().item_spacing.y = 6.0;
+        row(ui, "Preset", |ui| preset_box(ui, showing, intents, ui.available_width()));
+        row(ui, "Update", |ui| {
+            let choices = [(Parameters::Tangent, "Tangent"), (Parameters::Raw, "Raw")];
+            segmented(ui, &mut options.parameters, &choices).on_hover_text(
+                "Tangent: three numbers a joint. Raw: four quaternion coefficients, as in the report",
+            );
+        });
+        row(ui, "Damping", |ui| {
+            let choices = [(Method::LevenbergMarquardt, "LM"), (Method::GaussNewton, "Fixed")];
+            segmented(ui, &mut options.method, &choices).on_hover_text(
+                "LM adapts it and takes back steps that raise the cost; fixed is the report's Gauss-Newton",
+            );
+            number_field(ui, "Damping", &mut options.damping, 3, "", 0.001, FIELD - 8.0);
+        });
+        row(ui, "Stages", |ui| {
+            let text = widths(&options);
+            ui.label(RichText::new(text).monospace().color(theme::palette(ui).text))
+                .on_hover_text("Outer width of the ramp, stage by stage; a preset sets them");
+        });
+        row(ui, "Pull back", |ui| {
+            number_field(ui, "Proximal prior", &mut options.proximal_weight, 0, "", 1.0, FIELD)
+                .on_hover_text("Proximal prior: pull towards the pose that the fit began with");
+            hint(ui, "to the start");
+        });
+        row(ui, "Untwist", |ui| {
+            number_field(ui, "Twist prior", &mut options.rest_weight, 0, "", 1.0, FIELD)
+                .on_hover_text("Twist prior: pull of every limb’s twist towards none");
+            hint(ui, "to no twist");
+        });
+        row(ui, "Limits", |ui| {
+            number_field(ui, "Joint limits", &mut options.limit_weight, 0, "", 5.0, FIELD)
+                .on_hover_text("How hard joints are held within their limits");
+            hint(ui, "of the joints");
+        });
+        tracking_choices::ui(ui, showing, intents);
+        sanitise(&mut options);
+        if options != *fit {
+            let what = "Change solver".to_owned();
+            intents.edit(Edit::SetFit { options: Box::new(options), what });
+        }
+    });
+}
+
+fn row(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
+    named_row(ui, name, NAME, contents);
+}
+
+/// Fields cannot go below zero.
+fn sanitise(options: &mut FitOptions) {
+    for value in [
+        &mut options.damping,
+        &mut options.proximal_weight,
+        &mut options.rest_weight,
+        &mut options.limit_weight,
+    ] {
+        *value = value.max(0.0);
+    }
+}
+
+/// The ramps of the stages, as short as they can be said.
+fn widths(options: &FitOptions) -> String {
+    let words: Vec<String> = options.stages.iter().map(|stage| words::short_ramp(stage.ramp)).collect();
+    let in_pixels = options.stages.iter().any(|stage| matches!(stage.ramp, Ramp::Distance { .. }));
+    words.join("  ") + if in_pixels { " px" } else { "" }
+}

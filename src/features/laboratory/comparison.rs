@@ -1,0 +1,319 @@
+//! The curves of one comparison, and the step that is looked at: one step for all of them.
+
+use std::sync::Arc;
+
+use backlit_tracking::body::Pose;
+
+use super::{CheckProgress, Entrant, PushAxis, Pushed};
+use crate::document::run::{RunEnding, RunStep};
+use crate::session::Extent;
+use crate::session::prediction::{FitInputs, Predicted};
+
+/// What a comparison is made of. If it changes the comparison begins anew.
+#[derive(Debug, Clone)]
+pub struct Basis {
+    /// The frame's data; its fit is not looked at.
+    pub scene: FitInputs,
+    /// Where all begin.
+    pub start: Pose,
+    /// What is compared.
+    pub entrants: Vec<Entrant>,
+}
+
+impl Basis {
+    /// Whether both make the same comparison.
+    #[must_use]
+    pub fn is(&self, other: &Self) -> bool {
+        let same_scene = FitInputs { fit: other.scene.fit.clone(), ..self.scene.clone() }.is(&other.scene);
+        same_scene && self.start == other.start && self.entrants == other.entrants
+    }
+
+    /// The scene as one of the fits sees it.
+    #[must_use]
+    pub fn scene_of(&self, entrant: &Entrant) -> FitInputs {
+        FitInputs { fit: Arc::new(entrant.fit.clone()), ..self.scene.clone() }
+    }
+}
+
+/// What a picture of pushing pixels is of.
+pub type PushKey = (usize, PushAxis, usize);
+
+/// A check of the gradient at one pose in all cameras.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Checked {
+    /// The pose.
+    pub pose: Pose,
+    /// What was found so far.
+    pub progress: CheckProgress,
+}
+
+/// One of the fits.
+#[derive(Debug, Clone)]
+pub struct Contestant {
+    /// Its name and choices.
+    pub entrant: Entrant,
+    /// The scene with its choices.
+    pub scene: FitInputs,
+    /// The start, then every iteration, rejected ones too.
+    pub steps: Vec<RunStep>,
+    /// How it ended, once it has.
+    pub ending: Option<RunEnding>,
+    /// What the step that is looked at predicts; while a newer one is made, the old stays.
+    pub shown: Option<Arc<Predicted>>,
+    /// What its newest step predicts.
+    pub newest: Option<Arc<Predicted>>,
+    /// What pushes at the start, and in which camera along which axis of which limb.
+    pub pushed: Option<(PushKey, Arc<Pushed>)>,
+    /// The newest check of the gradient; while a newer one is made, the old stays.
+    pub checked: Option<Checked>,
+}
+
+impl Contestant {
+    /// The last step that there is.
+    #[must_use]
+    pub fn last(&self) -> usize {
+        self.steps.len().saturating_sub(1)
+    }
+
+    /// The mismatch after a step in percent of the start's. After its end a fit stays where it is.
+    #[must_use]
+    pub fn percent(&self, step: usize) -> Option<f64> {
+        let start = self.steps.first()?.mismatch;
+        let here = self.steps.get(step.min(self.last()))?.mismatch;
+        (start > 0.0).then(|| 100.0 * here / start)
+    }
+
+    /// The mismatch of every step in percent of the start's.
+    #[must_use]
+    pub fn percents(&self) -> Vec<f64> {
+        (0..self.steps.len()).filter_map(|step| self.percent(step)).collect()
+    }
+
+    /// The pose after a step.
+    #[must_use]
+    pub fn pose(&self, step: usize) -> Option<&Pose> {
+        self.steps.get(step.min(self.last())).map(|step| &step.pose)
+    }
+
+    /// The first step from which on it stays below a share of its start, percent.
+    #[must_use]
+    pub fn arrived(&self, percent: f64) -> Option<usize> {
+        let percents = self.percents();
+        let stays = percents.iter().rev().take_while(|value| **value < percent).count();
+        (stays > 0).then(|| percents.len() - stays)
+    }
+}
+
+/// Several fits from one start.
+#[derive(Debug, Clone)]
+pub struct Comparison {
+    /// What it is made of.
+    pub basis: Basis,
+    /// The fits.
+    pub contestants: Vec<Contestant>,
+    /// The step that is looked at.
+    pub cursor: usize,
+    /// Whether the newest step is looked at as it comes.
+    pub follows: bool,
+    /// By camera: where data and starts are, so that the pictures show that and do not jump.
+    pub extents: Vec<Option<Extent>>,
+    /// Which comparison since the program began: pictures of an older one are not shown for this.
+    pub id: u64,
+}
+
+impl Comparison {
+    /// A comparison without any step yet, not even the start.
+    #[must_use]
+    pub fn new(basis: Basis, id: u64) -> Self {
+        let contestant = |entrant: &Entrant| Contestant {
+            scene: basis.scene_of(entrant),
+            entrant: entrant.clone(),
+            steps: Vec::new(),
+            ending: None,
+            shown: None,
+            newest: None,
+            pushed: None,
+            checked: None,
+        };
+        let contestants = basis.entrants.iter().map(contestant).collect();
+        let extents = vec![None; basis.scene.cameras.len()];
+        Self { basis, contestants, cursor: 0, follows: true, extents, id }
+    }
+
+    /// The last step that any fit has.
+    #[must_use]
+    pub fn last(&self) -> usize {
+        self.contestants.iter().map(Contestant::last).max().unwrap_or(0)
+    }
+
+    /// Whether every fit has its start or has failed to begin.
+    #[must_use]
+    pub fn has_begun(&self) -> bool {
+        self.contestants.iter().all(|fit| !fit.steps.is_empty() || fit.ending.is_some())
+    }
+
+    /// Whether every fit has ended by itself.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.contestants.iter().all(|fit| fit.ending.is_some())
+    }
+
+    /// Why no fit could begin, if none could.
+    #[must_use]
+    pub fn problem(&self) -> Option<&str> {
+        let all_empty = self.contestants.iter().all(|fit| fit.steps.is_empty());
+        let first = self.contestants.first()?.ending.as_ref()?;
+        match first {
+            RunEnding::Solver(words) if all_empty => Some(words),
+            _ => None,
+        }
+    }
+
+    /// Looks at a step.
+    pub fn go_to(&mut self, step: usize) {
+        self.cursor = step.min(self.last());
+        self.follows = self.cursor == self.last();
+    }
+
+    /// Takes in where data and start are in every camera.
+    pub fn add_extents(&mut self, found: &[Option<Extent>]) {
+        for (known, found) in self.extents.iter_mut().zip(found) {
+            *known = match (*known, *found) {
+                (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]),
+                (a, b) => a.or(b),
+            };
+        }
+    }
+
+    /// Takes in a step of a fit.
+    pub fn add_step(&mut self, index: usize, step: RunStep, predicted: Arc<Predicted>) {
+        let Some(fit) = self.contestants.get_mut(index) else { return };
+        fit.steps.push(step);
+        fit.newest = Some(predicted);
+        self.follow();
+    }
+
+    /// Takes in that a fit has ended.
+    pub fn end(&mut self, index: usize, ending: RunEnding) {
+        if let Some(fit) = self.contestants.get_mut(index) {
+            fit.ending = Some(ending);
+        }
+        self.follow();
+    }
+
+    /// The work on the fits has broken down: those that were going on have ended.
+    pub fn break_down(&mut self, words: &str) {
+        for fit in self.contestants.iter_mut().filter(|fit| fit.ending.is_none()) {
+            fit.ending = Some(RunEnding::Solver(words.to_owned()));
+        }
+        self.follow();
+    }
+
+    /// The step that all fits have reached which go on is looked at.
+    fn follow(&mut self) {
+        if self.follows {
+            let going = self.contestants.iter().filter(|fit| fit.ending.is_none()).map(Contestant::last);
+            self.cursor = self.cursor.max(going.min().unwrap_or_else(|| self.last()));
+        }
+        // Pictures that are there need not be asked for.
+        for fit in &mut self.contestants {
+            if fit.newest.as_ref().is_some_and(|newest| fit.pose(self.cursor) == Some(&newest.pose)) {
+                fit.shown.clone_from(&fit.newest);
+            }
+        }
+    }
+
+    /// Fits whose picture is not that of the step that is looked at.
+    pub fn stale(&self) -> impl Iterator<Item = (usize, &Contestant, &Pose)> {
+        self.contestants.iter().enumerate().filter_map(|(index, fit)| {
+            let pose = fit.pose(self.cursor)?;
+            let is_fresh = fit.shown.as_ref().is_some_and(|shown| shown.pose == *pose);
+            (!is_fresh).then_some((index, fit, pose))
+        })
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use backlit_tracking::body::builtin;
+    use backlit_tracking::track::{FitOptions, Preset};
+    use glam::DVec3;
+
+    use super::*;
+    use crate::features::laboratory::Lineup;
+
+    /// A comparison of the renderers with these mismatches, without pictures.
+    pub(crate) fn comparison(mismatches: [&[f64]; 3]) -> Comparison {
+        let model = Arc::new(builtin::single_limb());
+        let fit = FitOptions::preset(Preset::Report);
+        let scene = FitInputs {
+            cameras: Arc::new(Vec::new()),
+            uses: Arc::new(Vec::new()),
+            fit: Arc::new(fit.clone()),
+            frame: None,
+            derivatives: crate::session::prediction::Derivatives::default(),
+            model: model.clone(),
+        };
+        let start = Pose::rest(&model);
+        let basis = Basis { scene, start, entrants: Lineup::Renderers.entrants(&fit, &model) };
+        let mut comparison = Comparison::new(basis, 0);
+        let longest = mismatches.iter().map(|mismatches| mismatches.len()).max().unwrap_or(0);
+        for at in 0..longest {
+            for (index, mismatches) in mismatches.iter().enumerate() {
+                let Some(&mismatch) = mismatches.get(at) else { continue };
+                let before = mismatches[at.saturating_sub(1)];
+                let pose = Pose { root: DVec3::splat(at as f64), ..Pose::rest(&model) };
+                let scene = comparison.contestants[index].scene.clone();
+                let predicted = Arc::new(Predicted::new(&scene, &pose, None));
+                comparison.add_step(index, step(pose, mismatch, before - mismatch), predicted);
+            }
+        }
+        comparison
+    }
+
+    fn step(pose: Pose, mismatch: f64, fell: f64) -> RunStep {
+        RunStep {
+            pose,
+            mismatch,
+            rms: 0.0,
+            step_norm: 0.0,
+            cost: mismatch,
+            trial_cost: mismatch,
+            foretold: 0.0,
+            fell,
+            damping: 0.0,
+            seconds: 0.0,
+            stage: 0,
+            accepted: true,
+        }
+    }
+
+    #[test]
+    fn the_step_that_all_have_is_followed() {
+        let mut found = comparison([&[9.0, 8.0, 7.0], &[9.0, 2.0], &[9.0, 3.0, 1.0]]);
+        assert_eq!((found.cursor, found.last()), (1, 2));
+        found.end(1, RunEnding::Solver("done".to_owned()));
+        assert_eq!(found.cursor, 2, "who has ended is not waited for");
+        assert!(
+            (found.contestants[1].percent(2).unwrap() - 200.0 / 9.0).abs() < 1e-9,
+            "it stays where it is"
+        );
+        found.go_to(0);
+        let stale: Vec<usize> = found.stale().map(|(index, ..)| index).collect();
+        assert_eq!(stale, [0, 1, 2]);
+        let pose = found.contestants[0].steps[0].pose.clone();
+        let predicted = Arc::new(Predicted::new(&found.contestants[0].scene, &pose, None));
+        found.add_step(0, step(pose, 6.0, 1.0), predicted);
+        assert_eq!(found.cursor, 0, "who looks back is left there");
+        found.go_to(99);
+        assert_eq!((found.cursor, found.follows), (3, true));
+    }
+
+    #[test]
+    fn arriving_is_staying_below() {
+        let found = comparison([&[100.0, 1.0, 50.0, 1.0, 0.5], &[100.0, 90.0], &[0.0, 0.0]]);
+        let arrived: Vec<Option<usize>> = found.contestants.iter().map(|fit| fit.arrived(5.0)).collect();
+        assert_eq!(arrived, [Some(3), None, None]);
+        assert_eq!(found.contestants[2].percent(0), None, "nothing of nothing");
+    }
+}

@@ -1,0 +1,164 @@
+//! The laboratory: several ways to fit, from one start, side by side. It has the whole centre of its layout.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `header` | what is compared, and the controls of the step |
+//! | `column` | one fit: percent of its start, its pictures, its counts |
+//! | `picture` | one picture: the overlay at this step, or what pushes at the start |
+//! | `curves` | the plot of all of them |
+//! | `caption` | why they differ, and the legend |
+
+mod caption;
+mod column;
+mod curves;
+mod header;
+mod picture;
+
+pub(crate) use header::lineup_box;
+
+use egui::{
+    CentralPanel, Frame, Rect, RichText, Role, Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo, pos2, vec2,
+};
+
+use crate::context::{Intents, Showing};
+use crate::features::laboratory::comparison::PushKey;
+use crate::features::laboratory::{Comparison, PushAxis};
+use crate::style::theme;
+use crate::style::theme::{size, space};
+
+/// Below this height of the centre, type and distances are those of the other layouts.
+const COMPACT_BELOW: f32 = 760.0;
+/// The plot's share of the height, and its ends.
+const PLOT_SHARE: f32 = 0.38;
+const PLOT_HEIGHT: std::ops::RangeInclusive<f32> = 212.0..=350.0;
+/// With little room the caption needs so much, with all of its words and its legend.
+const COMPACT_PLOT_HEIGHT: f32 = 236.0;
+/// The caption's share of the width; with little room it is wider, so that it is less high.
+const CAPTION_SHARE: f32 = 0.35;
+const COMPACT_CAPTION_SHARE: f32 = 0.42;
+
+/// How things are laid out in the room that there is.
+#[derive(Clone, Copy)]
+struct Room {
+    /// Little height: smaller type, less space.
+    is_compact: bool,
+    /// Around the page.
+    margin: f32,
+    /// Between cards.
+    gap: f32,
+}
+
+impl Room {
+    fn of(rect: Rect) -> Self {
+        let is_compact = rect.height() < COMPACT_BELOW || rect.width() < 1200.0;
+        if is_compact {
+            Self { is_compact, margin: space::GROUP, gap: space::WIDGET }
+        } else {
+            Self { is_compact, margin: space::PAGE_MARGIN, gap: space::GUTTER_MARGIN }
+        }
+    }
+}
+
+/// What all parts of the page look at.
+#[derive(Clone, Copy)]
+struct Bench<'a> {
+    showing: &'a Showing<'a>,
+    comparison: &'a Comparison,
+    /// What is pushed, as words.
+    limb: &'a str,
+    axis: PushAxis,
+    key: PushKey,
+    room: Room,
+}
+
+/// The panel.
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    let room = Room::of(ui.available_rect_before_wrap());
+    header::ui(ui, showing, intents, room.margin);
+    CentralPanel::default().frame(Frame::NONE.fill(palette.well)).show(ui, |ui| {
+        let rect = ui.max_rect();
+        let laboratory = showing.laboratory;
+        let Some(comparison) = laboratory.comparison.as_ref().filter(|comparison| comparison.has_begun())
+        else {
+            return waiting(ui, rect, showing);
+        };
+        let model = &showing.document().model;
+        let limb = showing.selection.limb(model);
+        let axis = laboratory.axis_for(model);
+        let bench = Bench {
+            showing,
+            comparison,
+            limb: &model.limbs()[limb].name,
+            axis,
+            key: (laboratory.camera, axis, limb),
+            room,
+        };
+        page(ui, rect, &bench, intents);
+    });
+}
+
+fn page(ui: &mut Ui, rect: Rect, bench: &Bench<'_>, intents: &mut Intents) {
+    let Room { margin, gap, .. } = bench.room;
+    let top_gap = margin.min(16.0);
+    let inner = Rect::from_min_max(
+        pos2(rect.left() + margin, rect.top() + top_gap),
+        pos2(rect.right() - margin, rect.bottom() - margin.min(20.0)),
+    );
+    let plot_height = (PLOT_SHARE * inner.height()).clamp(*PLOT_HEIGHT.start(), *PLOT_HEIGHT.end());
+    let is_compact = bench.room.is_compact;
+    let plot_height = if is_compact { plot_height.max(COMPACT_PLOT_HEIGHT) } else { plot_height };
+    let (above, below) = inner.split_top_bottom_at_y(inner.bottom() - plot_height);
+    let above = above.with_max_y(above.bottom() - gap);
+    let fits = &bench.comparison.contestants;
+    let count = fits.len().max(1) as f32;
+    let width = (above.width() - gap * (count - 1.0)) / count;
+    for (index, fit) in fits.iter().enumerate() {
+        let left = above.left() + (width + gap) * index as f32;
+        let column = Rect::from_min_size(pos2(left, above.top()), vec2(width, above.height()));
+        card(ui, column);
+        inside(ui, column, ("column", index), |ui| column::ui(ui, column, bench, index, fit, intents));
+    }
+    let share = if is_compact { COMPACT_CAPTION_SHARE } else { CAPTION_SHARE };
+    let caption_width = (share * below.width()).max(330.0);
+    let (plot, caption) = below.split_left_right_at_x(below.right() - caption_width - gap);
+    let caption = caption.with_min_x(caption.left() + gap);
+    card(ui, plot);
+    inside(ui, plot.shrink2(vec2(14.0, 8.0)), "plot", |ui| curves::ui(ui, bench, intents));
+    card(ui, caption);
+    let margin = if is_compact { vec2(14.0, 8.0) } else { vec2(18.0, 12.0) };
+    inside(ui, caption.shrink2(margin), "caption", |ui| caption::ui(ui, bench, intents));
+}
+
+/// The ground of a part of the page.
+fn card(ui: &Ui, rect: Rect) {
+    let palette = theme::palette(ui);
+    let stroke: Stroke = palette.hairline();
+    ui.painter().rect(rect, f32::from(size::WINDOW_RADIUS), palette.raised, stroke, StrokeKind::Inside);
+}
+
+fn inside(ui: &mut Ui, rect: Rect, salt: impl egui::AsIdSalt, add: impl FnOnce(&mut Ui)) {
+    ui.scope_builder(UiBuilder::new().max_rect(rect).id_salt(salt), |ui| {
+        ui.set_clip_rect(rect.expand(2.0).intersect(ui.clip_rect()));
+        add(ui);
+    });
+}
+
+/// Before there is anything to show.
+fn waiting(ui: &mut Ui, rect: Rect, showing: &Showing<'_>) {
+    let has_mask = showing.session.frames.get(showing.selection.frame).map(|frame| frame.has_mask());
+    let text = match has_mask {
+        None if showing.busy.load_broke => "This frame cannot be read: Help › Messages says why",
+        None => "Reading the frame…",
+        Some(false) => "This frame has no silhouette yet: choose another in the Pose layout",
+        Some(true) => "Preparing the fits…",
+    };
+    let palette = theme::palette(ui);
+    let label = RichText::new(text).text_style(theme::title()).color(palette.text2);
+    ui.put(Rect::from_center_size(rect.center(), vec2(rect.width(), 40.0)), egui::Label::new(label));
+}
+
+/// Names a thing that is painted, for screen readers and tests.
+fn named(response: &egui::Response, role: Role, text: &str) {
+    response.widget_info(|| WidgetInfo::labeled(role, true, text));
+}

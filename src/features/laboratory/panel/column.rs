@@ -1,0 +1,275 @@
+//! One fit: percent of its start, its two pictures, its counts and the check of its gradient.
+
+use egui::{
+    Align, Layout as Direction, Rect, RichText, Role, Sense, Shape, Stroke, Ui, UiBuilder, WidgetInfo, pos2,
+    vec2,
+};
+
+use super::{Bench, picture};
+use crate::context::{Intents, Request};
+use crate::document::run::RunEnding;
+use crate::features::laboratory::story::percent_text;
+use crate::features::laboratory::{CheckProgress, Contestant, LaboratoryRequest, Worst};
+use crate::style::format;
+use crate::style::theme;
+use crate::style::theme::{Palette, run_style, size, space};
+
+/// Heights of head and foot.
+const HEAD: f32 = 36.0;
+const HEAD_COMPACT: f32 = 30.0;
+const ROW: f32 = 20.0;
+const FOOT_PADDING: f32 = 5.0;
+/// Length of the piece of the curve in the head.
+const SAMPLE: f32 = 24.0;
+/// Narrower columns have no note behind the name.
+const NOTE_FROM: f32 = 300.0;
+/// Pixels between the two pictures.
+const BETWEEN: f32 = 2.0;
+
+/// The column within `rect`.
+pub(crate) fn ui(
+    ui: &mut Ui,
+    rect: Rect,
+    bench: &Bench<'_>,
+    index: usize,
+    fit: &Contestant,
+    intents: &mut Intents,
+) {
+    let head_height = if bench.room.is_compact { HEAD_COMPACT } else { HEAD };
+    let rows = if bench.room.is_compact { 2.0 } else { 3.0 };
+    let foot_height = rows * ROW + 2.0 * FOOT_PADDING;
+    let (head, rest) = rect.split_top_bottom_at_y(rect.top() + head_height);
+    let (pictures, foot) = rest.split_top_bottom_at_y(rect.bottom() - foot_height);
+    let pictures = pictures.shrink2(vec2(1.0, 0.0));
+    part(ui, head.shrink2(vec2(14.0, 0.0)), Direction::left_to_right(Align::Center), |ui| {
+        header(ui, bench, index, fit, rect.width());
+    });
+    let marked = (bench.showing.laboratory.marked == Some(index)).then(|| checked(bench, fit)).flatten();
+    let worst = marked.and_then(|checked| checked.progress.worst.as_ref());
+    let worst = worst.filter(|worst| worst.camera == bench.key.0);
+    let (upper, lower) = if picture::is_stacked(bench, pictures) {
+        let middle = pictures.center().y.round();
+        let (upper, lower) = pictures.split_top_bottom_at_y(middle);
+        (upper, lower.with_min_y(middle + BETWEEN))
+    } else {
+        let middle = pictures.center().x.round();
+        let (left, right) = pictures.split_left_right_at_x(middle);
+        (left, right.with_min_x(middle + BETWEEN))
+    };
+    picture::overlay(ui, upper, bench, index, fit, worst);
+    picture::push(ui, lower, bench, index, fit);
+    let inner = foot.shrink2(vec2(14.0, FOOT_PADDING));
+    part(ui, inner, Direction::top_down(Align::Min), |ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        pushes(ui, bench, fit);
+        gradient(ui, bench, index, fit, intents);
+        if !bench.room.is_compact {
+            ending(ui, bench, fit);
+        }
+    });
+}
+
+fn part(ui: &mut Ui, rect: Rect, direction: Direction, add: impl FnOnce(&mut Ui)) {
+    ui.scope_builder(UiBuilder::new().max_rect(rect).layout(direction), add);
+}
+
+fn header(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, width: f32) {
+    let palette = theme::palette(ui);
+    let (sample, _) = ui.allocate_exact_size(vec2(SAMPLE, size::ROW), Sense::hover());
+    let style = run_style(index);
+    let stroke = Stroke::new(size::CURVE_DEMONSTRATE + 0.5, style.colour);
+    let ends = [sample.left_center(), sample.right_center()];
+    match style.dash {
+        [] => drop(ui.painter().line_segment(ends, stroke)),
+        [length, ..] => {
+            ui.painter().extend(Shape::dashed_line(&ends, stroke, *length, *length * 0.618));
+        }
+    }
+    ui.label(RichText::new(fit.entrant.name).text_style(theme::column_heading()).color(palette.text));
+    if width >= NOTE_FROM {
+        ui.label(RichText::new(&fit.entrant.note).color(palette.text3));
+    }
+    ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+        let percent = fit.percent(bench.comparison.cursor);
+        let text = percent.map_or_else(|| format::MISSING.to_owned(), |p| format!("{} %", percent_text(p)));
+        let label = ui.label(RichText::new(text.clone()).text_style(theme::headline()).color(palette.text));
+        label.widget_info(|| {
+            WidgetInfo::labeled(Role::Label, true, format!("{} at {text}", fit.entrant.name))
+        });
+        label.on_hover_text("Cost at this step, in percent of the cost at the start, by its own ramp");
+    });
+}
+
+/// A name on the left, a value on the right that stays in its place.
+fn line(ui: &mut Ui, name: &str, value: RichText) -> egui::Response {
+    let palette = theme::palette(ui);
+    let size = vec2(ui.available_width(), ROW);
+    ui.allocate_ui_with_layout(size, Direction::right_to_left(Align::Center), |ui| {
+        ui.label(value.monospace());
+        ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
+            ui.add(egui::Label::new(RichText::new(name).color(palette.text2)).truncate());
+        });
+    })
+    .response
+}
+
+fn pushes(ui: &mut Ui, bench: &Bench<'_>, fit: &Contestant) {
+    let palette = theme::palette(ui);
+    let (text, is_fresh) = fit.pushed.as_ref().map_or_else(
+        || (format::MISSING.to_owned(), false),
+        |(key, pushed)| {
+            let count = |n: usize| format::count(n as i64);
+            (format!("{} of {}", count(pushed.pushing), count(pushed.in_ramp)), *key == bench.key)
+        },
+    );
+    let colour = if is_fresh { palette.text } else { palette.text3 };
+    let name = bench.axis.pixels();
+    let response = line(ui, name, RichText::new(&text).color(colour));
+    response.widget_info(|| {
+        WidgetInfo::labeled(Role::Label, true, format!("{}, {name}: {text}", fit.entrant.name))
+    });
+    response.on_hover_text(
+        "Pixels of the ramp whose grey changes as it moves that way: at least 1 % of the strongest that all these fits have. \
+         The second number counts all pixels of the ramp, neither black nor white",
+    );
+}
+
+/// The check that belongs to what is shown.
+fn checked<'a>(
+    bench: &Bench<'_>,
+    fit: &'a Contestant,
+) -> Option<&'a crate::features::laboratory::comparison::Checked> {
+    let pose = fit.pose(bench.comparison.cursor)?;
+    fit.checked.as_ref().filter(|checked| checked.pose == *pose)
+}
+
+fn gradient(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    let fresh = checked(bench, fit);
+    let progress = fresh.or(fit.checked.as_ref()).map(|checked| &checked.progress);
+    let is_whole = fresh.is_some_and(|checked| checked.progress.is_whole());
+    let cameras = bench.comparison.basis.scene.cameras.len();
+    let name = match fresh {
+        None if bench.showing.laboratory.check_broke => "Gradient check, broke down".to_owned(),
+        Some(checked) if !is_whole && bench.showing.laboratory.check_broke => {
+            format!("Gradient check, broke down at {} %", done_percent(&checked.progress))
+        }
+        Some(checked) if !is_whole => format!("Gradient check, {} % done", done_percent(&checked.progress)),
+        None if bench.showing.laboratory.is_running => "Gradient check, after the run".to_owned(),
+        None => "Gradient check, computing".to_owned(),
+        Some(checked) => match &checked.progress.worst {
+            Some(worst) if cameras > 1 => format!("Gradient check, worst in camera {}", worst.camera + 1),
+            _ => "Gradient check, worst pixel".to_owned(),
+        },
+    };
+    let value =
+        progress.map_or_else(|| format::MISSING.to_owned(), |progress| format::cost(progress.largest_error));
+    let fails = progress.is_some_and(|progress| !progress.passes());
+    let colour = verdict(palette, is_whole, fails);
+    let text = if fails { format!("fails  {value}") } else { value.clone() };
+    let row = line(ui, &name, RichText::new(text).color(colour));
+    let response = ui.interact(row.rect, ui.scope_id().with("gradient check"), Sense::click());
+    let is_marked = bench.showing.laboratory.marked == Some(index);
+    let label = format!("Gradient check of {}: {value}", fit.entrant.subject);
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_marked, label.clone()));
+    if response.hovered() || is_marked || response.has_focus() {
+        let y = row.rect.bottom() - 2.5;
+        ui.painter().hline(row.rect.x_range(), y, Stroke::new(1.0, palette.line2));
+    }
+    if response.hovered() {
+        ui.set_cursor_icon(egui::CursorIcon::PointingHand);
+    }
+    let tooltip = fresh.map_or_else(
+        || "The analytic Jacobian against central differences, at this step in all cameras".to_owned(),
+        |checked| explained(bench, checked, is_marked),
+    );
+    if response.on_hover_text(tooltip).clicked() {
+        // A mark in another camera is gone to first.
+        let is_seen = fresh
+            .and_then(|checked| checked.progress.worst.as_ref())
+            .is_none_or(|worst| worst.camera == bench.key.0);
+        let mark = (!is_marked || !is_seen).then_some(index);
+        intents.request(Request::Laboratory(LaboratoryRequest::Mark(mark)));
+    }
+}
+
+fn verdict(palette: &Palette, is_whole: bool, fails: bool) -> egui::Color32 {
+    match (fails, is_whole) {
+        (true, _) => palette.error,
+        (false, true) => palette.ok,
+        (false, false) => palette.text3,
+    }
+}
+
+/// How much of a check is done, in whole percent.
+fn done_percent(progress: &CheckProgress) -> usize {
+    100 * progress.done / progress.total.max(1)
+}
+
+/// The worst pixel in words.
+fn pixel_words(worst: &Worst) -> String {
+    let [x, y] = worst.pixel;
+    format!(
+        "Camera {}, pixel ({x}, {y}), column {}: analytic {}, differences {}",
+        worst.camera + 1,
+        worst.column,
+        figures(worst.analytic),
+        figures(worst.numeric)
+    )
+}
+
+/// Seven figures: enough to see where two numbers part.
+fn figures(value: f64) -> String {
+    let decimals = 6 - (value.abs().max(1e-9).log10().floor() as i32).clamp(-3, 6);
+    format::number(value, decimals.max(0) as usize)
+}
+
+fn explained(
+    bench: &Bench<'_>,
+    checked: &crate::features::laboratory::comparison::Checked,
+    is_marked: bool,
+) -> String {
+    let progress = &checked.progress;
+    let count = |n: usize| format::count(n as i64);
+    let worst = progress.worst.as_ref().map_or_else(String::new, |worst| pixel_words(worst) + ".\n");
+    let is_seen = progress.worst.as_ref().is_none_or(|worst| worst.camera == bench.key.0);
+    let click = match (is_marked, is_seen) {
+        (true, true) => "Click to take the mark away",
+        (false, true) => "Click to mark the pixel",
+        (_, false) => "Click to see the pixel, in its camera",
+    };
+    let cameras = bench.comparison.basis.scene.cameras.len();
+    let of = if cameras == 1 { String::new() } else { format!(" in {cameras} cameras") };
+    format!(
+        "{worst}{} derivatives{of} compared with central differences, {} differ, {} skipped at kinks; the number is the \
+         largest difference over the largest derivative of its column.\n{click}",
+        count(progress.compared),
+        count(progress.mismatches),
+        count(progress.skipped)
+    )
+}
+
+/// How the fit ended, or the marked pixel's numbers.
+fn ending(ui: &mut Ui, bench: &Bench<'_>, fit: &Contestant) {
+    let palette = theme::palette(ui);
+    let text = match &fit.ending {
+        Some(RunEnding::Solver(words)) => format!("Stopped at step {}: {words}", fit.last()),
+        Some(RunEnding::Stopped) => format!("Stopped by you at step {}", fit.last()),
+        None if fit.last() == 0 => "Not stepped yet".to_owned(),
+        None => format!("{} steps so far", fit.last()),
+    };
+    let is_marked = bench.comparison.contestants.iter().position(|other| std::ptr::eq(other, fit))
+        == bench.showing.laboratory.marked;
+    let worst = checked(bench, fit).and_then(|checked| checked.progress.worst.as_ref()).filter(|_| is_marked);
+    let (text, colour) = match worst {
+        Some(worst) => (pixel_words(worst), palette.accent_text),
+        None => (text, palette.text3),
+    };
+    let rect = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), ROW));
+    let rect = Rect::from_min_max(pos2(rect.left(), rect.top()), rect.max);
+    ui.allocate_ui_with_layout(rect.size(), Direction::left_to_right(Align::Center), |ui| {
+        ui.spacing_mut().item_spacing.x = space::ROW;
+        let label = egui::Label::new(RichText::new(&text).small().color(colour)).truncate();
+        ui.add(label).on_hover_text(&text);
+    });
+}

@@ -1,0 +1,153 @@
+//! The Camera subsets section: what each set of cameras would see of this pose, the best first.
+
+use backlit_tracking::track::observability::SubsetFigures;
+use egui::{Align2, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
+
+use super::panel::{length, name_of};
+use crate::context::{Intents, Showing};
+use crate::document::edit::Edit;
+use crate::features::observability::observed::Observed;
+use crate::style::format;
+use crate::style::theme;
+use crate::style::theme::{size, space};
+use crate::widgets::{paint_camera_badge, section};
+
+/// Between two badges.
+const BADGE_GAP: f32 = 3.0;
+/// Width of the column of figures at the right.
+const FIGURE: f32 = 66.0;
+/// Widest bar, and its height.
+const BAR: f32 = 34.0;
+const BAR_HEIGHT: f32 = 5.0;
+/// A bar is full at this standard deviation, metres, and empty at the other.
+const BARS_M: [f64; 2] = [1.0, 0.0005];
+
+/// The Camera subsets section.
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
+    let used: Vec<usize> = showing.document().used_cameras().collect();
+    let summary = format!("{} of {} cameras", used.len(), showing.session.camera_count());
+    section(ui, "Camera subsets", &summary, open, |ui| {
+        intents.glance.at_figures = true;
+        let palette = theme::palette(ui);
+        let Some(found) = showing.observing.found().filter(|found| !found.subsets.is_empty()) else {
+            ui.label(RichText::new("No camera has a silhouette yet").small().color(palette.text3));
+            return;
+        };
+        ui.spacing_mut().item_spacing.y = 0.0;
+        head(ui);
+        for (place, figures) in found.subsets.iter().enumerate() {
+            row(ui, showing, found, place, figures, figures.cameras == used, intents);
+        }
+        ui.add_space(space::ROW);
+        let text = RichText::new(about(found)).small().color(palette.text3);
+        ui.add(egui::Label::new(text).wrap()).on_hover_text(
+            "From sums of each camera by itself, with the noise of the cameras in use: only what they see differs",
+        );
+    });
+}
+
+/// Which sets there are, and what the best of few cameras is worth.
+fn about(found: &Observed) -> String {
+    let cameras = found.subsets.iter().map(|set| set.cameras.len()).max().unwrap_or_default();
+    let sets = found.subsets.len();
+    let which = match (cameras, sets) {
+        (1, _) => "One camera has a silhouette.".to_owned(),
+        (..=4, _) => format!("All {sets} sets of {cameras} cameras."),
+        (..=8, _) => format!("{sets} sets of {cameras} cameras: each, pairs, all but one, all."),
+        _ => format!("{sets} sets of {cameras} cameras: each, all but one, all."),
+    };
+    let best = |count| found.subsets.iter().find(|set| set.cameras.len() == count);
+    let compared = best(2).zip(best(1)).filter(|(two, one)| one.median_m.is_finite() && two.median_m > 0.0);
+    compared.map_or(which.clone(), |(two, one)| {
+        let times = one.median_m / two.median_m;
+        let text = format::number(times, usize::from(times < 9.95));
+        format!("{which} The best camera alone knows the middle joint {text} times worse than the best pair.")
+    })
+}
+
+fn head(ui: &mut Ui) {
+    let palette = theme::palette(ui);
+    let (row, _) = ui.allocate_exact_size(vec2(ui.available_width(), size::ROW), Sense::hover());
+    let font = TextStyle::Small.resolve(ui.style());
+    let text = |at, align, text: &str| {
+        ui.painter().text(at, align, text, font.clone(), palette.text3);
+    };
+    text(row.left_center(), Align2::LEFT_CENTER, "Cameras");
+    text(pos2(row.right() - FIGURE - BAR - 14.0, row.center().y), Align2::RIGHT_CENTER, "Seen");
+    text(row.right_center(), Align2::RIGHT_CENTER, "Worst joint, 1σ");
+}
+
+fn row(
+    ui: &mut Ui,
+    showing: &Showing<'_>,
+    found: &Observed,
+    place: usize,
+    figures: &SubsetFigures,
+    is_current: bool,
+    intents: &mut Intents,
+) {
+    let palette = theme::palette(ui);
+    let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), size::ROW), Sense::click());
+    let names: Vec<String> = figures.cameras.iter().map(|camera| (camera + 1).to_string()).collect();
+    let label = format!("Cameras {}", names.join(", "));
+    response.widget_info(|| WidgetInfo::selected(Role::ListItem, ui.is_enabled(), is_current, &label));
+    let band = row.expand2(vec2(space::PANEL_MARGIN, 0.0));
+    if is_current {
+        ui.painter().rect_filled(band, 0.0, palette.select);
+        ui.painter().rect_filled(
+            Rect::from_min_size(band.min, vec2(3.0, band.height())),
+            0.0,
+            palette.accent,
+        );
+    } else if response.hovered() {
+        ui.painter().rect_filled(band, 0.0, palette.hover);
+    }
+    for (index, &camera) in figures.cameras.iter().enumerate() {
+        let left = row.left() + index as f32 * (size::BADGE + BADGE_GAP);
+        let at = pos2(left, row.center().y - 0.5 * size::BADGE);
+        paint_camera_badge(ui.painter(), Rect::from_min_size(at, vec2(size::BADGE, size::BADGE)), camera);
+    }
+    numbers(ui, row, showing.observing.is_stale(), figures);
+    if response.has_focus() {
+        ui.painter().rect_stroke(row, size::FIELD_RADIUS, palette.focus_ring(), egui::StrokeKind::Outside);
+    }
+    if response.hovered() || response.has_focus() {
+        intents.glance.subset = Some(place);
+    }
+    if response.clicked() && !is_current {
+        intents.edit(Edit::UseOnly { cameras: figures.cameras.clone() });
+    }
+    response.on_hover_text(tooltip(found, figures, is_current));
+}
+
+fn tooltip(found: &Observed, figures: &SubsetFigures, is_current: bool) -> String {
+    let worst = name_of(&found.shown, figures.worst.0);
+    let click = if is_current { "These are in use" } else { "Click to use these and no others" };
+    format!(
+        "Worst joint: {worst}, {}\nJoint in the middle: {}\nWeakest direction that is seen: {} grey²/rad²\n{click}",
+        length(figures.worst.1),
+        length(figures.median_m),
+        format::cost(figures.smallest),
+    )
+}
+
+fn numbers(ui: &Ui, row: Rect, is_stale: bool, figures: &SubsetFigures) {
+    let palette = theme::palette(ui);
+    let colour = if is_stale { palette.text3 } else { palette.text };
+    let mono = TextStyle::Monospace.resolve(ui.style());
+    let painter = ui.painter();
+    let y = row.center().y;
+    let seen = format!("{}/{}", figures.columns - figures.null_count, figures.columns);
+    let bar_right = row.right() - FIGURE;
+    painter.text(pos2(bar_right - BAR - 14.0, y), Align2::RIGHT_CENTER, seen, mono.clone(), colour);
+    let deviation = figures.worst.1;
+    let value = if deviation.is_finite() { length(deviation) } else { "unseen".to_owned() };
+    painter.text(row.right_center(), Align2::RIGHT_CENTER, value, mono, colour);
+    let [full, empty] = BARS_M.map(f64::log10);
+    let share = ((deviation.log10() - empty) / (full - empty)).clamp(0.0, 1.0) as f32;
+    let bar = Rect::from_min_size(
+        pos2(bar_right - BAR - 4.0, y - 0.5 * BAR_HEIGHT),
+        vec2((BAR * share).max(1.0), BAR_HEIGHT),
+    );
+    painter.rect_filled(bar, 1.0, if is_stale { palette.active } else { palette.line2 });
+}

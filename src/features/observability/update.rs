@@ -1,0 +1,57 @@
+//! Figures of what the cameras see, the sway along a direction, and sets of cameras.
+
+use crate::app::App;
+use crate::context::action::Action;
+use crate::features::observability::observed::ObserveJob;
+use crate::features::observability::{ObserveRequest, Observing};
+use crate::worker::Lane;
+
+impl App {
+    /// What is looked at of what the cameras see.
+    #[must_use]
+    pub fn observing(&self) -> &Observing {
+        &self.observing
+    }
+
+    /// Asks for figures where they are wanted and old, once nothing more urgent is in hand, and lets the body sway.
+    pub(crate) fn observe(&mut self, ctx: &egui::Context) {
+        let Some(scene) = self.scene() else { return };
+        let pose = self.shown_pose().clone();
+        let is_stale = !self.observing.found().is_some_and(|found| found.is_of(&scene, &pose));
+        let document = self.history.document();
+        self.observing.advance(self.now, &pose, document, is_stale);
+        if self.observing.is_playing() {
+            ctx.request_repaint();
+        }
+        let is_busy = [Lane::Fit, Lane::Track].into_iter().any(|lane| self.worker.is_busy(lane));
+        let is_moving = is_busy || self.held.is_some() || self.time.playback.is_playing();
+        if !is_stale || is_moving || scene.frame.is_none() || !self.observing.is_wanted() {
+            return;
+        }
+        let asked = self.asked_to_observe.as_ref();
+        let is_known = asked.is_some_and(|(other, other_pose)| *other_pose == pose && other.is(&scene));
+        if !is_known {
+            self.asked_to_observe = Some((scene.clone(), pose.clone()));
+            self.worker.request(Lane::Observe, ObserveJob { scene, pose });
+        }
+    }
+
+    /// Does what a panel asked for.
+    pub(crate) fn observe_request(&mut self, request: ObserveRequest) {
+        self.observing.apply(request);
+    }
+
+    pub(crate) fn act_on_observing(&mut self, action: Action) -> bool {
+        let request = match action {
+            Action::Uncertainty => ObserveRequest::Ellipses(!self.observing.shows_ellipses()),
+            Action::Sway => ObserveRequest::Play(!self.observing.is_playing()),
+            Action::WeakerDirection | Action::StrongerDirection => {
+                self.observing.pick_next(if action == Action::WeakerDirection { 1 } else { -1 });
+                return true;
+            }
+            _ => return false,
+        };
+        self.observe_request(request);
+        true
+    }
+}

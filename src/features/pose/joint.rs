@@ -1,0 +1,142 @@
+//! The section of the selected joint: its angles with their limits, where it is, and what can be done with it.
+
+use backlit_tracking::body::{Kinematics, Limb, Pose};
+use backlit_tracking::track::posing::LimitedAngle;
+use egui::{Align2, RichText, TextStyle, Ui, vec2};
+
+use super::panel::capitalised;
+use crate::context::action::Action;
+use crate::context::command_button::{gesture, named_button};
+use crate::context::{Intents, Showing};
+use crate::document::edit::Edit;
+use crate::drawing::limits::WARN_WITHIN;
+use crate::drawing::{JointId, joint_name};
+use crate::features::pose::moved;
+use crate::style::theme;
+use crate::style::theme::space;
+use crate::widgets::{SliderRow, named_section, number_field, row_name};
+
+/// Degrees by which a slider reaches beyond a joint's limits.
+const BEYOND_LIMITS: f64 = 20.0;
+
+/// A narrower field has no room for the letter of its axis.
+const AXIS_FROM: f32 = 78.0;
+/// From a field's edge to the letter of its axis.
+const AXIS_AWAY: f32 = 5.0;
+
+/// The section of the selected joint.
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
+    let model = &showing.document().model;
+    let index = showing.selection.limb(model);
+    let limb = &model.limbs()[index];
+    let turns_at = limb.parent.map_or(JointId::Root, JointId::End);
+    let summary = format!("turns at the {}", joint_name(model, turns_at));
+    named_section(ui, "joint", &capitalised(&limb.name), &summary, open, |ui| {
+        let pose = showing.session.shown_pose(showing.document(), showing.selection);
+        angles(ui, showing, intents, limb, pose);
+        position(ui, showing, intents, pose);
+        ui.add_space(space::ROW);
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 6.0;
+            named_button(ui, showing, intents, Action::Mirror, "Mirror");
+            let pinned = matches!(showing.selection.joint, JointId::End(end) if showing.document().pins.contains(&end));
+            named_button(ui, showing, intents, Action::PinJoint, if pinned { "Free" } else { "Pin" });
+            named_button(ui, showing, intents, Action::ResetLimb, "Reset");
+            named_button(ui, showing, intents, Action::CopyPose, "Copy");
+            named_button(ui, showing, intents, Action::PastePose, "Paste");
+        });
+    });
+}
+
+fn angles(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, limb: &Limb, pose: &Pose) {
+    let now = limb.angles(pose.rotations[limb.rotation]);
+    let limits = limb.limits;
+    let rows = [
+        ("Flexion", now.flexion, limits.map(|l| l.flexion), "Bends the joint about its main axis"),
+        ("Sideways", now.sideways, limits.map(|l| l.sideways), "Swings the limb to the side"),
+        (
+            "Twist",
+            now.twist,
+            limits.map(|l| l.twist),
+            "Turns the limb about itself; silhouettes hardly see it",
+        ),
+    ];
+    for (index, (name, angle, range, tooltip)) in rows.into_iter().enumerate() {
+        let mut degrees = angle.to_degrees();
+        let limits = range.map(|range| (range.0.to_degrees(), range.1.to_degrees(), WARN_WITHIN));
+        let ends = limits.map_or(-180.0..=180.0, |(low, high, _)| {
+            (low - BEYOND_LIMITS).max(-180.0)..=(high + BEYOND_LIMITS).min(180.0)
+        });
+        let row = SliderRow {
+            name,
+            unit: "°",
+            decimals: 1,
+            range: ends,
+            limits,
+            origin: 0.0,
+            is_held: true,
+            tooltip,
+        };
+        let response = row.show(ui, &mut degrees);
+        if response.hovered() || response.dragged() || response.has_focus() {
+            let angles = [LimitedAngle::Flexion, LimitedAngle::Sideways, LimitedAngle::Twist];
+            intents.glance.angle = Some(angles[index]);
+        }
+        if response.changed() && degrees.is_finite() {
+            let mut angles = now;
+            *[&mut angles.flexion, &mut angles.sideways, &mut angles.twist][index] = degrees.to_radians();
+            let mut pose = pose.clone();
+            pose.rotations[limb.rotation] = limb.rotation_from_angles(angles);
+            let what = format!("Turn {}", limb.name);
+            let edit = Edit::SetPose { frame: showing.selection.frame, pose, what };
+            intents.edits.push((edit, gesture(ui, ("angle", index), &response)));
+        } else {
+            gesture(ui, ("angle", index), &response);
+        }
+    }
+}
+
+fn position(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, pose: &Pose) {
+    let document = showing.document();
+    let model = &document.model;
+    let joint = showing.selection.joint;
+    let point = match joint {
+        JointId::Root => pose.root,
+        JointId::End(limb) => Kinematics::new(model, pose).ends()[limb],
+    };
+    let name = joint_name(model, joint);
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = space::ROW;
+        row_name(ui, "At", 24.0);
+        let width = (ui.available_width() - 2.0 * space::ROW) / 3.0;
+        for axis in 0..3 {
+            let mut value = point[axis];
+            let label = format!("{} {}", capitalised(&name), ["x", "y", "z"][axis]);
+            let response = number_field(ui, &label, &mut value, 3, " m", 0.005, width);
+            let drag = gesture(ui, ("position", axis), &response);
+            if response.changed() && value.is_finite() {
+                let mut target = point;
+                target[axis] = value;
+                let pose = moved(model, &document.pins, pose, joint, target);
+                let edit =
+                    Edit::SetPose { frame: showing.selection.frame, pose, what: format!("Move {name}") };
+                intents.edits.push((edit, drag));
+            }
+            let letter = ["x", "y", "z"][axis];
+            let font = TextStyle::Small.resolve(ui.style());
+            let at = response.rect.left_center() + vec2(AXIS_AWAY, 0.0);
+            if response.rect.width() >= AXIS_FROM && !response.has_focus() {
+                ui.painter().text(at, Align2::LEFT_CENTER, letter, font, theme::palette(ui).text3);
+            }
+            response.on_hover_text(format!(
+                "{letter} of the {name} in the world, metres; the chain follows. Drag, or click and type"
+            ));
+        }
+    });
+    if let JointId::End(limb) = joint
+        && document.pins.contains(&limb)
+    {
+        let palette = theme::palette(ui);
+        ui.label(RichText::new("Pinned: other drags leave it here").small().color(palette.text3));
+    }
+}

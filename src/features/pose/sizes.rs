@@ -1,0 +1,116 @@
+//! The Size section: length and radius of the selected limb, and the scale of the whole body.
+
+use backlit_tracking::body::Model;
+use egui::Ui;
+
+use super::panel::capitalised;
+use crate::context::command_button::gesture;
+use crate::context::{Intents, Request, Showing};
+use crate::document::edit::Edit;
+use crate::features::pose::{LENGTHS_M, RADII_M};
+use crate::style::format;
+use crate::style::theme::space;
+use crate::widgets::{SliderRow, checkbox, section};
+
+/// Ends of the slider of the whole body, in percent of the take's own body.
+const SCALES: std::ops::RangeInclusive<f64> = 60.0..=150.0;
+
+/// The Size section.
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
+    let model = &showing.document().model;
+    let limb = showing.selection.sized_limb(model);
+    let (length, radius) = (model.limbs()[limb].length, model.limbs()[limb].radius);
+    let summary = format!("{} long, radius {}", format::metres(length), format::metres(radius));
+    section(ui, "Size", &summary, open, |ui| {
+        parts(ui, showing, intents, limb);
+        let mut settings = showing.look.views;
+        let mut sizes = [length, radius];
+        let rows = [
+            ("Length", LENGTHS_M, "Length of the limb, joint to joint"),
+            ("Radius", RADII_M, "Radius of the limb"),
+        ];
+        let mut change = None;
+        for (index, (name, range, tooltip)) in rows.into_iter().enumerate() {
+            let row = SliderRow {
+                name,
+                unit: " m",
+                decimals: 3,
+                origin: *range.start(),
+                range,
+                limits: None,
+                is_held: false,
+                tooltip,
+            };
+            let response = row.show(ui, &mut sizes[index]);
+            let drag = gesture(ui, ("size", index), &response);
+            if response.changed() {
+                change = Some(drag);
+            }
+        }
+        if let Some(drag) = change {
+            let [length, radius] = sizes;
+            let both_sides = settings.both_sides;
+            intents.edits.push((Edit::SetSize { limb, length, radius, both_sides }, drag));
+        }
+        scale(ui, showing, intents);
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = space::GROUP;
+            let both = checkbox(ui, &mut settings.both_sides, "Both sides")
+                .on_hover_text("Change the limb on the other side of the body too");
+            let handles = checkbox(ui, &mut settings.size_handles, "Handles in views").on_hover_text(
+                "Drag the diamonds in a view: length at the limb's end, radius at its outline   E",
+            );
+            if both.changed() || handles.changed() {
+                intents.request(Request::Views(settings));
+            }
+        });
+    });
+}
+
+/// The limbs that turn with the selected joint, if there are several: whose size is it?
+fn parts(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, limb: usize) {
+    let model = &showing.document().model;
+    let rotation = model.limbs()[limb].rotation;
+    let parts: Vec<usize> =
+        (0..model.limbs().len()).filter(|part| model.limbs()[*part].rotation == rotation).collect();
+    if parts.len() < 2 {
+        return;
+    }
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = egui::vec2(space::ROW, space::ROW);
+        for part in parts {
+            let name = capitalised(&model.limbs()[part].name);
+            let label = ui.selectable_label(part == limb, name);
+            if label.on_hover_text("These limbs turn together; each has its own size").clicked() {
+                intents.request(Request::Part(part));
+            }
+        }
+    });
+    ui.add_space(space::ROW);
+}
+
+/// The whole body, compared with that of the take.
+fn scale(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let Some(take) = &showing.session.take else { return };
+    let before = 100.0 * total_length(&showing.document().model) / total_length(take.model());
+    let mut percent = before;
+    let row = SliderRow {
+        name: "Body",
+        unit: " %",
+        decimals: 1,
+        range: SCALES,
+        limits: None,
+        origin: 100.0,
+        is_held: false,
+        tooltip: "All lengths and radii together; 100 % is as long as the take's own body",
+    };
+    let response = row.show(ui, &mut percent);
+    let drag = gesture(ui, "scale", &response);
+    if response.changed() && percent.is_finite() && percent > 0.0 {
+        intents.edits.push((Edit::ScaleBody { factor: percent / before }, drag));
+    }
+}
+
+fn total_length(model: &Model) -> f64 {
+    model.limbs().iter().map(|limb| limb.length).sum()
+}

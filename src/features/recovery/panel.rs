@@ -1,0 +1,186 @@
+//! Work that an earlier start of the program left unsaved: a card for each copy, the newest first.
+
+use egui::{
+    Align, Button, Color32, CornerRadius, Frame, Id, Label, Layout as Direction, Margin, Rect, RichText,
+    Role, ScrollArea, Sense, Stroke, Ui, UiBuilder, WidgetInfo, pos2, vec2,
+};
+
+use crate::context::clock::Clock;
+use crate::context::{Intents, Recovery, Request};
+use crate::features::recovery::Left;
+use crate::style::theme;
+use crate::style::theme::data_colours::PICTURE_GROUND;
+use crate::style::theme::{size, space, title};
+use crate::widgets::image_canvas::cached_texture;
+use crate::widgets::primary_button;
+
+/// Width of a card.
+const WIDTH: f32 = 560.0;
+/// Side of the square that the picture lies in.
+const PICTURE: f32 = 112.0;
+/// What stands below the cards: buttons, and how to open something else.
+const BELOW: f32 = 150.0;
+
+/// What is offered.
+#[derive(Debug)]
+pub(crate) struct Offer<'a> {
+    /// The copies, the newest first.
+    pub(crate) left: &'a [Left],
+    /// What time it is.
+    pub(crate) clock: &'a Clock,
+    /// What was to be opened, and waits.
+    pub(crate) waiting: Option<String>,
+}
+
+/// The cards, and what may be done with all of them.
+pub(crate) fn ui(ui: &mut Ui, intents: &mut Intents, offer: &Offer<'_>) {
+    let palette = theme::palette(ui);
+    ui.label(RichText::new("Backlit ended with unsaved work").text_style(title()).color(palette.text));
+    ui.add_space(space::WIDGET);
+    let room = (ui.available_height() - BELOW).max(PICTURE + 2.0 * space::GROUP);
+    ScrollArea::vertical().max_height(room).auto_shrink([false, true]).show(ui, |ui| {
+        ui.vertical_centered(|ui| {
+            for index in 0..offer.left.len() {
+                card(ui, intents, offer, index);
+            }
+        });
+    });
+    ui.add_space(space::ROW);
+    all(ui, intents, offer);
+    ui.add_space(space::PAGE_MARGIN);
+}
+
+fn card(ui: &mut Ui, intents: &mut Intents, offer: &Offer<'_>, index: usize) {
+    let palette = theme::palette(ui);
+    let left = &offer.left[index];
+    let frame = Frame::NONE
+        .fill(palette.raised)
+        .stroke(Stroke::new(size::HAIRLINE, palette.line2))
+        .corner_radius(size::BUTTON_RADIUS)
+        .inner_margin(Margin::same(10));
+    let outside = vec2(WIDTH, PICTURE + 20.0 + space::WIDGET);
+    ui.allocate_ui_with_layout(outside, Direction::top_down(Align::Min), |ui| {
+        frame.show(ui, |ui| {
+            ui.set_width(WIDTH - 20.0);
+            ui.horizontal_top(|ui| {
+                picture(ui, left);
+                ui.add_space(space::ROW);
+                let size = vec2(ui.available_width(), PICTURE);
+                let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+                words(ui, rect, left, offer.clock);
+                let row = Rect::from_min_max(pos2(rect.left(), rect.bottom() - size::BUTTON), rect.max);
+                let row = UiBuilder::new().max_rect(row).layout(Direction::left_to_right(Align::Center));
+                ui.scope_builder(row, |ui| buttons(ui, intents, offer, index));
+            });
+        });
+        ui.add_space(space::WIDGET);
+    });
+}
+
+fn picture(ui: &mut Ui, left: &Left) {
+    let palette = theme::palette(ui);
+    let (rect, response) = ui.allocate_exact_size(vec2(PICTURE, PICTURE), Sense::hover());
+    let label = if left.picture.is_some() { "Silhouette and body" } else { "No picture" };
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("{label}, {}", left.take)));
+    ui.painter().rect_filled(rect, CornerRadius::ZERO, PICTURE_GROUND);
+    let Some(image) = &left.picture else {
+        let (font, colour) = (egui::TextStyle::Small.resolve(ui.style()), theme::Theme::Dark.palette().text3);
+        ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, "No picture", font, colour);
+        return;
+    };
+    let id = Id::unique(("recovery", &left.path));
+    let texture = cached_texture(ui.ctx(), id, left.saved, false, || (**image).clone());
+    let [width, height] = image.size.map(|side| side as f32);
+    let scale = PICTURE / width.max(height);
+    let shown = Rect::from_center_size(rect.center(), vec2(width, height) * scale);
+    let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+    ui.painter().image(texture.id(), shown, uv, Color32::WHITE);
+    ui.painter().rect_stroke(
+        rect,
+        CornerRadius::ZERO,
+        Stroke::new(size::HAIRLINE, palette.line2),
+        egui::StrokeKind::Inside,
+    );
+    let hover = "What the camera on the screen showed: grey is agreement, orange is body that is missing, blue \
+                 is body too much";
+    response.on_hover_text(hover);
+}
+
+fn words(ui: &mut Ui, rect: Rect, left: &Left, clock: &Clock) {
+    let palette = theme::palette(ui);
+    let inside = UiBuilder::new().max_rect(rect).layout(Direction::top_down(Align::Min));
+    ui.scope_builder(inside, |ui| {
+        ui.spacing_mut().item_spacing.y = 3.0;
+        let heading = RichText::new(&left.take).heading().color(palette.text);
+        ui.add(Label::new(heading).truncate()).on_hover_text(left.path.display().to_string());
+        for (text, colour) in [
+            (capital(&left.when(clock)), palette.text),
+            (format!("{}: {}", left.place(), lower(&left.work())), palette.text2),
+        ] {
+            ui.add(Label::new(RichText::new(text).color(colour)).truncate());
+        }
+        let belongs =
+            ui.add(Label::new(RichText::new(left.belongs()).small().color(palette.text3)).truncate());
+        if let Some(project) = &left.about.project {
+            belongs.on_hover_text(project.display().to_string());
+        }
+    });
+}
+
+fn buttons(ui: &mut Ui, intents: &mut Intents, offer: &Offer<'_>, index: usize) {
+    let left = &offer.left[index];
+    let hover = "Go on with it; it stays unsaved until you save it";
+    let restore = if index == 0 {
+        primary_button(ui, "Restore")
+    } else {
+        ui.add(Button::new("Restore").min_size(vec2(0.0, size::BUTTON)))
+    };
+    let discard = ui.add(Button::new("Discard").min_size(vec2(0.0, size::BUTTON)));
+    if offer.left.len() > 1 {
+        // Who only hears the buttons is to know which copy they are about.
+        for (response, word) in [(&restore, "Restore"), (&discard, "Discard")] {
+            let name = format!("{word} {}, {}", left.take, left.when(offer.clock));
+            response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+        }
+    }
+    if restore.on_hover_text(hover).clicked() {
+        intents.request(Request::Recover(Recovery::Restore(index)));
+    }
+    let hover = "It is put aside: it is offered no more, and can be opened as a project later";
+    if discard.on_hover_text(hover).clicked() {
+        intents.request(Request::Recover(Recovery::Discard(index)));
+    }
+}
+
+/// What may be done with all copies at once.
+fn all(ui: &mut Ui, intents: &mut Intents, offer: &Offer<'_>) {
+    let later = match &offer.waiting {
+        Some(name) => format!("Decide later, open {name}"),
+        None => "Decide later".to_owned(),
+    };
+    let row = vec2(WIDTH, size::BUTTON);
+    ui.allocate_ui_with_layout(row, Direction::right_to_left(Align::Center), |ui| {
+        let later = ui.add(Button::new(later).min_size(vec2(0.0, size::BUTTON)));
+        if later.on_hover_text("All of it is offered again at the next start").clicked() {
+            intents.request(Request::Recover(Recovery::Later));
+        }
+        if offer.left.len() > 1 {
+            let all = ui.add(Button::new("Discard all").min_size(vec2(0.0, size::BUTTON)));
+            if all.on_hover_text("Put all of them aside; they can be opened as projects later").clicked() {
+                intents.request(Request::Recover(Recovery::DiscardAll));
+            }
+        }
+    });
+}
+
+/// The text with a capital letter.
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// The text without a capital letter.
+fn lower(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
+}

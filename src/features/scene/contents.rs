@@ -1,0 +1,321 @@
+//! Body, cameras, floor, hull and sight ray as things to draw.
+
+use std::sync::Arc;
+
+use backlit_tracking::body::{Kinematics, Model};
+use backlit_tracking::camera::Camera;
+use backlit_tracking::render::RendererKind;
+use backlit_tracking::track::visual_hull::VisualHull;
+use egui::Color32;
+use glam::{DVec2, DVec3};
+
+use super::{HullLook, SceneLook, Upright, Viewpoint};
+use crate::document::CameraUse;
+use crate::features::scene::raster::{Dot, Ends, Floor, Limb, Line, Scene};
+use crate::style::theme::camera_colours;
+use crate::style::theme::data_colours::{AGREEMENT, SCENE_BODY, SCENE_FLOOR, SELECTED};
+
+/// Depth of a frustum, as a share of the middle camera's distance from the body, and its limits.
+const FRUSTUM: f64 = 0.2;
+const FRUSTUM_RANGE: [f64; 2] = [0.1, 1.0];
+/// A cell of the floor, and cells from its middle to each side.
+const CELL: f64 = 0.5;
+const HALF_CELLS: u16 = 7;
+/// Opacity of the frustum and the picture of a camera that is not used.
+const UNUSED: f32 = 0.4;
+/// Opacity of the hull's box and of a voxel in full light.
+const BOX: f32 = 0.85;
+const VOXEL: f32 = 0.42;
+/// Width of the active camera's frustum and of others, in points.
+const ACTIVE_WIDTH: f64 = 2.0;
+const WIDTH: f64 = 1.0;
+/// A sight ray reaches so much farther than the joint; it is solid this near to it, and dashed elsewhere.
+const RAY_REACH: f64 = 1.6;
+const RAY_SOLID: f64 = 0.3;
+const RAY_DASH: [f64; 2] = [0.10, 0.06];
+/// Width of the sight ray, in points.
+const RAY_WIDTH: f64 = 1.75;
+
+/// What there is to draw.
+#[derive(Debug, Clone, Copy)]
+pub struct ContentsInput<'a> {
+    /// What is shown.
+    pub look: &'a SceneLook,
+    /// The body.
+    pub model: &'a Model,
+    /// Where its limbs are.
+    pub kinematics: &'a Kinematics,
+    /// The shape of its limbs.
+    pub renderer: RendererKind,
+    /// The rotation whose limbs are marked.
+    pub rotation: Option<usize>,
+    /// The cameras, and how they are used.
+    pub cameras: &'a [Arc<Camera>],
+    /// By camera.
+    pub uses: &'a [CameraUse],
+    /// The active camera.
+    pub active: usize,
+    /// The hull of the frame.
+    pub hull: Option<&'a VisualHull>,
+    /// The camera in whose view a joint is dragged, and that joint.
+    pub ray: Option<(usize, DVec3)>,
+    /// Which way is up, and the floor's height.
+    pub upright: Upright,
+    /// Height of the floor.
+    pub floor: f64,
+    /// A point above the middle of the floor.
+    pub middle: DVec3,
+    /// Pixels of the picture for a point of the screen.
+    pub scale: f64,
+}
+
+/// A camera in the scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frustum {
+    /// The camera, counted from zero.
+    pub camera: usize,
+    /// Where it stands.
+    pub apex: DVec3,
+    /// Upper left, upper right, lower right and lower left of its picture.
+    pub corners: [DVec3; 4],
+    /// Opacity of its picture.
+    pub opacity: f32,
+}
+
+/// What is drawn, but for the pictures on the frusta and the hull's cubes: they are dear to make.
+#[derive(Debug, Clone, Default)]
+pub struct Contents {
+    /// Limbs, floor and lines.
+    pub scene: Scene<'static>,
+    /// The cameras.
+    pub frusta: Vec<Frustum>,
+}
+
+/// Builds the scene.
+#[must_use]
+pub fn contents(input: &ContentsInput<'_>) -> Contents {
+    let mut scene = Scene { limbs: limbs(input), ..Scene::default() };
+    if input.look.floor {
+        scene.floor = Some(floor(input));
+    }
+    let frusta = if input.look.cameras { frusta(input) } else { Vec::new() };
+    for frustum in &frusta {
+        scene.lines.extend(frustum_lines(input, frustum));
+    }
+    if let Some(hull) = input.hull.filter(|_| input.look.hull != HullLook::Hidden) {
+        scene.lines.extend(box_lines(hull, input.scale));
+    }
+    if let Some((camera, joint)) = input.ray
+        && let Some(camera) = input.cameras.get(camera)
+    {
+        scene.lines.extend(ray_lines(camera.centre(), joint, input.scale));
+    }
+    Contents { scene, frusta }
+}
+
+fn limbs(input: &ContentsInput<'_>) -> Vec<Limb> {
+    let (starts, ends) = (input.kinematics.starts(), input.kinematics.ends());
+    let mut limbs = Vec::new();
+    for (index, limb) in input.model.limbs().iter().enumerate() {
+        let colour = if input.rotation == Some(limb.rotation) { SELECTED } else { SCENE_BODY };
+        let (from, to) = (starts[index], ends[index]);
+        let shaped = |ends, shape| Limb { ends, radius: limb.radius, shape, colour };
+        match input.renderer {
+            RendererKind::SphereTree { spheres } => {
+                let own = 1.0 + (2.0 * limb.length / limb.radius.max(1e-6)).ceil();
+                let count = spheres.unwrap_or(own.clamp(1.0, 64.0) as usize).clamp(1, 64);
+                for sphere in 0..count {
+                    let share = if count > 1 { sphere as f64 / (count - 1) as f64 } else { 0.5 };
+                    limbs.push(shaped([from.lerp(to, share); 2], Ends::Round));
+                }
+            }
+            RendererKind::Cylinder => limbs.push(shaped([from, to], Ends::Flat)),
+            RendererKind::Capsule => limbs.push(shaped([from, to], Ends::Round)),
+        }
+    }
+    limbs
+}
+
+fn floor(input: &ContentsInput<'_>) -> Floor {
+    let Upright { up, ahead } = input.upright;
+    let left = input.upright.left();
+    // On whole cells, so that the grid stays while the body walks.
+    let snap = |along: DVec3| (input.middle.dot(along) / CELL).round() * CELL * along;
+    Floor {
+        centre: snap(ahead) + snap(left) + up * input.floor,
+        cell: [ahead * CELL, left * CELL],
+        half_cells: HALF_CELLS,
+        colour: SCENE_FLOOR,
+    }
+}
+
+fn frusta(input: &ContentsInput<'_>) -> Vec<Frustum> {
+    let mut distances: Vec<f64> =
+        input.cameras.iter().map(|camera| camera.centre().distance(input.middle)).collect();
+    distances.sort_by(f64::total_cmp);
+    let typical = distances.get(distances.len() / 2).copied().unwrap_or(1.0);
+    let depth = (FRUSTUM * typical).clamp(FRUSTUM_RANGE[0], FRUSTUM_RANGE[1]);
+    let own = match input.look.viewpoint {
+        Some(Viewpoint::Camera(index)) => Some(index),
+        _ => None,
+    };
+    let frustum = |(index, camera): (usize, &Arc<Camera>)| {
+        let (right, bottom) = (camera.width() as f64 - 0.5, camera.height() as f64 - 0.5);
+        let mut corners = [DVec3::ZERO; 4];
+        for (corner, px) in
+            corners.iter_mut().zip([(-0.5, -0.5), (right, -0.5), (right, bottom), (-0.5, bottom)])
+        {
+            let px = DVec2::new(px.0, px.1);
+            let (ray, in_world) = (camera.ray_in_camera(px)?, camera.ray_in_world(px)?);
+            *corner = camera.centre() + in_world * (depth / ray.z);
+        }
+        let is_used = input.uses.get(index).is_none_or(|used| used.used);
+        let opacity = if is_used { 1.0 } else { UNUSED };
+        Some(Frustum { camera: index, apex: camera.centre(), corners, opacity })
+    };
+    input.cameras.iter().enumerate().filter(|(index, _)| Some(*index) != own).filter_map(frustum).collect()
+}
+
+fn frustum_lines(input: &ContentsInput<'_>, frustum: &Frustum) -> Vec<Line> {
+    let colour = camera_colours(frustum.camera).fill.gamma_multiply(frustum.opacity);
+    let width = if frustum.camera == input.active { ACTIVE_WIDTH } else { WIDTH };
+    let corners = frustum.corners;
+    (0..4)
+        .flat_map(|index| [[frustum.apex, corners[index]], [corners[index], corners[(index + 1) % 4]]])
+        .map(|ends| Line { ends, width_px: width * input.scale, colour })
+        .collect()
+}
+
+fn box_lines(hull: &VisualHull, scale: f64) -> Vec<Line> {
+    let [low, high] = hull.bounds;
+    let corner = |bits: usize| {
+        let pick = |axis: usize| if bits >> axis & 1 == 1 { high[axis] } else { low[axis] };
+        DVec3::new(pick(0), pick(1), pick(2))
+    };
+    let edges = (0..8_usize).flat_map(|from| {
+        (0..3).filter(move |axis| from >> axis & 1 == 0).map(move |axis| [from, from | 1 << axis])
+    });
+    let colour = AGREEMENT.gamma_multiply(BOX);
+    edges.map(|ends| Line { ends: ends.map(corner), width_px: scale, colour }).collect()
+}
+
+/// The cubes that face the eye, lit from there.
+pub(crate) fn shell(hull: &VisualHull, eye: DVec3) -> Vec<Dot> {
+    let lit = |voxel: &backlit_tracking::track::visual_hull::ShellVoxel| {
+        let light = voxel.normal.dot((eye - voxel.centre).normalize_or_zero()).max(0.0);
+        let colour: Color32 = AGREEMENT.gamma_multiply(VOXEL * (0.35 + 0.65 * light as f32));
+        (light > 0.0).then_some(Dot { at: voxel.centre, side: hull.voxel, colour })
+    };
+    hull.shell.iter().filter_map(lit).collect()
+}
+
+/// From the camera through the joint: dashed, and solid near the joint.
+fn ray_lines(eye: DVec3, joint: DVec3, scale: f64) -> Vec<Line> {
+    let depth = eye.distance(joint);
+    let along = (joint - eye).normalize_or_zero();
+    let line = |from: f64, to: f64| Line {
+        ends: [eye + along * from, eye + along * to],
+        width_px: RAY_WIDTH * scale,
+        colour: SELECTED,
+    };
+    let mut lines = vec![line((depth - RAY_SOLID).max(0.0), depth + RAY_SOLID)];
+    let [dash, gap] = RAY_DASH;
+    let count = (RAY_REACH * depth / (dash + gap)).clamp(0.0, 400.0) as usize;
+    lines.extend((0..count).map(|index| {
+        let from = index as f64 * (dash + gap);
+        line(from, from + dash)
+    }));
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use backlit_tracking::body::{Pose, builtin};
+    use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
+
+    use super::*;
+
+    fn camera() -> Arc<Camera> {
+        let place = CameraFromWorld::looking_at(DVec3::new(3.0, -1.0, 1.0), DVec3::ZERO, DVec3::Z);
+        let intrinsics = Intrinsics { fx: 420.0, fy: 420.0, cx: 135.5, cy: 239.5 };
+        Arc::new(Camera::new("c", [272, 480], intrinsics, Distortion::None, place).unwrap())
+    }
+
+    fn with<T>(change: impl FnOnce(&mut ContentsInput<'_>) -> T, look: SceneLook) -> (Contents, T) {
+        let model = builtin::full_body();
+        let kinematics = Kinematics::new(&model, &Pose::rest(&model));
+        let cameras = [camera()];
+        let uses = [CameraUse { name: "c".to_owned(), used: true, weight: 1.0 }];
+        let upright = Upright::of(&cameras);
+        let mut input = ContentsInput {
+            look: &look,
+            model: &model,
+            kinematics: &kinematics,
+            renderer: RendererKind::Capsule,
+            rotation: None,
+            cameras: &cameras,
+            uses: &uses,
+            active: 0,
+            hull: None,
+            ray: None,
+            upright,
+            floor: 0.0,
+            middle: DVec3::ZERO,
+            scale: 1.0,
+        };
+        let result = change(&mut input);
+        (contents(&input), result)
+    }
+
+    #[test]
+    fn a_frustum_lies_on_the_rays_of_its_picture() {
+        let (contents, ()) = with(|_| (), SceneLook::default());
+        let [frustum] = &contents.frusta[..] else { panic!("{:?}", contents.frusta) };
+        let camera = camera();
+        let expected = [(-0.5, -0.5), (271.5, -0.5), (271.5, 479.5), (-0.5, 479.5)];
+        for (corner, (x, y)) in frustum.corners.iter().zip(expected) {
+            assert!(camera.project(*corner).unwrap().distance(DVec2::new(x, y)) < 1e-6);
+            assert!((camera.depth(*corner) - camera.depth(frustum.corners[0])).abs() < 1e-9);
+        }
+        assert_eq!(contents.scene.lines.len(), 8);
+        let own = SceneLook { viewpoint: Some(Viewpoint::Camera(0)), ..SceneLook::default() };
+        assert!(with(|_| (), own).0.frusta.is_empty(), "a camera does not see its own picture");
+    }
+
+    #[test]
+    fn limbs_have_the_renderers_shape_and_the_held_one_its_colour() {
+        let look = SceneLook { cameras: false, floor: false, ..SceneLook::default() };
+        let (contents, rotation) = with(
+            |input| {
+                let limb = input.model.limb_index("right forearm").unwrap();
+                input.rotation = Some(input.model.limbs()[limb].rotation);
+                input.rotation
+            },
+            look,
+        );
+        let model = builtin::full_body();
+        assert_eq!(contents.scene.limbs.len(), model.limbs().len());
+        let marked = contents.scene.limbs.iter().filter(|capsule| capsule.colour == SELECTED).count();
+        assert_eq!(marked, model.limbs().iter().filter(|limb| Some(limb.rotation) == rotation).count());
+        assert!(contents.scene.floor.is_none() && contents.scene.lines.is_empty());
+        assert!(contents.scene.limbs.iter().all(|limb| limb.shape == Ends::Round));
+        let (flat, ()) = with(|input| input.renderer = RendererKind::Cylinder, look);
+        assert!(flat.scene.limbs.iter().all(|limb| limb.shape == Ends::Flat));
+        let (spheres, ()) =
+            with(|input| input.renderer = RendererKind::SphereTree { spheres: Some(3) }, look);
+        assert_eq!(spheres.scene.limbs.len(), 3 * model.limbs().len());
+        assert!(spheres.scene.limbs.iter().all(|sphere| sphere.ends[0] == sphere.ends[1]));
+    }
+
+    #[test]
+    fn a_box_has_twelve_edges_and_a_ray_goes_through_its_joint() {
+        let hull =
+            VisualHull { bounds: [DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0)], voxel: 0.1, shell: Vec::new() };
+        let lines = box_lines(&hull, 1.0);
+        let total: f64 = lines.iter().map(|line| line.ends[0].distance(line.ends[1])).sum();
+        assert_eq!((lines.len(), total), (12, 24.0));
+        let (eye, joint) = (DVec3::new(3.0, 0.0, 1.0), DVec3::new(0.0, 0.5, 1.2));
+        let solid = ray_lines(eye, joint, 1.0)[0];
+        assert!((0.5 * (solid.ends[0] + solid.ends[1])).distance(joint) < 1e-9);
+    }
+}

@@ -1,0 +1,180 @@
+//! The scene's tile: body, cameras with their pictures, floor and visual hull in three dimensions.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `header` | title and the menu of views and of what is shown |
+//! | `hand`, `keys` | orbit, pan, zoom, click on a camera |
+//! | `canvas` | the picture, ordered anew only when something in it has changed |
+//! | `marks` | badges, the held joint, axes and words, over the picture |
+
+mod canvas;
+mod hand;
+mod header;
+pub(crate) mod keys;
+mod marks;
+
+use backlit_tracking::body::Kinematics;
+use backlit_tracking::track::visual_hull::VisualHull;
+use egui::{Rect, Ui, pos2};
+use glam::DVec3;
+
+use crate::context::pane::Pane;
+use crate::context::{Intents, Showing};
+use crate::drawing::JointId;
+use crate::features::scene::raster::SceneCamera;
+use crate::features::scene::{ContentsInput, Frustum, Orbit, SceneDrawing, Upright, Viewpoint};
+use crate::style::theme::size;
+
+/// The tile, in all of the space that is left. `dragged` is the camera in whose view a joint is dragged, and the
+/// joint.
+pub(crate) fn ui(
+    ui: &mut Ui,
+    showing: &Showing<'_>,
+    dragged: Option<(usize, JointId)>,
+    siblings: &[Pane],
+    intents: &mut Intents,
+) {
+    let tile = ui.available_rect_before_wrap();
+    let header = Rect::from_min_max(tile.min, pos2(tile.right(), tile.top() + size::TILE_HEADER));
+    let picture = Rect::from_min_max(pos2(tile.left(), header.bottom()), tile.max);
+    let Some(stage) = Stage::new(showing, dragged, picture) else { return };
+    header::show(ui, header, showing, siblings, intents);
+    if !picture.is_positive() {
+        return;
+    }
+    let (viewpoint, moves) = hand::navigate(ui, showing, &stage, intents);
+    canvas::order(ui, showing, &stage.seen_from(showing, viewpoint), moves, intents);
+    canvas::ground(ui, picture);
+    let Some(drawing) = &showing.session.scene_drawing else { return };
+    canvas::show(ui, picture, drawing);
+    let seen = Seen::new(drawing, picture);
+    hand::pick_camera(ui, showing, &seen, intents);
+    marks::show(ui, showing, &seen);
+    keys::show_focus(ui, picture);
+}
+
+/// The scene as it is to be seen.
+struct Stage {
+    /// The picture on the screen.
+    picture: Rect,
+    upright: Upright,
+    /// Height of the floor.
+    floor: f64,
+    /// Where the start pose stands.
+    middle: DVec3,
+    viewpoint: Viewpoint,
+    eye: SceneCamera,
+    /// The body on the screen.
+    kinematics: Kinematics,
+    root: DVec3,
+    /// The camera in whose view a joint is dragged, and where that joint is.
+    ray: Option<(usize, DVec3)>,
+}
+
+impl Stage {
+    fn new(showing: &Showing<'_>, dragged: Option<(usize, JointId)>, picture: Rect) -> Option<Self> {
+        let take = showing.session.take.as_ref()?;
+        let document = showing.document();
+        let upright = Upright::of(&take.cameras);
+        let middle = document.start.root;
+        let aspect = f64::from(picture.width() / picture.height().max(1.0));
+        let viewpoint = showing.look.scene.viewpoint.unwrap_or_else(|| {
+            let eyes: Vec<DVec3> = take.cameras.iter().map(|camera| camera.centre()).collect();
+            Viewpoint::Orbit(Orbit::around(&upright, middle, &eyes, aspect))
+        });
+        // A body that sways is shown on its way.
+        let swayed = showing.observing.swayed_pose();
+        let pose = swayed.as_ref().unwrap_or(showing.session.shown_pose(document, showing.selection));
+        let mut stage = Self {
+            picture,
+            upright,
+            floor: upright.floor(&document.model, &document.start),
+            middle,
+            viewpoint,
+            eye: viewpoint.camera(&upright, &take.cameras, aspect),
+            kinematics: Kinematics::new(&document.model, pose),
+            root: pose.root,
+            ray: None,
+        };
+        stage.ray = dragged.and_then(|(camera, joint)| Some((camera, stage.position(joint)?)));
+        Some(stage)
+    }
+
+    /// The same from elsewhere: what the hand asks for is ordered in the very frame.
+    fn seen_from(self, showing: &Showing<'_>, viewpoint: Viewpoint) -> Self {
+        if viewpoint == self.viewpoint {
+            return self;
+        }
+        let cameras = showing.session.take.as_ref().map_or(&[][..], |take| take.cameras.as_slice());
+        let aspect = f64::from(self.picture.width() / self.picture.height().max(1.0));
+        Self { viewpoint, eye: viewpoint.camera(&self.upright, cameras, aspect), ..self }
+    }
+
+    fn contents_input<'a>(
+        &'a self,
+        showing: &Showing<'a>,
+        hull: Option<&'a VisualHull>,
+        scale: f32,
+    ) -> ContentsInput<'a> {
+        let (session, document) = (showing.session, showing.document());
+        let rotation = match showing.selection.joint {
+            JointId::Root => None,
+            joint @ JointId::End(_) => {
+                let limb = crate::session::selection::Selection { joint, ..*showing.selection }
+                    .limb(&document.model);
+                document.model.limbs().get(limb).map(|limb| limb.rotation)
+            }
+        };
+        ContentsInput {
+            look: &showing.look.scene,
+            model: &document.model,
+            kinematics: &self.kinematics,
+            renderer: document.fit.renderer,
+            rotation,
+            cameras: session.take.as_ref().map_or(&[], |take| take.cameras.as_slice()),
+            uses: &document.cameras,
+            active: showing.selection.camera,
+            hull,
+            ray: self.ray,
+            upright: self.upright,
+            floor: self.floor,
+            middle: self.middle,
+            scale: f64::from(scale),
+        }
+    }
+
+    /// Where a joint is.
+    fn position(&self, joint: JointId) -> Option<DVec3> {
+        match joint {
+            JointId::Root => Some(self.root),
+            JointId::End(limb) => self.kinematics.ends().get(limb).copied(),
+        }
+    }
+}
+
+/// The scene as it was drawn: what lies over the picture belongs to that one, until the next is there.
+struct Seen<'a> {
+    /// The picture on the screen.
+    picture: Rect,
+    eye: SceneCamera,
+    frusta: &'a [Frustum],
+    /// Where the held joint is.
+    held: Option<DVec3>,
+}
+
+impl<'a> Seen<'a> {
+    fn new(drawing: &'a SceneDrawing, picture: Rect) -> Self {
+        let order = &drawing.order;
+        Self { picture, eye: order.eye, frusta: &order.frusta, held: order.held }
+    }
+
+    /// Where a point appears on the screen, and its depth.
+    fn on_screen(&self, point: DVec3) -> Option<egui::Pos2> {
+        // In tenths of a point, so that marks do not jump by whole ones.
+        const FINE: f32 = 10.0;
+        let size = (self.picture.size() * FINE).round();
+        let (at, _) = self.eye.project(point, [size.x.max(1.0) as u32, size.y.max(1.0) as u32])?;
+        let share = egui::vec2(at.x as f32 + 0.5, at.y as f32 + 0.5) / FINE;
+        Some(self.picture.min + share).filter(|at| at.is_finite())
+    }
+}

@@ -1,0 +1,68 @@
+//! The scene's picture: ordered from the worker whenever something in it has changed, and shown until the next is there.
+
+use std::sync::Arc;
+
+use egui::{Color32, Rect, Ui, pos2, vec2};
+
+use super::Stage;
+use crate::context::{Intents, Showing};
+use crate::features::scene::{HullLook, SceneDrawing, SceneOrder, contents};
+use crate::style::theme::data_colours::PICTURE_GROUND;
+use crate::widgets::image_canvas::cached_texture;
+
+/// Longest side of a picture on a frustum, in points: about the size that it is seen.
+const PICTURE_SIDE: f32 = 120.0;
+/// Longest side of the scene's picture, in pixels: beyond that it is stretched.
+const LONGEST: f32 = 1400.0;
+
+/// Orders the scene as it is now, unless the picture on the screen shows just that. `moves` says that the view does.
+pub(crate) fn order(ui: &Ui, showing: &Showing<'_>, stage: &Stage, moves: bool, intents: &mut Intents) {
+    let order = order_of(ui.pixels_per_point(), showing, stage, moves);
+    let drawing = showing.session.scene_drawing.as_ref();
+    if drawing.is_none_or(|drawing| drawing.key != order.key()) {
+        intents.scene = Some(Box::new(order));
+    }
+}
+
+fn order_of(pixels_per_point: f32, showing: &Showing<'_>, stage: &Stage, moves: bool) -> SceneOrder {
+    let (look, busy) = (&showing.look.scene, showing.busy);
+    let goes_on = busy.fitting || busy.tracking || showing.time.playback.is_playing();
+    let size = stage.picture.size() * pixels_per_point;
+    let shrink = (LONGEST / size.max_elem()).min(1.0);
+    let frame = showing.session.shown_frame(showing.selection.frame);
+    let hull = frame.and_then(|frame| showing.session.hulls.get(frame)).flatten();
+    let input = stage.contents_input(showing, hull.map(Arc::as_ref), pixels_per_point * shrink);
+    let contents = contents(&input);
+    SceneOrder {
+        size_px: [size.x, size.y].map(|side| (side * shrink).round().max(1.0) as u32),
+        is_draft: moves || goes_on || stage.ray.is_some() || showing.observing.is_playing(),
+        eye: stage.eye,
+        scene: contents.scene,
+        pictures: frame.filter(|_| look.pictures && !contents.frusta.is_empty()).cloned(),
+        frusta: contents.frusta,
+        picture_side: (PICTURE_SIDE * pixels_per_point).round() as u32,
+        shell: hull.filter(|_| look.hull == HullLook::Shell).cloned(),
+        held: stage.position(showing.selection.joint),
+    }
+}
+
+/// Shows the picture that there is, as large as it was drawn for: while the tile changes its size, the scene keeps its
+/// proportions.
+pub(crate) fn show(ui: &Ui, picture: Rect, drawing: &SceneDrawing) {
+    let texture = cached_texture(ui.ctx(), ui.scope_id().with("scene texture"), drawing.key, false, || {
+        drawing.image.clone()
+    });
+    let [width, height] = drawing.order.size_px.map(|side| side as f32);
+    let size = vec2(width / height * picture.height(), picture.height());
+    // All but the rounding to whole pixels.
+    let fits = (size.x - picture.width()).abs() <= 1.0;
+    let place = if fits { picture } else { Rect::from_center_size(picture.center(), size) };
+    let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+    let painter = ui.painter_at(picture);
+    painter.image(texture.id(), place, uv, Color32::WHITE);
+}
+
+/// The ground on which the scene stands.
+pub(crate) fn ground(ui: &Ui, picture: Rect) {
+    ui.painter().rect_filled(picture, 0.0, PICTURE_GROUND);
+}

@@ -1,0 +1,98 @@
+//! Title and menu of the scene's tile.
+
+use egui::{Align, Button, Layout, Popup, Rect, Role, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
+
+use crate::context::action::Action;
+use crate::context::pane::{HEADER_BUTTONS, Pane};
+use crate::context::{Intents, Request, Showing};
+use crate::features::scene::{HullLook, SceneLook, Viewpoint};
+use crate::shell::pane_title;
+use crate::style::theme;
+use crate::style::theme::{size, space};
+use crate::widgets::{Icon, checkbox};
+
+/// Space for the chevron behind the menu's name.
+const CHEVRON: f32 = 18.0;
+
+pub(crate) fn show(ui: &mut Ui, rect: Rect, showing: &Showing<'_>, siblings: &[Pane], intents: &mut Intents) {
+    ui.painter().rect_filled(rect, 0.0, theme::palette(ui).raised);
+    let right = (rect.right() - HEADER_BUTTONS).max(rect.left());
+    let left = Rect::from_min_max(pos2(rect.left() + space::WIDGET, rect.top()), pos2(right, rect.bottom()));
+    let builder = UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center));
+    ui.scope_builder(builder, |ui| {
+        pane_title::show(ui, Pane::Scene, siblings, intents);
+        menu(ui, showing, intents);
+    });
+}
+
+fn menu(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    let text = title(&showing.look.scene);
+    let font = egui::TextStyle::Button.resolve(ui.style());
+    let mut job = egui::text::LayoutJob::simple_singleline(text.clone(), font, egui::Color32::PLACEHOLDER);
+    job.wrap = egui::text::TextWrapping::truncate_at_width((ui.available_width() - CHEVRON).max(0.0));
+    let galley = ui.painter().layout_job(job);
+    let (rect, response) = ui.allocate_exact_size(vec2(galley.size().x + CHEVRON, size::ROW), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Scene view: {text}")));
+    let is_open = Popup::is_id_open(ui.ctx(), Popup::default_response_id(&response));
+    let colour = if response.hovered() || is_open { palette.text } else { palette.text2 };
+    ui.painter().galley(pos2(rect.left(), rect.center().y - galley.size().y * 0.5), galley, colour);
+    let chevron = Rect::from_min_max(pos2(rect.right() - size::ICON, rect.top()), rect.max);
+    Icon::ChevronDown.paint_scaled(ui.painter(), chevron, colour, 0.85);
+    let response = response.on_hover_text("Views, and what is shown");
+    Popup::menu(&response).close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
+        ui.set_min_width(190.0);
+        views(ui, showing, intents);
+        ui.separator();
+        shown(ui, showing, intents);
+    });
+}
+
+/// From where it is seen, or what is shown.
+fn title(look: &SceneLook) -> String {
+    match look.viewpoint {
+        Some(Viewpoint::Camera(index)) => format!("From camera {}", index + 1),
+        _ if look.cameras => "Body and cameras".to_owned(),
+        _ => "Body".to_owned(),
+    }
+}
+
+fn views(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let presets = [
+        ("Whole scene", Action::SceneReset),
+        ("Front", Action::SceneFront),
+        ("Side", Action::SceneSide),
+        ("Above", Action::SceneTop),
+    ];
+    for (text, action) in presets {
+        if ui.add(Button::new(text)).on_hover_text(action.tooltip()).clicked() {
+            intents.act(action);
+            ui.close();
+        }
+    }
+    for camera in 0..showing.session.camera_count() {
+        let viewpoint = Some(Viewpoint::Camera(camera));
+        let is_chosen = showing.look.scene.viewpoint == viewpoint;
+        if ui.add(Button::new(format!("From camera {}", camera + 1)).selected(is_chosen)).clicked() {
+            intents.request(Request::Scene(SceneLook { viewpoint, ..showing.look.scene }));
+            ui.close();
+        }
+    }
+}
+
+fn shown(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let mut look = showing.look.scene;
+    checkbox(ui, &mut look.cameras, "Cameras");
+    ui.add_enabled_ui(look.cameras, |ui| checkbox(ui, &mut look.pictures, "Their pictures"));
+    checkbox(ui, &mut look.floor, "Floor and axes");
+    ui.separator();
+    for (hull, text) in HullLook::ALL {
+        let tooltip = "What all silhouettes leave of space";
+        if ui.add(Button::new(text).selected(look.hull == hull)).on_hover_text(tooltip).clicked() {
+            look.hull = hull;
+        }
+    }
+    if look != showing.look.scene {
+        intents.request(Request::Scene(look));
+    }
+}

@@ -1,0 +1,186 @@
+//! The ruler, and what is marked on it and in the lane of the overlap: tracked and marked frames, lost and worst
+//! frames, the frame on the screen.
+
+use egui::{
+    Align2, Id, Pos2, Rect, Role, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, Vec2, WidgetInfo, pos2,
+    vec2,
+};
+
+use super::span::{Scale, Span};
+use crate::context::Showing;
+use crate::document::Document;
+use crate::session::playback::FrameRange;
+use crate::style::format;
+use crate::style::theme;
+use crate::style::theme::tick;
+
+/// Height of the ruler.
+pub(crate) const RULER: f32 = 18.0;
+/// Thickness of the bar of fitted frames.
+const BAR: f32 = 3.0;
+/// Half a mark's height and width, for the pointer.
+const MARK: f32 = 5.0;
+/// From this width on there is room for a second sentence.
+const WIDE: f32 = 900.0;
+/// Least distance of two numbers on the ruler.
+const NUMBERS: f32 = 60.0;
+
+/// Numbers and grid.
+pub(crate) fn ruler(ui: &Ui, plot: Rect, scale: &Scale, count: usize) {
+    let palette = theme::palette(ui);
+    let step = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000]
+        .into_iter()
+        .find(|step| scale.step() * *step as f32 >= NUMBERS)
+        .unwrap_or(50_000);
+    let font = tick().resolve(ui.style());
+    let frames = scale.span.frames(count);
+    let first = frames.start().next_multiple_of(step);
+    for frame in (first..=*frames.end()).step_by(step) {
+        let at = scale.x(frame as f64);
+        if !plot.x_range().expand(0.5).contains(at) {
+            continue;
+        }
+        ui.painter().vline(at, plot.top() + RULER - 4.0..=plot.bottom(), Stroke::new(1.0, palette.grid));
+        let place = pos2(at, plot.top() + RULER - 5.0);
+        let text = format::count(frame as i64);
+        ui.painter().text(place, Align2::CENTER_BOTTOM, text, font.clone(), palette.text2);
+    }
+    if scale.span != Span::whole(count) {
+        overview(ui, plot, scale, count);
+    }
+}
+
+/// Which part of the take is on the screen.
+fn overview(ui: &Ui, plot: Rect, scale: &Scale, count: usize) {
+    let palette = theme::palette(ui);
+    let whole = Scale::new(Span::whole(count), plot);
+    let y = plot.top() + 1.0;
+    ui.painter().hline(plot.x_range(), y, Stroke::new(1.0, palette.line));
+    let shown = whole.x(scale.span.first)..=whole.x(scale.span.last).max(whole.x(scale.span.first) + 4.0);
+    ui.painter().hline(shown, y, Stroke::new(2.0, palette.text3));
+}
+
+/// What may be done where no frame is fitted yet, over the empty lanes.
+pub(crate) fn first_steps(ui: &Ui, lanes: Rect, has_no_key: bool) {
+    let palette = theme::palette(ui);
+    let track =
+        "Ctrl+Enter tracks from this frame on: cost, overlap and steps of every frame stand here then.";
+    let key = "K keeps this frame\u{2019}s pose as a key pose, a diamond above.";
+    let text = if has_no_key && lanes.width() > WIDE { format!("{track} {key}") } else { track.to_owned() };
+    let font = TextStyle::Small.resolve(ui.style());
+    ui.painter().text(lanes.center(), Align2::CENTER_CENTER, text, font, palette.text3);
+}
+
+/// The frames that are marked, behind everything else.
+pub(crate) fn marked(ui: &Ui, plot: Rect, scale: &Scale, range: FrameRange) {
+    let palette = theme::palette(ui);
+    let painter = ui.painter().with_clip_rect(plot);
+    let half = 0.5 * scale.step().min(8.0);
+    let across = scale.x(range.first as f64) - half..=scale.x(range.last as f64) + half;
+    let band = Rect::from_x_y_ranges(across, plot.top() + 2.0..=plot.top() + RULER - 3.0);
+    painter.rect_filled(band, 0.0, palette.select);
+    for x in [band.left(), band.right()] {
+        painter.vline(x, band.top()..=plot.bottom(), Stroke::new(1.0, palette.accent_text));
+    }
+}
+
+/// Height of the line of fitted frames.
+pub(crate) fn line(plot: Rect) -> f32 {
+    plot.top() + RULER - 3.0
+}
+
+/// Fitted frames as a bar, and those that the tracker still has before it.
+pub(crate) fn on_ruler(ui: &Ui, showing: &Showing<'_>, plot: Rect, scale: &Scale, count: usize) {
+    let (palette, document) = (theme::palette(ui), showing.document());
+    let painter = ui.painter().with_clip_rect(plot.expand2(vec2(3.0, 0.0)));
+    let y = line(plot);
+    painter.hline(plot.x_range(), y, Stroke::new(1.0, palette.line));
+    let half = 0.5 * scale.step().min(6.0);
+    for (from, to) in pieces(document.estimates.range(scale.span.frames(count)).map(|(frame, _)| *frame)) {
+        let across =
+            scale.x(from as f64) - half..=(scale.x(to as f64) + half).max(scale.x(from as f64) + 1.0);
+        painter.hline(across, y, Stroke::new(BAR, palette.text3));
+    }
+    if let Some(FrameRange { first, last }) = showing.session.tracking.and_then(|tracking| tracking.to_come())
+    {
+        let across = scale.x(first as f64) - half..=scale.x(last as f64) + half;
+        painter.hline(across, y, Stroke::new(BAR, palette.accent_text));
+    }
+}
+
+/// First and last frame of every piece without a gap.
+fn pieces(frames: impl Iterator<Item = usize>) -> Vec<(usize, usize)> {
+    let mut pieces: Vec<(usize, usize)> = Vec::new();
+    for frame in frames {
+        match pieces.last_mut() {
+            Some((_, last)) if *last + 1 == frame => *last = frame,
+            _ => pieces.push((frame, frame)),
+        }
+    }
+    pieces
+}
+
+/// Lost frames, and the worst of the others.
+pub(crate) fn troubles(ui: &Ui, document: &Document, lane: Rect, scale: &Scale, count: usize) {
+    let palette = theme::palette(ui);
+    let painter = ui.painter().with_clip_rect(lane.expand2(vec2(5.0, 0.0)));
+    let triangle = |at: Pos2| vec![at + vec2(-4.0, -4.0), at + vec2(4.0, -4.0), at + vec2(0.0, 3.0)];
+    let mut before = f32::NEG_INFINITY;
+    let found = document.estimates.range(scale.span.frames(count));
+    for (frame, _) in found.clone().filter(|(_, estimate)| estimate.lost) {
+        let at = pos2(scale.x(*frame as f64), lane.bottom() - 5.0);
+        if at.x - before < 3.0 {
+            continue;
+        }
+        before = at.x;
+        painter.add(Shape::convex_polygon(triangle(at), palette.warn, Stroke::NONE));
+        named(ui, lane, at, format!("Lost frame {frame}"));
+    }
+    if let Some(frame) = worst(document) {
+        let at = pos2(scale.x(frame as f64), lane.top() + 6.0);
+        painter.add(Shape::closed_line(triangle(at), Stroke::new(1.2, palette.warn)));
+        named(ui, lane, at, format!("Worst frame {frame}"));
+    }
+}
+
+/// The name of a mark that is on the screen, for those who cannot see it.
+fn named(ui: &Ui, lane: Rect, at: Pos2, name: String) {
+    if lane.x_range().expand(0.5).contains(at.x) {
+        let rect = Rect::from_center_size(at, Vec2::splat(2.0 * MARK));
+        let mark = ui.interact(rect, Id::unique(("timeline's mark", &name)), Sense::hover());
+        mark.widget_info(|| WidgetInfo::labeled(Role::GraphicsSymbol, true, &name));
+    }
+}
+
+/// The frame with the least overlap of those that are not lost; `None` where there is nothing to compare.
+pub(crate) fn worst(document: &Document) -> Option<usize> {
+    let found = document.estimates.iter().filter(|(_, estimate)| !estimate.lost);
+    let known: Vec<(f64, usize)> = found.filter_map(|(frame, found)| Some((found.iou?, *frame))).collect();
+    if known.len() < 2 {
+        return None;
+    }
+    known.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, frame)| frame)
+}
+
+/// The frame on the screen.
+pub(crate) fn playhead(ui: &Ui, showing: &Showing<'_>, plot: Rect, scale: &Scale) {
+    let palette = theme::palette(ui);
+    let at = scale.x(showing.selection.frame as f64);
+    if !plot.x_range().expand(6.0).contains(at) {
+        return;
+    }
+    ui.painter().vline(at, plot.top() + 8.0..=plot.bottom(), Stroke::new(1.5, palette.accent_text));
+    let head = Rect::from_center_size(pos2(at, plot.top() + 6.0), vec2(11.0, 11.0));
+    ui.painter().rect(head, 2.0, palette.accent, palette.accent_edge, StrokeKind::Inside);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_have_no_gaps() {
+        assert_eq!(pieces([1, 2, 3, 7, 9, 10].into_iter()), [(1, 3), (7, 7), (9, 10)]);
+        assert_eq!(pieces(std::iter::empty()), []);
+    }
+}

@@ -1,0 +1,129 @@
+//! Playing frames, and what the timeline is asked for.
+
+use std::time::Duration;
+
+use crate::app::App;
+use crate::context::action::Action;
+use crate::document::edit::Edit;
+use crate::features::timeline::{Span, TimelineEvent};
+use crate::session::playback::{Cue, Playback};
+
+/// How long a frame takes to be read, before one was: seconds.
+const FIRST_GUESS: f64 = 0.05;
+/// While frames are played, the window looks at its clock at least this often: seconds.
+const LONGEST_WAIT: f64 = 1.0;
+/// Share of the newest time of reading in the one that is expected.
+const NEW_SHARE: f64 = 0.3;
+
+/// The time axis: what is played and what of it is on the screen. Neither saved nor undone.
+#[derive(Debug, Default)]
+pub(crate) struct TimeAxis {
+    pub(crate) playback: Playback,
+    /// The frames on the screen; all where `None`.
+    pub(crate) span: Option<Span>,
+    /// How long a frame takes to be read, seconds.
+    reading: Option<f64>,
+    /// The frame that is read ahead, and since when.
+    ahead: Option<(usize, f64)>,
+}
+
+impl App {
+    /// Whether frames are being played.
+    #[must_use]
+    pub fn is_playing(&self) -> bool {
+        self.time.playback.is_playing()
+    }
+
+    /// Does a command about the time axis; whether it was one.
+    pub(crate) fn act_on_time(&mut self, action: Action) -> bool {
+        match action {
+            Action::ToggleLoop => self.time.playback.loops ^= true,
+            Action::PlaySlower | Action::PlayFaster => {
+                let speed = self.time.playback.next_speed(action == Action::PlayFaster);
+                self.time.playback.set_speed(speed, self.now);
+            }
+            Action::WholeTake => self.time.span = None,
+            Action::ClearRange => self.clear_range(),
+            Action::NextKey | Action::PreviousKey => self.go_to_key(action == Action::NextKey),
+            _ => return false,
+        }
+        true
+    }
+
+    /// Stops playing: the frame on the screen is about to be worked on.
+    pub(crate) fn pause(&mut self) {
+        self.time.playback.stop();
+    }
+
+    /// Plays, or stops playing.
+    pub(crate) fn play_or_pause(&mut self) {
+        let (here, count) = (self.selection.frame, self.session.frame_count());
+        if self.time.playback.is_playing() {
+            self.pause();
+        } else {
+            self.follows_tracker = false;
+            self.interrupt_fit();
+            let from = self.time.playback.start(here, count, self.now);
+            self.go_to_frame(from);
+        }
+    }
+
+    /// Goes on to the next frame when it is time, as long as frames are played.
+    pub(crate) fn play(&mut self, ctx: &egui::Context) {
+        let Some(take) = self.session.take.clone() else {
+            self.time.playback.stop();
+            return;
+        };
+        let (rate, count) = (take.frame_rate, take.frame_count());
+        if let Some((frame, since)) = self.time.ahead
+            && self.session.frames.get(frame).is_some()
+        {
+            let known = self.time.reading.unwrap_or(self.now - since);
+            self.time.reading = Some(known + NEW_SHARE * (self.now - since - known));
+            self.time.ahead = None;
+        }
+        let frames = &self.session.frames;
+        let is_there = |frame: usize| frames.get(frame).is_some();
+        match self.time.playback.cue(self.selection.frame, count, rate, self.now, is_there) {
+            Cue::Show(frame) | Cue::End(frame) => self.go_to_frame(frame),
+            Cue::Wait => {}
+        }
+        if let Some(seconds) = self.time.playback.next_in(rate, self.now) {
+            ctx.request_repaint_after(Duration::from_secs_f64(seconds.min(LONGEST_WAIT)));
+        }
+    }
+
+    /// The frame that a film will need next, if it is not there.
+    pub(crate) fn frame_to_read_ahead(&mut self) -> Option<usize> {
+        let take = self.session.take.as_ref()?;
+        let seconds = self.time.reading.unwrap_or(FIRST_GUESS);
+        let (count, rate) = (take.frame_count(), take.frame_rate);
+        let frame = self.time.playback.due_in(seconds, count, rate, self.now)?;
+        if self.session.frames.get(frame).is_some() {
+            return None;
+        }
+        self.time.ahead = Some((frame, self.now));
+        Some(frame)
+    }
+
+    /// What was done in the timeline.
+    pub(crate) fn timeline_event(&mut self, event: TimelineEvent) {
+        match event {
+            TimelineEvent::Show(span) => self.time.span = span,
+            TimelineEvent::Mark(range) => {
+                self.time.playback.range = range;
+                // Who marks frames wants to see them again and again.
+                self.time.playback.loops |= range.is_some();
+            }
+            TimelineEvent::Pause => self.pause(),
+            TimelineEvent::Speed(speed) => self.time.playback.set_speed(speed, self.now),
+        }
+    }
+
+    /// Forgets what was found for the frames that are marked.
+    fn clear_range(&mut self) {
+        if let Some(range) = self.time.playback.range {
+            self.edit(Edit::ClearRange { first: range.first, last: range.last }, None);
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! The row above the lanes: going, playing, tracking, key poses, worst frames.
+
+use egui::{Align, Layout as Direction, RichText, Sense, Ui, vec2};
+
+use super::TimelineEvent;
+use crate::context::action::Action;
+use crate::context::command_button::{icon, named_button, sized_button};
+use crate::context::{Intents, Request, Showing};
+use crate::document::Document;
+use crate::session::playback::SPEEDS;
+use crate::shell::toolbar::choice;
+use crate::style::format;
+use crate::style::theme;
+use crate::style::theme::{size, space};
+use crate::widgets::{Icon, checkbox, number_field};
+
+/// Height of the row.
+pub(crate) const HEIGHT: f32 = 28.0;
+/// Below this width the time is left out and words are shorter.
+const FOLD: f32 = 900.0;
+/// Width of the frame's number.
+const FRAME: f32 = 84.0;
+/// Width of the time.
+const TIME: f32 = 64.0;
+/// Width of the speed.
+const SPEED: f32 = 58.0;
+/// Width of the button that sets and clears a key pose.
+const KEY: f32 = 72.0;
+
+/// The row.
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let row = vec2(ui.available_width(), HEIGHT);
+    ui.allocate_ui_with_layout(row, Direction::left_to_right(Align::Center), |ui| {
+        let folded = row.x < FOLD;
+        ui.spacing_mut().item_spacing.x = space::ROW;
+        going(ui, showing, intents, folded);
+        playing(ui, showing, intents);
+        ui.add_space(space::WIDGET);
+        named_button(ui, showing, intents, Action::TrackBack, "Track back");
+        let between = if folded { "Between" } else { "Between keys" };
+        named_button(ui, showing, intents, Action::TrackBetween, between);
+        ui.add_space(space::WIDGET);
+        icon(ui, showing, intents, Action::PreviousKey, Icon::PreviousKey);
+        key_pose(ui, showing, intents);
+        icon(ui, showing, intents, Action::NextKey, Icon::NextKey);
+        ui.add_space(space::WIDGET);
+        icon(ui, showing, intents, Action::PreviousWorst, Icon::Previous);
+        named_button(ui, showing, intents, Action::NextWorst, if folded { "Worst" } else { "Next worst" });
+        ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+            let (short, full) = (short_summary(showing), summary(showing));
+            let text = if folded { &short } else { &full };
+            let text = RichText::new(text).small().color(theme::palette(ui).text3);
+            let label = ui.add(egui::Label::new(text).truncate());
+            if folded {
+                label.on_hover_text(full);
+            }
+        });
+    });
+}
+
+fn going(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, folded: bool) {
+    icon(ui, showing, intents, Action::PreviousFrame, Icon::First);
+    let play = if showing.time.playback.is_playing() { Icon::Pause } else { Icon::Play };
+    icon(ui, showing, intents, Action::Play, play);
+    icon(ui, showing, intents, Action::NextFrame, Icon::Last);
+    let last = showing.session.frame_count().saturating_sub(1);
+    let mut frame = showing.selection.frame as f64;
+    let unit = format!(" / {last}");
+    let field = number_field(ui, "Frame", &mut frame, 0, &unit, 0.1, FRAME);
+    if field.on_hover_text("The frame on the screen, counted from 0").changed() {
+        intents.request(Request::Frame(frame.round().max(0.0) as usize));
+    }
+    if !folded {
+        let text = RichText::new(format!("{} s", seconds(showing, showing.selection.frame))).monospace();
+        let (rect, _) = ui.allocate_exact_size(vec2(TIME, size::ROW), Sense::hover());
+        ui.put(rect, egui::Label::new(text.color(theme::palette(ui).text2)));
+    }
+}
+
+/// Sets or clears the key pose of the frame on the screen: the text says which, in a place that does not change.
+fn key_pose(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let is_key = showing.document().keys.contains_key(&showing.selection.frame);
+    let text = if is_key { "Clear key" } else { "Set key" };
+    sized_button(ui, showing, intents, Action::SetKeyPose, text, KEY);
+}
+
+/// When a frame was taken, in seconds since the first.
+pub(crate) fn seconds(showing: &Showing<'_>, frame: usize) -> String {
+    let rate = showing.session.take.as_ref().map_or(1.0, |take| take.frame_rate);
+    format::number(frame as f64 / rate.max(f64::MIN_POSITIVE), 3)
+}
+
+fn playing(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let playback = &showing.time.playback;
+    let texts = SPEEDS.map(speed_text);
+    let tooltip = |speed: f64| {
+        if speed < 1.0 { "Slower than it was filmed" } else { "Frames that come too late are left out" }
+    };
+    let choices: Vec<(f64, &str, String)> = SPEEDS
+        .iter()
+        .zip(&texts)
+        .map(|(speed, text)| (*speed, text.as_str(), tooltip(*speed).to_owned()))
+        .collect();
+    if let Some(speed) = choice(ui, "Speed", SPEED, &speed_text(playback.speed), &choices) {
+        intents.request(Request::Timeline(TimelineEvent::Speed(speed)));
+    }
+    let mut loops = playback.loops;
+    if checkbox(ui, &mut loops, "Loop").on_hover_text(Action::ToggleLoop.tooltip()).changed() {
+        intents.act(Action::ToggleLoop);
+    }
+}
+
+fn speed_text(speed: f64) -> String {
+    let decimals = if speed.fract() == 0.0 {
+        0
+    } else if (10.0 * speed).fract() == 0.0 {
+        1
+    } else {
+        2
+    };
+    format!("{}×", format::number(speed, decimals))
+}
+
+/// The mean overlap of the frames that are fitted.
+fn mean_overlap(document: &Document) -> Option<f64> {
+    let overlaps: Vec<f64> = document.estimates.values().filter_map(|estimate| estimate.iou).collect();
+    (!overlaps.is_empty()).then(|| overlaps.iter().sum::<f64>() / overlaps.len() as f64)
+}
+
+/// What is known of the take, in two words.
+fn short_summary(showing: &Showing<'_>) -> String {
+    let document = showing.document();
+    let lost = document.estimates.values().filter(|estimate| estimate.lost).count();
+    match mean_overlap(document) {
+        None => String::new(),
+        Some(mean) if lost == 0 => format!("IoU {}", format::ratio(mean)),
+        Some(mean) => format!("IoU {}, {lost} lost", format::ratio(mean)),
+    }
+}
+
+/// What is known of the take, in a line.
+fn summary(showing: &Showing<'_>) -> String {
+    let document = showing.document();
+    let found = &document.estimates;
+    let (Some((first, _)), Some((last, _))) = (found.first_key_value(), found.last_key_value()) else {
+        return "No frame is fitted yet".to_owned();
+    };
+    let mean = mean_overlap(document);
+    let mean = mean.map_or_else(String::new, |mean| format!(", mean IoU {}", format::ratio(mean)));
+    let lost = found.values().filter(|estimate| estimate.lost).count();
+    let lost = if lost > 0 { format!(", {lost} lost") } else { String::new() };
+    let keys = match document.keys.len() {
+        0 => String::new(),
+        1 => ", 1 key pose".to_owned(),
+        keys => format!(", {keys} key poses"),
+    };
+    let count = found.len();
+    if count == 1 {
+        format!("Frame {first} fitted{mean}{lost}{keys}")
+    } else {
+        format!("{count} frames fitted, {first} to {last}{mean}{lost}{keys}")
+    }
+}

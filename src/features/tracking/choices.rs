@@ -1,0 +1,91 @@
+//! The choices of tracking, in the Solver section: how motion is carried on, and when other poses are looked for.
+
+use backlit_tracking::track::Search;
+use egui::Ui;
+
+use crate::context::{Intents, Showing};
+use crate::document::edit::Edit;
+use crate::document::tracking_choices::Following;
+use crate::shell::toolbar::choice;
+use crate::widgets::{hint, named_row, number_field};
+
+/// Width of the names, as in the rest of the section.
+const NAME: f32 = 78.0;
+/// Width of the boxes.
+const BOX: f32 = 104.0;
+/// Width of the lag's field.
+const LAG: f32 = 40.0;
+/// The longest lag that can be typed, frames.
+const LONGEST_LAG: f64 = 999.0;
+
+const MOTIONS: [(Following, &str, &str); 4] = [
+    (Following::Still, "Still", "A frame's fit starts from the last pose"),
+    (Following::Velocity, "Velocity", "It starts where the motion between the last two frames leads"),
+    (Following::Kalman, "Kalman", "Pose and velocity by the iterated extended Kalman filter (6.1)"),
+    (
+        Following::Smoothed { lag: None },
+        "Smoothed",
+        "The Kalman filter, and every frame smoothed by later ones (Rauch, Tung, Striebel); cost and overlap stay \
+         those of the frame's own fit",
+    ),
+];
+
+const SEARCHES: [(Search, &str, &str); 3] = [
+    (Search::Never, "Never", "Only downhill from the start"),
+    (
+        Search::WhenPoor,
+        "When poor",
+        "Look for other poses in a first frame, and in one after a lost one, whose fit overlaps poorly: IoU below 0.9",
+    ),
+    (
+        Search::Always,
+        "Always",
+        "Look for other poses in every first frame and after every lost one; takes seconds",
+    ),
+];
+
+/// The rows.
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let choices = showing.document().tracking;
+    let mut chosen = choices;
+    row(ui, "Motion", |ui| chosen.motion = motion(ui, choices.motion));
+    row(ui, "Search", |ui| {
+        let rows = SEARCHES.map(|(search, text, tooltip)| (search, text, tooltip.to_owned()));
+        let text = rows.iter().find(|(search, ..)| *search == choices.search).map_or("", |(_, text, _)| text);
+        if let Some(search) = choice(ui, "Search", BOX, text, &rows) {
+            chosen.search = search;
+        }
+        hint(ui, "for other poses");
+    });
+    if chosen != choices {
+        intents.edit(Edit::SetTracking(chosen));
+    }
+}
+
+fn motion(ui: &mut Ui, motion: Following) -> Following {
+    let same = |other: Following| std::mem::discriminant(&other) == std::mem::discriminant(&motion);
+    let rows = MOTIONS.map(|(motion, text, tooltip)| (motion, text, tooltip.to_owned()));
+    let text = rows.iter().find(|(other, ..)| same(*other)).map_or("", |(_, text, _)| text);
+    if let Some(other) = choice(ui, "Motion", BOX, text, &rows) {
+        return other;
+    }
+    let Following::Smoothed { lag } = motion else {
+        hint(ui, "from frame to frame");
+        return motion;
+    };
+    let mut frames = lag.map_or(0.0, |lag| lag as f64);
+    let field = number_field(ui, "Lag", &mut frames, 0, "", 0.1, LAG);
+    let tooltip =
+        "Smooth every frame by so many frames after it; 0: by all of them, once the track has ended";
+    let changed = field.on_hover_text(tooltip).changed();
+    hint(ui, if lag.is_some() { "frames late" } else { "by all frames" });
+    if changed {
+        let frames = frames.round().clamp(0.0, LONGEST_LAG) as usize;
+        return Following::Smoothed { lag: (frames > 0).then_some(frames) };
+    }
+    motion
+}
+
+fn row(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
+    named_row(ui, name, NAME, contents);
+}

@@ -1,0 +1,257 @@
+//! What a pose predicts in every camera, and how that compares with the data.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
+use backlit_tracking::camera::Camera;
+use backlit_tracking::render::jacobian::Motion;
+use backlit_tracking::render::{Prediction, View, Wanted, draw};
+use backlit_tracking::silhouette::{Measurement, Overlap};
+use backlit_tracking::track::{FitOptions, FitView};
+
+use rayon::prelude::*;
+
+use crate::document::CameraUse;
+use crate::drawing::{Derivative, body_outline};
+use crate::session::FrameData;
+use crate::worker::{Event, Job, Outbox, Step};
+
+/// All that a prediction depends on, but the pose.
+#[derive(Debug, Clone)]
+pub struct FitInputs {
+    /// The body.
+    pub model: Arc<Model>,
+    /// The cameras without distortion.
+    pub cameras: Arc<Vec<Arc<Camera>>>,
+    /// Which of them count, and how much.
+    pub uses: Arc<Vec<CameraUse>>,
+    /// How poses are fitted: the last stage's ramp is what is shown.
+    pub fit: Arc<FitOptions>,
+    /// The frame's pictures, once they are there.
+    pub frame: Option<Arc<FrameData>>,
+    /// Which derivatives are looked at.
+    pub derivatives: Derivatives,
+}
+
+/// Which derivatives of the prediction are looked at.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Derivatives {
+    /// How strongly each pixel pulls.
+    pub gradient: bool,
+    /// A column of the tangent Jacobian.
+    pub column: Option<usize>,
+}
+
+impl FitInputs {
+    /// Whether both are of the very same parts, whatever derivatives are looked at.
+    #[must_use]
+    pub fn is(&self, other: &Self) -> bool {
+        let same_frame = match (&self.frame, &other.frame) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (None, None) => true,
+            _ => false,
+        };
+        same_frame
+            && Arc::ptr_eq(&self.model, &other.model)
+            && Arc::ptr_eq(&self.uses, &other.uses)
+            && Arc::ptr_eq(&self.fit, &other.fit)
+            && Arc::ptr_eq(&self.cameras, &other.cameras)
+    }
+
+    /// What the cameras that count contribute to a fit.
+    #[must_use]
+    pub fn views(&self) -> Vec<FitView> {
+        let Some(frame) = &self.frame else { return Vec::new() };
+        let looks = self.fit.stages.last().map(|stage| stage.data).unwrap_or_default();
+        let parts = self.cameras.iter().zip(self.uses.iter()).zip(&frame.cameras);
+        let view =
+            |((camera, used), data): ((&Arc<Camera>, &CameraUse), &crate::take::footage::CameraFrame)| {
+                let evidence = data.evidence(looks).filter(|_| used.used && used.weight > 0.0)?;
+                Some(FitView { camera: camera.clone(), evidence, weight: used.weight })
+            };
+        parts.filter_map(view).collect()
+    }
+}
+
+/// One camera's prediction.
+#[derive(Debug, Clone)]
+pub struct CameraPrediction {
+    /// Λ, with the owner of each pixel.
+    pub prediction: Prediction,
+    /// What it was drawn from: says what a single pixel sees.
+    pub view: View,
+    /// D as the last stage looks at it.
+    pub data: Option<Arc<Measurement>>,
+    /// Body against silhouette.
+    pub overlap: Option<Overlap>,
+    /// How strongly each pixel pulls, if that was asked for.
+    pub gradient: Option<Derivative>,
+    /// A column of the Jacobian, if that was asked for.
+    pub jacobian: Option<Derivative>,
+    /// The body's outline, in pixel coordinates.
+    pub outlines: Vec<Vec<[f32; 2]>>,
+}
+
+/// What a pose predicts in every camera.
+#[derive(Debug, Clone)]
+pub struct Predicted {
+    /// What else it depends on.
+    pub scene: FitInputs,
+    /// The pose.
+    pub pose: Pose,
+    /// By camera.
+    pub cameras: Vec<CameraPrediction>,
+    /// Σ w (D − Λ)² over the cameras that count: one measure for all stages and runs.
+    pub mismatch: f64,
+    /// Root of its mean, grey levels.
+    pub rms: Option<f64>,
+    /// Each limb's part of the mismatch.
+    pub mismatch_by_limb: Vec<f64>,
+    /// How long it took, in seconds.
+    pub seconds: f64,
+}
+
+impl Predicted {
+    /// Predicts and compares. `data` is reused from an earlier prediction of the same scene.
+    #[must_use]
+    pub fn new(scene: &FitInputs, pose: &Pose, earlier: Option<&Self>) -> Self {
+        let start = Instant::now();
+        let kinematics = Kinematics::new(&scene.model, pose);
+        let reusable = earlier.filter(|earlier| earlier.scene.is(scene));
+        let mut result = Self {
+            scene: scene.clone(),
+            pose: pose.clone(),
+            cameras: Vec::with_capacity(scene.cameras.len()),
+            mismatch: 0.0,
+            rms: None,
+            mismatch_by_limb: vec![0.0; scene.model.limbs().len()],
+            seconds: 0.0,
+        };
+        let look = |index: usize| {
+            let data = match reusable {
+                Some(earlier) => earlier.cameras[index].data.clone(),
+                None => scene.data(index),
+            };
+            let camera = CameraPrediction::new(scene, &kinematics, index, data);
+            let used = scene.uses.get(index).filter(|used| used.used);
+            let mismatch = used.zip(camera.data.as_deref()).map(|(used, data)| {
+                Mismatch::between(&camera.prediction, data, used.weight, scene.model.limbs().len())
+            });
+            (camera, mismatch)
+        };
+        // Cameras side by side, sums in their order.
+        let looks: Vec<(CameraPrediction, Option<Mismatch>)> =
+            (0..scene.cameras.len()).into_par_iter().map(look).collect();
+        let mut weight = 0.0;
+        for (camera, mismatch) in looks {
+            result.cameras.push(camera);
+            let Some(mismatch) = mismatch else { continue };
+            result.mismatch += mismatch.sum;
+            weight += mismatch.weight;
+            let limbs = result.mismatch_by_limb.iter_mut().zip(mismatch.by_limb);
+            limbs.for_each(|(total, part)| *total += part);
+        }
+        result.rms = (weight > 0.0).then(|| (result.mismatch / weight).sqrt());
+        result.seconds = start.elapsed().as_secs_f64();
+        result
+    }
+
+    /// Intersection over union of the cameras that count, all together.
+    #[must_use]
+    pub fn iou(&self) -> Option<f64> {
+        let used = self.cameras.iter().zip(self.scene.uses.iter()).filter(|(_, used)| used.used);
+        used.filter_map(|(camera, _)| camera.overlap).reduce(Overlap::merge)?.iou()
+    }
+
+    /// Whether it is of this pose and these parts.
+    #[must_use]
+    pub fn is_of(&self, scene: &FitInputs, pose: &Pose) -> bool {
+        self.pose == *pose && self.scene.is(scene) && self.scene.derivatives == scene.derivatives
+    }
+}
+
+impl CameraPrediction {
+    fn new(scene: &FitInputs, kinematics: &Kinematics, index: usize, data: Option<Arc<Measurement>>) -> Self {
+        let camera = &scene.cameras[index];
+        let view = View::new(&scene.model, kinematics, camera, scene.fit.renderer, scene.fit.final_ramp());
+        let columns = Parameters::Tangent.columns(scene.model.rotation_count());
+        let column = scene.derivatives.column.filter(|column| *column < columns);
+        let motion = column.map(|column| {
+            let mut direction = vec![0.0; columns];
+            direction[column] = 1.0;
+            Motion::along(kinematics, camera, Parameters::Tangent, &direction)
+        });
+        let gradient = scene.derivatives.gradient;
+        let drawing = draw(&view, Wanted { gradient, motion: motion.as_ref() });
+        let prediction = drawing.prediction;
+        let mask = scene.frame.as_ref().and_then(|frame| frame.cameras.get(index)?.mask.clone());
+        Self {
+            overlap: mask.and_then(|mask| Overlap::between(&mask, &prediction.lambda).ok()),
+            outlines: body_outline(&prediction.lambda, prediction.width, prediction.height),
+            gradient: gradient.then(|| Derivative::new(drawing.gradient)),
+            jacobian: motion.map(|_| Derivative::new(drawing.change)),
+            prediction,
+            view,
+            data,
+        }
+    }
+}
+
+/// Σ w (D − Λ)² of a camera.
+struct Mismatch {
+    sum: f64,
+    weight: f64,
+    by_limb: Vec<f64>,
+}
+
+impl Mismatch {
+    fn between(prediction: &Prediction, data: &Measurement, camera_weight: f64, limbs: usize) -> Self {
+        let mut result = Self { sum: 0.0, weight: 0.0, by_limb: vec![0.0; limbs] };
+        let pixels = prediction.lambda.iter().zip(&prediction.owner).zip(data.values()).zip(data.weights());
+        for (((lambda, owner), value), pixel_weight) in pixels {
+            let pixel_weight = f64::from(*pixel_weight) * camera_weight;
+            let residual = f64::from(*value) - f64::from(*lambda);
+            let cost = pixel_weight * residual * residual;
+            result.weight += pixel_weight;
+            result.sum += cost;
+            if let Some(limb) = result.by_limb.get_mut(usize::from(*owner)) {
+                *limb += cost;
+            }
+        }
+        result
+    }
+}
+
+impl FitInputs {
+    /// D of a camera, as the last stage looks at it.
+    pub(crate) fn data(&self, camera: usize) -> Option<Arc<Measurement>> {
+        let frame = self.frame.as_ref()?.cameras.get(camera)?;
+        let stage = self.fit.stages.last()?;
+        let view = FitView {
+            camera: self.cameras[camera].clone(),
+            evidence: frame.evidence(stage.data)?,
+            weight: 1.0,
+        };
+        Some(view.data(stage, frame.distance()))
+    }
+}
+
+/// A prediction for the window.
+#[derive(Debug)]
+pub struct PredictJob {
+    /// What it depends on.
+    pub scene: FitInputs,
+    /// The pose.
+    pub pose: Pose,
+    /// The prediction on the screen, whose data may be reused.
+    pub earlier: Option<Arc<Predicted>>,
+}
+
+impl Job<Event> for PredictJob {
+    fn step(&mut self, out: &Outbox<Event>) -> Step {
+        let predicted = Predicted::new(&self.scene, &self.pose, self.earlier.as_deref());
+        out.send(Event::Predicted(Arc::new(predicted)));
+        Step::Done
+    }
+}

@@ -1,0 +1,19 @@
+//! What stands around the features: toolbar, menus, palette, status bar, the dock of tiles, notices.
+
+pub(crate) mod about;
+pub(crate) mod dock;
+pub(crate) mod docking;
+pub(crate) mod drop_overlay;
+pub(crate) mod empty;
+pub mod matching;
+pub(crate) mod menus;
+pub(crate) mod messages;
+pub(crate) mod notice_cards;
+pub(crate) mod palette;
+pub(crate) mod pane_title;
+pub(crate) mod recent;
+pub(crate) mod right_panel;
+pub(crate) mod shortcuts;
+pub(crate) mod status_bar;
+pub(crate) mod tiles;
+pub(crate) mod toolbar;

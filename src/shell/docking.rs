@@ -1,0 +1,147 @@
+//! Tiles of the centre: arranging them, opening and closing, one alone in the window.
+
+use egui::Vec2;
+
+use crate::app::App;
+use crate::context::PaneEvent;
+use crate::context::action::Action;
+use crate::context::arrangement;
+use crate::context::arrangement::{Arrangement, Centre};
+use crate::context::pane::Pane;
+use crate::context::preferences::Look;
+
+/// What belongs to the tiles and is not kept for the next start.
+#[derive(Debug)]
+pub(crate) struct Docking {
+    /// The pane that fills the centre.
+    pub(crate) alone: Option<Pane>,
+    /// The two cameras that are shown where there is room for two.
+    pub(crate) pair: [usize; 2],
+    /// Size of the centre in the last frame, in points.
+    pub(crate) size: Vec2,
+    /// How it looked before the layout was reset.
+    pub(crate) before: Option<Box<Look>>,
+}
+
+impl Default for Docking {
+    fn default() -> Self {
+        Self { alone: None, pair: [0, 1], size: Vec2::ZERO, before: None }
+    }
+}
+
+impl App {
+    fn centre(&self) -> Centre {
+        Centre {
+            layout: self.look.layout,
+            cameras: self.session.camera_count(),
+            pair: self.docking.pair,
+            size: self.docking.size,
+        }
+    }
+
+    /// The user's arrangement of this layout, else the automatic one.
+    fn arrangement(&self) -> Arrangement {
+        let centre = self.centre();
+        let kept = self.look.kept.get(centre.layout, centre.cameras);
+        kept.cloned().unwrap_or_else(|| arrangement::automatic(&centre))
+    }
+
+    /// The user has arranged the tiles.
+    pub(crate) fn arrange(&mut self, tree: Arrangement) {
+        let cameras = self.session.camera_count();
+        self.look.kept.set(self.look.layout, cameras, tree);
+    }
+
+    pub(crate) fn pane_event(&mut self, pane: Pane, event: PaneEvent) {
+        match event {
+            PaneEvent::ToggleAlone => {
+                self.docking.alone = if self.docking.alone == Some(pane) { None } else { Some(pane) };
+                if let Pane::Camera(camera) = pane {
+                    self.make_active(camera);
+                }
+            }
+            PaneEvent::Open => {
+                let mut tree = self.arrangement();
+                arrangement::open(&mut tree, pane);
+                self.arrange(tree);
+                self.docking.alone = None;
+            }
+            PaneEvent::Close => {
+                let mut tree = self.arrangement();
+                arrangement::close(&mut tree, pane);
+                self.arrange(tree);
+                self.docking.alone = self.docking.alone.filter(|alone| *alone != pane);
+            }
+        }
+    }
+
+    /// Makes a camera's tile the active one, and shows it where it was hidden.
+    pub(crate) fn make_active(&mut self, camera: usize) {
+        if !self.docking.pair.contains(&camera) {
+            let other = usize::from(self.docking.pair[0] == self.selection.camera);
+            self.docking.pair[other] = camera;
+        }
+        if matches!(self.docking.alone, Some(Pane::Camera(_))) {
+            self.docking.alone = Some(Pane::Camera(camera));
+        }
+        self.selection.camera = camera;
+        let cameras = self.session.camera_count();
+        if let Some(kept) = self.look.kept.get(self.look.layout, cameras) {
+            let mut tree = kept.clone();
+            arrangement::open(&mut tree, Pane::Camera(camera));
+            if tree != *kept {
+                self.arrange(tree);
+            }
+        }
+    }
+
+    /// Shows another camera in the tile of one.
+    pub(crate) fn switch_camera(&mut self, from: usize, to: usize) {
+        if let Some(place) = self.docking.pair.iter().position(|camera| *camera == from)
+            && !self.docking.pair.contains(&to)
+        {
+            self.docking.pair[place] = to;
+        }
+        self.make_active(to);
+    }
+
+    pub(crate) fn act_on_tiles(&mut self, action: Action) -> bool {
+        let cameras = self.session.camera_count();
+        match action {
+            Action::ShowScene => self.toggle_pane(Pane::Scene),
+            Action::ShowBasin => self.toggle_pane(Pane::Basin),
+            Action::ShowConvergence => self.toggle_pane(Pane::Convergence),
+            Action::ArrangeTiles => {
+                self.docking.before = Some(Box::new(self.look.clone()));
+                self.docking.alone = None;
+                self.look.kept.forget(self.look.layout, cameras);
+                self.notices.info(self.now, "Arranged the tiles.", Some(Action::RestoreLayout));
+            }
+            Action::ResetLayout => {
+                self.docking.before = Some(Box::new(self.look.clone()));
+                self.docking.alone = None;
+                self.look.reset();
+                self.notices.info(self.now, "Reset the layout.", Some(Action::RestoreLayout));
+            }
+            Action::RestoreLayout => {
+                if let Some(before) = self.docking.before.take() {
+                    self.look = (*before).with_memory_of(std::mem::take(&mut self.look));
+                    self.doing = Some("The layout is as it was.".to_owned());
+                }
+            }
+            _ => return self.act_on_scene(action),
+        }
+        true
+    }
+
+    fn toggle_pane(&mut self, pane: Pane) {
+        let is_open = self.look.is_open(pane, self.session.camera_count());
+        self.pane_event(pane, if is_open { PaneEvent::Close } else { PaneEvent::Open });
+    }
+
+    /// Whether a tile is being dragged: Esc is its own then.
+    pub(crate) fn is_moving_tile(&self, ctx: &egui::Context) -> bool {
+        let is_dragging = ctx.dragged_id().is_some() || ctx.drag_stopped_id().is_some();
+        is_dragging && self.session.take.is_some() && self.arrangement().dragged_id(ctx).is_some()
+    }
+}

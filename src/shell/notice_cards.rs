@@ -1,0 +1,82 @@
+//! Notices as cards, bottom right above the timeline.
+
+use egui::{
+    Align, Area, Button, Frame, Id, Layout as Direction, Margin, Order, RichText, Role, Sense, Ui, vec2,
+};
+
+use crate::context::action::Action;
+use crate::context::notices::{Notice, Severity};
+use crate::context::{Intents, Request, Showing};
+use crate::style::theme;
+use crate::style::theme::{size, space};
+use crate::widgets::{Icon, icon_button};
+
+/// The cards, upwards from the corner `bottom_right`. Returns the cards under the pointer.
+pub(crate) fn ui(
+    ui: &Ui,
+    showing: &Showing<'_>,
+    intents: &mut Intents,
+    bottom_right: egui::Pos2,
+) -> Vec<u64> {
+    let mut held = Vec::new();
+    let mut corner = bottom_right - vec2(space::GROUP, space::GROUP);
+    let cards: Vec<&Notice> = showing.notices.cards().collect();
+    for notice in cards.into_iter().rev() {
+        let area = Area::new(Id::unique(("notice", notice.id)))
+            .order(Order::Foreground)
+            .pivot(egui::Align2::RIGHT_BOTTOM)
+            .fixed_pos(corner);
+        let response = area.show(ui.ctx(), |ui| card(ui, notice, intents)).response;
+        if response.contains_pointer() {
+            held.push(notice.id);
+        }
+        corner.y = response.rect.top() - space::WIDGET;
+    }
+    held
+}
+
+/// A layout is taken back by its own command, which is *Undo* here.
+fn word(action: Action) -> &'static str {
+    if action == Action::RestoreLayout { Action::Undo.text() } else { action.text() }
+}
+
+fn card(ui: &mut Ui, notice: &Notice, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    let (edge, icon, colour) = match notice.severity {
+        Severity::Info => (palette.line2, Icon::Info, palette.info),
+        Severity::Error => (palette.error, Icon::Warning, palette.error),
+    };
+    let frame = Frame::NONE
+        .fill(palette.raised)
+        .stroke(egui::Stroke::new(size::HAIRLINE, edge))
+        .corner_radius(size::BUTTON_RADIUS)
+        .inner_margin(Margin::same(10));
+    frame.show(ui, |ui| {
+        ui.set_width(size::NOTICE - 20.0);
+        ui.horizontal_top(|ui| {
+            let (rect, mark) = ui.allocate_exact_size(vec2(size::ICON, size::BUTTON), Sense::hover());
+            mark.widget_info(|| egui::WidgetInfo::labeled(Role::Image, true, "Notice"));
+            icon.paint(ui.painter(), rect, colour);
+            ui.with_layout(Direction::right_to_left(Align::Min), |ui| {
+                if icon_button(ui, Icon::Close, "Close notice", "Close").clicked() {
+                    intents.request(Request::CloseNotice(notice.id));
+                }
+                if let Some(action) = notice.action
+                    && ui.add(Button::new(word(action)).min_size(vec2(0.0, size::BUTTON))).clicked()
+                {
+                    intents.act(action);
+                    intents.request(Request::CloseNotice(notice.id));
+                }
+                ui.with_layout(Direction::left_to_right(Align::Min), |ui| {
+                    let text = egui::Label::new(RichText::new(&notice.text).color(palette.text)).wrap();
+                    // The first line stands level with the icon and the buttons.
+                    let line = ui.text_style_height(&egui::TextStyle::Body);
+                    let above = (0.5 * (size::BUTTON - line)).round() as i8;
+                    Frame::NONE
+                        .inner_margin(Margin { top: above, ..Margin::ZERO })
+                        .show(ui, |ui| ui.add(text));
+                });
+            });
+        });
+    });
+}

@@ -1,0 +1,178 @@
+//! The command palette: a few letters of any command.
+
+use egui::{Button, Key, RichText, ScrollArea, Ui, vec2};
+
+use crate::context::action::Action;
+use crate::context::{Intents, Request, Showing, unavailable};
+use crate::shell::matching::fuzzy;
+use crate::style::theme;
+use crate::style::theme::size;
+use crate::widgets::{search_card, text_field};
+
+/// Width of the card.
+const WIDTH: f32 = 580.0;
+/// Rows that a page has.
+const PAGE: usize = 12;
+/// What is only in the explanation is worth less than what is in the name.
+const ONLY_EXPLAINED: i32 = -1000;
+/// A command that was used lately comes before one that fits about as well.
+const USED_LATELY: i32 = 6;
+
+/// What has been typed, and which row is marked.
+#[derive(Debug, Default)]
+pub(crate) struct Palette {
+    text: String,
+    marked: usize,
+}
+
+/// A command that fits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Found {
+    action: Action,
+    /// Whether it stands among those that were used lately, above all others.
+    is_recent: bool,
+}
+
+impl Palette {
+    /// Shows the palette and says whether it stays open.
+    pub(crate) fn ui(&mut self, ui: &Ui, showing: &Showing<'_>, intents: &mut Intents) -> bool {
+        let mut chosen = None;
+        let modal = search_card(ui.ctx(), "palette").show(ui.ctx(), |ui| {
+            ui.set_width(WIDTH);
+            let hint = "What do you want to do?";
+            let field = text_field(ui, "Find a command", hint, &mut self.text);
+            field.request_focus();
+            if field.changed() {
+                self.marked = 0;
+            }
+            let found = matching(&self.text, &showing.look.used_commands);
+            let has_moved = self.move_mark(ui, found.len());
+            let enter = ui.input(|input| input.key_pressed(Key::Enter));
+            ui.add_space(4.0);
+            ScrollArea::vertical().max_height(360.0).show(ui, |ui| {
+                ui.set_width(WIDTH);
+                for (index, one) in found.iter().enumerate() {
+                    if index > 0 && found[index - 1].is_recent && !one.is_recent {
+                        ui.separator();
+                    }
+                    let is_marked = index == self.marked;
+                    let clicked = row(ui, showing, one.action, is_marked, has_moved);
+                    if clicked || (enter && is_marked) {
+                        chosen = Some(one.action);
+                    }
+                }
+                if found.is_empty() {
+                    ui.label(RichText::new("No command has these letters").color(theme::palette(ui).text3));
+                }
+            });
+        });
+        if let Some(action) = chosen.filter(|action| unavailable(*action, showing).is_none()) {
+            intents.request(Request::Used(action));
+            intents.act(action);
+            return false;
+        }
+        !modal.should_close()
+    }
+
+    /// Moves the mark by the keys, from the last row to the first too, and says whether it has moved.
+    fn move_mark(&mut self, ui: &Ui, count: usize) -> bool {
+        let pressed = |key| ui.input(|input| input.key_pressed(key));
+        let last = count.saturating_sub(1);
+        let before = self.marked.min(last);
+        self.marked = if pressed(Key::ArrowDown) {
+            if before == last { 0 } else { before + 1 }
+        } else if pressed(Key::ArrowUp) {
+            if before == 0 { last } else { before - 1 }
+        } else if pressed(Key::PageDown) {
+            (before + PAGE).min(last)
+        } else if pressed(Key::PageUp) {
+            before.saturating_sub(PAGE)
+        } else {
+            before
+        };
+        self.marked != before
+    }
+}
+
+/// A command with its keys, or with the reason why it cannot be used.
+fn row(ui: &mut Ui, showing: &Showing<'_>, action: Action, is_marked: bool, scroll: bool) -> bool {
+    let why_not = unavailable(action, showing);
+    let text = format!("{}: {}", action.menu().text(), action.text());
+    let right = why_not.map_or_else(|| action.keys_text().unwrap_or_default(), str::to_owned);
+    let button = Button::selectable(is_marked, text)
+        .shortcut_text(RichText::new(right).small())
+        .truncate()
+        .min_size(vec2(ui.available_width(), size::BUTTON));
+    let response = ui.add_enabled(why_not.is_none(), button);
+    if is_marked && scroll {
+        response.scroll_to_me(None);
+    }
+    let tooltip = match why_not {
+        Some(why) => format!("{}\n{why}.", action.explanation()),
+        None => action.explanation().to_owned(),
+    };
+    response.on_hover_text(&tooltip).on_disabled_hover_text(tooltip).clicked()
+}
+
+/// The commands that fit what was typed, the best first. Where nothing is typed: those that were used lately, then all
+/// others in the order of the menus.
+fn matching(text: &str, used: &[String]) -> Vec<Found> {
+    let commands = || Action::all().filter(|action| *action != Action::Palette);
+    let is_used = |action: Action| used.iter().any(|name| name == action.text());
+    if text.trim().is_empty() {
+        let recent = used.iter().filter_map(|name| commands().find(|action| action.text() == name));
+        let recent = recent.map(|action| Found { action, is_recent: true });
+        let rest = commands().filter(|action| !is_used(*action));
+        return recent.chain(rest.map(|action| Found { action, is_recent: false })).collect();
+    }
+    let words: Vec<String> = text.to_lowercase().split_whitespace().map(str::to_owned).collect();
+    let score = |action: Action| {
+        let full = format!("{} {}", action.text(), action.menu().text());
+        let named = fuzzy(text, action.text()).into_iter().chain(fuzzy(text, &full)).max();
+        let all = format!("{full} {}", action.explanation()).to_lowercase();
+        let explained = || words.iter().all(|word| all.contains(word.as_str())).then_some(ONLY_EXPLAINED);
+        let lately = if is_used(action) { USED_LATELY } else { 0 };
+        Some(named.or_else(explained)? + lately)
+    };
+    let mut found: Vec<(i32, Found)> =
+        commands().filter_map(|action| Some((score(action)?, Found { action, is_recent: false }))).collect();
+    // Letters that are scattered over a long name are chance, where others fit well.
+    let best = found.iter().map(|(score, _)| *score).max().unwrap_or(0);
+    found.retain(|(score, _)| *score <= ONLY_EXPLAINED + USED_LATELY || *score * 2 >= best);
+    found.sort_by_key(|(score, _)| std::cmp::Reverse(*score));
+    found.into_iter().map(|(_, found)| found).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn actions(text: &str) -> Vec<Action> {
+        matching(text, &[]).into_iter().map(|found| found.action).collect()
+    }
+
+    #[test]
+    fn words_may_stand_in_any_order_and_the_best_come_first() {
+        for (text, action) in [
+            ("forward track", Action::TrackForward),
+            ("step", Action::Step),
+            ("trf", Action::TrackForward),
+            ("fs", Action::FitSubject),
+            ("export it", Action::ExportSteps),
+            ("quaternions", Action::PresetReport),
+        ] {
+            assert_eq!(actions(text).first(), Some(&action), "{text}");
+        }
+        assert!(actions("xyzzy").is_empty());
+        assert_eq!(actions("").len(), Action::all().count() - 1);
+    }
+
+    #[test]
+    fn commands_that_were_used_lately_stand_first() {
+        let used = ["Run", "Undo", "No longer a command"].map(str::to_owned);
+        let found = matching("", &used);
+        assert_eq!((found[0].action, found[1].action), (Action::Run, Action::Undo));
+        assert!(found[1].is_recent && !found[2].is_recent);
+        assert_eq!(found.len(), Action::all().count() - 1);
+    }
+}

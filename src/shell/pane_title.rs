@@ -1,0 +1,52 @@
+//! The title in a pane's header with the panes that stand behind it: one row for both, whatever they are.
+
+use egui::{Button, Label, Response, RichText, Role, TextStyle, TextWrapMode, Ui, WidgetInfo, WidgetText};
+
+use crate::context::pane::Pane;
+use crate::context::{Intents, PaneEvent, Request};
+use crate::style::theme;
+use crate::style::theme::size;
+use crate::widgets::camera_badge;
+
+/// The title of a pane that is no camera, and the panes behind it.
+pub(crate) fn show(ui: &mut Ui, pane: Pane, siblings: &[Pane], intents: &mut Intents) {
+    ui.add(Label::new(pane.title()).selectable(false));
+    for sibling in siblings {
+        if behind(ui, *sibling).clicked() {
+            intents.request(Request::Pane(*sibling, PaneEvent::Open));
+        }
+    }
+}
+
+/// A pane that stands behind the one on the screen, as a button.
+pub(crate) fn behind(ui: &mut Ui, pane: Pane) -> Response {
+    let title = pane.title();
+    let response = match pane {
+        Pane::Camera(index) => camera_badge(ui, index),
+        _ => {
+            let text = RichText::new(&title).color(theme::palette(ui).text3);
+            let button = ui.add(Button::new(text).frame(false));
+            button.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Show {title}")));
+            button
+        }
+    };
+    response.on_hover_text(format!("Show {} here", lower_case(&title)))
+}
+
+/// How wide that button is.
+pub(crate) fn width_behind(ui: &Ui, pane: Pane) -> f32 {
+    match pane {
+        Pane::Camera(_) => size::BADGE,
+        _ => {
+            let text = WidgetText::from(pane.title());
+            let galley = text.into_galley(ui, Some(TextWrapMode::Extend), f32::INFINITY, TextStyle::Button);
+            galley.size().x + 2.0 * ui.spacing().button_padding.x
+        }
+    }
+}
+
+/// A title in the middle of a sentence.
+fn lower_case(title: &str) -> String {
+    let mut letters = title.chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
+}

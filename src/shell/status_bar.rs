@@ -1,0 +1,170 @@
+//! The status bar: one sentence on the left, four numbers on the right that stay in their places.
+
+use egui::{Align, Frame, Layout as Direction, Margin, Panel, RichText, Sense, Ui, vec2};
+
+use crate::context::action::Action;
+use crate::context::command_button as command;
+use crate::context::preferences::Layout;
+use crate::context::{Intents, Showing};
+use crate::drawing::joint_name;
+use crate::features::basin::panel::progress_text;
+use crate::style::format;
+use crate::style::theme;
+use crate::style::theme::{size, space};
+use crate::widgets::Icon;
+
+/// The status bar.
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    let frame = Frame::NONE.fill(palette.raised).inner_margin(Margin::symmetric(8, 0));
+    Panel::bottom("status bar").exact_size(size::STATUS_BAR).resizable(false).frame(frame).show(ui, |ui| {
+        ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+            numbers(ui, showing);
+            ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
+                let (rect, _) = ui.allocate_exact_size(vec2(size::ICON, size::ICON), Sense::hover());
+                Icon::Info.paint_scaled(ui.painter(), rect, palette.text3, 0.85);
+                if showing.busy.is_long() && !showing.busy.opening {
+                    command::named_button(ui, showing, intents, Action::Stop, "Cancel");
+                }
+                if showing.basin.running.is_some() && !showing.busy.is_long() {
+                    command::named_button(ui, showing, intents, Action::CancelBasin, "Cancel");
+                }
+                if let Some((done, total)) = showing.busy.exporting {
+                    command::button(ui, showing, intents, Action::StopExport);
+                    let text = format!("Exporting, {done} of {total}.");
+                    ui.label(RichText::new(text).small().color(palette.text2));
+                }
+                let text = RichText::new(sentence(showing)).small().color(palette.text2);
+                ui.add(egui::Label::new(text).truncate());
+            });
+        });
+    });
+}
+
+/// What is happening, or what one may do.
+fn sentence(showing: &Showing<'_>) -> String {
+    let session = showing.session;
+    if let Some(doing) = showing.doing {
+        return doing.to_owned();
+    }
+    if let Some(tracking) = session.tracking {
+        let way = match tracking.between {
+            Some((first, last)) => format!(" between the key poses of {first} and {last}, from both sides"),
+            None if tracking.backwards => " back".to_owned(),
+            None => String::new(),
+        };
+        let rate = tracking
+            .rate()
+            .map_or_else(String::new, |rate| format!(", {} a second", format::number(rate, 1)));
+        return format!("Tracking{way}, {} of {} frames{rate}.", tracking.done, tracking.total);
+    }
+    if session.searching.is_some() {
+        return "Looking for other poses that fit this frame. Esc stops it.".to_owned();
+    }
+    if session.fitting_body {
+        return "Fitting the body to several frames. Esc stops it; nothing is changed then.".to_owned();
+    }
+    if showing.busy.opening {
+        return "Opening the take…".to_owned();
+    }
+    if session.take.is_none() {
+        return "Open a take, or drop its folder anywhere.".to_owned();
+    }
+    if showing.busy.fitting {
+        return "The fit is running. Esc stops it; all steps stay.".to_owned();
+    }
+    if let Some(running) = showing.basin.running {
+        return format!("Trying the basin: {}. Esc stops it; what is done stays.", progress_text(running));
+    }
+    if showing.look.layout == Layout::Demonstrate {
+        return laboratory_sentence(showing);
+    }
+    if let Some(step) = showing.selection.step {
+        let steps = session.runs.get(step.run).map_or(0, |run| run.steps.len().saturating_sub(1));
+        return format!(
+            "Looking at step {} of {steps}. Comma and period go on; an edit here branches.",
+            step.step
+        );
+    }
+    if let Some(run) = session.runs.iter().rfind(|run| run.frame == showing.selection.frame)
+        && run.ending.is_some()
+    {
+        return format!("{}: {}. {}.", run.name, run.reached_text(), run.ending_text());
+    }
+    if showing.busy.loading {
+        return "Reading the frame…".to_owned();
+    }
+    let joint = joint_name(&showing.document().model, showing.selection.joint);
+    format!("Drag the {joint} in any view, or press Space for one step of the fit.")
+}
+
+/// What the laboratory does.
+fn laboratory_sentence(showing: &Showing<'_>) -> String {
+    let laboratory = showing.laboratory;
+    let all = laboratory.lineup.all_text();
+    let Some(comparison) = laboratory.comparison.as_ref().filter(|comparison| comparison.has_begun()) else {
+        return "Preparing the laboratory…".to_owned();
+    };
+    let step = comparison.cursor;
+    if laboratory.is_running {
+        return format!("Step {step} in {all}. They are running; Esc stops them.");
+    }
+    let last = comparison.last();
+    if comparison.is_over() && step == last {
+        return format!("Step {step} in {all}: they have ended. The arrow keys go through their steps.");
+    }
+    if step < last {
+        return format!("Step {step} of {last} in {all}. The arrow keys go through them.");
+    }
+    format!("Step {step} in {all}. Space steps them together, Enter runs them; the arrow keys step.")
+}
+
+fn numbers(ui: &mut Ui, showing: &Showing<'_>) {
+    let session = showing.session;
+    let rms = session.predicted.as_ref().and_then(|predicted| predicted.rms);
+    ui.spacing_mut().item_spacing.x = space::GROUP;
+    let seconds = |value: Option<f64>| value.map_or_else(|| format::MISSING.to_owned(), format::duration);
+    let entries = [
+        (
+            "CPU frame",
+            format::duration(showing.frame_seconds),
+            140.0,
+            "Time that the window needed for its last frame",
+        ),
+        ("step", seconds(session.step_seconds), 104.0, "Time of the last step of the fit"),
+        (
+            "IoU",
+            session.iou().map_or_else(|| format::MISSING.to_owned(), format::ratio),
+            76.0,
+            "Intersection over union of body and silhouettes, all cameras together",
+        ),
+        (
+            "RMS",
+            rms.map_or_else(|| format::MISSING.to_owned(), |rms| format::number(rms, 1)),
+            72.0,
+            "Root mean square of D − Λ, in grey levels, all cameras together",
+        ),
+    ];
+    let all_fits = (
+        "all fits, a step",
+        seconds(showing.laboratory.step_seconds),
+        188.0,
+        "Time of the last step of all the laboratory's fits together",
+    );
+    let palette = theme::palette(ui);
+    let [frame, step, iou, rms] = entries;
+    let shown = match showing.look.layout {
+        Layout::Demonstrate => vec![frame, all_fits],
+        _ => vec![frame, step, iou, rms],
+    };
+    for (name, value, width, tooltip) in shown {
+        let stale = session.is_stale && matches!(name, "IoU" | "RMS");
+        let colour = if stale { palette.text3 } else { palette.text2 };
+        let text = RichText::new(format!("{name} {value}")).monospace().color(colour);
+        ui.allocate_ui_with_layout(
+            vec2(width, size::STATUS_BAR),
+            Direction::right_to_left(Align::Center),
+            |ui| ui.label(text).on_hover_text(tooltip),
+        );
+    }
+}

@@ -1,0 +1,201 @@
+//! The toolbar: the choices that are made all day, and the one button that is the likely next act.
+
+use egui::{
+    Align, ComboBox, Frame, Layout as Direction, Margin, Panel, RichText, Sense, Ui, UiBuilder, vec2,
+};
+
+use super::menus;
+use crate::context::action::Action;
+use crate::context::command_button::{icon, primary};
+use crate::context::preferences::Layout;
+use crate::context::{Intents, Request, Showing};
+use crate::drawing::ViewMode;
+use crate::features::fit::{renderer, solver};
+use crate::features::laboratory::panel as laboratory;
+use crate::style::format;
+use crate::style::theme;
+use crate::style::theme::{size, space};
+use crate::widgets::{Icon, segmented};
+
+/// Below this width the take's second line and the menus' labels fold.
+const FOLD_MENUS: f32 = 1440.0;
+/// Below this width the renderer and the preset are in the panel only.
+pub(crate) const FOLD_CHOICES: f32 = 1280.0;
+/// Width of the layout switch.
+const SWITCH: f32 = 318.0;
+/// Height of the bar that says that something takes its time.
+const BUSY: f32 = 2.0;
+
+/// The toolbar.
+pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    let frame = Frame::NONE.fill(palette.raised).inner_margin(Margin::symmetric(8, 0));
+    let panel = Panel::top("toolbar").exact_size(size::TOOLBAR).resizable(false).frame(frame);
+    let response = panel.show(ui, |ui| {
+        let rect = ui.max_rect();
+        let width = rect.width();
+        let side = |ui: &mut Ui, direction, add: &mut dyn FnMut(&mut Ui)| {
+            ui.scope_builder(UiBuilder::new().max_rect(rect).layout(direction), |ui| add(ui));
+        };
+        side(ui, Direction::left_to_right(Align::Center), &mut |ui| left(ui, showing, intents, width));
+        side(ui, Direction::right_to_left(Align::Center), &mut |ui| right(ui, showing, intents, width));
+        let middle = egui::Rect::from_center_size(rect.center(), vec2(SWITCH, size::BUTTON));
+        ui.scope_builder(UiBuilder::new().max_rect(middle), |ui| {
+            let mut layout = showing.look.layout;
+            if segmented(ui, &mut layout, &Layout::ALL).changed() {
+                intents.request(Request::Layout(layout));
+            }
+        });
+    });
+    if showing.busy.is_long() {
+        let mut bar = response.response.rect;
+        bar.set_top(bar.bottom() - BUSY);
+        let palette = theme::palette(ui);
+        let share = showing.session.tracking.map_or(1.0, |t| t.done as f32 / t.total.max(1) as f32);
+        bar.set_width(bar.width() * share.max(0.02));
+        ui.painter().rect_filled(bar, 0.0, palette.accent);
+    }
+}
+
+fn left(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, width: f32) {
+    let folded = width < FOLD_MENUS;
+    egui::MenuBar::new().ui(ui, |ui| {
+        ui.spacing_mut().button_padding = vec2(8.0, 2.0);
+        ui.spacing_mut().item_spacing.x = space::TILE_GAP;
+        menus::ui(ui, showing, intents, folded);
+        ui.add_space(space::ROW);
+        divider(ui);
+        icon(ui, showing, intents, Action::Undo, Icon::Undo);
+        icon(ui, showing, intents, Action::Redo, Icon::Redo);
+        divider(ui);
+        ui.add_space(space::ROW);
+        take(ui, showing, folded);
+    });
+}
+
+fn divider(ui: &mut Ui) {
+    let (rect, _) = ui.allocate_exact_size(vec2(space::WIDGET + 1.0, size::BUTTON), Sense::hover());
+    ui.painter().vline(rect.center().x, rect.y_range(), theme::palette(ui).hairline());
+}
+
+fn take(ui: &mut Ui, showing: &Showing<'_>, folded: bool) {
+    let palette = theme::palette(ui);
+    let Some(take) = &showing.session.take else { return };
+    let dirty = if showing.history.is_dirty() { " •" } else { "" };
+    let project = showing.project.map(|path| path.display().to_string());
+    let hover = format!(
+        "{}\n{}",
+        project.unwrap_or_else(|| "Not saved to a project file yet".to_owned()),
+        if showing.history.is_dirty() {
+            "There is unsaved work; it is also kept for the next start."
+        } else {
+            "All work is saved."
+        }
+    );
+    ui.label(RichText::new(format!("{}{dirty}", take.name)).color(palette.text)).on_hover_text(hover);
+    if !folded {
+        let cameras = take.cameras.len();
+        let plural = if cameras == 1 { "" } else { "s" };
+        ui.add_space(space::ROW);
+        let text = format!("{cameras} camera{plural}, {} fps", format::number(take.frame_rate, 0));
+        ui.label(RichText::new(text).color(palette.text3));
+    }
+}
+
+fn right(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, width: f32) {
+    ui.spacing_mut().item_spacing.x = space::ROW;
+    find(ui, intents, width < FOLD_CHOICES);
+    ui.add_space(space::ROW);
+    if showing.look.layout == Layout::Demonstrate && showing.session.take.is_some() {
+        // The laboratory has buttons of its own.
+        if width >= FOLD_CHOICES {
+            solver::preset_box(ui, showing, intents, 92.0);
+            laboratory::lineup_box(ui, showing, intents);
+        }
+        return;
+    }
+    primary(ui, showing, intents, likely_next(showing));
+    ui.add_space(space::ROW);
+    icon(ui, showing, intents, Action::Stop, Icon::Stop);
+    icon(ui, showing, intents, Action::Run, Icon::Run);
+    icon(ui, showing, intents, Action::Step, Icon::Step);
+    icon(ui, showing, intents, Action::StepBack, Icon::StepBack);
+    if width >= FOLD_CHOICES && showing.session.take.is_some() {
+        ui.add_space(space::WIDGET);
+        solver::preset_box(ui, showing, intents, 92.0);
+        ui.add_space(space::ROW);
+        renderer::kind_box(ui, showing, intents, 100.0);
+    }
+}
+
+/// The likely next act: stop what runs, else track on, else open something.
+fn likely_next(showing: &Showing<'_>) -> Action {
+    if showing.busy.tracking || showing.busy.fitting {
+        Action::Stop
+    } else if showing.session.take.is_some() {
+        Action::TrackForward
+    } else {
+        Action::OpenTake
+    }
+}
+
+fn find(ui: &mut Ui, intents: &mut Intents, small: bool) {
+    let palette = theme::palette(ui);
+    let width = if small { 74.0 } else { 118.0 };
+    let (rect, response) = ui.allocate_exact_size(vec2(width, size::BUTTON), Sense::click());
+    let enabled = ui.is_enabled();
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, Action::Palette.text()));
+    let fill = if response.hovered() { palette.hover } else { palette.field };
+    ui.painter().rect(
+        rect,
+        f32::from(size::FIELD_RADIUS),
+        fill,
+        palette.hairline(),
+        egui::StrokeKind::Inside,
+    );
+    let icon_rect = egui::Rect::from_center_size(rect.left_center() + vec2(14.0, 0.0), vec2(14.0, 14.0));
+    Icon::Search.paint_scaled(ui.painter(), icon_rect, palette.text2, 0.85);
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let at = rect.left_center() + vec2(27.0, 0.0);
+    ui.painter().text(at, egui::Align2::LEFT_CENTER, "Ctrl K", font, palette.text3);
+    if response.on_hover_text(Action::Palette.tooltip()).clicked() {
+        intents.act(Action::Palette);
+    }
+}
+
+/// A box of a few choices, named for screen readers. Says which one was chosen.
+pub(crate) fn choice<T: PartialEq + Copy>(
+    ui: &mut Ui,
+    name: &str,
+    width: f32,
+    chosen: &str,
+    choices: &[(T, &str, String)],
+) -> Option<T> {
+    let mut picked = None;
+    ui.name_inputs(name, |ui| {
+        ComboBox::from_id_salt(name).width(width).selected_text(chosen).show_ui(ui, |ui| {
+            for (value, text, tooltip) in choices {
+                if ui.selectable_label(*text == chosen, *text).on_hover_text(tooltip).clicked() {
+                    picked = Some(*value);
+                }
+            }
+        });
+    });
+    picked
+}
+
+/// The view mode of a command.
+pub(crate) fn view_mode_of(action: Action) -> Option<ViewMode> {
+    Some(match action {
+        Action::ViewFootage => ViewMode::Footage,
+        Action::ViewData => ViewMode::Data,
+        Action::ViewPrediction => ViewMode::Prediction,
+        Action::ViewResidual => ViewMode::Residual,
+        Action::ViewTinted => ViewMode::Tinted,
+        Action::ViewReport => ViewMode::ReportOverlay,
+        Action::ViewOwner => ViewMode::OwnerLimb,
+        Action::ViewGradient => ViewMode::Gradient,
+        Action::ViewJacobian => ViewMode::JacobianColumn,
+        _ => return None,
+    })
+}

@@ -1,0 +1,265 @@
+//! A take's pictures as the window wants them: what can be had of each camera, and why the rest cannot.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
+
+use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::camera::Camera;
+use backlit_tracking::experiment::Simulation;
+use backlit_tracking::io::{self, Take};
+use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::silhouette::{Label, Mask, Measurement, SignedDistance};
+use backlit_tracking::track::{DataView, Evidence, start};
+use image::{DynamicImage, RgbImage};
+
+use crate::take::replacement::{Calibration, MaskFiles, read_mask};
+use crate::take::source::TakeSource;
+
+/// Grey levels below this are the subject's.
+const HALF_GREY: u8 = 128;
+
+/// A take with everything that is made once for all its frames.
+#[derive(Debug)]
+pub struct Footage {
+    /// Where it came from; `None` for one that was made in memory.
+    pub source: Option<TakeSource>,
+    /// What it is called.
+    pub name: String,
+    /// Frames per second.
+    pub frame_rate: f64,
+    /// The cameras of the pictures: without distortion.
+    pub cameras: Arc<Vec<Arc<Camera>>>,
+    /// Cameras in the place of the take's, if there are any.
+    pub calibration: Option<Arc<Calibration>>,
+    /// Silhouettes in the place of those that are measured.
+    pub masks: Arc<MaskFiles>,
+    inner: Arc<io::Footage>,
+    /// The take as its files have it.
+    original: Arc<io::Footage>,
+}
+
+/// What a frame's pictures and silhouettes depend on, besides the take.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MadeWith {
+    measurement: Arc<Vec<SegmentOptions>>,
+    calibration: Option<Arc<Calibration>>,
+    masks: BTreeMap<usize, PathBuf>,
+}
+
+/// One camera's picture of one frame, on the ideal pinhole grid.
+#[derive(Debug, Clone, Default)]
+pub struct CameraFrame {
+    /// The picture.
+    pub image: Option<Arc<RgbImage>>,
+    /// Its silhouette.
+    pub mask: Option<Arc<Mask>>,
+    distance: OnceLock<SignedDistance>,
+    /// Grey levels D that stand for the silhouette wherever D is looked at as it is; of simulations.
+    pub grey_levels: Option<Arc<Measurement>>,
+    /// Why something is missing.
+    pub problem: Option<String>,
+}
+
+impl CameraFrame {
+    /// Distance from the silhouette's border, measured when it is first asked for; `None` without a silhouette.
+    #[must_use]
+    pub fn distance(&self) -> Option<&SignedDistance> {
+        let mask = self.mask.as_ref()?;
+        Some(self.distance.get_or_init(|| SignedDistance::from_mask(mask)))
+    }
+
+    /// What a fit takes of it where D is looked at by `data`; `None` without a silhouette.
+    #[must_use]
+    pub fn evidence(&self, data: DataView) -> Option<Evidence> {
+        match &self.grey_levels {
+            Some(levels) if data == DataView::Hard => Some(Evidence::Measurement(levels.clone())),
+            _ => self.mask.clone().map(Evidence::Mask),
+        }
+    }
+
+    /// Takes a simulated picture, whose grey levels are the silhouette: no segmentation.
+    fn simulate(&mut self, image: RgbImage, simulation: Simulation) {
+        let grey = DynamicImage::ImageRgb8(image.clone()).into_luma8();
+        let label = |pixel: &u8| if *pixel < HALF_GREY { Label::Subject } else { Label::Background };
+        let labels = grey.as_raw().iter().map(label).collect();
+        match Mask::new(grey.width() as usize, grey.height() as usize, labels) {
+            Ok(mask) => self.mask = Some(Arc::new(mask)),
+            Err(problem) => self.problem = Some(problem.to_string()),
+        }
+        if simulation == Simulation::Prediction {
+            self.grey_levels = Some(Arc::new(Measurement::from_gray(&grey)));
+        }
+        self.image = Some(Arc::new(image));
+    }
+}
+
+impl Footage {
+    /// Prepares a take.
+    #[must_use]
+    pub fn new(take: Take, source: Option<TakeSource>) -> Self {
+        let (name, frame_rate) = (take.name().to_owned(), take.frame_rate());
+        let inner = Arc::new(io::Footage::new(take));
+        Self {
+            source,
+            name,
+            frame_rate,
+            cameras: Arc::new(inner.cameras().to_vec()),
+            calibration: None,
+            masks: Arc::default(),
+            original: inner.clone(),
+            inner,
+        }
+    }
+
+    /// The same with other silhouettes in the place of those that are measured.
+    #[must_use]
+    pub fn with_masks(&self, masks: Arc<MaskFiles>) -> Self {
+        Self {
+            source: self.source.clone(),
+            name: self.name.clone(),
+            frame_rate: self.frame_rate,
+            cameras: self.cameras.clone(),
+            calibration: self.calibration.clone(),
+            masks,
+            inner: self.inner.clone(),
+            original: self.original.clone(),
+        }
+    }
+
+    /// The same seen by the cameras of a calibration, or by the take's own again. A calibration of other cameras than
+    /// the take's changes nothing but what is said of it.
+    #[must_use]
+    pub fn with_calibration(&self, calibration: Option<Arc<Calibration>>) -> Self {
+        let rig = calibration.as_ref().map(|calibration| calibration.rig.clone());
+        let take = rig.and_then(|rig| self.original.take().with_rig(rig));
+        let inner = take.map_or_else(|| self.original.clone(), |take| Arc::new(io::Footage::new(take)));
+        let cameras = Arc::new(inner.cameras().to_vec());
+        Self { calibration, cameras, inner, ..self.with_masks(self.masks.clone()) }
+    }
+
+    /// What a frame's pictures and silhouettes depend on, besides the take.
+    #[must_use]
+    pub fn made_with(&self, measurement: &Arc<Vec<SegmentOptions>>, frame: usize) -> MadeWith {
+        MadeWith {
+            measurement: measurement.clone(),
+            calibration: self.calibration.clone(),
+            masks: self.masks.get(&frame).cloned().unwrap_or_default(),
+        }
+    }
+
+    /// Number of frames.
+    #[must_use]
+    pub fn frame_count(&self) -> usize {
+        self.inner.take().frame_count()
+    }
+
+    /// The cameras as the take's files have them, with their lenses.
+    #[must_use]
+    pub fn take_cameras(&self) -> &[Camera] {
+        self.original.take().rig().cameras()
+    }
+
+    /// The body of the take.
+    #[must_use]
+    pub fn model(&self) -> &Arc<Model> {
+        self.inner.take().model()
+    }
+
+    /// The pose to start from: the take's own, else the one that its reference shows in the first frame, else
+    /// one at rest before the cameras.
+    #[must_use]
+    pub fn start(&self) -> Pose {
+        let from_reference = || {
+            self.inner
+                .take()
+                .reference()
+                .and_then(|reference| start::from_joints(self.model(), &reference.joints(0)))
+        };
+        self.inner.take().start().cloned().or_else(from_reference).unwrap_or_else(|| {
+            let mut pose = Pose::rest(self.model());
+            pose.root = middle_of_view(&self.cameras);
+            pose
+        })
+    }
+
+    /// How the take says that silhouettes are made, camera by camera.
+    #[must_use]
+    pub fn measurement(&self) -> &[SegmentOptions] {
+        self.inner.take().measurement()
+    }
+
+    /// The take itself.
+    #[must_use]
+    pub fn take(&self) -> &Take {
+        self.inner.take()
+    }
+
+    /// Reads, rectifies and segments one camera's picture. What goes wrong is said in the result: the other
+    /// cameras and the picture without its silhouette are still of use.
+    #[must_use]
+    pub fn load(&self, camera: usize, frame: usize, options: &SegmentOptions) -> CameraFrame {
+        let mut result = CameraFrame {
+            image: None,
+            mask: None,
+            distance: OnceLock::new(),
+            grey_levels: None,
+            problem: None,
+        };
+        if let Some(TakeSource::Demonstration(which)) = &self.source {
+            match self.inner.picture(camera, frame) {
+                Ok(image) => result.simulate(image, which.simulation()),
+                Err(problem) => result.problem = Some(problem.to_string()),
+            }
+            return result;
+        }
+        match self.inner.picture(camera, frame) {
+            Ok(image) => {
+                match self.mask(camera, frame, &image, options) {
+                    Ok(mask) => result.mask = Some(Arc::new(mask)),
+                    Err(problem) => result.problem = Some(problem),
+                }
+                result.image = Some(Arc::new(image));
+            }
+            Err(problem) => result.problem = Some(problem.to_string()),
+        }
+        result
+    }
+}
+
+impl Footage {
+    /// The silhouette of a frame: a picture of it if the user has given one, else it is measured.
+    fn mask(
+        &self,
+        camera: usize,
+        frame: usize,
+        image: &RgbImage,
+        options: &SegmentOptions,
+    ) -> Result<Mask, String> {
+        match self.masks.get(&frame).and_then(|masks| masks.get(&camera)) {
+            Some(path) => {
+                let lens = &self.inner.take().rig().cameras()[camera];
+                read_mask(path, lens).map_err(|problem| problem.to_string())
+            }
+            None => self.inner.mask(camera, image, options).map_err(|problem| problem.to_string()),
+        }
+    }
+}
+
+/// The point that is nearest to all optical axes; metres in front of the camera if there is only one.
+fn middle_of_view(cameras: &[Arc<Camera>]) -> glam::DVec3 {
+    use glam::{DMat3, DVec3};
+    /// Distance from a single camera, metres.
+    const BEFORE: f64 = 3.0;
+    let (mut sum, mut right) = (DMat3::ZERO, DVec3::ZERO);
+    for camera in cameras {
+        let axis = camera.camera_from_world().rotation.transpose().z_axis;
+        let across = DMat3::IDENTITY - DMat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z);
+        // A little pull towards the point before the camera keeps parallel axes solvable.
+        let weight = 1e-3;
+        sum += across + DMat3::IDENTITY * weight;
+        right += across * camera.centre() + weight * (camera.centre() + BEFORE * axis);
+    }
+    let middle = sum.inverse() * right;
+    if middle.is_finite() { middle } else { DVec3::ZERO }
+}
