@@ -16,6 +16,7 @@ pub mod export;
 pub mod footage;
 pub mod format;
 pub mod history;
+pub mod jobs;
 pub mod laboratory;
 pub mod look;
 pub mod matching;
