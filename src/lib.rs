@@ -6,6 +6,7 @@ pub mod context;
 pub mod document;
 pub mod drawing;
 pub mod features;
+pub mod jobs;
 pub mod raster;
 pub mod session;
 pub mod shell;
