@@ -70,9 +70,9 @@ impl App {
     /// One frame of the window.
     pub fn frame(&mut self, ui: &mut egui::Ui) {
         let began = std::time::Instant::now();
-        self.now = ui.input(|input| input.time);
+        self.state.now = ui.input(|input| input.time);
         // Whoever made the app may show it in another window's context.
-        self.context.clone_from(ui.ctx());
+        self.state.egui.clone_from(ui.ctx());
         self.apply_theme(ui);
         self.hear_worker();
         self.hear_background();
@@ -80,9 +80,9 @@ impl App {
         self.hear_dialogs();
         self.hear_export();
         self.take_dropped_files(ui.ctx());
-        let mut intents = self.read_keys(ui.ctx());
-        self.show(ui, &mut intents);
-        self.apply(intents, ui.ctx());
+        let mut requests = self.read_keys(ui.ctx());
+        self.show(ui, &mut requests);
+        self.apply(requests, ui.ctx());
         self.play(ui.ctx());
         self.autosave();
         self.guard_close(ui.ctx());
@@ -92,7 +92,7 @@ impl App {
         self.follow_tour();
         self.export_state();
         self.go_on_with_laboratory();
-        self.frame_seconds = began.elapsed().as_secs_f64();
+        self.state.frame_seconds = began.elapsed().as_secs_f64();
     }
 }
 

@@ -18,7 +18,7 @@ use crate::context::action::Action;
 use crate::context::arrangement::Arrangement;
 use crate::context::notices::Notices;
 use crate::context::pane::Pane;
-use crate::context::preferences::{Layout, Look};
+use crate::context::preferences::{Layout, Preferences};
 use crate::context::view_settings::ViewSettings;
 use crate::document::Document;
 use crate::document::edit::Edit;
@@ -38,7 +38,7 @@ use crate::take::source::TakeSource;
 
 /// All that a panel may look at while a frame is drawn.
 #[derive(Debug, Clone, Copy)]
-pub struct Showing<'a> {
+pub struct Context<'a> {
     /// The document with its past.
     pub history: &'a History,
     /// Derived data.
@@ -46,7 +46,7 @@ pub struct Showing<'a> {
     /// What is selected.
     pub selection: &'a Selection,
     /// The arrangement.
-    pub look: &'a Look,
+    pub preferences: &'a Preferences,
     /// What was said.
     pub notices: &'a Notices,
     /// Work in progress.
@@ -103,7 +103,7 @@ impl Busy {
     }
 }
 
-impl<'a> Showing<'a> {
+impl<'a> Context<'a> {
     /// The document.
     #[must_use]
     pub fn document(&self) -> &'a Document {
@@ -120,7 +120,7 @@ pub enum Request {
     Joint(JointId),
     /// Make a camera's tile the active one.
     Camera(usize),
-    /// Look at a step of a run.
+    /// Preferences at a step of a run.
     Step(StepRef),
     /// Show or hide a run's curve.
     ShowRun(usize, bool),
@@ -132,7 +132,7 @@ pub enum Request {
     Basin(BasinRequest),
     /// What the user did in a camera's tile.
     Tile(usize, TileEvent),
-    /// Look at the size of this limb, of those that turn with the held joint.
+    /// Preferences at the size of this limb, of those that turn with the held joint.
     Part(usize),
     /// How all camera views look.
     Views(ViewSettings),
@@ -202,20 +202,20 @@ pub enum PaneEvent {
 
 /// What the panels ask for in one frame.
 #[derive(Debug, Default)]
-pub struct Intents {
+pub struct Requests {
     /// Changes of the document, each with its gesture.
     pub edits: Vec<(Edit, Option<Gesture>)>,
     /// Commands.
     pub actions: Vec<Action>,
     /// Everything else.
-    pub requests: Vec<Request>,
+    pub others: Vec<Request>,
     /// What is looked at of what the cameras see, in this frame: nothing that is asked for.
     pub glance: Glance,
     /// What the 3-D scene is to show, where its picture shows something else.
     pub scene: Option<Box<SceneOrder>>,
 }
 
-impl Intents {
+impl Requests {
     /// Asks for a change that is undone by itself.
     pub fn edit(&mut self, edit: Edit) {
         self.edits.push((edit, None));
@@ -233,17 +233,17 @@ impl Intents {
 
     /// Asks for something else.
     pub fn request(&mut self, request: Request) {
-        self.requests.push(request);
+        self.others.push(request);
     }
 }
 
 /// Why a command cannot be used now, in a sentence without its full stop; `None` if it can.
 #[must_use]
 #[expect(clippy::too_many_lines, reason = "one row for each reason")]
-pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str> {
+pub fn unavailable(action: Action, context: &Context<'_>) -> Option<&'static str> {
     use Action as A;
     const NO_TAKE: &str = "Open a take first";
-    let (session, selection, document) = (showing.session, showing.selection, showing.document());
+    let (session, selection, document) = (context.session, context.selection, context.document());
     let because = |is_so: bool, why: &'static str| is_so.then_some(why);
     let no_take = because(session.take.is_none(), NO_TAKE);
     let no_fit = || {
@@ -252,10 +252,10 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
         no_take
             .or(because(no_camera, "No camera is used in the fit: tick one beside its view"))
             .or(because(no_mask, "This frame has no silhouette yet"))
-            .or(because(showing.busy.tracking, "The tracker is at work"))
+            .or(because(context.busy.tracking, "The tracker is at work"))
     };
-    if showing.look.layout == Layout::Demonstrate
-        && let Some(answer) = showing.laboratory.unavailable(action)
+    if context.preferences.layout == Layout::Demonstrate
+        && let Some(answer) = context.laboratory.unavailable(action)
     {
         return no_take.or(answer);
     }
@@ -265,19 +265,19 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
     }
     match action {
         A::Undo => {
-            let nothing = showing.history.undo_text().is_none() && session.removed.is_none();
+            let nothing = context.history.undo_text().is_none() && session.removed.is_none();
             because(nothing, "There is nothing to undo")
         }
         A::Wipe | A::Blink => no_take,
         nudge if nudge_of(nudge).is_some() => no_take,
-        A::Redo => because(showing.history.redo_text().is_none(), "There is nothing to redo"),
+        A::Redo => because(context.history.redo_text().is_none(), "There is nothing to redo"),
         A::Save => no_take,
         A::Step | A::Run | A::RefitLimb | A::RefitChain | A::RefitBody => {
-            no_fit().or(because(showing.busy.fitting && action != A::Step, "The fit is running"))
+            no_fit().or(because(context.busy.fitting && action != A::Step, "The fit is running"))
         }
         A::Stop => {
-            let busy = showing.busy;
-            let is_behind = busy.exporting.is_some() || showing.basin.running.is_some();
+            let busy = context.busy;
+            let is_behind = busy.exporting.is_some() || context.basin.running.is_some();
             let is_running = busy.fitting || busy.tracking || is_behind;
             because(!is_running, "Nothing is running")
         }
@@ -286,7 +286,7 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
         | A::ExportSteps
         | A::ExportFrames
         | A::StopExport
-        | A::ShowExported => export_unavailable(action, showing),
+        | A::ShowExported => export_unavailable(action, context),
         A::StepBack | A::EarlierStep => match (run, selection.step) {
             (None, _) => Some("This frame has no run yet: press Space to step"),
             (Some(_), Some(StepRef { step: 0, .. })) => Some("This is the start of the run"),
@@ -302,23 +302,23 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
         | A::SceneTop
         | A::SceneFromCamera
         | A::SceneReset => {
-            let has_none = showing.look.layout == Layout::Demonstrate;
+            let has_none = context.preferences.layout == Layout::Demonstrate;
             no_take.or(because(has_none, "This layout has no tiles"))
         }
-        A::RestoreLayout => because(!showing.can_restore_layout, "The layout was not reset"),
+        A::RestoreLayout => because(!context.can_restore_layout, "The layout was not reset"),
         A::RestartLaboratory => Some("The Demonstrate layout has the laboratory: press F3"),
         A::RunBasin | A::RunBasinMap => {
-            no_fit().or(because(showing.basin.running.is_some(), "A basin is being tried"))
+            no_fit().or(because(context.basin.running.is_some(), "A basin is being tried"))
         }
-        A::CancelBasin => because(showing.basin.running.is_none(), "No basin is being tried"),
-        A::FindTake => because(!showing.lacks_take, "No project has lost its take"),
-        A::UndoDiscard => because(!showing.has_discarded, "Nothing was discarded"),
+        A::CancelBasin => because(context.basin.running.is_none(), "No basin is being tried"),
+        A::FindTake => because(!context.lacks_take, "No project has lost its take"),
+        A::UndoDiscard => because(!context.has_discarded, "Nothing was discarded"),
         A::RestoreRuns => because(session.removed.is_none(), "No run was removed"),
         A::ClearRuns | A::ExportCurves | A::ExportPlot => {
             because(session.runs.is_empty(), "There are no runs")
         }
         A::SearchPoses => no_fit(),
-        A::FitBody => no_fit().or(because(showing.busy.fitting, "The fit is running")),
+        A::FitBody => no_fit().or(because(context.busy.fitting, "The fit is running")),
         A::SaveAs
         | A::CopyPose
         | A::PastePose
@@ -331,19 +331,19 @@ pub fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str
         | A::Sway
         | A::SetKeyPose => no_take,
         A::WeakerDirection | A::StrongerDirection => {
-            no_take.or(because(showing.observing.found().is_none(), "Open the Observability section first"))
+            no_take.or(because(context.observing.found().is_none(), "Open the Observability section first"))
         }
-        _ => unavailable_in_time::unavailable(action, showing),
+        _ => unavailable_in_time::unavailable(action, context),
     }
 }
 
 /// The same for exports.
-fn export_unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str> {
-    let is_exporting = showing.busy.exporting.is_some();
-    let has_take = showing.session.take.is_some();
-    let has_run = showing.session.run_of(showing.selection).is_some();
+fn export_unavailable(action: Action, context: &Context<'_>) -> Option<&'static str> {
+    let is_exporting = context.busy.exporting.is_some();
+    let has_take = context.session.take.is_some();
+    let has_run = context.session.run_of(context.selection).is_some();
     match action {
-        Action::ShowExported if showing.has_exported => None,
+        Action::ShowExported if context.has_exported => None,
         Action::ShowExported => Some("Nothing was exported since the start"),
         Action::StopExport if is_exporting => None,
         Action::StopExport => Some("Nothing is being exported"),

@@ -14,3 +14,20 @@ pub mod scene;
 pub(crate) mod timeline;
 pub(crate) mod tour;
 pub(crate) mod tracking;
+
+/// All features, by name.
+#[derive(Debug, Default)]
+pub struct Features {
+    pub(crate) basin: basin::BasinState,
+    pub(crate) camera_views: camera_views::CameraViewsState,
+    pub(crate) demonstration: demonstration::Demonstrating,
+    pub(crate) export: export::ExportState,
+    pub(crate) fit: fit::Fit,
+    pub(crate) laboratory: laboratory::Laboratory,
+    pub(crate) observability: observability::Observing,
+    pub(crate) pose: pose::drag::Posing,
+    pub(crate) recovery: recovery::unsaved::Unsaved,
+    pub(crate) timeline: timeline::playing::TimeAxis,
+    pub(crate) tour: Option<tour::Tour>,
+    pub(crate) tracking: tracking::TrackingState,
+}

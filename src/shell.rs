@@ -17,3 +17,28 @@ pub(crate) mod shortcuts;
 pub(crate) mod status_bar;
 pub(crate) mod tiles;
 pub(crate) mod toolbar;
+
+use crate::app::dropping::Hovering;
+use crate::features::export::dialog::ExportDialog;
+use crate::style::theme::Theme;
+
+/// The state of what stands around the features.
+#[derive(Debug, Default)]
+pub(crate) struct Shell {
+    /// Tiles of the centre.
+    pub(crate) docking: docking::Docking,
+    pub(crate) overlay: Option<Overlay>,
+    /// Files over the window.
+    pub(crate) hovering: Option<Hovering>,
+    pub(crate) shown_theme: Option<Theme>,
+}
+
+/// What lies over the window.
+#[derive(Debug)]
+pub(crate) enum Overlay {
+    Palette(palette::Palette),
+    Shortcuts(String),
+    Messages,
+    About,
+    Export(Box<ExportDialog>),
+}

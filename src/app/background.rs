@@ -56,11 +56,11 @@ impl App {
                 Report::Event(BackgroundEvent::Written(path)) => {
                     let name =
                         path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-                    self.notices.info(self.now, format!("Wrote {name}."), None);
+                    self.state.notices.info(self.state.now, format!("Wrote {name}."), None);
                 }
                 Report::Event(BackgroundEvent::BasinTrial(trial)) => self.basin_trial(trial),
                 Report::Event(BackgroundEvent::BasinCell(cell)) => self.basin_cell(cell),
-                Report::Event(BackgroundEvent::Failed(text)) => self.notices.error(text),
+                Report::Event(BackgroundEvent::Failed(text)) => self.state.notices.error(text),
                 Report::Ended(Lane::Save) => self.write_next(),
                 Report::Ended(_) => self.basin_ended(),
                 Report::Panicked(lane, why) => {

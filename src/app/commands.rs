@@ -4,12 +4,12 @@ use backlit_tracking::body::Pose;
 use backlit_tracking::track::{FitOptions, posing};
 
 use super::App;
-use super::state::{DialogKind, Opening, Overlay};
+use super::state::{DialogKind, Opening};
 use crate::context::action::Action;
 use crate::context::command_button::dragged_until_now;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
-use crate::context::{Intents, PaneEvent, unavailable};
+use crate::context::{PaneEvent, Requests, unavailable};
 use crate::document::edit::Edit;
 use crate::drawing::{JointId, ViewMode};
 use crate::features::basin::BasinView;
@@ -25,6 +25,7 @@ use crate::features::pose::drag::nudge_of;
 use crate::features::pose::panel::rotation_tree;
 use crate::features::scene::panel as scene;
 use crate::session::selection::Selection;
+use crate::shell::Overlay;
 use crate::shell::palette::Palette;
 use crate::shell::toolbar::view_mode_of;
 use crate::take::source::TakeSource;
@@ -33,25 +34,30 @@ use crate::widgets::Framing;
 impl App {
     /// The commands whose keys were pressed. While something lies over the window, or the hand holds
     /// something, keys are theirs.
-    pub(crate) fn read_keys(&mut self, ctx: &egui::Context) -> Intents {
-        let mut intents = Intents::default();
+    pub(crate) fn read_keys(&mut self, ctx: &egui::Context) -> Requests {
+        let mut requests = Requests::default();
         let is_moving = self.is_moving_tile(ctx);
-        if self.overlay.is_none() && self.held.is_none() && !is_moving && !egui::Popup::is_any_open(ctx) {
+        if self.shell.overlay.is_none()
+            && self.features.pose.held.is_none()
+            && !is_moving
+            && !egui::Popup::is_any_open(ctx)
+        {
             let of_scene = scene::keys::hold_back(ctx);
-            intents.actions = Action::pressed(ctx);
+            requests.actions = Action::pressed(ctx);
             scene::keys::give_back(ctx, of_scene);
-            intents.actions.extend(self.read_clipboard(ctx));
+            requests.actions.extend(self.read_clipboard(ctx));
         }
-        intents
+        requests
     }
 
     /// Does a command, if it can be used now.
     pub(crate) fn act(&mut self, action: Action, ctx: &egui::Context) {
-        let is_free = !self.laboratory.is_running || self.look.layout != Layout::Demonstrate;
+        let is_free =
+            !self.features.laboratory.is_running || self.state.preferences.layout != Layout::Demonstrate;
         if action == Action::Stop && is_free && (self.put_back(ctx) || self.let_go()) {
             return;
         }
-        if unavailable(action, &self.showing()).is_some() {
+        if unavailable(action, &self.context()).is_some() {
             return;
         }
         if self.act_on_laboratory(action)
@@ -64,7 +70,7 @@ impl App {
         {
             return;
         }
-        self.overlay = match action {
+        self.shell.overlay = match action {
             Action::Palette => Some(Overlay::Palette(Palette::default())),
             Action::Shortcuts => Some(Overlay::Shortcuts(String::new())),
             Action::Messages => Some(Overlay::Messages),
@@ -80,11 +86,11 @@ impl App {
     /// Esc while a slider or a field is dragged: what that has changed is as it was.
     fn put_back(&mut self, ctx: &egui::Context) -> bool {
         let Some(gesture) = dragged_until_now(ctx) else { return false };
-        let before = self.history.revision();
-        self.history.put_back(gesture);
-        let is_back = self.history.revision() != before;
+        let before = self.state.history.revision();
+        self.state.history.put_back(gesture);
+        let is_back = self.state.history.revision() != before;
         if is_back {
-            self.doing = Some("Put back.".to_owned());
+            self.state.status = Some("Put back.".to_owned());
         }
         is_back
     }
@@ -92,17 +98,17 @@ impl App {
     /// Esc: what runs is stopped first, then a body that sways; else a camera that fills the window goes back, else a
     /// step is left; else what is tried or written in the background is stopped.
     fn let_go(&mut self) -> bool {
-        if !self.worker.is_idle() && (self.showing().busy.fitting || self.showing().busy.tracking) {
+        if !self.worker.is_idle() && (self.context().busy.fitting || self.context().busy.tracking) {
             return false;
         }
-        if self.observing.is_swaying() {
+        if self.features.observability.is_swaying() {
             self.observe_request(ObserveRequest::StopSway);
             return true;
         }
-        let alone = self.docking.alone.take().is_some();
-        if !alone && self.selection.step.take().is_none() {
+        let alone = self.shell.docking.alone.take().is_some();
+        if !alone && self.state.selection.step.take().is_none() {
             // What goes on behind all that is looked at comes last.
-            if self.basin.running.is_some() {
+            if self.features.basin.running.is_some() {
                 self.cancel_basin();
             } else {
                 self.stop_export();
@@ -142,18 +148,22 @@ impl App {
             return true;
         }
         let model = self.document().model.clone();
-        let limb = self.selection.limb(&model);
+        let limb = self.state.selection.limb(&model);
         let rotation = model.limbs()[limb].rotation;
         let name = model.limbs()[limb].name.clone();
         match action {
             Action::Undo if self.removed_runs_last() => self.restore_runs(),
             Action::Undo | Action::Redo => {
                 self.interrupt_fit();
-                self.selection.step = None;
-                let what = if action == Action::Undo { self.history.undo() } else { self.history.redo() };
+                self.state.selection.step = None;
+                let what = if action == Action::Undo {
+                    self.state.history.undo()
+                } else {
+                    self.state.history.redo()
+                };
                 if let Some(what) = what {
                     let verb = if action == Action::Undo { "Undid" } else { "Did again" };
-                    self.doing = Some(format!("{verb}: {what}."));
+                    self.state.status = Some(format!("{verb}: {what}."));
                 }
             }
             Action::CopyPose => self.copy_pose(ctx),
@@ -167,7 +177,7 @@ impl App {
                 self.set_pose(pose, format!("Mirror {name}"));
             }
             Action::PinJoint => {
-                if let JointId::End(limb) = self.selection.joint {
+                if let JointId::End(limb) = self.state.selection.joint {
                     let pinned = !self.document().pins.contains(&limb);
                     self.edit(Edit::Pin { limb, pinned }, None);
                 }
@@ -179,11 +189,11 @@ impl App {
             }
             Action::ResetBody => {
                 let start = (*self.document().start).clone();
-                let revision = self.history.revision();
+                let revision = self.state.history.revision();
                 self.set_pose(start, "Reset body".to_owned());
-                if self.history.revision() != revision {
+                if self.state.history.revision() != revision {
                     let text = "The body has the start pose of the take again.";
-                    self.notices.info(self.now, text, Some(Action::Undo));
+                    self.state.notices.info(self.state.now, text, Some(Action::Undo));
                 }
             }
             Action::NextJoint | Action::PreviousJoint => {
@@ -192,7 +202,7 @@ impl App {
                 let here = rows.iter().position(|(row, _)| *row == rotation).unwrap_or(0);
                 let by = if action == Action::NextJoint { 1 } else { rows.len() - 1 };
                 let owner = model.rotation_owners()[rows[(here + by) % rows.len()].0];
-                self.selection.joint = Selection::joint_of(&model, owner);
+                self.state.selection.joint = Selection::joint_of(&model, owner);
             }
             _ => return false,
         }
@@ -214,34 +224,34 @@ impl App {
             }
         };
         match action {
-            Action::LayoutPose => self.look.layout = Layout::Pose,
-            Action::LayoutDebug => self.look.layout = Layout::Debug,
-            Action::LayoutDemonstrate => self.look.layout = Layout::Demonstrate,
-            Action::ToggleTheme => self.look.theme = self.look.theme.toggled(),
-            Action::TogglePanel => self.look.panel = !self.look.panel,
-            Action::ToggleTimeline => self.look.lanes = !self.look.lanes,
+            Action::LayoutPose => self.state.preferences.layout = Layout::Pose,
+            Action::LayoutDebug => self.state.preferences.layout = Layout::Debug,
+            Action::LayoutDemonstrate => self.state.preferences.layout = Layout::Demonstrate,
+            Action::ToggleTheme => self.state.preferences.theme = self.state.preferences.theme.toggled(),
+            Action::TogglePanel => self.state.preferences.panel = !self.state.preferences.panel,
+            Action::ToggleTimeline => self.state.preferences.lanes = !self.state.preferences.lanes,
             Action::Wipe | Action::Blink => {
                 let comparison = if action == Action::Wipe { Comparison::Wipe } else { Comparison::Blink };
-                let camera = self.selection.camera;
+                let camera = self.state.selection.camera;
                 if let Some(tile) = self.tiles_mut().get_mut(camera) {
                     tile.toggle(comparison);
                 }
             }
             Action::LinkZoom => {
-                self.look.linked_zoom = !self.look.linked_zoom;
-                let what = if self.look.linked_zoom { "together" } else { "each by itself" };
-                self.doing = Some(format!("Views zoom and pan {what}."));
+                self.state.preferences.linked_zoom = !self.state.preferences.linked_zoom;
+                let what = if self.state.preferences.linked_zoom { "together" } else { "each by itself" };
+                self.state.status = Some(format!("Views zoom and pan {what}."));
             }
-            Action::CalibrationMarks => self.look.views.calibration_marks ^= true,
-            Action::PixelGrid => self.look.views.pixel_grid ^= true,
+            Action::CalibrationMarks => self.state.preferences.views.calibration_marks ^= true,
+            Action::PixelGrid => self.state.preferences.views.pixel_grid ^= true,
             Action::SizeHandles => {
-                self.look.views.size_handles ^= true;
-                if self.look.views.size_handles {
+                self.state.preferences.views.size_handles ^= true;
+                if self.state.preferences.views.size_handles {
                     let what =
                         "Drag the diamonds: at its end for the limb's length, at its outline for its radius.";
-                    self.doing = Some(what.to_owned());
+                    self.state.status = Some(what.to_owned());
                 } else {
-                    self.doing = None;
+                    self.state.status = None;
                 }
             }
             Action::FitSubject => framing(self, Framing::Subject),
@@ -257,8 +267,11 @@ impl App {
     fn show_mode(&mut self, mode: ViewMode) {
         let is_shown = self.tiles_mut().iter().all(|tile| tile.mode == mode && tile.comparison.is_none());
         if is_shown && mode == ViewMode::JacobianColumn {
-            self.look.views.axis = self.look.views.axis.next();
-            self.doing = Some(format!("Jacobian column: {}.", self.look.views.axis.label().to_lowercase()));
+            self.state.preferences.views.axis = self.state.preferences.views.axis.next();
+            self.state.status = Some(format!(
+                "Jacobian column: {}.",
+                self.state.preferences.views.axis.label().to_lowercase()
+            ));
         }
         for tile in self.tiles_mut() {
             (tile.mode, tile.comparison) = (mode, None);
@@ -305,8 +318,8 @@ impl App {
     }
 
     fn act_on_frames(&mut self, action: Action) -> bool {
-        let here = self.selection.frame;
-        let last = self.session.frame_count().saturating_sub(1);
+        let here = self.state.selection.frame;
+        let last = self.state.session.frame_count().saturating_sub(1);
         let frame = match action {
             Action::PreviousFrame => here.saturating_sub(1),
             Action::NextFrame => here + 1,
@@ -333,7 +346,7 @@ impl App {
                     keys => format!("; {keys} key poses stay"),
                 };
                 let text = format!("Forgot the poses of {tracked} frames{kept}.");
-                self.notices.info(self.now, text, Some(Action::Undo));
+                self.state.notices.info(self.state.now, text, Some(Action::Undo));
                 return true;
             }
             Action::Play => {
@@ -343,7 +356,7 @@ impl App {
             _ if self.act_on_time(action) => return true,
             _ => return false,
         };
-        self.follows_tracker = false;
+        self.features.tracking.follows_tracker = false;
         self.interrupt_fit();
         self.go_to_frame(frame.min(last));
         true
@@ -351,12 +364,12 @@ impl App {
 
     /// The pose on the screen.
     pub(crate) fn shown_pose(&self) -> &Pose {
-        self.session.shown_pose(self.document(), &self.selection)
+        self.state.session.shown_pose(self.document(), &self.state.selection)
     }
 
     fn set_pose(&mut self, pose: Pose, what: String) {
         self.interrupt_fit();
-        self.edit(Edit::SetPose { frame: self.selection.frame, pose, what }, None);
+        self.edit(Edit::SetPose { frame: self.state.selection.frame, pose, what }, None);
     }
 }
 

@@ -26,10 +26,10 @@ impl App {
             (hovered.collect(), dropped.collect())
         });
         if hovered.is_empty() {
-            self.hovering = None;
-        } else if self.hovering.as_ref().is_none_or(|hovering| hovering.paths != hovered) {
+            self.shell.hovering = None;
+        } else if self.shell.hovering.as_ref().is_none_or(|hovering| hovering.paths != hovered) {
             let dropped = Dropped::of(&hovered);
-            self.hovering = Some(Hovering { paths: hovered, dropped });
+            self.shell.hovering = Some(Hovering { paths: hovered, dropped });
         }
         if !dropped.is_empty() {
             self.take_in(Dropped::of(&dropped));
@@ -39,16 +39,16 @@ impl App {
     /// Does what dropped files are for.
     fn take_in(&mut self, dropped: Dropped) {
         // Whatever lay over the window was about something else.
-        self.overlay = None;
+        self.shell.overlay = None;
         match dropped {
             Dropped::Open(path) => self.open_path(&path),
-            Dropped::Unknown(path, why) => self.notices.error(format!("{}: {why}.", path.display())),
+            Dropped::Unknown(path, why) => self.state.notices.error(format!("{}: {why}.", path.display())),
             dropped => {
-                let Some(footage) = self.session.take.clone() else {
+                let Some(footage) = self.state.session.take.clone() else {
                     let (_, name) = dropped.explanation(0);
-                    return self.notices.error(format!("{name}: open a take first."));
+                    return self.state.notices.error(format!("{name}: open a take first."));
                 };
-                let (model, frame) = (self.document().model.clone(), self.selection.frame);
+                let (model, frame) = (self.document().model.clone(), self.state.selection.frame);
                 self.worker.request(Lane::TakeIn, TakeInJob { dropped, footage, model, frame });
             }
         }
@@ -57,20 +57,20 @@ impl App {
     /// What was dropped is read: it becomes a change that can be undone.
     pub(crate) fn taken_in(&mut self, edit: Edit, said: String) {
         self.interrupt_fit();
-        let revision = self.history.revision();
+        let revision = self.state.history.revision();
         self.edit(edit, None);
-        if self.history.revision() != revision {
-            self.notices.info(self.now, said, Some(Action::Undo));
-        } else if !self.notices.cards().any(|notice| notice.text.starts_with("That cannot be done")) {
-            self.notices.info(self.now, "Nothing changed: that is what is there already.", None);
+        if self.state.history.revision() != revision {
+            self.state.notices.info(self.state.now, said, Some(Action::Undo));
+        } else if !self.state.notices.cards().any(|notice| notice.text.starts_with("That cannot be done")) {
+            self.state.notices.info(self.state.now, "Nothing changed: that is what is there already.", None);
         }
     }
 
     /// Says what will happen, over everything.
     pub(crate) fn show_drop(&self, ui: &egui::Ui) {
-        let Some(Hovering { dropped, .. }) = &self.hovering else { return };
-        let (what, name) = dropped.explanation(self.selection.frame);
-        let lacks_take = dropped.needs_take() && self.session.take.is_none();
+        let Some(Hovering { dropped, .. }) = &self.shell.hovering else { return };
+        let (what, name) = dropped.explanation(self.state.selection.frame);
+        let lacks_take = dropped.needs_take() && self.state.session.take.is_none();
         let is_possible = !lacks_take && !matches!(dropped, Dropped::Unknown(..));
         let what = if lacks_take { "Open a take first".to_owned() } else { what };
         drop_overlay::ui(ui, &what, &name, is_possible);

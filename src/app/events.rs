@@ -39,14 +39,14 @@ impl App {
             Event::TakeOpened { footage, project } => self.take_opened(&footage, project),
             Event::TakeMissing { project, why } => self.take_missing(project, &why),
             Event::FrameLoaded(frame) => {
-                self.session.frames.insert(frame);
-                self.session.generation += 1;
+                self.state.session.frames.insert(frame);
+                self.state.session.generation += 1;
             }
-            Event::HullCarved(frame, hull) => self.session.hulls.insert(frame, hull),
-            Event::Surveyed(extents) => self.session.subject = extents,
+            Event::HullCarved(frame, hull) => self.state.session.hulls.insert(frame, hull),
+            Event::Surveyed(extents) => self.state.session.subject = extents,
             Event::Predicted(predicted) => self.show_prediction(predicted),
-            Event::SceneDrawn(drawing) => self.session.scene_drawing = Some(drawing),
-            Event::Observed(observed) => self.observing.hear(observed),
+            Event::SceneDrawn(drawing) => self.state.session.scene_drawing = Some(drawing),
+            Event::Observed(observed) => self.features.observability.hear(observed),
             Event::FitStep(step, predicted) => self.fit_step(*step, predicted),
             Event::FitEnded(ending) => self.finish_run(ending),
             Event::BodyFitted(fit) => self.body_fitted(&fit),
@@ -55,31 +55,31 @@ impl App {
             Event::TracksJoined { frame, distance_m, meets } => self.tracks_joined(frame, distance_m, meets),
             Event::PosesFound(frame, found) => self.poses_found(frame, found),
             Event::Saved { path, revision } => self.saved(path, revision),
-            Event::NotSaved(text) => self.notices.error_with(text, Action::SaveAs),
+            Event::NotSaved(text) => self.state.notices.error_with(text, Action::SaveAs),
             Event::CopySaved { revision } => self.copy_saved(revision),
             Event::CopyFailed(why) => self.copy_failed(&why),
             Event::SettingsWritten(result) => self.settings_written(result),
             Event::Recalibrated(footage) => self.recalibrated(footage),
             Event::TakenIn { edit, said } => self.taken_in(*edit, said),
             Event::Laboratory(event) => self.hear_laboratory(*event),
-            Event::Failed(text) => self.notices.error(text),
+            Event::Failed(text) => self.state.notices.error(text),
         }
     }
 
     fn show_prediction(&mut self, predicted: Arc<Predicted>) {
-        self.session.predict_seconds = Some(predicted.seconds);
-        self.session.predicted = Some(predicted);
-        self.session.generation += 1;
+        self.state.session.predict_seconds = Some(predicted.seconds);
+        self.state.session.predicted = Some(predicted);
+        self.state.session.generation += 1;
     }
 
     fn fit_step(&mut self, step: RunStep, predicted: Arc<Predicted>) {
-        self.session.step_seconds = Some(step.seconds);
-        if self.selection.step.is_none() {
-            self.session.predicted = Some(predicted.clone());
-            self.session.generation += 1;
+        self.state.session.step_seconds = Some(step.seconds);
+        if self.state.selection.step.is_none() {
+            self.state.session.predicted = Some(predicted.clone());
+            self.state.session.generation += 1;
         }
-        self.session.live_prediction = Some(predicted);
-        if let Some(run) = self.session.live.and_then(|live| self.session.runs.get_mut(live)) {
+        self.state.session.live_prediction = Some(predicted);
+        if let Some(run) = self.state.session.live.and_then(|live| self.state.session.runs.get_mut(live)) {
             run.steps.push(step);
             if run.steps.len() == 1 {
                 // Its start is known now, and whether it is another than those of the runs before.
@@ -90,13 +90,15 @@ impl App {
 
     /// The steps asked for are done, or the fit has ended: its pose becomes the frame's.
     pub(crate) fn finish_run(&mut self, ending: Option<RunEnding>) {
-        let Some(run) = self.session.live.and_then(|live| self.session.runs.get_mut(live)) else { return };
+        let Some(run) = self.state.session.live.and_then(|live| self.state.session.runs.get_mut(live)) else {
+            return;
+        };
         let stays_live = ending.is_none();
         run.ending = ending;
         if run.steps.is_empty() {
             // It could not begin.
-            self.session.live = None;
-            self.session.runs.retain(|run| !run.steps.is_empty());
+            self.state.session.live = None;
+            self.state.session.runs.retain(|run| !run.steps.is_empty());
             self.name_runs();
             return;
         }
@@ -105,11 +107,12 @@ impl App {
         let Some(last) = run.steps.last().cloned() else { return };
         let before = run.steps.first().map_or(last.mismatch, |first| first.mismatch);
         let ending = run.ending_text();
-        if let Some(what) = self.session.refitting.take_if(|_| !stays_live) {
+        if let Some(what) = self.state.session.refitting.take_if(|_| !stays_live) {
             let refitted = Refitted { what, before, after: last.mismatch, steps, ending };
-            self.session.refits.insert(frame, refitted);
+            self.state.session.refits.insert(frame, refitted);
         }
-        let predicted = self.session.live_prediction.as_ref().filter(|predicted| predicted.pose == last.pose);
+        let predicted =
+            self.state.session.live_prediction.as_ref().filter(|predicted| predicted.pose == last.pose);
         let estimate = Estimate {
             pose: last.pose,
             origin: Origin::Fit,
@@ -120,21 +123,21 @@ impl App {
             lost: false,
         };
         if steps > 0 {
-            let gesture = self.run_gesture;
+            let gesture = self.features.fit.run_gesture;
             self.edit(Edit::AddEstimate { frame, estimate: Arc::new(estimate) }, gesture);
         }
         if !stays_live {
-            self.pending_steps = 0;
+            self.features.fit.pending_steps = 0;
         }
     }
 
     fn ended(&mut self, lane: Lane) {
         match lane {
             Lane::Laboratory => self.laboratory_ended(),
-            Lane::Fit if self.pending_steps > 0 => {
-                let steps = std::mem::take(&mut self.pending_steps);
-                self.run_gesture = Some(self.new_gesture());
-                self.worker.request(Lane::Fit, FitJob::go_on(self.live.clone(), Some(steps)));
+            Lane::Fit if self.features.fit.pending_steps > 0 => {
+                let steps = std::mem::take(&mut self.features.fit.pending_steps);
+                self.features.fit.run_gesture = Some(self.new_gesture());
+                self.worker.request(Lane::Fit, FitJob::go_on(self.features.fit.live.clone(), Some(steps)));
             }
             Lane::Track => self.tracking_ended(),
             _ => {}
@@ -158,17 +161,17 @@ impl App {
         }
         self.forget_broken();
         self.reset_laboratory(footage);
-        self.session.reset(Some(footage.clone()));
-        self.observing.forget();
+        self.state.session.reset(Some(footage.clone()));
+        self.features.observability.forget();
         self.asked_to_observe = None;
         self.forget_basin();
         if let Some(TakeSource::Path(path)) = &footage.source {
-            self.look.remember(path.clone());
+            self.state.preferences.remember(path.clone());
         }
         let left = self.begin_copy(project.as_ref().map(|project| project.path.as_path()));
-        self.lost_take = None;
+        self.files.lost_take = None;
         if let Some(note) = project.as_ref().and_then(|project| project.note.clone()) {
-            self.notices.info(self.now, note, None);
+            self.state.notices.info(self.state.now, note, None);
         }
         let (history, path) = match project {
             // What was left unsaved is in no file as it is.
@@ -180,25 +183,26 @@ impl App {
             None => (History::new(document_of(footage)), None),
         };
         if let Some(project) = &path {
-            self.look.remember(project.clone());
+            self.state.preferences.remember(project.clone());
         }
         let is_new = path.is_none() && !history.is_dirty();
         let document = history.document();
-        self.selection = Selection::default();
-        self.selection.frame = left.map_or(0, |left| left.frame).min(footage.frame_count().saturating_sub(1));
+        self.state.selection = Selection::default();
+        self.state.selection.frame =
+            left.map_or(0, |left| left.frame).min(footage.frame_count().saturating_sub(1));
         let first = document.model.rotation_owners()[0];
-        self.selection.joint = Selection::joint_of(&document.model, first);
-        self.history = history;
-        self.project = path;
-        self.docking.alone = None;
-        self.look.scene.viewpoint = None;
-        self.docking.pair = [0, 1.min(footage.cameras.len() - 1)];
-        self.held = None;
-        self.pending_steps = 0;
-        self.prepared = None;
-        self.explanation = None;
+        self.state.selection.joint = Selection::joint_of(&document.model, first);
+        self.state.history = history;
+        self.state.project = path;
+        self.shell.docking.alone = None;
+        self.state.preferences.scene.viewpoint = None;
+        self.shell.docking.pair = [0, 1.min(footage.cameras.len() - 1)];
+        self.features.pose.held = None;
+        self.features.fit.pending_steps = 0;
+        self.features.demonstration.prepared = None;
+        self.features.demonstration.explanation = None;
         let cameras = footage.cameras.len();
-        self.tiles = [vec![TileLook::default(); cameras], debug_tiles(cameras)];
+        self.features.camera_views.tiles = [vec![TileLook::default(); cameras], debug_tiles(cameras)];
         if let Some(TakeSource::Demonstration(which)) = &footage.source
             && is_new
         {

@@ -26,12 +26,12 @@ struct Circumstances {
 
 impl App {
     fn circumstances(&self) -> Circumstances {
-        let comparison = self.laboratory.comparison.as_ref();
+        let comparison = self.features.laboratory.comparison.as_ref();
         Circumstances {
-            revision: self.history.revision(),
-            selection: self.selection,
-            layout: self.look.layout,
-            laboratory: (comparison.map(|it| (it.id, it.cursor)), self.laboratory.camera),
+            revision: self.state.history.revision(),
+            selection: self.state.selection,
+            layout: self.state.preferences.layout,
+            laboratory: (comparison.map(|it| (it.id, it.cursor)), self.features.laboratory.camera),
         }
     }
 
@@ -49,14 +49,14 @@ impl App {
     pub(crate) fn broke(&mut self, lane: Lane, why: &str) {
         let circumstances = self.circumstances();
         self.broken.0.insert(lane, circumstances);
-        self.notices.error(format!("{} broke down: {why}. Your work is unharmed.", work_of(lane)));
+        self.state.notices.error(format!("{} broke down: {why}. Your work is unharmed.", work_of(lane)));
         match lane {
             Lane::Fit => self.fit_broke(),
             Lane::Laboratory | Lane::LaboratoryCheck => self.laboratory_broke(lane),
             Lane::Track => self.tracking_ended(),
             // Without its frame a demonstration cannot go on.
-            Lane::Load | Lane::Open => self.prepared = None,
-            Lane::Save => self.unsaved.copy_broke(),
+            Lane::Load | Lane::Open => self.features.demonstration.prepared = None,
+            Lane::Save => self.features.recovery.copy_broke(),
             Lane::Basin => self.basin_ended(),
             _ => {}
         }
@@ -64,11 +64,11 @@ impl App {
 
     /// The steps that were made stay; the fit that made them is lost.
     fn fit_broke(&mut self) {
-        self.pending_steps = 0;
+        self.features.fit.pending_steps = 0;
         self.stop_demonstrating();
         self.finish_run(Some(RunEnding::Solver("a step broke down".to_owned())));
-        self.session.live = None;
-        self.live = LiveFit::default();
+        self.state.session.live = None;
+        self.features.fit.live = LiveFit::default();
     }
 }
 
@@ -104,7 +104,7 @@ mod tests {
     use crate::app::{AppOptions, Opening};
     use crate::context::action::Action;
     use crate::context::notices::Severity;
-    use crate::context::preferences::Look;
+    use crate::context::preferences::Preferences;
     use crate::document::edit::Edit;
     use crate::raster::Headless;
     use crate::take::source::TakeSource;
@@ -153,16 +153,16 @@ mod tests {
         let mut window = Headless::new(1100.0, 700.0, 1.0);
         let which = crate::take::demonstration::Demonstration::SingleLimb;
         let opening = Some(Opening::Take(TakeSource::Demonstration(which)));
-        let options = AppOptions { look: Look::default(), opening, ..AppOptions::default() };
+        let options = AppOptions { look: Preferences::default(), opening, ..AppOptions::default() };
         let mut app = App::new(window.ctx.clone(), options).unwrap();
         settle(&mut window, &mut app);
-        app.look.layout = layout;
+        app.state.preferences.layout = layout;
         settle(&mut window, &mut app);
         (window, app)
     }
 
     fn errors(app: &App) -> Vec<&str> {
-        let all = app.notices.all().iter();
+        let all = app.state.notices.all().iter();
         all.filter(|notice| notice.severity == Severity::Error).map(|notice| notice.text.as_str()).collect()
     }
 
@@ -186,8 +186,8 @@ mod tests {
                     said[before].starts_with(work_of(lane)) && said[before].contains("thirteen"),
                     "{said:?}"
                 );
-                let showing = app.showing();
-                assert!(!showing.busy.is_long() && showing.basin.running.is_none(), "{lane:?}");
+                let context = app.context();
+                assert!(!context.busy.is_long() && context.basin.running.is_none(), "{lane:?}");
             }
         }
     }
@@ -203,7 +203,7 @@ mod tests {
         app.edit(Edit::SetPose { frame: 0, pose, what: "Move".to_owned() }, None);
         assert!(app.may_ask(Lane::Predict));
         settle(&mut window, &mut app);
-        assert!(!app.session.is_stale, "it is drawn now");
+        assert!(!app.state.session.is_stale, "it is drawn now");
     }
 
     #[test]
@@ -212,51 +212,51 @@ mod tests {
         let context = window.ctx.clone();
         app.act(Action::Step, &context);
         settle(&mut window, &mut app);
-        let steps = app.session.runs[0].steps.len();
+        let steps = app.state.session.runs[0].steps.len();
         app.act(Action::Run, &context);
         app.worker.request(Lane::Fit, Breaks);
         settle(&mut window, &mut app);
-        let run = &app.session.runs[0];
+        let run = &app.state.session.runs[0];
         assert_eq!((run.steps.len(), run.ending_text().as_str()), (steps, "Stopped: a step broke down"));
-        assert!(app.session.live.is_none());
+        assert!(app.state.session.live.is_none());
         app.act(Action::Step, &context);
         settle(&mut window, &mut app);
-        assert!(app.session.runs.last().unwrap().steps.len() > 1, "the next run is a new one");
+        assert!(app.state.session.runs.last().unwrap().steps.len() > 1, "the next run is a new one");
 
         app.act(Action::TrackForward, &context);
         app.worker.request(Lane::Track, Breaks);
         settle(&mut window, &mut app);
-        assert!(app.session.tracking.is_none());
+        assert!(app.state.session.tracking.is_none());
     }
 
     #[test]
     fn a_laboratory_that_breaks_down_says_so_and_begins_again() {
         let (mut window, mut app) = open(Layout::Demonstrate);
-        app.laboratory.comparison = None;
+        app.features.laboratory.comparison = None;
         app.go_on_with_laboratory();
         app.worker.request(Lane::Laboratory, Breaks);
         settle(&mut window, &mut app);
-        let comparison = app.laboratory.comparison.as_ref().unwrap();
+        let comparison = app.features.laboratory.comparison.as_ref().unwrap();
         assert!(comparison.has_begun() && comparison.problem().unwrap().contains("broke down"));
         let context = window.ctx.clone();
         app.act(Action::RestartLaboratory, &context);
         settle(&mut window, &mut app);
-        let comparison = app.laboratory.comparison.as_ref().unwrap();
+        let comparison = app.features.laboratory.comparison.as_ref().unwrap();
         assert!(
             comparison.problem().is_none() && comparison.contestants.iter().all(|fit| !fit.steps.is_empty())
         );
         app.worker.request(Lane::LaboratoryCheck, Breaks);
         settle(&mut window, &mut app);
-        assert!(app.laboratory.check_broke);
+        assert!(app.features.laboratory.check_broke);
     }
 
     #[test]
     fn a_basin_that_breaks_down_is_a_part_or_nothing() {
         let (mut window, mut app) = open(Layout::Pose);
         app.run_basin(crate::features::basin::BasinView::Angles);
-        assert!(app.basin.running.is_some());
+        assert!(app.features.basin.running.is_some());
         app.background.worker.request(Lane::Basin, Breaks);
         settle(&mut window, &mut app);
-        assert!(app.basin.running.is_none() && app.basin.angles.is_none());
+        assert!(app.features.basin.running.is_none() && app.features.basin.angles.is_none());
     }
 }

@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use super::App;
-use super::state::{DialogKind, Opening, Overlay};
+use super::state::{DialogKind, Opening};
 use crate::app::open_job::OpenJob;
 use crate::app::save_job::SaveJob;
 use crate::context::action::Action;
 use crate::features::recovery::{About, Picture};
+use crate::shell::Overlay;
 use crate::take::source::TakeSource;
 use crate::worker::Lane;
 
@@ -31,13 +32,15 @@ impl App {
 
     /// Says that a project's take is not where it was, and offers to look for it.
     pub(crate) fn take_missing(&mut self, project: PathBuf, why: &str) {
-        self.notices.error_with(format!("{why}. If it has moved, say where it is now."), Action::FindTake);
-        self.lost_take = Some(project);
+        self.state
+            .notices
+            .error_with(format!("{why}. If it has moved, say where it is now."), Action::FindTake);
+        self.files.lost_take = Some(project);
     }
 
     /// Opens the project whose take was not there with the take in this folder.
     pub fn find_take(&mut self, take: &Path) {
-        if let Some(project) = self.lost_take.clone() {
+        if let Some(project) = self.files.lost_take.clone() {
             self.open(Opening::Moved { project, take: take.to_owned() });
         }
     }
@@ -53,7 +56,7 @@ impl App {
     }
 
     pub(crate) fn save_project(&mut self) {
-        match self.project.clone() {
+        match self.state.project.clone() {
             Some(path) => self.save_to(&path),
             None => self.ask_for_file(DialogKind::SaveAs),
         }
@@ -61,23 +64,24 @@ impl App {
 
     /// Writes the document to a file, or to the copy of unsaved work.
     pub(crate) fn save_job(&self, path: PathBuf, beside: Option<(About, Option<Picture>)>) -> SaveJob {
-        SaveJob { document: self.document().clone(), revision: self.history.revision(), path, beside }
+        SaveJob { document: self.document().clone(), revision: self.state.history.revision(), path, beside }
     }
 
     pub(crate) fn saved(&mut self, path: PathBuf, revision: u64) {
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        self.notices.info(self.now, format!("Saved to {name}."), None);
-        self.history.mark_saved(revision);
-        self.look.remember(path.clone());
-        self.project = Some(path);
+        self.state.notices.info(self.state.now, format!("Saved to {name}."), None);
+        self.state.history.mark_saved(revision);
+        self.state.preferences.remember(path.clone());
+        self.state.project = Some(path);
     }
 
     /// Asks for a file in a dialog of the desktop's, on a thread of its own.
     pub(crate) fn ask_for_file(&mut self, kind: DialogKind) {
-        let answers = self.dialog_sender.clone();
-        let context = self.context.clone();
-        let name = self.session.take.as_ref().map_or_else(|| "project".to_owned(), |take| take.name.clone());
-        let export = match &self.overlay {
+        let answers = self.files.dialog_sender.clone();
+        let context = self.state.egui.clone();
+        let name =
+            self.state.session.take.as_ref().map_or_else(|| "project".to_owned(), |take| take.name.clone());
+        let export = match &self.shell.overlay {
             Some(Overlay::Export(dialog)) => dialog.wanted_name(),
             _ => (false, String::new()),
         };
@@ -109,18 +113,19 @@ impl App {
             }
         });
         if let Err(error) = thread {
-            self.notices
+            self.state
+                .notices
                 .error(format!("No file dialog can be shown: {error}. Drop the file on the window instead."));
         }
     }
 
     pub(crate) fn hear_dialogs(&mut self) {
-        while let Ok((kind, path)) = self.dialog_answers.try_recv() {
+        while let Ok((kind, path)) = self.files.dialog_answers.try_recv() {
             match kind {
                 DialogKind::Take | DialogKind::Project => self.open_path(&path),
                 DialogKind::FindTake => self.find_take(&path),
                 DialogKind::Export => {
-                    if let Some(Overlay::Export(dialog)) = &mut self.overlay {
+                    if let Some(Overlay::Export(dialog)) = &mut self.shell.overlay {
                         dialog.set_path(&path);
                     }
                 }

@@ -9,7 +9,7 @@ use image::RgbaImage;
 
 use super::{App, AppOptions, Opening};
 use crate::context::action::Action;
-use crate::context::preferences::{Layout, Look};
+use crate::context::preferences::{Layout, Preferences};
 use crate::drawing::ViewMode;
 use crate::features::export::dialog::ExportOrder;
 use crate::raster::Headless;
@@ -76,15 +76,15 @@ pub(crate) fn headless_export(
     order: &ExportOrder,
 ) -> anyhow::Result<()> {
     let (mut window, mut app) = headless_app(opening, options)?;
-    let count = app.session.camera_count();
+    let count = app.state.session.camera_count();
     if let Some(camera) = camera {
         ensure!(camera < count, "there is no camera {}; the take has {count}", camera + 1);
-        app.selection.camera = camera;
+        app.state.selection.camera = camera;
     }
     if let Some(mode) = mode {
         app.tiles_mut().iter_mut().for_each(|tile| (tile.mode, tile.comparison) = (mode, None));
     }
-    let frames = app.session.frame_count();
+    let frames = app.state.session.frame_count();
     ensure!(order.frames[0] < frames, "there is no frame {}; the take has {frames}", order.frames[0]);
     settle(&mut window, &mut app, options.patience);
     let export = app.export_of(order);
@@ -95,22 +95,22 @@ pub(crate) fn headless_export(
 /// The app in its window, when all is done that the options ask for.
 fn headless_app(opening: Opening, options: &PictureOptions) -> anyhow::Result<(Headless, App)> {
     let mut window = Headless::new(options.size.x, options.size.y, options.pixels_per_point);
-    let look = Look { theme: options.theme, layout: options.layout, ..Look::default() };
+    let look = Preferences { theme: options.theme, layout: options.layout, ..Preferences::default() };
     let mut app =
         App::new(window.ctx.clone(), AppOptions { look, opening: Some(opening), ..AppOptions::default() })?;
     settle(&mut window, &mut app, options.patience);
-    if app.session.take.is_none() {
-        let why = app.notices.all().last().map_or("nothing was opened", |notice| notice.text.as_str());
+    if app.state.session.take.is_none() {
+        let why = app.state.notices.all().last().map_or("nothing was opened", |notice| notice.text.as_str());
         anyhow::bail!("{why}");
     }
-    let count = app.session.frame_count();
+    let count = app.state.session.frame_count();
     ensure!(options.frame < count, "there is no frame {}; the take has {count}", options.frame);
     let context = window.ctx.clone();
     if options.track {
         app.act(Action::TrackForward, &context);
         settle(&mut window, &mut app, options.patience);
         // A card over a view is for who has just tracked.
-        app.notices.close_all();
+        app.state.notices.close_all();
     }
     app.go_to_frame(options.frame);
     settle(&mut window, &mut app, options.patience);
@@ -119,7 +119,7 @@ fn headless_app(opening: Opening, options: &PictureOptions) -> anyhow::Result<(H
         settle(&mut window, &mut app, options.patience);
     }
     let steps = options.steps.unwrap_or(0);
-    if steps > 0 && app.look.layout == Layout::Demonstrate {
+    if steps > 0 && app.state.preferences.layout == Layout::Demonstrate {
         // A demonstration has run already.
         app.act(Action::FirstFrame, &context);
     }
@@ -160,11 +160,11 @@ pub(crate) fn rest(window: &mut Headless, app: &mut App, patience: Duration, can
 impl App {
     /// Forgets how long things took, so that a picture of the next frame is the same every time.
     pub fn freeze_times(&mut self) {
-        self.frame_seconds = f64::NAN;
-        self.session.step_seconds = None;
-        self.session.predict_seconds = None;
-        self.laboratory.step_seconds = None;
-        if let Some(running) = &mut self.basin.running {
+        self.state.frame_seconds = f64::NAN;
+        self.state.session.step_seconds = None;
+        self.state.session.predict_seconds = None;
+        self.features.laboratory.step_seconds = None;
+        if let Some(running) = &mut self.features.basin.running {
             running.seconds_left = None;
         }
     }

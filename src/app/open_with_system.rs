@@ -1,4 +1,4 @@
-//! Showing something in another program: a folder in the desktop's, a page in the browser.
+//! Context something in another program: a folder in the desktop's, a page in the browser.
 
 use std::process::{Command, Stdio};
 
@@ -16,7 +16,7 @@ const OPENER: &str = if cfg!(target_os = "macos") {
 impl App {
     /// Opens the folder of the last export.
     pub(crate) fn show_exported(&mut self) {
-        if let Some(folder) = &self.exported_to {
+        if let Some(folder) = &self.features.export.exported_to {
             self.open_outside(folder.display().to_string());
         }
     }
@@ -36,9 +36,9 @@ impl App {
                 let _ = waits.spawn(move || child.wait());
             }
             Err(_) => {
-                self.context.copy_text(address.clone());
+                self.state.egui.copy_text(address.clone());
                 let text = format!("{OPENER} cannot be started; {address} is in the clipboard now.");
-                self.notices.info(self.now, text, None);
+                self.state.notices.info(self.state.now, text, None);
             }
         }
     }

@@ -3,12 +3,12 @@
 use egui::{CentralPanel, Frame, Ui, pos2};
 
 use super::App;
-use super::state::Overlay;
 use crate::context::preferences::Layout;
-use crate::context::{Busy, Intents, Request, Showing};
+use crate::context::{Busy, Context, Request, Requests};
 use crate::features::demonstration::explanation;
 use crate::features::laboratory::panel as laboratory;
 use crate::features::timeline;
+use crate::shell::Overlay;
 use crate::shell::tiles::TilesLook;
 use crate::shell::{about, dock, empty, messages, notice_cards, right_panel, shortcuts, status_bar, toolbar};
 use crate::style::theme::size;
@@ -16,13 +16,13 @@ use crate::worker::Lane;
 
 impl App {
     /// What the panels may look at.
-    pub(crate) fn showing(&self) -> Showing<'_> {
-        Showing {
-            history: &self.history,
-            session: &self.session,
-            selection: &self.selection,
-            look: &self.look,
-            notices: &self.notices,
+    pub(crate) fn context(&self) -> Context<'_> {
+        Context {
+            history: &self.state.history,
+            session: &self.state.session,
+            selection: &self.state.selection,
+            preferences: &self.state.preferences,
+            notices: &self.state.notices,
             busy: Busy {
                 opening: self.worker.is_busy(Lane::Open),
                 loading: self.worker.is_busy(Lane::Load),
@@ -31,87 +31,95 @@ impl App {
                 tracking: self.worker.is_busy(Lane::Track),
                 exporting: self.export_progress(),
             },
-            basin: &self.basin,
-            project: self.project.as_deref(),
-            has_exported: self.exported_to.is_some(),
+            basin: &self.features.basin,
+            project: self.state.project.as_deref(),
+            has_exported: self.features.export.exported_to.is_some(),
             has_discarded: self.has_discarded(),
-            lacks_take: self.lost_take.is_some(),
-            time: &self.time,
-            observing: &self.observing,
-            doing: self.doing.as_deref(),
-            explanation: self.explanation,
-            can_restore_layout: self.docking.before.is_some(),
-            laboratory: &self.laboratory,
-            frame_seconds: self.frame_seconds,
+            lacks_take: self.files.lost_take.is_some(),
+            time: &self.features.timeline,
+            observing: &self.features.observability,
+            doing: self.state.status.as_deref(),
+            explanation: self.features.demonstration.explanation,
+            can_restore_layout: self.shell.docking.before.is_some(),
+            laboratory: &self.features.laboratory,
+            frame_seconds: self.state.frame_seconds,
         }
     }
 
     /// Shows all panels.
-    pub(crate) fn show(&mut self, ui: &mut Ui, intents: &mut Intents) {
-        if ui.input(|input| !input.events.is_empty()) && self.held.is_none() && !intents.actions.is_empty() {
-            self.doing = None;
+    pub(crate) fn show(&mut self, ui: &mut Ui, requests: &mut Requests) {
+        if ui.input(|input| !input.events.is_empty())
+            && self.features.pose.held.is_none()
+            && !requests.actions.is_empty()
+        {
+            self.state.status = None;
         }
-        if let Some(next) = self.notices.tick(self.now) {
-            ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64((next - self.now).max(0.0)));
+        if let Some(next) = self.state.notices.tick(self.state.now) {
+            ui.ctx()
+                .request_repaint_after(std::time::Duration::from_secs_f64((next - self.state.now).max(0.0)));
         }
         let window = ui.max_rect();
         let mut centre_size = None;
-        let showing = self.showing();
-        if self.picture_alone.is_some() {
-            return dock::ui(ui, &showing, &self.tiles_look(), intents);
+        let context = self.context();
+        if self.features.camera_views.picture_alone.is_some() {
+            return dock::ui(ui, &context, &self.tiles_look(), requests);
         }
-        toolbar::ui(ui, &showing, intents);
-        status_bar::ui(ui, &showing, intents);
+        toolbar::ui(ui, &context, requests);
+        status_bar::ui(ui, &context, requests);
         let mut notices_from = pos2(window.right(), window.bottom() - size::STATUS_BAR);
-        if showing.session.take.is_some() {
-            let demonstrates = self.look.layout == Layout::Demonstrate;
-            if self.look.panel && !demonstrates {
-                right_panel::ui(ui, &showing, intents);
+        if context.session.take.is_some() {
+            let demonstrates = self.state.preferences.layout == Layout::Demonstrate;
+            if self.state.preferences.panel && !demonstrates {
+                right_panel::ui(ui, &context, requests);
             }
             let centre = ui.available_rect_before_wrap();
             let frame = Frame::NONE;
             CentralPanel::default().frame(frame).show(ui, |ui| {
                 notices_from = pos2(centre.right(), centre.bottom());
                 if demonstrates {
-                    return laboratory::ui(ui, &showing, intents);
+                    return laboratory::ui(ui, &context, requests);
                 }
-                explanation::ui(ui, &showing, intents);
-                if self.docking.alone.is_none() {
-                    timeline::ui(ui, &showing, intents, window.height());
+                explanation::ui(ui, &context, requests);
+                if self.shell.docking.alone.is_none() {
+                    timeline::ui(ui, &context, requests, window.height());
                     notices_from.y = ui.available_rect_before_wrap().bottom();
                 }
                 centre_size = Some(ui.available_rect_before_wrap().size());
-                dock::ui(ui, &showing, &self.tiles_look(), intents);
+                dock::ui(ui, &context, &self.tiles_look(), requests);
             });
         } else {
-            empty::ui(ui, &showing, intents, &self.offer());
+            empty::ui(ui, &context, requests, &self.offer());
         }
-        for id in notice_cards::ui(ui, &showing, intents, notices_from) {
-            intents.request(Request::HoldNotice(id));
+        for id in notice_cards::ui(ui, &context, requests, notices_from) {
+            requests.request(Request::HoldNotice(id));
         }
-        if let Some(size) = centre_size.filter(|_| self.docking.alone.is_none()) {
-            self.docking.size = size;
+        if let Some(size) = centre_size.filter(|_| self.shell.docking.alone.is_none()) {
+            self.shell.docking.size = size;
         }
-        self.show_overlay(ui, intents);
+        self.show_overlay(ui, requests);
         self.show_tour(ui, notices_from.y);
         self.show_drop(ui);
     }
 
     pub(crate) fn tiles_look(&self) -> TilesLook<'_> {
-        TilesLook { views: self.camera_views(), alone: self.docking.alone, pair: self.docking.pair }
+        TilesLook {
+            views: self.camera_views(),
+            alone: self.shell.docking.alone,
+            pair: self.shell.docking.pair,
+        }
     }
 
-    fn show_overlay(&mut self, ui: &Ui, intents: &mut Intents) {
-        let Some(mut overlay) = self.overlay.take() else { return };
+    fn show_overlay(&mut self, ui: &Ui, requests: &mut Requests) {
+        let Some(mut overlay) = self.shell.overlay.take() else { return };
         let stays = match &mut overlay {
-            Overlay::Palette(palette) => palette.ui(ui, &self.showing(), intents),
+            Overlay::Palette(palette) => palette.ui(ui, &self.context(), requests),
             Overlay::Shortcuts(search) => shortcuts::ui(ui, search),
-            Overlay::Messages => messages::messages(ui, &self.notices, self.now, intents),
-            Overlay::About => about::about(ui, intents),
-            Overlay::Export(dialog) => dialog.ui(ui, &self.showing(), intents),
+            Overlay::Messages => messages::messages(ui, &self.state.notices, self.state.now, requests),
+            Overlay::About => about::about(ui, requests),
+            Overlay::Export(dialog) => dialog.ui(ui, &self.context(), requests),
         };
         if stays {
-            self.overlay = Some(overlay);
+            self.shell.overlay = Some(overlay);
         } else if let Some(field) = ui.memory(egui::Memory::focused) {
             // The next key is the window's, also if no frame comes before it.
             ui.memory_mut(|memory| memory.surrender_focus(field));

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::app::settings_file as settings;
-use crate::context::preferences::Look;
+use crate::context::preferences::Preferences;
 use crate::context::write_advice::remedy;
 use crate::worker::{Event, Job, Outbox, Step};
 
@@ -11,7 +11,7 @@ use crate::worker::{Event, Job, Outbox, Step};
 #[derive(Debug)]
 pub struct SettingsJob {
     /// How the window is arranged.
-    pub look: Look,
+    pub look: Preferences,
     /// The data folder.
     pub folder: PathBuf,
 }

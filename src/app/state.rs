@@ -7,34 +7,24 @@ use backlit_tracking::body::{Pose, builtin};
 use backlit_tracking::io::Take;
 
 use super::background::Background;
-use super::dropping::Hovering;
 use super::failure::Broken;
 use super::settings::Settings;
 use crate::context::clock::Clock;
 use crate::context::notices::Notices;
-use crate::context::preferences::{Layout, Look};
+use crate::context::preferences::{Layout, Preferences};
 use crate::document::Document;
 use crate::document::history::{Gesture, History};
+use crate::features::Features;
 use crate::features::basin::{BasinState, FileKind};
-use crate::features::camera_views::{PictureAlone, TileLook};
-use crate::features::demonstration::Prepared;
-use crate::features::export::dialog::ExportDialog;
-use crate::features::export::exporting::Exporting;
-use crate::features::fit::job::LiveFit;
+use crate::features::camera_views::TileLook;
 use crate::features::laboratory::Laboratory;
 use crate::features::laboratory::job::LiveLaboratory;
-use crate::features::observability::Observing;
-use crate::features::pose::clipboard::Clipboard;
-use crate::features::pose::drag::{Held, Nudging};
 use crate::features::recovery::unsaved::Unsaved;
-use crate::features::timeline::playing::TimeAxis;
-use crate::features::tour::Tour;
-use crate::features::tracking::Tracked;
+use crate::jobs::Pool;
 use crate::session::Session;
 use crate::session::prediction::FitInputs;
 use crate::session::selection::Selection;
-use crate::shell::docking::Docking;
-use crate::shell::palette::Palette;
+use crate::shell::Shell;
 use crate::take::source::TakeSource;
 use crate::worker::{Event, Lane, Worker};
 
@@ -42,7 +32,7 @@ use crate::worker::{Event, Lane, Worker};
 #[derive(Debug, Default)]
 pub struct AppOptions {
     /// The arrangement of the last time.
-    pub look: Look,
+    pub look: Preferences,
     /// Folder for the copy of unsaved work and the settings; without one nothing is kept for the next start.
     pub data_folder: Option<PathBuf>,
     /// What is opened at once.
@@ -73,16 +63,6 @@ pub enum Opening {
     },
 }
 
-/// What lies over the window.
-#[derive(Debug)]
-pub(crate) enum Overlay {
-    Palette(Palette),
-    Shortcuts(String),
-    Messages,
-    About,
-    Export(Box<ExportDialog>),
-}
-
 /// What a file dialog was asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum DialogKind {
@@ -100,137 +80,110 @@ pub(crate) enum DialogKind {
 /// What a file dialog was asked for, and the file that was chosen.
 pub(crate) type DialogAnswer = (DialogKind, PathBuf);
 
-/// The inspector.
+/// What the context lends to features and shell.
 #[derive(Debug)]
-pub struct App {
+pub(crate) struct State {
     pub(crate) history: History,
     pub(crate) selection: Selection,
     pub(crate) session: Session,
-    pub(crate) look: Look,
+    pub(crate) preferences: Preferences,
     pub(crate) notices: Notices,
-    pub(crate) worker: Worker<Event>,
-    pub(crate) background: Background,
-    pub(crate) broken: Broken,
-    pub(crate) live: LiveFit,
-    /// Steps that were asked for while one was being made.
-    pub(crate) pending_steps: usize,
-    /// The gesture of the run of fit or tracker that is going on.
-    pub(crate) run_gesture: Option<Gesture>,
-    /// Whether the screen follows the tracker.
-    pub(crate) follows_tracker: bool,
-    pub(crate) tracked: Tracked,
-    pub(crate) observing: Observing,
-    /// What figures were asked for last, whatever came of it.
-    pub(crate) asked_to_observe: Option<(FitInputs, Pose)>,
-    pub(crate) held: Option<Held>,
-    pub(crate) nudging: Option<Nudging>,
-    pub(crate) basin: BasinState,
-    /// The demonstration that is being prepared.
-    pub(crate) prepared: Option<Prepared>,
-    pub(crate) explanation: Option<&'static str>,
-    pub(crate) state_file: Option<PathBuf>,
-    pub(crate) tour: Option<Tour>,
-    pub(crate) hovering: Option<Hovering>,
-    pub(crate) exporting: Option<Exporting>,
-    /// Folder of the last export.
-    pub(crate) exported_to: Option<PathBuf>,
-    /// One camera's picture and nothing else: this is the twin that an export paints.
-    pub(crate) picture_alone: Option<PictureAlone>,
-    pub(crate) laboratory: Laboratory,
-    pub(crate) live_laboratory: LiveLaboratory,
-    /// By layout, then by camera.
-    pub(crate) tiles: [Vec<TileLook>; 2],
-    /// Tiles of the centre.
-    pub(crate) docking: Docking,
-    pub(crate) clipboard: Clipboard,
+    /// The sentence of the status bar about what was just done.
+    pub(crate) status: Option<String>,
+    /// The project file, if there is one.
     pub(crate) project: Option<PathBuf>,
-    pub(crate) overlay: Option<Overlay>,
-    pub(crate) doing: Option<String>,
-    pub(crate) time: TimeAxis,
-    pub(crate) unsaved: Unsaved,
-    pub(crate) settings: Settings,
-    pub(crate) clock: Clock,
+    /// Seconds since the window was opened.
+    pub(crate) now: f64,
+    /// Time that the last frame of the window took, in seconds.
+    pub(crate) frame_seconds: f64,
+    pub(crate) pool: Pool,
+    pub(crate) egui: egui::Context,
+}
+
+/// Takes and projects that are opened, and the dialogs that ask for files.
+#[derive(Debug)]
+pub(crate) struct Files {
     /// The project that was not opened since its take was not there.
     pub(crate) lost_take: Option<PathBuf>,
     /// What is opened when the unsaved work is left.
     pub(crate) postponed: Option<Opening>,
     pub(crate) dialog_sender: Sender<DialogAnswer>,
     pub(crate) dialog_answers: Receiver<DialogAnswer>,
+}
+
+impl Default for Files {
+    fn default() -> Self {
+        let (dialog_sender, dialog_answers) = channel();
+        Self { lost_take: None, postponed: None, dialog_sender, dialog_answers }
+    }
+}
+
+/// The inspector.
+#[derive(Debug)]
+pub struct App {
+    pub(crate) state: State,
+    pub(crate) features: Features,
+    pub(crate) shell: Shell,
+    pub(crate) files: Files,
+    pub(crate) worker: Worker<Event>,
+    pub(crate) background: Background,
+    pub(crate) broken: Broken,
+    /// What figures were asked for last, whatever came of it.
+    pub(crate) asked_to_observe: Option<(FitInputs, Pose)>,
+    pub(crate) live_laboratory: LiveLaboratory,
+    pub(crate) state_file: Option<PathBuf>,
+    pub(crate) settings: Settings,
+    pub(crate) clock: Clock,
     pub(crate) next_gesture: u64,
-    pub(crate) now: f64,
-    pub(crate) frame_seconds: f64,
-    pub(crate) shown_theme: Option<crate::style::theme::Theme>,
-    pub(crate) context: egui::Context,
 }
 
 impl App {
-    /// The window's state. `context` is woken when the worker has news.
+    /// The window's state. `egui` is woken when a job has news.
     ///
     /// # Errors
     /// The system gives no thread.
-    pub fn new(context: egui::Context, options: AppOptions) -> anyhow::Result<Self> {
-        let worker = Worker::start({
-            let context = context.clone();
-            move || context.request_repaint()
-        })?;
-        let (dialog_sender, dialog_answers) = channel();
-        let mut app = Self {
+    pub fn new(egui: egui::Context, options: AppOptions) -> anyhow::Result<Self> {
+        let wake = |egui: &egui::Context| {
+            let egui = egui.clone();
+            move || egui.request_repaint()
+        };
+        let settings = Settings::new(options.data_folder.clone(), &options.look);
+        let state = State {
             history: History::new(Document::new(builtin::full_body())),
             selection: Selection::default(),
             session: Session::default(),
-            settings: Settings::new(options.data_folder.clone(), &options.look),
-            look: options.look,
+            preferences: options.look,
             notices: Notices::default(),
-            worker,
-            background: Background::start(&context)?,
-            broken: Broken::default(),
-            live: LiveFit::default(),
-            pending_steps: 0,
-            run_gesture: None,
-            follows_tracker: false,
-            tracked: Tracked::default(),
-            observing: Observing::default(),
-            asked_to_observe: None,
-            held: None,
-            nudging: None,
-            basin: BasinState::default(),
-            prepared: None,
-            explanation: None,
-            state_file: options.state_file,
-            tour: None,
-            hovering: None,
-            exporting: None,
-            exported_to: None,
-            picture_alone: None,
-            laboratory: Laboratory::default(),
-            live_laboratory: LiveLaboratory::default(),
-            tiles: [Vec::new(), Vec::new()],
-            docking: Docking::default(),
-            clipboard: Clipboard::default(),
+            status: None,
             project: None,
-            overlay: None,
-            doing: None,
-            time: TimeAxis::default(),
-            unsaved: Unsaved::new(options.data_folder),
-            clock: options.clock,
-            lost_take: None,
-            postponed: None,
-            dialog_sender,
-            dialog_answers,
-            next_gesture: 1,
             now: 0.0,
             frame_seconds: 0.0,
-            shown_theme: None,
-            context,
+            pool: Pool::start(wake(&egui))?,
+            egui: egui.clone(),
+        };
+        let mut app = Self {
+            state,
+            features: Features { recovery: Unsaved::new(options.data_folder), ..Features::default() },
+            shell: Shell::default(),
+            files: Files::default(),
+            worker: Worker::start(wake(&egui))?,
+            background: Background::start(&egui)?,
+            broken: Broken::default(),
+            asked_to_observe: None,
+            live_laboratory: LiveLaboratory::default(),
+            state_file: options.state_file,
+            settings,
+            clock: options.clock,
+            next_gesture: 1,
         };
         if options.offers_tour {
             app.offer_tour();
         }
         app.look_for_unsaved_work();
         match options.opening {
-            Some(opening) if app.unsaved.offered.is_empty() => app.open(opening),
+            Some(opening) if app.features.recovery.offered.is_empty() => app.open(opening),
             // First the unsaved work: once something else is open, its own copy would take that one's place.
-            opening => app.postponed = opening,
+            opening => app.files.postponed = opening,
         }
         Ok(app)
     }
@@ -238,75 +191,76 @@ impl App {
     /// The document as it is.
     #[must_use]
     pub fn document(&self) -> &Document {
-        self.history.document()
+        self.state.history.document()
     }
 
     /// What is selected.
     #[must_use]
     pub fn selection(&self) -> &Selection {
-        &self.selection
+        &self.state.selection
     }
 
     /// The derived data.
     #[must_use]
     pub fn session(&self) -> &Session {
-        &self.session
+        &self.state.session
     }
 
     /// How the window is arranged.
     #[must_use]
-    pub fn look(&self) -> &Look {
-        &self.look
+    pub fn look(&self) -> &Preferences {
+        &self.state.preferences
     }
 
     /// Whether there is work that is in no file.
     #[must_use]
     pub fn is_unsaved(&self) -> bool {
-        self.history.is_dirty()
+        self.state.history.is_dirty()
     }
 
     /// The laboratory.
     #[must_use]
     pub fn laboratory(&self) -> &Laboratory {
-        &self.laboratory
+        &self.features.laboratory
     }
 
     /// What was said.
     #[must_use]
     pub fn notices(&self) -> &Notices {
-        &self.notices
+        &self.state.notices
     }
 
     /// What was tried of the basin.
     #[must_use]
     pub fn basin(&self) -> &BasinState {
-        &self.basin
+        &self.features.basin
     }
 
     /// Closes the cards of notices; they stay among the messages.
     pub fn close_notices(&mut self) {
-        self.notices.close_all();
+        self.state.notices.close_all();
     }
 
     /// Whether nothing is being read, fitted or drawn anew: what is on the screen is whole.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        let is_waiting = self.laboratory.is_waiting && self.look.layout == Layout::Demonstrate;
+        let is_waiting =
+            self.features.laboratory.is_waiting && self.state.preferences.layout == Layout::Demonstrate;
         // A body that sways never comes to rest, and neither does its picture.
-        let is_drawn = !self.worker.is_busy(Lane::Scene) || self.observing.is_playing();
+        let is_drawn = !self.worker.is_busy(Lane::Scene) || self.features.observability.is_playing();
         self.worker.is_idle_but(Lane::Scene)
             && is_drawn
             && self.background.is_idle()
-            && !(self.session.is_stale && self.may_ask(Lane::Predict))
-            && self.prepared.is_none()
-            && self.exporting.is_none()
+            && !(self.state.session.is_stale && self.may_ask(Lane::Predict))
+            && self.features.demonstration.prepared.is_none()
+            && self.features.export.exporting.is_none()
             && !is_waiting
     }
 
     /// Goes to a frame.
     pub fn go_to_frame(&mut self, frame: usize) {
-        if self.selection.frame != frame {
-            self.selection.go_to_frame(frame, self.session.frame_count());
+        if self.state.selection.frame != frame {
+            self.state.selection.go_to_frame(frame, self.state.session.frame_count());
         }
     }
 
@@ -319,17 +273,17 @@ impl App {
 
     /// How the tiles of the layout look.
     pub(crate) fn tiles_mut(&mut self) -> &mut Vec<TileLook> {
-        &mut self.tiles[usize::from(self.look.layout == Layout::Debug)]
+        &mut self.features.camera_views.tiles[usize::from(self.state.preferences.layout == Layout::Debug)]
     }
 
     /// Hands the theme to egui when it has changed.
     pub(crate) fn apply_theme(&mut self, ui: &mut egui::Ui) {
-        if self.shown_theme != Some(self.look.theme) {
-            crate::style::theme::apply(ui.ctx(), self.look.theme);
+        if self.shell.shown_theme != Some(self.state.preferences.theme) {
+            crate::style::theme::apply(ui.ctx(), self.state.preferences.theme);
             // This frame has begun in the old one.
-            let style = ui.ctx().style_of(self.look.theme.to_egui());
+            let style = ui.ctx().style_of(self.state.preferences.theme.to_egui());
             ui.set_style(style);
-            self.shown_theme = Some(self.look.theme);
+            self.shell.shown_theme = Some(self.state.preferences.theme);
         }
     }
 }

@@ -10,11 +10,11 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::App;
-use super::state::Overlay;
 use crate::context::notices::{Notice, Severity};
 use crate::document::run::Run;
 use crate::drawing::joint_name;
 use crate::features::camera_views::Comparison;
+use crate::shell::Overlay;
 use crate::take::source::TakeSource;
 use crate::widgets::accessible::{Named, named};
 use crate::worker::Lane;
@@ -108,22 +108,22 @@ impl App {
     pub(crate) fn export_state(&self) {
         let Some(path) = &self.state_file else { return };
         let state = self.exported_state();
-        let writer = self.context.plugin_opt::<StateWriter>().unwrap_or_else(|| {
-            self.context.enable_accesskit();
+        let writer = self.state.egui.plugin_opt::<StateWriter>().unwrap_or_else(|| {
+            self.state.egui.enable_accesskit();
             let path = path.clone();
             let writer =
                 StateWriter { path, state: Value::Null, written: None, serial: 0, has_failed: false };
-            self.context.add_plugin(writer);
+            self.state.egui.add_plugin(writer);
             // The widgets are named from the next frame on.
-            self.context.request_repaint();
-            self.context.plugin::<StateWriter>()
+            self.state.egui.request_repaint();
+            self.state.egui.plugin::<StateWriter>()
         });
         writer.lock().state = state;
     }
 
     /// What matters of the window.
     fn exported_state(&self) -> Value {
-        let (session, selection, document) = (&self.session, &self.selection, self.document());
+        let (session, selection, document) = (&self.state.session, &self.state.selection, self.document());
         let model = &document.model;
         let pose = self.shown_pose();
         let rotations: BTreeMap<&str, [f64; 4]> = model
@@ -137,16 +137,16 @@ impl App {
             "idle": self.is_idle(),
             "busy": self.busy_lanes(),
             "take": self.exported_take(),
-            "project": self.project,
-            "unsaved": self.history.is_dirty(),
-            "recovery": self.unsaved.offered.iter().map(|left| format!("{}, {}", left.take, left.work())).collect::<Vec<_>>(),
-            "undo": self.history.undo_text(),
-            "redo": self.history.redo_text(),
+            "project": self.state.project,
+            "unsaved": self.state.history.is_dirty(),
+            "recovery": self.features.recovery.offered.iter().map(|left| format!("{}, {}", left.take, left.work())).collect::<Vec<_>>(),
+            "undo": self.state.history.undo_text(),
+            "redo": self.state.history.redo_text(),
             "frame": selection.frame,
             "camera": selection.camera,
             "joint": joint_name(model, selection.joint),
             "limb": model.limbs()[selection.limb(model)].name,
-            "held": self.held.is_some(),
+            "held": self.features.pose.held.is_some(),
             "step": step,
             "pose": {"root": pose.root.to_array(), "rotations": rotations},
             "cost": session.predicted.as_ref().map(|predicted| predicted.mismatch),
@@ -156,17 +156,17 @@ impl App {
             "renderer": document.fit.renderer.name(),
             "runs": session.runs.iter().map(run).collect::<Vec<_>>(),
             "cameras": self.exported_cameras(),
-            "layout": self.look.layout,
-            "theme": self.look.theme,
-            "panel": self.look.panel,
-            "lanes": self.look.lanes,
-            "alone": self.docking.alone.map(|pane| pane.title()),
-            "playing": self.time.playback.is_playing(),
+            "layout": self.state.preferences.layout,
+            "theme": self.state.preferences.theme,
+            "panel": self.state.preferences.panel,
+            "lanes": self.state.preferences.lanes,
+            "alone": self.shell.docking.alone.map(|pane| pane.title()),
+            "playing": self.features.timeline.playback.is_playing(),
             "track": self.exported_track(),
-            "notices": self.notices.cards().map(notice).collect::<Vec<_>>(),
-            "messages": self.notices.all().len(),
+            "notices": self.state.notices.cards().map(notice).collect::<Vec<_>>(),
+            "messages": self.state.notices.all().len(),
             "tour": self.tour_step(),
-            "over": self.overlay.as_ref().map(overlay_name),
+            "over": self.shell.overlay.as_ref().map(overlay_name),
         })
     }
 
@@ -177,7 +177,7 @@ impl App {
     }
 
     fn exported_take(&self) -> Value {
-        let Some(take) = &self.session.take else { return Value::Null };
+        let Some(take) = &self.state.session.take else { return Value::Null };
         let source = match &take.source {
             Some(TakeSource::BuiltIn) => json!("built-in"),
             Some(TakeSource::Demonstration(which)) => json!({"demonstration": which.name()}),
@@ -187,14 +187,14 @@ impl App {
         json!({
             "name": take.name,
             "source": source,
-            "frames": self.session.frame_count(),
-            "cameras": self.session.camera_count(),
-            "loaded": self.session.frames.get(self.selection.frame).is_some(),
+            "frames": self.state.session.frame_count(),
+            "cameras": self.state.session.camera_count(),
+            "loaded": self.state.session.frames.get(self.state.selection.frame).is_some(),
         })
     }
 
     fn exported_cameras(&self) -> Vec<Value> {
-        let predicted = self.session.predicted.as_ref();
+        let predicted = self.state.session.predicted.as_ref();
         let tiles = self.tiles_look().views.tiles;
         let camera = |(index, camera): (usize, &crate::document::CameraUse)| {
             let overlap = predicted.and_then(|predicted| predicted.cameras.get(index)?.overlap);
@@ -216,7 +216,7 @@ impl App {
     fn exported_track(&self) -> Value {
         let document = self.document();
         let lost = document.estimates.iter().filter(|(_, found)| found.lost).map(|(frame, _)| *frame);
-        let running = self.session.tracking.map(
+        let running = self.state.session.tracking.map(
             |tracking| json!({"done": tracking.done, "total": tracking.total, "backwards": tracking.backwards}),
         );
         json!({

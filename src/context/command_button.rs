@@ -3,7 +3,7 @@
 use egui::{AsIdSalt, Button, Id, Response, Ui, vec2};
 
 use crate::context::action::Action;
-use crate::context::{Intents, Showing, unavailable};
+use crate::context::{Context, Requests, unavailable};
 use crate::document::history::Gesture;
 use crate::style::theme::size;
 use crate::widgets::{Icon, icon_button, primary_button};
@@ -11,59 +11,59 @@ use crate::widgets::{Icon, icon_button, primary_button};
 /// Adds a widget for a command, grey where it cannot be used, and asks for the command on a click.
 fn command(
     ui: &mut Ui,
-    showing: &Showing<'_>,
-    intents: &mut Intents,
+    context: &Context<'_>,
+    requests: &mut Requests,
     action: Action,
     add: impl FnOnce(&mut Ui, &str) -> Response,
 ) -> Response {
-    let why_not = unavailable(action, showing);
+    let why_not = unavailable(action, context);
     let tooltip = why_not.map_or_else(|| action.tooltip(), |why| format!("{}\n{why}.", action.tooltip()));
     let response = ui.add_enabled_ui(why_not.is_none(), |ui| add(ui, &tooltip)).inner;
     if response.clicked() {
-        intents.act(action);
+        requests.act(action);
     }
     response
 }
 
 /// A square button.
-pub(crate) fn icon(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, action: Action, icon: Icon) {
-    command(ui, showing, intents, action, |ui, tooltip| icon_button(ui, icon, action.text(), tooltip));
+pub(crate) fn icon(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, action: Action, icon: Icon) {
+    command(ui, context, requests, action, |ui, tooltip| icon_button(ui, icon, action.text(), tooltip));
 }
 
 /// A button with the command's text.
-pub(crate) fn button(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, action: Action) {
-    named_button(ui, showing, intents, action, action.text());
+pub(crate) fn button(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, action: Action) {
+    named_button(ui, context, requests, action, action.text());
 }
 
 /// A button with a shorter text.
 pub(crate) fn named_button(
     ui: &mut Ui,
-    showing: &Showing<'_>,
-    intents: &mut Intents,
+    context: &Context<'_>,
+    requests: &mut Requests,
     action: Action,
     text: &str,
 ) {
-    sized_button(ui, showing, intents, action, text, 0.0);
+    sized_button(ui, context, requests, action, text, 0.0);
 }
 
 /// A button with a text of its own that is at least so wide.
 pub(crate) fn sized_button(
     ui: &mut Ui,
-    showing: &Showing<'_>,
-    intents: &mut Intents,
+    context: &Context<'_>,
+    requests: &mut Requests,
     action: Action,
     text: &str,
     width: f32,
 ) {
-    command(ui, showing, intents, action, |ui, tooltip| {
+    command(ui, context, requests, action, |ui, tooltip| {
         let button = ui.add(Button::new(text).min_size(vec2(width, size::BUTTON)));
         button.on_hover_text(tooltip).on_disabled_hover_text(tooltip)
     });
 }
 
 /// The one button in the accent.
-pub(crate) fn primary(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, action: Action) {
-    command(ui, showing, intents, action, |ui, tooltip| {
+pub(crate) fn primary(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, action: Action) {
+    command(ui, context, requests, action, |ui, tooltip| {
         primary_button(ui, action.text()).on_hover_text(tooltip).on_disabled_hover_text(tooltip)
     });
 }
@@ -71,12 +71,12 @@ pub(crate) fn primary(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents,
 /// A row of a menu, with its keys.
 pub(crate) fn menu_row(
     ui: &mut Ui,
-    showing: &Showing<'_>,
-    intents: &mut Intents,
+    context: &Context<'_>,
+    requests: &mut Requests,
     action: Action,
     text: &str,
 ) {
-    let response = command(ui, showing, intents, action, |ui, tooltip| {
+    let response = command(ui, context, requests, action, |ui, tooltip| {
         let button = Button::new(text).shortcut_text(action.keys_text().unwrap_or_default());
         ui.add(button).on_hover_text(tooltip).on_disabled_hover_text(tooltip)
     });

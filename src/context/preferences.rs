@@ -48,7 +48,7 @@ const MAX_RECENT: usize = 5;
 /// The arrangement.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Look {
+pub struct Preferences {
     /// Dark or light.
     pub theme: Theme,
     /// What it is arranged for.
@@ -81,7 +81,7 @@ pub struct Look {
     pub generation: u32,
 }
 
-impl Default for Look {
+impl Default for Preferences {
     fn default() -> Self {
         Self {
             theme: Theme::Dark,
@@ -103,7 +103,7 @@ impl Default for Look {
     }
 }
 
-impl Look {
+impl Preferences {
     /// Puts a take at the head of the recent ones.
     pub fn remember(&mut self, path: PathBuf) {
         self.recent.retain(|other| *other != path);
@@ -158,21 +158,21 @@ mod tests {
     #[test]
     fn what_is_chosen_for_plots_and_basin_is_kept_and_outlives_a_reset() {
         let curves = CurvesLook { quantity: Quantity::StepNorm, is_log: false, rejected: false };
-        let mut look = Look { curves, ..Look::default() };
+        let mut look = Preferences { curves, ..Preferences::default() };
         look.basin.settings.seed = 12;
         look.basin.view = crate::features::basin::BasinView::Map;
-        let kept: Look = serde_json::from_str(&serde_json::to_string(&look).unwrap()).unwrap();
+        let kept: Preferences = serde_json::from_str(&serde_json::to_string(&look).unwrap()).unwrap();
         assert_eq!(kept, look);
         let mut after = kept.clone();
         after.reset();
         assert_eq!((after.curves, &after.basin), (look.curves, &look.basin));
         // An arrangement of before there were such choices.
-        assert_eq!(serde_json::from_str::<Look>("{}").unwrap(), Look::default());
+        assert_eq!(serde_json::from_str::<Preferences>("{}").unwrap(), Preferences::default());
     }
 
     #[test]
     fn recent_takes_are_few_and_different() {
-        let mut look = Look::default();
+        let mut look = Preferences::default();
         for name in ["a", "b", "c", "a", "d", "e", "f"] {
             look.remember(PathBuf::from(name));
         }

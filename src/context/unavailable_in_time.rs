@@ -1,13 +1,13 @@
 //! Why commands about frames cannot be used now.
 
-use super::Showing;
+use super::Context;
 use crate::app::keys_around;
 use crate::context::action::Action;
 
 /// As [`unavailable`](super::unavailable), of commands that track, play, or go to a frame.
-pub(crate) fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'static str> {
+pub(crate) fn unavailable(action: Action, context: &Context<'_>) -> Option<&'static str> {
     use Action as A;
-    let (session, selection, document) = (showing.session, showing.selection, showing.document());
+    let (session, selection, document) = (context.session, context.selection, context.document());
     let because = |is_so: bool, why: &'static str| is_so.then_some(why);
     let no_take = because(session.take.is_none(), "Open a take first");
     let one_frame = no_take.or(because(session.frame_count() < 2, "The take has one frame"));
@@ -15,7 +15,7 @@ pub(crate) fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'sta
     let no_track = || {
         no_take
             .or(because(document.used_cameras().next().is_none(), "No camera is used in the fit"))
-            .or(because(showing.busy.tracking, "The tracker is at work"))
+            .or(because(context.busy.tracking, "The tracker is at work"))
     };
     match action {
         A::TrackForward => {
@@ -40,7 +40,7 @@ pub(crate) fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'sta
         A::NextWorst | A::PreviousWorst => {
             not_tracked.or(because(document.estimates.len() < 2, "Only one frame is fitted"))
         }
-        A::ClearRange => match showing.time.playback.range {
+        A::ClearRange => match context.time.playback.range {
             None => Some("Mark frames first: drag along the timeline with Shift"),
             Some(range) => {
                 let found = document.estimates.range(range.first..=range.last).next();
@@ -48,7 +48,7 @@ pub(crate) fn unavailable(action: Action, showing: &Showing<'_>) -> Option<&'sta
             }
         },
         A::Play | A::ToggleLoop | A::PlaySlower | A::PlayFaster => one_frame,
-        A::WholeTake => no_take.or(because(showing.time.span.is_none(), "All frames are on the screen")),
+        A::WholeTake => no_take.or(because(context.time.span.is_none(), "All frames are on the screen")),
         A::PreviousFrame | A::TenFramesBack | A::FirstFrame => {
             no_take.or(because(selection.frame == 0, "This is the first frame"))
         }

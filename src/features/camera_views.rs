@@ -42,6 +42,7 @@ use glam::DVec2;
 pub(crate) use alone::PictureAlone;
 pub use event::{Drag, TileEvent};
 pub(crate) use linked::point_at;
+pub(crate) use look::CameraViewsState;
 pub use look::{Comparison, TileLook};
 pub use observed::ObservedMarks;
 pub(crate) use pane::{CameraPanes, CameraViews};

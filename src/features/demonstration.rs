@@ -1,4 +1,4 @@
-//! Showing a demonstration: its arrangement, its sentences, and its runs one after the other.
+//! Context a demonstration: its arrangement, its sentences, and its runs one after the other.
 
 pub(crate) mod explanation;
 
@@ -33,51 +33,60 @@ pub(crate) fn demonstration_of(action: Action) -> Option<Demonstration> {
     })
 }
 
+/// The demonstration that is open.
+#[derive(Debug, Default)]
+pub(crate) struct Demonstrating {
+    /// Runs that are still to begin.
+    pub(crate) prepared: Option<Prepared>,
+    pub(crate) explanation: Option<&'static str>,
+}
+
 impl App {
     /// Arranges the window for a demonstration that has just been opened.
     pub(crate) fn demonstrate(&mut self, which: Demonstration) {
-        self.notices.close_all();
+        self.state.notices.close_all();
         if which == Demonstration::SingleLimb {
-            self.explanation = Some(which.explanation());
-            self.look.layout = Layout::Demonstrate;
-            self.laboratory.wants_run = true;
+            self.features.demonstration.explanation = Some(which.explanation());
+            self.state.preferences.layout = Layout::Demonstrate;
+            self.features.laboratory.wants_run = true;
             return;
         }
         let runs = which.runs();
-        self.look.layout = if runs.is_empty() { Layout::Pose } else { Layout::Debug };
-        self.explanation = Some(which.explanation());
-        for tile in &mut self.tiles[1] {
+        self.state.preferences.layout = if runs.is_empty() { Layout::Pose } else { Layout::Debug };
+        self.features.demonstration.explanation = Some(which.explanation());
+        for tile in &mut self.features.camera_views.tiles[1] {
             (tile.mode, tile.comparison) = (ViewMode::Residual, None);
         }
-        self.prepared = Some(Prepared { runs: runs.into(), gesture: self.new_gesture() });
+        self.features.demonstration.prepared =
+            Some(Prepared { runs: runs.into(), gesture: self.new_gesture() });
     }
 
     /// Begins the next run of a demonstration once the one before has ended and the frame is there.
     pub(crate) fn go_on_demonstrating(&mut self) {
-        let frame = self.selection.frame;
-        let has_data = self.session.frames.get(frame).is_some_and(|frame| frame.has_mask());
+        let frame = self.state.selection.frame;
+        let has_data = self.state.session.frames.get(frame).is_some_and(|frame| frame.has_mask());
         if !has_data || self.worker.is_busy(Lane::Fit) {
             return;
         }
-        let Some(prepared) = &mut self.prepared else { return };
+        let Some(prepared) = &mut self.features.demonstration.prepared else { return };
         let gesture = prepared.gesture;
         let Some(run) = prepared.runs.pop_front() else {
-            self.prepared = None;
+            self.features.demonstration.prepared = None;
             // What has run by itself is nobody's work: there is nothing to undo and nothing to save.
-            self.history = History::new(self.document().clone());
+            self.state.history = History::new(self.document().clone());
             return;
         };
         let what = "Demonstrate".to_owned();
         self.edit(Edit::SetFit { options: Box::new(run.fit), what }, Some(gesture));
         // From the start again: without key pose and without what the run before has found.
         self.edit(Edit::ClearEstimates, Some(gesture));
-        self.run_gesture = Some(gesture);
+        self.features.fit.run_gesture = Some(gesture);
         self.begin(Some(run.name), None, None);
     }
 
     /// The user has something else in mind: no further run begins by itself.
     pub(crate) fn stop_demonstrating(&mut self) {
-        if let Some(prepared) = &mut self.prepared {
+        if let Some(prepared) = &mut self.features.demonstration.prepared {
             prepared.runs.clear();
         }
     }

@@ -13,3 +13,13 @@ pub mod series;
 
 pub use choices::{ExportChoices, Part, SeriesFormat};
 pub use series::{ExportError, SeriesOptions, write_series};
+
+use std::path::PathBuf;
+
+/// What is being exported.
+#[derive(Debug, Default)]
+pub(crate) struct ExportState {
+    pub(crate) exporting: Option<exporting::Exporting>,
+    /// Folder of the last export.
+    pub(crate) exported_to: Option<PathBuf>,
+}

@@ -16,6 +16,8 @@ use backlit_tracking::render::RendererKind;
 use backlit_tracking::track::{FitOptions, Preset};
 
 use crate::app::App;
+use crate::document::history::Gesture;
+use crate::features::fit::job::LiveFit;
 use crate::context::preferences::Layout;
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
@@ -35,30 +37,42 @@ pub(crate) enum Part {
     Body,
 }
 
+/// The fit of the frame on the screen.
+#[derive(Debug, Default)]
+pub(crate) struct Fit {
+    pub(crate) live: LiveFit,
+    /// Steps that were asked for while one was being made.
+    pub(crate) pending_steps: usize,
+    /// The gesture of the run of fit or tracker that is going on.
+    pub(crate) run_gesture: Option<Gesture>,
+}
+
 impl App {
     /// All that a prediction of this frame depends on, but the pose.
     pub(crate) fn scene(&self) -> Option<FitInputs> {
         let document = self.document();
-        let take = self.session.take.as_ref()?;
+        let take = self.state.session.take.as_ref()?;
         Some(FitInputs {
             model: document.model.clone(),
             cameras: take.cameras.clone(),
             uses: document.cameras.clone(),
             fit: document.fit.clone(),
-            frame: self.session.frames.get(self.selection.frame).cloned(),
+            frame: self.state.session.frames.get(self.state.selection.frame).cloned(),
             derivatives: self.derivatives(),
         })
     }
 
     /// Which derivatives the tiles show. The Jacobian's column is that of the held limb's chosen axis.
     fn derivatives(&self) -> Derivatives {
-        let tiles = &self.tiles[usize::from(self.look.layout == Layout::Debug)];
+        let tiles =
+            &self.features.camera_views.tiles[usize::from(self.state.preferences.layout == Layout::Debug)];
         let shows = |mode| tiles.iter().any(|tile| tile.shows(mode));
         let model = &self.document().model;
-        let rotation = model.limbs()[self.selection.limb(model)].rotation;
+        let rotation = model.limbs()[self.state.selection.limb(model)].rotation;
         Derivatives {
             gradient: shows(ViewMode::Gradient),
-            column: shows(ViewMode::JacobianColumn).then(|| self.look.views.axis.column(rotation)),
+            column: shows(ViewMode::JacobianColumn)
+                .then(|| self.state.preferences.views.axis.column(rotation)),
         }
     }
 
@@ -67,44 +81,45 @@ impl App {
     pub(crate) fn step(&mut self, steps: Option<usize>) {
         self.pause();
         if self.worker.is_busy(Lane::Fit) {
-            self.pending_steps += steps.unwrap_or(0);
+            self.features.fit.pending_steps += steps.unwrap_or(0);
             return;
         }
-        let goes_on = self.session.live.filter(|live| self.can_go_on(*live));
-        self.run_gesture = Some(self.new_gesture());
+        let goes_on = self.state.session.live.filter(|live| self.can_go_on(*live));
+        self.features.fit.run_gesture = Some(self.new_gesture());
         if let Some(live) = goes_on {
-            self.selection.step = None;
-            if let Some(run) = self.session.runs.get_mut(live) {
+            self.state.selection.step = None;
+            if let Some(run) = self.state.session.runs.get_mut(live) {
                 run.ending = None;
             }
-            self.worker.request(Lane::Fit, FitJob::go_on(self.live.clone(), steps));
+            self.worker.request(Lane::Fit, FitJob::go_on(self.features.fit.live.clone(), steps));
         } else {
             self.begin(None, None, steps);
         }
     }
 
     fn can_go_on(&self, live: usize) -> bool {
-        let Some(run) = self.session.runs.get(live) else { return false };
+        let Some(run) = self.state.session.runs.get(live) else { return false };
         let Some(last) = run.steps.last() else { return false };
-        let shown = self.session.shown_pose(self.document(), &self.selection);
-        let same_scene = self.session.live_scene.as_ref().zip(self.scene()).is_some_and(|(a, b)| a.is(&b));
-        run.frame == self.selection.frame && *shown == last.pose && same_scene
+        let shown = self.state.session.shown_pose(self.document(), &self.state.selection);
+        let same_scene =
+            self.state.session.live_scene.as_ref().zip(self.scene()).is_some_and(|(a, b)| a.is(&b));
+        run.frame == self.state.selection.frame && *shown == last.pose && same_scene
     }
 
     /// Fits a part of the body from the pose on the screen, to the end.
     pub(crate) fn refit(&mut self, part: Part) {
         let model = self.document().model.clone();
-        let limb = self.selection.limb(&model);
+        let limb = self.state.selection.limb(&model);
         let name = match part {
             Part::Limb => Some(model.limbs()[limb].name.clone()),
             Part::Chain => Some(format!("chain of {}", model.limbs()[limb].name)),
             Part::Body => None,
         };
-        self.run_gesture = Some(self.new_gesture());
+        self.features.fit.run_gesture = Some(self.new_gesture());
         let what = format!("Refit {}", name.as_deref().unwrap_or("body"));
         let free = free_rotations(&model, limb, part).zip(name);
         self.begin(None, free.map(|(free, name)| (name, free)), None);
-        self.session.refitting = Some(what);
+        self.state.session.refitting = Some(what);
     }
 
     /// Begins a run: with a name of its own or one that is made of its choices; of all the body or of a part, with
@@ -116,34 +131,34 @@ impl App {
         steps: Option<usize>,
     ) {
         self.pause();
-        self.session.refitting = None;
+        self.state.session.refitting = None;
         let Some(scene) = self.scene() else { return };
-        let pose = self.session.shown_pose(self.document(), &self.selection).clone();
+        let pose = self.state.session.shown_pose(self.document(), &self.state.selection).clone();
         let (part, free) = part.unzip();
         let fit = scene.fit.clone();
         // Stages to the scale of what is seen: these are the ones that the fit's steps will name.
         let options = (*fit).clone().at_scale(&scene.model, &scene.views(), &pose);
-        self.session.runs_begun += 1;
-        let branched_from = self.session.step_with_pose(self.selection.frame, &pose);
+        self.state.session.runs_begun += 1;
+        let branched_from = self.state.session.step_with_pose(self.state.selection.frame, &pose);
         let run = Run {
-            number: self.session.runs_begun,
+            number: self.state.session.runs_begun,
             is_named: name.is_some(),
             name: name.unwrap_or_default(),
             detail: words::fit_detail(&fit),
-            frame: self.selection.frame,
-            colour: self.session.free_colour(),
+            frame: self.state.selection.frame,
+            colour: self.state.session.free_colour(),
             stages: options.stages.iter().map(|stage| words::short_ramp(stage.ramp)).collect(),
             choices: RunChoices { fit, cameras: scene.uses.clone(), part, branched_from },
             is_shown: true,
             ..Run::default()
         };
-        self.session.live = Some(self.session.runs.len());
-        self.session.runs.push(run);
+        self.state.session.live = Some(self.state.session.runs.len());
+        self.state.session.runs.push(run);
         self.name_runs();
-        self.session.live_scene = Some(scene.clone());
-        self.selection.step = None;
+        self.state.session.live_scene = Some(scene.clone());
+        self.state.selection.step = None;
         let start = FitStart { scene, pose, options, free };
-        self.worker.request(Lane::Fit, FitJob::begin(start, self.live.clone(), steps));
+        self.worker.request(Lane::Fit, FitJob::begin(start, self.features.fit.live.clone(), steps));
     }
 
     /// Ends a fit that is going on, because its pose is about to change: what it has done stays as a run.
@@ -153,31 +168,33 @@ impl App {
             return;
         }
         self.worker.drop_lane(Lane::Fit);
-        self.pending_steps = 0;
+        self.features.fit.pending_steps = 0;
         self.finish_run(Some(crate::document::run::RunEnding::Stopped));
-        self.session.live = None;
+        self.state.session.live = None;
     }
 
     /// Goes to the step before or after the one on the screen.
     pub(crate) fn look_at_neighbour(&mut self, later: bool) {
-        let Some(run) = self.session.run_of(&self.selection) else { return };
-        let Some(last) = self.session.runs.get(run).and_then(|run| run.steps.len().checked_sub(1)) else {
+        let Some(run) = self.state.session.run_of(&self.state.selection) else { return };
+        let Some(last) = self.state.session.runs.get(run).and_then(|run| run.steps.len().checked_sub(1))
+        else {
             return;
         };
-        let at = self.selection.step.map_or(last, |step| step.step);
+        let at = self.state.selection.step.map_or(last, |step| step.step);
         let step = if later { (at + 1).min(last) } else { at.saturating_sub(1) };
         // The newest step is the document's pose, as long as nobody has changed that.
         let is_newest = step == last
-            && self.session.runs[run].steps[last].pose == *self.document().pose_at(self.selection.frame);
-        self.selection.step = (!is_newest).then_some(StepRef { run, step });
+            && self.state.session.runs[run].steps[last].pose
+                == *self.document().pose_at(self.state.selection.frame);
+        self.state.selection.step = (!is_newest).then_some(StepRef { run, step });
     }
 
     /// Makes the step on the screen the frame's pose.
     pub(crate) fn branch(&mut self) {
-        let Some(at) = self.selection.step else { return };
-        let Some(step) = self.session.step(at) else { return };
+        let Some(at) = self.state.selection.step else { return };
+        let Some(step) = self.state.session.step(at) else { return };
         let what = format!("Branch at step {}", at.step);
-        let edit = Edit::SetPose { frame: self.selection.frame, pose: step.pose.clone(), what };
+        let edit = Edit::SetPose { frame: self.state.selection.frame, pose: step.pose.clone(), what };
         self.edit(edit, None);
     }
 
@@ -204,7 +221,7 @@ impl App {
 
     /// Stops fit and tracker; what is done stays.
     pub(crate) fn stop(&mut self) {
-        self.pending_steps = 0;
+        self.features.fit.pending_steps = 0;
         self.stop_demonstrating();
         self.worker.cancel(Lane::Fit);
         self.worker.cancel(Lane::Track);

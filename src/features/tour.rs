@@ -57,15 +57,15 @@ struct Begun {
 impl App {
     /// Offers the tour, once.
     pub(crate) fn offer_tour(&mut self) {
-        if !self.look.tour_offered {
-            self.tour = Some(Tour::new(Stage::Offered));
+        if !self.state.preferences.tour_offered {
+            self.features.tour = Some(Tour::new(Stage::Offered));
         }
     }
 
     /// Begins the tour; the built-in take is opened if it is not open.
     pub(crate) fn begin_tour(&mut self) {
-        self.look.tour_offered = true;
-        self.tour = Some(Tour::new(Stage::Opening));
+        self.state.preferences.tour_offered = true;
+        self.features.tour = Some(Tour::new(Stage::Opening));
         if !self.shows_built_in() {
             self.open(Opening::Take(TakeSource::BuiltIn));
         }
@@ -73,7 +73,7 @@ impl App {
 
     /// The step on the screen, counted from one; zero while the tour is offered.
     pub(crate) fn tour_step(&self) -> Option<usize> {
-        match self.tour.as_ref()?.stage {
+        match self.features.tour.as_ref()?.stage {
             Stage::Offered => self.can_offer().then_some(0),
             Stage::Opening => None,
             Stage::At(step) => Some(step + 1),
@@ -81,27 +81,28 @@ impl App {
     }
 
     fn shows_built_in(&self) -> bool {
-        let take = self.session.take.as_ref();
+        let take = self.state.session.take.as_ref();
         take.is_some_and(|take| take.source == Some(TakeSource::BuiltIn))
     }
 
     /// Who has opened something else, or has lost work to look at first, is left in peace.
     fn can_offer(&self) -> bool {
-        let is_nowhere =
-            self.session.take.is_none() && self.worker.is_idle() && self.unsaved.offered.is_empty();
-        self.overlay.is_none() && (self.shows_built_in() || is_nowhere)
+        let is_nowhere = self.state.session.take.is_none()
+            && self.worker.is_idle()
+            && self.features.recovery.offered.is_empty();
+        self.shell.overlay.is_none() && (self.shows_built_in() || is_nowhere)
     }
 
     /// Looks whether the step on the screen was done.
     pub(crate) fn follow_tour(&mut self) {
-        let Some(mut tour) = self.tour.take() else { return };
+        let Some(mut tour) = self.features.tour.take() else { return };
         let is_open = self.shows_built_in();
         match tour.stage {
             Stage::Offered => {}
             Stage::Opening => {
-                if is_open && self.session.frames.get(self.selection.frame).is_some() {
+                if is_open && self.state.session.frames.get(self.state.selection.frame).is_some() {
                     self.go_to_frame(0);
-                    for tile in self.tiles.iter_mut().flatten() {
+                    for tile in self.features.camera_views.tiles.iter_mut().flatten() {
                         (tile.mode, tile.comparison) = (ViewMode::Tinted, None);
                     }
                     self.enter(&mut tour, 0);
@@ -112,8 +113,8 @@ impl App {
             }
             Stage::At(_) if !is_open => return,
             Stage::At(step) => {
-                Names::keep(&self.context);
-                if let Some(held) = &self.held {
+                Names::keep(&self.state.egui);
+                if let Some(held) = &self.features.pose.held {
                     tour.dragged_in = Some(held.camera);
                 }
                 let renderer = self.document().fit.renderer.name();
@@ -123,27 +124,27 @@ impl App {
                 if self.has_done(&tour, step) {
                     if step + 1 == STEPS.len() {
                         let text = "That was the tour. Help › Tour shows it again.";
-                        self.notices.info(self.now, text, None);
+                        self.state.notices.info(self.state.now, text, None);
                         return;
                     }
                     self.enter(&mut tour, step + 1);
                 }
             }
         }
-        self.tour = Some(tour);
+        self.features.tour = Some(tour);
     }
 
     /// Goes to a step and arranges the window so that what it is about can be seen.
     fn enter(&mut self, tour: &mut Tour, step: usize) {
-        Names::keep(&self.context);
+        Names::keep(&self.state.egui);
         if step == 2 {
             tour.first_camera = tour.dragged_in.unwrap_or(0);
         }
-        self.look.layout = if matches!(step, 4 | 5) { Layout::Debug } else { Layout::Pose };
-        self.docking.alone = None;
+        self.state.preferences.layout = if matches!(step, 4 | 5) { Layout::Debug } else { Layout::Pose };
+        self.shell.docking.alone = None;
         if step == 5 {
             // The step that was looked at is left: the renderers are compared on the pose of the frame.
-            self.selection.step = None;
+            self.state.selection.step = None;
         }
         tour.stage = Stage::At(step);
         tour.furthest = tour.furthest.max(step);
@@ -154,20 +155,21 @@ impl App {
             tracked: self.frames_tracked(),
             renderers: vec![self.document().fit.renderer.name()],
         };
-        self.context.request_repaint();
+        self.state.egui.request_repaint();
     }
 
     fn has_done(&self, tour: &Tour, step: usize) -> bool {
         let moved = || {
             let joints = tour.begun.joint.zip(self.toured_joint());
-            self.held.is_none() && joints.is_some_and(|(before, now)| before.distance(now) > DRAGGED_M)
+            self.features.pose.held.is_none()
+                && joints.is_some_and(|(before, now)| before.distance(now) > DRAGGED_M)
         };
-        let busy = self.showing().busy;
+        let busy = self.context().busy;
         match step {
             1 => moved() && tour.dragged_in.is_some(),
             2 => moved() && tour.dragged_in.is_some_and(|camera| camera != tour.first_camera),
             3 => self.steps_done() > tour.begun.steps,
-            4 => self.run_has_ended() && self.selection.step.is_some(),
+            4 => self.run_has_ended() && self.state.selection.step.is_some(),
             5 => tour.begun.renderers.len() > 2,
             6 => self.frames_tracked() > tour.begun.tracked && !busy.tracking,
             // The first is for looking: nobody can tell when that is done.
@@ -179,7 +181,7 @@ impl App {
     fn toured_joint(&self) -> Option<DVec3> {
         let model = &self.document().model;
         let joint = draggable_joints(model).into_iter().find(|joint| joint_name(model, *joint) == JOINT)?;
-        let pose = self.document().pose_at(self.selection.frame);
+        let pose = self.document().pose_at(self.state.selection.frame);
         match joint {
             JointId::Root => Some(pose.root),
             JointId::End(limb) => Kinematics::new(model, pose).ends().get(limb).copied(),
@@ -187,7 +189,7 @@ impl App {
     }
 
     fn steps_done(&self) -> usize {
-        self.session.runs.iter().map(|run| run.steps.len().saturating_sub(1)).sum()
+        self.state.session.runs.iter().map(|run| run.steps.len().saturating_sub(1)).sum()
     }
 
     fn frames_tracked(&self) -> usize {
@@ -195,18 +197,19 @@ impl App {
     }
 
     fn run_has_ended(&self) -> bool {
-        let run = self.session.run_of(&self.selection).and_then(|run| self.session.runs.get(run));
+        let run =
+            self.state.session.run_of(&self.state.selection).and_then(|run| self.state.session.runs.get(run));
         run.is_some_and(|run| run.ending.is_some())
     }
 
     /// Shows the card, and does what is asked on it.
     pub(crate) fn show_tour(&mut self, ui: &egui::Ui, bottom: f32) {
-        let Some(tour) = &self.tour else { return };
+        let Some(tour) = &self.features.tour else { return };
         let event = match tour.stage {
             Stage::Opening => None,
             Stage::Offered if self.can_offer() => tour::offer(ui, bottom),
             Stage::Offered => None,
-            Stage::At(_) if self.overlay.is_some() => None,
+            Stage::At(_) if self.shell.overlay.is_some() => None,
             Stage::At(step) => {
                 let (target, camera) = self.target(tour, step);
                 let can_go_on = step == 0 || step < tour.furthest;
@@ -216,8 +219,8 @@ impl App {
         match event {
             Some(TourEvent::Begin) => self.begin_tour(),
             Some(TourEvent::Skip) => {
-                self.tour = None;
-                self.look.tour_offered = true;
+                self.features.tour = None;
+                self.state.preferences.tour_offered = true;
             }
             Some(TourEvent::Back) => self.go_in_tour(-1),
             Some(TourEvent::Next) => self.go_in_tour(1),
@@ -226,24 +229,25 @@ impl App {
     }
 
     fn go_in_tour(&mut self, by: isize) {
-        if let Some(mut tour) = self.tour.take() {
+        if let Some(mut tour) = self.features.tour.take() {
             if let Stage::At(step) = tour.stage {
                 self.enter(&mut tour, step.saturating_add_signed(by).min(STEPS.len() - 1));
             }
-            self.tour = Some(tour);
+            self.features.tour = Some(tour);
         }
     }
 
     /// What a step points at, and the camera that it is about, counted from one.
     fn target(&self, tour: &Tour, step: usize) -> (Option<Rect>, usize) {
-        let named = |name: &str| Names::find(&self.context, |named| named.name == name);
-        let button =
-            |name: &str| Names::find(&self.context, |named| named.name == name && named.role == Role::Button);
+        let named = |name: &str| Names::find(&self.state.egui, |named| named.name == name);
+        let button = |name: &str| {
+            Names::find(&self.state.egui, |named| named.name == name && named.role == Role::Button)
+        };
         let joint = |camera: usize| named(&format!("{JOINT}, Camera {camera}"));
-        let count = self.session.camera_count();
+        let count = self.state.session.camera_count();
         match step {
             0 => {
-                let bar = || Names::find(&self.context, |named| named.name.starts_with("Missing"));
+                let bar = || Names::find(&self.state.egui, |named| named.name.starts_with("Missing"));
                 (bar().or_else(|| named("Camera 1 header")), 1)
             }
             1 => {
@@ -261,7 +265,7 @@ impl App {
             }
             3 => (button("Step"), 1),
             4 if self.run_has_ended() => {
-                (Names::find(&self.context, |named| named.name == "Step" && named.role == Role::Slider), 1)
+                (Names::find(&self.state.egui, |named| named.name == "Step" && named.role == Role::Slider), 1)
             }
             4 => (button("Run"), 1),
             5 => (named("Renderer").or_else(|| button("Renderer")), 1),

@@ -48,11 +48,19 @@ pub(crate) fn keys_around(document: &Document, frame: usize) -> Option<(usize, u
     }
 }
 
+/// The tracker.
+#[derive(Debug, Default)]
+pub(crate) struct TrackingState {
+    /// Whether the screen follows the tracker.
+    pub(crate) follows_tracker: bool,
+    pub(crate) tracked: Tracked,
+}
+
 impl App {
     /// Tracks from the frame on the screen to the end or the beginning.
     pub(crate) fn track(&mut self, backwards: bool) {
         self.interrupt_fit();
-        let (here, count) = (self.selection.frame, self.session.frame_count());
+        let (here, count) = (self.state.selection.frame, self.state.session.frame_count());
         let frames: VecDeque<usize> =
             if backwards { (0..=here).rev().collect() } else { (here..count).collect() };
         let start = self.shown_pose().clone();
@@ -63,7 +71,7 @@ impl App {
     /// Tracks from the key pose before forwards and from the one after backwards, and joins the two.
     pub(crate) fn track_between_keys(&mut self) {
         self.interrupt_fit();
-        let Some((first, last)) = keys_around(self.document(), self.selection.frame) else { return };
+        let Some((first, last)) = keys_around(self.document(), self.state.selection.frame) else { return };
         let document = self.document();
         let leg = |key: usize, frames: VecDeque<usize>| self.leg(key, document.pose_at(key).clone(), frames);
         let legs = vec![leg(first, (first..=last).collect()), leg(last, (first..=last).rev().collect())];
@@ -87,7 +95,7 @@ impl App {
         backwards: bool,
         between: Option<(usize, usize)>,
     ) {
-        let (Some(take), Some(scene)) = (self.session.take.clone(), self.scene()) else { return };
+        let (Some(take), Some(scene)) = (self.state.session.take.clone(), self.scene()) else { return };
         let document = self.document();
         let mut keys = (*document.keys).clone();
         // There a leg begins, from the pose on the screen.
@@ -98,62 +106,62 @@ impl App {
         let job =
             TrackJob::new(take, document.measurement.clone(), scene, document.tracking, Arc::new(keys), legs);
         self.pause();
-        self.run_gesture = Some(self.new_gesture());
+        self.features.fit.run_gesture = Some(self.new_gesture());
         let began = Instant::now();
-        self.session.tracking = Some(Tracking { done: 0, total, backwards, between, range, began });
-        self.follows_tracker = true;
-        self.tracked = Tracked::default();
-        self.selection.step = None;
+        self.state.session.tracking = Some(Tracking { done: 0, total, backwards, between, range, began });
+        self.features.tracking.follows_tracker = true;
+        self.features.tracking.tracked = Tracked::default();
+        self.state.selection.step = None;
         self.worker.request(Lane::Track, job);
     }
 
     /// A frame was tracked: it is taken in with all others of this frame of the window.
     pub(crate) fn frame_tracked(&mut self, frame: usize, estimate: Arc<Estimate>) {
-        self.tracked.heard.push((frame, estimate));
-        self.tracked.newest = Some(frame);
-        if let Some(tracking) = &mut self.session.tracking {
+        self.features.tracking.tracked.heard.push((frame, estimate));
+        self.features.tracking.tracked.newest = Some(frame);
+        if let Some(tracking) = &mut self.state.session.tracking {
             tracking.done += 1;
         }
     }
 
     /// Frames that were tracked before are known better now.
     pub(crate) fn track_revised(&mut self, found: Vec<(usize, Arc<Estimate>)>) {
-        self.tracked.heard.extend(found);
+        self.features.tracking.tracked.heard.extend(found);
     }
 
     /// Takes in what was tracked since the last frame of the window, as part of one undoable act.
     pub(crate) fn take_in_tracked(&mut self) {
-        if !self.tracked.heard.is_empty() {
-            let found = std::mem::take(&mut self.tracked.heard);
-            self.edit(Edit::AddTrack(found), self.run_gesture);
+        if !self.features.tracking.tracked.heard.is_empty() {
+            let found = std::mem::take(&mut self.features.tracking.tracked.heard);
+            self.edit(Edit::AddTrack(found), self.features.fit.run_gesture);
         }
         self.follow_tracker();
     }
 
     /// Goes on to the newest frame, not more often than the screen can show it.
     fn follow_tracker(&mut self) {
-        let Some(newest) = self.tracked.newest else { return };
+        let Some(newest) = self.features.tracking.tracked.newest else { return };
         let is_at_work = self.worker.is_busy(Lane::Track);
-        if !self.follows_tracker {
-            self.tracked.newest = None;
+        if !self.features.tracking.follows_tracker {
+            self.features.tracking.tracked.newest = None;
             return;
         }
-        let since = self.tracked.shown.map_or(FOLLOW_EVERY, |shown| shown.elapsed());
-        let is_drawn = !self.session.is_stale;
+        let since = self.features.tracking.tracked.shown.map_or(FOLLOW_EVERY, |shown| shown.elapsed());
+        let is_drawn = !self.state.session.is_stale;
         if !is_at_work || (since >= FOLLOW_EVERY && is_drawn) {
-            self.tracked.newest = None;
-            self.tracked.shown = Some(Instant::now());
+            self.features.tracking.tracked.newest = None;
+            self.features.tracking.tracked.shown = Some(Instant::now());
             self.go_to_frame(newest);
         } else {
-            self.context.request_repaint_after(FOLLOW_EVERY.saturating_sub(since));
+            self.state.egui.request_repaint_after(FOLLOW_EVERY.saturating_sub(since));
         }
     }
 
     /// The tracker has ended: what it did is said, with the way back.
     pub(crate) fn tracking_ended(&mut self) {
-        self.session.fitting_body = false;
-        self.session.searching = None;
-        let Some(tracking) = self.session.tracking.take() else { return };
+        self.state.session.fitting_body = false;
+        self.state.session.searching = None;
+        let Some(tracking) = self.state.session.tracking.take() else { return };
         self.take_in_tracked();
         let whole = tracking.done == tracking.total;
         let text = match tracking.between {
@@ -170,21 +178,21 @@ impl App {
             None => format!("Stopped after {} of {} frames.", tracking.done, tracking.total),
         };
         let undo = (tracking.done > 0).then_some(Action::Undo);
-        self.notices.info(self.now, text, undo);
+        self.state.notices.info(self.state.now, text, undo);
     }
 
     /// Says where two tracks were joined, and what to do where they do not meet.
     pub(crate) fn tracks_joined(&mut self, frame: usize, distance_m: f64, meets: bool) {
         let centimetres = crate::style::format::number(100.0 * distance_m, 1);
         if meets {
-            self.doing =
+            self.state.status =
                 Some(format!("Joined after frame {frame}, where both tracks agree to {centimetres} cm."));
         } else {
             let text = format!(
                 "The two tracks do not meet: they are nearest in frame {frame}, {centimetres} cm apart. \
                  Set another key pose near there and track again."
             );
-            self.notices.error(text);
+            self.state.notices.error(text);
         }
     }
 
@@ -193,30 +201,30 @@ impl App {
         self.interrupt_fit();
         let Some(scene) = self.scene() else { return };
         let start = self.shown_pose().clone();
-        self.session.searching = Some(self.selection.frame);
+        self.state.session.searching = Some(self.state.selection.frame);
         self.worker.request(Lane::Track, PosesJob { scene, start });
     }
 
     /// Other poses were found for a frame.
     pub(crate) fn poses_found(&mut self, frame: usize, found: Vec<Hypothesis>) {
-        if self.session.searching == Some(frame) {
+        if self.state.session.searching == Some(frame) {
             let others = found.len().saturating_sub(1);
             let text = match others {
                 0 => format!("Frame {frame}: no other pose was found that fits."),
                 1 => format!("Frame {frame}: two poses fit; see Refit."),
                 _ => format!("Frame {frame}: {} poses fit; see Refit.", others + 1),
             };
-            self.notices.info(self.now, text, None);
+            self.state.notices.info(self.state.now, text, None);
         }
         let fit = self.document().fit.clone();
-        self.session.other_poses.insert(frame, OtherPoses { found, fit });
+        self.state.session.other_poses.insert(frame, OtherPoses { found, fit });
     }
 
     /// Gives the frame on the screen one of the poses that were found for it.
     pub(crate) fn choose_pose(&mut self, index: usize) {
         self.interrupt_fit();
-        let frame = self.selection.frame;
-        let found = self.session.other_poses.get(&frame).and_then(|poses| poses.found.get(index));
+        let frame = self.state.selection.frame;
+        let found = self.state.session.other_poses.get(&frame).and_then(|poses| poses.found.get(index));
         if let Some(pose) = found.map(|found| found.pose.clone()) {
             self.edit(Edit::SetPose { frame, pose, what: "Choose pose".to_owned() }, None);
         }
@@ -233,8 +241,8 @@ impl App {
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         found.truncate(found.len().div_ceil(10));
         let frames: Vec<usize> = found.into_iter().map(|(_, frame)| frame).collect();
-        if let Some(frame) = neighbour(&frames, self.selection.frame, later) {
-            self.follows_tracker = false;
+        if let Some(frame) = neighbour(&frames, self.state.selection.frame, later) {
+            self.features.tracking.follows_tracker = false;
             self.go_to_frame(frame);
         }
     }
@@ -242,8 +250,8 @@ impl App {
     /// Goes to the next or the previous key pose; past the last one, to the first.
     pub(crate) fn go_to_key(&mut self, later: bool) {
         let keys: Vec<usize> = self.document().keys.keys().copied().collect();
-        if let Some(frame) = neighbour(&keys, self.selection.frame, later) {
-            self.follows_tracker = false;
+        if let Some(frame) = neighbour(&keys, self.state.selection.frame, later) {
+            self.features.tracking.follows_tracker = false;
             self.interrupt_fit();
             self.go_to_frame(frame);
         }

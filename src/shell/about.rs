@@ -2,7 +2,7 @@
 
 use egui::{Align, Button, Layout as Direction, RichText, Ui, vec2};
 
-use crate::context::{Intents, Request};
+use crate::context::{Request, Requests};
 use crate::style::theme;
 use crate::style::theme::{size, space, title};
 use crate::widgets::{card, primary_button};
@@ -26,7 +26,7 @@ const LINKS: [(&str, &str); 3] = [
 ];
 
 /// Shows what the program is and says whether that stays open.
-pub(crate) fn about(ui: &Ui, intents: &mut Intents) -> bool {
+pub(crate) fn about(ui: &Ui, requests: &mut Requests) -> bool {
     let mut close = false;
     let modal = card(ui.ctx(), "about").show(ui.ctx(), |ui| {
         let palette = theme::palette(ui);
@@ -41,10 +41,10 @@ pub(crate) fn about(ui: &Ui, intents: &mut Intents) -> bool {
         ui.label(CITATION);
         ui.horizontal(|ui| {
             if text_button(ui, "Copy citation", "As it stands above") {
-                intents.request(Request::Copy("citation", CITATION.to_owned()));
+                requests.request(Request::Copy("citation", CITATION.to_owned()));
             }
             if text_button(ui, "Copy BibTeX", BIBTEX) {
-                intents.request(Request::Copy("BibTeX entry", BIBTEX.to_owned()));
+                requests.request(Request::Copy("BibTeX entry", BIBTEX.to_owned()));
             }
         });
         ui.add_space(space::GROUP);
@@ -53,7 +53,7 @@ pub(crate) fn about(ui: &Ui, intents: &mut Intents) -> bool {
         ui.add_space(space::ROW);
         for (text, address) in LINKS {
             if ui.link(text).on_hover_text(address).clicked() {
-                intents.request(Request::OpenPage(address));
+                requests.request(Request::OpenPage(address));
             }
         }
         ui.add_space(space::GROUP);
@@ -61,7 +61,7 @@ pub(crate) fn about(ui: &Ui, intents: &mut Intents) -> bool {
             close = primary_button(ui, "Close").clicked();
             let system = format!("{version}, {} {}", std::env::consts::OS, std::env::consts::ARCH);
             if text_button(ui, "Copy version", &system) {
-                intents.request(Request::Copy("version", format!("Backlit {}", system.to_lowercase())));
+                requests.request(Request::Copy("version", format!("Backlit {}", system.to_lowercase())));
             }
         });
     });

@@ -11,7 +11,7 @@ use super::tiles::TilesLook;
 use crate::context::action::Action;
 use crate::context::arrangement::{Arrangement, Centre, automatic, has_strip, panes_with, snap};
 use crate::context::pane::{HEADER_BUTTONS, Pane};
-use crate::context::{Intents, PaneEvent, Request, Showing};
+use crate::context::{Context, PaneEvent, Request, Requests};
 use crate::features::basin::panel as basin;
 use crate::features::camera_views::CameraPanes;
 use crate::features::convergence::panel as convergence;
@@ -28,54 +28,54 @@ const TABS: f32 = 26.0;
 const DROP_TINT: f32 = 0.22;
 
 /// The centre, in all of the space that is left.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, look: &TilesLook<'_>, intents: &mut Intents) {
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, look: &TilesLook<'_>, requests: &mut Requests) {
     let mut rect = ui.available_rect_before_wrap();
     ui.painter().rect_filled(rect, 0.0, theme::palette(ui).well);
-    let common = CameraPanes::new(showing, look.views);
+    let common = CameraPanes::new(context, look.views);
     if let Some(pane) = look.alone {
         // Alone in the window, a camera has the badges of all others.
-        let cameras = (0..showing.session.camera_count()).map(Pane::Camera);
+        let cameras = (0..context.session.camera_count()).map(Pane::Camera);
         let others: Vec<Pane> = match pane {
             Pane::Camera(_) => cameras.filter(|other| *other != pane).collect(),
             _ => Vec::new(),
         };
-        let input = Contents { showing, look, common: &common, pane, siblings: &others };
-        contents(ui, rect, &input, intents);
+        let input = Contents { context, look, common: &common, pane, siblings: &others };
+        contents(ui, rect, &input, requests);
         return;
     }
-    let cameras = showing.session.camera_count();
-    let centre = Centre { layout: showing.look.layout, cameras, pair: look.pair, size: rect.size() };
-    let kept = showing.look.kept.get(centre.layout, cameras);
+    let cameras = context.session.camera_count();
+    let centre = Centre { layout: context.preferences.layout, cameras, pair: look.pair, size: rect.size() };
+    let kept = context.preferences.kept.get(centre.layout, cameras);
     if kept.is_none() && has_strip(&centre) {
         let strip = Rect::from_min_max(pos2(rect.left(), rect.bottom() - STRIP), rect.max);
         rect.set_bottom(strip.top());
-        strip_of_cameras(ui, showing, look.pair, strip, intents);
+        strip_of_cameras(ui, context, look.pair, strip, requests);
     }
     let mut tree = kept.cloned().unwrap_or_else(|| automatic(&centre));
     let before = tree.clone();
     let mut behavior = Dock {
-        showing,
+        context,
         look,
         common: &common,
         shows_siblings: kept.is_some() || !has_strip(&centre),
-        intents,
+        requests,
         before: &before,
         edit: None,
     };
     ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| tree.ui(&mut behavior, ui));
     let edit = behavior.edit.take();
     if tree.active_tiles().is_empty() {
-        nothing_open(ui, rect, intents);
+        nothing_open(ui, rect, requests);
     }
     match edit {
         Some(EditAction::TileResized) => {
             if let Some(pointer) = ui.input(|input| input.pointer.latest_pos()) {
                 snap(&before, &mut tree, pointer);
             }
-            intents.request(Request::Arrange(Box::new(tree)));
+            requests.request(Request::Arrange(Box::new(tree)));
         }
         Some(EditAction::TileDropped | EditAction::TabSelected) => {
-            intents.request(Request::Arrange(Box::new(tree)));
+            requests.request(Request::Arrange(Box::new(tree)));
         }
         Some(EditAction::TileDragged) | None => {}
     }
@@ -83,7 +83,7 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, look: &TilesLook<'_>, inten
 
 /// What stands in a tile.
 struct Contents<'a> {
-    showing: &'a Showing<'a>,
+    context: &'a Context<'a>,
     look: &'a TilesLook<'a>,
     common: &'a CameraPanes<'a>,
     pane: Pane,
@@ -92,42 +92,42 @@ struct Contents<'a> {
 }
 
 /// Shows a pane; whether its tile is dragged away by its header.
-fn contents(ui: &mut Ui, rect: Rect, input: &Contents<'_>, intents: &mut Intents) -> bool {
-    let Contents { showing, look, common, pane, siblings } = *input;
+fn contents(ui: &mut Ui, rect: Rect, input: &Contents<'_>, requests: &mut Requests) -> bool {
+    let Contents { context, look, common, pane, siblings } = *input;
     let mut dragged = false;
     ui.scope_builder(UiBuilder::new().scope_id(pane.scope()).max_rect(rect), |ui| {
         ui.set_clip_rect(rect.intersect(ui.clip_rect()));
         if !matches!(pane, Pane::Camera(_)) {
-            dragged = handle(ui, rect, pane, intents);
+            dragged = handle(ui, rect, pane, requests);
         }
         match pane {
             Pane::Camera(index) => {
-                dragged = common.show(ui, index, siblings, intents);
+                dragged = common.show(ui, index, siblings, requests);
             }
-            Pane::Scene => scene::ui(ui, showing, look.views.dragged, siblings, intents),
-            Pane::Convergence => convergence::ui(ui, showing, siblings, intents),
-            Pane::Basin => basin::ui(ui, showing, siblings, intents),
+            Pane::Scene => scene::ui(ui, context, look.views.dragged, siblings, requests),
+            Pane::Convergence => convergence::ui(ui, context, siblings, requests),
+            Pane::Basin => basin::ui(ui, context, siblings, requests),
         }
         if !matches!(pane, Pane::Camera(_)) {
-            header_buttons(ui, rect, pane, look.alone == Some(pane), intents);
+            header_buttons(ui, rect, pane, look.alone == Some(pane), requests);
         }
     });
     dragged
 }
 
 /// The header of a pane that is no camera: drag it, or make it large. It lies under the pane's own widgets.
-fn handle(ui: &Ui, rect: Rect, pane: Pane, intents: &mut Intents) -> bool {
+fn handle(ui: &Ui, rect: Rect, pane: Pane, requests: &mut Requests) -> bool {
     let header = Rect::from_min_size(rect.min, vec2(rect.width(), size::TILE_HEADER));
     let response = ui.interact(header, ui.scope_id().with("handle"), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::TitleBar, true, format!("{} header", pane.title())));
     if response.double_clicked() {
-        intents.request(Request::Pane(pane, PaneEvent::ToggleAlone));
+        requests.request(Request::Pane(pane, PaneEvent::ToggleAlone));
     }
     response.drag_started()
 }
 
 /// Full window and more, at the right end of the header.
-fn header_buttons(ui: &mut Ui, rect: Rect, pane: Pane, is_alone: bool, intents: &mut Intents) {
+fn header_buttons(ui: &mut Ui, rect: Rect, pane: Pane, is_alone: bool, requests: &mut Requests) {
     let title = pane.title();
     let left = pos2(rect.right() - HEADER_BUTTONS, rect.top());
     let place = Rect::from_min_size(left, vec2(HEADER_BUTTONS, size::TILE_HEADER));
@@ -136,50 +136,50 @@ fn header_buttons(ui: &mut Ui, rect: Rect, pane: Pane, is_alone: bool, intents: 
         ui.spacing_mut().item_spacing.x = 0.0;
         let tooltip = if is_alone { "Back to all tiles" } else { "Fill the window with this tile" };
         if icon_button(ui, Icon::Expand, &format!("Expand {title}"), tooltip).clicked() {
-            intents.request(Request::Pane(pane, PaneEvent::ToggleAlone));
+            requests.request(Request::Pane(pane, PaneEvent::ToggleAlone));
         }
         let more = icon_button(ui, Icon::More, &format!("More for {title}"), "More");
         Popup::menu(&more).show(|ui| {
             let close = ui.add(Button::new("Close tile"));
             if close.on_hover_text("The View menu opens it again").clicked() {
-                intents.request(Request::Pane(pane, PaneEvent::Close));
+                requests.request(Request::Pane(pane, PaneEvent::Close));
             }
         });
     });
 }
 
-fn nothing_open(ui: &mut Ui, rect: Rect, intents: &mut Intents) {
+fn nothing_open(ui: &mut Ui, rect: Rect, requests: &mut Requests) {
     let middle = Rect::from_center_size(rect.center(), vec2(320.0, 64.0));
     let builder = UiBuilder::new().max_rect(middle).layout(Direction::top_down(Align::Center));
     ui.scope_builder(builder, |ui| {
         ui.label("All tiles are closed.");
         let button = ui.add(Button::new(Action::ArrangeTiles.text()).min_size(vec2(0.0, size::BUTTON)));
         if button.on_hover_text(Action::ArrangeTiles.tooltip()).clicked() {
-            intents.act(Action::ArrangeTiles);
+            requests.act(Action::ArrangeTiles);
         }
     });
 }
 
 fn strip_of_cameras(
     ui: &mut Ui,
-    showing: &Showing<'_>,
+    context: &Context<'_>,
     pair: [usize; 2],
     strip: Rect,
-    intents: &mut Intents,
+    requests: &mut Requests,
 ) {
     let palette = theme::palette(ui);
     ui.painter().rect_filled(strip, 0.0, palette.raised);
     let inner = strip.shrink2(vec2(space::WIDGET, 0.0));
     let builder = UiBuilder::new().max_rect(inner).layout(Direction::left_to_right(Align::Center));
     ui.scope_builder(builder, |ui| {
-        for camera in 0..showing.session.camera_count() {
+        for camera in 0..context.session.camera_count() {
             let response = camera_badge(ui, camera);
             if pair.contains(&camera) {
                 let line = response.rect.translate(vec2(0.0, 4.0));
                 ui.painter().hline(line.x_range(), line.bottom(), Stroke::new(2.0, palette.text));
             }
             if response.on_hover_text(format!("Show camera {}", camera + 1)).clicked() {
-                intents.request(Request::Camera(camera));
+                requests.request(Request::Camera(camera));
             }
         }
         let text = egui::RichText::new("Two views fit; the others are here").small();
@@ -189,12 +189,12 @@ fn strip_of_cameras(
 
 /// How the tree is shown.
 struct Dock<'a> {
-    showing: &'a Showing<'a>,
+    context: &'a Context<'a>,
     look: &'a TilesLook<'a>,
     common: &'a CameraPanes<'a>,
     /// Whether panes that stand behind one are named in its header.
     shows_siblings: bool,
-    intents: &'a mut Intents,
+    requests: &'a mut Requests,
     before: &'a Arrangement,
     edit: Option<EditAction>,
 }
@@ -218,13 +218,13 @@ impl Behavior<Pane> for Dock<'_> {
     fn pane_ui(&mut self, ui: &mut Ui, _tile_id: TileId, pane: &mut Pane) -> UiResponse {
         let siblings = self.siblings(*pane);
         let input = Contents {
-            showing: self.showing,
+            context: self.context,
             look: self.look,
             common: self.common,
             pane: *pane,
             siblings: &siblings,
         };
-        let dragged = contents(ui, ui.max_rect(), &input, self.intents);
+        let dragged = contents(ui, ui.max_rect(), &input, self.requests);
         if dragged { UiResponse::DragStarted } else { UiResponse::None }
     }
 
@@ -260,7 +260,7 @@ impl Behavior<Pane> for Dock<'_> {
         if let Some(pane) = tiles.get_pane(&tile_id)
             && response.double_clicked()
         {
-            self.intents.request(Request::Pane(*pane, PaneEvent::ToggleAlone));
+            self.requests.request(Request::Pane(*pane, PaneEvent::ToggleAlone));
         }
         response
     }

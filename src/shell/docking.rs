@@ -8,7 +8,7 @@ use crate::context::action::Action;
 use crate::context::arrangement;
 use crate::context::arrangement::{Arrangement, Centre};
 use crate::context::pane::Pane;
-use crate::context::preferences::Look;
+use crate::context::preferences::Preferences;
 
 /// What belongs to the tiles and is not kept for the next start.
 #[derive(Debug)]
@@ -20,7 +20,7 @@ pub(crate) struct Docking {
     /// Size of the centre in the last frame, in points.
     pub(crate) size: Vec2,
     /// How it looked before the layout was reset.
-    pub(crate) before: Option<Box<Look>>,
+    pub(crate) before: Option<Box<Preferences>>,
 }
 
 impl Default for Docking {
@@ -32,30 +32,31 @@ impl Default for Docking {
 impl App {
     fn centre(&self) -> Centre {
         Centre {
-            layout: self.look.layout,
-            cameras: self.session.camera_count(),
-            pair: self.docking.pair,
-            size: self.docking.size,
+            layout: self.state.preferences.layout,
+            cameras: self.state.session.camera_count(),
+            pair: self.shell.docking.pair,
+            size: self.shell.docking.size,
         }
     }
 
     /// The user's arrangement of this layout, else the automatic one.
     fn arrangement(&self) -> Arrangement {
         let centre = self.centre();
-        let kept = self.look.kept.get(centre.layout, centre.cameras);
+        let kept = self.state.preferences.kept.get(centre.layout, centre.cameras);
         kept.cloned().unwrap_or_else(|| arrangement::automatic(&centre))
     }
 
     /// The user has arranged the tiles.
     pub(crate) fn arrange(&mut self, tree: Arrangement) {
-        let cameras = self.session.camera_count();
-        self.look.kept.set(self.look.layout, cameras, tree);
+        let cameras = self.state.session.camera_count();
+        self.state.preferences.kept.set(self.state.preferences.layout, cameras, tree);
     }
 
     pub(crate) fn pane_event(&mut self, pane: Pane, event: PaneEvent) {
         match event {
             PaneEvent::ToggleAlone => {
-                self.docking.alone = if self.docking.alone == Some(pane) { None } else { Some(pane) };
+                self.shell.docking.alone =
+                    if self.shell.docking.alone == Some(pane) { None } else { Some(pane) };
                 if let Pane::Camera(camera) = pane {
                     self.make_active(camera);
                 }
@@ -64,29 +65,29 @@ impl App {
                 let mut tree = self.arrangement();
                 arrangement::open(&mut tree, pane);
                 self.arrange(tree);
-                self.docking.alone = None;
+                self.shell.docking.alone = None;
             }
             PaneEvent::Close => {
                 let mut tree = self.arrangement();
                 arrangement::close(&mut tree, pane);
                 self.arrange(tree);
-                self.docking.alone = self.docking.alone.filter(|alone| *alone != pane);
+                self.shell.docking.alone = self.shell.docking.alone.filter(|alone| *alone != pane);
             }
         }
     }
 
     /// Makes a camera's tile the active one, and shows it where it was hidden.
     pub(crate) fn make_active(&mut self, camera: usize) {
-        if !self.docking.pair.contains(&camera) {
-            let other = usize::from(self.docking.pair[0] == self.selection.camera);
-            self.docking.pair[other] = camera;
+        if !self.shell.docking.pair.contains(&camera) {
+            let other = usize::from(self.shell.docking.pair[0] == self.state.selection.camera);
+            self.shell.docking.pair[other] = camera;
         }
-        if matches!(self.docking.alone, Some(Pane::Camera(_))) {
-            self.docking.alone = Some(Pane::Camera(camera));
+        if matches!(self.shell.docking.alone, Some(Pane::Camera(_))) {
+            self.shell.docking.alone = Some(Pane::Camera(camera));
         }
-        self.selection.camera = camera;
-        let cameras = self.session.camera_count();
-        if let Some(kept) = self.look.kept.get(self.look.layout, cameras) {
+        self.state.selection.camera = camera;
+        let cameras = self.state.session.camera_count();
+        if let Some(kept) = self.state.preferences.kept.get(self.state.preferences.layout, cameras) {
             let mut tree = kept.clone();
             arrangement::open(&mut tree, Pane::Camera(camera));
             if tree != *kept {
@@ -97,36 +98,37 @@ impl App {
 
     /// Shows another camera in the tile of one.
     pub(crate) fn switch_camera(&mut self, from: usize, to: usize) {
-        if let Some(place) = self.docking.pair.iter().position(|camera| *camera == from)
-            && !self.docking.pair.contains(&to)
+        if let Some(place) = self.shell.docking.pair.iter().position(|camera| *camera == from)
+            && !self.shell.docking.pair.contains(&to)
         {
-            self.docking.pair[place] = to;
+            self.shell.docking.pair[place] = to;
         }
         self.make_active(to);
     }
 
     pub(crate) fn act_on_tiles(&mut self, action: Action) -> bool {
-        let cameras = self.session.camera_count();
+        let cameras = self.state.session.camera_count();
         match action {
             Action::ShowScene => self.toggle_pane(Pane::Scene),
             Action::ShowBasin => self.toggle_pane(Pane::Basin),
             Action::ShowConvergence => self.toggle_pane(Pane::Convergence),
             Action::ArrangeTiles => {
-                self.docking.before = Some(Box::new(self.look.clone()));
-                self.docking.alone = None;
-                self.look.kept.forget(self.look.layout, cameras);
-                self.notices.info(self.now, "Arranged the tiles.", Some(Action::RestoreLayout));
+                self.shell.docking.before = Some(Box::new(self.state.preferences.clone()));
+                self.shell.docking.alone = None;
+                self.state.preferences.kept.forget(self.state.preferences.layout, cameras);
+                self.state.notices.info(self.state.now, "Arranged the tiles.", Some(Action::RestoreLayout));
             }
             Action::ResetLayout => {
-                self.docking.before = Some(Box::new(self.look.clone()));
-                self.docking.alone = None;
-                self.look.reset();
-                self.notices.info(self.now, "Reset the layout.", Some(Action::RestoreLayout));
+                self.shell.docking.before = Some(Box::new(self.state.preferences.clone()));
+                self.shell.docking.alone = None;
+                self.state.preferences.reset();
+                self.state.notices.info(self.state.now, "Reset the layout.", Some(Action::RestoreLayout));
             }
             Action::RestoreLayout => {
-                if let Some(before) = self.docking.before.take() {
-                    self.look = (*before).with_memory_of(std::mem::take(&mut self.look));
-                    self.doing = Some("The layout is as it was.".to_owned());
+                if let Some(before) = self.shell.docking.before.take() {
+                    self.state.preferences =
+                        (*before).with_memory_of(std::mem::take(&mut self.state.preferences));
+                    self.state.status = Some("The layout is as it was.".to_owned());
                 }
             }
             _ => return self.act_on_scene(action),
@@ -135,13 +137,13 @@ impl App {
     }
 
     fn toggle_pane(&mut self, pane: Pane) {
-        let is_open = self.look.is_open(pane, self.session.camera_count());
+        let is_open = self.state.preferences.is_open(pane, self.state.session.camera_count());
         self.pane_event(pane, if is_open { PaneEvent::Close } else { PaneEvent::Open });
     }
 
     /// Whether a tile is being dragged: Esc is its own then.
     pub(crate) fn is_moving_tile(&self, ctx: &egui::Context) -> bool {
         let is_dragging = ctx.dragged_id().is_some() || ctx.drag_stopped_id().is_some();
-        is_dragging && self.session.take.is_some() && self.arrangement().dragged_id(ctx).is_some()
+        is_dragging && self.state.session.take.is_some() && self.arrangement().dragged_id(ctx).is_some()
     }
 }

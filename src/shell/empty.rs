@@ -5,26 +5,26 @@ use egui::{Align, CentralPanel, Frame, Layout as Direction, RichText, Ui, vec2};
 use super::recent;
 use crate::context::action::Action;
 use crate::context::command_button::{button, named_button, primary};
-use crate::context::{Intents, Showing};
+use crate::context::{Context, Requests};
 use crate::features::recovery::panel as recovery;
 use crate::features::recovery::panel::Offer;
 use crate::style::theme;
 use crate::style::theme::title;
 
 /// The empty state, or work that an earlier start left unsaved, if there is any.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, offer: &Offer<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, offer: &Offer<'_>) {
     let palette = theme::palette(ui);
     CentralPanel::default().frame(Frame::NONE.fill(palette.panel)).show(ui, |ui| {
         ui.with_layout(Direction::top_down(Align::Center), |ui| {
             let above = if offer.left.is_empty() { 0.30 } else { 0.06 };
             ui.add_space((ui.available_height() * above).max(16.0));
-            if showing.busy.opening {
+            if context.busy.opening {
                 ui.label(RichText::new("Opening the take…").text_style(title()).color(palette.text));
                 return;
             }
             let is_offered = !offer.left.is_empty();
             if is_offered {
-                recovery::ui(ui, intents, offer);
+                recovery::ui(ui, requests, offer);
             }
             let text = "Open a take, or look around in the built-in one";
             if is_offered {
@@ -37,16 +37,16 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, offe
             ui.allocate_ui_with_layout(vec2(182.0, 28.0), Direction::left_to_right(Align::Center), |ui| {
                 // The likely next act is to go on with what was left.
                 let open = if is_offered { button } else { primary };
-                open(ui, showing, intents, Action::OpenTake);
-                named_button(ui, showing, intents, Action::OpenBuiltIn, "Built-in take");
+                open(ui, context, requests, Action::OpenTake);
+                named_button(ui, context, requests, Action::OpenBuiltIn, "Built-in take");
             });
             if is_offered {
                 return;
             }
             ui.add_space(16.0);
-            if recent::has_any(showing) {
+            if recent::has_any(context) {
                 ui.label(RichText::new("Recent takes and projects").small().color(palette.text3));
-                recent::rows(ui, showing, intents, false);
+                recent::rows(ui, context, requests, false);
                 ui.add_space(8.0);
             }
             let text = "A take is a folder with a take.toml. Drop one anywhere to open it.";

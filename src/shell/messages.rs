@@ -3,13 +3,13 @@
 use egui::{Align, Button, Label, Layout as Direction, RichText, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 
 use crate::context::notices::{Notices, Severity};
-use crate::context::{Intents, Request};
+use crate::context::{Request, Requests};
 use crate::style::theme;
 use crate::style::theme::{size, space, title};
 use crate::widgets::{Icon, card, primary_button};
 
 /// Shows all messages, the newest first, and says whether they stay open.
-pub(crate) fn messages(ui: &Ui, notices: &Notices, now: f64, intents: &mut Intents) -> bool {
+pub(crate) fn messages(ui: &Ui, notices: &Notices, now: f64, requests: &mut Requests) -> bool {
     let mut close = false;
     let modal = card(ui.ctx(), "messages").show(ui.ctx(), |ui| {
         let palette = theme::palette(ui);
@@ -45,7 +45,7 @@ pub(crate) fn messages(ui: &Ui, notices: &Notices, now: f64, intents: &mut Inten
             let copy = Button::new("Copy all").min_size(vec2(0.0, size::BUTTON));
             if ui.add_enabled(!notices.all().is_empty(), copy).clicked() {
                 let texts: Vec<&str> = notices.all().iter().map(|notice| notice.text.as_str()).collect();
-                intents.request(Request::Copy("messages", texts.join("\n")));
+                requests.request(Request::Copy("messages", texts.join("\n")));
             }
         });
     });

@@ -6,7 +6,7 @@ use egui::{
 
 use crate::context::action::Action;
 use crate::context::notices::{Notice, Severity};
-use crate::context::{Intents, Request, Showing};
+use crate::context::{Context, Request, Requests};
 use crate::style::theme;
 use crate::style::theme::{size, space};
 use crate::widgets::{Icon, icon_button};
@@ -14,19 +14,19 @@ use crate::widgets::{Icon, icon_button};
 /// The cards, upwards from the corner `bottom_right`. Returns the cards under the pointer.
 pub(crate) fn ui(
     ui: &Ui,
-    showing: &Showing<'_>,
-    intents: &mut Intents,
+    context: &Context<'_>,
+    requests: &mut Requests,
     bottom_right: egui::Pos2,
 ) -> Vec<u64> {
     let mut held = Vec::new();
     let mut corner = bottom_right - vec2(space::GROUP, space::GROUP);
-    let cards: Vec<&Notice> = showing.notices.cards().collect();
+    let cards: Vec<&Notice> = context.notices.cards().collect();
     for notice in cards.into_iter().rev() {
         let area = Area::new(Id::unique(("notice", notice.id)))
             .order(Order::Foreground)
             .pivot(egui::Align2::RIGHT_BOTTOM)
             .fixed_pos(corner);
-        let response = area.show(ui.ctx(), |ui| card(ui, notice, intents)).response;
+        let response = area.show(ui.ctx(), |ui| card(ui, notice, requests)).response;
         if response.contains_pointer() {
             held.push(notice.id);
         }
@@ -40,7 +40,7 @@ fn word(action: Action) -> &'static str {
     if action == Action::RestoreLayout { Action::Undo.text() } else { action.text() }
 }
 
-fn card(ui: &mut Ui, notice: &Notice, intents: &mut Intents) {
+fn card(ui: &mut Ui, notice: &Notice, requests: &mut Requests) {
     let palette = theme::palette(ui);
     let (edge, icon, colour) = match notice.severity {
         Severity::Info => (palette.line2, Icon::Info, palette.info),
@@ -59,13 +59,13 @@ fn card(ui: &mut Ui, notice: &Notice, intents: &mut Intents) {
             icon.paint(ui.painter(), rect, colour);
             ui.with_layout(Direction::right_to_left(Align::Min), |ui| {
                 if icon_button(ui, Icon::Close, "Close notice", "Close").clicked() {
-                    intents.request(Request::CloseNotice(notice.id));
+                    requests.request(Request::CloseNotice(notice.id));
                 }
                 if let Some(action) = notice.action
                     && ui.add(Button::new(word(action)).min_size(vec2(0.0, size::BUTTON))).clicked()
                 {
-                    intents.act(action);
-                    intents.request(Request::CloseNotice(notice.id));
+                    requests.act(action);
+                    requests.request(Request::CloseNotice(notice.id));
                 }
                 ui.with_layout(Direction::left_to_right(Align::Min), |ui| {
                     let text = egui::Label::new(RichText::new(&notice.text).color(palette.text)).wrap();

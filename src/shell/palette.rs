@@ -3,7 +3,7 @@
 use egui::{Button, Key, RichText, ScrollArea, Ui, vec2};
 
 use crate::context::action::Action;
-use crate::context::{Intents, Request, Showing, unavailable};
+use crate::context::{Context, Request, Requests, unavailable};
 use crate::shell::matching::fuzzy;
 use crate::style::theme;
 use crate::style::theme::size;
@@ -35,7 +35,7 @@ struct Found {
 
 impl Palette {
     /// Shows the palette and says whether it stays open.
-    pub(crate) fn ui(&mut self, ui: &Ui, showing: &Showing<'_>, intents: &mut Intents) -> bool {
+    pub(crate) fn ui(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
         let mut chosen = None;
         let modal = search_card(ui.ctx(), "palette").show(ui.ctx(), |ui| {
             ui.set_width(WIDTH);
@@ -45,7 +45,7 @@ impl Palette {
             if field.changed() {
                 self.marked = 0;
             }
-            let found = matching(&self.text, &showing.look.used_commands);
+            let found = matching(&self.text, &context.preferences.used_commands);
             let has_moved = self.move_mark(ui, found.len());
             let enter = ui.input(|input| input.key_pressed(Key::Enter));
             ui.add_space(4.0);
@@ -56,7 +56,7 @@ impl Palette {
                         ui.separator();
                     }
                     let is_marked = index == self.marked;
-                    let clicked = row(ui, showing, one.action, is_marked, has_moved);
+                    let clicked = row(ui, context, one.action, is_marked, has_moved);
                     if clicked || (enter && is_marked) {
                         chosen = Some(one.action);
                     }
@@ -66,9 +66,9 @@ impl Palette {
                 }
             });
         });
-        if let Some(action) = chosen.filter(|action| unavailable(*action, showing).is_none()) {
-            intents.request(Request::Used(action));
-            intents.act(action);
+        if let Some(action) = chosen.filter(|action| unavailable(*action, context).is_none()) {
+            requests.request(Request::Used(action));
+            requests.act(action);
             return false;
         }
         !modal.should_close()
@@ -95,8 +95,8 @@ impl Palette {
 }
 
 /// A command with its keys, or with the reason why it cannot be used.
-fn row(ui: &mut Ui, showing: &Showing<'_>, action: Action, is_marked: bool, scroll: bool) -> bool {
-    let why_not = unavailable(action, showing);
+fn row(ui: &mut Ui, context: &Context<'_>, action: Action, is_marked: bool, scroll: bool) -> bool {
+    let why_not = unavailable(action, context);
     let text = format!("{}: {}", action.menu().text(), action.text());
     let right = why_not.map_or_else(|| action.keys_text().unwrap_or_default(), str::to_owned);
     let button = Button::selectable(is_marked, text)

@@ -3,17 +3,17 @@
 use egui::{Button, Label, Response, RichText, Role, TextStyle, TextWrapMode, Ui, WidgetInfo, WidgetText};
 
 use crate::context::pane::Pane;
-use crate::context::{Intents, PaneEvent, Request};
+use crate::context::{PaneEvent, Request, Requests};
 use crate::style::theme;
 use crate::style::theme::size;
 use crate::widgets::camera_badge;
 
 /// The title of a pane that is no camera, and the panes behind it.
-pub(crate) fn show(ui: &mut Ui, pane: Pane, siblings: &[Pane], intents: &mut Intents) {
+pub(crate) fn show(ui: &mut Ui, pane: Pane, siblings: &[Pane], requests: &mut Requests) {
     ui.add(Label::new(pane.title()).selectable(false));
     for sibling in siblings {
         if behind(ui, *sibling).clicked() {
-            intents.request(Request::Pane(*sibling, PaneEvent::Open));
+            requests.request(Request::Pane(*sibling, PaneEvent::Open));
         }
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use egui::{Id, RichText, Ui};
 
-use crate::context::{Intents, Request, Showing};
+use crate::context::{Context, Request, Requests};
 use crate::style::theme;
 use crate::style::theme::size;
 use crate::widgets::{Icon, icon_button};
@@ -13,9 +13,9 @@ use crate::widgets::{Icon, icon_button};
 const BELIEVED: f64 = 5.0;
 
 /// A row for each. Those that are not there any more are grey and say so. Returns whether one was chosen.
-pub(crate) fn rows(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, is_menu: bool) -> bool {
+pub(crate) fn rows(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, is_menu: bool) -> bool {
     let mut is_chosen = false;
-    for path in &showing.look.recent {
+    for path in &context.preferences.recent {
         let is_there = is_there(ui, path);
         let name = path.file_name().map_or_else(|| path.to_string_lossy(), |name| name.to_string_lossy());
         let row = |ui: &mut Ui| {
@@ -47,10 +47,10 @@ pub(crate) fn rows(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, is
             shown.inner
         };
         if opens {
-            intents.request(Request::OpenPath(path.clone()));
+            requests.request(Request::OpenPath(path.clone()));
         }
         if forgets {
-            intents.request(Request::ForgetRecent(path.clone()));
+            requests.request(Request::ForgetRecent(path.clone()));
         }
         is_chosen |= opens;
     }
@@ -71,6 +71,6 @@ fn is_there(ui: &Ui, path: &Path) -> bool {
 }
 
 /// Whether there are any.
-pub(crate) fn has_any(showing: &Showing<'_>) -> bool {
-    !showing.look.recent.is_empty()
+pub(crate) fn has_any(context: &Context<'_>) -> bool {
+    !context.preferences.recent.is_empty()
 }

@@ -3,7 +3,7 @@
 use egui::{Frame, Margin, Panel, ScrollArea, Ui};
 
 use crate::context::preferences::Layout;
-use crate::context::{Intents, Showing};
+use crate::context::{Context, Requests};
 use crate::features::basin::panel as basin;
 use crate::features::fit::{measurement, refit, renderer, solver};
 use crate::features::observability::{camera_subsets, panel as observability};
@@ -15,13 +15,13 @@ use crate::style::theme::{size, space};
 const NARROW: f32 = 1200.0;
 
 /// The column.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let palette = theme::palette(ui);
     let frame = Frame::NONE.fill(palette.panel).inner_margin(Margin::ZERO);
-    let layout = showing.look.layout;
+    let layout = context.preferences.layout;
     let narrow = ui.max_rect().width() < NARROW;
     let width = if narrow { *size::RIGHT_PANEL_RANGE.start() } else { layout.panel_width() };
-    Panel::right(("right panel", layout, narrow, showing.look.generation))
+    Panel::right(("right panel", layout, narrow, context.preferences.generation))
         .default_size(width)
         .size_range(size::RIGHT_PANEL_RANGE)
         .resizable(true)
@@ -30,25 +30,25 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 let margin = Margin::symmetric(space::PANEL_MARGIN as i8, 0);
                 Frame::NONE.inner_margin(margin).show(ui, |ui| {
-                    ui.push_id((layout, showing.look.generation), |ui| {
-                        sections(ui, showing, intents, layout);
+                    ui.push_id((layout, context.preferences.generation), |ui| {
+                        sections(ui, context, requests, layout);
                     });
                 });
             });
         });
 }
 
-fn sections(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, layout: Layout) {
+fn sections(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, layout: Layout) {
     let posing = layout == Layout::Pose;
     ui.spacing_mut().item_spacing.y = 0.0;
-    pose::ui(ui, showing, intents, posing);
-    joint::ui(ui, showing, intents, posing);
-    refit::ui(ui, showing, intents, posing);
-    sizes::ui(ui, showing, intents, false);
-    measurement::ui(ui, showing, intents, false);
-    renderer::ui(ui, showing, intents, !posing);
-    solver::ui(ui, showing, intents, !posing);
-    observability::ui(ui, showing, intents, layout == Layout::Debug);
-    camera_subsets::ui(ui, showing, intents, layout == Layout::Debug);
-    basin::section(ui, showing, intents, false);
+    pose::ui(ui, context, requests, posing);
+    joint::ui(ui, context, requests, posing);
+    refit::ui(ui, context, requests, posing);
+    sizes::ui(ui, context, requests, false);
+    measurement::ui(ui, context, requests, false);
+    renderer::ui(ui, context, requests, !posing);
+    solver::ui(ui, context, requests, !posing);
+    observability::ui(ui, context, requests, layout == Layout::Debug);
+    camera_subsets::ui(ui, context, requests, layout == Layout::Debug);
+    basin::section(ui, context, requests, false);
 }

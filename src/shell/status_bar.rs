@@ -5,7 +5,7 @@ use egui::{Align, Frame, Layout as Direction, Margin, Panel, RichText, Sense, Ui
 use crate::context::action::Action;
 use crate::context::command_button as command;
 use crate::context::preferences::Layout;
-use crate::context::{Intents, Showing};
+use crate::context::{Context, Requests};
 use crate::drawing::joint_name;
 use crate::features::basin::panel::progress_text;
 use crate::style::format;
@@ -14,27 +14,27 @@ use crate::style::theme::{size, space};
 use crate::widgets::Icon;
 
 /// The status bar.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let palette = theme::palette(ui);
     let frame = Frame::NONE.fill(palette.raised).inner_margin(Margin::symmetric(8, 0));
     Panel::bottom("status bar").exact_size(size::STATUS_BAR).resizable(false).frame(frame).show(ui, |ui| {
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-            numbers(ui, showing);
+            numbers(ui, context);
             ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
                 let (rect, _) = ui.allocate_exact_size(vec2(size::ICON, size::ICON), Sense::hover());
                 Icon::Info.paint_scaled(ui.painter(), rect, palette.text3, 0.85);
-                if showing.busy.is_long() && !showing.busy.opening {
-                    command::named_button(ui, showing, intents, Action::Stop, "Cancel");
+                if context.busy.is_long() && !context.busy.opening {
+                    command::named_button(ui, context, requests, Action::Stop, "Cancel");
                 }
-                if showing.basin.running.is_some() && !showing.busy.is_long() {
-                    command::named_button(ui, showing, intents, Action::CancelBasin, "Cancel");
+                if context.basin.running.is_some() && !context.busy.is_long() {
+                    command::named_button(ui, context, requests, Action::CancelBasin, "Cancel");
                 }
-                if let Some((done, total)) = showing.busy.exporting {
-                    command::button(ui, showing, intents, Action::StopExport);
+                if let Some((done, total)) = context.busy.exporting {
+                    command::button(ui, context, requests, Action::StopExport);
                     let text = format!("Exporting, {done} of {total}.");
                     ui.label(RichText::new(text).small().color(palette.text2));
                 }
-                let text = RichText::new(sentence(showing)).small().color(palette.text2);
+                let text = RichText::new(sentence(context)).small().color(palette.text2);
                 ui.add(egui::Label::new(text).truncate());
             });
         });
@@ -42,9 +42,9 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
 }
 
 /// What is happening, or what one may do.
-fn sentence(showing: &Showing<'_>) -> String {
-    let session = showing.session;
-    if let Some(doing) = showing.doing {
+fn sentence(context: &Context<'_>) -> String {
+    let session = context.session;
+    if let Some(doing) = context.doing {
         return doing.to_owned();
     }
     if let Some(tracking) = session.tracking {
@@ -64,43 +64,43 @@ fn sentence(showing: &Showing<'_>) -> String {
     if session.fitting_body {
         return "Fitting the body to several frames. Esc stops it; nothing is changed then.".to_owned();
     }
-    if showing.busy.opening {
+    if context.busy.opening {
         return "Opening the take…".to_owned();
     }
     if session.take.is_none() {
         return "Open a take, or drop its folder anywhere.".to_owned();
     }
-    if showing.busy.fitting {
+    if context.busy.fitting {
         return "The fit is running. Esc stops it; all steps stay.".to_owned();
     }
-    if let Some(running) = showing.basin.running {
+    if let Some(running) = context.basin.running {
         return format!("Trying the basin: {}. Esc stops it; what is done stays.", progress_text(running));
     }
-    if showing.look.layout == Layout::Demonstrate {
-        return laboratory_sentence(showing);
+    if context.preferences.layout == Layout::Demonstrate {
+        return laboratory_sentence(context);
     }
-    if let Some(step) = showing.selection.step {
+    if let Some(step) = context.selection.step {
         let steps = session.runs.get(step.run).map_or(0, |run| run.steps.len().saturating_sub(1));
         return format!(
             "Looking at step {} of {steps}. Comma and period go on; an edit here branches.",
             step.step
         );
     }
-    if let Some(run) = session.runs.iter().rfind(|run| run.frame == showing.selection.frame)
+    if let Some(run) = session.runs.iter().rfind(|run| run.frame == context.selection.frame)
         && run.ending.is_some()
     {
         return format!("{}: {}. {}.", run.name, run.reached_text(), run.ending_text());
     }
-    if showing.busy.loading {
+    if context.busy.loading {
         return "Reading the frame…".to_owned();
     }
-    let joint = joint_name(&showing.document().model, showing.selection.joint);
+    let joint = joint_name(&context.document().model, context.selection.joint);
     format!("Drag the {joint} in any view, or press Space for one step of the fit.")
 }
 
 /// What the laboratory does.
-fn laboratory_sentence(showing: &Showing<'_>) -> String {
-    let laboratory = showing.laboratory;
+fn laboratory_sentence(context: &Context<'_>) -> String {
+    let laboratory = context.laboratory;
     let all = laboratory.lineup.all_text();
     let Some(comparison) = laboratory.comparison.as_ref().filter(|comparison| comparison.has_begun()) else {
         return "Preparing the laboratory…".to_owned();
@@ -119,15 +119,15 @@ fn laboratory_sentence(showing: &Showing<'_>) -> String {
     format!("Step {step} in {all}. Space steps them together, Enter runs them; the arrow keys step.")
 }
 
-fn numbers(ui: &mut Ui, showing: &Showing<'_>) {
-    let session = showing.session;
+fn numbers(ui: &mut Ui, context: &Context<'_>) {
+    let session = context.session;
     let rms = session.predicted.as_ref().and_then(|predicted| predicted.rms);
     ui.spacing_mut().item_spacing.x = space::GROUP;
     let seconds = |value: Option<f64>| value.map_or_else(|| format::MISSING.to_owned(), format::duration);
     let entries = [
         (
             "CPU frame",
-            format::duration(showing.frame_seconds),
+            format::duration(context.frame_seconds),
             140.0,
             "Time that the window needed for its last frame",
         ),
@@ -147,13 +147,13 @@ fn numbers(ui: &mut Ui, showing: &Showing<'_>) {
     ];
     let all_fits = (
         "all fits, a step",
-        seconds(showing.laboratory.step_seconds),
+        seconds(context.laboratory.step_seconds),
         188.0,
         "Time of the last step of all the laboratory's fits together",
     );
     let palette = theme::palette(ui);
     let [frame, step, iou, rms] = entries;
-    let shown = match showing.look.layout {
+    let shown = match context.preferences.layout {
         Layout::Demonstrate => vec![frame, all_fits],
         _ => vec![frame, step, iou, rms],
     };

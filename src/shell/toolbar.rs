@@ -8,7 +8,7 @@ use super::menus;
 use crate::context::action::Action;
 use crate::context::command_button::{icon, primary};
 use crate::context::preferences::Layout;
-use crate::context::{Intents, Request, Showing};
+use crate::context::{Context, Request, Requests};
 use crate::drawing::ViewMode;
 use crate::features::fit::{renderer, solver};
 use crate::features::laboratory::panel as laboratory;
@@ -27,7 +27,7 @@ const SWITCH: f32 = 318.0;
 const BUSY: f32 = 2.0;
 
 /// The toolbar.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let palette = theme::palette(ui);
     let frame = Frame::NONE.fill(palette.raised).inner_margin(Margin::symmetric(8, 0));
     let panel = Panel::top("toolbar").exact_size(size::TOOLBAR).resizable(false).frame(frame);
@@ -37,39 +37,39 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
         let side = |ui: &mut Ui, direction, add: &mut dyn FnMut(&mut Ui)| {
             ui.scope_builder(UiBuilder::new().max_rect(rect).layout(direction), |ui| add(ui));
         };
-        side(ui, Direction::left_to_right(Align::Center), &mut |ui| left(ui, showing, intents, width));
-        side(ui, Direction::right_to_left(Align::Center), &mut |ui| right(ui, showing, intents, width));
+        side(ui, Direction::left_to_right(Align::Center), &mut |ui| left(ui, context, requests, width));
+        side(ui, Direction::right_to_left(Align::Center), &mut |ui| right(ui, context, requests, width));
         let middle = egui::Rect::from_center_size(rect.center(), vec2(SWITCH, size::BUTTON));
         ui.scope_builder(UiBuilder::new().max_rect(middle), |ui| {
-            let mut layout = showing.look.layout;
+            let mut layout = context.preferences.layout;
             if segmented(ui, &mut layout, &Layout::ALL).changed() {
-                intents.request(Request::Layout(layout));
+                requests.request(Request::Layout(layout));
             }
         });
     });
-    if showing.busy.is_long() {
+    if context.busy.is_long() {
         let mut bar = response.response.rect;
         bar.set_top(bar.bottom() - BUSY);
         let palette = theme::palette(ui);
-        let share = showing.session.tracking.map_or(1.0, |t| t.done as f32 / t.total.max(1) as f32);
+        let share = context.session.tracking.map_or(1.0, |t| t.done as f32 / t.total.max(1) as f32);
         bar.set_width(bar.width() * share.max(0.02));
         ui.painter().rect_filled(bar, 0.0, palette.accent);
     }
 }
 
-fn left(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, width: f32) {
+fn left(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32) {
     let folded = width < FOLD_MENUS;
     egui::MenuBar::new().ui(ui, |ui| {
         ui.spacing_mut().button_padding = vec2(8.0, 2.0);
         ui.spacing_mut().item_spacing.x = space::TILE_GAP;
-        menus::ui(ui, showing, intents, folded);
+        menus::ui(ui, context, requests, folded);
         ui.add_space(space::ROW);
         divider(ui);
-        icon(ui, showing, intents, Action::Undo, Icon::Undo);
-        icon(ui, showing, intents, Action::Redo, Icon::Redo);
+        icon(ui, context, requests, Action::Undo, Icon::Undo);
+        icon(ui, context, requests, Action::Redo, Icon::Redo);
         divider(ui);
         ui.add_space(space::ROW);
-        take(ui, showing, folded);
+        take(ui, context, folded);
     });
 }
 
@@ -78,15 +78,15 @@ fn divider(ui: &mut Ui) {
     ui.painter().vline(rect.center().x, rect.y_range(), theme::palette(ui).hairline());
 }
 
-fn take(ui: &mut Ui, showing: &Showing<'_>, folded: bool) {
+fn take(ui: &mut Ui, context: &Context<'_>, folded: bool) {
     let palette = theme::palette(ui);
-    let Some(take) = &showing.session.take else { return };
-    let dirty = if showing.history.is_dirty() { " •" } else { "" };
-    let project = showing.project.map(|path| path.display().to_string());
+    let Some(take) = &context.session.take else { return };
+    let dirty = if context.history.is_dirty() { " •" } else { "" };
+    let project = context.project.map(|path| path.display().to_string());
     let hover = format!(
         "{}\n{}",
         project.unwrap_or_else(|| "Not saved to a project file yet".to_owned()),
-        if showing.history.is_dirty() {
+        if context.history.is_dirty() {
             "There is unsaved work; it is also kept for the next start."
         } else {
             "All work is saved."
@@ -102,44 +102,44 @@ fn take(ui: &mut Ui, showing: &Showing<'_>, folded: bool) {
     }
 }
 
-fn right(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, width: f32) {
+fn right(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32) {
     ui.spacing_mut().item_spacing.x = space::ROW;
-    find(ui, intents, width < FOLD_CHOICES);
+    find(ui, requests, width < FOLD_CHOICES);
     ui.add_space(space::ROW);
-    if showing.look.layout == Layout::Demonstrate && showing.session.take.is_some() {
+    if context.preferences.layout == Layout::Demonstrate && context.session.take.is_some() {
         // The laboratory has buttons of its own.
         if width >= FOLD_CHOICES {
-            solver::preset_box(ui, showing, intents, 92.0);
-            laboratory::lineup_box(ui, showing, intents);
+            solver::preset_box(ui, context, requests, 92.0);
+            laboratory::lineup_box(ui, context, requests);
         }
         return;
     }
-    primary(ui, showing, intents, likely_next(showing));
+    primary(ui, context, requests, likely_next(context));
     ui.add_space(space::ROW);
-    icon(ui, showing, intents, Action::Stop, Icon::Stop);
-    icon(ui, showing, intents, Action::Run, Icon::Run);
-    icon(ui, showing, intents, Action::Step, Icon::Step);
-    icon(ui, showing, intents, Action::StepBack, Icon::StepBack);
-    if width >= FOLD_CHOICES && showing.session.take.is_some() {
+    icon(ui, context, requests, Action::Stop, Icon::Stop);
+    icon(ui, context, requests, Action::Run, Icon::Run);
+    icon(ui, context, requests, Action::Step, Icon::Step);
+    icon(ui, context, requests, Action::StepBack, Icon::StepBack);
+    if width >= FOLD_CHOICES && context.session.take.is_some() {
         ui.add_space(space::WIDGET);
-        solver::preset_box(ui, showing, intents, 92.0);
+        solver::preset_box(ui, context, requests, 92.0);
         ui.add_space(space::ROW);
-        renderer::kind_box(ui, showing, intents, 100.0);
+        renderer::kind_box(ui, context, requests, 100.0);
     }
 }
 
 /// The likely next act: stop what runs, else track on, else open something.
-fn likely_next(showing: &Showing<'_>) -> Action {
-    if showing.busy.tracking || showing.busy.fitting {
+fn likely_next(context: &Context<'_>) -> Action {
+    if context.busy.tracking || context.busy.fitting {
         Action::Stop
-    } else if showing.session.take.is_some() {
+    } else if context.session.take.is_some() {
         Action::TrackForward
     } else {
         Action::OpenTake
     }
 }
 
-fn find(ui: &mut Ui, intents: &mut Intents, small: bool) {
+fn find(ui: &mut Ui, requests: &mut Requests, small: bool) {
     let palette = theme::palette(ui);
     let width = if small { 74.0 } else { 118.0 };
     let (rect, response) = ui.allocate_exact_size(vec2(width, size::BUTTON), Sense::click());
@@ -159,7 +159,7 @@ fn find(ui: &mut Ui, intents: &mut Intents, small: bool) {
     let at = rect.left_center() + vec2(27.0, 0.0);
     ui.painter().text(at, egui::Align2::LEFT_CENTER, "Ctrl K", font, palette.text3);
     if response.on_hover_text(Action::Palette.tooltip()).clicked() {
-        intents.act(Action::Palette);
+        requests.act(Action::Palette);
     }
 }
 

@@ -9,7 +9,7 @@ use egui::{Align, Button, Layout as Direction, Rect, RichText, Ui, UiBuilder, ve
 use crate::context::action::Action;
 use crate::context::command_button::named_button;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
-use crate::context::{Intents, Request, Showing};
+use crate::context::{Context, Request, Requests};
 use crate::features::basin::{BasinRequest, BasinState, BasinView, FileKind, FitCount, MapResult, Running};
 use crate::shell::pane_title;
 use crate::style::format;
@@ -25,24 +25,26 @@ const ONE_ROW: f32 = 470.0;
 const BAR: f32 = 2.0;
 
 /// The pane, in all of the space that is left.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, siblings: &[Pane], intents: &mut Intents) {
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
     let rect = ui.available_rect_before_wrap();
     ui.painter().rect_filled(rect, 0.0, theme::palette(ui).panel);
     let inner = UiBuilder::new().max_rect(rect.shrink2(vec2(space::WIDGET, 0.0)));
     ui.scope_builder(inner, |ui| {
-        head(ui, showing, siblings, intents);
-        progress_bar(ui, showing.basin);
-        conditions(ui, showing.basin, showing.look.basin.view);
-        match (showing.look.basin.view, &showing.basin.angles, &showing.basin.map) {
+        head(ui, context, siblings, requests);
+        progress_bar(ui, context.basin);
+        conditions(ui, context.basin, context.preferences.basin.view);
+        match (context.preferences.basin.view, &context.basin.angles, &context.basin.map) {
             (BasinView::Angles, Some(result), _) => success::ui(ui, result),
-            (BasinView::Map, _, Some(result)) => map::ui(ui, result, showing.look.basin.colour, intents),
-            _ => empty(ui, showing, intents),
+            (BasinView::Map, _, Some(result)) => {
+                map::ui(ui, result, context.preferences.basin.colour, requests)
+            }
+            _ => empty(ui, context, requests),
         }
     });
 }
 
 /// The name and all that can be done: in one row, or in two where the pane is a narrow column.
-fn head(ui: &mut Ui, showing: &Showing<'_>, siblings: &[Pane], intents: &mut Intents) {
+fn head(ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
     let is_narrow = ui.available_width() < ONE_ROW;
     let row = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
         let size = vec2(ui.available_width(), size::TILE_HEADER);
@@ -52,47 +54,47 @@ fn head(ui: &mut Ui, showing: &Showing<'_>, siblings: &[Pane], intents: &mut Int
         });
     };
     row(ui, &mut |ui| {
-        pane_title::show(ui, Pane::Basin, siblings, intents);
+        pane_title::show(ui, Pane::Basin, siblings, requests);
         if !is_narrow {
             ui.add_space(space::ROW);
-            controls(ui, showing, intents);
-            choice_of_map(ui, showing, intents);
+            controls(ui, context, requests);
+            choice_of_map(ui, context, requests);
         }
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
             ui.add_space(HEADER_BUTTONS);
-            export(ui, showing.basin, showing.look.basin.view, intents);
-            progress(ui, showing.basin);
+            export(ui, context.basin, context.preferences.basin.view, requests);
+            progress(ui, context.basin);
         });
     });
     if is_narrow {
-        row(ui, &mut |ui| controls(ui, showing, intents));
-        if several_maps(showing).is_some() {
-            row(ui, &mut |ui| choice_of_map(ui, showing, intents));
+        row(ui, &mut |ui| controls(ui, context, requests));
+        if several_maps(context).is_some() {
+            row(ui, &mut |ui| choice_of_map(ui, context, requests));
         }
     }
 }
 
 /// The maps that are shown, where there is more than one to choose from.
-fn several_maps<'a>(showing: &Showing<'a>) -> Option<&'a MapResult> {
-    let map = showing.basin.map.as_ref().filter(|map| map.options.choices.len() > 1);
-    map.filter(|_| showing.look.basin.view == BasinView::Map)
+fn several_maps<'a>(context: &Context<'a>) -> Option<&'a MapResult> {
+    let map = context.basin.map.as_ref().filter(|map| map.options.choices.len() > 1);
+    map.filter(|_| context.preferences.basin.view == BasinView::Map)
 }
 
-fn choice_of_map(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
-    if let Some(map) = several_maps(showing) {
-        map::choice_box(ui, map, intents);
+fn choice_of_map(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+    if let Some(map) = several_maps(context) {
+        map::choice_box(ui, map, requests);
     }
 }
 
-fn controls(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
-    let shown = showing.look.basin.view;
+fn controls(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+    let shown = context.preferences.basin.view;
     let mut view = shown;
     segmented(ui, &mut view, &[(BasinView::Angles, "Angles"), (BasinView::Map, "Map")])
         .on_hover_text("Success over how far starts are off, or a map of two angles");
     if view != shown {
-        intents.request(Request::Basin(BasinRequest::View(view)));
+        requests.request(Request::Basin(BasinRequest::View(view)));
     }
-    run_or_cancel(ui, showing, intents, shown);
+    run_or_cancel(ui, context, requests, shown);
 }
 
 fn progress(ui: &mut Ui, basin: &BasinState) {
@@ -103,16 +105,16 @@ fn progress(ui: &mut Ui, basin: &BasinState) {
 }
 
 /// The button that begins what a view shows, or stops what runs.
-fn run_or_cancel(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, view: BasinView) {
-    let (action, text) = match (showing.basin.running, view) {
+fn run_or_cancel(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, view: BasinView) {
+    let (action, text) = match (context.basin.running, view) {
         (Some(_), _) => (Action::CancelBasin, "Cancel basin"),
         (None, BasinView::Angles) => (Action::RunBasin, "Run starts"),
         (None, BasinView::Map) => (Action::RunBasinMap, "Run map"),
     };
-    named_button(ui, showing, intents, action, text);
+    named_button(ui, context, requests, action, text);
 }
 
-fn export(ui: &mut Ui, basin: &BasinState, view: BasinView, intents: &mut Intents) {
+fn export(ui: &mut Ui, basin: &BasinState, view: BasinView, requests: &mut Requests) {
     let has_result = match view {
         BasinView::Angles => basin.angles.is_some(),
         BasinView::Map => basin.map.is_some(),
@@ -121,7 +123,7 @@ fn export(ui: &mut Ui, basin: &BasinState, view: BasinView, intents: &mut Intent
         ui.menu_button("Export", |ui| {
             for kind in FileKind::ALL {
                 if ui.add(Button::new(kind.text())).clicked() {
-                    intents.request(Request::Basin(BasinRequest::Export(kind)));
+                    requests.request(Request::Basin(BasinRequest::Export(kind)));
                     ui.close();
                 }
             }
@@ -181,9 +183,9 @@ fn conditions(ui: &mut Ui, basin: &BasinState, view: BasinView) {
     }
 }
 
-fn empty(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+fn empty(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let palette = theme::palette(ui);
-    let text = match showing.look.basin.view {
+    let text = match context.preferences.basin.view {
         BasinView::Angles => {
             "How far off may a start be, and still come home? Starts are drawn about the pose on the screen, farther \
              and farther off; each is fitted to this frame, and those that end where they should are counted."
@@ -198,6 +200,6 @@ fn empty(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
     ui.scope_builder(builder, |ui| {
         ui.label(RichText::new(text).color(palette.text3));
         ui.add_space(space::WIDGET);
-        run_or_cancel(ui, showing, intents, showing.look.basin.view);
+        run_or_cancel(ui, context, requests, context.preferences.basin.view);
     });
 }

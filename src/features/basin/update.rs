@@ -25,10 +25,10 @@ impl App {
     pub(crate) fn basin_request(&mut self, request: BasinRequest) {
         match request {
             BasinRequest::Settings(settings) => self.set_basin(*settings),
-            BasinRequest::View(view) => self.look.basin.view = view,
-            BasinRequest::Colour(colour) => self.look.basin.colour = colour,
+            BasinRequest::View(view) => self.state.preferences.basin.view = view,
+            BasinRequest::Colour(colour) => self.state.preferences.basin.colour = colour,
             BasinRequest::ShowChoice(choice) => {
-                if let Some(map) = &mut self.basin.map {
+                if let Some(map) = &mut self.features.basin.map {
                     map.shown = choice;
                 }
             }
@@ -39,32 +39,33 @@ impl App {
 
     /// Other settings of the basin.
     pub fn set_basin(&mut self, settings: BasinSettings) {
-        self.look.basin.settings = settings;
-        self.basin.problem = None;
+        self.state.preferences.basin.settings = settings;
+        self.features.basin.problem = None;
     }
 
     /// Runs what a view shows, about the pose on the screen, and shows it.
     pub(crate) fn run_basin(&mut self, view: BasinView) {
-        self.look.basin.view = view;
-        self.basin.problem = None;
+        self.state.preferences.basin.view = view;
+        self.features.basin.problem = None;
         self.pane_event(Pane::Basin, PaneEvent::Open);
         let begun = self.basin_frame().and_then(|frame| self.begin_basin(view, frame));
         if let Err(problem) = begun {
-            self.basin.problem = Some(problem);
+            self.features.basin.problem = Some(problem);
         }
     }
 
     fn begin_basin(&mut self, view: BasinView, frame: Frame) -> Result<(), String> {
         let document = self.document();
-        let held = document.model.limbs()[self.selection.limb(&document.model)].rotation;
-        let settings = &self.look.basin.settings;
+        let held = document.model.limbs()[self.state.selection.limb(&document.model)].rotation;
+        let settings = &self.state.preferences.basin.settings;
         let work = match view {
             BasinView::Angles => {
                 let options = settings.options(&document.fit, held)?;
                 let about = self.about_basin(options.rotation);
                 let report = Report::of(&options, &[]);
                 let work = BasinWork::Angles(Box::new(options.clone()));
-                self.basin.angles = Some(AnglesResult { about, options, trials: Vec::new(), report });
+                self.features.basin.angles =
+                    Some(AnglesResult { about, options, trials: Vec::new(), report });
                 work
             }
             BasinView::Map => {
@@ -72,7 +73,7 @@ impl App {
                 let about = self.about_basin(None);
                 let directions = options.directions.map(|one| direction_name(&frame.model, one));
                 let work = BasinWork::Map(Box::new(options.clone()));
-                self.basin.map = Some(MapResult::new(about, options, frame.clone(), directions));
+                self.features.basin.map = Some(MapResult::new(about, options, frame.clone(), directions));
                 work
             }
         };
@@ -80,7 +81,7 @@ impl App {
             BasinWork::Angles(options) => options.trials(),
             BasinWork::Map(options) => options.trials(),
         };
-        self.basin.running = Some(Running { view, done: 0, total, seconds_left: None });
+        self.features.basin.running = Some(Running { view, done: 0, total, seconds_left: None });
         self.background.basin_began = Some(Instant::now());
         self.background.worker.request(Lane::Basin, BasinJob::new(frame, work));
         Ok(())
@@ -93,12 +94,13 @@ impl App {
         if views.is_empty() {
             return Err("No camera that is used has a silhouette of this frame".to_owned());
         }
-        let reference = match self.look.basin.settings.reference {
+        let reference = match self.state.preferences.basin.settings.reference {
             Reference::Pose => self.shown_pose().clone(),
             Reference::Truth => {
-                let take = self.session.take.as_ref();
-                let joints =
-                    take.and_then(|take| take.take().reference()).map(|r| r.joints(self.selection.frame));
+                let take = self.state.session.take.as_ref();
+                let joints = take
+                    .and_then(|take| take.take().reference())
+                    .map(|r| r.joints(self.state.selection.frame));
                 let pose = joints.and_then(|joints| start::from_joints(&scene.model, &joints));
                 pose.ok_or("The take does not say where the joints are in this frame")?
             }
@@ -111,15 +113,15 @@ impl App {
         let model = &document.model;
         let cameras: Vec<String> = document.used_cameras().map(|index| (index + 1).to_string()).collect();
         let turned = rotation.map(|rotation| &model.limbs()[model.rotation_owners()[rotation]].name);
-        let mut conditions = format!("frame {}", self.selection.frame);
+        let mut conditions = format!("frame {}", self.state.selection.frame);
         conditions += &format!(", camera{} {}", if cameras.len() == 1 { "" } else { "s" }, cameras.join(" "));
         if let Some(limb) = turned {
             conditions += &format!(", {limb} alone");
         }
-        if self.look.basin.settings.reference == Reference::Truth {
+        if self.state.preferences.basin.settings.reference == Reference::Truth {
             conditions += ", about the truth";
         }
-        About { frame: self.selection.frame, conditions }
+        About { frame: self.state.selection.frame, conditions }
     }
 
     pub(crate) fn cancel_basin(&self) {
@@ -129,21 +131,21 @@ impl App {
     /// Another take: what is about the old one goes.
     pub(crate) fn forget_basin(&mut self) {
         self.background.worker.drop_lane(Lane::Basin);
-        self.basin = BasinState::default();
+        self.features.basin = BasinState::default();
     }
 
     pub(crate) fn basin_trial(&mut self, trial: Trial) {
-        self.basin.add_trial(trial);
+        self.features.basin.add_trial(trial);
         self.time_basin();
     }
 
     pub(crate) fn basin_cell(&mut self, cell: Cell) {
-        self.basin.add_cell(cell);
+        self.features.basin.add_cell(cell);
         self.time_basin();
     }
 
     fn time_basin(&mut self) {
-        if let (Some(running), Some(began)) = (&mut self.basin.running, self.background.basin_began)
+        if let (Some(running), Some(began)) = (&mut self.features.basin.running, self.background.basin_began)
             && running.done > 0
         {
             let each = began.elapsed().as_secs_f64() / running.done as f64;
@@ -153,36 +155,40 @@ impl App {
 
     /// The experiment is over: all of it, or as far as it was wanted.
     pub(crate) fn basin_ended(&mut self) {
-        let Some(running) = self.basin.running.take() else { return };
+        let Some(running) = self.features.basin.running.take() else { return };
         let (done, total) = (format::count(running.done as i64), format::count(running.total as i64));
         let text = if running.done == running.total {
             format!("The basin is done: {total} fits.")
         } else if running.done == 0 {
-            self.basin.forget(running.view);
+            self.features.basin.forget(running.view);
             "The basin ended before its first fit.".to_owned()
         } else {
             format!("The basin was stopped after {done} of {total} fits. They stay, as a part.")
         };
-        self.notices.info(self.now, text, None);
+        self.state.notices.info(self.state.now, text, None);
     }
 
     /// Gives the frame of the map the start of a cell, so that it can be stepped.
     fn take_start(&mut self, place: [usize; 2]) {
-        let Some(map) = &mut self.basin.map else { return };
+        let Some(map) = &mut self.features.basin.map else { return };
         map.taken = Some(place);
         let (frame, pose) = (map.about.frame, map.options.start(&map.frame, place));
         let [across, up] = place.map(|place| format::number(map.options.offset_degrees(place), 0));
         let what = format!("Start from the map at {across}°, {up}°");
         self.interrupt_fit();
         self.go_to_frame(frame);
-        self.doing = Some(format!("{what}. Space steps from here; undo brings the pose back."));
+        self.state.status = Some(format!("{what}. Space steps from here; undo brings the pose back."));
         self.edit(Edit::SetPose { frame, pose, what }, None);
     }
 
     /// Writes what the basin's pane shows to a file.
     pub fn export_basin_to(&mut self, kind: FileKind, path: &Path) {
-        let theme = self.look.theme;
-        match (self.look.basin.view, self.basin.angles.clone(), self.basin.map.clone()) {
+        let theme = self.state.preferences.theme;
+        match (
+            self.state.preferences.basin.view,
+            self.features.basin.angles.clone(),
+            self.features.basin.map.clone(),
+        ) {
             (BasinView::Angles, Some(angles), _) => self.write(path, move || match kind {
                 FileKind::Csv => angles.csv(),
                 FileKind::Png => angles.figure().png(theme),
@@ -193,7 +199,7 @@ impl App {
                 FileKind::Png => crate::drawing::plot::png(map.picture(theme)),
                 FileKind::Json => map.json(),
             }),
-            _ => self.notices.error("There is no basin to write yet."),
+            _ => self.state.notices.error("There is no basin to write yet."),
         }
     }
 }

@@ -82,6 +82,15 @@ impl TileLook {
     }
 }
 
+/// How the cameras' views look.
+#[derive(Debug, Default)]
+pub(crate) struct CameraViewsState {
+    /// By layout, then by camera.
+    pub(crate) tiles: [Vec<TileLook>; 2],
+    /// One camera's picture and nothing else, for an export.
+    pub(crate) picture_alone: Option<super::PictureAlone>,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -13,7 +13,7 @@ use super::linked::follow;
 use super::{CameraTileInput, ObservedMarks, PictureAlone, TileEvent, TileLook, camera_tile, stored_view};
 use crate::context::command_button::dragged_until_now;
 use crate::context::pane::Pane;
-use crate::context::{Intents, Request, Showing};
+use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
 use crate::drawing::{
     BoundedAngle, JointId, LimitMark, PictureInput, ProjectedLimb, SightRay, SwayMarks, Swaying,
@@ -48,7 +48,7 @@ pub(crate) struct CameraViews<'a> {
 
 /// The views of one frame of the window, with what they have in common.
 pub(crate) struct CameraPanes<'a> {
-    showing: &'a Showing<'a>,
+    context: &'a Context<'a>,
     views: CameraViews<'a>,
     kinematics: Kinematics,
     pose: &'a Pose,
@@ -64,41 +64,41 @@ pub(crate) struct CameraPanes<'a> {
 }
 
 impl<'a> CameraPanes<'a> {
-    pub(crate) fn new(showing: &'a Showing<'a>, views: CameraViews<'a>) -> Self {
-        let document = showing.document();
-        let pose = showing.session.shown_pose(document, showing.selection);
+    pub(crate) fn new(context: &'a Context<'a>, views: CameraViews<'a>) -> Self {
+        let document = context.document();
+        let pose = context.session.shown_pose(document, context.selection);
         let kinematics = Kinematics::new(&document.model, pose);
         let ray = views.dragged.and_then(|(index, joint)| {
-            let camera = showing.session.take.as_ref()?.cameras.get(index)?;
+            let camera = context.session.take.as_ref()?.cameras.get(index)?;
             let point = match joint {
                 JointId::Root => pose.root,
                 JointId::End(limb) => *kinematics.ends().get(limb)?,
             };
             Some((index, camera.project(point)?, camera.depth(point)))
         });
-        let predicted = showing.session.predicted.as_ref();
+        let predicted = context.session.predicted.as_ref();
         Self {
-            showing,
+            context,
             views,
             kinematics,
             pose,
-            limits: limits(showing, views, pose),
+            limits: limits(context, views, pose),
             colours: limb_colours(&document.model),
             ray,
-            swaying: showing.observing.swaying(),
+            swaying: context.observing.swaying(),
             is_prediction_old: predicted.is_some_and(|predicted| predicted.pose != *pose),
         }
     }
 
     /// Shows the view of a camera in all of the space that `ui` has, with the panes that stand behind it; whether it
     /// is dragged away by its header.
-    pub(crate) fn show(&self, ui: &mut Ui, index: usize, siblings: &[Pane], intents: &mut Intents) -> bool {
-        let (showing, session) = (self.showing, self.showing.session);
-        let document = showing.document();
+    pub(crate) fn show(&self, ui: &mut Ui, index: usize, siblings: &[Pane], requests: &mut Requests) -> bool {
+        let (context, session) = (self.context, self.context.session);
+        let document = context.document();
         let Some(camera) = session.take.as_ref().and_then(|take| take.cameras.get(index)) else {
             return false;
         };
-        let frame = session.shown_frame(showing.selection.frame).and_then(|frame| frame.cameras.get(index));
+        let frame = session.shown_frame(context.selection.frame).and_then(|frame| frame.cameras.get(index));
         let predicted = session.predicted.as_ref().and_then(|predicted| predicted.cameras.get(index));
         let limbs = project_limbs(&document.model, &self.kinematics, camera, document.fit.renderer);
         let is_pinned = |joint: JointId| matches!(joint, JointId::End(limb) if document.pins.contains(&limb));
@@ -108,20 +108,20 @@ impl<'a> CameraPanes<'a> {
         let ray = self.ray_in(index, camera);
         let marks = |body: &Swaying| SwayMarks::new(&document.model, body, camera, document.fit.renderer);
         let sway = self.swaying.as_ref().map(marks);
-        let (ellipses, are_of_others) = observability::ellipses(showing.observing, camera);
+        let (ellipses, are_of_others) = observability::ellipses(context.observing, camera);
         let uses = document.cameras.get(index);
         let quick_outline = self.quick_outline(&limbs);
         let name = format!("Camera {}", index + 1);
         let input = CameraTileInput {
             index,
             name: &name,
-            is_active: showing.selection.camera == index,
+            is_active: context.selection.camera == index,
             is_expanded: self.views.alone == Some(index),
             siblings,
-            is_linked: showing.look.linked_zoom,
+            is_linked: context.preferences.linked_zoom,
             is_calibrated: true,
             look: self.views.tiles.get(index).copied().unwrap_or_default(),
-            settings: showing.look.views,
+            settings: context.preferences.views,
             subject_px: self.subject(index),
             picture: self.picture(index, camera),
             generation: self.generation(),
@@ -132,8 +132,8 @@ impl<'a> CameraPanes<'a> {
             quick_outline: quick_outline.as_deref(),
             limbs: &limbs,
             joints: &joints,
-            selected: Some(showing.selection.joint),
-            sized: Some(showing.selection.sized_limb(&document.model)),
+            selected: Some(context.selection.joint),
+            sized: Some(context.selection.sized_limb(&document.model)),
             sight_ray: ray.as_ref(),
             limits: &limits,
             overlap: predicted.and_then(|camera| camera.overlap),
@@ -143,8 +143,8 @@ impl<'a> CameraPanes<'a> {
             observed: ObservedMarks {
                 sway: sway.as_ref(),
                 ellipses: &ellipses,
-                factor: showing.observing.ellipse_factor(),
-                is_stale: showing.observing.is_stale(),
+                factor: context.observing.ellipse_factor(),
+                is_stale: context.observing.is_stale(),
                 are_of_others,
             },
             shows_hover_card: true,
@@ -155,7 +155,7 @@ impl<'a> CameraPanes<'a> {
         }
         let before = stored_view(ui.ctx(), index);
         let events = camera_tile(ui, &input);
-        let is_dragged = self.pass_on(ui, index, events, before, intents);
+        let is_dragged = self.pass_on(ui, index, events, before, requests);
         if let Some(problem) = frame.and_then(|frame| frame.problem.as_deref()) {
             problem_strip(ui, problem);
         }
@@ -169,7 +169,7 @@ impl<'a> CameraPanes<'a> {
         index: usize,
         events: Vec<TileEvent>,
         before: Option<ViewTransform>,
-        intents: &mut Intents,
+        requests: &mut Requests,
     ) -> bool {
         let mut is_dragged = false;
         for event in events {
@@ -178,22 +178,22 @@ impl<'a> CameraPanes<'a> {
                 continue;
             }
             if let TileEvent::SetFraming(framing) = event
-                && self.showing.look.linked_zoom
+                && self.context.preferences.linked_zoom
             {
-                self.link(ui, index, framing, before, intents);
+                self.link(ui, index, framing, before, requests);
             }
             if let TileEvent::SetWeight(weight) = event {
                 let edit = Edit::WeighCamera { camera: index, weight };
-                intents.edits.push((edit, dragged_until_now(ui.ctx())));
+                requests.edits.push((edit, dragged_until_now(ui.ctx())));
                 continue;
             }
-            intents.request(Request::Tile(index, event));
+            requests.request(Request::Tile(index, event));
         }
         is_dragged
     }
 
     fn picture(&self, index: usize, camera: &Camera) -> PictureInput<'_> {
-        let (session, frame) = (self.showing.session, self.showing.selection.frame);
+        let (session, frame) = (self.context.session, self.context.selection.frame);
         let pictures = session.shown_frame(frame).and_then(|frame| frame.cameras.get(index));
         let predicted = session.predicted.as_ref();
         let is_of_frame = predicted.is_some_and(|predicted| session.is_of_shown_frame(predicted, frame));
@@ -212,13 +212,13 @@ impl<'a> CameraPanes<'a> {
     }
 
     fn subject(&self, index: usize) -> Option<Rect> {
-        let [left, top, right, bottom] = self.showing.session.subject.get(index).copied().flatten()?;
+        let [left, top, right, bottom] = self.context.session.subject.get(index).copied().flatten()?;
         Some(Rect::from_min_max(pos2(left, top), pos2(right, bottom)))
     }
 
     fn ray_in(&self, index: usize, camera: &Camera) -> Option<SightRay> {
         let (from, px, depth_m) = self.ray.filter(|(from, ..)| *from != index)?;
-        let from_camera = self.showing.session.take.as_ref()?.cameras.get(from)?;
+        let from_camera = self.context.session.take.as_ref()?.cameras.get(from)?;
         sight_ray(from_camera, from, px, depth_m, camera)
     }
 
@@ -227,7 +227,7 @@ impl<'a> CameraPanes<'a> {
         if !(self.is_prediction_old || self.views.is_dragging) {
             return None;
         }
-        let scale = match self.showing.document().fit.final_ramp() {
+        let scale = match self.context.document().fit.final_ramp() {
             Ramp::Thesis => THESIS_HALF,
             Ramp::Half | Ramp::Width { .. } | Ramp::Distance { .. } => 1.0,
         };
@@ -242,9 +242,9 @@ impl<'a> CameraPanes<'a> {
         index: usize,
         framing: Framing,
         before: Option<ViewTransform>,
-        intents: &mut Intents,
+        requests: &mut Requests,
     ) {
-        let Some(take) = &self.showing.session.take else { return };
+        let Some(take) = &self.context.session.take else { return };
         for (other, camera) in take.cameras.iter().enumerate().filter(|(other, _)| *other != index) {
             let size_px = [camera.width(), camera.height()];
             let followed = match framing {
@@ -260,7 +260,7 @@ impl<'a> CameraPanes<'a> {
                 }),
             };
             if let Some(framing) = followed {
-                intents.request(Request::Tile(other, TileEvent::SetFraming(framing)));
+                requests.request(Request::Tile(other, TileEvent::SetFraming(framing)));
             }
         }
     }
@@ -282,16 +282,16 @@ impl<'a> CameraPanes<'a> {
     /// Changes with the pictures on the screen.
     fn generation(&self) -> u64 {
         let mut hasher = DefaultHasher::new();
-        (self.showing.session.generation, self.showing.selection.frame).hash(&mut hasher);
+        (self.context.session.generation, self.context.selection.frame).hash(&mut hasher);
         hasher.finish()
     }
 }
 
 /// The limits that are shown: those of the angle that a panel looks at, or those that the hand has met.
-fn limits(showing: &Showing<'_>, views: CameraViews<'_>, pose: &Pose) -> Vec<BoundedAngle> {
-    let model = &showing.document().model;
-    if let Some(angle) = showing.observing.angle() {
-        let limb = showing.selection.limb(model);
+fn limits(context: &Context<'_>, views: CameraViews<'_>, pose: &Pose) -> Vec<BoundedAngle> {
+    let model = &context.document().model;
+    if let Some(angle) = context.observing.angle() {
+        let limb = context.selection.limb(model);
         return BoundedAngle::new(model, pose, limb, angle).into_iter().collect();
     }
     let twist = views.twisted.and_then(|limb| BoundedAngle::new(model, pose, limb, LimitedAngle::Twist));

@@ -12,14 +12,14 @@ pub(crate) const STEP: f32 = 1.25;
 impl App {
     /// Magnifies the active view about its middle, and the others with it where they are linked.
     pub(crate) fn zoom(&mut self, factor: f32) {
-        let Some(take) = &self.session.take else { return };
-        let active = self.selection.camera;
+        let Some(take) = &self.state.session.take else { return };
+        let active = self.state.selection.camera;
         let cameras = take.cameras.iter().enumerate();
-        let zoomed = cameras.filter(|(index, _)| self.look.linked_zoom || *index == active);
+        let zoomed = cameras.filter(|(index, _)| self.state.preferences.linked_zoom || *index == active);
         let framings: Vec<(usize, Framing)> = zoomed
             .filter_map(|(index, camera)| {
-                let view = stored_view(&self.context, index)?;
-                let subject = self.session.subject.get(index).copied().flatten();
+                let view = stored_view(&self.state.egui, index)?;
+                let subject = self.state.session.subject.get(index).copied().flatten();
                 let subject = subject.map(|[left, top, right, bottom]| {
                     Rect::from_min_max(pos2(left, top), pos2(right, bottom))
                 });

@@ -10,7 +10,7 @@ use super::{runs, steps};
 use crate::context::action::Action;
 use crate::context::command_button::menu_row;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
-use crate::context::{Intents, Request, Showing};
+use crate::context::{Context, Request, Requests};
 use crate::features::convergence::{CurvesLook, CurvesRequest, Quantity};
 use crate::shell::pane_title;
 use crate::style::theme;
@@ -27,47 +27,47 @@ const LIST_SHARE: f32 = 0.4;
 const QUANTITY: f32 = 124.0;
 
 /// The panel, in all of the space that is left.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, siblings: &[Pane], intents: &mut Intents) {
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
     let rect = ui.available_rect_before_wrap();
     ui.painter().rect_filled(rect, 0.0, theme::palette(ui).panel);
     let inner = UiBuilder::new().max_rect(rect.shrink2(vec2(space::WIDGET, 0.0)));
-    ui.scope_builder(inner, |ui| contents(ui, showing, siblings, intents));
+    ui.scope_builder(inner, |ui| contents(ui, context, siblings, requests));
 }
 
-fn contents(ui: &mut Ui, showing: &Showing<'_>, siblings: &[Pane], intents: &mut Intents) {
-    head(ui, showing, siblings, intents);
+fn contents(ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
+    head(ui, context, siblings, requests);
     let list = ui.available_width() >= LIST_FROM;
     let list_width = if list { size::RUN_LIST.min(LIST_SHARE * ui.available_width()) } else { 0.0 };
     let plot_height = (ui.available_height() - STEPS).max(80.0);
     ui.horizontal_top(|ui| {
         let width = ui.available_width() - list_width;
-        plot::ui(ui, showing, intents, vec2(width - space::WIDGET, plot_height), !list);
+        plot::ui(ui, context, requests, vec2(width - space::WIDGET, plot_height), !list);
         if list {
             let area = vec2(list_width - space::WIDGET, plot_height);
             let down = Direction::top_down(Align::Min);
-            ui.allocate_ui_with_layout(area, down, |ui| runs::ui(ui, showing, intents, plot_height));
+            ui.allocate_ui_with_layout(area, down, |ui| runs::ui(ui, context, requests, plot_height));
         }
     });
-    steps::ui(ui, showing, intents);
+    steps::ui(ui, context, requests);
 }
 
-fn head(ui: &mut Ui, showing: &Showing<'_>, siblings: &[Pane], intents: &mut Intents) {
-    let mut look = showing.look.curves;
+fn head(ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
+    let mut look = context.preferences.curves;
     ui.allocate_ui_with_layout(
         vec2(ui.available_width(), size::TILE_HEADER),
         Direction::left_to_right(Align::Center),
         |ui| {
-            pane_title::show(ui, Pane::Convergence, siblings, intents);
+            pane_title::show(ui, Pane::Convergence, siblings, requests);
             ui.add_space(space::ROW);
             choices(ui, &mut look);
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
                 ui.add_space(HEADER_BUTTONS);
-                more(ui, showing, intents);
+                more(ui, context, requests);
             });
         },
     );
-    if look != showing.look.curves {
-        intents.request(Request::Curves(CurvesRequest::Look(look)));
+    if look != context.preferences.curves {
+        requests.request(Request::Curves(CurvesRequest::Preferences(look)));
     }
 }
 
@@ -85,13 +85,13 @@ fn choices(ui: &mut Ui, look: &mut CurvesLook) {
 }
 
 /// What is done with all runs.
-fn more(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
-    crate::context::command_button::button(ui, showing, intents, Action::ClearRuns);
-    let has_runs = !showing.session.runs.is_empty();
+fn more(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+    crate::context::command_button::button(ui, context, requests, Action::ClearRuns);
+    let has_runs = !context.session.runs.is_empty();
     ui.add_enabled_ui(has_runs, |ui| {
         ui.menu_button("Export", |ui| {
             for action in [Action::ExportCurves, Action::ExportPlot] {
-                menu_row(ui, showing, intents, action, action.text());
+                menu_row(ui, context, requests, action, action.text());
             }
         })
         .response

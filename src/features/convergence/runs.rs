@@ -5,7 +5,7 @@ use egui::{
     Ui, WidgetInfo, vec2,
 };
 
-use crate::context::{Intents, Request, Showing};
+use crate::context::{Context, Request, Requests};
 use crate::document::run::Run;
 use crate::features::convergence::CurvesRequest;
 use crate::session::selection::StepRef;
@@ -25,30 +25,30 @@ const RIGHT: f32 = 62.0 + 3.0 * (size::BUTTON + 2.0);
 type Typing = Option<(usize, String)>;
 
 /// The list.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, height: f32) {
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, height: f32) {
     ScrollArea::vertical().max_height(height).auto_shrink(false).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
-        let current = showing.session.run_of(showing.selection);
-        for (index, run) in showing.session.runs.iter().enumerate().rev() {
-            card(ui, intents, index, run, current == Some(index));
+        let current = context.session.run_of(context.selection);
+        for (index, run) in context.session.runs.iter().enumerate().rev() {
+            card(ui, requests, index, run, current == Some(index));
         }
-        if showing.session.runs.is_empty() {
+        if context.session.runs.is_empty() {
             let text = "Runs are kept here, each with all its steps.";
             ui.label(RichText::new(text).small().color(theme::palette(ui).text3));
         }
     });
 }
 
-fn card(ui: &mut Ui, intents: &mut Intents, index: usize, run: &Run, is_current: bool) {
+fn card(ui: &mut Ui, requests: &mut Requests, index: usize, run: &Run, is_current: bool) {
     let palette = theme::palette(ui);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), CARD), Sense::click());
     let name = format!("Run {}: {}", run.number, run.name);
     response.widget_info(|| WidgetInfo::selected(Role::ListItem, true, is_current, &name));
     if response.clicked() {
-        intents.request(Request::Step(StepRef { run: index, step: run.last_step() }));
+        requests.request(Request::Step(StepRef { run: index, step: run.last_step() }));
     }
     if response.has_focus() && ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Delete)) {
-        intents.request(Request::Curves(CurvesRequest::Remove(index)));
+        requests.request(Request::Curves(CurvesRequest::Remove(index)));
     }
     if is_current {
         ui.painter().rect_filled(rect, 3.0, palette.select);
@@ -63,9 +63,9 @@ fn card(ui: &mut Ui, intents: &mut Intents, index: usize, run: &Run, is_current:
     inside.horizontal(|ui| {
         ui.set_height(size::ROW);
         ui.spacing_mut().item_spacing.x = 2.0;
-        title(ui, intents, index, run, &response);
+        title(ui, requests, index, run, &response);
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-            buttons(ui, intents, index, run);
+            buttons(ui, requests, index, run);
             let share = run.fraction(run.last_step());
             let text = share.map_or_else(|| format::MISSING.to_owned(), format::percent);
             ui.label(RichText::new(text).monospace().color(palette.text));
@@ -94,13 +94,13 @@ fn sample(ui: &Ui, rect: Rect, run: &Run) {
     }
 }
 
-fn buttons(ui: &mut Ui, intents: &mut Intents, index: usize, run: &Run) {
+fn buttons(ui: &mut Ui, requests: &mut Requests, index: usize, run: &Run) {
     let number = run.number;
     let button = |ui: &mut Ui, icon, what: &str, tooltip: &str| {
         icon_button(ui, icon, &format!("{what} run {number}"), tooltip).clicked()
     };
     if button(ui, Icon::Close, "Remove", "Remove the run; a notice offers to undo it") {
-        intents.request(Request::Curves(CurvesRequest::Remove(index)));
+        requests.request(Request::Curves(CurvesRequest::Remove(index)));
     }
     let (icon, what, tooltip) = if run.is_shown {
         (Icon::Eye, "Hide curve of", "Hide the curve. With Shift: hide all others")
@@ -109,9 +109,9 @@ fn buttons(ui: &mut Ui, intents: &mut Intents, index: usize, run: &Run) {
     };
     if button(ui, icon, what, tooltip) {
         if ui.input(|input| input.modifiers.shift) {
-            intents.request(Request::Curves(CurvesRequest::ShowOnly(index)));
+            requests.request(Request::Curves(CurvesRequest::ShowOnly(index)));
         } else {
-            intents.request(Request::ShowRun(index, !run.is_shown));
+            requests.request(Request::ShowRun(index, !run.is_shown));
         }
     }
     if button(ui, Icon::Pencil, "Rename", "Rename; an empty name says again what differs") {
@@ -126,7 +126,7 @@ fn typing_id() -> Id {
 }
 
 /// The name, or the field in which it is typed; a double click on the card begins that too.
-fn title(ui: &mut Ui, intents: &mut Intents, index: usize, run: &Run, card: &Response) {
+fn title(ui: &mut Ui, requests: &mut Requests, index: usize, run: &Run, card: &Response) {
     let palette = theme::palette(ui);
     let width = (ui.available_width() - RIGHT).max(60.0);
     let typing: Typing = ui.data(|data| data.get_temp(typing_id())).flatten();
@@ -151,7 +151,7 @@ fn title(ui: &mut Ui, intents: &mut Intents, index: usize, run: &Run, card: &Res
     if response.lost_focus() {
         typing = None;
         if !cancelled && text != run.name {
-            intents.request(Request::Curves(CurvesRequest::Rename(index, text)));
+            requests.request(Request::Curves(CurvesRequest::Rename(index, text)));
         }
     } else if !response.has_focus() {
         response.request_focus();

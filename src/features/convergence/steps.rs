@@ -4,7 +4,7 @@ use egui::{Align, Align2, Layout as Direction, Rect, RichText, Sense, Stroke, Ui
 
 use crate::context::action::Action;
 use crate::context::command_button::{button, icon};
-use crate::context::{Intents, Request, Showing};
+use crate::context::{Context, Request, Requests};
 use crate::document::run::{Run, RunStep};
 use crate::features::convergence::Quantity;
 use crate::session::selection::StepRef;
@@ -19,32 +19,32 @@ const WORDS: f32 = 380.0;
 const HANDLE: f32 = 6.0;
 
 /// The row of steps.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     ui.allocate_ui_with_layout(
         vec2(ui.available_width(), 44.0),
         Direction::left_to_right(Align::Center),
         |ui| {
-            icon(ui, showing, intents, Action::EarlierStep, Icon::Previous);
-            icon(ui, showing, intents, Action::LaterStep, Icon::Next);
-            let run_index = showing.session.run_of(showing.selection);
-            let run = run_index.and_then(|run| Some((run, showing.session.runs.get(run)?)));
+            icon(ui, context, requests, Action::EarlierStep, Icon::Previous);
+            icon(ui, context, requests, Action::LaterStep, Icon::Next);
+            let run_index = context.session.run_of(context.selection);
+            let run = run_index.and_then(|run| Some((run, context.session.runs.get(run)?)));
             let Some((index, run)) = run else {
                 ui.label(RichText::new("No step on this frame yet").color(theme::palette(ui).text3));
                 return;
             };
             let last = run.steps.len().saturating_sub(1);
-            let at = showing.selection.step.filter(|step| step.run == index).map_or(last, |step| step.step);
+            let at = context.selection.step.filter(|step| step.run == index).map_or(last, |step| step.step);
             let text = RichText::new(format!("Step {at} of {last}")).monospace();
             let (rect, _) = ui.allocate_exact_size(vec2(104.0, size::ROW), Sense::hover());
             ui.put(rect, egui::Label::new(text));
             let width = (ui.available_width() - WORDS).max(120.0);
-            slider(ui, intents, index, run, at, width);
-            words(ui, showing, intents, run, at);
+            slider(ui, requests, index, run, at, width);
+            words(ui, context, requests, run, at);
         },
     );
 }
 
-fn slider(ui: &mut Ui, intents: &mut Intents, index: usize, run: &Run, at: usize, width: f32) {
+fn slider(ui: &mut Ui, requests: &mut Requests, index: usize, run: &Run, at: usize, width: f32) {
     let (rect, response) = ui.allocate_exact_size(vec2(width, 40.0), Sense::click_and_drag());
     let last = run.steps.len().saturating_sub(1).max(1);
     response.widget_info(|| WidgetInfo::slider(true, at as f64, "Step"));
@@ -54,11 +54,11 @@ fn slider(ui: &mut Ui, intents: &mut Intents, index: usize, run: &Run, at: usize
         let share = ((pointer.x - rail.left()) / rail.width()).clamp(0.0, 1.0);
         let step = (share * last as f32).round() as usize;
         if step != at && step < run.steps.len() {
-            intents.request(Request::Step(StepRef { run: index, step }));
+            requests.request(Request::Step(StepRef { run: index, step }));
         }
     }
     if let Some(step) = step_by_key(ui, &response, at, run.last_step()) {
-        intents.request(Request::Step(StepRef { run: index, step }));
+        requests.request(Request::Step(StepRef { run: index, step }));
     }
     let palette = theme::palette(ui);
     let painter = ui.painter();
@@ -115,9 +115,9 @@ fn step_by_key(ui: &Ui, response: &egui::Response, at: usize, last: usize) -> Op
     (step != at).then_some(step)
 }
 
-fn words(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, run: &Run, at: usize) {
+fn words(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, run: &Run, at: usize) {
     ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-        button(ui, showing, intents, Action::Branch);
+        button(ui, context, requests, Action::Branch);
         let text = run.steps.get(at).map_or_else(String::new, |step| sentence(step, at));
         let text = RichText::new(text).small().color(theme::palette(ui).text2);
         ui.add(egui::Label::new(text).truncate());

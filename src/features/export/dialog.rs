@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use egui::{Align, Button, Layout as Direction, RichText, Ui, vec2};
 
-use crate::context::{Intents, Request, Showing};
+use crate::context::{Context, Request, Requests};
 use crate::features::export::choices::{DELAYS_MS, MAX_SIDE, SCALES};
 use crate::features::export::{ExportChoices, Part, SeriesFormat};
 use crate::style::format;
@@ -76,13 +76,13 @@ struct Facts {
 }
 
 impl Facts {
-    fn new(ui: &egui::Context, showing: &Showing<'_>) -> Self {
-        let (session, camera) = (showing.session, showing.selection.camera);
+    fn new(ui: &egui::Context, context: &Context<'_>) -> Self {
+        let (session, camera) = (context.session, context.selection.camera);
         let take = session.take.as_ref();
         let camera_of = |take: &std::sync::Arc<crate::take::footage::Footage>| {
             take.cameras.get(camera).map(|camera| [camera.width(), camera.height()])
         };
-        let run = session.run_of(showing.selection).and_then(|run| session.runs.get(run));
+        let run = session.run_of(context.selection).and_then(|run| session.runs.get(run));
         Self {
             footage: take.and_then(camera_of).unwrap_or([1, 1]),
             camera,
@@ -95,15 +95,15 @@ impl Facts {
 
 impl ExportDialog {
     /// The card as it opens.
-    pub(crate) fn new(subject: Subject, choices: ExportChoices, showing: &Showing<'_>) -> Self {
-        let document = showing.document();
+    pub(crate) fn new(subject: Subject, choices: ExportChoices, context: &Context<'_>) -> Self {
+        let document = context.document();
         let first = document.estimates.keys().next().copied().unwrap_or(0);
         let last = document.estimates.keys().next_back().copied();
         let last =
-            last.filter(|last| *last > first).unwrap_or(showing.session.frame_count().saturating_sub(1));
+            last.filter(|last| *last > first).unwrap_or(context.session.frame_count().saturating_sub(1));
         let mut dialog =
             Self { subject, choices, frames: [first, last], path: String::new(), proposed: String::new() };
-        dialog.propose(showing);
+        dialog.propose(context);
         dialog
     }
 
@@ -124,11 +124,11 @@ impl ExportDialog {
     }
 
     /// Makes up a name that says what the picture shows, unless the user has given one.
-    fn propose(&mut self, showing: &Showing<'_>) {
-        let take = showing.session.take.as_ref().map_or("backlit", |take| take.name.as_str());
+    fn propose(&mut self, context: &Context<'_>) {
+        let take = context.session.take.as_ref().map_or("backlit", |take| take.name.as_str());
         let take: String =
             take.chars().map(|c| if c.is_alphanumeric() || "-_".contains(c) { c } else { ' ' }).collect();
-        let (frame, camera) = (showing.selection.frame, showing.selection.camera + 1);
+        let (frame, camera) = (context.selection.frame, context.selection.camera + 1);
         let view = if self.choices.part == Part::View { format!(" camera {camera}") } else { String::new() };
         let name = match self.subject {
             Subject::View => format!("{take} frame {frame} camera {camera}.png"),
@@ -163,8 +163,8 @@ impl ExportDialog {
     }
 
     /// Shows the card and says whether it stays.
-    pub(crate) fn ui(&mut self, ui: &Ui, showing: &Showing<'_>, intents: &mut Intents) -> bool {
-        let facts = Facts::new(ui.ctx(), showing);
+    pub(crate) fn ui(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
+        let facts = Facts::new(ui.ctx(), context);
         let mut close = false;
         let modal = card(ui.ctx(), "export").show(ui.ctx(), |ui| {
             ui.set_width(WIDTH);
@@ -181,10 +181,10 @@ impl ExportDialog {
                 self.window(ui, &facts);
             }
             if before != (self.subject, self.choices.format, self.choices.part, self.frames) {
-                self.propose(showing);
+                self.propose(context);
             }
             ui.add_space(space::ROW);
-            self.target(ui, intents);
+            self.target(ui, requests);
             let problem = self.problem(&facts);
             self.summary(ui, &facts, problem.as_deref());
             ui.add_space(space::WIDGET);
@@ -196,7 +196,7 @@ impl ExportDialog {
                     choices.folder = Path::new(&self.path).parent().map(Path::to_owned);
                     let (subject, path) = (self.subject, PathBuf::from(&self.path));
                     let order = ExportOrder { subject, choices, frames: self.frames, path };
-                    intents.request(Request::Export(Box::new(order)));
+                    requests.request(Request::Export(Box::new(order)));
                     close = true;
                 }
                 close |= ui.add(Button::new("Cancel").min_size(vec2(0.0, size::BUTTON))).clicked();
@@ -288,12 +288,12 @@ impl ExportDialog {
         });
     }
 
-    fn target(&mut self, ui: &mut Ui, intents: &mut Intents) {
+    fn target(&mut self, ui: &mut Ui, requests: &mut Requests) {
         let name = if self.wants_folder() { "Folder" } else { "File" };
         row(ui, name, |ui| {
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
                 if ui.add(Button::new("Choose…").min_size(vec2(0.0, size::BUTTON))).clicked() {
-                    intents.request(Request::ChooseExportFile);
+                    requests.request(Request::ChooseExportFile);
                 }
                 text_field(ui, name, "", &mut self.path);
             });

@@ -9,13 +9,13 @@ use image::DynamicImage;
 
 use super::off_screen::{PictureOf, Shot, Snapshot, Twin};
 use crate::app::App;
-use crate::app::state::Overlay;
 use crate::context::action::Action;
 use crate::context::write_advice::remedy;
 use crate::features::camera_views::PictureAlone;
 use crate::features::export::dialog::{ExportDialog, ExportOrder, Subject};
 use crate::features::export::{ExportError, Part, SeriesFormat, SeriesOptions, write_series};
 use crate::session::selection::StepRef;
+use crate::shell::Overlay;
 
 /// An export that is under way.
 #[derive(Debug)]
@@ -86,19 +86,20 @@ impl Export {
 impl App {
     /// Asks what is to be exported, and where to.
     pub(crate) fn ask_for_export(&mut self, subject: Subject) {
-        let choices = self.look.export.clone();
-        self.overlay = Some(Overlay::Export(Box::new(ExportDialog::new(subject, choices, &self.showing()))));
+        let choices = self.state.preferences.export.clone();
+        self.shell.overlay =
+            Some(Overlay::Export(Box::new(ExportDialog::new(subject, choices, &self.context()))));
     }
 
     /// Begins an export that the dialog has put together.
     pub(crate) fn begin_export(&mut self, order: ExportOrder) {
-        self.look.export = order.choices.clone();
+        self.state.preferences.export = order.choices.clone();
         let export = self.export_of(&order);
         let (sender, news) = channel();
         let cancel = CancelToken::default();
         let exporting =
             Exporting { path: order.path, done: 0, total: export.shots.len(), cancel: cancel.clone(), news };
-        let context = self.context.clone();
+        let context = self.state.egui.clone();
         let thread = std::thread::Builder::new().name("backlit export".to_owned()).spawn(move || {
             let tell = |news| {
                 // The window may be gone by now.
@@ -114,8 +115,8 @@ impl App {
             });
         });
         match thread {
-            Ok(_) => self.exporting = Some(exporting),
-            Err(error) => self.notices.error(format!("Nothing was exported: {error}.")),
+            Ok(_) => self.features.export.exporting = Some(exporting),
+            Err(error) => self.state.notices.error(format!("Nothing was exported: {error}.")),
         }
     }
 
@@ -127,16 +128,17 @@ impl App {
             Subject::Window => Part::Window,
             Subject::Steps | Subject::Frames => choices.part,
         };
-        let camera = self.selection.camera;
+        let camera = self.state.selection.camera;
         let what = match part {
-            Part::Window => {
-                PictureOf::Window { size: self.context.viewport_rect().size(), scale: choices.window_scale }
-            }
+            Part::Window => PictureOf::Window {
+                size: self.state.egui.viewport_rect().size(),
+                scale: choices.window_scale,
+            },
             Part::View => {
                 let camera_size = |take: &std::sync::Arc<crate::take::footage::Footage>| {
                     take.cameras.get(camera).map(|camera| [camera.width(), camera.height()])
                 };
-                let size = self.session.take.as_ref().and_then(camera_size).unwrap_or([1, 1]);
+                let size = self.state.session.take.as_ref().and_then(camera_size).unwrap_or([1, 1]);
                 PictureOf::View {
                     picture: PictureAlone { camera, marks: choices.marks, legend: choices.legend },
                     scale: choices.view_pixels_per_px(size),
@@ -151,7 +153,7 @@ impl App {
             Subject::Steps => (self.shots_of_steps(choices.accepted_only), Some(options), "step"),
             Subject::Frames => {
                 let [first, last] = order.frames;
-                let last = last.min(self.session.frame_count().saturating_sub(1));
+                let last = last.min(self.state.session.frame_count().saturating_sub(1));
                 let shots = (first..=last).map(|frame| (frame, Shot::Frame(frame))).collect();
                 (shots, Some(options), "frame")
             }
@@ -161,8 +163,8 @@ impl App {
 
     /// The steps of the shown run, from its start on.
     fn shots_of_steps(&self, accepted_only: bool) -> Vec<(usize, Shot)> {
-        let Some(run) = self.session.run_of(&self.selection) else { return Vec::new() };
-        let Some(steps) = self.session.runs.get(run).map(|run| &run.steps) else { return Vec::new() };
+        let Some(run) = self.state.session.run_of(&self.state.selection) else { return Vec::new() };
+        let Some(steps) = self.state.session.runs.get(run).map(|run| &run.steps) else { return Vec::new() };
         let is_wanted = |step: usize| step == 0 || steps[step].accepted || !accepted_only;
         let shot = |step| (step, Shot::Step(StepRef { run, step }));
         (0..steps.len()).filter(|step| is_wanted(*step)).map(shot).collect()
@@ -170,19 +172,19 @@ impl App {
 
     /// How far an export is: pictures done, and in all.
     pub(crate) fn export_progress(&self) -> Option<(usize, usize)> {
-        self.exporting.as_ref().map(|exporting| (exporting.done, exporting.total))
+        self.features.export.exporting.as_ref().map(|exporting| (exporting.done, exporting.total))
     }
 
     /// Ends an export; what is written of a folder of pictures stays.
     pub(crate) fn stop_export(&self) {
-        if let Some(exporting) = &self.exporting {
+        if let Some(exporting) = &self.features.export.exporting {
             exporting.cancel.cancel();
         }
     }
 
     /// Takes in what the export has said since the last frame.
     pub(crate) fn hear_export(&mut self) {
-        let Some(exporting) = &mut self.exporting else { return };
+        let Some(exporting) = &mut self.features.export.exporting else { return };
         let ended = loop {
             match exporting.news.try_recv() {
                 Ok(News::Done(done)) => exporting.done = done,
@@ -195,8 +197,8 @@ impl App {
         let (name, done, total) = (name_of(&exporting.path), exporting.done, exporting.total);
         let is_folder = exporting.path.is_dir();
         let folder = exporting.path.parent().map(std::path::Path::to_owned);
-        self.exported_to = if is_folder { Some(exporting.path.clone()) } else { folder };
-        self.exporting = None;
+        self.features.export.exported_to = if is_folder { Some(exporting.path.clone()) } else { folder };
+        self.features.export.exporting = None;
         let pictures =
             |count: usize| if count == 1 { "1 picture".to_owned() } else { format!("{count} pictures") };
         match ended {
@@ -205,14 +207,14 @@ impl App {
                     1 if !is_folder => format!("Exported {name}."),
                     _ => format!("Exported {} to {name}.", pictures(total)),
                 };
-                self.notices.info(self.now, text, Some(Action::ShowExported));
+                self.state.notices.info(self.state.now, text, Some(Action::ShowExported));
             }
             Ok(false) => {
                 let kept =
                     if is_folder { format!("; {} stay in {name}", pictures(done)) } else { String::new() };
-                self.notices.info(self.now, format!("Stopped the export{kept}."), None);
+                self.state.notices.info(self.state.now, format!("Stopped the export{kept}."), None);
             }
-            Err(error) => self.notices.error(format!("Not exported: {error}")),
+            Err(error) => self.state.notices.error(format!("Not exported: {error}")),
         }
     }
 }

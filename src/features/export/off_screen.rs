@@ -10,7 +10,7 @@ use image::{DynamicImage, RgbImage};
 use crate::app::headless::rest;
 use crate::app::{App, AppOptions};
 use crate::context::pane::Pane;
-use crate::context::preferences::Look;
+use crate::context::preferences::Preferences;
 use crate::document::Document;
 use crate::document::history::History;
 use crate::features::basin::BasinState;
@@ -65,7 +65,7 @@ pub(crate) struct Snapshot {
     document: Document,
     session: Session,
     selection: Selection,
-    look: Look,
+    look: Preferences,
     tiles: [Vec<TileLook>; 2],
     alone: Option<Pane>,
     pair: [usize; 2],
@@ -80,20 +80,20 @@ impl App {
     /// What a twin needs to show the same.
     pub(crate) fn snapshot(&self) -> Snapshot {
         // Textures are the first window's: its twin makes its own.
-        image_canvas::forget_textures(&self.context);
+        image_canvas::forget_textures(&self.state.egui);
         Snapshot {
             document: self.document().clone(),
-            session: self.session.at_rest(),
-            selection: self.selection,
-            look: self.look.clone(),
-            tiles: self.tiles.clone(),
-            alone: self.docking.alone,
-            pair: self.docking.pair,
-            basin: BasinState { running: None, ..self.basin.clone() },
-            laboratory: self.laboratory.at_rest(),
-            explanation: self.explanation,
-            frame_seconds: self.frame_seconds,
-            memory: self.context.memory(Memory::clone),
+            session: self.state.session.at_rest(),
+            selection: self.state.selection,
+            look: self.state.preferences.clone(),
+            tiles: self.features.camera_views.tiles.clone(),
+            alone: self.shell.docking.alone,
+            pair: self.shell.docking.pair,
+            basin: BasinState { running: None, ..self.features.basin.clone() },
+            laboratory: self.features.laboratory.at_rest(),
+            explanation: self.features.demonstration.explanation,
+            frame_seconds: self.state.frame_seconds,
+            memory: self.state.egui.memory(Memory::clone),
         }
     }
 }
@@ -126,15 +126,15 @@ impl Twin {
         window.ctx.memory_mut(|memory| *memory = snapshot.memory);
         let options = AppOptions { look: snapshot.look, ..AppOptions::default() };
         let mut app = App::new(window.ctx.clone(), options)?;
-        app.history = History::new(snapshot.document);
-        app.session = snapshot.session;
-        app.selection = snapshot.selection;
-        app.tiles = snapshot.tiles;
-        app.docking.alone = snapshot.alone;
-        app.docking.pair = snapshot.pair;
-        app.basin = snapshot.basin;
-        app.laboratory = snapshot.laboratory;
-        app.explanation = snapshot.explanation;
+        app.state.history = History::new(snapshot.document);
+        app.state.session = snapshot.session;
+        app.state.selection = snapshot.selection;
+        app.features.camera_views.tiles = snapshot.tiles;
+        app.shell.docking.alone = snapshot.alone;
+        app.shell.docking.pair = snapshot.pair;
+        app.features.basin = snapshot.basin;
+        app.features.laboratory = snapshot.laboratory;
+        app.features.demonstration.explanation = snapshot.explanation;
         let mut twin = Self { window, app, frame_seconds: snapshot.frame_seconds };
         if let PictureOf::View { picture, whole_frame, .. } = what {
             twin.show_alone(picture, whole_frame);
@@ -144,8 +144,8 @@ impl Twin {
 
     /// Shows one camera's picture alone, and makes room for its legend.
     fn show_alone(&mut self, picture: PictureAlone, whole_frame: bool) {
-        self.app.docking.alone = Some(Pane::Camera(picture.camera));
-        self.app.picture_alone = Some(picture);
+        self.app.shell.docking.alone = Some(Pane::Camera(picture.camera));
+        self.app.features.camera_views.picture_alone = Some(picture);
         if whole_frame && let Some(tile) = self.app.tiles_mut().get_mut(picture.camera) {
             tile.framing = Framing::Whole;
         }
@@ -159,9 +159,9 @@ impl Twin {
         match shot {
             Shot::AsShown => {}
             Shot::Step(step) => {
-                if let Some(run) = self.app.session.runs.get(step.run) {
-                    self.app.selection.frame = run.frame;
-                    self.app.selection.step = Some(step);
+                if let Some(run) = self.app.state.session.runs.get(step.run) {
+                    self.app.state.selection.frame = run.frame;
+                    self.app.state.selection.step = Some(step);
                 }
             }
             Shot::Frame(frame) => self.app.go_to_frame(frame),
@@ -169,7 +169,7 @@ impl Twin {
         self.settle(cancel);
         let (app, seconds) = (&mut self.app, self.frame_seconds);
         let picture = self.window.frames(2, Vec::new(), |ui| {
-            app.frame_seconds = seconds;
+            app.state.frame_seconds = seconds;
             app.frame(ui);
         });
         DynamicImage::ImageRgba8(picture).into_rgb8()

@@ -16,18 +16,18 @@ impl App {
     /// Fits lengths and radii to the frames that have poses of their own, at most eight of them.
     pub(crate) fn fit_body(&mut self) {
         self.interrupt_fit();
-        let (Some(take), Some(scene)) = (self.session.take.clone(), self.scene()) else { return };
+        let (Some(take), Some(scene)) = (self.state.session.take.clone(), self.scene()) else { return };
         let document = self.document();
         let is_lost = |frame: usize| document.estimates.get(&frame).is_some_and(|found| found.lost);
         let posed: Vec<usize> =
             (0..take.frame_count()).filter(|&frame| document.has_pose(frame) && !is_lost(frame)).collect();
-        let shown = self.selection.frame;
+        let shown = self.state.selection.frame;
         let chosen = if posed.is_empty() { vec![shown] } else { frames::spread(&posed, MOST_FRAMES) };
         let start = |frame: usize| -> (usize, Pose) { (frame, document.pose_at(frame).clone()) };
         let starts: Vec<(usize, Pose)> = chosen.into_iter().map(start).collect();
         let job = BodyJob::new(take, document.measurement.clone(), scene, starts);
-        self.selection.step = None;
-        self.session.fitting_body = true;
+        self.state.selection.step = None;
+        self.state.session.fitting_body = true;
         self.worker.request(Lane::Track, job);
     }
 
@@ -37,7 +37,7 @@ impl App {
         let before = self.document().model.clone();
         self.edit(Edit::SetBody(std::sync::Arc::new(model)), None);
         if self.document().model != before {
-            self.notices.info(self.now, said_of(fit), Some(Action::Undo));
+            self.state.notices.info(self.state.now, said_of(fit), Some(Action::Undo));
         }
     }
 }

@@ -4,29 +4,29 @@ use backlit_tracking::segment::{DontKnowOptions, SegmentOptions, ShadowOptions};
 use egui::Ui;
 
 use crate::context::command_button::gesture;
-use crate::context::{Intents, Showing};
+use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::style::format;
 use crate::widgets::{SliderRow, checkbox, section};
 
 /// The Measurement section.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
     // Cameras differ in their regions only.
-    let Some(options) = showing.document().measurement.first() else { return };
+    let Some(options) = context.document().measurement.first() else { return };
     let shadows = if options.shadow.is_some() { "shadows tested" } else { "shadows off" };
     let summary = format!("z-score {}, {shadows}", format::number(f64::from(options.z_threshold), 1));
     section(ui, "Measurement", &summary, open, |ui| {
         let mut changed = options.clone();
-        numbers(ui, intents, &mut changed);
+        numbers(ui, requests, &mut changed);
         let mut toggles = options.clone();
         switches(ui, &mut toggles);
         if toggles != *options {
-            intents.edit(Edit::SetMeasurement(Box::new(toggles)));
+            requests.edit(Edit::SetMeasurement(Box::new(toggles)));
         }
     });
 }
 
-fn numbers(ui: &mut Ui, intents: &mut Intents, options: &mut SegmentOptions) {
+fn numbers(ui: &mut Ui, requests: &mut Requests, options: &mut SegmentOptions) {
     let mut z = f64::from(options.z_threshold);
     let mut floor = f64::from(options.noise_floor);
     let mut opening = options.opening_px as f64;
@@ -56,7 +56,7 @@ fn numbers(ui: &mut Ui, intents: &mut Intents, options: &mut SegmentOptions) {
         options.opening_px = opening.round().max(0.0) as usize;
         options.closing_px = closing.round().max(0.0) as usize;
         options.min_component_px = smallest.round().max(0.0) as usize;
-        intents.edits.push((Edit::SetMeasurement(Box::new(options.clone())), drag));
+        requests.edits.push((Edit::SetMeasurement(Box::new(options.clone())), drag));
     }
 }
 

@@ -4,7 +4,7 @@ use egui::{RichText, TextStyle, Ui};
 
 use crate::context::action::Action;
 use crate::context::command_button::button;
-use crate::context::{Intents, Request, Showing};
+use crate::context::{Context, Request, Requests};
 use crate::style::format;
 use crate::style::theme;
 
@@ -12,21 +12,21 @@ use crate::style::theme;
 const SAME: f64 = 1e-6;
 
 /// The button of the search, and what it found.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let palette = theme::palette(ui);
-    let frame = showing.selection.frame;
+    let frame = context.selection.frame;
     ui.horizontal(|ui| {
-        button(ui, showing, intents, Action::SearchPoses);
+        button(ui, context, requests, Action::SearchPoses);
         let hint = |text: &str| RichText::new(text.to_owned()).small().color(palette.text3);
-        if showing.session.searching == Some(frame) {
+        if context.session.searching == Some(frame) {
             ui.label(hint("Looking for other poses…"));
-        } else if !showing.session.other_poses.contains_key(&frame) {
+        } else if !context.session.other_poses.contains_key(&frame) {
             ui.label(hint("for other poses that fit"));
         }
     });
-    let Some(poses) = showing.session.other_poses.get(&frame) else { return };
+    let Some(poses) = context.session.other_poses.get(&frame) else { return };
     ui.label(RichText::new("Poses that fit, best first").small().color(palette.text2));
-    let shown = showing.session.shown_pose(showing.document(), showing.selection);
+    let shown = context.session.shown_pose(context.document(), context.selection);
     let best = poses.found.first().map_or(0.0, |found| found.cost);
     for (index, found) in poses.found.iter().enumerate() {
         let is_shown = found.pose.root.distance(shown.root) < SAME
@@ -43,10 +43,10 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
         let hover =
             "Give the frame this pose, as a key pose. Cost by the last stage of the fit, priors included";
         if response.on_hover_text(hover).clicked() {
-            intents.request(Request::ChoosePose(index));
+            requests.request(Request::ChoosePose(index));
         }
     }
-    if !std::sync::Arc::ptr_eq(&poses.fit, &showing.document().fit) {
+    if !std::sync::Arc::ptr_eq(&poses.fit, &context.document().fit) {
         let text = RichText::new("Costs are of other choices of the fit").text_style(TextStyle::Small);
         ui.label(text.color(palette.text3));
     }

@@ -5,14 +5,14 @@ use egui::{RichText, Ui};
 use super::other_poses;
 use crate::context::action::Action;
 use crate::context::command_button::named_button;
-use crate::context::{Intents, Showing};
+use crate::context::{Context, Requests};
 use crate::style::theme;
 use crate::style::theme::space;
 use crate::widgets::section;
 
 /// The Refit section.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
-    let last = showing.session.refits.get(&showing.selection.frame);
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
+    let last = context.session.refits.get(&context.selection.frame);
     let summary = last.map_or("the rest stays", |last| last.what.as_str());
     section(ui, "Refit", if open { "the rest stays" } else { summary }, open, |ui| {
         ui.horizontal(|ui| {
@@ -23,7 +23,7 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open
                 (Action::RefitBody, "Refit body"),
             ];
             for (action, text) in actions {
-                named_button(ui, showing, intents, action, text);
+                named_button(ui, context, requests, action, text);
             }
         });
         ui.add_space(space::ROW);
@@ -38,6 +38,6 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open
                 ui.add(small("No refit of this frame yet".to_owned(), palette.text3));
             }
         }
-        other_poses::ui(ui, showing, intents);
+        other_poses::ui(ui, context, requests);
     });
 }

@@ -4,7 +4,7 @@ use backlit_tracking::render::RendererKind;
 use egui::{RichText, Ui};
 
 use crate::context::action::Action;
-use crate::context::{Intents, Showing};
+use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
 use crate::shell::toolbar::choice;
@@ -33,21 +33,21 @@ pub(crate) fn renderer_of(action: Action) -> Option<RendererKind> {
 }
 
 /// A box of the three renderers.
-pub(crate) fn kind_box(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, width: f32) {
-    let chosen = action_of(showing.document().fit.renderer).text();
+pub(crate) fn kind_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32) {
+    let chosen = action_of(context.document().fit.renderer).text();
     let choices = KINDS.map(|(action, _)| (action, action.text(), action.tooltip()));
     if let Some(action) = choice(ui, "Renderer", width, chosen, &choices) {
-        intents.act(action);
+        requests.act(action);
     }
 }
 
 /// The Renderer section.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
-    let fit = &*showing.document().fit;
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
+    let fit = &*context.document().fit;
     let name = action_of(fit.renderer).text().to_lowercase();
     let ramps = words::ramps(fit);
     section(ui, "Renderer", &format!("{name}, {ramps}"), open, |ui| {
-        kind_box(ui, showing, intents, ui.available_width());
+        kind_box(ui, context, requests, ui.available_width());
         if let RendererKind::SphereTree { spheres } = fit.renderer {
             let mut count = spheres.unwrap_or(0) as f64;
             let row = SliderRow {
@@ -67,7 +67,7 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open
                 let mut options = fit.clone();
                 options.renderer = RendererKind::SphereTree { spheres: (count > 0).then_some(count) };
                 let what = "Change sphere count".to_owned();
-                intents.edits.push((Edit::SetFit { options: Box::new(options), what }, drag));
+                requests.edits.push((Edit::SetFit { options: Box::new(options), what }, drag));
             }
         }
         let text = match fit.renderer {

@@ -7,7 +7,7 @@ use backlit_tracking::track::{FitOptions, Preset};
 use egui::{RichText, Ui};
 
 use crate::context::action::Action;
-use crate::context::{Intents, Showing};
+use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
 use crate::document::fit_words::preset_like;
@@ -31,22 +31,22 @@ pub(crate) fn preset_of(action: Action) -> Option<Preset> {
 }
 
 /// A box of the presets.
-pub(crate) fn preset_box(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, width: f32) {
-    let chosen = preset_like(&showing.document().fit).map_or("Own", Preset::label);
+pub(crate) fn preset_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32) {
+    let chosen = preset_like(&context.document().fit).map_or("Own", Preset::label);
     let choices = [Action::PresetRobust, Action::PresetReport].map(|a| (a, a.text(), a.tooltip()));
     if let Some(action) = choice(ui, "Preset", width, chosen, &choices) {
-        intents.act(action);
+        requests.act(action);
     }
 }
 
 /// The Solver section.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
-    let fit = &*showing.document().fit;
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
+    let fit = &*context.document().fit;
     let summary = preset_like(fit).map_or_else(|| "own choices".to_owned(), |p| p.label().to_owned());
     section(ui, "Solver", &summary, open, |ui| {
         let mut options = fit.clone();
         ui.spacing_mut().item_spacing.y = 6.0;
-        row(ui, "Preset", |ui| preset_box(ui, showing, intents, ui.available_width()));
+        row(ui, "Preset", |ui| preset_box(ui, context, requests, ui.available_width()));
         row(ui, "Update", |ui| {
             let choices = [(Parameters::Tangent, "Tangent"), (Parameters::Raw, "Raw")];
             segmented(ui, &mut options.parameters, &choices).on_hover_text(
@@ -80,11 +80,11 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open
                 .on_hover_text("How hard joints are held within their limits");
             hint(ui, "of the joints");
         });
-        tracking_choices::ui(ui, showing, intents);
+        tracking_choices::ui(ui, context, requests);
         sanitise(&mut options);
         if options != *fit {
             let what = "Change solver".to_owned();
-            intents.edit(Edit::SetFit { options: Box::new(options), what });
+            requests.edit(Edit::SetFit { options: Box::new(options), what });
         }
     });
 }

@@ -20,7 +20,7 @@ use egui::{
     CentralPanel, Frame, Rect, RichText, Role, Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
 
-use crate::context::{Intents, Showing};
+use crate::context::{Context, Requests};
 use crate::features::laboratory::comparison::PushKey;
 use crate::features::laboratory::{Comparison, PushAxis};
 use crate::style::theme;
@@ -62,7 +62,7 @@ impl Room {
 /// What all parts of the page look at.
 #[derive(Clone, Copy)]
 struct Bench<'a> {
-    showing: &'a Showing<'a>,
+    context: &'a Context<'a>,
     comparison: &'a Comparison,
     /// What is pushed, as words.
     limb: &'a str,
@@ -72,33 +72,33 @@ struct Bench<'a> {
 }
 
 /// The panel.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let palette = theme::palette(ui);
     let room = Room::of(ui.available_rect_before_wrap());
-    header::ui(ui, showing, intents, room.margin);
+    header::ui(ui, context, requests, room.margin);
     CentralPanel::default().frame(Frame::NONE.fill(palette.well)).show(ui, |ui| {
         let rect = ui.max_rect();
-        let laboratory = showing.laboratory;
+        let laboratory = context.laboratory;
         let Some(comparison) = laboratory.comparison.as_ref().filter(|comparison| comparison.has_begun())
         else {
-            return waiting(ui, rect, showing);
+            return waiting(ui, rect, context);
         };
-        let model = &showing.document().model;
-        let limb = showing.selection.limb(model);
+        let model = &context.document().model;
+        let limb = context.selection.limb(model);
         let axis = laboratory.axis_for(model);
         let bench = Bench {
-            showing,
+            context,
             comparison,
             limb: &model.limbs()[limb].name,
             axis,
             key: (laboratory.camera, axis, limb),
             room,
         };
-        page(ui, rect, &bench, intents);
+        page(ui, rect, &bench, requests);
     });
 }
 
-fn page(ui: &mut Ui, rect: Rect, bench: &Bench<'_>, intents: &mut Intents) {
+fn page(ui: &mut Ui, rect: Rect, bench: &Bench<'_>, requests: &mut Requests) {
     let Room { margin, gap, .. } = bench.room;
     let top_gap = margin.min(16.0);
     let inner = Rect::from_min_max(
@@ -117,17 +117,17 @@ fn page(ui: &mut Ui, rect: Rect, bench: &Bench<'_>, intents: &mut Intents) {
         let left = above.left() + (width + gap) * index as f32;
         let column = Rect::from_min_size(pos2(left, above.top()), vec2(width, above.height()));
         card(ui, column);
-        inside(ui, column, ("column", index), |ui| column::ui(ui, column, bench, index, fit, intents));
+        inside(ui, column, ("column", index), |ui| column::ui(ui, column, bench, index, fit, requests));
     }
     let share = if is_compact { COMPACT_CAPTION_SHARE } else { CAPTION_SHARE };
     let caption_width = (share * below.width()).max(330.0);
     let (plot, caption) = below.split_left_right_at_x(below.right() - caption_width - gap);
     let caption = caption.with_min_x(caption.left() + gap);
     card(ui, plot);
-    inside(ui, plot.shrink2(vec2(14.0, 8.0)), "plot", |ui| curves::ui(ui, bench, intents));
+    inside(ui, plot.shrink2(vec2(14.0, 8.0)), "plot", |ui| curves::ui(ui, bench, requests));
     card(ui, caption);
     let margin = if is_compact { vec2(14.0, 8.0) } else { vec2(18.0, 12.0) };
-    inside(ui, caption.shrink2(margin), "caption", |ui| caption::ui(ui, bench, intents));
+    inside(ui, caption.shrink2(margin), "caption", |ui| caption::ui(ui, bench, requests));
 }
 
 /// The ground of a part of the page.
@@ -145,10 +145,10 @@ fn inside(ui: &mut Ui, rect: Rect, salt: impl egui::AsIdSalt, add: impl FnOnce(&
 }
 
 /// Before there is anything to show.
-fn waiting(ui: &mut Ui, rect: Rect, showing: &Showing<'_>) {
-    let has_mask = showing.session.frames.get(showing.selection.frame).map(|frame| frame.has_mask());
+fn waiting(ui: &mut Ui, rect: Rect, context: &Context<'_>) {
+    let has_mask = context.session.frames.get(context.selection.frame).map(|frame| frame.has_mask());
     let text = match has_mask {
-        None if showing.busy.load_broke => "This frame cannot be read: Help › Messages says why",
+        None if context.busy.load_broke => "This frame cannot be read: Help › Messages says why",
         None => "Reading the frame…",
         Some(false) => "This frame has no silhouette yet: choose another in the Pose layout",
         Some(true) => "Preparing the fits…",

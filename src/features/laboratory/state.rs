@@ -56,7 +56,7 @@ pub enum LaboratoryRequest {
     Axis(PushAxis),
     /// Hold another limb.
     Limb(usize),
-    /// Look at a step.
+    /// Preferences at a step.
     Step(usize),
     /// Logarithmic heights, or percent.
     Log(bool),

@@ -36,9 +36,9 @@ impl App {
             self.worker.drop_lane(lane);
         }
         let start = StartChoice::of(demonstration_of(footage));
-        self.laboratory = Laboratory {
-            is_log: self.laboratory.is_log,
-            comparisons: self.laboratory.comparisons,
+        self.features.laboratory = Laboratory {
+            is_log: self.features.laboratory.is_log,
+            comparisons: self.features.laboratory.comparisons,
             start,
             ..Laboratory::default()
         };
@@ -49,8 +49,8 @@ impl App {
         let scene = self.scene()?;
         scene.frame.as_ref()?;
         let document = self.document();
-        let take = self.session.take.as_ref()?;
-        let frame = self.selection.frame;
+        let take = self.state.session.take.as_ref()?;
+        let frame = self.state.selection.frame;
         let parts = StartParts {
             model: &document.model,
             shown: self.shown_pose(),
@@ -58,57 +58,60 @@ impl App {
             demonstration: demonstration_of(take).map(|which| (which, frame)),
         };
         Some(Basis {
-            start: self.laboratory.start.pose(&parts).normalized(),
-            entrants: self.laboratory.lineup.entrants(&document.fit, &document.model),
+            start: self.features.laboratory.start.pose(&parts).normalized(),
+            entrants: self.features.laboratory.lineup.entrants(&document.fit, &document.model),
             scene,
         })
     }
 
     /// Keeps the laboratory going while its layout is on the screen.
     pub(crate) fn go_on_with_laboratory(&mut self) {
-        self.laboratory.is_running = self.worker.is_busy(Lane::Laboratory);
-        self.laboratory.is_checking = self.worker.is_busy(Lane::LaboratoryCheck);
-        if self.look.layout != Layout::Demonstrate {
+        self.features.laboratory.is_running = self.worker.is_busy(Lane::Laboratory);
+        self.features.laboratory.is_checking = self.worker.is_busy(Lane::LaboratoryCheck);
+        if self.state.preferences.layout != Layout::Demonstrate {
             // What nobody sees need not be checked.
             self.worker.drop_lane(Lane::LaboratoryCheck);
             return;
         }
         let Some(basis) = self.basis() else {
-            self.laboratory.is_waiting = self.session.take.is_some() && self.may_ask(Lane::Load);
+            self.features.laboratory.is_waiting =
+                self.state.session.take.is_some() && self.may_ask(Lane::Load);
             return;
         };
-        let is_same = self.laboratory.comparison.as_ref().is_some_and(|old| old.basis.is(&basis));
+        let is_same = self.features.laboratory.comparison.as_ref().is_some_and(|old| old.basis.is(&basis));
         if !is_same {
             self.begin_comparison(basis);
         }
-        let camera_count = self.session.camera_count();
-        self.laboratory.camera = self.laboratory.camera.min(camera_count.saturating_sub(1));
-        let has_begun = self.laboratory.comparison.as_ref().is_some_and(Comparison::has_begun);
-        if has_begun && self.laboratory.wants_run && !self.laboratory.is_running {
-            self.laboratory.wants_run = false;
+        let camera_count = self.state.session.camera_count();
+        self.features.laboratory.camera = self.features.laboratory.camera.min(camera_count.saturating_sub(1));
+        let has_begun = self.features.laboratory.comparison.as_ref().is_some_and(Comparison::has_begun);
+        if has_begun && self.features.laboratory.wants_run && !self.features.laboratory.is_running {
+            self.features.laboratory.wants_run = false;
             self.step_laboratory(None);
         }
-        self.laboratory.is_waiting = !has_begun || self.laboratory.wants_run || self.look_in_laboratory();
+        self.features.laboratory.is_waiting =
+            !has_begun || self.features.laboratory.wants_run || self.look_in_laboratory();
     }
 
     fn begin_comparison(&mut self, basis: Basis) {
         self.worker.drop_lane(Lane::LaboratoryLook);
         self.worker.drop_lane(Lane::LaboratoryCheck);
-        self.laboratory.pending_steps = 0;
-        self.laboratory.marked = None;
-        self.laboratory.comparisons += 1;
+        self.features.laboratory.pending_steps = 0;
+        self.features.laboratory.marked = None;
+        self.features.laboratory.comparisons += 1;
         self.live_laboratory = LiveLaboratory::default();
         let starts = basis.entrants.iter().map(|entrant| (basis.scene_of(entrant), basis.start.clone()));
         let job = LaboratoryJob::begin(starts.collect(), self.live_laboratory.clone());
         self.worker.request(Lane::Laboratory, job);
-        self.laboratory.comparison = Some(Comparison::new(basis, self.laboratory.comparisons));
-        self.laboratory.is_running = true;
+        self.features.laboratory.comparison =
+            Some(Comparison::new(basis, self.features.laboratory.comparisons));
+        self.features.laboratory.is_running = true;
     }
 
     /// Asks for pictures and checks that the screen lacks. Whether any is still to come.
     fn look_in_laboratory(&mut self) -> bool {
         let key = self.push_key();
-        let Some(comparison) = &self.laboratory.comparison else { return false };
+        let Some(comparison) = &self.features.laboratory.comparison else { return false };
         let has_pushes = comparison
             .contestants
             .iter()
@@ -127,28 +130,28 @@ impl App {
             self.worker.request(Lane::LaboratoryLook, LaboratoryLookJob { looks, push });
         }
         // Fits first: while they run, the pose to check changes with every step.
-        lacks || (!self.laboratory.is_running && self.check_in_laboratory())
+        lacks || (!self.features.laboratory.is_running && self.check_in_laboratory())
     }
 
     /// Asks for the check of the gradients at the step that is looked at, in all cameras, the one that is shown first.
     /// Whether one is still to come.
     fn check_in_laboratory(&mut self) -> bool {
-        let Some(comparison) = &self.laboratory.comparison else { return false };
+        let Some(comparison) = &self.features.laboratory.comparison else { return false };
         let (wanted, cameras) = (unchecked(comparison), comparison.basis.scene.cameras.len());
         if wanted.is_empty() || cameras == 0 || !self.may_ask(Lane::LaboratoryCheck) {
             return false;
         }
         let is_asked = self.worker.is_busy(Lane::LaboratoryCheck)
-            && (self.laboratory.check_wanted.as_ref())
+            && (self.features.laboratory.check_wanted.as_ref())
                 .is_some_and(|asked| wanted.iter().all(|one| asked.contains(one)));
         if !is_asked {
-            let shown = self.laboratory.camera;
+            let shown = self.features.laboratory.camera;
             let order: Vec<usize> =
                 std::iter::once(shown).chain((0..cameras).filter(|camera| *camera != shown)).collect();
             let checks =
                 wanted.iter().map(|(index, pose)| check_of(comparison, *index, pose, &order)).collect();
-            self.laboratory.check_wanted = Some(wanted);
-            self.laboratory.check_broke = false;
+            self.features.laboratory.check_wanted = Some(wanted);
+            self.features.laboratory.check_broke = false;
             self.worker.request(Lane::LaboratoryCheck, LaboratoryCheckJob::new(checks));
         }
         true
@@ -158,14 +161,14 @@ impl App {
     pub(crate) fn laboratory_broke(&mut self, lane: Lane) {
         match lane {
             Lane::Laboratory => {
-                self.laboratory.pending_steps = 0;
-                self.laboratory.wants_run = false;
+                self.features.laboratory.pending_steps = 0;
+                self.features.laboratory.wants_run = false;
                 self.live_laboratory = LiveLaboratory::default();
-                if let Some(comparison) = &mut self.laboratory.comparison {
+                if let Some(comparison) = &mut self.features.laboratory.comparison {
                     comparison.break_down("the work on the fits broke down; Restart begins again");
                 }
             }
-            Lane::LaboratoryCheck => self.laboratory.check_broke = true,
+            Lane::LaboratoryCheck => self.features.laboratory.check_broke = true,
             _ => {}
         }
     }
@@ -173,20 +176,24 @@ impl App {
     /// Which pushes are shown.
     fn push_key(&self) -> PushKey {
         let model = &self.document().model;
-        (self.laboratory.camera, self.laboratory.axis_for(model), self.selection.limb(model))
+        (
+            self.features.laboratory.camera,
+            self.features.laboratory.axis_for(model),
+            self.state.selection.limb(model),
+        )
     }
 
     /// What the laboratory's jobs said.
     pub(crate) fn hear_laboratory(&mut self, event: LaboratoryEvent) {
         if let LaboratoryEvent::Written(path) = &event {
             let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-            return self.notices.info(self.now, format!("Saved the plot to {name}."), None);
+            return self.state.notices.info(self.state.now, format!("Saved the plot to {name}."), None);
         }
-        let Some(comparison) = &mut self.laboratory.comparison else { return };
+        let Some(comparison) = &mut self.features.laboratory.comparison else { return };
         match event {
             LaboratoryEvent::Step(index, step, predicted) => {
                 comparison.add_step(index, *step, predicted);
-                self.laboratory.measure_steps();
+                self.features.laboratory.measure_steps();
             }
             LaboratoryEvent::Extents(extents) => comparison.add_extents(&extents),
             LaboratoryEvent::Ended(index, ending) => comparison.end(index, ending),
@@ -211,7 +218,7 @@ impl App {
 
     /// The steps that were asked for are done.
     pub(crate) fn laboratory_ended(&mut self) {
-        let steps = std::mem::take(&mut self.laboratory.pending_steps);
+        let steps = std::mem::take(&mut self.features.laboratory.pending_steps);
         if steps > 0 {
             self.run_fits(Some(steps));
         }
@@ -220,13 +227,13 @@ impl App {
     fn run_fits(&mut self, steps: Option<usize>) {
         let job = LaboratoryJob::go_on(self.live_laboratory.clone(), steps);
         self.worker.request(Lane::Laboratory, job);
-        self.laboratory.is_running = true;
+        self.features.laboratory.is_running = true;
     }
 
     /// A step of all fits, or all of their steps. Steps that are there already are only looked at.
     fn step_laboratory(&mut self, steps: Option<usize>) {
         let is_busy = self.worker.is_busy(Lane::Laboratory);
-        let Some(comparison) = &mut self.laboratory.comparison else { return };
+        let Some(comparison) = &mut self.features.laboratory.comparison else { return };
         if steps.is_some() && comparison.cursor < comparison.last() {
             comparison.go_to(comparison.cursor + 1);
             return;
@@ -234,7 +241,7 @@ impl App {
         comparison.go_to(comparison.last());
         comparison.follows = true;
         if is_busy {
-            self.laboratory.pending_steps += steps.unwrap_or(0);
+            self.features.laboratory.pending_steps += steps.unwrap_or(0);
         } else if !comparison.is_over() {
             self.run_fits(steps);
         }
@@ -243,14 +250,14 @@ impl App {
     /// Does what a command means in the laboratory's layout. `false` for those that mean there what they mean
     /// everywhere.
     pub(crate) fn act_on_laboratory(&mut self, action: Action) -> bool {
-        if self.look.layout != Layout::Demonstrate {
+        if self.state.preferences.layout != Layout::Demonstrate {
             return false;
         }
         if let Some(camera) = (0..8).find(|index| Action::camera_alone(*index) == Some(action)) {
-            self.laboratory.camera = camera;
+            self.features.laboratory.camera = camera;
             return true;
         }
-        let Some(comparison) = &mut self.laboratory.comparison else { return false };
+        let Some(comparison) = &mut self.features.laboratory.comparison else { return false };
         let here = comparison.cursor;
         match action {
             Action::Step | Action::LaterStep | Action::NextFrame => self.step_laboratory(Some(1)),
@@ -262,11 +269,11 @@ impl App {
             Action::TenFramesOn => comparison.go_to(here + MANY_STEPS),
             Action::FirstFrame => comparison.go_to(0),
             Action::LastFrame => comparison.go_to(usize::MAX),
-            Action::Stop if self.laboratory.is_running => {
-                self.laboratory.pending_steps = 0;
+            Action::Stop if self.features.laboratory.is_running => {
+                self.features.laboratory.pending_steps = 0;
                 self.worker.cancel(Lane::Laboratory);
             }
-            Action::RestartLaboratory => self.laboratory.comparison = None,
+            Action::RestartLaboratory => self.features.laboratory.comparison = None,
             _ => return false,
         }
         true
@@ -274,25 +281,25 @@ impl App {
 
     pub(crate) fn laboratory_request(&mut self, request: LaboratoryRequest) {
         match request {
-            LaboratoryRequest::Lineup(lineup) => self.laboratory.lineup = lineup,
-            LaboratoryRequest::Start(start) => self.laboratory.start = start,
-            LaboratoryRequest::Camera(camera) => self.laboratory.camera = camera,
-            LaboratoryRequest::Axis(axis) => self.laboratory.axis = Some(axis),
+            LaboratoryRequest::Lineup(lineup) => self.features.laboratory.lineup = lineup,
+            LaboratoryRequest::Start(start) => self.features.laboratory.start = start,
+            LaboratoryRequest::Camera(camera) => self.features.laboratory.camera = camera,
+            LaboratoryRequest::Axis(axis) => self.features.laboratory.axis = Some(axis),
             LaboratoryRequest::Limb(limb) => {
                 let joint = Selection::joint_of(&self.document().model, limb);
                 self.request(Request::Joint(joint));
             }
-            LaboratoryRequest::Log(is_log) => self.laboratory.is_log = is_log,
+            LaboratoryRequest::Log(is_log) => self.features.laboratory.is_log = is_log,
             LaboratoryRequest::Mark(fit) => self.mark_worst(fit),
             LaboratoryRequest::Step(step) => {
-                if let Some(comparison) = &mut self.laboratory.comparison {
+                if let Some(comparison) = &mut self.features.laboratory.comparison {
                     comparison.go_to(step);
                 }
             }
             LaboratoryRequest::CopyTable => {
-                if let Some(comparison) = &self.laboratory.comparison {
-                    self.context.copy_text(table::csv(comparison));
-                    self.doing = Some("Copied the curves as comma-separated values.".to_owned());
+                if let Some(comparison) = &self.features.laboratory.comparison {
+                    self.state.egui.copy_text(table::csv(comparison));
+                    self.state.status = Some("Copied the curves as comma-separated values.".to_owned());
                 }
             }
             LaboratoryRequest::SavePlot => self.ask_for_file(DialogKind::LaboratoryPlot),
@@ -301,23 +308,26 @@ impl App {
 
     /// Marks the worst pixel of a fit, and shows the camera that it is in.
     fn mark_worst(&mut self, fit: Option<usize>) {
-        self.laboratory.marked = fit;
-        let comparison = self.laboratory.comparison.as_ref();
+        self.features.laboratory.marked = fit;
+        let comparison = self.features.laboratory.comparison.as_ref();
         let marked = fit.and_then(|fit| comparison?.contestants.get(fit)?.checked.as_ref());
         if let Some(worst) = marked.and_then(|checked| checked.progress.worst.as_ref()) {
-            self.laboratory.camera = worst.camera;
+            self.features.laboratory.camera = worst.camera;
         }
     }
 
     /// Writes the laboratory's plot as a PNG.
     pub fn save_laboratory_plot(&mut self, path: &Path) {
-        let Some(comparison) = &self.laboratory.comparison else { return };
-        let title = self.laboratory.lineup.title();
-        let take = self.session.take.as_ref().map_or("", |take| take.name.as_str());
-        let subtitle = format!("{take}. {}", self.laboratory.lineup.sentence());
-        let figure = table::figure(comparison, title, &subtitle, self.laboratory.is_log);
+        let Some(comparison) = &self.features.laboratory.comparison else { return };
+        let title = self.features.laboratory.lineup.title();
+        let take = self.state.session.take.as_ref().map_or("", |take| take.name.as_str());
+        let subtitle = format!("{take}. {}", self.features.laboratory.lineup.sentence());
+        let figure = table::figure(comparison, title, &subtitle, self.features.laboratory.is_log);
         let path = if path.extension().is_none() { path.with_extension("png") } else { path.to_owned() };
-        self.worker.request(Lane::LaboratoryPlot, LaboratoryPlotJob { figure, theme: self.look.theme, path });
+        self.worker.request(
+            Lane::LaboratoryPlot,
+            LaboratoryPlotJob { figure, theme: self.state.preferences.theme, path },
+        );
     }
 }
 

@@ -4,7 +4,7 @@ use backlit_tracking::track::observability::SubsetFigures;
 use egui::{Align2, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 use super::panel::{length, name_of};
-use crate::context::{Intents, Showing};
+use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::features::observability::observed::Observed;
 use crate::style::format;
@@ -23,20 +23,20 @@ const BAR_HEIGHT: f32 = 5.0;
 const BARS_M: [f64; 2] = [1.0, 0.0005];
 
 /// The Camera subsets section.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
-    let used: Vec<usize> = showing.document().used_cameras().collect();
-    let summary = format!("{} of {} cameras", used.len(), showing.session.camera_count());
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
+    let used: Vec<usize> = context.document().used_cameras().collect();
+    let summary = format!("{} of {} cameras", used.len(), context.session.camera_count());
     section(ui, "Camera subsets", &summary, open, |ui| {
-        intents.glance.at_figures = true;
+        requests.glance.at_figures = true;
         let palette = theme::palette(ui);
-        let Some(found) = showing.observing.found().filter(|found| !found.subsets.is_empty()) else {
+        let Some(found) = context.observing.found().filter(|found| !found.subsets.is_empty()) else {
             ui.label(RichText::new("No camera has a silhouette yet").small().color(palette.text3));
             return;
         };
         ui.spacing_mut().item_spacing.y = 0.0;
         head(ui);
         for (place, figures) in found.subsets.iter().enumerate() {
-            row(ui, showing, found, place, figures, figures.cameras == used, intents);
+            row(ui, context, found, place, figures, figures.cameras == used, requests);
         }
         ui.add_space(space::ROW);
         let text = RichText::new(about(found)).small().color(palette.text3);
@@ -79,12 +79,12 @@ fn head(ui: &mut Ui) {
 
 fn row(
     ui: &mut Ui,
-    showing: &Showing<'_>,
+    context: &Context<'_>,
     found: &Observed,
     place: usize,
     figures: &SubsetFigures,
     is_current: bool,
-    intents: &mut Intents,
+    requests: &mut Requests,
 ) {
     let palette = theme::palette(ui);
     let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), size::ROW), Sense::click());
@@ -107,15 +107,15 @@ fn row(
         let at = pos2(left, row.center().y - 0.5 * size::BADGE);
         paint_camera_badge(ui.painter(), Rect::from_min_size(at, vec2(size::BADGE, size::BADGE)), camera);
     }
-    numbers(ui, row, showing.observing.is_stale(), figures);
+    numbers(ui, row, context.observing.is_stale(), figures);
     if response.has_focus() {
         ui.painter().rect_stroke(row, size::FIELD_RADIUS, palette.focus_ring(), egui::StrokeKind::Outside);
     }
     if response.hovered() || response.has_focus() {
-        intents.glance.subset = Some(place);
+        requests.glance.subset = Some(place);
     }
     if response.clicked() && !is_current {
-        intents.edit(Edit::UseOnly { cameras: figures.cameras.clone() });
+        requests.edit(Edit::UseOnly { cameras: figures.cameras.clone() });
     }
     response.on_hover_text(tooltip(found, figures, is_current));
 }

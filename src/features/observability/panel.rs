@@ -8,7 +8,7 @@ use egui::{Align, ComboBox, Layout, Rect, RichText, Role, Sense, Ui, WidgetInfo,
 
 use crate::context::action::Action;
 use crate::context::command_button::named_button;
-use crate::context::{Intents, Request, Showing, unavailable};
+use crate::context::{Context, Request, Requests, unavailable};
 use crate::drawing::ellipse_factor::FACTORS;
 use crate::drawing::{JointEllipse, JointId, joint_ellipses, joint_name};
 use crate::features::observability::{AMPLITUDES_MM, ObserveRequest, Observing, SPEEDS};
@@ -25,27 +25,27 @@ const LISTED: usize = 3;
 const WORTH_LISTING: f64 = 0.1;
 
 /// The Observability section.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
-    let observing = showing.observing;
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
+    let observing = context.observing;
     let summary = summary(observing);
     section(ui, "Observability", &summary, open, |ui| {
-        intents.glance.at_figures = true;
+        requests.glance.at_figures = true;
         let Some(found) = observing.found() else {
-            hint(ui, waiting_for(showing));
+            hint(ui, waiting_for(context));
             return;
         };
         if found.shown.cameras.is_empty() {
             hint(ui, "No camera in the fit has a silhouette of this frame: nothing is seen.");
             return;
         }
-        chart::ui(ui, observing, intents);
+        chart::ui(ui, observing, requests);
         if let Some((shown, direction)) = observing.direction() {
-            title_row(ui, observing, shown, direction, intents);
+            title_row(ui, observing, shown, direction, requests);
             words(ui, observing, shown, direction);
-            movers(ui, showing, shown, direction);
-            sway(ui, showing, direction, intents);
+            movers(ui, context, shown, direction);
+            sway(ui, context, direction, requests);
         }
-        uncertainty(ui, showing, &found.shown, intents);
+        uncertainty(ui, context, &found.shown, requests);
     });
 }
 
@@ -92,10 +92,10 @@ fn summary(observing: &Observing) -> String {
 }
 
 /// Why there are no figures yet.
-fn waiting_for(showing: &Showing<'_>) -> &'static str {
-    let has_frame = showing.session.frames.get(showing.selection.frame).is_some();
+fn waiting_for(context: &Context<'_>) -> &'static str {
+    let has_frame = context.session.frames.get(context.selection.frame).is_some();
     match () {
-        () if showing.session.take.is_none() => "Open a take to see what its cameras see.",
+        () if context.session.take.is_none() => "Open a take to see what its cameras see.",
         () if !has_frame => "Waiting for the frame …",
         () => "Looking through every camera …",
     }
@@ -111,7 +111,7 @@ fn title_row(
     observing: &Observing,
     shown: &Observability,
     direction: &Direction,
-    intents: &mut Intents,
+    requests: &mut Requests,
 ) {
     let palette = theme::palette(ui);
     let (at, count) = (observing.picked().unwrap_or_default(), shown.directions.len());
@@ -145,7 +145,7 @@ fn title_row(
         for (icon, action, is_there) in neighbours {
             ui.add_enabled_ui(is_there, |ui| {
                 if icon_button(ui, icon, action.text(), &action.tooltip()).clicked() {
-                    intents.act(action);
+                    requests.act(action);
                 }
             });
         }
@@ -182,14 +182,14 @@ fn known(shown: &Observability, direction: &Direction) -> String {
 }
 
 /// The joints that sway most, and how far.
-fn movers(ui: &mut Ui, showing: &Showing<'_>, shown: &Observability, direction: &Direction) {
+fn movers(ui: &mut Ui, context: &Context<'_>, shown: &Observability, direction: &Direction) {
     let palette = theme::palette(ui);
     if direction.moves_no_joint() {
-        let turned = showing.observing.largest_amount(direction) * direction.largest_turn();
+        let turned = context.observing.largest_amount(direction) * direction.largest_turn();
         mover_row(ui, "No joint moves; turns by", &format!("±{}", format::degrees(turned)), palette.text2);
         return;
     }
-    let amount = showing.observing.largest_amount(direction);
+    let amount = context.observing.largest_amount(direction);
     let movers = direction.movers();
     let most = movers.first().map_or(0.0, |first| first.1);
     for (limb, by) in movers.iter().take(LISTED).filter(|(_, by)| *by >= WORTH_LISTING * most) {
@@ -208,8 +208,8 @@ fn mover_row(ui: &mut Ui, name: &str, value: &str, colour: egui::Color32) {
 }
 
 /// How far and how fast the body sways, and whether it does.
-fn sway(ui: &mut Ui, showing: &Showing<'_>, direction: &Direction, intents: &mut Intents) {
-    let observing = showing.observing;
+fn sway(ui: &mut Ui, context: &Context<'_>, direction: &Direction, requests: &mut Requests) {
+    let observing = context.observing;
     let mut amplitude = observing.amplitude_mm();
     let row = SliderRow {
         name: "Sway",
@@ -226,7 +226,7 @@ fn sway(ui: &mut Ui, showing: &Showing<'_>, direction: &Direction, intents: &mut
         },
     };
     if row.show(ui, &mut amplitude).changed() {
-        intents.request(Request::Observe(ObserveRequest::Amplitude(amplitude)));
+        requests.request(Request::Observe(ObserveRequest::Amplitude(amplitude)));
     }
     let mut speed = observing.speed();
     let row = SliderRow {
@@ -240,23 +240,23 @@ fn sway(ui: &mut Ui, showing: &Showing<'_>, direction: &Direction, intents: &mut
         tooltip: "Sways a second",
     };
     if row.show(ui, &mut speed).changed() {
-        intents.request(Request::Observe(ObserveRequest::Speed(speed)));
+        requests.request(Request::Observe(ObserveRequest::Speed(speed)));
     }
     ui.horizontal(|ui| {
         let text = if observing.is_playing() { "Hold" } else { "Sway" };
-        named_button(ui, showing, intents, Action::Sway, text);
+        named_button(ui, context, requests, Action::Sway, text);
         ui.add_enabled_ui(observing.is_swaying(), |ui| {
             let tooltip = "The body goes back to where it is (Esc)";
             if ui.button("Put back").on_hover_text(tooltip).on_disabled_hover_text(tooltip).clicked() {
-                intents.request(Request::Observe(ObserveRequest::StopSway));
+                requests.request(Request::Observe(ObserveRequest::StopSway));
             }
         });
     });
 }
 
 /// Ellipses in the views, and the joint that is known worst.
-fn uncertainty(ui: &mut Ui, showing: &Showing<'_>, shown: &Observability, intents: &mut Intents) {
-    let observing = showing.observing;
+fn uncertainty(ui: &mut Ui, context: &Context<'_>, shown: &Observability, requests: &mut Requests) {
+    let observing = context.observing;
     let mut shows = observing.shows_ellipses();
     let noise = shown.noise;
     let tooltip = format!(
@@ -266,13 +266,13 @@ fn uncertainty(ui: &mut Ui, showing: &Showing<'_>, shown: &Observability, intent
         format::number(noise.together.sqrt(), 1),
         Action::Uncertainty.keys_text().unwrap_or_default(),
     );
-    let is_possible = unavailable(Action::Uncertainty, showing).is_none();
+    let is_possible = unavailable(Action::Uncertainty, context).is_none();
     let response = ui.add_enabled_ui(is_possible, |ui| checkbox(ui, &mut shows, "Uncertainty in the views"));
     if response.inner.on_hover_text(tooltip).changed() {
-        intents.request(Request::Observe(ObserveRequest::Ellipses(shows)));
+        requests.request(Request::Observe(ObserveRequest::Ellipses(shows)));
     }
     if observing.shows_ellipses() {
-        factor_row(ui, observing, intents);
+        factor_row(ui, observing, requests);
     }
     if let Some((limb, deviation)) = shown.worst_joint() {
         let palette = theme::palette(ui);
@@ -283,7 +283,7 @@ fn uncertainty(ui: &mut Ui, showing: &Showing<'_>, shown: &Observability, intent
 }
 
 /// How much larger than life the ellipses are drawn.
-fn factor_row(ui: &mut Ui, observing: &Observing, intents: &mut Intents) {
+fn factor_row(ui: &mut Ui, observing: &Observing, requests: &mut Requests) {
     let automatic = format!("Automatic, ×{}", observing.automatic_factor());
     let chosen = observing.chosen_factor();
     let text = chosen.map_or_else(|| automatic.clone(), |factor| format!("×{factor}"));
@@ -294,7 +294,7 @@ fn factor_row(ui: &mut Ui, observing: &Observing, intents: &mut Intents) {
                 .chain(FACTORS.into_iter().map(|factor| (Some(factor), format!("×{factor}"))));
             for (factor, text) in choices {
                 if ui.selectable_label(chosen == factor, text).clicked() {
-                    intents.request(Request::Observe(ObserveRequest::EllipseFactor(factor)));
+                    requests.request(Request::Observe(ObserveRequest::EllipseFactor(factor)));
                 }
             }
         });

@@ -10,22 +10,23 @@ impl App {
     /// What is looked at of what the cameras see.
     #[must_use]
     pub fn observing(&self) -> &Observing {
-        &self.observing
+        &self.features.observability
     }
 
     /// Asks for figures where they are wanted and old, once nothing more urgent is in hand, and lets the body sway.
     pub(crate) fn observe(&mut self, ctx: &egui::Context) {
         let Some(scene) = self.scene() else { return };
         let pose = self.shown_pose().clone();
-        let is_stale = !self.observing.found().is_some_and(|found| found.is_of(&scene, &pose));
-        let document = self.history.document();
-        self.observing.advance(self.now, &pose, document, is_stale);
-        if self.observing.is_playing() {
+        let is_stale = !self.features.observability.found().is_some_and(|found| found.is_of(&scene, &pose));
+        let document = self.state.history.document();
+        self.features.observability.advance(self.state.now, &pose, document, is_stale);
+        if self.features.observability.is_playing() {
             ctx.request_repaint();
         }
         let is_busy = [Lane::Fit, Lane::Track].into_iter().any(|lane| self.worker.is_busy(lane));
-        let is_moving = is_busy || self.held.is_some() || self.time.playback.is_playing();
-        if !is_stale || is_moving || scene.frame.is_none() || !self.observing.is_wanted() {
+        let is_moving =
+            is_busy || self.features.pose.held.is_some() || self.features.timeline.playback.is_playing();
+        if !is_stale || is_moving || scene.frame.is_none() || !self.features.observability.is_wanted() {
             return;
         }
         let asked = self.asked_to_observe.as_ref();
@@ -38,15 +39,15 @@ impl App {
 
     /// Does what a panel asked for.
     pub(crate) fn observe_request(&mut self, request: ObserveRequest) {
-        self.observing.apply(request);
+        self.features.observability.apply(request);
     }
 
     pub(crate) fn act_on_observing(&mut self, action: Action) -> bool {
         let request = match action {
-            Action::Uncertainty => ObserveRequest::Ellipses(!self.observing.shows_ellipses()),
-            Action::Sway => ObserveRequest::Play(!self.observing.is_playing()),
+            Action::Uncertainty => ObserveRequest::Ellipses(!self.features.observability.shows_ellipses()),
+            Action::Sway => ObserveRequest::Play(!self.features.observability.is_playing()),
             Action::WeakerDirection | Action::StrongerDirection => {
-                self.observing.pick_next(if action == Action::WeakerDirection { 1 } else { -1 });
+                self.features.observability.pick_next(if action == Action::WeakerDirection { 1 } else { -1 });
                 return true;
             }
             _ => return false,

@@ -35,22 +35,22 @@ impl App {
                 match event {
                     egui::Event::Copy => actions.push(Action::CopyPose),
                     egui::Event::Paste(text) => {
-                        self.clipboard.text = Some(text.clone());
+                        self.features.pose.clipboard.text = Some(text.clone());
                         actions.push(Action::PastePose);
                     }
                     _ => {}
                 }
             }
         });
-        match self.clipboard.waits {
-            Some(_) if actions.contains(&Action::PastePose) => self.clipboard.waits = None,
+        match self.features.pose.clipboard.waits {
+            Some(_) if actions.contains(&Action::PastePose) => self.features.pose.clipboard.waits = None,
             Some(0) => {
                 // The system gave nothing.
-                self.clipboard.waits = None;
+                self.features.pose.clipboard.waits = None;
                 self.paste_own();
             }
             Some(left) => {
-                self.clipboard.waits = Some(left - 1);
+                self.features.pose.clipboard.waits = Some(left - 1);
                 ctx.request_repaint();
             }
             None => {}
@@ -61,40 +61,40 @@ impl App {
     pub(crate) fn copy_pose(&mut self, ctx: &egui::Context) {
         let pose = self.shown_pose().clone();
         ctx.copy_text(pose_file::to_text(&self.document().model, &pose));
-        self.clipboard.own = Some(pose);
-        self.doing = Some("Copied the pose of this frame, also as text.".to_owned());
+        self.features.pose.clipboard.own = Some(pose);
+        self.state.status = Some("Copied the pose of this frame, also as text.".to_owned());
     }
 
     /// Pastes the text that the system gave, or asks for it.
     pub(crate) fn paste_pose(&mut self, ctx: &egui::Context) {
-        let Some(text) = self.clipboard.text.take() else {
+        let Some(text) = self.features.pose.clipboard.text.take() else {
             ctx.send_viewport_cmd(egui::ViewportCommand::RequestPaste);
             ctx.request_repaint();
-            self.clipboard.waits = Some(FRAMES_TO_WAIT);
+            self.features.pose.clipboard.waits = Some(FRAMES_TO_WAIT);
             return;
         };
         let model = self.document().model.clone();
         let name = Path::new("The clipboard");
         match pose_file::parse(name, text.as_bytes(), &model, Quaternions::Normalised) {
             Ok(pose) => self.paste(pose),
-            Err(error) => self.notices.error(format!(
+            Err(error) => self.state.notices.error(format!(
                 "{error}. Expected the JSON of a pose, as Copy pose makes it. The pose is as it was."
             )),
         }
     }
 
     fn paste_own(&mut self) {
-        match self.clipboard.own.clone() {
+        match self.features.pose.clipboard.own.clone() {
             Some(pose) if pose.check(&self.document().model).is_ok() => self.paste(pose),
-            Some(_) => self.notices.error("The copied pose is of another body.".to_owned()),
-            None => self.doing = Some("There is no pose on the clipboard.".to_owned()),
+            Some(_) => self.state.notices.error("The copied pose is of another body.".to_owned()),
+            None => self.state.status = Some("There is no pose on the clipboard.".to_owned()),
         }
     }
 
     fn paste(&mut self, pose: Pose) {
         self.interrupt_fit();
-        let edit = Edit::SetPose { frame: self.selection.frame, pose, what: "Paste pose".to_owned() };
+        let edit = Edit::SetPose { frame: self.state.selection.frame, pose, what: "Paste pose".to_owned() };
         self.edit(edit, None);
-        self.doing = Some("Pasted the pose.".to_owned());
+        self.state.status = Some("Pasted the pose.".to_owned());
     }
 }

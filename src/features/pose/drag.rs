@@ -6,6 +6,7 @@ use backlit_tracking::body::{Model, Pose};
 use glam::DVec2;
 
 use crate::app::App;
+use crate::features::pose::clipboard::Clipboard;
 use crate::context::PaneEvent;
 use crate::context::action::Action;
 use crate::context::pane::Pane;
@@ -49,29 +50,37 @@ pub(crate) struct Held {
     pub(crate) drag: Drag,
 }
 
+/// What the hand does.
+#[derive(Debug, Default)]
+pub(crate) struct Posing {
+    pub(crate) held: Option<Held>,
+    pub(crate) nudging: Option<Nudging>,
+    pub(crate) clipboard: Clipboard,
+}
+
 impl App {
     /// What the user did in a tile.
     pub(crate) fn tile_event(&mut self, camera: usize, event: TileEvent) {
         match event {
             TileEvent::Activate => self.make_active(camera),
             TileEvent::Hover(_) => {}
-            TileEvent::SelectJoint(joint) => self.selection.joint = joint,
+            TileEvent::SelectJoint(joint) => self.state.selection.joint = joint,
             TileEvent::SelectLimb(limb) => {
-                self.selection.joint = Selection::joint_of(&self.document().model, limb);
-                self.selection.part = Some(limb);
+                self.state.selection.joint = Selection::joint_of(&self.document().model, limb);
+                self.state.selection.part = Some(limb);
             }
             TileEvent::DragStart(drag) => self.take_hold(camera, drag),
             TileEvent::Drag(drag) => self.drag_on(drag),
             TileEvent::DragEnd => {
-                if let Some(held) = self.held.take() {
+                if let Some(held) = self.features.pose.held.take() {
                     let what = posing::words(&held.body, held.drag);
-                    self.doing = Some(format!("{what}: done. Ctrl+Z takes it back."));
+                    self.state.status = Some(format!("{what}: done. Ctrl+Z takes it back."));
                 }
             }
             TileEvent::DragCancelled => {
-                if let Some(held) = self.held.take() {
-                    self.history.put_back(held.gesture);
-                    self.doing = Some("Put back.".to_owned());
+                if let Some(held) = self.features.pose.held.take() {
+                    self.state.history.put_back(held.gesture);
+                    self.state.status = Some("Put back.".to_owned());
                 }
             }
             TileEvent::SetMode(mode) => self.set_tile(camera, |tile| tile.set_mode(mode)),
@@ -81,33 +90,35 @@ impl App {
                 Some(_) => {}
                 None => tile.comparison = None,
             }),
-            TileEvent::SetSettings(settings) => self.look.views = settings,
+            TileEvent::SetSettings(settings) => self.state.preferences.views = settings,
             TileEvent::SetWipe(at) => self.set_tile(camera, |tile| tile.wipe_at = at),
             TileEvent::SetUsed(used) => self.edit(Edit::UseCamera { camera, used }, None),
             TileEvent::SetWeight(weight) => self.edit(Edit::WeighCamera { camera, weight }, None),
-            TileEvent::SetLinked(linked) => self.look.linked_zoom = linked,
+            TileEvent::SetLinked(linked) => self.state.preferences.linked_zoom = linked,
             TileEvent::SetFraming(framing) => self.set_tile(camera, |tile| tile.framing = framing),
             TileEvent::ToggleExpanded => self.pane_event(Pane::Camera(camera), PaneEvent::ToggleAlone),
             TileEvent::DragTile => {}
             TileEvent::Switch(Pane::Camera(other)) => self.switch_camera(camera, other),
             TileEvent::Switch(pane) => self.pane_event(pane, PaneEvent::Open),
             TileEvent::Close => self.pane_event(Pane::Camera(camera), PaneEvent::Close),
-            TileEvent::Segment => self.session.forget_measurements(),
+            TileEvent::Segment => self.state.session.forget_measurements(),
         }
     }
 
     /// What the cameras' views show.
     pub(crate) fn camera_views(&self) -> CameraViews<'_> {
-        let held = self.held.as_ref();
-        let nudging = self.nudging.as_ref().filter(|nudging| self.now - nudging.at < NUDGE_SECONDS);
+        let held = self.features.pose.held.as_ref();
+        let nudging =
+            self.features.pose.nudging.as_ref().filter(|nudging| self.state.now - nudging.at < NUDGE_SECONDS);
         CameraViews {
-            tiles: &self.tiles[usize::from(self.look.layout == crate::context::preferences::Layout::Debug)],
-            alone: match self.docking.alone {
+            tiles: &self.features.camera_views.tiles
+                [usize::from(self.state.preferences.layout == crate::context::preferences::Layout::Debug)],
+            alone: match self.shell.docking.alone {
                 Some(Pane::Camera(camera)) => Some(camera),
                 _ => None,
             },
             is_dragging: held.is_some(),
-            picture_alone: self.picture_alone,
+            picture_alone: self.features.camera_views.picture_alone,
             turned_from: held.map(|held| &held.base).or(nudging.map(|nudging| &nudging.base)),
             twisted: held.and_then(|held| match held.drag {
                 Drag::Twist { limb, .. } => Some(limb),
@@ -121,10 +132,10 @@ impl App {
     fn take_hold(&mut self, camera: usize, drag: Drag) {
         self.interrupt_fit();
         self.pause();
-        let base = self.session.shown_pose(self.document(), &self.selection).clone();
-        let gesture = self.held.take().map_or_else(|| self.new_gesture(), |held| held.gesture);
+        let base = self.state.session.shown_pose(self.document(), &self.state.selection).clone();
+        let gesture = self.features.pose.held.take().map_or_else(|| self.new_gesture(), |held| held.gesture);
         let body = self.document().model.clone();
-        self.held = Some(Held { camera, base, body, gesture, drag });
+        self.features.pose.held = Some(Held { camera, base, body, gesture, drag });
         self.drag_on(drag);
     }
 
@@ -135,10 +146,10 @@ impl App {
     }
 
     fn drag_on(&mut self, drag: Drag) {
-        let Some(held) = &mut self.held else { return };
+        let Some(held) = &mut self.features.pose.held else { return };
         held.drag = drag;
         let held = held.clone();
-        let Some(take) = &self.session.take else { return };
+        let Some(take) = &self.state.session.take else { return };
         let Some(camera) = take.cameras.get(held.camera) else { return };
         let what = posing::words(&held.body, drag);
         let pins = &self.document().pins;
@@ -147,16 +158,16 @@ impl App {
             Dragged::Pose(pose) => {
                 let reached = posing::limit_sentence(&held.body, &held.base, &pose);
                 let how = format!("{what}, seen from camera {}. Esc puts it back.", held.camera + 1);
-                self.doing = Some(reached.unwrap_or(how));
-                Edit::SetPose { frame: self.selection.frame, pose, what }
+                self.state.status = Some(reached.unwrap_or(how));
+                Edit::SetPose { frame: self.state.selection.frame, pose, what }
             }
             Dragged::Size { limb, length, radius } => {
-                self.doing = Some(format!(
+                self.state.status = Some(format!(
                     "{what}: {} long, radius {}. Esc puts it back.",
                     format::metres(length),
                     format::metres(radius)
                 ));
-                Edit::SetSize { limb, length, radius, both_sides: self.look.views.both_sides }
+                Edit::SetSize { limb, length, radius, both_sides: self.state.preferences.views.both_sides }
             }
         };
         self.edit(edit, Some(held.gesture));
@@ -164,15 +175,16 @@ impl App {
 
     /// Moves the selected joint by pixels of the active view. Keys that follow each other quickly are undone as one.
     pub(crate) fn nudge(&mut self, by_px: DVec2) {
-        let (joint, camera) = (self.selection.joint, self.selection.camera);
-        let Some(view) = self.session.take.as_ref().and_then(|take| take.cameras.get(camera)).cloned() else {
+        let (joint, camera) = (self.state.selection.joint, self.state.selection.camera);
+        let Some(view) = self.state.session.take.as_ref().and_then(|take| take.cameras.get(camera)).cloned()
+        else {
             return;
         };
         let pose = self.shown_pose().clone();
-        let goes_on = self.nudging.take().filter(|nudging| {
+        let goes_on = self.features.pose.nudging.take().filter(|nudging| {
             (nudging.joint, nudging.camera) == (joint, camera)
                 && nudging.reached == pose
-                && self.now - nudging.at < NUDGE_SECONDS
+                && self.state.now - nudging.at < NUDGE_SECONDS
         });
         let mut nudging = goes_on.unwrap_or_else(|| Nudging {
             joint,
@@ -185,7 +197,7 @@ impl App {
         });
         self.interrupt_fit();
         nudging.total_px += by_px;
-        nudging.at = self.now;
+        nudging.at = self.state.now;
         let document = self.document();
         let at = posing::joint_position(&document.model, &nudging.base, joint);
         let Some(from_px) = view.project(at) else { return };
@@ -198,13 +210,13 @@ impl App {
         let DVec2 { x, y } = nudging.total_px;
         let reached = posing::limit_sentence(&document.model, &nudging.base, &pose);
         let moved = format!("Nudged {name} by {x:.0}, {y:.0} pixels in camera {}.", camera + 1);
-        self.doing = Some(reached.unwrap_or(moved));
-        let edit = Edit::SetPose { frame: self.selection.frame, pose, what: format!("Nudge {name}") };
+        self.state.status = Some(reached.unwrap_or(moved));
+        let edit = Edit::SetPose { frame: self.state.selection.frame, pose, what: format!("Nudge {name}") };
         self.edit(edit, Some(nudging.gesture));
         nudging.reached = self.shown_pose().clone();
         // What is shown of the limits goes by itself.
-        self.context.request_repaint_after(std::time::Duration::from_secs_f64(NUDGE_SECONDS));
-        self.nudging = Some(nudging);
+        self.state.egui.request_repaint_after(std::time::Duration::from_secs_f64(NUDGE_SECONDS));
+        self.features.pose.nudging = Some(nudging);
     }
 }
 

@@ -7,7 +7,7 @@ use egui::{Align2, RichText, TextStyle, Ui, vec2};
 use super::panel::capitalised;
 use crate::context::action::Action;
 use crate::context::command_button::{gesture, named_button};
-use crate::context::{Intents, Showing};
+use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::drawing::limits::WARN_WITHIN;
 use crate::drawing::{JointId, joint_name};
@@ -25,30 +25,30 @@ const AXIS_FROM: f32 = 78.0;
 const AXIS_AWAY: f32 = 5.0;
 
 /// The section of the selected joint.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
-    let model = &showing.document().model;
-    let index = showing.selection.limb(model);
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
+    let model = &context.document().model;
+    let index = context.selection.limb(model);
     let limb = &model.limbs()[index];
     let turns_at = limb.parent.map_or(JointId::Root, JointId::End);
     let summary = format!("turns at the {}", joint_name(model, turns_at));
     named_section(ui, "joint", &capitalised(&limb.name), &summary, open, |ui| {
-        let pose = showing.session.shown_pose(showing.document(), showing.selection);
-        angles(ui, showing, intents, limb, pose);
-        position(ui, showing, intents, pose);
+        let pose = context.session.shown_pose(context.document(), context.selection);
+        angles(ui, context, requests, limb, pose);
+        position(ui, context, requests, pose);
         ui.add_space(space::ROW);
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 6.0;
-            named_button(ui, showing, intents, Action::Mirror, "Mirror");
-            let pinned = matches!(showing.selection.joint, JointId::End(end) if showing.document().pins.contains(&end));
-            named_button(ui, showing, intents, Action::PinJoint, if pinned { "Free" } else { "Pin" });
-            named_button(ui, showing, intents, Action::ResetLimb, "Reset");
-            named_button(ui, showing, intents, Action::CopyPose, "Copy");
-            named_button(ui, showing, intents, Action::PastePose, "Paste");
+            named_button(ui, context, requests, Action::Mirror, "Mirror");
+            let pinned = matches!(context.selection.joint, JointId::End(end) if context.document().pins.contains(&end));
+            named_button(ui, context, requests, Action::PinJoint, if pinned { "Free" } else { "Pin" });
+            named_button(ui, context, requests, Action::ResetLimb, "Reset");
+            named_button(ui, context, requests, Action::CopyPose, "Copy");
+            named_button(ui, context, requests, Action::PastePose, "Paste");
         });
     });
 }
 
-fn angles(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, limb: &Limb, pose: &Pose) {
+fn angles(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, limb: &Limb, pose: &Pose) {
     let now = limb.angles(pose.rotations[limb.rotation]);
     let limits = limb.limits;
     let rows = [
@@ -80,7 +80,7 @@ fn angles(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, limb: &Limb
         let response = row.show(ui, &mut degrees);
         if response.hovered() || response.dragged() || response.has_focus() {
             let angles = [LimitedAngle::Flexion, LimitedAngle::Sideways, LimitedAngle::Twist];
-            intents.glance.angle = Some(angles[index]);
+            requests.glance.angle = Some(angles[index]);
         }
         if response.changed() && degrees.is_finite() {
             let mut angles = now;
@@ -88,18 +88,18 @@ fn angles(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, limb: &Limb
             let mut pose = pose.clone();
             pose.rotations[limb.rotation] = limb.rotation_from_angles(angles);
             let what = format!("Turn {}", limb.name);
-            let edit = Edit::SetPose { frame: showing.selection.frame, pose, what };
-            intents.edits.push((edit, gesture(ui, ("angle", index), &response)));
+            let edit = Edit::SetPose { frame: context.selection.frame, pose, what };
+            requests.edits.push((edit, gesture(ui, ("angle", index), &response)));
         } else {
             gesture(ui, ("angle", index), &response);
         }
     }
 }
 
-fn position(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, pose: &Pose) {
-    let document = showing.document();
+fn position(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, pose: &Pose) {
+    let document = context.document();
     let model = &document.model;
-    let joint = showing.selection.joint;
+    let joint = context.selection.joint;
     let point = match joint {
         JointId::Root => pose.root,
         JointId::End(limb) => Kinematics::new(model, pose).ends()[limb],
@@ -119,8 +119,8 @@ fn position(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, pose: &Po
                 target[axis] = value;
                 let pose = moved(model, &document.pins, pose, joint, target);
                 let edit =
-                    Edit::SetPose { frame: showing.selection.frame, pose, what: format!("Move {name}") };
-                intents.edits.push((edit, drag));
+                    Edit::SetPose { frame: context.selection.frame, pose, what: format!("Move {name}") };
+                requests.edits.push((edit, drag));
             }
             let letter = ["x", "y", "z"][axis];
             let font = TextStyle::Small.resolve(ui.style());

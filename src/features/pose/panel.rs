@@ -3,7 +3,7 @@
 use backlit_tracking::body::Model;
 use egui::{Align2, Rect, Response, Role, Sense, StrokeKind, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
-use crate::context::{Intents, Request, Showing};
+use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
 use crate::drawing::JointId;
 use crate::session::selection::Selection;
@@ -22,15 +22,15 @@ const PIN: f32 = 28.0;
 const SELECTION_MARK: f32 = 3.0;
 
 /// The Pose section.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
-    let model = &showing.document().model;
-    let held = capitalised(&model.limbs()[showing.selection.limb(model)].name);
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
+    let model = &context.document().model;
+    let held = capitalised(&model.limbs()[context.selection.limb(model)].name);
     section(ui, "Pose", if open { "Share of mismatch    Pin" } else { &held }, open, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
-        let shares = shares(showing);
+        let shares = shares(context);
         for (rotation, depth) in rotation_tree(model) {
             let limb = model.rotation_owners()[rotation];
-            row(ui, showing, intents, limb, depth, shares.get(rotation).copied());
+            row(ui, context, requests, limb, depth, shares.get(rotation).copied());
         }
     });
 }
@@ -57,9 +57,9 @@ pub(crate) fn rotation_tree(model: &Model) -> Vec<(usize, usize)> {
 }
 
 /// Each rotation's share of the squared residual, relative to the largest.
-fn shares(showing: &Showing<'_>) -> Vec<f32> {
-    let model = &showing.document().model;
-    let Some(predicted) = &showing.session.predicted else { return Vec::new() };
+fn shares(context: &Context<'_>) -> Vec<f32> {
+    let model = &context.document().model;
+    let Some(predicted) = &context.session.predicted else { return Vec::new() };
     let mut sums = vec![0.0; model.rotation_count()];
     for (limb, mismatch) in model.limbs().iter().zip(&predicted.mismatch_by_limb) {
         sums[limb.rotation] += mismatch;
@@ -70,22 +70,22 @@ fn shares(showing: &Showing<'_>) -> Vec<f32> {
 
 fn row(
     ui: &mut Ui,
-    showing: &Showing<'_>,
-    intents: &mut Intents,
+    context: &Context<'_>,
+    requests: &mut Requests,
     limb: usize,
     depth: usize,
     share: Option<f32>,
 ) {
-    let model = &showing.document().model;
+    let model = &context.document().model;
     let joint = Selection::joint_of(model, limb);
-    let is_held = showing.selection.limb(model) == limb;
+    let is_held = context.selection.limb(model) == limb;
     let is_root = joint == JointId::Root;
     let name = capitalised(&model.limbs()[limb].name) + if is_root { " (root)" } else { "" };
     let (rect, response) =
         ui.allocate_exact_size(vec2(ui.available_width() - PIN, size::ROW), Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::ListItem, true, is_held, &name));
     if response.clicked() {
-        intents.request(Request::Joint(joint));
+        requests.request(Request::Joint(joint));
     }
     let palette = theme::palette(ui);
     let whole =
@@ -109,7 +109,7 @@ fn row(
     let response = response
         .on_hover_text(format!("Select the {}; Tab goes to the next.{share_text}", model.limbs()[limb].name));
     if let JointId::End(end) = joint {
-        pin(ui, showing, intents, end, rect, is_held || response.hovered());
+        pin(ui, context, requests, end, rect, is_held || response.hovered());
     }
 }
 
@@ -123,16 +123,16 @@ fn bar(ui: &Ui, rect: Rect, share: Option<f32>, is_held: bool) {
     ui.painter().rect_filled(fill, 1.0, if is_held { palette.accent } else { palette.text3 });
 }
 
-fn pin(ui: &Ui, showing: &Showing<'_>, intents: &mut Intents, limb: usize, row: Rect, is_near: bool) {
-    let is_pinned = showing.document().pins.contains(&limb);
+fn pin(ui: &Ui, context: &Context<'_>, requests: &mut Requests, limb: usize, row: Rect, is_near: bool) {
+    let is_pinned = context.document().pins.contains(&limb);
     let rect = Rect::from_min_size(row.right_top(), vec2(PIN, row.height()));
     let id = ui.scope_id().with(("pin", limb));
     let response: Response = ui.interact(rect, id, Sense::click());
-    let name = &showing.document().model.limbs()[limb].name;
+    let name = &context.document().model.limbs()[limb].name;
     response
         .widget_info(|| WidgetInfo::selected(Role::CheckBox, true, is_pinned, format!("Pin end of {name}")));
     if response.clicked() {
-        intents.edit(Edit::Pin { limb, pinned: !is_pinned });
+        requests.edit(Edit::Pin { limb, pinned: !is_pinned });
     }
     let palette = theme::palette(ui);
     let square = Rect::from_center_size(rect.center() + vec2(5.0, 0.0), vec2(7.0, 7.0));

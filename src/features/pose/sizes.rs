@@ -5,7 +5,7 @@ use egui::Ui;
 
 use super::panel::capitalised;
 use crate::context::command_button::gesture;
-use crate::context::{Intents, Request, Showing};
+use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
 use crate::features::pose::{LENGTHS_M, RADII_M};
 use crate::style::format;
@@ -16,14 +16,14 @@ use crate::widgets::{SliderRow, checkbox, section};
 const SCALES: std::ops::RangeInclusive<f64> = 60.0..=150.0;
 
 /// The Size section.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
-    let model = &showing.document().model;
-    let limb = showing.selection.sized_limb(model);
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
+    let model = &context.document().model;
+    let limb = context.selection.sized_limb(model);
     let (length, radius) = (model.limbs()[limb].length, model.limbs()[limb].radius);
     let summary = format!("{} long, radius {}", format::metres(length), format::metres(radius));
     section(ui, "Size", &summary, open, |ui| {
-        parts(ui, showing, intents, limb);
-        let mut settings = showing.look.views;
+        parts(ui, context, requests, limb);
+        let mut settings = context.preferences.views;
         let mut sizes = [length, radius];
         let rows = [
             ("Length", LENGTHS_M, "Length of the limb, joint to joint"),
@@ -50,9 +50,9 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open
         if let Some(drag) = change {
             let [length, radius] = sizes;
             let both_sides = settings.both_sides;
-            intents.edits.push((Edit::SetSize { limb, length, radius, both_sides }, drag));
+            requests.edits.push((Edit::SetSize { limb, length, radius, both_sides }, drag));
         }
-        scale(ui, showing, intents);
+        scale(ui, context, requests);
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = space::GROUP;
             let both = checkbox(ui, &mut settings.both_sides, "Both sides")
@@ -61,15 +61,15 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open
                 "Drag the diamonds in a view: length at the limb's end, radius at its outline   E",
             );
             if both.changed() || handles.changed() {
-                intents.request(Request::Views(settings));
+                requests.request(Request::Views(settings));
             }
         });
     });
 }
 
 /// The limbs that turn with the selected joint, if there are several: whose size is it?
-fn parts(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, limb: usize) {
-    let model = &showing.document().model;
+fn parts(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, limb: usize) {
+    let model = &context.document().model;
     let rotation = model.limbs()[limb].rotation;
     let parts: Vec<usize> =
         (0..model.limbs().len()).filter(|part| model.limbs()[*part].rotation == rotation).collect();
@@ -82,7 +82,7 @@ fn parts(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, limb: usize)
             let name = capitalised(&model.limbs()[part].name);
             let label = ui.selectable_label(part == limb, name);
             if label.on_hover_text("These limbs turn together; each has its own size").clicked() {
-                intents.request(Request::Part(part));
+                requests.request(Request::Part(part));
             }
         }
     });
@@ -90,9 +90,9 @@ fn parts(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, limb: usize)
 }
 
 /// The whole body, compared with that of the take.
-fn scale(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
-    let Some(take) = &showing.session.take else { return };
-    let before = 100.0 * total_length(&showing.document().model) / total_length(take.model());
+fn scale(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+    let Some(take) = &context.session.take else { return };
+    let before = 100.0 * total_length(&context.document().model) / total_length(take.model());
     let mut percent = before;
     let row = SliderRow {
         name: "Body",
@@ -107,7 +107,7 @@ fn scale(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
     let response = row.show(ui, &mut percent);
     let drag = gesture(ui, "scale", &response);
     if response.changed() && percent.is_finite() && percent > 0.0 {
-        intents.edits.push((Edit::ScaleBody { factor: percent / before }, drag));
+        requests.edits.push((Edit::ScaleBody { factor: percent / before }, drag));
     }
 }
 

@@ -6,7 +6,7 @@ use egui::{
 };
 
 use crate::context::clock::Clock;
-use crate::context::{Intents, Recovery, Request};
+use crate::context::{Recovery, Request, Requests};
 use crate::features::recovery::Left;
 use crate::style::theme;
 use crate::style::theme::data_colours::PICTURE_GROUND;
@@ -33,7 +33,7 @@ pub(crate) struct Offer<'a> {
 }
 
 /// The cards, and what may be done with all of them.
-pub(crate) fn ui(ui: &mut Ui, intents: &mut Intents, offer: &Offer<'_>) {
+pub(crate) fn ui(ui: &mut Ui, requests: &mut Requests, offer: &Offer<'_>) {
     let palette = theme::palette(ui);
     ui.label(RichText::new("Backlit ended with unsaved work").text_style(title()).color(palette.text));
     ui.add_space(space::WIDGET);
@@ -41,16 +41,16 @@ pub(crate) fn ui(ui: &mut Ui, intents: &mut Intents, offer: &Offer<'_>) {
     ScrollArea::vertical().max_height(room).auto_shrink([false, true]).show(ui, |ui| {
         ui.vertical_centered(|ui| {
             for index in 0..offer.left.len() {
-                card(ui, intents, offer, index);
+                card(ui, requests, offer, index);
             }
         });
     });
     ui.add_space(space::ROW);
-    all(ui, intents, offer);
+    all(ui, requests, offer);
     ui.add_space(space::PAGE_MARGIN);
 }
 
-fn card(ui: &mut Ui, intents: &mut Intents, offer: &Offer<'_>, index: usize) {
+fn card(ui: &mut Ui, requests: &mut Requests, offer: &Offer<'_>, index: usize) {
     let palette = theme::palette(ui);
     let left = &offer.left[index];
     let frame = Frame::NONE
@@ -70,7 +70,7 @@ fn card(ui: &mut Ui, intents: &mut Intents, offer: &Offer<'_>, index: usize) {
                 words(ui, rect, left, offer.clock);
                 let row = Rect::from_min_max(pos2(rect.left(), rect.bottom() - size::BUTTON), rect.max);
                 let row = UiBuilder::new().max_rect(row).layout(Direction::left_to_right(Align::Center));
-                ui.scope_builder(row, |ui| buttons(ui, intents, offer, index));
+                ui.scope_builder(row, |ui| buttons(ui, requests, offer, index));
             });
         });
         ui.add_space(space::WIDGET);
@@ -127,7 +127,7 @@ fn words(ui: &mut Ui, rect: Rect, left: &Left, clock: &Clock) {
     });
 }
 
-fn buttons(ui: &mut Ui, intents: &mut Intents, offer: &Offer<'_>, index: usize) {
+fn buttons(ui: &mut Ui, requests: &mut Requests, offer: &Offer<'_>, index: usize) {
     let left = &offer.left[index];
     let hover = "Go on with it; it stays unsaved until you save it";
     let restore = if index == 0 {
@@ -144,16 +144,16 @@ fn buttons(ui: &mut Ui, intents: &mut Intents, offer: &Offer<'_>, index: usize) 
         }
     }
     if restore.on_hover_text(hover).clicked() {
-        intents.request(Request::Recover(Recovery::Restore(index)));
+        requests.request(Request::Recover(Recovery::Restore(index)));
     }
     let hover = "It is put aside: it is offered no more, and can be opened as a project later";
     if discard.on_hover_text(hover).clicked() {
-        intents.request(Request::Recover(Recovery::Discard(index)));
+        requests.request(Request::Recover(Recovery::Discard(index)));
     }
 }
 
 /// What may be done with all copies at once.
-fn all(ui: &mut Ui, intents: &mut Intents, offer: &Offer<'_>) {
+fn all(ui: &mut Ui, requests: &mut Requests, offer: &Offer<'_>) {
     let later = match &offer.waiting {
         Some(name) => format!("Decide later, open {name}"),
         None => "Decide later".to_owned(),
@@ -162,12 +162,12 @@ fn all(ui: &mut Ui, intents: &mut Intents, offer: &Offer<'_>) {
     ui.allocate_ui_with_layout(row, Direction::right_to_left(Align::Center), |ui| {
         let later = ui.add(Button::new(later).min_size(vec2(0.0, size::BUTTON)));
         if later.on_hover_text("All of it is offered again at the next start").clicked() {
-            intents.request(Request::Recover(Recovery::Later));
+            requests.request(Request::Recover(Recovery::Later));
         }
         if offer.left.len() > 1 {
             let all = ui.add(Button::new("Discard all").min_size(vec2(0.0, size::BUTTON)));
             if all.on_hover_text("Put all of them aside; they can be opened as projects later").clicked() {
-                intents.request(Request::Recover(Recovery::DiscardAll));
+                requests.request(Request::Recover(Recovery::DiscardAll));
             }
         }
     });

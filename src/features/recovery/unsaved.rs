@@ -61,39 +61,40 @@ impl Unsaved {
 impl App {
     /// Looks for what earlier windows have left.
     pub(crate) fn look_for_unsaved_work(&mut self) {
-        let Some(copies) = &self.unsaved.copies else { return };
+        let Some(copies) = &self.features.recovery.copies else { return };
         let (left, wrong) = copies.left();
-        self.unsaved.offered = left;
+        self.features.recovery.offered = left;
         for error in wrong {
-            self.notices
+            self.state
+                .notices
                 .error(format!("A copy of unsaved work cannot be read, and is left where it is: {error}."));
         }
     }
 
     fn about(&self) -> About {
-        let take = self.session.take.as_ref();
+        let take = self.state.session.take.as_ref();
         About {
-            frame: self.selection.frame,
+            frame: self.state.selection.frame,
             frames: take.map(|take| take.frame_count()),
             take: take.map(|take| take.name.clone()),
-            project: self.project.clone(),
+            project: self.state.project.clone(),
         }
     }
 
     /// What the active camera shows, once it shows the frame.
     fn picture(&self) -> Option<Picture> {
-        let predicted = self.session.predicted.clone()?;
-        let is_of_frame = predicted.scene.frame.as_ref()?.frame == self.selection.frame;
-        is_of_frame.then_some(Picture { predicted, camera: self.selection.camera })
+        let predicted = self.state.session.predicted.clone()?;
+        let is_of_frame = predicted.scene.frame.as_ref()?.frame == self.state.selection.frame;
+        is_of_frame.then_some(Picture { predicted, camera: self.state.selection.camera })
     }
 
     /// Writes the copy of unsaved work soon after every change; removes it when there is nothing unsaved.
     pub(crate) fn autosave(&mut self) {
-        let revision = self.history.revision();
-        let (dirty, has_take) = (self.history.is_dirty(), self.document().take.is_some());
+        let revision = self.state.history.revision();
+        let (dirty, has_take) = (self.state.history.is_dirty(), self.document().take.is_some());
         let beside = (self.about(), self.picture());
-        let is_stale = self.session.is_stale;
-        let unsaved = &mut self.unsaved;
+        let is_stale = self.state.session.is_stale;
+        let unsaved = &mut self.features.recovery;
         let Some(copies) = &mut unsaved.copies else { return };
         if self.worker.is_busy(Lane::Save) || self.worker.is_busy(Lane::Open) {
             return;
@@ -112,7 +113,7 @@ impl App {
         let every = if unsaved.failed { AGAIN } else { EVERY };
         let wait = unsaved.begun.map_or(Duration::ZERO, |begun| every.saturating_sub(begun.elapsed()));
         if !wait.is_zero() {
-            self.context.request_repaint_after(wait);
+            self.state.egui.request_repaint_after(wait);
             return;
         }
         unsaved.begun = Some(Instant::now());
@@ -127,42 +128,45 @@ impl App {
     }
 
     pub(crate) fn copy_saved(&mut self, revision: u64) {
-        self.unsaved.written = Some(revision);
-        self.unsaved.has_stayed_open = false;
-        if std::mem::take(&mut self.unsaved.failed) {
-            self.notices.close_about(COPY);
-            self.notices.info(self.now, "The copy of unsaved work is written again.", None);
+        self.features.recovery.written = Some(revision);
+        self.features.recovery.has_stayed_open = false;
+        if std::mem::take(&mut self.features.recovery.failed) {
+            self.state.notices.close_about(COPY);
+            self.state.notices.info(self.state.now, "The copy of unsaved work is written again.", None);
         }
     }
 
     /// Says so once, until it works again.
     pub(crate) fn copy_failed(&mut self, why: &str) {
-        if !std::mem::replace(&mut self.unsaved.failed, true) {
+        if !std::mem::replace(&mut self.features.recovery.failed, true) {
             let text = format!(
                 "{COPY}: {why}. It is tried again every {} seconds; save the project to be sure.",
                 AGAIN.as_secs()
             );
-            self.notices.error_with(text, Action::SaveAs);
+            self.state.notices.error_with(text, Action::SaveAs);
         }
         // Should its folder be gone, the next try makes another.
-        if let Some(copies) = &mut self.unsaved.copies {
+        if let Some(copies) = &mut self.features.recovery.copies {
             copies.leave_if_gone();
         }
     }
 
     /// Writes the copy at once, when the window closes or something else is opened. Says why that is impossible.
     pub(crate) fn keep_unsaved_work(&mut self) -> Result<(), String> {
-        if !self.history.is_dirty() || self.document().take.is_none() {
-            if let Some(copies) = self.unsaved.copies.as_mut().filter(|_| self.unsaved.written.is_some()) {
+        if !self.state.history.is_dirty() || self.document().take.is_none() {
+            if let Some(copies) =
+                self.features.recovery.copies.as_mut().filter(|_| self.features.recovery.written.is_some())
+            {
                 copies.forget();
             }
             return Ok(());
         }
         let (about, picture) = (self.about(), self.picture());
-        let Some(copies) = &mut self.unsaved.copies else { return Ok(()) };
+        let Some(copies) = &mut self.features.recovery.copies else { return Ok(()) };
         let path = copies.own().map(Path::to_owned).map_err(|error| copies.said(&error));
         let written = path.and_then(|path| {
-            let written = write_project(&path, self.history.document()).and_then(|()| about.write(&path));
+            let written =
+                write_project(&path, self.state.history.document()).and_then(|()| about.write(&path));
             // The work is safe without it.
             let _ = picture.map(|picture| picture.write(&path));
             written.map_err(|error| error.to_string())
@@ -181,20 +185,20 @@ impl App {
     /// at the first try, and the reason is said.
     pub(crate) fn may_leave(&mut self, not_done: &str, verb: &str) -> bool {
         let Err(why) = self.keep_unsaved_work() else { return true };
-        if std::mem::replace(&mut self.unsaved.has_stayed_open, true) {
+        if std::mem::replace(&mut self.features.recovery.has_stayed_open, true) {
             return true;
         }
         let text = format!(
             "{not_done}: your work is not saved, and cannot be kept for the next start: {why}. Save it to another \
              place, or {verb} once more and lose it."
         );
-        self.notices.error_with(text, Action::SaveAs);
+        self.state.notices.error_with(text, Action::SaveAs);
         false
     }
 
     /// What is offered.
     pub(crate) fn offer(&self) -> Offer<'_> {
-        let waiting = self.postponed.as_ref().map(|opening| match opening {
+        let waiting = self.files.postponed.as_ref().map(|opening| match opening {
             Opening::Take(TakeSource::Path(path))
             | Opening::Project(path)
             | Opening::Moved { project: path, .. } => {
@@ -204,7 +208,7 @@ impl App {
             Opening::Take(TakeSource::BuiltIn) => "the built-in take".to_owned(),
             Opening::Ready(take) => take.name().to_owned(),
         });
-        Offer { left: &self.unsaved.offered, clock: &self.clock, waiting }
+        Offer { left: &self.features.recovery.offered, clock: &self.clock, waiting }
     }
 
     /// What the user has decided about work that was left.
@@ -212,25 +216,25 @@ impl App {
         match decision {
             Recovery::Restore(index) => {
                 // It stays on offer until it is open: its take may not be there.
-                if let Some(left) = self.unsaved.offered.get(index).cloned() {
-                    self.unsaved.adopted = Some(left.clone());
+                if let Some(left) = self.features.recovery.offered.get(index).cloned() {
+                    self.features.recovery.adopted = Some(left.clone());
                     self.open(Opening::Project(left.path));
                 }
                 return;
             }
-            Recovery::Discard(index) if index < self.unsaved.offered.len() => {
-                let left = self.unsaved.offered.remove(index);
+            Recovery::Discard(index) if index < self.features.recovery.offered.len() => {
+                let left = self.features.recovery.offered.remove(index);
                 self.discard(vec![left]);
             }
             Recovery::Discard(_) => {}
             Recovery::DiscardAll => {
-                let all = std::mem::take(&mut self.unsaved.offered);
+                let all = std::mem::take(&mut self.features.recovery.offered);
                 self.discard(all);
             }
-            Recovery::Later => self.unsaved.offered.clear(),
+            Recovery::Later => self.features.recovery.offered.clear(),
         }
-        if self.unsaved.offered.is_empty()
-            && let Some(opening) = self.postponed.take()
+        if self.features.recovery.offered.is_empty()
+            && let Some(opening) = self.files.postponed.take()
         {
             self.open(opening);
         }
@@ -238,61 +242,62 @@ impl App {
 
     /// Puts copies aside, so that they are offered no more.
     fn discard(&mut self, all: Vec<Left>) {
-        let Some(copies) = &self.unsaved.copies else { return };
-        self.unsaved.discarded.clear();
+        let Some(copies) = &self.features.recovery.copies else { return };
+        self.features.recovery.discarded.clear();
         for left in all {
             match copies.put_aside(&left.path) {
-                Ok(path) => self.unsaved.discarded.push(path),
+                Ok(path) => self.features.recovery.discarded.push(path),
                 Err(error) => {
                     let path = left.path.display();
-                    self.notices.error(format!("{path}: it cannot be put aside: {error}."));
+                    self.state.notices.error(format!("{path}: it cannot be put aside: {error}."));
                 }
             }
         }
-        let text = match self.unsaved.discarded.as_slice() {
+        let text = match self.features.recovery.discarded.as_slice() {
             [] => return,
             [one] => format!("Discarded. {} can still be opened as a project.", one.display()),
             all => format!("Discarded {} copies. They can still be opened as projects.", all.len()),
         };
-        self.notices.info(self.now, text, Some(Action::UndoDiscard));
+        self.state.notices.info(self.state.now, text, Some(Action::UndoDiscard));
     }
 
     /// Whether something was discarded that can be brought back.
     pub(crate) fn has_discarded(&self) -> bool {
-        !self.unsaved.discarded.is_empty()
+        !self.features.recovery.discarded.is_empty()
     }
 
     /// Offers again what was discarded last.
     pub(crate) fn undo_discard(&mut self) {
-        let Some(copies) = &self.unsaved.copies else { return };
-        for path in std::mem::take(&mut self.unsaved.discarded) {
+        let Some(copies) = &self.features.recovery.copies else { return };
+        for path in std::mem::take(&mut self.features.recovery.discarded) {
             if let Err(error) = copies.bring_back(&path) {
-                self.notices.error(format!("{}: it cannot be brought back: {error}.", path.display()));
+                self.state.notices.error(format!("{}: it cannot be brought back: {error}.", path.display()));
             }
         }
         self.look_for_unsaved_work();
-        if self.session.take.is_some() {
+        if self.state.session.take.is_some() {
             let text = "Brought back. It is offered again at the next start.";
-            self.notices.info(self.now, text, None);
+            self.state.notices.info(self.state.now, text, None);
         }
     }
 
     /// Something was opened: the copy of what was there before stays as it is. Says whether it is work that was
     /// left, and what is known about that.
     pub(crate) fn begin_copy(&mut self, opened: Option<&Path>) -> Option<About> {
-        self.unsaved.written = None;
-        self.unsaved.begun = None;
-        self.unsaved.failed = false;
-        self.unsaved.is_picture_old = false;
-        self.unsaved.has_stayed_open = false;
+        self.features.recovery.written = None;
+        self.features.recovery.begun = None;
+        self.features.recovery.failed = false;
+        self.features.recovery.is_picture_old = false;
+        self.features.recovery.has_stayed_open = false;
         // The rest is offered again at the next start.
-        self.unsaved.offered.clear();
-        let copies = self.unsaved.copies.as_mut()?;
+        self.features.recovery.offered.clear();
+        let copies = self.features.recovery.copies.as_mut()?;
         copies.leave();
-        let left = self.unsaved.adopted.take().filter(|left| Some(left.path.as_path()) == opened)?;
+        let left =
+            self.features.recovery.adopted.take().filter(|left| Some(left.path.as_path()) == opened)?;
         // If another window was quicker, this one writes a copy of its own.
         if copies.adopt(&left.path).unwrap_or(false) {
-            self.unsaved.written = Some(OLDER);
+            self.features.recovery.written = Some(OLDER);
         }
         Some(left.about)
     }

@@ -19,7 +19,7 @@ use egui::{Rect, Ui, pos2};
 use glam::DVec3;
 
 use crate::context::pane::Pane;
-use crate::context::{Intents, Showing};
+use crate::context::{Context, Requests};
 use crate::drawing::JointId;
 use crate::features::scene::raster::SceneCamera;
 use crate::features::scene::{ContentsInput, Frustum, Orbit, SceneDrawing, Upright, Viewpoint};
@@ -29,27 +29,27 @@ use crate::style::theme::size;
 /// joint.
 pub(crate) fn ui(
     ui: &mut Ui,
-    showing: &Showing<'_>,
+    context: &Context<'_>,
     dragged: Option<(usize, JointId)>,
     siblings: &[Pane],
-    intents: &mut Intents,
+    requests: &mut Requests,
 ) {
     let tile = ui.available_rect_before_wrap();
     let header = Rect::from_min_max(tile.min, pos2(tile.right(), tile.top() + size::TILE_HEADER));
     let picture = Rect::from_min_max(pos2(tile.left(), header.bottom()), tile.max);
-    let Some(stage) = Stage::new(showing, dragged, picture) else { return };
-    header::show(ui, header, showing, siblings, intents);
+    let Some(stage) = Stage::new(context, dragged, picture) else { return };
+    header::show(ui, header, context, siblings, requests);
     if !picture.is_positive() {
         return;
     }
-    let (viewpoint, moves) = hand::navigate(ui, showing, &stage, intents);
-    canvas::order(ui, showing, &stage.seen_from(showing, viewpoint), moves, intents);
+    let (viewpoint, moves) = hand::navigate(ui, context, &stage, requests);
+    canvas::order(ui, context, &stage.seen_from(context, viewpoint), moves, requests);
     canvas::ground(ui, picture);
-    let Some(drawing) = &showing.session.scene_drawing else { return };
+    let Some(drawing) = &context.session.scene_drawing else { return };
     canvas::show(ui, picture, drawing);
     let seen = Seen::new(drawing, picture);
-    hand::pick_camera(ui, showing, &seen, intents);
-    marks::show(ui, showing, &seen);
+    hand::pick_camera(ui, context, &seen, requests);
+    marks::show(ui, context, &seen);
     keys::show_focus(ui, picture);
 }
 
@@ -72,19 +72,19 @@ struct Stage {
 }
 
 impl Stage {
-    fn new(showing: &Showing<'_>, dragged: Option<(usize, JointId)>, picture: Rect) -> Option<Self> {
-        let take = showing.session.take.as_ref()?;
-        let document = showing.document();
+    fn new(context: &Context<'_>, dragged: Option<(usize, JointId)>, picture: Rect) -> Option<Self> {
+        let take = context.session.take.as_ref()?;
+        let document = context.document();
         let upright = Upright::of(&take.cameras);
         let middle = document.start.root;
         let aspect = f64::from(picture.width() / picture.height().max(1.0));
-        let viewpoint = showing.look.scene.viewpoint.unwrap_or_else(|| {
+        let viewpoint = context.preferences.scene.viewpoint.unwrap_or_else(|| {
             let eyes: Vec<DVec3> = take.cameras.iter().map(|camera| camera.centre()).collect();
             Viewpoint::Orbit(Orbit::around(&upright, middle, &eyes, aspect))
         });
         // A body that sways is shown on its way.
-        let swayed = showing.observing.swayed_pose();
-        let pose = swayed.as_ref().unwrap_or(showing.session.shown_pose(document, showing.selection));
+        let swayed = context.observing.swayed_pose();
+        let pose = swayed.as_ref().unwrap_or(context.session.shown_pose(document, context.selection));
         let mut stage = Self {
             picture,
             upright,
@@ -101,39 +101,39 @@ impl Stage {
     }
 
     /// The same from elsewhere: what the hand asks for is ordered in the very frame.
-    fn seen_from(self, showing: &Showing<'_>, viewpoint: Viewpoint) -> Self {
+    fn seen_from(self, context: &Context<'_>, viewpoint: Viewpoint) -> Self {
         if viewpoint == self.viewpoint {
             return self;
         }
-        let cameras = showing.session.take.as_ref().map_or(&[][..], |take| take.cameras.as_slice());
+        let cameras = context.session.take.as_ref().map_or(&[][..], |take| take.cameras.as_slice());
         let aspect = f64::from(self.picture.width() / self.picture.height().max(1.0));
         Self { viewpoint, eye: viewpoint.camera(&self.upright, cameras, aspect), ..self }
     }
 
     fn contents_input<'a>(
         &'a self,
-        showing: &Showing<'a>,
+        context: &Context<'a>,
         hull: Option<&'a VisualHull>,
         scale: f32,
     ) -> ContentsInput<'a> {
-        let (session, document) = (showing.session, showing.document());
-        let rotation = match showing.selection.joint {
+        let (session, document) = (context.session, context.document());
+        let rotation = match context.selection.joint {
             JointId::Root => None,
             joint @ JointId::End(_) => {
-                let limb = crate::session::selection::Selection { joint, ..*showing.selection }
+                let limb = crate::session::selection::Selection { joint, ..*context.selection }
                     .limb(&document.model);
                 document.model.limbs().get(limb).map(|limb| limb.rotation)
             }
         };
         ContentsInput {
-            look: &showing.look.scene,
+            look: &context.preferences.scene,
             model: &document.model,
             kinematics: &self.kinematics,
             renderer: document.fit.renderer,
             rotation,
             cameras: session.take.as_ref().map_or(&[], |take| take.cameras.as_slice()),
             uses: &document.cameras,
-            active: showing.selection.camera,
+            active: context.selection.camera,
             hull,
             ray: self.ray,
             upright: self.upright,

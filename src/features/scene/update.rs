@@ -16,9 +16,9 @@ const BODY_FROM: f64 = 4.5;
 impl App {
     /// Whether the scene is on the screen.
     fn shows_scene(&self) -> bool {
-        match self.docking.alone {
+        match self.shell.docking.alone {
             Some(alone) => alone == Pane::Scene,
-            None => self.look.is_open(Pane::Scene, self.session.camera_count()),
+            None => self.state.preferences.is_open(Pane::Scene, self.state.session.camera_count()),
         }
     }
 
@@ -26,7 +26,7 @@ impl App {
     /// newest order follows, and a scene that never rests gets its pictures too.
     pub(crate) fn draw_scene(&mut self, order: SceneOrder) {
         if self.may_ask(Lane::Scene) && !self.worker.is_busy(Lane::Scene) {
-            let earlier = self.session.scene_drawing.clone();
+            let earlier = self.state.session.scene_drawing.clone();
             self.worker.request(Lane::Scene, DrawSceneJob::new(order, earlier));
         }
     }
@@ -34,12 +34,12 @@ impl App {
     /// Asks for the hull of the frame on the screen, where it is to be seen and not carved yet.
     pub(crate) fn request_hull(&mut self) {
         let may_carve = self.may_ask(Lane::Hull) && !self.worker.is_busy(Lane::Hull);
-        if !self.shows_scene() || self.look.scene.hull == HullLook::Hidden || !may_carve {
+        if !self.shows_scene() || self.state.preferences.scene.hull == HullLook::Hidden || !may_carve {
             return;
         }
-        let Some(take) = &self.session.take else { return };
-        let Some(frame) = self.session.frames.get(self.selection.frame) else { return };
-        if self.session.hulls.get(frame).is_none() {
+        let Some(take) = &self.state.session.take else { return };
+        let Some(frame) = self.state.session.frames.get(self.state.selection.frame) else { return };
+        if self.state.session.hulls.get(frame).is_none() {
             let job = HullJob { cameras: take.cameras.clone(), frame: frame.clone() };
             self.worker.request(Lane::Hull, job);
         }
@@ -49,11 +49,11 @@ impl App {
     pub(crate) fn act_on_scene(&mut self, action: Action) -> bool {
         let viewpoint = match action {
             Action::SceneReset => None,
-            Action::SceneFromCamera => Some(Viewpoint::Camera(self.selection.camera)),
+            Action::SceneFromCamera => Some(Viewpoint::Camera(self.state.selection.camera)),
             Action::SceneFront | Action::SceneSide | Action::SceneTop => self.side_of_body(action),
             _ => return false,
         };
-        self.look.scene.viewpoint = viewpoint;
+        self.state.preferences.scene.viewpoint = viewpoint;
         if !self.shows_scene() {
             self.pane_event(Pane::Scene, crate::context::PaneEvent::Open);
         }
@@ -61,13 +61,13 @@ impl App {
     }
 
     fn side_of_body(&self, action: Action) -> Option<Viewpoint> {
-        let take = self.session.take.as_ref()?;
+        let take = self.state.session.take.as_ref()?;
         let upright = Upright::of(&take.cameras);
         let pose = self.shown_pose();
         let kinematics = Kinematics::new(&self.document().model, pose);
         let facing = upright.facing(&self.document().model, &kinematics).unwrap_or(upright.ahead);
         let near = Orbit { target: pose.root, azimuth: 0.0, elevation: 0.0, distance: BODY_FROM };
-        let orbit = match self.look.scene.viewpoint {
+        let orbit = match self.state.preferences.scene.viewpoint {
             Some(Viewpoint::Orbit(orbit)) => Orbit { target: pose.root, ..orbit },
             _ => near,
         };

@@ -4,7 +4,7 @@ use egui::{Id, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, pos2, vec
 
 use super::marks;
 use super::span::Scale;
-use crate::context::{Intents, Request, Showing};
+use crate::context::{Context, Request, Requests};
 use crate::style::theme;
 
 /// Half a diamond.
@@ -17,8 +17,8 @@ const TARGET: f32 = 8.0;
 /// The diamonds. Says which one is under the pointer.
 pub(crate) fn ui(
     ui: &Ui,
-    showing: &Showing<'_>,
-    intents: &mut Intents,
+    context: &Context<'_>,
+    requests: &mut Requests,
     plot: Rect,
     scale: &Scale,
     count: usize,
@@ -27,7 +27,7 @@ pub(crate) fn ui(
     let y = marks::line(plot);
     let mut hovered = None;
     let mut before = f32::NEG_INFINITY;
-    for (&frame, _) in showing.document().keys.range(scale.span.frames(count)) {
+    for (&frame, _) in context.document().keys.range(scale.span.frames(count)) {
         let at = pos2(scale.x(frame as f64), y);
         if at.x - before < 1.0 || !plot.x_range().expand(0.5).contains(at.x) {
             continue;
@@ -38,7 +38,7 @@ pub(crate) fn ui(
         let name = || WidgetInfo::labeled(Role::Button, true, format!("Key pose of frame {frame}"));
         response.widget_info(name);
         if response.clicked() {
-            intents.request(Request::Frame(frame));
+            requests.request(Request::Frame(frame));
         }
         let is_hovered = response.hovered();
         if is_hovered {

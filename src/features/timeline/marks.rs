@@ -7,7 +7,7 @@ use egui::{
 };
 
 use super::span::{Scale, Span};
-use crate::context::Showing;
+use crate::context::Context;
 use crate::document::Document;
 use crate::session::playback::FrameRange;
 use crate::style::format;
@@ -90,8 +90,8 @@ pub(crate) fn line(plot: Rect) -> f32 {
 }
 
 /// Fitted frames as a bar, and those that the tracker still has before it.
-pub(crate) fn on_ruler(ui: &Ui, showing: &Showing<'_>, plot: Rect, scale: &Scale, count: usize) {
-    let (palette, document) = (theme::palette(ui), showing.document());
+pub(crate) fn on_ruler(ui: &Ui, context: &Context<'_>, plot: Rect, scale: &Scale, count: usize) {
+    let (palette, document) = (theme::palette(ui), context.document());
     let painter = ui.painter().with_clip_rect(plot.expand2(vec2(3.0, 0.0)));
     let y = line(plot);
     painter.hline(plot.x_range(), y, Stroke::new(1.0, palette.line));
@@ -101,7 +101,7 @@ pub(crate) fn on_ruler(ui: &Ui, showing: &Showing<'_>, plot: Rect, scale: &Scale
             scale.x(from as f64) - half..=(scale.x(to as f64) + half).max(scale.x(from as f64) + 1.0);
         painter.hline(across, y, Stroke::new(BAR, palette.text3));
     }
-    if let Some(FrameRange { first, last }) = showing.session.tracking.and_then(|tracking| tracking.to_come())
+    if let Some(FrameRange { first, last }) = context.session.tracking.and_then(|tracking| tracking.to_come())
     {
         let across = scale.x(first as f64) - half..=scale.x(last as f64) + half;
         painter.hline(across, y, Stroke::new(BAR, palette.accent_text));
@@ -163,9 +163,9 @@ pub(crate) fn worst(document: &Document) -> Option<usize> {
 }
 
 /// The frame on the screen.
-pub(crate) fn playhead(ui: &Ui, showing: &Showing<'_>, plot: Rect, scale: &Scale) {
+pub(crate) fn playhead(ui: &Ui, context: &Context<'_>, plot: Rect, scale: &Scale) {
     let palette = theme::palette(ui);
-    let at = scale.x(showing.selection.frame as f64);
+    let at = scale.x(context.selection.frame as f64);
     if !plot.x_range().expand(6.0).contains(at) {
         return;
     }

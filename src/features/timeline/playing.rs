@@ -31,18 +31,18 @@ impl App {
     /// Whether frames are being played.
     #[must_use]
     pub fn is_playing(&self) -> bool {
-        self.time.playback.is_playing()
+        self.features.timeline.playback.is_playing()
     }
 
     /// Does a command about the time axis; whether it was one.
     pub(crate) fn act_on_time(&mut self, action: Action) -> bool {
         match action {
-            Action::ToggleLoop => self.time.playback.loops ^= true,
+            Action::ToggleLoop => self.features.timeline.playback.loops ^= true,
             Action::PlaySlower | Action::PlayFaster => {
-                let speed = self.time.playback.next_speed(action == Action::PlayFaster);
-                self.time.playback.set_speed(speed, self.now);
+                let speed = self.features.timeline.playback.next_speed(action == Action::PlayFaster);
+                self.features.timeline.playback.set_speed(speed, self.state.now);
             }
-            Action::WholeTake => self.time.span = None,
+            Action::WholeTake => self.features.timeline.span = None,
             Action::ClearRange => self.clear_range(),
             Action::NextKey | Action::PreviousKey => self.go_to_key(action == Action::NextKey),
             _ => return false,
@@ -52,77 +52,83 @@ impl App {
 
     /// Stops playing: the frame on the screen is about to be worked on.
     pub(crate) fn pause(&mut self) {
-        self.time.playback.stop();
+        self.features.timeline.playback.stop();
     }
 
     /// Plays, or stops playing.
     pub(crate) fn play_or_pause(&mut self) {
-        let (here, count) = (self.selection.frame, self.session.frame_count());
-        if self.time.playback.is_playing() {
+        let (here, count) = (self.state.selection.frame, self.state.session.frame_count());
+        if self.features.timeline.playback.is_playing() {
             self.pause();
         } else {
-            self.follows_tracker = false;
+            self.features.tracking.follows_tracker = false;
             self.interrupt_fit();
-            let from = self.time.playback.start(here, count, self.now);
+            let from = self.features.timeline.playback.start(here, count, self.state.now);
             self.go_to_frame(from);
         }
     }
 
     /// Goes on to the next frame when it is time, as long as frames are played.
     pub(crate) fn play(&mut self, ctx: &egui::Context) {
-        let Some(take) = self.session.take.clone() else {
-            self.time.playback.stop();
+        let Some(take) = self.state.session.take.clone() else {
+            self.features.timeline.playback.stop();
             return;
         };
         let (rate, count) = (take.frame_rate, take.frame_count());
-        if let Some((frame, since)) = self.time.ahead
-            && self.session.frames.get(frame).is_some()
+        if let Some((frame, since)) = self.features.timeline.ahead
+            && self.state.session.frames.get(frame).is_some()
         {
-            let known = self.time.reading.unwrap_or(self.now - since);
-            self.time.reading = Some(known + NEW_SHARE * (self.now - since - known));
-            self.time.ahead = None;
+            let known = self.features.timeline.reading.unwrap_or(self.state.now - since);
+            self.features.timeline.reading = Some(known + NEW_SHARE * (self.state.now - since - known));
+            self.features.timeline.ahead = None;
         }
-        let frames = &self.session.frames;
+        let frames = &self.state.session.frames;
         let is_there = |frame: usize| frames.get(frame).is_some();
-        match self.time.playback.cue(self.selection.frame, count, rate, self.now, is_there) {
+        match self.features.timeline.playback.cue(
+            self.state.selection.frame,
+            count,
+            rate,
+            self.state.now,
+            is_there,
+        ) {
             Cue::Show(frame) | Cue::End(frame) => self.go_to_frame(frame),
             Cue::Wait => {}
         }
-        if let Some(seconds) = self.time.playback.next_in(rate, self.now) {
+        if let Some(seconds) = self.features.timeline.playback.next_in(rate, self.state.now) {
             ctx.request_repaint_after(Duration::from_secs_f64(seconds.min(LONGEST_WAIT)));
         }
     }
 
     /// The frame that a film will need next, if it is not there.
     pub(crate) fn frame_to_read_ahead(&mut self) -> Option<usize> {
-        let take = self.session.take.as_ref()?;
-        let seconds = self.time.reading.unwrap_or(FIRST_GUESS);
+        let take = self.state.session.take.as_ref()?;
+        let seconds = self.features.timeline.reading.unwrap_or(FIRST_GUESS);
         let (count, rate) = (take.frame_count(), take.frame_rate);
-        let frame = self.time.playback.due_in(seconds, count, rate, self.now)?;
-        if self.session.frames.get(frame).is_some() {
+        let frame = self.features.timeline.playback.due_in(seconds, count, rate, self.state.now)?;
+        if self.state.session.frames.get(frame).is_some() {
             return None;
         }
-        self.time.ahead = Some((frame, self.now));
+        self.features.timeline.ahead = Some((frame, self.state.now));
         Some(frame)
     }
 
     /// What was done in the timeline.
     pub(crate) fn timeline_event(&mut self, event: TimelineEvent) {
         match event {
-            TimelineEvent::Show(span) => self.time.span = span,
+            TimelineEvent::Show(span) => self.features.timeline.span = span,
             TimelineEvent::Mark(range) => {
-                self.time.playback.range = range;
+                self.features.timeline.playback.range = range;
                 // Who marks frames wants to see them again and again.
-                self.time.playback.loops |= range.is_some();
+                self.features.timeline.playback.loops |= range.is_some();
             }
             TimelineEvent::Pause => self.pause(),
-            TimelineEvent::Speed(speed) => self.time.playback.set_speed(speed, self.now),
+            TimelineEvent::Speed(speed) => self.features.timeline.playback.set_speed(speed, self.state.now),
         }
     }
 
     /// Forgets what was found for the frames that are marked.
     fn clear_range(&mut self) {
-        if let Some(range) = self.time.playback.range {
+        if let Some(range) = self.features.timeline.playback.range {
             self.edit(Edit::ClearRange { first: range.first, last: range.last }, None);
         }
     }

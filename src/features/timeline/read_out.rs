@@ -6,7 +6,7 @@ use egui::{Grid, PopupAnchor, Pos2, RichText, Tooltip, Ui, pos2};
 use super::lanes::Lane;
 use super::marks::worst;
 use super::transport::seconds;
-use crate::context::Showing;
+use crate::context::Context;
 use crate::document::Origin;
 use crate::style::format;
 use crate::style::theme;
@@ -18,16 +18,16 @@ const WIDTH: f32 = 210.0;
 const KEY_POSE: &str = "Key pose: set by hand. The tracker begins anew from it; K clears it.";
 
 /// The card above the timeline, over a frame.
-pub(crate) fn ui(ui: &Ui, showing: &Showing<'_>, frame: usize, at: Pos2) {
+pub(crate) fn ui(ui: &Ui, context: &Context<'_>, frame: usize, at: Pos2) {
     let above = PopupAnchor::Position(pos2(at.x, at.y - 4.0));
     let id = ui.scope_id().with("read-out");
     Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, above).gap(0.0).show(|ui| {
         ui.set_max_width(WIDTH);
         ui.spacing_mut().item_spacing.y = 2.0;
         let palette = theme::palette(ui);
-        let title = format!("Frame {}, {} s", format::count(frame as i64), seconds(showing, frame));
+        let title = format!("Frame {}, {} s", format::count(frame as i64), seconds(context, frame));
         ui.label(RichText::new(title).color(palette.text));
-        let document = showing.document();
+        let document = context.document();
         let estimate = document.estimates.get(&frame);
         Grid::new("values").num_columns(2).spacing([16.0, 2.0]).show(ui, |ui| {
             for lane in [Lane::Cost, Lane::Overlap, Lane::Steps] {

@@ -5,7 +5,7 @@ use egui::{Align, Layout as Direction, RichText, Sense, Ui, vec2};
 use super::TimelineEvent;
 use crate::context::action::Action;
 use crate::context::command_button::{icon, named_button, sized_button};
-use crate::context::{Intents, Request, Showing};
+use crate::context::{Context, Request, Requests};
 use crate::document::Document;
 use crate::session::playback::SPEEDS;
 use crate::shell::toolbar::choice;
@@ -28,26 +28,26 @@ const SPEED: f32 = 58.0;
 const KEY: f32 = 72.0;
 
 /// The row.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let row = vec2(ui.available_width(), HEIGHT);
     ui.allocate_ui_with_layout(row, Direction::left_to_right(Align::Center), |ui| {
         let folded = row.x < FOLD;
         ui.spacing_mut().item_spacing.x = space::ROW;
-        going(ui, showing, intents, folded);
-        playing(ui, showing, intents);
+        going(ui, context, requests, folded);
+        playing(ui, context, requests);
         ui.add_space(space::WIDGET);
-        named_button(ui, showing, intents, Action::TrackBack, "Track back");
+        named_button(ui, context, requests, Action::TrackBack, "Track back");
         let between = if folded { "Between" } else { "Between keys" };
-        named_button(ui, showing, intents, Action::TrackBetween, between);
+        named_button(ui, context, requests, Action::TrackBetween, between);
         ui.add_space(space::WIDGET);
-        icon(ui, showing, intents, Action::PreviousKey, Icon::PreviousKey);
-        key_pose(ui, showing, intents);
-        icon(ui, showing, intents, Action::NextKey, Icon::NextKey);
+        icon(ui, context, requests, Action::PreviousKey, Icon::PreviousKey);
+        key_pose(ui, context, requests);
+        icon(ui, context, requests, Action::NextKey, Icon::NextKey);
         ui.add_space(space::WIDGET);
-        icon(ui, showing, intents, Action::PreviousWorst, Icon::Previous);
-        named_button(ui, showing, intents, Action::NextWorst, if folded { "Worst" } else { "Next worst" });
+        icon(ui, context, requests, Action::PreviousWorst, Icon::Previous);
+        named_button(ui, context, requests, Action::NextWorst, if folded { "Worst" } else { "Next worst" });
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-            let (short, full) = (short_summary(showing), summary(showing));
+            let (short, full) = (short_summary(context), summary(context));
             let text = if folded { &short } else { &full };
             let text = RichText::new(text).small().color(theme::palette(ui).text3);
             let label = ui.add(egui::Label::new(text).truncate());
@@ -58,40 +58,40 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
     });
 }
 
-fn going(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, folded: bool) {
-    icon(ui, showing, intents, Action::PreviousFrame, Icon::First);
-    let play = if showing.time.playback.is_playing() { Icon::Pause } else { Icon::Play };
-    icon(ui, showing, intents, Action::Play, play);
-    icon(ui, showing, intents, Action::NextFrame, Icon::Last);
-    let last = showing.session.frame_count().saturating_sub(1);
-    let mut frame = showing.selection.frame as f64;
+fn going(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, folded: bool) {
+    icon(ui, context, requests, Action::PreviousFrame, Icon::First);
+    let play = if context.time.playback.is_playing() { Icon::Pause } else { Icon::Play };
+    icon(ui, context, requests, Action::Play, play);
+    icon(ui, context, requests, Action::NextFrame, Icon::Last);
+    let last = context.session.frame_count().saturating_sub(1);
+    let mut frame = context.selection.frame as f64;
     let unit = format!(" / {last}");
     let field = number_field(ui, "Frame", &mut frame, 0, &unit, 0.1, FRAME);
     if field.on_hover_text("The frame on the screen, counted from 0").changed() {
-        intents.request(Request::Frame(frame.round().max(0.0) as usize));
+        requests.request(Request::Frame(frame.round().max(0.0) as usize));
     }
     if !folded {
-        let text = RichText::new(format!("{} s", seconds(showing, showing.selection.frame))).monospace();
+        let text = RichText::new(format!("{} s", seconds(context, context.selection.frame))).monospace();
         let (rect, _) = ui.allocate_exact_size(vec2(TIME, size::ROW), Sense::hover());
         ui.put(rect, egui::Label::new(text.color(theme::palette(ui).text2)));
     }
 }
 
 /// Sets or clears the key pose of the frame on the screen: the text says which, in a place that does not change.
-fn key_pose(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
-    let is_key = showing.document().keys.contains_key(&showing.selection.frame);
+fn key_pose(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+    let is_key = context.document().keys.contains_key(&context.selection.frame);
     let text = if is_key { "Clear key" } else { "Set key" };
-    sized_button(ui, showing, intents, Action::SetKeyPose, text, KEY);
+    sized_button(ui, context, requests, Action::SetKeyPose, text, KEY);
 }
 
 /// When a frame was taken, in seconds since the first.
-pub(crate) fn seconds(showing: &Showing<'_>, frame: usize) -> String {
-    let rate = showing.session.take.as_ref().map_or(1.0, |take| take.frame_rate);
+pub(crate) fn seconds(context: &Context<'_>, frame: usize) -> String {
+    let rate = context.session.take.as_ref().map_or(1.0, |take| take.frame_rate);
     format::number(frame as f64 / rate.max(f64::MIN_POSITIVE), 3)
 }
 
-fn playing(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
-    let playback = &showing.time.playback;
+fn playing(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+    let playback = &context.time.playback;
     let texts = SPEEDS.map(speed_text);
     let tooltip = |speed: f64| {
         if speed < 1.0 { "Slower than it was filmed" } else { "Frames that come too late are left out" }
@@ -102,11 +102,11 @@ fn playing(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
         .map(|(speed, text)| (*speed, text.as_str(), tooltip(*speed).to_owned()))
         .collect();
     if let Some(speed) = choice(ui, "Speed", SPEED, &speed_text(playback.speed), &choices) {
-        intents.request(Request::Timeline(TimelineEvent::Speed(speed)));
+        requests.request(Request::Timeline(TimelineEvent::Speed(speed)));
     }
     let mut loops = playback.loops;
     if checkbox(ui, &mut loops, "Loop").on_hover_text(Action::ToggleLoop.tooltip()).changed() {
-        intents.act(Action::ToggleLoop);
+        requests.act(Action::ToggleLoop);
     }
 }
 
@@ -128,8 +128,8 @@ fn mean_overlap(document: &Document) -> Option<f64> {
 }
 
 /// What is known of the take, in two words.
-fn short_summary(showing: &Showing<'_>) -> String {
-    let document = showing.document();
+fn short_summary(context: &Context<'_>) -> String {
+    let document = context.document();
     let lost = document.estimates.values().filter(|estimate| estimate.lost).count();
     match mean_overlap(document) {
         None => String::new(),
@@ -139,8 +139,8 @@ fn short_summary(showing: &Showing<'_>) -> String {
 }
 
 /// What is known of the take, in a line.
-fn summary(showing: &Showing<'_>) -> String {
-    let document = showing.document();
+fn summary(context: &Context<'_>) -> String {
+    let document = context.document();
     let found = &document.estimates;
     let (Some((first, _)), Some((last, _))) = (found.first_key_value(), found.last_key_value()) else {
         return "No frame is fitted yet".to_owned();

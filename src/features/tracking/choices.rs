@@ -3,7 +3,7 @@
 use backlit_tracking::track::Search;
 use egui::Ui;
 
-use crate::context::{Intents, Showing};
+use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::document::tracking_choices::Following;
 use crate::shell::toolbar::choice;
@@ -35,18 +35,18 @@ const SEARCHES: [(Search, &str, &str); 3] = [
     (
         Search::WhenPoor,
         "When poor",
-        "Look for other poses in a first frame, and in one after a lost one, whose fit overlaps poorly: IoU below 0.9",
+        "Preferences for other poses in a first frame, and in one after a lost one, whose fit overlaps poorly: IoU below 0.9",
     ),
     (
         Search::Always,
         "Always",
-        "Look for other poses in every first frame and after every lost one; takes seconds",
+        "Preferences for other poses in every first frame and after every lost one; takes seconds",
     ),
 ];
 
 /// The rows.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
-    let choices = showing.document().tracking;
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+    let choices = context.document().tracking;
     let mut chosen = choices;
     row(ui, "Motion", |ui| chosen.motion = motion(ui, choices.motion));
     row(ui, "Search", |ui| {
@@ -58,7 +58,7 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
         hint(ui, "for other poses");
     });
     if chosen != choices {
-        intents.edit(Edit::SetTracking(chosen));
+        requests.edit(Edit::SetTracking(chosen));
     }
 }
 

@@ -5,7 +5,7 @@ use egui::{
     pos2, vec2,
 };
 
-use crate::context::{Intents, Request};
+use crate::context::{Request, Requests};
 use crate::drawing::plot::heat_map::{
     AXES, NAME, axes, best_across, cell_in, error_colour, error_legend, grid_in, paint_cell, places,
 };
@@ -33,7 +33,7 @@ const FOUND: f32 = 0.85;
 const NOT_FOUND: f32 = 0.2;
 
 /// The maps and their legend.
-pub(crate) fn ui(ui: &mut Ui, result: &MapResult, colour: MapColour, intents: &mut Intents) {
+pub(crate) fn ui(ui: &mut Ui, result: &MapResult, colour: MapColour, requests: &mut Requests) {
     let area = ui.available_rect_before_wrap();
     let room = if area.width() >= FOLD {
         vec2(LEGEND, 0.0)
@@ -49,7 +49,7 @@ pub(crate) fn ui(ui: &mut Ui, result: &MapResult, colour: MapColour, intents: &m
             name(ui, result, *choice, *grid);
         }
         axes(ui, *grid, &result.directions, result.options.degrees);
-        under = cells(ui, result, (*choice, colour), *grid, intents).or(under);
+        under = cells(ui, result, (*choice, colour), *grid, requests).or(under);
     }
     let shown: Vec<usize> = grids.iter().map(|(choice, _)| *choice).collect();
     for (_, grid) in &grids {
@@ -64,13 +64,13 @@ pub(crate) fn ui(ui: &mut Ui, result: &MapResult, colour: MapColour, intents: &m
     };
     if room != egui::Vec2::ZERO {
         let builder = egui::UiBuilder::new().max_rect(place).layout(Direction::top_down(Align::Min));
-        ui.scope_builder(builder, |ui| legend(ui, result, colour, (&shown, under), intents));
+        ui.scope_builder(builder, |ui| legend(ui, result, colour, (&shown, under), requests));
     }
     ui.advance_cursor_after_rect(area);
 }
 
 /// Which maps are shown.
-pub(crate) fn choice_box(ui: &mut Ui, result: &MapResult, intents: &mut Intents) {
+pub(crate) fn choice_box(ui: &mut Ui, result: &MapResult, requests: &mut Requests) {
     const ALL: &str = "All fits";
     let choices = &result.options.choices;
     let mut rows = vec![(None, ALL, "The maps of all fits side by side, by one scale".to_owned())];
@@ -79,7 +79,7 @@ pub(crate) fn choice_box(ui: &mut Ui, result: &MapResult, intents: &mut Intents)
     }));
     let chosen = result.shown.and_then(|index| choices.get(index)).map_or(ALL, |choice| &choice.name);
     if let Some(shown) = choice(ui, "Fits shown", CHOICE, chosen, &rows) {
-        intents.request(Request::Basin(BasinRequest::ShowChoice(shown)));
+        requests.request(Request::Basin(BasinRequest::ShowChoice(shown)));
     }
 }
 
@@ -133,7 +133,7 @@ fn cells(
     result: &MapResult,
     (choice, colour): (usize, MapColour),
     grid: Rect,
-    intents: &mut Intents,
+    requests: &mut Requests,
 ) -> Option<[usize; 2]> {
     let palette = theme::palette(ui);
     let count = result.options.cells;
@@ -153,7 +153,7 @@ fn cells(
                 under = Some(place);
             }
             if response.clicked() {
-                intents.request(Request::Basin(BasinRequest::TakeStart(place)));
+                requests.request(Request::Basin(BasinRequest::TakeStart(place)));
             }
             response.on_hover_ui(|ui| {
                 ui.label(format!("{}\nClick: take this start, and step it", label()));
@@ -222,14 +222,14 @@ fn legend(
     result: &MapResult,
     colour: MapColour,
     (shown, under): (&[usize], Option<[usize; 2]>),
-    intents: &mut Intents,
+    requests: &mut Requests,
 ) {
     let palette = theme::palette(ui);
     let mut chosen = colour;
     segmented(ui, &mut chosen, &[(MapColour::Error, "Distance"), (MapColour::Success, "Found")])
         .on_hover_text("What the cells are coloured by");
     if chosen != colour {
-        intents.request(Request::Basin(BasinRequest::Colour(chosen)));
+        requests.request(Request::Basin(BasinRequest::Colour(chosen)));
     }
     ui.add_space(space::WIDGET);
     let (bar, _) = ui.allocate_exact_size(vec2(ui.available_width().min(208.0), 34.0), Sense::hover());

@@ -8,7 +8,7 @@ use egui::{Button, ComboBox, RichText, TextEdit, Ui, vec2};
 use super::run_or_cancel;
 use crate::context::action::Action;
 use crate::context::command_button::named_button;
-use crate::context::{Intents, Request, Showing};
+use crate::context::{Context, Request, Requests};
 use crate::document::fit_words as words;
 use crate::features::basin::settings::{MOST_COMPARED, MOST_STARTS, angle_name};
 use crate::features::basin::{
@@ -28,25 +28,25 @@ const ANGLE: f32 = 94.0;
 const FIELD: f32 = 62.0;
 
 /// The section.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, open: bool) {
-    let basin = showing.basin;
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
+    let basin = context.basin;
     section(ui, "Basin", &summary(basin), open, |ui| {
-        let kept = &showing.look.basin.settings;
+        let kept = &context.preferences.basin.settings;
         let mut settings = kept.clone();
         ui.spacing_mut().item_spacing.y = 6.0;
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 6.0;
-            run_or_cancel(ui, showing, intents, BasinView::Angles);
+            run_or_cancel(ui, context, requests, BasinView::Angles);
             if basin.running.is_none() {
-                run_or_cancel(ui, showing, intents, BasinView::Map);
+                run_or_cancel(ui, context, requests, BasinView::Map);
             }
-            named_button(ui, showing, intents, Action::ShowBasin, "Open tile");
+            named_button(ui, context, requests, Action::ShowBasin, "Open tile");
         });
-        starts(ui, showing, &mut settings);
-        compared(ui, showing, &mut settings);
-        map(ui, showing, &mut settings);
+        starts(ui, context, &mut settings);
+        compared(ui, context, &mut settings);
+        map(ui, context, &mut settings);
         if settings != *kept {
-            intents.request(Request::Basin(BasinRequest::Settings(Box::new(settings))));
+            requests.request(Request::Basin(BasinRequest::Settings(Box::new(settings))));
         }
     });
 }
@@ -73,8 +73,8 @@ fn row(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
     named_row(ui, name, NAME, contents);
 }
 
-fn starts(ui: &mut Ui, showing: &Showing<'_>, settings: &mut BasinSettings) {
-    let has_truth = showing.session.take.as_ref().is_some_and(|take| take.take().reference().is_some());
+fn starts(ui: &mut Ui, context: &Context<'_>, settings: &mut BasinSettings) {
+    let has_truth = context.session.take.as_ref().is_some_and(|take| take.take().reference().is_some());
     row(ui, "About", |ui| {
         let choices = [(Reference::Pose, "This pose"), (Reference::Truth, "Truth")];
         ui.add_enabled_ui(has_truth || settings.reference == Reference::Truth, |ui| {
@@ -86,8 +86,8 @@ fn starts(ui: &mut Ui, showing: &Showing<'_>, settings: &mut BasinSettings) {
         .response
         .on_disabled_hover_text("The take does not know the truth: starts are drawn about the pose on the screen");
     });
-    let model = &showing.document().model;
-    let held = &model.limbs()[showing.selection.limb(model)].name;
+    let model = &context.document().model;
+    let held = &model.limbs()[context.selection.limb(model)].name;
     row(ui, "Turn", |ui| {
         segmented(ui, &mut settings.only_held, &[(false, "All joints"), (true, "Held joint")])
             .on_hover_text(format!("What of a start is off: every joint, or the {held} alone"));
@@ -135,11 +135,11 @@ fn list(ui: &mut Ui, name: &str, label: &str, text: &mut String, unit_text: &str
 }
 
 /// The fits that are compared: the current choices, and up to three more.
-fn compared(ui: &mut Ui, showing: &Showing<'_>, settings: &mut BasinSettings) {
+fn compared(ui: &mut Ui, context: &Context<'_>, settings: &mut BasinSettings) {
     let palette = theme::palette(ui);
     row(ui, "Fits", |ui| {
         swatch(ui, 0);
-        let fit = &showing.document().fit;
+        let fit = &context.document().fit;
         let renderer = words::renderer_name(fit.renderer).to_lowercase();
         let text = format!("{}, {renderer}", words::fit_name(fit));
         ui.add(egui::Label::new(RichText::new(text).color(palette.text)).truncate())
@@ -178,7 +178,7 @@ fn compared(ui: &mut Ui, showing: &Showing<'_>, settings: &mut BasinSettings) {
         row(ui, "", |ui| {
             let button = ui.add(Button::new("Compare with…").min_size(vec2(0.0, size::BUTTON)));
             if button.on_hover_text("Try the same starts with another preset or renderer too").clicked() {
-                settings.compared.push(Compared::next(&showing.document().fit, &settings.compared));
+                settings.compared.push(Compared::next(&context.document().fit, &settings.compared));
             }
         });
     }
@@ -194,8 +194,8 @@ fn swatch(ui: &mut Ui, index: usize) {
     ui.painter().circle_filled(rect.center(), 4.0, colour);
 }
 
-fn map(ui: &mut Ui, showing: &Showing<'_>, settings: &mut BasinSettings) {
-    let model = &showing.document().model;
+fn map(ui: &mut Ui, context: &Context<'_>, settings: &mut BasinSettings) {
+    let model = &context.document().model;
     for (direction, name) in settings.directions.iter_mut().zip(["Across", "Up"]) {
         row(ui, name, |ui| {
             let width = ui.available_width() - ANGLE - 2.0 * space::ROW;

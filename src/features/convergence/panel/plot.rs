@@ -6,7 +6,7 @@ use egui_plot::{
 };
 
 use super::read_out;
-use crate::context::{Intents, Request, Showing};
+use crate::context::{Context, Request, Requests};
 use crate::document::run::Run;
 use crate::drawing::plot::marks::{decade_marks, even_marks};
 use crate::features::convergence::{CurvePoint, CurvesLook, Quantity, axis, picture, points, quantity};
@@ -84,19 +84,19 @@ impl Scale {
 }
 
 /// The plot. `names` says whether the runs' names stand at the ends of their curves.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, area: Vec2, names: bool) {
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, area: Vec2, names: bool) {
     let palette = theme::palette(ui);
-    let look = showing.look.curves;
+    let look = context.preferences.curves;
     let shown: Vec<(usize, &Run)> =
-        showing.session.runs.iter().enumerate().filter(|(_, run)| run.is_shown).collect();
+        context.session.runs.iter().enumerate().filter(|(_, run)| run.is_shown).collect();
     if shown.is_empty() {
-        return empty(ui, showing, area);
+        return empty(ui, context, area);
     }
     let runs: Vec<&Run> = shown.iter().map(|(_, run)| *run).collect();
     let scale = Scale::of(&runs, look);
     let curves: Vec<Curve<'_>> =
         shown.iter().map(|&(index, run)| Curve { index, run, points: points(run, look.quantity) }).collect();
-    let current = showing.selection.step.or_else(|| newest(showing));
+    let current = context.selection.step.or_else(|| newest(context));
     let bounds = scale.bounds(f64::from(area.x), f64::from(if names { NAMES } else { FIGURES }));
     let response = still_plot("convergence plot", area, palette)
         .y_axis_min_width(52.0)
@@ -112,7 +112,7 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, area
                 draw(plot, curve, scale, is_current);
             }
             if let Some(step) = current {
-                playhead(plot, showing, &curves, step, scale, palette);
+                playhead(plot, context, &curves, step, scale, palette);
             }
         });
     let ground = *response.transform.frame();
@@ -123,20 +123,20 @@ pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, area
     let Some(pointer) = pointer.filter(|pointer| ground.contains(*pointer)) else { return };
     let Some((step, at)) = nearest(&curves, scale, &response.transform, pointer) else { return };
     if response_of_plot.clicked() {
-        intents.request(Request::Step(step));
+        requests.request(Request::Step(step));
     }
     if at.distance(pointer) <= REACH {
         let ring = egui::Stroke::new(1.5, palette.text);
         ui.painter().circle_stroke(at, mark::CURRENT_STEP_RADIUS, ring);
-        read_out::show(ui, showing, step, at, ground);
+        read_out::show(ui, context, step, at, ground);
     }
 }
 
-fn empty(ui: &mut Ui, showing: &Showing<'_>, area: Vec2) {
+fn empty(ui: &mut Ui, context: &Context<'_>, area: Vec2) {
     let (rect, response) = ui.allocate_exact_size(area, egui::Sense::hover());
     let palette = theme::palette(ui);
     ui.painter().rect_filled(rect, f32::from(size::FIELD_RADIUS), palette.plot);
-    let text = match (showing.session.take.is_some(), showing.session.runs.is_empty()) {
+    let text = match (context.session.take.is_some(), context.session.runs.is_empty()) {
         (false, _) => "No take, no steps",
         (true, true) => "Press Space to step",
         (true, false) => "All curves are hidden",
@@ -147,9 +147,9 @@ fn empty(ui: &mut Ui, showing: &Showing<'_>, area: Vec2) {
 }
 
 /// The last step of the newest run of the frame.
-fn newest(showing: &Showing<'_>) -> Option<StepRef> {
-    let run = showing.session.run_of(showing.selection)?;
-    Some(StepRef { run, step: showing.session.runs.get(run)?.steps.len().checked_sub(1)? })
+fn newest(context: &Context<'_>) -> Option<StepRef> {
+    let run = context.session.run_of(context.selection)?;
+    Some(StepRef { run, step: context.session.runs.get(run)?.steps.len().checked_sub(1)? })
 }
 
 pub(crate) fn step_marks(input: egui_plot::GridInput) -> Vec<GridMark> {
@@ -207,13 +207,13 @@ fn cross_at(point: &CurvePoint, scale: Scale, on_screen: Pos2, frame: Rect) -> P
 
 fn playhead(
     plot: &mut PlotUi<'_>,
-    showing: &Showing<'_>,
+    context: &Context<'_>,
     curves: &[Curve<'_>],
     step: StepRef,
     scale: Scale,
     palette: &Palette,
 ) {
-    let Some(run) = showing.session.runs.get(step.run) else { return };
+    let Some(run) = context.session.runs.get(step.run) else { return };
     let x = run.accepted_until(step.step) as f64;
     plot.vline(VLine::new("", x).color(palette.accent_text).width(1.5));
     let curve = curves.iter().find(|curve| curve.index == step.run);

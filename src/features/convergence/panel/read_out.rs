@@ -3,7 +3,7 @@
 use egui::{Align, Area, Frame, Id, Layout as Direction, Margin, Order, Pos2, Rect, RichText, Ui, vec2};
 
 use super::plot::step_title;
-use crate::context::Showing;
+use crate::context::Context;
 use crate::document::run::{Run, RunStep};
 use crate::session::selection::StepRef;
 use crate::style::format;
@@ -16,8 +16,8 @@ const CARD: egui::Vec2 = vec2(216.0, 168.0);
 const AWAY: f32 = 18.0;
 
 /// Shows the card beside the step's mark at `at`; it keeps inside the window and never under the pointer.
-pub(crate) fn show(ui: &Ui, showing: &Showing<'_>, step: StepRef, at: Pos2, ground: Rect) {
-    let Some(run) = showing.session.runs.get(step.run) else { return };
+pub(crate) fn show(ui: &Ui, context: &Context<'_>, step: StepRef, at: Pos2, ground: Rect) {
+    let Some(run) = context.session.runs.get(step.run) else { return };
     let Some(record) = run.steps.get(step.step) else { return };
     let palette = theme::palette(ui);
     let left = if at.x + AWAY + CARD.x > ground.right() { at.x - AWAY - CARD.x } else { at.x + AWAY };

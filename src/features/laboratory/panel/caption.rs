@@ -5,7 +5,7 @@ use egui::{
 };
 
 use super::Bench;
-use crate::context::{Intents, Request};
+use crate::context::{Request, Requests};
 use crate::features::laboratory::story::tell;
 use crate::features::laboratory::{LaboratoryRequest, Lineup, StartChoice};
 use crate::style::theme;
@@ -23,9 +23,9 @@ const COMPACT_LINE: f32 = 17.0;
 const COMPACT_ROW: f32 = 21.0;
 
 /// The caption and the legend; what has no room is scrolled to.
-pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, intents: &mut Intents) {
+pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, requests: &mut Requests) {
     let palette = theme::palette(ui);
-    let laboratory = bench.showing.laboratory;
+    let laboratory = bench.context.laboratory;
     let story = tell(bench.comparison, laboratory.lineup, bench.key);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = if bench.room.is_compact { 4.0 } else { 8.0 };
@@ -40,7 +40,7 @@ pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, intents: &mut Intents) {
             ui.spacing_mut().item_spacing.y = 2.0;
         }
         legend(ui, bench);
-        next(ui, bench, intents);
+        next(ui, bench, requests);
     });
 }
 
@@ -113,9 +113,9 @@ fn row(ui: &mut Ui, words: &str, paint: impl FnOnce(&Ui, Rect)) {
 }
 
 /// What to try next, as a link.
-fn next(ui: &mut Ui, bench: &Bench<'_>, intents: &mut Intents) {
-    let laboratory = bench.showing.laboratory;
-    let demonstration = match bench.showing.session.take.as_ref().and_then(|take| take.source.as_ref()) {
+fn next(ui: &mut Ui, bench: &Bench<'_>, requests: &mut Requests) {
+    let laboratory = bench.context.laboratory;
+    let demonstration = match bench.context.session.take.as_ref().and_then(|take| take.source.as_ref()) {
         Some(TakeSource::Demonstration(which)) => Some(*which),
         _ => None,
     };
@@ -133,11 +133,11 @@ fn next(ui: &mut Ui, bench: &Bench<'_>, intents: &mut Intents) {
             |ui: &mut Ui, text: String| ui.link(RichText::new(text).color(palette.accent_text)).clicked();
         let text = other.text();
         if link(ui, text[..1].to_lowercase() + &text[1..]) {
-            intents.request(Request::Laboratory(LaboratoryRequest::Start(other)));
+            requests.request(Request::Laboratory(LaboratoryRequest::Start(other)));
         }
         ui.label(RichText::new("or").color(palette.accent_text));
         if link(ui, format!("compare {}", lineup.1.to_lowercase())) {
-            intents.request(Request::Laboratory(LaboratoryRequest::Lineup(lineup.0)));
+            requests.request(Request::Laboratory(LaboratoryRequest::Lineup(lineup.0)));
         }
     });
 }

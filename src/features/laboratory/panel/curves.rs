@@ -4,7 +4,7 @@ use egui::{Align, Align2, Layout as Direction, Pos2, Rect, RichText, Role, Strok
 use egui_plot::{Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotTransform, PlotUi, Points, VLine};
 
 use super::{Bench, named};
-use crate::context::{Intents, Request};
+use crate::context::{Request, Requests};
 use crate::drawing::plot::marks::{decade_marks, even_marks};
 use crate::features::convergence::panel::plot::step_marks;
 use crate::features::laboratory::story::percent_text;
@@ -31,30 +31,30 @@ const AXIS: f64 = 52.0;
 const LEAST_CURVES: f64 = 120.0;
 
 /// The plot with its head.
-pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, intents: &mut Intents) {
-    let is_log = head(ui, bench, intents);
+pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, requests: &mut Requests) {
+    let is_log = head(ui, bench, requests);
     let area = ui.available_size();
-    plot(ui, bench, intents, is_log, area);
+    plot(ui, bench, requests, is_log, area);
 }
 
-fn head(ui: &mut Ui, bench: &Bench<'_>, intents: &mut Intents) -> bool {
+fn head(ui: &mut Ui, bench: &Bench<'_>, requests: &mut Requests) -> bool {
     let palette = theme::palette(ui);
-    let mut is_log = bench.showing.laboratory.is_log;
-    let ask = |intents: &mut Intents, request| intents.request(Request::Laboratory(request));
+    let mut is_log = bench.context.laboratory.is_log;
+    let ask = |requests: &mut Requests, request| requests.request(Request::Laboratory(request));
     ui.allocate_ui_with_layout(
         vec2(ui.available_width(), HEAD),
         Direction::right_to_left(Align::Center),
         |ui| {
             let save = ui.button("Save PNG").on_hover_text("Save the plot as a picture…");
             if save.clicked() {
-                ask(intents, LaboratoryRequest::SavePlot);
+                ask(requests, LaboratoryRequest::SavePlot);
             }
             let copy = ui.button("Copy CSV").on_hover_text("Copy all curves as comma-separated values");
             if copy.clicked() {
-                ask(intents, LaboratoryRequest::CopyTable);
+                ask(requests, LaboratoryRequest::CopyTable);
             }
             if segmented(ui, &mut is_log, &[(false, "Percent"), (true, "Log")]).changed() {
-                ask(intents, LaboratoryRequest::Log(is_log));
+                ask(requests, LaboratoryRequest::Log(is_log));
             }
             ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
                 let title = RichText::new("Cost, percent of start").text_style(theme::column_heading());
@@ -90,7 +90,7 @@ fn bounds(bench: &Bench<'_>, is_log: bool, width: f64) -> [(f64, f64); 2] {
     [(-0.25, last), heights]
 }
 
-fn plot(ui: &mut Ui, bench: &Bench<'_>, intents: &mut Intents, is_log: bool, area: egui::Vec2) {
+fn plot(ui: &mut Ui, bench: &Bench<'_>, requests: &mut Requests, is_log: bool, area: egui::Vec2) {
     let palette = theme::palette(ui);
     let [across, up] = bounds(bench, is_log, f64::from(area.x));
     let percent = move |value: f64| {
@@ -123,7 +123,7 @@ fn plot(ui: &mut Ui, bench: &Bench<'_>, intents: &mut Intents, is_log: bool, are
         let step = response.transform.value_from_position(pointer).x.round().max(0.0) as usize;
         let step = step.min(bench.comparison.last());
         if step != bench.comparison.cursor {
-            intents.request(Request::Laboratory(LaboratoryRequest::Step(step)));
+            requests.request(Request::Laboratory(LaboratoryRequest::Step(step)));
         }
     }
 }

@@ -4,7 +4,7 @@ use egui::{Align, Button, Frame, Label, Layout as Direction, Margin, Panel, Rich
 
 use crate::context::action::Action;
 use crate::context::command_button as command;
-use crate::context::{Intents, Request, Showing, unavailable};
+use crate::context::{Context, Request, Requests, unavailable};
 use crate::document::fit_words::preset_like;
 use crate::features::fit::solver;
 use crate::features::laboratory::{LaboratoryRequest, Lineup, PushAxis, StartChoice};
@@ -25,23 +25,23 @@ const TOOLBAR_MARGINS: f32 = 16.0;
 const PREFIX_FROM: f32 = 620.0;
 
 /// Two rows: title and step; what it is of, and what is looked at.
-pub(crate) fn ui(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents, margin: f32) {
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, margin: f32) {
     let palette = theme::palette(ui);
     let frame = Frame::NONE.fill(palette.panel).inner_margin(Margin::symmetric(margin as i8, 5));
     Panel::top("laboratory header").exact_size(HEIGHT).resizable(false).frame(frame).show(ui, |ui| {
         ui.spacing_mut().item_spacing = vec2(space::WIDGET, 0.0);
         row(ui, |ui| {
-            controls(ui, showing, intents);
+            controls(ui, context, requests);
             left(ui, |ui| {
-                let title = showing.laboratory.lineup.title();
+                let title = context.laboratory.lineup.title();
                 let text = RichText::new(title).text_style(theme::title()).color(palette.text);
                 ui.add(Label::new(text).truncate());
             });
         });
         row(ui, |ui| {
-            choices(ui, showing, intents);
+            choices(ui, context, requests);
             left(ui, |ui| {
-                let text = sentence(showing);
+                let text = sentence(context);
                 let label = Label::new(RichText::new(&text).color(palette.text2)).truncate();
                 ui.add(label).on_hover_text(text);
             });
@@ -59,16 +59,16 @@ fn left(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
 }
 
 /// What it is of.
-fn sentence(showing: &Showing<'_>) -> String {
-    let Some(take) = &showing.session.take else { return String::new() };
+fn sentence(context: &Context<'_>) -> String {
+    let Some(take) = &context.session.take else { return String::new() };
     let frames = take.frame_count();
     let frame = if frames > 1 {
-        format!(", frame {} of {}", showing.selection.frame, format::count(frames as i64 - 1))
+        format!(", frame {} of {}", context.selection.frame, format::count(frames as i64 - 1))
     } else {
         String::new()
     };
-    let lineup = showing.laboratory.lineup;
-    let solver = match (lineup, preset_like(&showing.document().fit)) {
+    let lineup = context.laboratory.lineup;
+    let solver = match (lineup, preset_like(&context.document().fit)) {
         (Lineup::Presets, _) | (_, None) => String::new(),
         (_, Some(preset)) => format!(" Solver: {}.", preset.label()),
     };
@@ -76,45 +76,45 @@ fn sentence(showing: &Showing<'_>) -> String {
 }
 
 /// From right to left: start, stop, run, step, back, restart.
-fn controls(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+fn controls(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     ui.spacing_mut().item_spacing.x = space::ROW + 2.0;
-    start_box(ui, showing, intents);
-    command::icon(ui, showing, intents, Action::Stop, Icon::Stop);
-    let run = format!("Run {}", showing.laboratory.lineup.all_text());
-    act(ui, showing, intents, Action::Run, |ui| ui.add(Button::new(run).min_size(vec2(0.0, size::BUTTON))));
-    act(ui, showing, intents, Action::Step, |ui| primary_button(ui, Action::Step.text()));
-    command::icon(ui, showing, intents, Action::StepBack, Icon::StepBack);
-    let tooltip = unavailable(Action::RestartLaboratory, showing);
+    start_box(ui, context, requests);
+    command::icon(ui, context, requests, Action::Stop, Icon::Stop);
+    let run = format!("Run {}", context.laboratory.lineup.all_text());
+    act(ui, context, requests, Action::Run, |ui| ui.add(Button::new(run).min_size(vec2(0.0, size::BUTTON))));
+    act(ui, context, requests, Action::Step, |ui| primary_button(ui, Action::Step.text()));
+    command::icon(ui, context, requests, Action::StepBack, Icon::StepBack);
+    let tooltip = unavailable(Action::RestartLaboratory, context);
     let is_enabled = tooltip.is_none();
     let tooltip = tooltip.map_or_else(|| Action::RestartLaboratory.tooltip(), |why| format!("{why}."));
     let restart = ui.add_enabled_ui(is_enabled, |ui| icon_button(ui, Icon::First, "Restart", &tooltip)).inner;
     if restart.clicked() {
-        intents.act(Action::RestartLaboratory);
+        requests.act(Action::RestartLaboratory);
     }
 }
 
 /// A button that does a command and says why it cannot.
 fn act(
     ui: &mut Ui,
-    showing: &Showing<'_>,
-    intents: &mut Intents,
+    context: &Context<'_>,
+    requests: &mut Requests,
     action: Action,
     add: impl FnOnce(&mut Ui) -> egui::Response,
 ) {
-    let why_not = unavailable(action, showing);
+    let why_not = unavailable(action, context);
     let response = ui.add_enabled_ui(why_not.is_none(), add).inner;
     let tooltip = why_not.map_or_else(|| action.tooltip(), |why| format!("{}\n{why}.", action.tooltip()));
     if response.on_hover_text(&tooltip).on_disabled_hover_text(&tooltip).clicked() {
-        intents.act(action);
+        requests.act(action);
     }
 }
 
-fn ask(intents: &mut Intents, request: LaboratoryRequest) {
-    intents.request(Request::Laboratory(request));
+fn ask(requests: &mut Requests, request: LaboratoryRequest) {
+    requests.request(Request::Laboratory(request));
 }
 
-fn start_box(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
-    let demonstration = match showing.session.take.as_ref().and_then(|take| take.source.as_ref()) {
+fn start_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+    let demonstration = match context.session.take.as_ref().and_then(|take| take.source.as_ref()) {
         Some(TakeSource::Demonstration(which)) => Some(*which),
         _ => None,
     };
@@ -122,38 +122,38 @@ fn start_box(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
         StartChoice::offered(demonstration).into_iter().map(|start| (start, start.text())).collect();
     let choices: Vec<(StartChoice, &str, String)> =
         texts.iter().map(|(start, text)| (*start, text.as_str(), start.tooltip())).collect();
-    let chosen = showing.laboratory.start.text();
+    let chosen = context.laboratory.start.text();
     if let Some(start) = choice(ui, "Start", 126.0, &chosen, &choices) {
-        ask(intents, LaboratoryRequest::Start(start));
+        ask(requests, LaboratoryRequest::Start(start));
     }
 }
 
 /// From right to left: axis, limb, camera, and what is compared where the toolbar has no room for it.
-fn choices(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+fn choices(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     ui.spacing_mut().item_spacing.x = space::ROW + 2.0;
-    let model = &showing.document().model;
-    let axis = showing.laboratory.axis_for(model);
+    let model = &context.document().model;
+    let axis = context.laboratory.axis_for(model);
     let axes: Vec<(PushAxis, &str, String)> = PushAxis::ALL
         .iter()
         .map(|(axis, text)| (*axis, *text, format!("Show which pixels change as the {}", whose(*axis, text))))
         .collect();
     if let Some(axis) = choice(ui, "Motion", 136.0, axis.text(), &axes) {
-        ask(intents, LaboratoryRequest::Axis(axis));
+        ask(requests, LaboratoryRequest::Axis(axis));
     }
     let has_limbs = model.rotation_count() > 1;
     if has_limbs {
-        limb_box(ui, showing, intents);
+        limb_box(ui, context, requests);
     }
     if ui.available_width() > PREFIX_FROM {
         let text = if has_limbs { "Pushes as the" } else { "Pushes as the limb" };
         ui.label(RichText::new(text).color(theme::palette(ui).text3));
     }
-    if showing.session.camera_count() > 1 {
-        camera_box(ui, showing, intents);
+    if context.session.camera_count() > 1 {
+        camera_box(ui, context, requests);
     }
     if ui.ctx().content_rect().width() - TOOLBAR_MARGINS < FOLD_CHOICES {
-        solver::preset_box(ui, showing, intents, 92.0);
-        lineup_box(ui, showing, intents);
+        solver::preset_box(ui, context, requests, 92.0);
+        lineup_box(ui, context, requests);
     }
 }
 
@@ -161,8 +161,8 @@ fn whose(axis: PushAxis, text: &str) -> String {
     if matches!(axis, PushAxis::Move(_)) { text.to_owned() } else { format!("limb {text}") }
 }
 
-fn limb_box(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
-    let model = &showing.document().model;
+fn limb_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+    let model = &context.document().model;
     let names: Vec<(usize, String)> = model
         .rotation_owners()
         .iter()
@@ -174,31 +174,31 @@ fn limb_box(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
             (*limb, name.as_str(), "The limb whose motion the lower pictures show".to_owned())
         })
         .collect();
-    let held = showing.selection.limb(model);
+    let held = context.selection.limb(model);
     let chosen = names.iter().find(|(limb, _)| *limb == held).map_or("", |(_, name)| name.as_str());
     if let Some(limb) = choice(ui, "Limb", 126.0, chosen, &choices) {
-        ask(intents, LaboratoryRequest::Limb(limb));
+        ask(requests, LaboratoryRequest::Limb(limb));
     }
 }
 
-fn camera_box(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
-    let Some(take) = &showing.session.take else { return };
+fn camera_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+    let Some(take) = &context.session.take else { return };
     let name = |index: usize| format!("Camera {}", index + 1);
     let names: Vec<(usize, String, String)> =
         take.cameras.iter().enumerate().map(|(i, camera)| (i, name(i), camera.name().to_owned())).collect();
     let choices: Vec<(usize, &str, String)> =
         names.iter().map(|(index, name, tooltip)| (*index, name.as_str(), tooltip.clone())).collect();
-    let chosen = name(showing.laboratory.camera);
+    let chosen = name(context.laboratory.camera);
     if let Some(camera) = choice(ui, "Camera", 84.0, &chosen, &choices) {
-        ask(intents, LaboratoryRequest::Camera(camera));
+        ask(requests, LaboratoryRequest::Camera(camera));
     }
 }
 
 /// What is compared.
-pub(crate) fn lineup_box(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+pub(crate) fn lineup_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let choices = Lineup::ALL.map(|(lineup, text)| (lineup, text, lineup.tooltip().to_owned()));
-    let chosen = Lineup::ALL.iter().find(|(lineup, _)| *lineup == showing.laboratory.lineup);
+    let chosen = Lineup::ALL.iter().find(|(lineup, _)| *lineup == context.laboratory.lineup);
     if let Some(lineup) = choice(ui, "Compare", 92.0, chosen.map_or("", |(_, text)| text), &choices) {
-        ask(intents, LaboratoryRequest::Lineup(lineup));
+        ask(requests, LaboratoryRequest::Lineup(lineup));
     }
 }

@@ -8,7 +8,7 @@ use egui::{
     TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
 
-use crate::context::{Intents, Request};
+use crate::context::{Request, Requests};
 use crate::features::observability::{ObserveRequest, Observing};
 use crate::style::format;
 use crate::style::theme;
@@ -83,7 +83,7 @@ impl Places {
 }
 
 /// The chart with its caption. A click on a bar, or the arrow keys, look at a direction; the body sways along it.
-pub(crate) fn ui(ui: &mut Ui, observing: &Observing, intents: &mut Intents) {
+pub(crate) fn ui(ui: &mut Ui, observing: &Observing, requests: &mut Requests) {
     let Some(found) = observing.found() else { return };
     let shown = &found.shown;
     let (area, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::click());
@@ -97,9 +97,9 @@ pub(crate) fn ui(ui: &mut Ui, observing: &Observing, intents: &mut Intents) {
         && let Some(at) = response.interact_pointer_pos()
     {
         response.request_focus();
-        intents.request(Request::Observe(ObserveRequest::SwayAlong(places.index_at(at.x, count))));
+        requests.request(Request::Observe(ObserveRequest::SwayAlong(places.index_at(at.x, count))));
     }
-    keys(ui, &response, observing, count, intents);
+    keys(ui, &response, observing, count, requests);
     paint(ui, &places, observing, shown, hovered);
     if response.has_focus() {
         let ring = theme::palette(ui).focus_ring();
@@ -118,7 +118,7 @@ pub(crate) fn ui(ui: &mut Ui, observing: &Observing, intents: &mut Intents) {
 }
 
 /// With the focus: arrows go from bar to bar, Enter and Space play and hold.
-fn keys(ui: &Ui, response: &Response, observing: &Observing, count: usize, intents: &mut Intents) {
+fn keys(ui: &Ui, response: &Response, observing: &Observing, count: usize, requests: &mut Requests) {
     if !response.has_focus() {
         return;
     }
@@ -129,10 +129,10 @@ fn keys(ui: &Ui, response: &Response, observing: &Observing, count: usize, inten
     let by = presses(Key::ArrowRight) - presses(Key::ArrowLeft);
     let to = picked.saturating_add_signed(by).min(count.saturating_sub(1));
     if to != picked {
-        intents.request(Request::Observe(ObserveRequest::Pick(to)));
+        requests.request(Request::Observe(ObserveRequest::Pick(to)));
     }
     if presses(Key::Space) + presses(Key::Enter) > 0 {
-        intents.request(Request::Observe(ObserveRequest::Play(!observing.is_playing())));
+        requests.request(Request::Observe(ObserveRequest::Play(!observing.is_playing())));
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use egui::{Color32, Rect, Ui, pos2, vec2};
 
 use super::Stage;
-use crate::context::{Intents, Showing};
+use crate::context::{Context, Requests};
 use crate::features::scene::{HullLook, SceneDrawing, SceneOrder, contents};
 use crate::style::theme::data_colours::PICTURE_GROUND;
 use crate::widgets::image_canvas::cached_texture;
@@ -16,33 +16,33 @@ const PICTURE_SIDE: f32 = 120.0;
 const LONGEST: f32 = 1400.0;
 
 /// Orders the scene as it is now, unless the picture on the screen shows just that. `moves` says that the view does.
-pub(crate) fn order(ui: &Ui, showing: &Showing<'_>, stage: &Stage, moves: bool, intents: &mut Intents) {
-    let order = order_of(ui.pixels_per_point(), showing, stage, moves);
-    let drawing = showing.session.scene_drawing.as_ref();
+pub(crate) fn order(ui: &Ui, context: &Context<'_>, stage: &Stage, moves: bool, requests: &mut Requests) {
+    let order = order_of(ui.pixels_per_point(), context, stage, moves);
+    let drawing = context.session.scene_drawing.as_ref();
     if drawing.is_none_or(|drawing| drawing.key != order.key()) {
-        intents.scene = Some(Box::new(order));
+        requests.scene = Some(Box::new(order));
     }
 }
 
-fn order_of(pixels_per_point: f32, showing: &Showing<'_>, stage: &Stage, moves: bool) -> SceneOrder {
-    let (look, busy) = (&showing.look.scene, showing.busy);
-    let goes_on = busy.fitting || busy.tracking || showing.time.playback.is_playing();
+fn order_of(pixels_per_point: f32, context: &Context<'_>, stage: &Stage, moves: bool) -> SceneOrder {
+    let (look, busy) = (&context.preferences.scene, context.busy);
+    let goes_on = busy.fitting || busy.tracking || context.time.playback.is_playing();
     let size = stage.picture.size() * pixels_per_point;
     let shrink = (LONGEST / size.max_elem()).min(1.0);
-    let frame = showing.session.shown_frame(showing.selection.frame);
-    let hull = frame.and_then(|frame| showing.session.hulls.get(frame)).flatten();
-    let input = stage.contents_input(showing, hull.map(Arc::as_ref), pixels_per_point * shrink);
+    let frame = context.session.shown_frame(context.selection.frame);
+    let hull = frame.and_then(|frame| context.session.hulls.get(frame)).flatten();
+    let input = stage.contents_input(context, hull.map(Arc::as_ref), pixels_per_point * shrink);
     let contents = contents(&input);
     SceneOrder {
         size_px: [size.x, size.y].map(|side| (side * shrink).round().max(1.0) as u32),
-        is_draft: moves || goes_on || stage.ray.is_some() || showing.observing.is_playing(),
+        is_draft: moves || goes_on || stage.ray.is_some() || context.observing.is_playing(),
         eye: stage.eye,
         scene: contents.scene,
         pictures: frame.filter(|_| look.pictures && !contents.frusta.is_empty()).cloned(),
         frusta: contents.frusta,
         picture_side: (PICTURE_SIDE * pixels_per_point).round() as u32,
         shell: hull.filter(|_| look.hull == HullLook::Shell).cloned(),
-        held: stage.position(showing.selection.joint),
+        held: stage.position(context.selection.joint),
     }
 }
 

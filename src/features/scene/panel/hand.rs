@@ -4,7 +4,7 @@ use egui::{CursorIcon, Id, PointerButton, Pos2, Response, Role, Sense, Ui, Vec2,
 
 use super::marks::badge_rect;
 use super::{Seen, Stage, keys};
-use crate::context::{Intents, Request, Showing};
+use crate::context::{Context, Request, Requests};
 use crate::features::scene::{Frustum, Orbit, SceneLook, Viewpoint};
 
 /// Points of wheel travel that magnify e-fold.
@@ -20,18 +20,18 @@ fn canvas_id(ui: &Ui) -> Id {
 /// now.
 pub(crate) fn navigate(
     ui: &Ui,
-    showing: &Showing<'_>,
+    context: &Context<'_>,
     stage: &Stage,
-    intents: &mut Intents,
+    requests: &mut Requests,
 ) -> (Viewpoint, bool) {
     let response = ui.interact(stage.picture, canvas_id(ui), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Scene"));
-    let ask = |intents: &mut Intents, viewpoint: Option<Viewpoint>| {
-        intents.request(Request::Scene(SceneLook { viewpoint, ..showing.look.scene }));
+    let ask = |requests: &mut Requests, viewpoint: Option<Viewpoint>| {
+        requests.request(Request::Scene(SceneLook { viewpoint, ..context.preferences.scene }));
     };
     let pressed = keys::take(ui, &response);
     if response.double_clicked() || pressed.resets {
-        ask(intents, None);
+        ask(requests, None);
         return (stage.viewpoint, false);
     }
     let before = orbit(stage);
@@ -57,7 +57,7 @@ pub(crate) fn navigate(
         return (stage.viewpoint, response.dragged());
     }
     let viewpoint = Viewpoint::Orbit(after);
-    ask(intents, Some(viewpoint));
+    ask(requests, Some(viewpoint));
     if !response.dragged() {
         // Wheels do not say when they end: the next frame is drawn well.
         ui.request_repaint();
@@ -89,18 +89,18 @@ fn orbit(stage: &Stage) -> Orbit {
 }
 
 /// A click on a camera's badge or picture makes its tile the active one.
-pub(crate) fn pick_camera(ui: &Ui, showing: &Showing<'_>, seen: &Seen<'_>, intents: &mut Intents) {
+pub(crate) fn pick_camera(ui: &Ui, context: &Context<'_>, seen: &Seen<'_>, requests: &mut Requests) {
     for frustum in seen.frusta {
         let Some(rect) = badge_rect(seen, frustum) else { continue };
         let id = ui.scope_id().with(("scene camera", frustum.camera));
         let response = ui.interact(rect, id, Sense::click());
-        let name = showing.document().cameras.get(frustum.camera).map_or("", |camera| camera.name.as_str());
+        let name = context.document().cameras.get(frustum.camera).map_or("", |camera| camera.name.as_str());
         let label = format!("Scene camera {}", frustum.camera + 1);
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
         let number = frustum.camera + 1;
         let tooltip = format!("Camera {number}, {name}: click for its view");
         if response.on_hover_cursor(CursorIcon::PointingHand).on_hover_text(tooltip).clicked() {
-            intents.request(Request::Camera(frustum.camera));
+            requests.request(Request::Camera(frustum.camera));
         }
     }
     let response = ui.interact(seen.picture, canvas_id(ui).with("over"), Sense::hover());
@@ -111,7 +111,7 @@ pub(crate) fn pick_camera(ui: &Ui, showing: &Showing<'_>, seen: &Seen<'_>, inten
         ui.set_cursor_icon(CursorIcon::PointingHand);
     }
     if ui.read_response(canvas_id(ui)).is_some_and(|response| response.clicked()) {
-        intents.request(Request::Camera(camera));
+        requests.request(Request::Camera(camera));
     }
 }
 

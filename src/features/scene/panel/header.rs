@@ -4,7 +4,7 @@ use egui::{Align, Button, Layout, Popup, Rect, Role, Sense, Ui, UiBuilder, Widge
 
 use crate::context::action::Action;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
-use crate::context::{Intents, Request, Showing};
+use crate::context::{Context, Request, Requests};
 use crate::features::scene::{HullLook, SceneLook, Viewpoint};
 use crate::shell::pane_title;
 use crate::style::theme;
@@ -14,20 +14,26 @@ use crate::widgets::{Icon, checkbox};
 /// Space for the chevron behind the menu's name.
 const CHEVRON: f32 = 18.0;
 
-pub(crate) fn show(ui: &mut Ui, rect: Rect, showing: &Showing<'_>, siblings: &[Pane], intents: &mut Intents) {
+pub(crate) fn show(
+    ui: &mut Ui,
+    rect: Rect,
+    context: &Context<'_>,
+    siblings: &[Pane],
+    requests: &mut Requests,
+) {
     ui.painter().rect_filled(rect, 0.0, theme::palette(ui).raised);
     let right = (rect.right() - HEADER_BUTTONS).max(rect.left());
     let left = Rect::from_min_max(pos2(rect.left() + space::WIDGET, rect.top()), pos2(right, rect.bottom()));
     let builder = UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center));
     ui.scope_builder(builder, |ui| {
-        pane_title::show(ui, Pane::Scene, siblings, intents);
-        menu(ui, showing, intents);
+        pane_title::show(ui, Pane::Scene, siblings, requests);
+        menu(ui, context, requests);
     });
 }
 
-fn menu(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+fn menu(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let palette = theme::palette(ui);
-    let text = title(&showing.look.scene);
+    let text = title(&context.preferences.scene);
     let font = egui::TextStyle::Button.resolve(ui.style());
     let mut job = egui::text::LayoutJob::simple_singleline(text.clone(), font, egui::Color32::PLACEHOLDER);
     job.wrap = egui::text::TextWrapping::truncate_at_width((ui.available_width() - CHEVRON).max(0.0));
@@ -42,9 +48,9 @@ fn menu(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
     let response = response.on_hover_text("Views, and what is shown");
     Popup::menu(&response).close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
         ui.set_min_width(190.0);
-        views(ui, showing, intents);
+        views(ui, context, requests);
         ui.separator();
-        shown(ui, showing, intents);
+        shown(ui, context, requests);
     });
 }
 
@@ -57,7 +63,7 @@ fn title(look: &SceneLook) -> String {
     }
 }
 
-fn views(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
+fn views(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let presets = [
         ("Whole scene", Action::SceneReset),
         ("Front", Action::SceneFront),
@@ -66,22 +72,22 @@ fn views(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
     ];
     for (text, action) in presets {
         if ui.add(Button::new(text)).on_hover_text(action.tooltip()).clicked() {
-            intents.act(action);
+            requests.act(action);
             ui.close();
         }
     }
-    for camera in 0..showing.session.camera_count() {
+    for camera in 0..context.session.camera_count() {
         let viewpoint = Some(Viewpoint::Camera(camera));
-        let is_chosen = showing.look.scene.viewpoint == viewpoint;
+        let is_chosen = context.preferences.scene.viewpoint == viewpoint;
         if ui.add(Button::new(format!("From camera {}", camera + 1)).selected(is_chosen)).clicked() {
-            intents.request(Request::Scene(SceneLook { viewpoint, ..showing.look.scene }));
+            requests.request(Request::Scene(SceneLook { viewpoint, ..context.preferences.scene }));
             ui.close();
         }
     }
 }
 
-fn shown(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
-    let mut look = showing.look.scene;
+fn shown(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+    let mut look = context.preferences.scene;
     checkbox(ui, &mut look.cameras, "Cameras");
     ui.add_enabled_ui(look.cameras, |ui| checkbox(ui, &mut look.pictures, "Their pictures"));
     checkbox(ui, &mut look.floor, "Floor and axes");
@@ -92,7 +98,7 @@ fn shown(ui: &mut Ui, showing: &Showing<'_>, intents: &mut Intents) {
             look.hull = hull;
         }
     }
-    if look != showing.look.scene {
-        intents.request(Request::Scene(look));
+    if look != context.preferences.scene {
+        requests.request(Request::Scene(look));
     }
 }

@@ -4,7 +4,7 @@ use egui::{Align2, FontId, Pos2, Rect, Role, Sense, Stroke, TextStyle, Ui, Vec2,
 use glam::DVec3;
 
 use super::Seen;
-use crate::context::Showing;
+use crate::context::Context;
 use crate::features::scene::{Frustum, HullLook, Viewpoint};
 use crate::style::format;
 use crate::style::theme::data_colours::{CASING, SELECTED};
@@ -51,13 +51,13 @@ fn beside(badge: Rect, text: Vec2, picture: Rect) -> Option<Pos2> {
     [right, left].into_iter().find(fits).map(|from| pos2(from, top))
 }
 
-pub(crate) fn show(ui: &Ui, showing: &Showing<'_>, seen: &Seen<'_>) {
+pub(crate) fn show(ui: &Ui, context: &Context<'_>, seen: &Seen<'_>) {
     let painter = ui.painter().with_clip_rect(seen.picture.intersect(ui.clip_rect()));
     let small = TextStyle::Small.resolve(ui.style());
     for frustum in seen.frusta {
         let Some(rect) = badge_rect(seen, frustum) else { continue };
         paint_camera_badge(&painter, rect, frustum.camera);
-        let name = showing.document().cameras.get(frustum.camera).map(|camera| camera.name.as_str());
+        let name = context.document().cameras.get(frustum.camera).map(|camera| camera.name.as_str());
         if let Some(name) = name.filter(|_| seen.picture.width() >= NAMES_FROM) {
             let galley = painter.layout_no_wrap(name.to_owned(), small.clone(), palette().text2);
             if let Some(at) = beside(rect, galley.size(), seen.picture) {
@@ -69,10 +69,10 @@ pub(crate) fn show(ui: &Ui, showing: &Showing<'_>, seen: &Seen<'_>) {
         painter.circle_filled(at, JOINT_RADIUS + size::CASING, CASING);
         painter.circle_filled(at, JOINT_RADIUS, SELECTED);
     }
-    if showing.look.scene.floor {
+    if context.preferences.scene.floor {
         axes(&painter, seen);
     }
-    if let Some(text) = words(showing) {
+    if let Some(text) = words(context) {
         let at = seen.picture.right_bottom() + WORDS_AT;
         let rect = painter.text(at, Align2::RIGHT_BOTTOM, &text, small, palette().text2);
         let response = ui.interact(rect, ui.scope_id().with("hull words"), Sense::hover());
@@ -99,12 +99,12 @@ fn axes(painter: &egui::Painter, seen: &Seen<'_>) {
 }
 
 /// What is to be said about the hull.
-fn words(showing: &Showing<'_>) -> Option<String> {
-    let (session, look) = (showing.session, showing.look.scene);
+fn words(context: &Context<'_>) -> Option<String> {
+    let (session, look) = (context.session, context.preferences.scene);
     if look.hull == HullLook::Hidden || matches!(look.viewpoint, Some(Viewpoint::Camera(_))) {
         return None;
     }
-    let frame = session.shown_frame(showing.selection.frame)?;
+    let frame = session.shown_frame(context.selection.frame)?;
     Some(match session.hulls.get(frame) {
         None => "Carving the visual hull…".to_owned(),
         Some(None) => "No visual hull: it takes two silhouettes that meet".to_owned(),
