@@ -53,8 +53,8 @@ pub use take_in::TakeInJob;
 pub use track::{Leg, TrackJob};
 pub use write::WriteJob;
 
-use backlit_tracking::experiment::basin_map::Cell;
-use backlit_tracking::experiment::frame_basin::Trial;
+use backlit_lab::experiment::basin_map::Cell;
+use backlit_lab::experiment::frame_basin::Trial;
 use backlit_tracking::track::Hypothesis;
 use backlit_tracking::track::fit_body::BodyFit;
 use backlit_tracking::track::visual_hull::VisualHull;

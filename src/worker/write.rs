@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use backlit_tracking::io::atomic;
+use backlit_formats::atomic;
 
 use super::{BackgroundEvent, Job, Outbox, Step};
 use crate::remedy::remedy;
