@@ -13,8 +13,8 @@ use std::sync::Arc;
 
 pub use queue::{Job, Lane, Outbox, Report, Step, Worker};
 
-use backlit_tracking::experiment::basin_map::Cell;
-use backlit_tracking::experiment::frame_basin::Trial;
+use backlit_lab::experiment::basin_map::Cell;
+use backlit_lab::experiment::frame_basin::Trial;
 use backlit_tracking::track::Hypothesis;
 use backlit_tracking::track::fit_body::BodyFit;
 use backlit_tracking::track::visual_hull::VisualHull;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::Context;
-use backlit_tracking::io::{Take, TakeError};
+use backlit_formats::{Take, TakeError};
 
 use crate::document::Document;
 use crate::document::project::read_project;

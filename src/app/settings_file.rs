@@ -5,7 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
-use backlit_tracking::io::{DiskFiles, FileError, MAX_TEXT_BYTES, TakeFiles, atomic};
+use backlit_formats::{DiskFiles, FileError, MAX_TEXT_BYTES, TakeFiles, atomic};
 use serde::Serialize;
 use serde_json::{Map, Value};
 

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+use backlit_formats::Take;
 use backlit_tracking::body::{Pose, builtin};
-use backlit_tracking::io::Take;
 
 use super::background::Background;
 use super::failure::Broken;

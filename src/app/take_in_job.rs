@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use backlit_formats::pose_file::Quaternions;
+use backlit_formats::{model_file, pose_file};
 use backlit_tracking::body::Model;
-use backlit_tracking::io::pose_file::Quaternions;
-use backlit_tracking::io::{model_file, pose_file};
 
 use crate::app::dropped::Dropped;
 use crate::document::edit::Edit;

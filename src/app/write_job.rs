@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use backlit_tracking::io::atomic;
+use backlit_formats::atomic;
 
 use crate::context::write_advice::remedy;
 use crate::worker::{BackgroundEvent, Job, Outbox, Step};

@@ -4,8 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context, bail};
+use backlit_formats::images;
 use backlit_tracking::camera::{Camera, Rectification, Rig};
-use backlit_tracking::io::images;
 use backlit_tracking::silhouette::{Label, Mask, Measurement};
 use backlit_tracking::track::{Evidence, FitView};
 use image::{DynamicImage, GrayImage};

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, bail};
+use backlit_formats::calibration::{self, CalibrationOptions};
+use backlit_formats::model_file;
+use backlit_formats::pose_file;
 use backlit_tracking::body::{Model, Pose};
-use backlit_tracking::io::calibration::{self, CalibrationOptions};
-use backlit_tracking::io::model_file;
-use backlit_tracking::io::pose_file;
 use backlit_tracking::optimize::Termination;
 use backlit_tracking::render::Ramp;
 use backlit_tracking::track::metrics::Statistics;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::anyhow;
-use backlit_tracking::io::{Footage, images};
+use backlit_formats::{Footage, images};
 use backlit_tracking::track::{FitOptions, Tracker};
 use image::DynamicImage;
 

@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, bail};
+use backlit_formats::calibration::{self, CalibrationOptions};
+use backlit_formats::pose_file::{self, Quaternions};
+use backlit_formats::{images, model_file, npy};
 use backlit_tracking::body::{Kinematics, Parameters};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::io::calibration::{self, CalibrationOptions};
-use backlit_tracking::io::pose_file::{self, Quaternions};
-use backlit_tracking::io::{images, model_file, npy};
 use backlit_tracking::render::prediction::levels;
 use backlit_tracking::render::{Ramp, View, dense_jacobian};
 use clap::Args;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use anyhow::Context;
-use backlit_tracking::io::images;
+use backlit_formats::images;
 use clap::{Args, ValueEnum};
 use egui::Vec2;
 use image::DynamicImage;

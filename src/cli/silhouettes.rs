@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
+use backlit_formats::calibration;
+use backlit_formats::images;
 use backlit_tracking::camera::Rig;
-use backlit_tracking::io::calibration;
-use backlit_tracking::io::images;
 use backlit_tracking::track::Evidence;
 use clap::Args;
 use image::DynamicImage;

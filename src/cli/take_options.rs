@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::{Context, bail};
+use backlit_formats::pose_file::{self, Quaternions};
+use backlit_formats::{Footage, Take, model_file};
 use backlit_tracking::body::{Model, Pose};
-use backlit_tracking::io::pose_file::{self, Quaternions};
-use backlit_tracking::io::{Footage, Take, model_file};
 use backlit_tracking::track::metrics::ReferenceJoints;
 use backlit_tracking::track::start;
 use clap::Args;

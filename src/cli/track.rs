@@ -6,9 +6,9 @@ use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
+use backlit_formats::{Footage, Take};
 use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::io::{Footage, Take};
 use backlit_tracking::track::{FitView, KalmanOptions, Motion, Preset, Search, Tracker};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};

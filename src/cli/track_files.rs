@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use backlit_tracking::io::export::{TrackExport, tables, track_json};
-use backlit_tracking::io::{Take, atomic};
+use backlit_formats::export::{TrackExport, tables, track_json};
+use backlit_formats::{Take, atomic};
 
 use super::track_report::TrackReport;
 

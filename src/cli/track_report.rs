@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use backlit_tracking::io::Take;
+use backlit_formats::Take;
 use backlit_tracking::track::metrics::{self, JointErrors, Statistics};
 use backlit_tracking::track::{FrameEstimate, Track, motion};
 use serde::Serialize;

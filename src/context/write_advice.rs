@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::io::{self, ErrorKind};
 
-use backlit_tracking::io::FileError;
+use backlit_formats::FileError;
 
 use crate::document::project::ProjectError;
 use crate::features::export::ExportError;
@@ -48,7 +48,7 @@ fn said_by_disk<'a>(error: &'a (dyn Error + 'static)) -> Option<&'a io::Error> {
 mod tests {
     use std::path::Path;
 
-    use backlit_tracking::io::FileProblem;
+    use backlit_formats::FileProblem;
 
     use super::*;
 

@@ -17,7 +17,7 @@ pub use error::ProjectError;
 
 use std::path::Path;
 
-use backlit_tracking::io::atomic;
+use backlit_formats::atomic;
 use serde::Deserialize;
 
 use crate::document::Document;

@@ -1,6 +1,6 @@
 //! The basin of the frame on the screen: how far off a start may be, and still end where it should.
 //!
-//! The experiment itself is the core's (`backlit_tracking::experiment::{frame_basin, basin_map}`), the same that
+//! The experiment itself is the lab's (`backlit_lab::experiment::{frame_basin, basin_map}`), the same that
 //! `backlit experiment basin` runs. Here is what the window adds: settings as they are typed, results as they
 //! arrive, and files of both.
 //!

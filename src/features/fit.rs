@@ -16,14 +16,14 @@ use backlit_tracking::render::RendererKind;
 use backlit_tracking::track::{FitOptions, Preset};
 
 use crate::app::App;
-use crate::document::history::Gesture;
-use crate::features::fit::job::LiveFit;
 use crate::context::preferences::Layout;
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
+use crate::document::history::Gesture;
 use crate::document::run::{Run, RunChoices};
 use crate::document::tracking_choices::TrackingChoices;
 use crate::drawing::ViewMode;
+use crate::features::fit::job::LiveFit;
 use crate::features::fit::job::{FitJob, FitStart};
 use crate::session::prediction::{Derivatives, FitInputs};
 use crate::session::selection::StepRef;

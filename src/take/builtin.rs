@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use backlit_tracking::io::{MemoryFiles, Take, TakeError};
+use backlit_formats::{MemoryFiles, Take, TakeError};
 use include_dir::{Dir, include_dir};
 
 static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/assets/take");

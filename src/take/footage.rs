@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
+use backlit_formats::Take;
+use backlit_lab::experiment::Simulation;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::experiment::Simulation;
-use backlit_tracking::io::{self, Take};
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::silhouette::{Label, Mask, Measurement, SignedDistance};
 use backlit_tracking::track::{DataView, Evidence, start};
@@ -34,9 +34,9 @@ pub struct Footage {
     pub calibration: Option<Arc<Calibration>>,
     /// Silhouettes in the place of those that are measured.
     pub masks: Arc<MaskFiles>,
-    inner: Arc<io::Footage>,
+    inner: Arc<backlit_formats::Footage>,
     /// The take as its files have it.
-    original: Arc<io::Footage>,
+    original: Arc<backlit_formats::Footage>,
 }
 
 /// What a frame's pictures and silhouettes depend on, besides the take.
@@ -99,7 +99,7 @@ impl Footage {
     #[must_use]
     pub fn new(take: Take, source: Option<TakeSource>) -> Self {
         let (name, frame_rate) = (take.name().to_owned(), take.frame_rate());
-        let inner = Arc::new(io::Footage::new(take));
+        let inner = Arc::new(backlit_formats::Footage::new(take));
         Self {
             source,
             name,
@@ -133,7 +133,8 @@ impl Footage {
     pub fn with_calibration(&self, calibration: Option<Arc<Calibration>>) -> Self {
         let rig = calibration.as_ref().map(|calibration| calibration.rig.clone());
         let take = rig.and_then(|rig| self.original.take().with_rig(rig));
-        let inner = take.map_or_else(|| self.original.clone(), |take| Arc::new(io::Footage::new(take)));
+        let inner =
+            take.map_or_else(|| self.original.clone(), |take| Arc::new(backlit_formats::Footage::new(take)));
         let cameras = Arc::new(inner.cameras().to_vec());
         Self { calibration, cameras, inner, ..self.with_masks(self.masks.clone()) }
     }

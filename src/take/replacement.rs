@@ -4,9 +4,9 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use backlit_formats::calibration::{self, CalibrationOptions};
+use backlit_formats::{FileError, images};
 use backlit_tracking::camera::{Camera, CameraError, Rectification, Rig, RigError};
-use backlit_tracking::io::calibration::{self, CalibrationOptions};
-use backlit_tracking::io::{FileError, images};
 use backlit_tracking::silhouette::{Label, Mask, MaskError};
 use thiserror::Error;
 
@@ -173,8 +173,8 @@ pub fn read_mask(path: &Path, camera: &Camera) -> Result<Mask, ReplacementError>
 
 #[cfg(test)]
 mod tests {
+    use backlit_formats::calibration::backlit;
     use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
-    use backlit_tracking::io::calibration::backlit;
     use glam::DVec3;
     use image::{DynamicImage, GrayImage, Luma};
 

@@ -1,6 +1,6 @@
 //! Experiments: a table or JSON on the screen, numbers and plots in files.
 
-use backlit_tracking::io::images;
+use backlit_formats::images;
 use serde_json::Value;
 
 use crate::scene::Scene;

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use backlit_tracking::io::images;
+use backlit_formats::images;
 use image::{DynamicImage, GrayImage, Luma};
 use serde_json::Value;
 

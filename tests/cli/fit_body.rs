@@ -1,7 +1,7 @@
 //! `backlit fit-body` on the small take of `backlit track`: a body that waves before a wall.
 
+use backlit_formats::model_file;
 use backlit_tracking::body::Model;
-use backlit_tracking::io::model_file;
 use serde_json::Value;
 
 use crate::scene::Scene;

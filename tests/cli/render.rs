@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use backlit_tracking::io::images;
+use backlit_formats::images;
 
 use crate::scene::{RENDER, Scene};
 

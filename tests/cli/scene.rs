@@ -4,10 +4,10 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
+use backlit_formats::pose_file::{self, Quaternions};
+use backlit_formats::{calibration, images};
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
-use backlit_tracking::io::pose_file::{self, Quaternions};
-use backlit_tracking::io::{calibration, images};
 use glam::DVec3;
 use image::DynamicImage;
 use tempfile::TempDir;

@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use backlit_formats::calibration::{self, CalibrationOptions};
+use backlit_formats::{images, model_file, pose_file};
 use backlit_tracking::body::{Kinematics, Parameters, Pose};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::io::calibration::{self, CalibrationOptions};
-use backlit_tracking::io::{images, model_file, pose_file};
 use backlit_tracking::render::{Ramp, RendererKind, predict};
 use image::{DynamicImage, Rgb, RgbImage};
 use serde_json::Value;

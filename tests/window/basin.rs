@@ -8,11 +8,11 @@ use backlit::context::preferences::{Layout, Look};
 use backlit::features::basin::{BasinView, Compared, ComparedWay, FileKind, MapDirection, Reference};
 use backlit::style::theme::Theme;
 use backlit::take::source::TakeSource;
+use backlit_lab::experiment::FitChoice;
+use backlit_lab::experiment::basin_map::Angle;
+use backlit_lab::experiment::frame_basin::{self, Frame, Options, Target};
+use backlit_lab::experiment::starts::Level;
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::experiment::FitChoice;
-use backlit_tracking::experiment::basin_map::Angle;
-use backlit_tracking::experiment::frame_basin::{self, Frame, Options, Target};
-use backlit_tracking::experiment::starts::Level;
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::track::Preset;
 use egui::accesskit::Role;
@@ -68,7 +68,7 @@ fn the_window_finds_the_same_as_the_core_on_the_built_in_take() {
 
     let state = harness.state();
     let footage = state.session().take.as_ref().unwrap();
-    let take = backlit_tracking::io::Footage::new(backlit::take::builtin::open().unwrap());
+    let take = backlit_formats::Footage::new(backlit::take::builtin::open().unwrap());
     let views = take.fit_views(&[0, 1, 2, 3], 0).unwrap();
     let frame = Frame { model: footage.model().clone(), views, reference: footage.start() };
     let level = |degrees, metres| Level { degrees, metres };

@@ -3,9 +3,9 @@
 use backlit::app::{App, AppOptions, Opening, opening_of};
 use backlit::features::laboratory::Contestant;
 use backlit::take::source::TakeSource;
+use backlit_lab::experiment::{fig51, upper_body};
 use backlit_tracking::body::{Kinematics, Pose, builtin};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::experiment::{fig51, upper_body};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;

@@ -9,7 +9,7 @@ use backlit::app::{App, AppOptions, Opening, opening_of};
 use backlit::context::preferences::Look;
 use backlit::document::project::read_project;
 use backlit::style::theme::Theme;
-use backlit_tracking::io::pose_file;
+use backlit_formats::pose_file;
 use backlit_tracking::silhouette::Label;
 use egui::accesskit::Role;
 use egui::{DroppedFile, DroppedFileHandle, HoveredFile, Key, Modifiers, vec2};

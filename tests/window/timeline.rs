@@ -24,7 +24,7 @@ const EMPTY: usize = 7;
 
 type Window = Harness<'static, App>;
 
-fn open_as(take: backlit_tracking::io::Take, look: Look, window: Vec2) -> Window {
+fn open_as(take: backlit_formats::Take, look: Look, window: Vec2) -> Window {
     let opening = Some(Opening::Ready(Box::new(take)));
     open_sized(AppOptions { look, opening, ..AppOptions::default() }, window)
 }

@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
+use backlit_formats::{Footage, Take};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::io::{Footage, Take};
 use backlit_tracking::silhouette::{Mask, SignedDistance};
 use backlit_tracking::track::{Evidence, FitOptions, FitView, Motion, Preset, Tracker, start};
 use image::RgbImage;

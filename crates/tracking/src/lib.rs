@@ -82,14 +82,12 @@
 //! | [`body`] | the articulated body: limbs, poses, kinematics, the models that come with the program |
 //! | [`camera`] | calibrated cameras: pinhole, lens, place, rectification |
 //! | [`cancel`] | stopping long work |
-//! | [`experiment`] | the report's experiments on simulated data |
 //! | [`geometry`] | rotations and distances of rays, with their derivatives |
 //! | [`optimize`] | least squares: normal equations, Gauss-Newton, Levenberg-Marquardt, derivative checks |
 //! | [`render`] | the soft silhouette Λ of a pose in a camera, and ∂Λ/∂X |
 //! | [`residual`] | what pulls on a pose: silhouettes, priors, limits, points |
 //! | [`segment`] | from footage to masks |
 //! | [`silhouette`] | masks, measurements D, distance fields, overlap and outlines |
-//! | [`synthetic`] | bodies and scenes with known truth |
 //! | [`track`] | fitting a frame, following frames, posing by hand |
 //!
 //! Data flow one way: footage → [`segment`] → [`silhouette`] (D); [`body`] + [`camera`] → [`render`] (Λ) →
@@ -100,14 +98,11 @@
 pub mod body;
 pub mod camera;
 pub mod cancel;
-pub mod experiment;
 pub mod filter;
 pub mod geometry;
-pub mod io;
 pub mod optimize;
 pub mod render;
 pub mod residual;
 pub mod segment;
 pub mod silhouette;
-pub mod synthetic;
 pub mod track;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use backlit_tracking::experiment::Simulation;
+use backlit_lab::experiment::Simulation;
 use clap::{Args, ValueEnum};
 
 use crate::cli::take_options::StartNoise;

@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::str::FromStr;
 
+use backlit_lab::experiment::FitChoice;
+use backlit_lab::experiment::basin_map::{Angle, BasinMap, Direction, Options};
 use backlit_tracking::body::Model;
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::experiment::FitChoice;
-use backlit_tracking::experiment::basin_map::{Angle, BasinMap, Direction, Options};
 
 use super::arguments::OutputArguments;
 use super::files::{self, ResultFiles};

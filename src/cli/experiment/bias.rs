@@ -1,7 +1,7 @@
 //! `backlit experiment bias`: where fits go that begin at the truth.
 
+use backlit_lab::experiment::bias::{self, Options, Report};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::experiment::bias::{self, Options, Report};
 use clap::Args;
 
 use super::arguments::{OutputArguments, PictureSize};

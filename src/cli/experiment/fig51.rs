@@ -1,7 +1,7 @@
 //! `backlit experiment fig5.1`: one limb seen from the side, with three renderers.
 
+use backlit_lab::experiment::fig51::{self, Options, Part, Report};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::experiment::fig51::{self, Options, Part, Report};
 use clap::Args;
 
 use super::arguments::{DataWord, OutputArguments};

@@ -1,7 +1,7 @@
 //! `backlit experiment fig5.2` and `fig5.3`: the upper body from many starts, before one camera and before two.
 
+use backlit_lab::experiment::fig52::{self, GOOD_MM, Options, Report, WayReport};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::experiment::fig52::{self, GOOD_MM, Options, Report, WayReport};
 use clap::Args;
 
 use super::arguments::{DataWord, NoiseArguments, OutputArguments, StartArguments};

@@ -1,7 +1,7 @@
 //! `backlit experiment fig5.5` and `fig5.6`: the upper body followed through a simulated sequence.
 
+use backlit_lab::experiment::fig55::{self, Options, Report, Spread, WayReport};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::experiment::fig55::{self, Options, Report, Spread, WayReport};
 use clap::Args;
 
 use super::arguments::{NoiseArguments, OutputArguments, StartArguments};

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Context;
-use backlit_tracking::io::atomic;
+use backlit_formats::atomic;
 use serde::Serialize;
 
 use super::arguments::OutputArguments;

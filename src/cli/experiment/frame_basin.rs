@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
+use backlit_formats::Take;
+use backlit_formats::pose_file::{self, Quaternions};
+use backlit_lab::experiment::frame_basin::{Frame, FrameBasin, Options, Report, Target};
+use backlit_lab::experiment::starts::{LEVELS, Level};
+use backlit_lab::experiment::{ExperimentError, FitChoice, Progress};
 use backlit_tracking::body::Model;
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::experiment::frame_basin::{Frame, FrameBasin, Options, Report, Target};
-use backlit_tracking::experiment::starts::{LEVELS, Level};
-use backlit_tracking::experiment::{ExperimentError, FitChoice, Progress};
-use backlit_tracking::io::Take;
-use backlit_tracking::io::pose_file::{self, Quaternions};
 use backlit_tracking::track::start;
 use clap::Args;
 

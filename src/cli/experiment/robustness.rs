@@ -2,8 +2,8 @@
 
 use std::mem::discriminant;
 
+use backlit_lab::experiment::robustness::{self, Options, Report};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::experiment::robustness::{self, Options, Report};
 use clap::Args;
 
 use super::arguments::{NoiseArguments, OutputArguments, StartArguments};

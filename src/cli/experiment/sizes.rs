@@ -1,8 +1,8 @@
 //! `backlit experiment sizes`: the sizes of people of several builds, from hard silhouettes.
 
+use backlit_lab::experiment::sizes::{self, Options, PersonReport, Report};
 use backlit_tracking::body::SizeKind;
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::experiment::sizes::{self, Options, PersonReport, Report};
 use clap::Args;
 
 use super::arguments::OutputArguments;

@@ -1,7 +1,7 @@
 //! `backlit experiment track`: the upper body followed at several speeds through noisy masks.
 
+use backlit_lab::experiment::track::{self, Options, Report};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::experiment::track::{self, Options, Report};
 use clap::Args;
 
 use super::arguments::{NoiseArguments, OutputArguments, StartArguments};

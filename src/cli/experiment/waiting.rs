@@ -1,6 +1,6 @@
 //! A bar on the terminal while an experiment runs; nothing where standard error is no terminal.
 
-use backlit_tracking::experiment::Progress;
+use backlit_lab::experiment::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// The bar. It goes away with this.

@@ -3,8 +3,8 @@
 use std::io::ErrorKind;
 use std::path::PathBuf;
 
+use backlit_formats::{FileError, reason};
 use backlit_tracking::body::{ModelError, PoseError};
-use backlit_tracking::io::{FileError, reason};
 use backlit_tracking::segment::SegmentError;
 use backlit_tracking::track::options::OptionsError;
 use thiserror::Error;

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use backlit_formats::calibration::{CalibrationOptions, backlit};
 use backlit_tracking::body::{Model, Pose};
-use backlit_tracking::io::calibration::{CalibrationOptions, backlit};
 use glam::{DQuat, DVec3};
 
 use super::ProjectError;

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use backlit_formats::calibration::backlit;
 use backlit_tracking::body::{Model, ModelSpec, Pose};
-use backlit_tracking::io::calibration::backlit;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::track::FitOptions;
 use serde::{Deserialize, Serialize};

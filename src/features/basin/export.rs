@@ -3,9 +3,9 @@
 
 use std::collections::BTreeMap;
 
-use backlit_tracking::experiment::FitChoice;
-use backlit_tracking::experiment::basin_map::Cell;
-use backlit_tracking::experiment::frame_basin::ChoiceReport;
+use backlit_lab::experiment::FitChoice;
+use backlit_lab::experiment::basin_map::Cell;
+use backlit_lab::experiment::frame_basin::ChoiceReport;
 use image::RgbaImage;
 use serde::Serialize;
 

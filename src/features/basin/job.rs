@@ -1,9 +1,9 @@
 //! The basin of a frame, one fit a step.
 
+use backlit_lab::experiment::ExperimentError;
+use backlit_lab::experiment::basin_map::{self, BasinMap};
+use backlit_lab::experiment::frame_basin::{self, Frame, FrameBasin};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::experiment::ExperimentError;
-use backlit_tracking::experiment::basin_map::{self, BasinMap};
-use backlit_tracking::experiment::frame_basin::{self, Frame, FrameBasin};
 
 use crate::worker::{BackgroundEvent, Job, Outbox, Step};
 

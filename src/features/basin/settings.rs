@@ -2,12 +2,12 @@
 
 use std::str::FromStr;
 
+use backlit_lab::experiment::FitChoice;
+use backlit_lab::experiment::basin::{self, SUCCESS_MM};
+use backlit_lab::experiment::basin_map::{self, Angle, Direction, MOST_CELLS};
+use backlit_lab::experiment::frame_basin::{self, Target};
+use backlit_lab::experiment::starts::{LEVELS, Level};
 use backlit_tracking::body::Model;
-use backlit_tracking::experiment::FitChoice;
-use backlit_tracking::experiment::basin::{self, SUCCESS_MM};
-use backlit_tracking::experiment::basin_map::{self, Angle, Direction, MOST_CELLS};
-use backlit_tracking::experiment::frame_basin::{self, Target};
-use backlit_tracking::experiment::starts::{LEVELS, Level};
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::track::{FitOptions, Preset};
 use serde::{Deserialize, Serialize};

@@ -1,7 +1,7 @@
 //! What runs of the basin, and what came of it.
 
-use backlit_tracking::experiment::basin_map::{self, Cell};
-use backlit_tracking::experiment::frame_basin::{self, Frame, Report, Trial};
+use backlit_lab::experiment::basin_map::{self, Cell};
+use backlit_lab::experiment::frame_basin::{self, Frame, Report, Trial};
 use serde::Serialize;
 
 use super::BasinView;

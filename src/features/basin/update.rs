@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::time::Instant;
 
-use backlit_tracking::experiment::basin_map::Cell;
-use backlit_tracking::experiment::frame_basin::{Frame, Report, Trial};
+use backlit_lab::experiment::basin_map::Cell;
+use backlit_lab::experiment::frame_basin::{Frame, Report, Trial};
 use backlit_tracking::track::start;
 
 use crate::app::App;

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
+use backlit_formats::images;
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::io::images;
 use image::DynamicImage;
 
 use super::off_screen::{PictureOf, Shot, Snapshot, Twin};

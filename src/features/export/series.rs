@@ -4,8 +4,8 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use backlit_formats::{FileError, atomic, images, reason};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::io::{FileError, atomic, images, reason};
 use image::{DynamicImage, RgbImage};
 use thiserror::Error;
 

@@ -146,7 +146,7 @@ pub fn column_name(model: &Model, parameters: Parameters, column: usize) -> Stri
 
 #[cfg(test)]
 mod tests {
-    use backlit_tracking::experiment::fig51;
+    use backlit_lab::experiment::fig51;
 
     use super::*;
 

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
+use backlit_formats::images;
 use backlit_tracking::body::Pose;
-use backlit_tracking::io::images;
 use backlit_tracking::track::Fit;
 use image::DynamicImage;
 use rayon::prelude::*;

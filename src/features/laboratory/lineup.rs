@@ -1,7 +1,7 @@
 //! Which ways to fit are compared.
 
+use backlit_lab::experiment::fig52;
 use backlit_tracking::body::{Model, Parameters};
-use backlit_tracking::experiment::fig52;
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::{Ramp, RendererKind};
 use backlit_tracking::track::{FitOptions, Preset};

@@ -194,8 +194,8 @@ impl Pushed {
 
 #[cfg(test)]
 mod tests {
+    use backlit_lab::experiment::fig51;
     use backlit_tracking::body::builtin;
-    use backlit_tracking::experiment::fig51;
 
     use super::*;
 

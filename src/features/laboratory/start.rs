@@ -1,7 +1,7 @@
 //! Where all fits of a comparison begin.
 
+use backlit_lab::experiment::fig51;
 use backlit_tracking::body::{Model, Pose};
-use backlit_tracking::experiment::fig51;
 use backlit_tracking::track::start::perturb;
 
 use crate::take::demonstration::Demonstration;

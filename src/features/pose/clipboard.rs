@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use backlit_formats::pose_file::{self, Quaternions};
 use backlit_tracking::body::Pose;
-use backlit_tracking::io::pose_file::{self, Quaternions};
 
 use crate::app::App;
 use crate::context::action::Action;

@@ -6,7 +6,6 @@ use backlit_tracking::body::{Model, Pose};
 use glam::DVec2;
 
 use crate::app::App;
-use crate::features::pose::clipboard::Clipboard;
 use crate::context::PaneEvent;
 use crate::context::action::Action;
 use crate::context::pane::Pane;
@@ -15,6 +14,7 @@ use crate::document::history::Gesture;
 use crate::drawing::{JointId, joint_name};
 use crate::features::camera_views::{CameraViews, Drag, TileEvent};
 use crate::features::pose as posing;
+use crate::features::pose::clipboard::Clipboard;
 use crate::features::pose::{Dragged, dragged};
 use crate::session::selection::Selection;
 use crate::style::format;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use backlit_tracking::io::atomic;
+use backlit_formats::atomic;
 use serde::{Deserialize, Serialize};
 
 use crate::document::project::ProjectError;

@@ -9,7 +9,7 @@ use std::fs::{File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use backlit_tracking::io::reason;
+use backlit_formats::reason;
 
 use super::{About, Left, Picture};
 use crate::document::project::{ProjectError, read_project};

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use backlit_tracking::io::{FileError, images};
+use backlit_formats::{FileError, images};
 use egui::{Color32, ColorImage};
 use image::{DynamicImage, RgbImage, imageops};
 

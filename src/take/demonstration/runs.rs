@@ -1,7 +1,7 @@
 //! The fits that a demonstration shows.
 
+use backlit_lab::experiment::{bias, fig51, fig52};
 use backlit_tracking::body::Parameters;
-use backlit_tracking::experiment::{bias, fig51, fig52};
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::{Ramp, RendererKind};
 use backlit_tracking::track::{FitOptions, Preset};

@@ -7,11 +7,11 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use backlit_formats::calibration::backlit;
+use backlit_formats::{MemoryFiles, Take, model_file, pose_file};
+use backlit_lab::experiment::{Simulation, fig51, fig52, fig55, scene, upper_body};
 use backlit_tracking::body::{Model, Pose, builtin};
 use backlit_tracking::camera::{Camera, Rig};
-use backlit_tracking::experiment::{Simulation, fig51, fig52, fig55, scene, upper_body};
-use backlit_tracking::io::calibration::backlit;
-use backlit_tracking::io::{MemoryFiles, Take, model_file, pose_file};
 use backlit_tracking::render::{Ramp, RendererKind};
 use backlit_tracking::silhouette::Label;
 use backlit_tracking::track::start::perturb;

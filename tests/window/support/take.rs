@@ -4,9 +4,9 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use backlit_formats::{MemoryFiles, Take};
 use backlit_tracking::body::{Kinematics, Model, ModelSpec, Pose};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
-use backlit_tracking::io::{MemoryFiles, Take};
 use glam::{DQuat, DVec2, DVec3};
 use image::{ImageFormat, Rgb, RgbImage};
 

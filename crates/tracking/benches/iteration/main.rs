@@ -7,7 +7,7 @@
 mod naive;
 mod pictures;
 mod scene;
-#[path = "../timing/mod.rs"]
+#[path = "../timing.rs"]
 mod timing;
 
 use std::hint::black_box;

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use backlit_lab::experiment::{fig51, upper_body};
 use backlit_tracking::body::{Kinematics, Model, ModelSpec, Parameters, Pose, builtin};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::experiment::{fig51, upper_body};
 use backlit_tracking::optimize::NormalEquations;
 use backlit_tracking::render::{Prediction, Ramp, RendererKind, View, dense_jacobian, predict};
 use backlit_tracking::track::start::perturb;

@@ -1,26 +1,22 @@
-//! The tracking core through its public face: what it computes, what it reads, what it does with what makes no sense.
+//! The tracking core through its public face: what it computes, what it does with what makes no sense.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
 
 mod bad_evidence;
 mod bad_input;
 mod bodies;
-mod builtin_take;
 mod drawing;
 mod errata;
 mod finite_differences;
 mod fit;
 mod footage;
 mod golden;
-mod hostile_files;
 mod kernel_parity;
 mod layering;
 mod lens_distortion;
 mod lost_limb;
 mod normal_equations;
 mod observability;
-mod real_take;
 mod robust_terms;
 mod screen_bounds;
 mod segment_footage;
-mod take_files;

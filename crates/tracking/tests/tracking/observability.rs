@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
+use backlit_lab::experiment::scene::hard_mask;
+use backlit_lab::experiment::upper_body;
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
-use backlit_tracking::experiment::scene::hard_mask;
-use backlit_tracking::experiment::upper_body;
 use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
 use backlit_tracking::silhouette::{Label, Mask, Measurement};
 use backlit_tracking::track::objective::Objective;

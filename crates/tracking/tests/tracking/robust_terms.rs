@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
+use backlit_lab::experiment::curve::mean_joint_error_mm;
+use backlit_lab::experiment::{scene, upper_body};
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::experiment::curve::mean_joint_error_mm;
-use backlit_tracking::experiment::{scene, upper_body};
 use backlit_tracking::optimize::NormalEquations;
 use backlit_tracking::residual::interpenetration::{self, LimbPairs};
 use backlit_tracking::residual::loss::Loss;

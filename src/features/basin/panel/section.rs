@@ -1,7 +1,7 @@
 //! The Basin section of the right panel: what is tried, and the buttons that begin it.
 
+use backlit_lab::experiment::basin_map::Angle;
 use backlit_tracking::body::Model;
-use backlit_tracking::experiment::basin_map::Angle;
 use backlit_tracking::render::RendererKind;
 use egui::{Button, ComboBox, RichText, TextEdit, Ui, vec2};
 

@@ -1,6 +1,6 @@
 //! Success over angle: one curve a choice of fit, with bars for how sure each point is, and the counts beside it.
 
-use backlit_tracking::experiment::frame_basin::LevelReport;
+use backlit_lab::experiment::frame_basin::LevelReport;
 use egui::{
     Align, Layout as Direction, RichText, Role, ScrollArea, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2,
 };

@@ -1,0 +1,214 @@
+//! `backlit-cameras 1`: our own JSON (see `docs/formats.md`).
+
+use std::path::Path;
+
+use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
+use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
+
+use super::{CalibrationOptions, rig};
+use crate::{FileError, FileProblem, atomic, json_text};
+
+/// Name and version of the format.
+pub const FORMAT: &str = "backlit-cameras 1";
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RigSpec {
+    format: String,
+    cameras: Vec<CameraSpec>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CameraSpec {
+    name: String,
+    width: u64,
+    height: u64,
+    fx: f64,
+    fy: f64,
+    cx: f64,
+    cy: f64,
+    #[serde(default)]
+    distortion: DistortionSpec,
+    rotation: [[f64; 3]; 3],
+    translation: [f64; 3],
+}
+
+#[derive(Serialize, Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct DistortionSpec {
+    model: Lens,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    k1: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    k2: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    p1: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    p2: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    k3: Option<f64>,
+}
+
+#[derive(Serialize, Deserialize, Default, Clone, Copy)]
+#[serde(rename_all = "lowercase")]
+enum Lens {
+    #[default]
+    None,
+    OpenCv,
+}
+
+impl DistortionSpec {
+    fn new(distortion: &Distortion) -> Self {
+        match *distortion {
+            Distortion::None => Self::default(),
+            Distortion::OpenCv { k1, k2, p1, p2, k3 } => Self {
+                model: Lens::OpenCv,
+                k1: Some(k1),
+                k2: Some(k2),
+                p1: Some(p1),
+                p2: Some(p2),
+                k3: Some(k3),
+            },
+        }
+    }
+
+    fn distortion(&self) -> Distortion {
+        let value = |coefficient: Option<f64>| coefficient.unwrap_or(0.0);
+        match self.model {
+            Lens::None => Distortion::None,
+            Lens::OpenCv => Distortion::OpenCv {
+                k1: value(self.k1),
+                k2: value(self.k2),
+                p1: value(self.p1),
+                p2: value(self.p2),
+                k3: value(self.k3),
+            },
+        }
+    }
+}
+
+/// Parses the content of such a file; `path` is for the error's message.
+///
+/// # Errors
+/// Not such a file, or not valid cameras. The error names the camera and the field.
+pub fn parse(path: &Path, text: &str, options: CalibrationOptions) -> Result<Rig, FileError> {
+    let spec: RigSpec = json_text::parse_versioned(path, text, FORMAT)?;
+    let mut cameras = Vec::with_capacity(spec.cameras.len());
+    for (index, spec) in spec.cameras.iter().enumerate() {
+        let lens = &spec.distortion;
+        let coefficients = [lens.k1, lens.k2, lens.p1, lens.p2, lens.k3];
+        if matches!(lens.model, Lens::None) && coefficients.iter().any(Option::is_some) {
+            return Err(FileError::new(
+                path,
+                FileProblem::Field {
+                    field: format!("cameras[{index}].distortion.model"),
+                    found: "\"none\" beside coefficients".to_owned(),
+                    expected: "\"opencv\", or no coefficients".to_owned(),
+                },
+            ));
+        }
+        let intrinsics = Intrinsics { fx: spec.fx, fy: spec.fy, cx: spec.cx, cy: spec.cy };
+        let camera_from_world = CameraFromWorld {
+            rotation: DMat3::from_cols_array_2d(&spec.rotation).transpose(),
+            translation: DVec3::from_array(spec.translation),
+        };
+        let size = [spec.width, spec.height];
+        let camera = Camera::new(&spec.name, size, intrinsics, lens.distortion(), camera_from_world);
+        cameras.push(camera.map_err(|error| {
+            let name = if spec.name.is_empty() { format!("cameras[{index}]") } else { spec.name.clone() };
+            FileError::new(path, FileProblem::Camera { camera: name, error })
+        })?);
+    }
+    rig(path, cameras, options.size)
+}
+
+/// The content of such a file. [`parse`] gives the same rig again.
+#[must_use]
+pub fn to_text(rig: &Rig) -> String {
+    let cameras = rig.cameras().iter().map(|camera| {
+        let k = camera.intrinsics();
+        let place = camera.camera_from_world();
+        CameraSpec {
+            name: camera.name().to_owned(),
+            width: camera.width() as u64,
+            height: camera.height() as u64,
+            fx: k.fx,
+            fy: k.fy,
+            cx: k.cx,
+            cy: k.cy,
+            distortion: DistortionSpec::new(camera.distortion()),
+            rotation: place.rotation.transpose().to_cols_array_2d(),
+            translation: place.translation.to_array(),
+        }
+    });
+    let spec = RigSpec { format: FORMAT.to_owned(), cameras: cameras.collect() };
+    #[expect(clippy::expect_used, reason = "the cameras hold only strings and finite numbers")]
+    let text = serde_json::to_string_pretty(&spec).expect("cameras can be written as JSON");
+    text + "\n"
+}
+
+/// Writes such a file; see [`atomic`].
+///
+/// # Errors
+/// The folder is missing or not writable.
+pub fn write(path: &Path, rig: &Rig) -> Result<(), FileError> {
+    atomic::write(path, to_text(rig).as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> Rig {
+        let place = CameraFromWorld::looking_at(DVec3::new(3.0, -1.0, 1.5), DVec3::Z, DVec3::Z);
+        let intrinsics = Intrinsics { fx: 420.25, fy: 421.0, cx: 134.1, cy: 238.5 };
+        let lens = Distortion::OpenCv { k1: -0.05, k2: 0.14, p1: 6e-4, p2: 7e-4, k3: 0.0 };
+        let camera = |name, lens| Camera::new(name, [272, 480], intrinsics, lens, place).unwrap();
+        Rig::new(vec![camera("b", lens), camera("a", Distortion::None)]).unwrap()
+    }
+
+    #[test]
+    fn a_rig_survives_its_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("cameras.json");
+        write(&path, &sample()).unwrap();
+        assert_eq!(super::super::read(&path, CalibrationOptions::default()).unwrap(), sample());
+        let half = CalibrationOptions { size: Some([136, 240]), ..CalibrationOptions::default() };
+        let rig = super::super::read(&path, half).unwrap();
+        assert_eq!((rig.cameras()[0].width(), rig.cameras()[0].height()), (136, 240));
+        assert!((rig.cameras()[0].intrinsics().cx - (134.6 / 2.0 - 0.5)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn errors_name_line_camera_and_field() {
+        let good = to_text(&sample());
+        let cases = [
+            (good.replacen("\"fx\": 420.25", "\"fx\": -1.0", 1), "camera \"b\": `fx` is -1"),
+            (
+                good.replacen("\"fx\": 420.25", "\"fx\": null", 1),
+                "line 8: is not valid JSON: in `cameras[0].fx`",
+            ),
+            (good.replacen("\"fx\": 420.25,", "", 1), "missing field `fx`"),
+            (good.replacen("\"b\"", "\"a\"", 1), "camera name \"a\" is used twice"),
+            (good.replacen("\"fy\"", "\"f_y\"", 1), "unknown field `f_y`"),
+            (good.replacen("\"opencv\"", "\"none\"", 1), "`cameras[0].distortion.model` is \"none\" beside"),
+            (
+                good.replacen("\"opencv\"", "\"fish\"", 1),
+                "in `cameras[0].distortion.model`: unknown variant `fish`",
+            ),
+            (good.replacen("cameras 1", "cameras 9", 1), "line 2: `format` is \"backlit-cameras 9\""),
+            ("{\"format\": \"backlit-cameras 1\", \"cameras\": []}".to_owned(), "there is no camera"),
+        ];
+        for (text, expected) in cases {
+            let result =
+                super::super::parse(Path::new("c.json"), text.as_bytes(), CalibrationOptions::default());
+            let message = result.unwrap_err().to_string();
+            assert!(message.contains(expected) && message.starts_with("c.json"), "{message:?}: {expected:?}");
+        }
+        let wide = CalibrationOptions { size: Some([480, 272]), ..CalibrationOptions::default() };
+        let message = parse(Path::new("c.json"), &good, wide).unwrap_err().to_string();
+        assert!(message.contains("272×480; expected the proportions of 480×272"), "{message}");
+    }
+}

@@ -1,0 +1,162 @@
+//! Why a file could not be read or written: which file, which line, which field, what was expected.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use backlit_tracking::body::{ModelError, PoseError};
+use backlit_tracking::camera::{CameraError, RigError};
+use thiserror::Error;
+
+/// What is wrong with a file, and where.
+#[derive(Debug, Error)]
+pub struct FileError {
+    /// The file, as it was asked for.
+    pub path: PathBuf,
+    /// The line, counted from 1, where one is known.
+    pub line: Option<usize>,
+    /// What is wrong.
+    pub problem: Box<FileProblem>,
+}
+
+impl FileError {
+    /// A problem of a whole file.
+    #[must_use]
+    pub fn new(path: &Path, problem: FileProblem) -> Self {
+        Self { path: path.to_owned(), line: None, problem: Box::new(problem) }
+    }
+
+    /// The same at a line, counted from 1.
+    #[must_use]
+    pub fn at_line(self, line: Option<usize>) -> Self {
+        Self { line, ..self }
+    }
+
+    /// Why the system did not let the file be written, if that is what went wrong.
+    #[must_use]
+    pub fn write_error(&self) -> Option<&std::io::Error> {
+        match &*self.problem {
+            FileProblem::Write { error } => Some(error),
+            _ => None,
+        }
+    }
+
+    /// Whether the file does not exist.
+    #[must_use]
+    pub fn is_missing(&self) -> bool {
+        matches!(*self.problem, FileProblem::Missing | FileProblem::MissingModel { .. })
+    }
+}
+
+impl fmt::Display for FileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.path.display())?;
+        if let Some(line) = self.line {
+            write!(f, ", line {line}")?;
+        }
+        write!(f, ": {}", self.problem)
+    }
+}
+
+/// Why the system refuses, in words for people; the system's own where there are none.
+#[must_use]
+pub fn reason(error: &std::io::Error) -> String {
+    use std::io::ErrorKind as Kind;
+    let words = match error.kind() {
+        Kind::StorageFull => "the disk is full",
+        Kind::QuotaExceeded => "your share of the disk is used up",
+        Kind::FileTooLarge => "a file may not become that large there",
+        Kind::ReadOnlyFilesystem => "the disk is read-only",
+        Kind::PermissionDenied => "there is no permission",
+        Kind::NotFound => "its folder is not there",
+        Kind::NotADirectory => "what should be its folder is a file",
+        Kind::AlreadyExists => "there is a file in its place",
+        Kind::IsADirectory => "there is a folder of that name",
+        Kind::InvalidFilename => "the name is too long, or not allowed there",
+        _ => return error.to_string(),
+    };
+    words.to_owned()
+}
+
+/// What is wrong with a file.
+#[derive(Debug, Error)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum FileProblem {
+    #[error("there is no such file")]
+    Missing,
+    #[error("there is no such file, and no built-in model of that name (there are {known})")]
+    MissingModel { known: String },
+    #[error("cannot be read: {}", reason(.error))]
+    Read { error: std::io::Error },
+    #[error("cannot be written: {}", reason(.error))]
+    Write { error: std::io::Error },
+    #[error("is a folder or a device; expected a file")]
+    NotAFile,
+    #[error("has more than {limit} bytes; expected a smaller file")]
+    TooLarge { limit: u64 },
+    #[error("is not UTF-8 text")]
+    NotText,
+    #[error("is not valid {format}: {}{message}", InField(.field.as_deref()))]
+    Syntax { format: TextFormat, field: Option<String>, message: String },
+    #[error("`format` is {found}; expected \"{expected}\"")]
+    Format { found: String, expected: &'static str },
+    #[error("`{field}` is {found}; expected {expected}")]
+    Field { field: String, found: String, expected: String },
+    #[error("`{field}`: {message}")]
+    Option { field: String, message: String },
+    #[error("`{field}` is given twice; expected it once")]
+    Duplicate { field: String },
+    #[error("`{field}` names \"{limb}\", and the model has no limb of that name")]
+    UnknownLimb { field: String, limb: String },
+    #[error("`{field}`: \"{limb}\" follows another limb's rotation and has none of its own; leave it out")]
+    RigidLimb { field: String, limb: String },
+    #[error("`{field}`: the environment variable {variable} is not set, and no default is given")]
+    Variable { field: String, variable: String },
+    #[error(transparent)]
+    Model { error: ModelError },
+    #[error(transparent)]
+    Pose { error: PoseError },
+    #[error("camera \"{camera}\": {error}")]
+    Camera { camera: String, error: CameraError },
+    #[error(transparent)]
+    Rig { error: RigError },
+    #[error(
+        "cannot be recognised as a calibration; expected backlit-cameras JSON, JSON of camera matrices or Qualisys XML"
+    )]
+    UnknownCalibration,
+    #[error("is not a whole picture: {message}")]
+    Picture { message: String },
+    #[error("has {}×{} pixels; expected {}×{}", found[0], found[1], expected[0], expected[1])]
+    PictureSize { found: [usize; 2], expected: [usize; 2] },
+}
+
+/// A text format that a library parses for us.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TextFormat {
+    /// Comma-separated values.
+    Csv,
+    /// JavaScript object notation.
+    Json,
+    /// Tom's obvious minimal language.
+    Toml,
+    /// Extensible markup language.
+    Xml,
+}
+
+impl fmt::Display for TextFormat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Csv => "CSV",
+            Self::Json => "JSON",
+            Self::Toml => "TOML",
+            Self::Xml => "XML",
+        })
+    }
+}
+
+struct InField<'a>(Option<&'a str>);
+
+impl fmt::Display for InField<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.map_or(Ok(()), |field| write!(f, "in `{field}`: "))
+    }
+}

@@ -1,0 +1,73 @@
+//! Tracks for other programs (see `docs/formats.md`).
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`tables`] | CSV: poses, joints, and how well each frame fits |
+//! | [`track_json`] | all of it in one `backlit-track 1` JSON |
+
+use backlit_tracking::body::Model;
+use backlit_tracking::track::Track;
+
+pub mod tables;
+pub mod track_json;
+
+/// A track and what its numbers belong to. The poses must be of the model.
+#[derive(Debug, Clone, Copy)]
+pub struct TrackExport<'a> {
+    /// What the recording is called.
+    pub name: &'a str,
+    /// Frames per second.
+    pub frame_rate: f64,
+    /// The body.
+    pub model: &'a Model,
+    /// The cameras' names, in the order of the estimates' overlaps.
+    pub cameras: &'a [&'a str],
+    /// The estimates.
+    pub track: &'a Track,
+}
+
+/// The word for the root where a limb's name stands for its second joint.
+pub(super) const ROOT: &str = "root";
+
+#[cfg(test)]
+pub(super) mod tests {
+    use backlit_tracking::body::{Parameters, Pose, builtin};
+    use backlit_tracking::optimize::Termination;
+    use backlit_tracking::silhouette::Overlap;
+    use backlit_tracking::track::{FrameEstimate, Track};
+
+    /// Two frames of one limb; the second is lost and has no numbers.
+    pub(crate) fn sample() -> Track {
+        let model = builtin::single_limb();
+        let rest = Pose::rest(&model);
+        let moved = rest.retract(Parameters::Tangent, &[0.1, -2.0, 3.0, 0.0, 0.0, 0.5]);
+        let overlap = Overlap { agreement: 3, missing: 1, spurious: 0 };
+        let first = FrameEstimate {
+            frame: 4,
+            pose: moved,
+            cost: 1234.5,
+            rms: 2.25,
+            overlap: vec![Some(overlap), None],
+            empty_cameras: Vec::new(),
+            iterations: 7,
+            lost_because: None,
+            termination: Some(Termination::NoDecrease),
+            belief: None,
+            hypotheses: Vec::new(),
+        };
+        let second = FrameEstimate {
+            frame: 6,
+            pose: rest,
+            cost: f64::NAN,
+            rms: f64::INFINITY,
+            overlap: vec![None, None],
+            empty_cameras: Vec::new(),
+            iterations: 0,
+            lost_because: Some(backlit_tracking::track::Lost::Nobody),
+            termination: None,
+            belief: None,
+            hypotheses: Vec::new(),
+        };
+        Track { frames: [(4, first), (6, second)].into() }
+    }
+}

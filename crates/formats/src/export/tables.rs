@@ -1,0 +1,146 @@
+//! CSV tables of a track. Numbers read back to the bit; what is not known or not finite is an empty field.
+
+use std::io::Write;
+use std::path::Path;
+
+use backlit_tracking::body::{Kinematics, Model};
+
+use super::{ROOT, TrackExport};
+use crate::{FileError, atomic};
+
+/// Writes `frame,root x,root y,root z` (metres) and, per rotation, `LIMB w,LIMB x,LIMB y,LIMB z`.
+///
+/// # Errors
+/// The folder is missing or not writable.
+pub fn write_poses(path: &Path, export: &TrackExport<'_>) -> Result<(), FileError> {
+    table(path, |rows| {
+        let names =
+            export.model.rotation_owners().iter().map(|&limb| export.model.limbs()[limb].name.as_str());
+        let mut header = vec!["frame".to_owned()];
+        header.extend(["x", "y", "z"].map(|axis| format!("{ROOT} {axis}")));
+        header.extend(names.flat_map(|name| ["w", "x", "y", "z"].map(|axis| format!("{name} {axis}"))));
+        rows.write_record(&header)?;
+        for (frame, estimate) in &export.track.frames {
+            let numbers = estimate.pose.to_state().into_iter().map(number);
+            rows.write_record(std::iter::once(frame.to_string()).chain(numbers))?;
+        }
+        Ok(())
+    })
+}
+
+/// Writes `frame,joint,x,y,z` (metres): the root and every limb's second joint. A take reads it as its reference.
+///
+/// # Errors
+/// The folder is missing or not writable.
+pub fn write_joints(path: &Path, export: &TrackExport<'_>) -> Result<(), FileError> {
+    let model: &Model = export.model;
+    table(path, |rows| {
+        rows.write_record(["frame", "joint", "x", "y", "z"])?;
+        for (frame, estimate) in &export.track.frames {
+            let frame = frame.to_string();
+            let kinematics = Kinematics::new(model, &estimate.pose);
+            let limbs =
+                model.limbs().iter().map(|limb| limb.name.as_str()).zip(kinematics.ends().iter().copied());
+            for (joint, position) in std::iter::once((ROOT, estimate.pose.root)).chain(limbs) {
+                let [x, y, z] = position.to_array().map(number);
+                rows.write_record([&frame, joint, &x, &y, &z])?;
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Writes `frame,seconds,cost,rms,iterations,lost,termination` and, per camera, `iou CAMERA`.
+///
+/// # Errors
+/// The folder is missing or not writable.
+pub fn write_frames(path: &Path, export: &TrackExport<'_>) -> Result<(), FileError> {
+    table(path, |rows| {
+        let columns = ["frame", "seconds", "cost", "rms", "iterations", "lost", "termination"];
+        let cameras = export.cameras.iter().map(|camera| format!("iou {camera}"));
+        rows.write_record(columns.map(str::to_owned).into_iter().chain(cameras))?;
+        for (frame, estimate) in &export.track.frames {
+            let iou = |camera: usize| estimate.overlap.get(camera).copied().flatten()?.iou();
+            let overlap = (0..export.cameras.len()).map(|camera| iou(camera).map(number).unwrap_or_default());
+            let fields = [
+                frame.to_string(),
+                number(*frame as f64 / export.frame_rate),
+                number(estimate.cost),
+                number(estimate.rms),
+                estimate.iterations.to_string(),
+                estimate.is_lost().to_string(),
+                estimate.termination.map(|why| why.to_string()).unwrap_or_default(),
+            ];
+            rows.write_record(fields.into_iter().chain(overlap))?;
+        }
+        Ok(())
+    })
+}
+
+fn number(value: f64) -> String {
+    if value.is_finite() { value.to_string() } else { String::new() }
+}
+
+fn table(
+    path: &Path,
+    fill: impl FnOnce(&mut csv::Writer<&mut dyn Write>) -> csv::Result<()>,
+) -> Result<(), FileError> {
+    atomic::write_with(path, |out| {
+        let mut rows = csv::Writer::from_writer(out);
+        // Of an error of the disk, what the disk said.
+        fill(&mut rows).map_err(|error| match error.into_kind() {
+            csv::ErrorKind::Io(error) => error,
+            other => std::io::Error::other(format!("{other:?}")),
+        })?;
+        rows.flush()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use backlit_tracking::body::{Pose, builtin};
+
+    use super::super::tests::sample;
+    use super::*;
+
+    fn written(write: impl Fn(&Path, &TrackExport<'_>) -> Result<(), FileError>) -> String {
+        let (model, track) = (builtin::single_limb(), sample());
+        let cameras = ["left, low", "right"];
+        let export =
+            TrackExport { name: "t", frame_rate: 8.0, model: &model, cameras: &cameras, track: &track };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.csv");
+        write(&path, &export).unwrap();
+        std::fs::read_to_string(path).unwrap()
+    }
+
+    #[test]
+    fn poses_read_back_to_the_bit() {
+        let text = written(write_poses);
+        let mut rows = csv::Reader::from_reader(text.as_bytes());
+        let limb = &builtin::single_limb().limbs()[0].name.clone();
+        let header: Vec<String> = rows.headers().unwrap().iter().map(str::to_owned).collect();
+        assert_eq!(header[..4], ["frame", "root x", "root y", "root z"]);
+        assert_eq!(header[4..], ["w", "x", "y", "z"].map(|axis| format!("{limb} {axis}")));
+        let row = rows.records().next().unwrap().unwrap();
+        let state: Vec<f64> = row.iter().skip(1).map(|field| field.parse().unwrap()).collect();
+        assert_eq!(Pose::from_state(&builtin::single_limb(), &state).unwrap(), sample().frames[&4].pose);
+        assert_eq!(&row[0], "4");
+    }
+
+    #[test]
+    fn joints_are_the_root_and_the_limbs_ends() {
+        let text = written(write_joints);
+        let mut lines = text.lines();
+        assert_eq!(lines.next(), Some("frame,joint,x,y,z"));
+        assert_eq!(lines.next(), Some("4,root,0.1,-2,3"));
+        assert_eq!(lines.count(), 3);
+    }
+
+    #[test]
+    fn what_is_not_known_is_empty() {
+        let expected = "frame,seconds,cost,rms,iterations,lost,termination,\"iou left, low\",iou right\n\
+            4,0.5,1234.5,2.25,7,false,no step lowered the cost,0.75,\n6,0.75,,,0,true,,,\n";
+        assert_eq!(written(write_frames), expected);
+    }
+}

@@ -1,0 +1,107 @@
+//! `backlit-track 1`: a track in one JSON (see `docs/formats.md`). What is not known or not finite is null.
+
+use std::path::Path;
+
+use backlit_tracking::body::Kinematics;
+use backlit_tracking::track::FrameEstimate;
+use serde_json::{Map, Value, json};
+
+use super::{ROOT, TrackExport};
+use crate::{FileError, atomic};
+
+/// Name and version of the format.
+pub const FORMAT: &str = "backlit-track 1";
+
+/// Writes a track.
+///
+/// # Errors
+/// The folder is missing or not writable.
+pub fn write(path: &Path, export: &TrackExport<'_>) -> Result<(), FileError> {
+    atomic::write(path, to_text(export).as_bytes())
+}
+
+/// The content of a track file, one line a frame.
+#[must_use]
+pub fn to_text(export: &TrackExport<'_>) -> String {
+    let head = [
+        ("format", json!(FORMAT)),
+        ("name", json!(export.name)),
+        ("frame_rate", json!(export.frame_rate)),
+        ("model", json!(export.model.name())),
+        ("cameras", json!(export.cameras)),
+    ];
+    let mut out = "{\n".to_owned();
+    for (key, value) in head {
+        out.push_str(&format!("  \"{key}\": {value},\n"));
+    }
+    out.push_str("  \"frames\": [");
+    for (index, (number, estimate)) in export.track.frames.iter().enumerate() {
+        let comma = if index == 0 { "" } else { "," };
+        out.push_str(&format!("{comma}\n    {}", frame(export, *number, estimate)));
+    }
+    out.push_str("\n  ]\n}\n");
+    out
+}
+
+fn frame(export: &TrackExport<'_>, number: usize, estimate: &FrameEstimate) -> Value {
+    let limbs = export.model.limbs();
+    let rotations: Map<String, Value> = export
+        .model
+        .rotation_owners()
+        .iter()
+        .zip(&estimate.pose.rotations)
+        .map(|(&limb, q)| (limbs[limb].name.clone(), json!([q.w, q.x, q.y, q.z])))
+        .collect();
+    let kinematics = Kinematics::new(export.model, &estimate.pose);
+    let ends = limbs.iter().zip(kinematics.ends());
+    let mut joints: Map<String, Value> =
+        ends.map(|(limb, end)| (limb.name.clone(), json!(end.to_array()))).collect();
+    joints.insert(ROOT.to_owned(), json!(estimate.pose.root.to_array()));
+    let overlap = export.cameras.iter().enumerate().map(|(camera, name)| {
+        let iou = estimate.overlap.get(camera).copied().flatten().and_then(|overlap| overlap.iou());
+        ((*name).to_owned(), json!(iou))
+    });
+    json!({
+        "frame": number,
+        "seconds": number as f64 / export.frame_rate,
+        "root": estimate.pose.root.to_array(),
+        "rotations": rotations,
+        "joints": joints,
+        "cost": estimate.cost,
+        "rms": estimate.rms,
+        "iou": overlap.collect::<Map<String, Value>>(),
+        "iterations": estimate.iterations,
+        "lost": estimate.is_lost(),
+        "termination": estimate.termination.map(|why| why.to_string()),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use backlit_tracking::body::builtin;
+
+    use super::super::tests::sample;
+    use super::*;
+
+    #[test]
+    fn a_track_is_json_with_all_in_it() {
+        let (model, track) = (builtin::single_limb(), sample());
+        let cameras = ["left", "right"];
+        let export =
+            TrackExport { name: "a \"b\"", frame_rate: 8.0, model: &model, cameras: &cameras, track: &track };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.json");
+        write(&path, &export).unwrap();
+        let text = std::fs::read_to_string(path).unwrap();
+        let read: Value = serde_json::from_str(&text).unwrap();
+        assert_eq!((&read["format"], &read["name"]), (&json!(FORMAT), &json!("a \"b\"")));
+        let [first, second] = &read["frames"].as_array().unwrap()[..] else { panic!("{text}") };
+        assert_eq!((&first["frame"], &first["seconds"]), (&json!(4), &json!(0.5)));
+        assert_eq!(first["root"], json!([0.1, -2.0, 3.0]));
+        let limb = &model.limbs()[0].name;
+        assert_eq!(first["rotations"][limb][0], json!(track.frames[&4].pose.rotations[0].w));
+        assert_eq!(first["joints"].as_object().unwrap().len(), 2);
+        assert_eq!(first["iou"], json!({"left": 0.75, "right": null}));
+        assert_eq!((&second["cost"], &second["lost"]), (&Value::Null, &json!(true)));
+    }
+}

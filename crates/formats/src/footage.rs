@@ -1,0 +1,146 @@
+//! A take's pictures as everything else wants them: on the ideal pinhole grid, with their silhouettes.
+
+use std::sync::{Arc, OnceLock};
+
+use backlit_tracking::camera::{Camera, Rectification};
+use backlit_tracking::segment::{Background, BackgroundError, SegmentError, SegmentOptions, segment};
+use backlit_tracking::silhouette::{Label, Mask};
+use backlit_tracking::track::{Evidence, FitView};
+use image::RgbImage;
+use rayon::prelude::*;
+use thiserror::Error;
+
+use super::{Take, TakeError};
+
+/// A take with everything that is made once for all its frames: ideal cameras, rectifications, backgrounds.
+///
+/// Guaranteed: pictures and masks are of their camera's size, and [`cameras`](Self::cameras) have no distortion.
+#[derive(Debug)]
+pub struct Footage {
+    take: Take,
+    cameras: Vec<Arc<Camera>>,
+    rectifications: Vec<Rectification>,
+    /// Pixels of every camera that its lens does not see.
+    unseen: Vec<Vec<usize>>,
+    backgrounds: Vec<OnceLock<Background>>,
+}
+
+/// Why a picture or a silhouette cannot be had.
+#[derive(Debug, Error)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum FootageError {
+    #[error(transparent)]
+    Take(#[from] TakeError),
+    #[error("camera \"{camera}\": the picture is not of the camera's size")]
+    Size { camera: String },
+    #[error(
+        "camera \"{camera}\" has no `background` in the take; expected a plate or frames without the subject"
+    )]
+    NoBackground { camera: String },
+    #[error("camera \"{camera}\", background: {error}")]
+    Background { camera: String, error: BackgroundError },
+    #[error("camera \"{camera}\": {error}")]
+    Segment { camera: String, error: SegmentError },
+}
+
+impl Footage {
+    /// Prepares a take. Backgrounds are read when they are first needed.
+    #[must_use]
+    pub fn new(take: Take) -> Self {
+        let cameras = take.rig().cameras();
+        let rectifications: Vec<Rectification> = cameras.iter().map(Rectification::new).collect();
+        Self {
+            cameras: cameras.iter().map(|camera| Arc::new(camera.without_distortion())).collect(),
+            unseen: rectifications.iter().map(Rectification::unseen).collect(),
+            rectifications,
+            backgrounds: cameras.iter().map(|_| OnceLock::new()).collect(),
+            take,
+        }
+    }
+
+    /// The take itself.
+    #[must_use]
+    pub fn take(&self) -> &Take {
+        &self.take
+    }
+
+    /// The cameras of the pictures: without distortion, in the take's order.
+    #[must_use]
+    pub fn cameras(&self) -> &[Arc<Camera>] {
+        &self.cameras
+    }
+
+    /// A camera's picture of a frame, on the ideal grid.
+    ///
+    /// # Errors
+    /// No such camera or frame, or the picture cannot be read; the message names file and frame.
+    pub fn picture(&self, camera: usize, frame: usize) -> Result<RgbImage, FootageError> {
+        let picture = self.take.frame(camera, frame)?;
+        self.rectified(camera, &picture)
+    }
+
+    /// What a camera sees without the subject, on the ideal grid.
+    ///
+    /// # Errors
+    /// No such camera, no background in the take, or it cannot be read.
+    pub fn background(&self, camera: usize) -> Result<&Background, FootageError> {
+        if let Some(background) = self.backgrounds.get(camera).and_then(OnceLock::get) {
+            return Ok(background);
+        }
+        let pictures = self.take.background(camera)?;
+        let name = || self.cameras[camera].name().to_owned();
+        let pictures: Vec<RgbImage> =
+            pictures.iter().map(|picture| self.rectified(camera, picture)).collect::<Result<_, _>>()?;
+        let background = match pictures.as_slice() {
+            [] => return Err(FootageError::NoBackground { camera: name() }),
+            [plate] => Background::from_plate(plate),
+            frames => Background::from_frames(frames)
+                .map_err(|error| FootageError::Background { camera: name(), error })?,
+        };
+        Ok(self.backgrounds[camera].get_or_init(|| background))
+    }
+
+    /// The silhouette in a picture of [`picture`](Self::picture). Where the lens saw nothing it is unknown.
+    ///
+    /// # Errors
+    /// As [`background`](Self::background); or options that make no sense.
+    pub fn mask(
+        &self,
+        camera: usize,
+        picture: &RgbImage,
+        options: &SegmentOptions,
+    ) -> Result<Mask, FootageError> {
+        let background = self.background(camera)?;
+        let mut mask = segment(picture, background, options).map_err(|error| FootageError::Segment {
+            camera: self.cameras[camera].name().to_owned(),
+            error,
+        })?;
+        let labels = mask.labels_mut();
+        for &pixel in &self.unseen[camera] {
+            labels[pixel] = Label::Unknown;
+        }
+        Ok(mask)
+    }
+
+    /// The evidence of some cameras in a frame, by the take's own measurement settings. Cameras are shared out
+    /// among threads; the result does not depend on how.
+    ///
+    /// # Errors
+    /// The first camera's, in the order asked for, whose picture or silhouette cannot be had.
+    pub fn fit_views(&self, cameras: &[usize], frame: usize) -> Result<Vec<FitView>, FootageError> {
+        let one = |&camera: &usize| {
+            let picture = self.picture(camera, frame)?;
+            let mask = self.mask(camera, &picture, &self.take.measurement()[camera])?;
+            let evidence = Evidence::Mask(Arc::new(mask));
+            Ok(FitView { camera: Arc::clone(&self.cameras[camera]), evidence, weight: 1.0 })
+        };
+        let views: Vec<Result<FitView, FootageError>> = cameras.par_iter().map(one).collect();
+        views.into_iter().collect()
+    }
+
+    fn rectified(&self, camera: usize, picture: &RgbImage) -> Result<RgbImage, FootageError> {
+        self.rectifications[camera]
+            .rectify(picture)
+            .ok_or_else(|| FootageError::Size { camera: self.cameras[camera].name().to_owned() })
+    }
+}

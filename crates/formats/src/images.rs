@@ -1,0 +1,190 @@
+//! Pictures: PNG and JPEG, told apart by their content, within limits, and only whole ones.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use backlit_tracking::camera::camera::MAX_SIDE;
+use image::{DynamicImage, GrayImage, ImageFormat, ImageReader, Limits, RgbImage};
+
+use super::{DiskFiles, FileError, FileProblem, TakeFiles, atomic};
+
+/// Largest picture file that is read, bytes.
+pub const MAX_PICTURE_BYTES: u64 = 256 << 20;
+/// Most memory that decoding one picture may take, bytes: room for 64 megapixels of 16-bit colour.
+const MAX_DECODED_BYTES: u64 = 512 << 20;
+
+/// Decodes a picture as colour; an alpha channel is dropped, 16-bit levels are rounded to 8.
+///
+/// # Errors
+/// Not PNG or JPEG, truncated or damaged, or too large. The error names `path`.
+pub fn decode(path: &Path, bytes: &[u8]) -> Result<RgbImage, FileError> {
+    decode_any(path, bytes).map(DynamicImage::into_rgb8)
+}
+
+/// Decodes a picture as grey levels.
+///
+/// # Errors
+/// As [`decode`].
+pub fn decode_grey(path: &Path, bytes: &[u8]) -> Result<GrayImage, FileError> {
+    decode_any(path, bytes).map(DynamicImage::into_luma8)
+}
+
+/// Width and height in pixels, from the head of the file alone.
+///
+/// # Errors
+/// Not PNG or JPEG, or its head is damaged.
+pub fn size(path: &Path, bytes: &[u8]) -> Result<[usize; 2], FileError> {
+    let (width, height) =
+        reader(path, bytes)?.into_dimensions().map_err(|error| broken(path, &error.to_string()))?;
+    Ok([width as usize, height as usize])
+}
+
+/// Reads a picture of the disk as colour.
+///
+/// # Errors
+/// No such file, or as [`decode`].
+pub fn read(path: &Path) -> Result<RgbImage, FileError> {
+    decode(path, &DiskFiles.read(path, MAX_PICTURE_BYTES)?)
+}
+
+/// Reads a picture of the disk as grey levels.
+///
+/// # Errors
+/// No such file, or as [`decode`].
+pub fn read_grey(path: &Path) -> Result<GrayImage, FileError> {
+    decode_grey(path, &DiskFiles.read(path, MAX_PICTURE_BYTES)?)
+}
+
+/// Writes a PNG; see [`atomic`].
+///
+/// # Errors
+/// The folder is missing or not writable, or the picture is empty.
+pub fn write_png(path: &Path, picture: &DynamicImage) -> Result<(), FileError> {
+    let mut bytes = Cursor::new(Vec::new());
+    picture
+        .write_to(&mut bytes, ImageFormat::Png)
+        .map_err(|error| FileError::new(path, FileProblem::Write { error: std::io::Error::other(error) }))?;
+    atomic::write(path, bytes.get_ref())
+}
+
+fn reader<'a>(path: &Path, bytes: &'a [u8]) -> Result<ImageReader<Cursor<&'a [u8]>>, FileError> {
+    let format = match image::guess_format(bytes) {
+        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
+        _ => return Err(broken(path, "expected PNG or JPEG")),
+    };
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_SIDE);
+    limits.max_image_height = Some(MAX_SIDE);
+    limits.max_alloc = Some(MAX_DECODED_BYTES);
+    reader.limits(limits);
+    Ok(reader)
+}
+
+fn decode_any(path: &Path, bytes: &[u8]) -> Result<DynamicImage, FileError> {
+    let reader = reader(path, bytes)?;
+    // The decoders fill what is missing at a file's end with grey, silently.
+    let whole = match reader.format() {
+        Some(ImageFormat::Jpeg) => jpeg_is_whole(bytes),
+        _ => png_is_whole(bytes),
+    };
+    if !whole {
+        return Err(broken(path, "the file ends too early"));
+    }
+    reader.decode().map_err(|error| broken(path, &error.to_string()))
+}
+
+fn broken(path: &Path, message: &str) -> FileError {
+    FileError::new(path, FileProblem::Picture { message: message.to_owned() })
+}
+
+/// Whether the chunks of a PNG reach its IEND.
+fn png_is_whole(bytes: &[u8]) -> bool {
+    let mut rest = bytes.get(8..).unwrap_or_default();
+    loop {
+        let (Some(length), Some(kind)) = (rest.first_chunk::<4>(), rest.get(4..8)) else { return false };
+        let length = u32::from_be_bytes(*length) as usize;
+        let Some(next) = length.checked_add(12).and_then(|length| rest.get(length..)) else { return false };
+        if kind == b"IEND" {
+            return true;
+        }
+        rest = next;
+    }
+}
+
+/// Whether the segments of a JPEG reach its end-of-image marker.
+fn jpeg_is_whole(bytes: &[u8]) -> bool {
+    const END_OF_IMAGE: u8 = 0xD9;
+    const START_OF_SCAN: u8 = 0xDA;
+    let mut at = 2;
+    loop {
+        // To the next marker: stuffed zeros and restarts belong to a scan's data.
+        while !matches!((bytes.get(at), bytes.get(at + 1)), (Some(0xFF), Some(0x01..=0xCF | 0xD8..=0xFE)) | (_, None))
+        {
+            at += 1;
+        }
+        match (bytes.get(at + 1), bytes.get(at + 2), bytes.get(at + 3)) {
+            (Some(&END_OF_IMAGE), _, _) => return true,
+            (Some(&marker), Some(&high), Some(&low)) => {
+                let length = usize::from(u16::from_be_bytes([high, low]));
+                // A scan's data may look like anything, so only its head is skipped, as any segment is.
+                at += 2 + if marker == START_OF_SCAN { length.max(2) } else { length };
+            }
+            _ => return false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use image::Rgb;
+
+    use super::*;
+
+    fn picture() -> DynamicImage {
+        RgbImage::from_fn(24, 17, |x, y| Rgb([(x * 9) as u8, (y * 13) as u8, (x * y) as u8])).into()
+    }
+
+    fn encoded(format: ImageFormat) -> Vec<u8> {
+        let mut bytes = Cursor::new(Vec::new());
+        picture().write_to(&mut bytes, format).unwrap();
+        bytes.into_inner()
+    }
+
+    #[test]
+    fn pictures_are_recognised_by_content() {
+        let path = Path::new("a.jpg");
+        assert_eq!(decode(path, &encoded(ImageFormat::Png)).unwrap(), picture().into_rgb8());
+        assert_eq!(decode(path, &encoded(ImageFormat::Jpeg)).unwrap().dimensions(), (24, 17));
+        assert_eq!(size(path, &encoded(ImageFormat::Jpeg)).unwrap(), [24, 17]);
+        assert_eq!(decode_grey(path, &encoded(ImageFormat::Png)).unwrap().dimensions(), (24, 17));
+        let message = decode(path, b"GIF89a").unwrap_err().to_string();
+        assert!(message.contains("a.jpg") && message.contains("expected PNG or JPEG"), "{message}");
+    }
+
+    #[test]
+    fn every_truncation_is_an_error_that_names_the_file() {
+        for format in [ImageFormat::Png, ImageFormat::Jpeg] {
+            let bytes = encoded(format);
+            for length in 0..bytes.len() {
+                let message = decode(Path::new("cut.png"), &bytes[..length]).unwrap_err().to_string();
+                assert!(message.contains("cut.png: is not a whole picture"), "{message}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_huge_size_in_the_head_is_refused_before_memory_is_taken() {
+        let mut bytes = encoded(ImageFormat::Png);
+        bytes[16..24].copy_from_slice(&[0, 0, 0x3F, 0xFF, 0, 0, 0x3F, 0xFF]);
+        decode(Path::new("huge.png"), &bytes).unwrap_err();
+    }
+
+    #[test]
+    fn a_written_picture_reads_the_same() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        write_png(&path, &picture()).unwrap();
+        assert_eq!(read(&path).unwrap(), picture().into_rgb8());
+    }
+}

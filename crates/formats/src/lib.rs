@@ -1,0 +1,37 @@
+//! Files in and out: all that Backlit reads and writes. Formats are described in `docs/formats.md`.
+//!
+//! Every reader takes bytes from anyone: it never panics, bounds sizes and allocations, and its errors name the
+//! file, the line or the field, and what was expected. Every file is written [atomically](atomic).
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`take`] | a take: footage, cameras, body, start pose, reference |
+//! | [`footage`] | a take's rectified pictures and silhouettes |
+//! | [`model_file`] | body models |
+//! | [`pose_file`] | poses |
+//! | [`calibration`] | cameras, in several formats |
+//! | [`export`] | tracks as tables and JSON |
+//! | [`images`], [`npy`] | pictures and arrays |
+//! | [`files`] | the disk, or files held in memory |
+//! | [`atomic`] | whole files or none |
+//! | [`error`] | what is wrong with a file, and where |
+
+pub mod atomic;
+pub mod calibration;
+pub mod error;
+pub mod export;
+pub mod files;
+pub mod footage;
+pub mod images;
+mod json_text;
+pub mod model_file;
+pub mod npy;
+pub mod pose_file;
+pub mod take;
+mod text;
+mod toml_text;
+
+pub use error::{FileError, FileProblem, TextFormat, reason};
+pub use files::{DiskFiles, MAX_TEXT_BYTES, MemoryFiles, TakeFiles};
+pub use footage::{Footage, FootageError};
+pub use take::{Take, TakeError};

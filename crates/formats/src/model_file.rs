@@ -1,0 +1,180 @@
+//! Body models: `backlit-body 1` TOML (see `docs/formats.md`).
+
+use std::path::Path;
+
+use backlit_tracking::body::model::FORMAT;
+use backlit_tracking::body::{Model, ModelError, ModelSpec, builtin};
+
+use super::toml_text::{self, Step};
+use super::{DiskFiles, FileError, FileProblem, TakeFiles, atomic, text};
+
+/// Largest model file that is read, bytes. The largest body is a tenth of it.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// Parses the content of a model file; `path` is for the error's message.
+///
+/// # Errors
+/// Not such a file, or not a valid body. The error names the line and the limb.
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<Model, FileError> {
+    let text = text::decode(path, bytes)?;
+    let spec: ModelSpec = toml_text::parse_versioned(path, text, FORMAT)?;
+    Model::new(&spec).map_err(|error| {
+        let line = match place(&error) {
+            Some((limb, field)) => {
+                toml_text::line_of(text, &[Step::Key("limb"), Step::Named(limb), Step::Key(field)])
+            }
+            None => None,
+        };
+        FileError::new(path, FileProblem::Model { error }).at_line(line)
+    })
+}
+
+/// The limb and the field that an error is about.
+fn place(error: &ModelError) -> Option<(&str, &str)> {
+    match error {
+        ModelError::DuplicateName { limb } => Some((limb, "name")),
+        ModelError::UnknownLimb { limb, field, .. }
+        | ModelError::Cycle { limb, field, .. }
+        | ModelError::Size { limb, field, .. } => Some((limb, field)),
+        ModelError::Direction { limb, .. } => Some((limb, "direction")),
+        ModelError::Limits { limb, .. } => Some((limb, "limits")),
+        ModelError::Sphere { limb, .. } => Some((limb, "spheres")),
+        ModelError::Format { .. }
+        | ModelError::NoLimbs
+        | ModelError::TooManyLimbs { .. }
+        | ModelError::EmptyName { .. } => None,
+    }
+}
+
+/// Reads a model file of the disk.
+///
+/// # Errors
+/// No such file, or as [`parse`].
+pub fn read(path: &Path) -> Result<Model, FileError> {
+    parse(path, &DiskFiles.read(path, MAX_BYTES)?)
+}
+
+/// The model that a `--model` argument means: a built-in name ([`builtin::NAMES`]), else a path.
+///
+/// # Errors
+/// Neither; or as [`parse`].
+pub fn resolve(argument: &str) -> Result<Model, FileError> {
+    resolve_in(&DiskFiles, Path::new(""), argument)
+}
+
+/// The same with paths relative to `folder` among `files`.
+pub(super) fn resolve_in(files: &dyn TakeFiles, folder: &Path, argument: &str) -> Result<Model, FileError> {
+    if let Some(text) = builtin::text(argument) {
+        return parse(Path::new(argument), text.as_bytes());
+    }
+    let path = folder.join(argument);
+    match files.read(&path, MAX_BYTES) {
+        Ok(bytes) => parse(&path, &bytes),
+        Err(error) if error.is_missing() => {
+            let known = builtin::NAMES.join(", ");
+            Err(FileError::new(&path, FileProblem::MissingModel { known }))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// The content of a model file. [`parse`] gives the same model again.
+#[must_use]
+pub fn to_text(model: &Model) -> String {
+    #[expect(clippy::expect_used, reason = "a model has only strings, numbers and lists of tables")]
+    toml::to_string(&model.to_spec()).expect("a model can be written as TOML")
+}
+
+/// Writes a model file; see [`atomic`].
+///
+/// # Errors
+/// The folder is missing or not writable.
+pub fn write(path: &Path, model: &Model) -> Result<(), FileError> {
+    atomic::write(path, to_text(model).as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(text: &str) -> String {
+        parse(Path::new("body.toml"), text.as_bytes()).unwrap_err().to_string()
+    }
+
+    const HEAD: &str = "format = \"backlit-body 1\"\nname = \"b\"\n";
+
+    fn limb(name: &str, more: &str) -> String {
+        format!("[[limb]]\nname = \"{name}\"\ndirection = [0, 1, 0]\nlength = 0.5\n{more}\n")
+    }
+
+    #[test]
+    fn models_survive_their_files() {
+        for model in [builtin::single_limb(), builtin::upper_body(), builtin::full_body()] {
+            let text = to_text(&model);
+            assert_eq!(parse(Path::new("body.toml"), text.as_bytes()).unwrap(), model);
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("body.toml");
+        write(&path, &builtin::upper_body()).unwrap();
+        assert_eq!(resolve(path.to_str().unwrap()).unwrap(), builtin::upper_body());
+    }
+
+    #[test]
+    fn a_name_is_built_in_or_a_file() {
+        assert_eq!(resolve("upper_body").unwrap(), builtin::upper_body());
+        let message = resolve("uper_body").unwrap_err().to_string();
+        assert!(message.contains("uper_body") && message.contains("single_limb, upper_body"), "{message}");
+    }
+
+    #[test]
+    fn errors_name_file_line_and_field() {
+        let cases = [
+            (
+                HEAD.to_owned() + &limb("a", "radius = 0.1\nparent = \"b\""),
+                "body.toml, line 8: limb \"a\": `parent` names \"b\"",
+            ),
+            (
+                HEAD.to_owned()
+                    + &limb("a", "radius = 0.1\nparent = \"b\"")
+                    + &limb("b", "radius = 0.1\nparent = \"a\""),
+                "line 8: limb \"a\": `parent` = \"b\" makes a cycle: a → b → a",
+            ),
+            (HEAD.to_owned() + &limb("a", "radius = nan"), "line 7: limb \"a\": `radius` is NaN"),
+            (
+                HEAD.to_owned() + &limb("a", "radius = \"x\""),
+                "line 7: is not valid TOML: invalid type: string",
+            ),
+            (HEAD.to_owned() + &limb("a", ""), "missing field `radius`"),
+            (
+                HEAD.to_owned()
+                    + &limb(
+                        "a",
+                        "radius = 1\nlimits = { axis = [0, 1, 0], flexion = [0, 1], sideways = [0, 1], twist = [0, 1] }",
+                    ),
+                "line 8: limb \"a\": `limits.axis`",
+            ),
+            (
+                HEAD.to_owned() + &limb("a", "radius = 1\ncolour = 3"),
+                "line 8: is not valid TOML: unknown field `colour`",
+            ),
+            (
+                HEAD.to_owned() + &limb("a", "radius = 1") + &limb("a", "radius = 1"),
+                "line 9: limb \"a\": `name` is used twice",
+            ),
+            ("name = \"b\"".to_owned(), "`format` is missing; expected \"backlit-body 1\""),
+            (
+                "\nformat = \"backlit-body 2\"\nshape = 3".to_owned(),
+                "line 2: `format` is \"backlit-body 2\"; expected",
+            ),
+            ("format = 3".to_owned(), "`format` is integer; expected"),
+            ("\n\nname = ".to_owned(), "line 3: is not valid TOML"),
+        ];
+        for (text, expected) in cases {
+            let message = message(&text);
+            assert!(message.contains(expected), "{message:?} should contain {expected:?}");
+        }
+        let bytes = [b"format = \"backlit-body 1\"\n".as_slice(), &[0xFF]].concat();
+        let message = parse(Path::new("body.toml"), &bytes).unwrap_err().to_string();
+        assert!(message.contains("line 2: is not UTF-8"), "{message}");
+    }
+}

@@ -1,0 +1,89 @@
+//! `[measurement]`: the segmentation's options, and what single cameras have otherwise.
+
+use backlit_tracking::segment::SegmentOptions;
+use serde::Deserialize;
+use toml::{Table, Value};
+
+/// Tests and regions that `false` switches off: TOML has no word for nothing.
+const SWITCHES: [&str; 3] = ["shadow", "dont_know", "region"];
+
+/// What is wrong with one key of a `[measurement]` table.
+pub(super) struct Problem {
+    pub(super) key: String,
+    pub(super) message: String,
+}
+
+/// The options of a table; keys left out have their defaults.
+pub(super) fn options(table: &Table) -> Result<SegmentOptions, Problem> {
+    // One key at a time first: then it is known which one is wrong.
+    for (key, value) in table {
+        let alone = Table::from_iter([(key.clone(), value.clone())]);
+        parse(alone).map_err(|message| Problem { key: key.clone(), message })?;
+    }
+    parse(table.clone()).map_err(|message| Problem { key: String::new(), message })
+}
+
+fn parse(mut table: Table) -> Result<SegmentOptions, String> {
+    let off = SWITCHES.map(|key| table.get(key) == Some(&Value::Boolean(false)));
+    for (key, _) in SWITCHES.iter().zip(off).filter(|(_, off)| *off) {
+        table.remove(*key);
+    }
+    let mut options =
+        SegmentOptions::deserialize(table).map_err(|error| error.message().trim().to_owned())?;
+    let [no_shadow, no_dont_know, no_region] = off;
+    options.shadow = options.shadow.filter(|_| !no_shadow);
+    options.dont_know = options.dont_know.filter(|_| !no_dont_know);
+    options.region = options.region.filter(|_| !no_region);
+    options.check().map_err(|error| error.to_string())?;
+    Ok(options)
+}
+
+/// The take's table with a camera's own keys in the place of the take's.
+pub(super) fn merged(take: &Table, camera: &Table) -> Table {
+    let mut out = take.clone();
+    for (key, value) in camera {
+        match (out.get_mut(key), value) {
+            (Some(Value::Table(inner)), Value::Table(more)) => inner.extend(more.clone()),
+            _ => {
+                out.insert(key.clone(), value.clone());
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use backlit_tracking::silhouette::Region;
+
+    use super::*;
+
+    fn table(text: &str) -> Table {
+        text.parse().unwrap()
+    }
+
+    #[test]
+    fn a_camera_changes_single_keys() {
+        let take = table("opening_px = 2\nshadow = false\ndont_know = { dark_level = 40.0, grow_px = 5 }");
+        let camera = table("region = { x = 1, y = 2, width = 30, height = 40 }\ndont_know = { grow_px = 1 }");
+        let options = options(&merged(&take, &camera)).ok().unwrap();
+        assert_eq!((options.opening_px, options.shadow), (2, None));
+        assert_eq!(options.region, Some(Region { x: 1, y: 2, width: 30, height: 40 }));
+        let dont_know = options.dont_know.unwrap();
+        assert_eq!((dont_know.dark_level, dont_know.grow_px), (40.0, 1));
+    }
+
+    #[test]
+    fn the_wrong_key_is_named() {
+        for (text, key) in [
+            ("opening_px = 1\nclosing = 3", "closing"),
+            ("opening_px = 1\nclosing_px = -3", "closing_px"),
+            ("opening_px = 1\nshadow = true", "shadow"),
+            ("z_threshold = nan", "z_threshold"),
+            ("closing_px = 1000000000000", "closing_px"),
+            ("shadow = { dark = 3 }", "shadow"),
+        ] {
+            assert_eq!(options(&table(text)).err().unwrap().key, key, "{text}");
+        }
+    }
+}

@@ -1,0 +1,247 @@
+//! From what a take file says to what it means: paths, cameras, frames, keypoints, options.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use backlit_tracking::body::Model;
+use backlit_tracking::camera::Rig;
+use backlit_tracking::segment::SegmentOptions;
+use toml::{Spanned, Table};
+
+use super::footage::count_files;
+use super::reference::ReferenceOptions;
+use super::spec::{ReferenceSpec, TakeSpec, ViewSpec};
+use super::{
+    BackgroundSource, CameraFootage, FramePattern, Joint, MAX_BACKGROUND_FRAMES, MAX_FRAMES, PatternError,
+    Reference, TakeError, environment, measurement,
+};
+use crate::calibration::{self, CalibrationOptions};
+use crate::text::line_at;
+use crate::toml_text::{self, Step};
+use crate::{FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles};
+
+/// A take file's text and where its paths lead.
+pub(super) struct Reader<'a> {
+    pub(super) files: &'a dyn TakeFiles,
+    path: &'a Path,
+    text: &'a str,
+    /// The take's folder: model and start pose are looked for here.
+    pub(super) folder: PathBuf,
+    /// All else is looked for here.
+    footage: PathBuf,
+}
+
+impl<'a> Reader<'a> {
+    pub(super) fn new(
+        files: &'a dyn TakeFiles,
+        path: &'a Path,
+        text: &'a str,
+        spec: &TakeSpec,
+    ) -> Result<Self, FileError> {
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        let mut reader = Self { files, path, text, footage: folder.clone(), folder };
+        if let Some(footage) = &spec.footage {
+            reader.footage = reader.folder.join(reader.expand(footage, "footage")?);
+        }
+        Ok(reader)
+    }
+
+    fn problem(&self, span: Range<usize>, problem: FileProblem) -> FileError {
+        FileError::new(self.path, problem).at_line(Some(line_at(self.text, span.start)))
+    }
+
+    pub(super) fn field<T: std::fmt::Debug>(
+        &self,
+        value: &Spanned<T>,
+        field: &str,
+        expected: String,
+    ) -> FileError {
+        let found = format!("{:?}", value.get_ref());
+        self.problem(value.span(), FileProblem::Field { field: field.to_owned(), found, expected })
+    }
+
+    pub(super) fn expand(&self, value: &Spanned<String>, field: &str) -> Result<String, FileError> {
+        environment::expand(value.get_ref(), &environment::of_process).map_err(|variable| {
+            self.problem(value.span(), FileProblem::Variable { field: field.to_owned(), variable })
+        })
+    }
+
+    pub(super) fn rig(&self, spec: &TakeSpec) -> Result<Rig, FileError> {
+        let path = self.footage.join(self.expand(&spec.cameras.calibration, "cameras.calibration")?);
+        let options = CalibrationOptions { size: spec.cameras.size, metres_per_unit: spec.units.metres() };
+        let all =
+            calibration::read_from(self.files, &path, options).map_err(|error| match &spec.footage {
+                // Where even the cameras are missing, it is the footage that lies elsewhere.
+                Some(footage) if error.is_missing() => self.field(
+                    footage,
+                    "footage",
+                    format!("the folder of the footage, but there is no {}", path.display()),
+                ),
+                _ => error,
+            })?;
+        let mut cameras = Vec::with_capacity(spec.views.len());
+        for view in &spec.views {
+            let index = all
+                .index(view.name.get_ref())
+                .map_err(|error| self.problem(view.name.span(), FileProblem::Rig { error }))?;
+            cameras.push(all.cameras()[index].clone());
+        }
+        Rig::new(cameras).map_err(|error| FileError::new(self.path, FileProblem::Rig { error }))
+    }
+
+    /// All cameras' footage and how many frames it has.
+    pub(super) fn footage(&self, spec: &TakeSpec) -> Result<(Vec<CameraFootage>, usize), TakeError> {
+        let mut all = Vec::with_capacity(spec.views.len());
+        let mut counts = Vec::with_capacity(spec.views.len());
+        for view in &spec.views {
+            let frames = self.pattern(&view.frames, "camera.frames")?;
+            let footage = CameraFootage {
+                camera: view.name.get_ref().clone(),
+                folder: self.footage.clone(),
+                frames,
+                first: view.first,
+                background: self.background(view)?,
+            };
+            counts.push(self.count_frames(view, &footage)?);
+            all.push(footage);
+        }
+        let longest = (0..all.len()).max_by_key(|&camera| (counts[camera], all.len() - camera));
+        let longest = longest.unwrap_or(0);
+        let expected = counts.get(longest).copied().unwrap_or(0);
+        if let Some(camera) = counts.iter().position(|&count| count != expected) {
+            return Err(TakeError::FrameCount {
+                camera: all[camera].camera.clone(),
+                found: counts[camera],
+                other: all[longest].camera.clone(),
+                expected,
+                file: all[camera].path(counts[camera]).display().to_string(),
+            });
+        }
+        Ok((all, expected))
+    }
+
+    fn pattern(&self, value: &Spanned<String>, field: &str) -> Result<FramePattern, FileError> {
+        let text = self.expand(value, field)?;
+        FramePattern::new(&text).map_err(|error| {
+            let (found, expected) = (format!("{text:?}"), format!("a pattern of file names: it has {error}"));
+            self.problem(value.span(), FileProblem::Field { field: field.to_owned(), found, expected })
+        })
+    }
+
+    /// How many frames a camera has: as many as it says, and they are all there; else as many as are found.
+    fn count_frames(&self, view: &ViewSpec, footage: &CameraFootage) -> Result<usize, TakeError> {
+        let declared = match (&view.count, &view.last) {
+            (Some(_), Some(last)) => {
+                return Err(self.field(last, "last", "either `count` or `last`".to_owned()).into());
+            }
+            (Some(count), None) => Some((count, "count", Some(*count.get_ref()))),
+            (None, Some(last)) => {
+                Some((last, "last", last.get_ref().checked_sub(view.first).and_then(|n| n.checked_add(1))))
+            }
+            (None, None) => None,
+        };
+        let wanted = match declared {
+            Some((value, field, count)) => {
+                let count = count.and_then(|count| usize::try_from(count).ok());
+                let count = count.filter(|count| (1..=MAX_FRAMES).contains(count)).ok_or_else(|| {
+                    self.field(
+                        value,
+                        field,
+                        format!("1 to {MAX_FRAMES} frames from `first` = {}", view.first),
+                    )
+                })?;
+                Some(count)
+            }
+            None => None,
+        };
+        let exists = |path: &Path| self.files.exists(path);
+        let limit = wanted.unwrap_or(MAX_FRAMES);
+        let found = count_files(&exists, &footage.frames, &footage.folder, footage.first, limit);
+        if found < wanted.unwrap_or(1) {
+            let error = FileError::new(&footage.path(found), FileProblem::Missing);
+            return Err(TakeError::Frame { camera: footage.camera.clone(), frame: found, error });
+        }
+        Ok(found)
+    }
+
+    fn background(&self, view: &ViewSpec) -> Result<Option<BackgroundSource>, TakeError> {
+        let Some(background) = &view.background else { return Ok(None) };
+        let text = self.expand(background, "camera.background")?;
+        let missing = |path: &Path| TakeError::Background {
+            camera: view.name.get_ref().clone(),
+            error: FileError::new(path, FileProblem::Missing),
+        };
+        if FramePattern::new(&text) == Err(PatternError::NoNumber) {
+            let path = self.footage.join(text.replace("%%", "%"));
+            return if self.files.exists(&path) {
+                Ok(Some(BackgroundSource::Plate(path)))
+            } else {
+                Err(missing(&path))
+            };
+        }
+        let pattern = self.pattern(background, "camera.background")?;
+        let mut limit = MAX_BACKGROUND_FRAMES;
+        let mut wanted = 1;
+        if let Some(count) = &view.background_count {
+            let expected = || format!("1 to {MAX_BACKGROUND_FRAMES} pictures");
+            let given =
+                usize::try_from(*count.get_ref()).ok().filter(|n| (1..=MAX_BACKGROUND_FRAMES).contains(n));
+            limit = given.ok_or_else(|| self.field(count, "background_count", expected()))?;
+            wanted = limit;
+        }
+        let exists = |path: &Path| self.files.exists(path);
+        let found = count_files(&exists, &pattern, &self.footage, view.background_first, limit);
+        let path = |k: usize| pattern.path(&self.footage, view.background_first.saturating_add(k as u64));
+        if found < wanted {
+            return Err(missing(&path(found)));
+        }
+        Ok(Some(BackgroundSource::Frames((0..found).map(path).collect())))
+    }
+
+    pub(super) fn reference(
+        &self,
+        spec: &ReferenceSpec,
+        model: &Model,
+        frame_count: usize,
+        take: &TakeSpec,
+    ) -> Result<Reference, FileError> {
+        let path = self.footage.join(self.expand(&spec.keypoints, "reference.keypoints")?);
+        let mut markers = Vec::new();
+        for (marker, limb) in spec.markers.iter().flatten() {
+            let joint = Joint::named(model, limb.get_ref()).ok_or_else(|| {
+                let field = format!("reference.markers.{marker}");
+                self.problem(limb.span(), FileProblem::UnknownLimb { field, limb: limb.get_ref().clone() })
+            })?;
+            markers.push((marker.clone(), joint));
+        }
+        let options = ReferenceOptions {
+            markers: spec.markers.is_some().then_some(&markers),
+            first_frame: spec.first_frame,
+            frame_count,
+            metres_per_unit: take.units.metres(),
+        };
+        Reference::parse(&path, &self.files.read(&path, MAX_TEXT_BYTES)?, model, &options)
+    }
+
+    pub(super) fn measurement(&self, spec: &TakeSpec) -> Result<Vec<SegmentOptions>, FileError> {
+        let options = |table: &Table, steps: &[Step<'_>]| {
+            measurement::options(table).map_err(|problem| {
+                let steps: Vec<Step<'_>> = steps
+                    .iter()
+                    .copied()
+                    .chain([Step::Key("measurement"), Step::Key(&problem.key)])
+                    .collect();
+                let field = format!("measurement.{}", problem.key);
+                let problem = FileProblem::Option { field, message: problem.message };
+                FileError::new(self.path, problem).at_line(toml_text::line_of(self.text, &steps))
+            })
+        };
+        options(&spec.measurement, &[])?;
+        let camera = |view: &ViewSpec| {
+            let steps = [Step::Key("camera"), Step::Named(view.name.get_ref())];
+            options(&view.measurement, &steps)?;
+            options(&measurement::merged(&spec.measurement, &view.measurement), &steps)
+        };
+        spec.views.iter().map(camera).collect()
+    }
+}

@@ -1,0 +1,254 @@
+//! A parsed take; its pictures are read on demand.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::camera::{Camera, Rig};
+use backlit_tracking::segment::SegmentOptions;
+use image::RgbImage;
+
+use super::reader::Reader;
+use super::spec::{FORMAT, TakeSpec};
+use super::{BackgroundSource, CameraFootage, Reference, TakeError};
+use crate::images::{self, MAX_PICTURE_BYTES};
+use crate::pose_file::{self, Quaternions};
+use crate::text::decode;
+use crate::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles, model_file, toml_text};
+
+/// The take file in a take's folder.
+pub const FILE_NAME: &str = "take.toml";
+/// Largest take file that is read, bytes.
+const MAX_BYTES: u64 = 1 << 20;
+/// Frame rates above this are a mistake, frames per second.
+const MAX_FRAME_RATE: f64 = 100_000.0;
+
+/// A recording with everything that belongs to it.
+///
+/// Guaranteed: at least one camera and one frame; every camera has all frames (the files were there when the take
+/// was opened) and its first one is of the camera's size; start pose and reference fit the model.
+#[derive(Debug, Clone)]
+pub struct Take {
+    files: Arc<dyn TakeFiles>,
+    path: PathBuf,
+    name: String,
+    frame_rate: f64,
+    model: Arc<Model>,
+    rig: Rig,
+    footage: Vec<CameraFootage>,
+    frame_count: usize,
+    start: Option<Pose>,
+    reference: Option<Reference>,
+    measurement: Vec<SegmentOptions>,
+}
+
+/// The take file of a folder, or the file itself.
+fn file_of(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join(FILE_NAME) } else { path.to_owned() }
+}
+
+impl Take {
+    /// Opens a take of the disk: its folder or its take file.
+    ///
+    /// # Errors
+    /// A file is missing or wrong; the error names it, and the camera and frame where it is a picture.
+    pub fn open(path: &Path) -> Result<Self, TakeError> {
+        Self::read(Arc::new(DiskFiles), &file_of(path), None)
+    }
+
+    /// The same with another body in place of the one that the take names: start pose and reference name its limbs.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_with_model(path: &Path, model: Model) -> Result<Self, TakeError> {
+        Self::read(Arc::new(DiskFiles), &file_of(path), Some(model))
+    }
+
+    /// Opens a take whose files come from anywhere.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn from_files(files: Arc<dyn TakeFiles>, path: &Path) -> Result<Self, TakeError> {
+        Self::read(files, path, None)
+    }
+
+    fn read(files: Arc<dyn TakeFiles>, path: &Path, model: Option<Model>) -> Result<Self, TakeError> {
+        let bytes = files.read(path, MAX_BYTES)?;
+        let text = decode(path, &bytes)?;
+        let spec: TakeSpec = toml_text::parse_versioned(path, text, FORMAT)?;
+        let reader = Reader::new(files.as_ref(), path, text, &spec)?;
+        let frame_rate = *spec.frame_rate.get_ref();
+        if !(frame_rate > 0.0 && frame_rate <= MAX_FRAME_RATE) {
+            let expected = format!("frames per second, above 0 and at most {MAX_FRAME_RATE}");
+            return Err(reader.field(&spec.frame_rate, "frame_rate", expected).into());
+        }
+        let model = match model {
+            Some(model) => model,
+            None => {
+                model_file::resolve_in(reader.files, &reader.folder, &reader.expand(&spec.model, "model")?)?
+            }
+        };
+        let start = match &spec.start {
+            Some(start) => {
+                let path = reader.folder.join(reader.expand(start, "start")?);
+                let bytes = reader.files.read(&path, MAX_TEXT_BYTES)?;
+                Some(pose_file::parse(&path, &bytes, &model, Quaternions::Normalised)?)
+            }
+            None => None,
+        };
+        let rig = reader.rig(&spec)?;
+        let (footage, frame_count) = reader.footage(&spec)?;
+        let reference = match &spec.reference {
+            Some(reference) => Some(reader.reference(reference, &model, frame_count, &spec)?),
+            None => None,
+        };
+        let measurement = reader.measurement(&spec)?;
+        let (name, model) = (spec.name, Arc::new(model));
+        let path = path.to_owned();
+        let take = Self {
+            files,
+            path,
+            name,
+            frame_rate,
+            model,
+            rig,
+            footage,
+            frame_count,
+            start,
+            reference,
+            measurement,
+        };
+        for camera in 0..take.rig.count() {
+            take.check_first_picture(camera)?;
+        }
+        Ok(take)
+    }
+
+    /// The take file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What the take is called.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Frames per second.
+    #[must_use]
+    pub fn frame_rate(&self) -> f64 {
+        self.frame_rate
+    }
+
+    /// The body.
+    #[must_use]
+    pub fn model(&self) -> &Arc<Model> {
+        &self.model
+    }
+
+    /// The cameras, in the order of the take file.
+    #[must_use]
+    pub fn rig(&self) -> &Rig {
+        &self.rig
+    }
+
+    /// Where each camera's pictures are, in the rig's order.
+    #[must_use]
+    pub fn footage(&self) -> &[CameraFootage] {
+        &self.footage
+    }
+
+    /// Number of frames, at least one.
+    #[must_use]
+    pub fn frame_count(&self) -> usize {
+        self.frame_count
+    }
+
+    /// The pose to start from, if the take has one.
+    #[must_use]
+    pub fn start(&self) -> Option<&Pose> {
+        self.start.as_ref()
+    }
+
+    /// Keypoints to compare with, if the take has any.
+    #[must_use]
+    pub fn reference(&self) -> Option<&Reference> {
+        self.reference.as_ref()
+    }
+
+    /// How each camera's frames are segmented, in the rig's order.
+    #[must_use]
+    pub fn measurement(&self) -> &[SegmentOptions] {
+        &self.measurement
+    }
+
+    /// A camera's picture of a frame (counted from 0), as it is on the disk: not rectified.
+    ///
+    /// # Errors
+    /// No such camera or frame, no file, not a whole picture, or not of the camera's size.
+    pub fn frame(&self, camera: usize, frame: usize) -> Result<RgbImage, TakeError> {
+        let footage = self.footage_of(camera)?;
+        if frame >= self.frame_count {
+            return Err(TakeError::NoFrame { frame, count: self.frame_count });
+        }
+        self.picture(camera, &footage.path(frame)).map_err(|error| TakeError::Frame {
+            camera: footage.camera.clone(),
+            frame,
+            error,
+        })
+    }
+
+    /// The same take seen by other cameras: as many, for pictures of the same sizes, in the same order. `None` if they
+    /// are not.
+    #[must_use]
+    pub fn with_rig(&self, rig: Rig) -> Option<Self> {
+        let sizes = |rig: &Rig| -> Vec<[usize; 2]> {
+            rig.cameras().iter().map(|camera| [camera.width(), camera.height()]).collect()
+        };
+        (sizes(&rig) == sizes(&self.rig)).then(|| Self { rig, ..self.clone() })
+    }
+
+    /// A camera's pictures without the subject: one plate or several frames, none if the take has none. Not rectified.
+    ///
+    /// # Errors
+    /// No such camera, no file, not a whole picture, or not of the camera's size.
+    pub fn background(&self, camera: usize) -> Result<Vec<RgbImage>, TakeError> {
+        let footage = self.footage_of(camera)?;
+        let paths = footage.background.as_ref().map(BackgroundSource::paths).unwrap_or_default();
+        let pictures = paths.iter().map(|path| self.picture(camera, path));
+        pictures
+            .collect::<Result<_, _>>()
+            .map_err(|error| TakeError::Background { camera: footage.camera.clone(), error })
+    }
+
+    fn footage_of(&self, camera: usize) -> Result<&CameraFootage, TakeError> {
+        self.footage.get(camera).ok_or(TakeError::NoCamera { camera, count: self.footage.len() })
+    }
+
+    fn picture(&self, camera: usize, path: &Path) -> Result<RgbImage, FileError> {
+        let bytes = self.files.read(path, MAX_PICTURE_BYTES)?;
+        // The size first: a wrong picture need not be decoded.
+        check_size(path, images::size(path, &bytes)?, &self.rig.cameras()[camera])?;
+        images::decode(path, &bytes)
+    }
+
+    fn check_first_picture(&self, camera: usize) -> Result<(), TakeError> {
+        let path = self.footage[camera].path(0);
+        let check = || {
+            let bytes = self.files.read(&path, MAX_PICTURE_BYTES)?;
+            check_size(&path, images::size(&path, &bytes)?, &self.rig.cameras()[camera])
+        };
+        let name = || self.footage[camera].camera.clone();
+        check().map_err(|error| TakeError::Frame { camera: name(), frame: 0, error })
+    }
+}
+
+fn check_size(path: &Path, found: [usize; 2], camera: &Camera) -> Result<(), FileError> {
+    let expected = [camera.width(), camera.height()];
+    if found == expected {
+        return Ok(());
+    }
+    Err(FileError::new(path, FileProblem::PictureSize { found, expected }))
+}

@@ -1,0 +1,10 @@
+//! Files through the public face of their readers: whole takes, real ones, and bytes that make no sense.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
+
+mod bad_numbers;
+#[path = "../../../tracking/tests/tracking/footage.rs"]
+mod footage;
+mod hostile_files;
+mod real_take;
+mod take_files;

@@ -1,0 +1,39 @@
+//! How far an experiment is, and why one cannot run.
+
+use backlit_tracking::body::ModelError;
+use backlit_tracking::camera::CameraError;
+use backlit_tracking::silhouette::{MaskError, MeasurementError};
+use backlit_tracking::track::FitError;
+use backlit_tracking::track::fit_body::BodyFitError;
+use thiserror::Error;
+
+/// How far an experiment is: units of work done, of all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// Done so far.
+    pub done: usize,
+    /// To do in all, at least `done`.
+    pub total: usize,
+}
+
+/// Why an experiment gave no report.
+#[derive(Debug, Error, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum ExperimentError {
+    #[error("`{option}` is {value}; expected {expected}")]
+    Option { option: &'static str, value: f64, expected: &'static str },
+    #[error("the experiment was stopped")]
+    Cancelled,
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    #[error("{person}: {error}")]
+    Body { person: &'static str, error: BodyFitError },
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    #[error(transparent)]
+    Mask(#[from] MaskError),
+    #[error(transparent)]
+    Measurement(#[from] MeasurementError),
+}

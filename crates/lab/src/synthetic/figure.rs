@@ -1,0 +1,378 @@
+//! The figure: a clothed person as a smooth union of solids that are not the model's capsules.
+//!
+//! The joints are the model's, so the truth is known; the flesh is round cones, ellipsoids, slabs and frusta
+//! beside the axes, and over it lies cloth that stands off the body. Each solid is given in the rest frame of
+//! one rotation (x subject's right, y forward, z up) about one joint. Solids of one material melt together;
+//! different materials meet at an edge. Metres.
+
+use backlit_tracking::body::{Kinematics, Model, Pose};
+use glam::{DMat3, DVec3};
+
+use super::solid::smooth_min;
+
+/// How much of [`Figure::distance`] a ray may walk: the solids' functions overrate by at most its inverse.
+pub(super) const STEP: f64 = 0.8;
+/// A part farther off than this beyond the nearest one cannot shape the surface.
+const REACH: f64 = 0.12;
+
+/// The sizes in which one person differs from another, as factors of an average adult; and the clothes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Build {
+    /// Girth of the trunk.
+    pub trunk: f64,
+    /// Girth of the arms.
+    pub arms: f64,
+    /// Girth of the legs.
+    pub legs: f64,
+    /// Size of the head.
+    pub head: f64,
+    /// Bulges of calf, thigh, upper arm and forearm beside the axes; 0 for plain tapered limbs.
+    pub muscle: f64,
+    /// How far cloth stands off the body, 1 for a loose T-shirt and slim trousers.
+    pub cloth: f64,
+    /// Height of the folds in the cloth, metres.
+    pub folds: f64,
+    /// Thickness of the hair, metres.
+    pub hair: f64,
+}
+
+impl Default for Build {
+    fn default() -> Self {
+        Self {
+            trunk: 1.0,
+            arms: 1.0,
+            legs: 1.0,
+            head: 1.05,
+            muscle: 1.0,
+            cloth: 1.0,
+            folds: 0.0035,
+            hair: 0.014,
+        }
+    }
+}
+
+/// What a point of the figure's surface is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Material {
+    /// Face, neck, arms and hands.
+    Skin,
+    /// The T-shirt.
+    Shirt,
+    /// The trousers.
+    Trousers,
+    /// Shoes and socks.
+    Shoe,
+    /// The hair.
+    Hair,
+}
+
+/// A point of the figure's surface with what is needed to colour it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Touch {
+    pub(super) distance: f64,
+    pub(super) material: Material,
+    /// The point in the frame of the part, where textures live.
+    pub(super) local: DVec3,
+    pub(super) part: Part,
+}
+
+/// A part of the body that is skipped as a whole when it is far off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Part {
+    Head,
+    Trunk,
+    /// Upper arm, forearm and hand.
+    RightArm,
+    LeftArm,
+    /// Thigh, calf and foot.
+    RightLeg,
+    LeftLeg,
+}
+
+const PARTS: [Part; 6] =
+    [Part::Head, Part::Trunk, Part::RightArm, Part::LeftArm, Part::RightLeg, Part::LeftLeg];
+
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Frame {
+    pub(super) origin: DVec3,
+    local_from_world: DMat3,
+}
+
+impl Frame {
+    pub(super) fn local(&self, point: DVec3) -> DVec3 {
+        self.local_from_world * (point - self.origin)
+    }
+}
+
+/// One limb's frames from trunk to tip, its solids mirrored for the left.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Chain {
+    pub(super) upper: Frame,
+    pub(super) lower: Frame,
+    pub(super) end: Frame,
+    pub(super) mirror: f64,
+    pub(super) upper_length: f64,
+    pub(super) lower_length: f64,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Ball {
+    centre: DVec3,
+    radius: f64,
+}
+
+/// A posed figure. Cheap to make; [`distance`](Self::distance) is safe to ask from many threads.
+#[derive(Debug, Clone)]
+pub struct Figure {
+    pub(super) build: Build,
+    pub(super) head: Frame,
+    /// Centre of the pelvis.
+    pub(super) pelvis: Frame,
+    /// End of the spine.
+    pub(super) chest: Frame,
+    pub(super) clavicles: [Frame; 2],
+    pub(super) arms: [Chain; 2],
+    pub(super) legs: [Chain; 2],
+    /// Neck joint and right and left shoulder joints, in the chest's frame.
+    pub(super) collar: [DVec3; 3],
+    /// Per entry of [`PARTS`].
+    bounds: [Ball; 6],
+}
+
+/// Distances to the five materials of one part or of all.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Layers(pub(super) [f64; 5]);
+
+impl Layers {
+    pub(super) const FAR: Self = Self([1e3; 5]);
+    const ORDER: [Material; 5] =
+        [Material::Skin, Material::Shirt, Material::Trousers, Material::Shoe, Material::Hair];
+    /// Width of the fillet between solids of one material.
+    const FILLET: [f64; 5] = [0.02, 0.05, 0.045, 0.012, 0.01];
+
+    fn nearest(self) -> (f64, Material) {
+        let mut best = (f64::INFINITY, Material::Skin);
+        for (distance, material) in self.0.into_iter().zip(Self::ORDER) {
+            if distance < best.0 {
+                best = (distance, material);
+            }
+        }
+        best
+    }
+
+    fn join(&mut self, other: Self) {
+        for ((mine, theirs), k) in self.0.iter_mut().zip(other.0).zip(Self::FILLET) {
+            *mine = smooth_min(*mine, theirs, k);
+        }
+    }
+}
+
+impl Figure {
+    /// The figure in a pose of the built-in full body, or of a body of other lengths with its limb names.
+    ///
+    /// `None` if the model lacks one of those limbs.
+    #[must_use]
+    pub fn new(model: &Model, pose: &Pose, build: Build) -> Option<Self> {
+        let kinematics = Kinematics::new(model, pose);
+        let limb = |name: &str| model.limb_index(name);
+        let frame = |name: &str| -> Option<Frame> {
+            let index = limb(name)?;
+            let world_from_local = kinematics.world_rotations()[model.limbs()[index].rotation];
+            Some(Frame { origin: kinematics.starts()[index], local_from_world: world_from_local.transpose() })
+        };
+        let length = |name: String| -> Option<f64> { Some(model.limbs()[limb(&name)?].length) };
+        let chain = |side: &str, upper: &str, lower: &str, end: &str| -> Option<Chain> {
+            let whole = |limb: &str| -> Option<f64> {
+                Some(
+                    length(format!("{side} {limb}"))?
+                        + length(format!("{side} lower {limb}")).unwrap_or_default(),
+                )
+            };
+            Some(Chain {
+                upper: frame(&format!("{side} {upper}"))?,
+                lower: frame(&format!("{side} {lower}"))?,
+                end: frame(&format!("{side} {end}"))?,
+                mirror: if side == "right" { 1.0 } else { -1.0 },
+                upper_length: whole(upper)?,
+                lower_length: whole(lower)?,
+            })
+        };
+        let (mut head, chest) = (frame("skull")?, frame("chest")?);
+        head.origin = kinematics.starts()[limb("skull")?];
+        let arms =
+            [chain("right", "upper arm", "forearm", "hand")?, chain("left", "upper arm", "forearm", "hand")?];
+        let legs = [chain("right", "thigh", "calf", "foot")?, chain("left", "thigh", "calf", "foot")?];
+        let mut this = Self {
+            build,
+            head,
+            pelvis: frame("spine")?,
+            chest,
+            clavicles: [frame("right clavicle")?, frame("left clavicle")?],
+            collar: [
+                chest.local(kinematics.starts()[limb("neck")?]),
+                chest.local(arms[0].upper.origin),
+                chest.local(arms[1].upper.origin),
+            ],
+            arms,
+            legs,
+            bounds: [Ball { centre: DVec3::ZERO, radius: 0.0 }; 6],
+        };
+        this.bounds = PARTS.map(|part| this.bound(part));
+        Some(this)
+    }
+
+    /// Distance from the figure's surface, negative inside; far away, a lower bound.
+    ///
+    /// It may overrate by a factor of at most 1.25.
+    #[must_use]
+    pub fn distance(&self, point: DVec3) -> f64 {
+        self.layers(point).nearest().0
+    }
+
+    /// Centre and radius of a ball that holds the whole figure.
+    #[must_use]
+    pub fn bounding_ball(&self) -> (DVec3, f64) {
+        let centre = self.bounds.iter().map(|ball| ball.centre).sum::<DVec3>() / self.bounds.len() as f64;
+        let reach = self.bounds.iter().map(|ball| ball.centre.distance(centre) + ball.radius);
+        (centre, reach.fold(0.0, f64::max))
+    }
+
+    /// Where a ray (unit `direction`) first meets the figure: metres along it.
+    #[must_use]
+    pub fn intersect(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
+        const STEPS: usize = 160;
+        const TOUCHING: f64 = 2e-4;
+        let (centre, radius) = self.bounding_ball();
+        let middle = (centre - origin).dot(direction);
+        let half = radius * radius - (centre - origin - direction * middle).length_squared();
+        if half < 0.0 {
+            return None;
+        }
+        let (mut t, end) = ((middle - half.sqrt()).max(0.0), middle + half.sqrt());
+        for _ in 0..STEPS {
+            let distance = self.distance(origin + direction * t);
+            if distance < TOUCHING {
+                return Some(t);
+            }
+            t += distance * STEP;
+            if t > end {
+                return None;
+            }
+        }
+        None
+    }
+
+    /// Outward unit normal near the surface.
+    #[must_use]
+    pub fn normal(&self, point: DVec3) -> DVec3 {
+        const H: f64 = 4e-4;
+        let corners = [
+            DVec3::new(1.0, -1.0, -1.0),
+            DVec3::new(-1.0, -1.0, 1.0),
+            DVec3::new(-1.0, 1.0, -1.0),
+            DVec3::ONE,
+        ];
+        corners
+            .iter()
+            .map(|&corner| corner * self.distance(point + corner * H))
+            .sum::<DVec3>()
+            .normalize_or(DVec3::Z)
+    }
+
+    /// The nearest part and material, for colouring.
+    pub(super) fn touch(&self, point: DVec3) -> Touch {
+        let (distance, material) = self.layers(point).nearest();
+        let mut part = (f64::INFINITY, Part::Trunk);
+        for candidate in PARTS {
+            let own = self.part(candidate, point).0
+                [Layers::ORDER.iter().position(|&other| other == material).unwrap_or_default()];
+            if own < part.0 {
+                part = (own, candidate);
+            }
+        }
+        let frame = match part.1 {
+            Part::Head => &self.head,
+            Part::Trunk => &self.chest,
+            Part::RightArm => nearest_frame(&self.arms[0], point),
+            Part::LeftArm => nearest_frame(&self.arms[1], point),
+            Part::RightLeg => leg_frame(&self.legs[0], point, material),
+            Part::LeftLeg => leg_frame(&self.legs[1], point, material),
+        };
+        Touch { distance, material, local: frame.local(point), part: part.1 }
+    }
+
+    fn layers(&self, point: DVec3) -> Layers {
+        let bounds = self.bounds.map(|ball| point.distance(ball.centre) - ball.radius);
+        let nearest = bounds.iter().copied().fold(f64::INFINITY, f64::min);
+        if nearest > REACH {
+            let mut far = Layers::FAR;
+            far.0[0] = nearest;
+            return far;
+        }
+        let mut all = Layers::FAR;
+        for (part, bound) in PARTS.into_iter().zip(bounds) {
+            if bound < REACH && bound < all.nearest().0 + REACH {
+                all.join(self.part(part, point));
+            }
+        }
+        // A part that was left out may still be the nearest, at more than its bound.
+        all.0[0] = all.0[0].min(REACH.max(nearest));
+        all
+    }
+
+    fn part(&self, part: Part, point: DVec3) -> Layers {
+        match part {
+            Part::Head => self.head_layers(point),
+            Part::Trunk => self.trunk_layers(point),
+            Part::RightArm => self.arm_layers(0, point),
+            Part::LeftArm => self.arm_layers(1, point),
+            Part::RightLeg => self.leg_layers(0, point),
+            Part::LeftLeg => self.leg_layers(1, point),
+        }
+    }
+
+    fn bound(&self, part: Part) -> Ball {
+        let between = |chain: &Chain, tip: DVec3| {
+            let end = chain.end.origin + chain.end.local_from_world.transpose() * tip;
+            let centre = (chain.upper.origin + end) * 0.5;
+            // The bent joint in the middle may be the farthest.
+            let reach = chain.lower.origin.distance(centre).max(chain.end.origin.distance(centre));
+            Ball { centre, radius: reach.max(end.distance(centre)) }
+        };
+        let grown = |ball: Ball, by: f64| Ball { radius: ball.radius + by, ..ball };
+        let widest = |factors: [f64; 2]| factors[0].max(factors[1]).max(1.0);
+        match part {
+            Part::Head => Ball {
+                centre: self.head.origin
+                    + self.head.local_from_world.transpose() * DVec3::new(0.0, 0.0, 0.06),
+                radius: 0.2 * widest([self.build.head, 1.0]) + self.build.hair,
+            },
+            Part::Trunk => Ball {
+                centre: (self.pelvis.origin + self.chest.origin) * 0.5
+                    + (self.chest.origin - self.pelvis.origin) * 0.3,
+                radius: 0.42 * widest([self.build.trunk, self.build.cloth]),
+            },
+            Part::RightArm | Part::LeftArm => grown(
+                between(&self.arms[usize::from(part == Part::LeftArm)], DVec3::new(0.0, 0.0, -0.2)),
+                0.1 * widest([self.build.arms, self.build.cloth]),
+            ),
+            Part::RightLeg | Part::LeftLeg => grown(
+                between(&self.legs[usize::from(part == Part::LeftLeg)], DVec3::new(0.0, 0.08, -0.09)),
+                0.17 * widest([self.build.legs, self.build.cloth]),
+            ),
+        }
+    }
+}
+
+fn nearest_frame(chain: &Chain, point: DVec3) -> &Frame {
+    let middle = |a: &Frame, b: &Frame| point.distance((a.origin + b.origin) * 0.5);
+    if middle(&chain.upper, &chain.lower) < middle(&chain.lower, &chain.end) {
+        &chain.upper
+    } else {
+        &chain.lower
+    }
+}
+
+fn leg_frame(chain: &Chain, point: DVec3, material: Material) -> &Frame {
+    if material == Material::Shoe { &chain.end } else { nearest_frame(chain, point) }
+}

@@ -1,0 +1,143 @@
+//! People of several builds: the built-in full body with other proportions, from a child to a tall adult, from slim
+//! to broad.
+//!
+//! Statures are about the 50th percentile of the age named (child) or the 5th and 95th of adults; proportions follow
+//! H. Meredith, "Changes in the stature and body weight of children" and the head heights of S. Pheasant,
+//! "Bodyspace" (2nd ed., 1996), rounded: a child's head is large, its legs are short.
+
+use backlit_tracking::body::{Model, ModelError};
+
+/// A build, as factors of the built-in full body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Person {
+    /// What it is called.
+    pub name: &'static str,
+    /// Of everything.
+    pub stature: f64,
+    /// Of all lengths of legs, beside the stature.
+    pub legs: f64,
+    /// Of all lengths of arms, beside the stature.
+    pub arms: f64,
+    /// Of lengths across the body: hips, ribs, clavicles, beside the stature.
+    pub breadth: f64,
+    /// Of the skull, length and radius, beside the stature.
+    pub head: f64,
+    /// Of all radii but the head's, beside the stature.
+    pub girth: f64,
+    /// Of the radii of trunk and hips, beside the girth.
+    pub trunk_girth: f64,
+}
+
+/// The builds of the experiment.
+pub const PEOPLE: [Person; 6] = [
+    Person {
+        name: "child of six, slim",
+        stature: 0.66,
+        legs: 0.94,
+        arms: 0.95,
+        breadth: 1.0,
+        head: 1.3,
+        girth: 0.95,
+        trunk_girth: 1.05,
+    },
+    Person {
+        name: "child of ten, broad",
+        stature: 0.8,
+        legs: 0.97,
+        arms: 0.97,
+        breadth: 1.05,
+        head: 1.15,
+        girth: 1.15,
+        trunk_girth: 1.05,
+    },
+    Person {
+        name: "short adult, broad",
+        stature: 0.88,
+        legs: 0.96,
+        arms: 0.96,
+        breadth: 1.06,
+        head: 1.06,
+        girth: 1.2,
+        trunk_girth: 1.05,
+    },
+    Person {
+        name: "average adult",
+        stature: 1.0,
+        legs: 1.0,
+        arms: 1.0,
+        breadth: 1.0,
+        head: 1.0,
+        girth: 1.0,
+        trunk_girth: 1.0,
+    },
+    Person {
+        name: "tall adult, slim",
+        stature: 1.09,
+        legs: 1.04,
+        arms: 1.04,
+        breadth: 0.97,
+        head: 0.94,
+        girth: 0.85,
+        trunk_girth: 0.95,
+    },
+    Person {
+        name: "tall adult, broad",
+        stature: 1.1,
+        legs: 0.98,
+        arms: 1.02,
+        breadth: 1.08,
+        head: 0.96,
+        girth: 1.15,
+        trunk_girth: 1.05,
+    },
+];
+
+impl Person {
+    /// The person's body, of an average adult's full body.
+    ///
+    /// # Errors
+    /// A factor that makes a size out of range.
+    pub fn of(&self, adult: &Model) -> Result<Model, ModelError> {
+        let is_one = |name: &str, words: &[&str]| words.iter().any(|word| name.ends_with(word));
+        let resized = adult.with_sizes(|limb| {
+            let limb = &adult.limbs()[limb];
+            let name = limb.name.as_str();
+            let (mut length, mut radius) = (self.stature, self.stature * self.girth);
+            if name == "neck" {
+                // As long as the stature says and as thick as the limbs.
+            } else if name == "skull" {
+                length *= self.head;
+                radius = self.stature * self.head;
+            } else if is_one(name, &["thigh", "calf", "foot"]) {
+                length *= self.legs;
+            } else if is_one(name, &["arm", "hand"]) {
+                length *= self.arms;
+            } else {
+                radius *= self.trunk_girth;
+                if is_one(name, &["hip", "rib", "clavicle"]) {
+                    length *= self.breadth;
+                }
+            }
+            [limb.length * length, limb.radius * radius]
+        })?;
+        Ok(resized.renamed(self.name))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use backlit_tracking::body::builtin;
+
+    use super::*;
+
+    #[test]
+    fn an_average_adult_is_the_built_in_body_and_others_differ() {
+        let adult = builtin::full_body();
+        let average = PEOPLE.iter().find(|person| person.name == "average adult").unwrap();
+        assert_eq!(average.of(&adult).unwrap().renamed(adult.name()), adult);
+        let child = PEOPLE[0].of(&adult).unwrap();
+        let size = |model: &Model, name: &str| model.limbs()[model.limb_index(name).unwrap()].length;
+        let ratio = |name: &str| size(&child, name) / size(&adult, name);
+        assert!(ratio("skull") > ratio("spine") && ratio("spine") > ratio("left calf"));
+    }
+}

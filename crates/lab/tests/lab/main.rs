@@ -1,0 +1,5 @@
+//! What synthetic people are for, through the public face: the take that comes with the program.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
+
+mod builtin_take;
