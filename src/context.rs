@@ -4,6 +4,7 @@ pub mod action;
 pub mod arrangement;
 pub mod clock;
 pub(crate) mod command_button;
+pub(crate) mod file_dialog;
 pub mod notices;
 pub mod pane;
 pub mod preferences;
@@ -12,6 +13,8 @@ pub mod view_settings;
 pub mod write_advice;
 
 use std::path::{Path, PathBuf};
+
+use backlit_tracking::body::Pose;
 
 use crate::app::{TimeAxis, nudge_of};
 use crate::context::action::Action;
@@ -32,7 +35,9 @@ use crate::features::laboratory::{Laboratory, LaboratoryRequest};
 use crate::features::observability::{Glance, ObserveRequest, Observing};
 use crate::features::scene::{SceneLook, SceneOrder};
 use crate::features::timeline::TimelineEvent;
+use crate::jobs::Pool;
 use crate::session::Session;
+use crate::session::prediction::{Derivatives, FitInputs};
 use crate::session::selection::{Selection, StepRef};
 use crate::take::source::TakeSource;
 
@@ -75,6 +80,12 @@ pub struct Context<'a> {
     pub laboratory: &'a Laboratory,
     /// Time that the last frame of the window took, in seconds.
     pub frame_seconds: f64,
+    /// Seconds since the window was opened.
+    pub now: f64,
+    /// The threads, for the features' tasks.
+    pub pool: &'a Pool,
+    /// The window's own context.
+    pub egui: &'a egui::Context,
 }
 
 /// Which lanes of the worker have work.
@@ -109,6 +120,26 @@ impl<'a> Context<'a> {
     pub fn document(&self) -> &'a Document {
         self.history.document()
     }
+
+    /// The pose on the screen.
+    #[must_use]
+    pub fn shown_pose(&self) -> &'a Pose {
+        self.session.shown_pose(self.document(), self.selection)
+    }
+
+    /// All that a prediction of the frame on the screen depends on, but the pose; without derivatives.
+    #[must_use]
+    pub fn fit_inputs(&self) -> Option<FitInputs> {
+        let document = self.document();
+        Some(FitInputs {
+            model: document.model.clone(),
+            cameras: self.session.take.as_ref()?.cameras.clone(),
+            uses: document.cameras.clone(),
+            fit: document.fit.clone(),
+            frame: self.session.frames.get(self.selection.frame).cloned(),
+            derivatives: Derivatives::default(),
+        })
+    }
 }
 
 /// Something a panel asks for that is neither an edit nor a command of its own.
@@ -120,7 +151,7 @@ pub enum Request {
     Joint(JointId),
     /// Make a camera's tile the active one.
     Camera(usize),
-    /// Preferences at a step of a run.
+    /// Look at a step of a run.
     Step(StepRef),
     /// Show or hide a run's curve.
     ShowRun(usize, bool),
@@ -132,7 +163,7 @@ pub enum Request {
     Basin(BasinRequest),
     /// What the user did in a camera's tile.
     Tile(usize, TileEvent),
-    /// Preferences at the size of this limb, of those that turn with the held joint.
+    /// Look at the size of this limb, of those that turn with the held joint.
     Part(usize),
     /// How all camera views look.
     Views(ViewSettings),
@@ -174,6 +205,26 @@ pub enum Request {
     Export(Box<ExportOrder>),
     /// Ask in a dialog of the desktop's where an export goes.
     ChooseExportFile,
+    /// Say in the status bar what was just done, or nothing any more.
+    Status(Option<String>),
+    /// Say something on a card, with a command that goes on from there.
+    Inform(String, Option<Action>),
+    /// Say what went wrong, with a command that helps.
+    Complain(String, Option<Action>),
+}
+
+/// A file to be written, and what makes its bytes on the thread that writes.
+pub struct Write {
+    /// The file.
+    pub path: PathBuf,
+    /// Makes the bytes.
+    pub make: Box<dyn FnOnce() -> anyhow::Result<Vec<u8>> + Send>,
+}
+
+impl std::fmt::Debug for Write {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Write").field("path", &self.path).finish_non_exhaustive()
+    }
 }
 
 /// What the user decides about work that was left, by its place in the list.
@@ -213,6 +264,8 @@ pub struct Requests {
     pub glance: Glance,
     /// What the 3-D scene is to show, where its picture shows something else.
     pub scene: Option<Box<SceneOrder>>,
+    /// Files to be written.
+    pub writes: Vec<Write>,
 }
 
 impl Requests {
@@ -229,6 +282,26 @@ impl Requests {
     /// Asks for a command.
     pub fn act(&mut self, action: Action) {
         self.actions.push(action);
+    }
+
+    /// Says in the status bar what was just done.
+    pub fn status(&mut self, text: impl Into<String>) {
+        self.request(Request::Status(Some(text.into())));
+    }
+
+    /// Says something on a card, with a command that goes on from there.
+    pub fn inform(&mut self, text: impl Into<String>, next: Option<Action>) {
+        self.request(Request::Inform(text.into(), next));
+    }
+
+    /// Says what went wrong.
+    pub fn complain(&mut self, text: impl Into<String>) {
+        self.request(Request::Complain(text.into(), None));
+    }
+
+    /// Has a file written; `make` makes its bytes on the thread that writes.
+    pub fn write(&mut self, path: &Path, make: impl FnOnce() -> anyhow::Result<Vec<u8>> + Send + 'static) {
+        self.writes.push(Write { path: path.to_owned(), make: Box::new(make) });
     }
 
     /// Asks for something else.

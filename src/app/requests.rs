@@ -2,9 +2,10 @@
 
 use super::App;
 use super::state::{DialogKind, Opening};
-use crate::context::{Request, Requests};
+use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
 use crate::document::history::Gesture;
+use crate::features::Features;
 
 impl App {
     /// Applies edits, then requests, then commands.
@@ -28,9 +29,27 @@ impl App {
         for request in requests.others {
             self.request(request);
         }
+        for write in requests.writes {
+            self.write(&write.path, write.make);
+        }
         for action in requests.actions {
             self.act(action, ctx);
         }
+    }
+
+    /// Lets a feature work on its own state, with what it reads and what it asks for, and does what it asked for.
+    pub(crate) fn with<Feature: Default, Answer>(
+        &mut self,
+        feature: fn(&mut Features) -> &mut Feature,
+        work: impl FnOnce(&mut Feature, &Context<'_>, &mut Requests) -> Answer,
+    ) -> Answer {
+        let mut taken = std::mem::take(feature(&mut self.features));
+        let mut requests = Requests::default();
+        let answer = work(&mut taken, &self.context(), &mut requests);
+        *feature(&mut self.features) = taken;
+        let egui = self.state.egui.clone();
+        self.apply(requests, &egui);
+        answer
     }
 
     /// Makes a change, and what follows from it for the selection.
@@ -100,6 +119,10 @@ impl App {
             Request::OpenPage(address) => self.open_outside(address.to_owned()),
             Request::Used(action) => self.state.preferences.use_command(action.text()),
             Request::Export(order) => self.begin_export(*order),
+            Request::Status(text) => self.state.status = text,
+            Request::Inform(text, next) => self.state.notices.info(self.state.now, text, next),
+            Request::Complain(text, None) => self.state.notices.error(text),
+            Request::Complain(text, Some(helps)) => self.state.notices.error_with(text, helps),
             Request::ChooseExportFile => self.ask_for_file(DialogKind::Export),
         }
     }

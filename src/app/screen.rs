@@ -43,6 +43,9 @@ impl App {
             can_restore_layout: self.shell.docking.before.is_some(),
             laboratory: &self.features.laboratory,
             frame_seconds: self.state.frame_seconds,
+            now: self.state.now,
+            pool: &self.state.pool,
+            egui: &self.state.egui,
         }
     }
 

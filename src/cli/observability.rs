@@ -36,7 +36,7 @@ pub struct ObservabilityArguments {
     /// Names of the cameras to use, with commas [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     cameras: Option<Vec<String>>,
-    /// Preferences at the start as it is, without a fit
+    /// Look at the start as it is, without a fit
     #[arg(long)]
     no_fit: bool,
     /// Print the result as JSON

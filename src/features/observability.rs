@@ -52,9 +52,9 @@ struct Sway {
 /// What the user asks of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ObserveRequest {
-    /// Preferences at a direction, by its index.
+    /// Look at a direction, by its index.
     Pick(usize),
-    /// Preferences at a direction and sway along it.
+    /// Look at a direction and sway along it.
     SwayAlong(usize),
     /// Sway on, or hold still where it is.
     Play(bool),

@@ -56,7 +56,7 @@ pub enum LaboratoryRequest {
     Axis(PushAxis),
     /// Hold another limb.
     Limb(usize),
-    /// Preferences at a step.
+    /// Look at a step.
     Step(usize),
     /// Logarithmic heights, or percent.
     Log(bool),

@@ -1,0 +1,74 @@
+//! Dialogs of the desktop's that ask for a file or a folder.
+
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+/// What a dialog asks for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    /// A folder that is there.
+    Folder,
+    /// A file that is there, of these endings where any are named.
+    File(&'static [&'static str]),
+    /// A file to be written: its suggested name, and the endings that are offered.
+    NewFile(String, &'static [&'static str]),
+}
+
+/// The dialogs of a feature. `Asked` says what for; it comes back with the answer.
+#[derive(Debug)]
+pub(crate) struct FileDialogs<Asked> {
+    sender: Sender<(Asked, PathBuf)>,
+    answers: Receiver<(Asked, PathBuf)>,
+}
+
+impl<Asked> Default for FileDialogs<Asked> {
+    fn default() -> Self {
+        let (sender, answers) = channel();
+        Self { sender, answers }
+    }
+}
+
+impl<Asked: Send + 'static> FileDialogs<Asked> {
+    /// Asks, on a thread that lives as long as the dialog.
+    ///
+    /// # Errors
+    /// A sentence for the user where no dialog can be shown.
+    pub(crate) fn ask(
+        &self,
+        egui: &egui::Context,
+        asked: Asked,
+        title: &'static str,
+        wanted: Wanted,
+    ) -> Result<(), String> {
+        let (sender, egui) = (self.sender.clone(), egui.clone());
+        let thread = std::thread::Builder::new().name("backlit file dialog".to_owned()).spawn(move || {
+            if let Some(path) = show(title, &wanted) {
+                // The window may be gone by now.
+                let _ = sender.send((asked, path));
+                egui.request_repaint();
+            }
+        });
+        let said =
+            |error| format!("No file dialog can be shown: {error}. Drop the file on the window instead.");
+        thread.map(drop).map_err(said)
+    }
+
+    /// The answers since the last call.
+    pub(crate) fn answers(&self) -> Vec<(Asked, PathBuf)> {
+        self.answers.try_iter().collect()
+    }
+}
+
+fn show(title: &str, wanted: &Wanted) -> Option<PathBuf> {
+    let dialog = rfd::FileDialog::new().set_title(title);
+    let with = |dialog: rfd::FileDialog, endings: &[&str]| match endings {
+        [] => dialog,
+        [ending] if *ending == "backlit" => dialog.add_filter("Backlit", endings),
+        [first, ..] => dialog.add_filter(first.to_uppercase(), endings),
+    };
+    match wanted {
+        Wanted::Folder => dialog.pick_folder(),
+        Wanted::File(endings) => with(dialog, endings).pick_file(),
+        Wanted::NewFile(name, endings) => with(dialog, endings).set_file_name(name).save_file(),
+    }
+}
