@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use backlit::app::{App, AppOptions, Opening};
-use backlit::context::preferences::{Layout, Look};
+use backlit::context::preferences::{Layout, Settings};
 use backlit::features::scene::{Upright, Viewpoint};
 use backlit::take::source::TakeSource;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
@@ -67,9 +67,10 @@ struct Window {
 impl Window {
     fn open(source: &TakeSource, layout: Layout) -> Self {
         let context = egui::Context::default();
-        let look = Look { layout, ..Look::default() };
+        let look = Settings { layout, ..Settings::default() };
         let opening = Some(Opening::Take(source.clone()));
-        let app = App::new(context.clone(), AppOptions { look, opening, ..AppOptions::default() }).unwrap();
+        let app = App::new(context.clone(), AppOptions { settings: look, opening, ..AppOptions::default() })
+            .unwrap();
         let mut window = Self { context, app, frames: 0 };
         window.settle();
         window
@@ -190,7 +191,7 @@ impl Window {
             times.push(spent);
             let session = self.app.session();
             let upright = Upright::of(&session.take.as_ref().unwrap().cameras);
-            if let Some(Viewpoint::Orbit(orbit)) = self.app.look().scene.viewpoint {
+            if let Some(Viewpoint::Orbit(orbit)) = self.app.settings().scene.viewpoint {
                 eyes.push(orbit.camera(&upright).position);
             }
             let drawn = session.scene_drawing.as_ref().unwrap().order.eye.position;

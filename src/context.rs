@@ -7,6 +7,7 @@ pub(crate) mod command_button;
 pub(crate) mod file_dialog;
 pub mod notices;
 pub mod pane;
+pub(crate) mod pane_title;
 pub mod preferences;
 pub(crate) mod unavailable_in_time;
 pub mod view_settings;
@@ -27,7 +28,6 @@ use crate::document::Document;
 use crate::document::edit::Edit;
 use crate::document::history::{Gesture, History};
 use crate::drawing::JointId;
-use crate::features::basin::{BasinRequest, BasinState};
 use crate::features::camera_views::TileEvent;
 use crate::features::convergence::CurvesRequest;
 use crate::features::export::dialog::ExportOrder;
@@ -35,7 +35,7 @@ use crate::features::laboratory::{Laboratory, LaboratoryRequest};
 use crate::features::observability::{Glance, ObserveRequest, Observing};
 use crate::features::scene::{SceneLook, SceneOrder};
 use crate::features::timeline::TimelineEvent;
-use crate::jobs::Pool;
+use crate::jobs::{Failure, Pool};
 use crate::session::Session;
 use crate::session::prediction::{Derivatives, FitInputs};
 use crate::session::selection::{Selection, StepRef};
@@ -56,8 +56,6 @@ pub struct Context<'a> {
     pub notices: &'a Notices,
     /// Work in progress.
     pub busy: Busy,
-    /// The basin of the frame.
-    pub basin: &'a BasinState,
     /// The project file, if there is one.
     pub project: Option<&'a Path>,
     /// Whether something was exported since the start.
@@ -102,6 +100,8 @@ pub struct Busy {
     pub fitting: bool,
     /// The tracker is running.
     pub tracking: bool,
+    /// A basin is being tried.
+    pub basin: bool,
     /// Pictures of an export that are done, and all of them.
     pub exporting: Option<(usize, usize)>,
 }
@@ -125,6 +125,12 @@ impl<'a> Context<'a> {
     #[must_use]
     pub fn shown_pose(&self) -> &'a Pose {
         self.session.shown_pose(self.document(), self.selection)
+    }
+
+    /// The name of the take, for files that are made of it.
+    #[must_use]
+    pub fn take_name(&self) -> &'a str {
+        self.session.take.as_ref().map_or("project", |take| take.name.as_str())
     }
 
     /// All that a prediction of the frame on the screen depends on, but the pose; without derivatives.
@@ -159,8 +165,6 @@ pub enum Request {
     Curves(CurvesRequest),
     /// Something about what the cameras see.
     Observe(ObserveRequest),
-    /// A wish of the basin's panels.
-    Basin(BasinRequest),
     /// What the user did in a camera's tile.
     Tile(usize, TileEvent),
     /// Look at the size of this limb, of those that turn with the held joint.
@@ -299,6 +303,11 @@ impl Requests {
         self.request(Request::Complain(text.into(), None));
     }
 
+    /// Says that a job broke down, and what it was doing, as the beginning of a sentence.
+    pub fn failed(&mut self, doing: &str, failure: &Failure) {
+        self.complain(format!("{doing} broke down: {failure}. Your work is unharmed."));
+    }
+
     /// Has a file written; `make` makes its bytes on the thread that writes.
     pub fn write(&mut self, path: &Path, make: impl FnOnce() -> anyhow::Result<Vec<u8>> + Send + 'static) {
         self.writes.push(Write { path: path.to_owned(), make: Box::new(make) });
@@ -350,7 +359,7 @@ pub fn unavailable(action: Action, context: &Context<'_>) -> Option<&'static str
         }
         A::Stop => {
             let busy = context.busy;
-            let is_behind = busy.exporting.is_some() || context.basin.running.is_some();
+            let is_behind = busy.exporting.is_some() || context.busy.basin;
             let is_running = busy.fitting || busy.tracking || is_behind;
             because(!is_running, "Nothing is running")
         }
@@ -380,10 +389,8 @@ pub fn unavailable(action: Action, context: &Context<'_>) -> Option<&'static str
         }
         A::RestoreLayout => because(!context.can_restore_layout, "The layout was not reset"),
         A::RestartLaboratory => Some("The Demonstrate layout has the laboratory: press F3"),
-        A::RunBasin | A::RunBasinMap => {
-            no_fit().or(because(context.basin.running.is_some(), "A basin is being tried"))
-        }
-        A::CancelBasin => because(context.basin.running.is_none(), "No basin is being tried"),
+        A::RunBasin | A::RunBasinMap => no_fit().or(because(context.busy.basin, "A basin is being tried")),
+        A::CancelBasin => because(!context.busy.basin, "No basin is being tried"),
         A::FindTake => because(!context.lacks_take, "No project has lost its take"),
         A::UndoDiscard => because(!context.has_discarded, "Nothing was discarded"),
         A::RestoreRuns => because(session.removed.is_none(), "No run was removed"),

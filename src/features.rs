@@ -18,7 +18,7 @@ pub(crate) mod tracking;
 /// All features, by name.
 #[derive(Debug, Default)]
 pub struct Features {
-    pub(crate) basin: basin::BasinState,
+    pub(crate) basin: basin::Basin,
     pub(crate) camera_views: camera_views::CameraViewsState,
     pub(crate) demonstration: demonstration::Demonstrating,
     pub(crate) export: export::ExportState,

@@ -10,7 +10,6 @@ pub(crate) mod menus;
 pub(crate) mod messages;
 pub(crate) mod notice_cards;
 pub(crate) mod palette;
-pub(crate) mod pane_title;
 pub(crate) mod recent;
 pub(crate) mod right_panel;
 pub(crate) mod shortcuts;

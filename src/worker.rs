@@ -13,8 +13,6 @@ use std::sync::Arc;
 
 pub use queue::{Job, Lane, Outbox, Report, Step, Worker};
 
-use backlit_lab::experiment::basin_map::Cell;
-use backlit_lab::experiment::frame_basin::Trial;
 use backlit_tracking::track::Hypothesis;
 use backlit_tracking::track::fit_body::BodyFit;
 use backlit_tracking::track::visual_hull::VisualHull;
@@ -116,10 +114,6 @@ pub enum Event {
 /// What the jobs of the second worker say: of experiments and of files.
 #[derive(Debug)]
 pub enum BackgroundEvent {
-    /// A fit of a basin.
-    BasinTrial(Trial),
-    /// A cell of a basin's map.
-    BasinCell(Cell),
     /// A file was written.
     Written(PathBuf),
     /// Something did not work; what it was.

@@ -3,7 +3,6 @@
 
 use std::collections::VecDeque;
 use std::path::Path;
-use std::time::Instant;
 
 use super::App;
 use crate::app::write_job::WriteJob;
@@ -13,8 +12,6 @@ use crate::worker::{BackgroundEvent, Lane, Report, Worker};
 #[derive(Debug)]
 pub(crate) struct Background {
     pub(crate) worker: Worker<BackgroundEvent>,
-    /// When the basin that is tried was begun.
-    pub(crate) basin_began: Option<Instant>,
     waiting: VecDeque<WriteJob>,
 }
 
@@ -22,7 +19,7 @@ impl Background {
     pub(crate) fn start(context: &egui::Context) -> std::io::Result<Self> {
         let context = context.clone();
         let worker = Worker::start(move || context.request_repaint())?;
-        Ok(Self { worker, basin_began: None, waiting: VecDeque::new() })
+        Ok(Self { worker, waiting: VecDeque::new() })
     }
 
     pub(crate) fn is_idle(&self) -> bool {
@@ -58,11 +55,9 @@ impl App {
                         path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
                     self.state.notices.info(self.state.now, format!("Wrote {name}."), None);
                 }
-                Report::Event(BackgroundEvent::BasinTrial(trial)) => self.basin_trial(trial),
-                Report::Event(BackgroundEvent::BasinCell(cell)) => self.basin_cell(cell),
                 Report::Event(BackgroundEvent::Failed(text)) => self.state.notices.error(text),
                 Report::Ended(Lane::Save) => self.write_next(),
-                Report::Ended(_) => self.basin_ended(),
+                Report::Ended(_) => {}
                 Report::Panicked(lane, why) => {
                     self.broke(lane, &why);
                     self.write_next();

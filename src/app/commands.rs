@@ -108,8 +108,8 @@ impl App {
         let alone = self.shell.docking.alone.take().is_some();
         if !alone && self.state.selection.step.take().is_none() {
             // What goes on behind all that is looked at comes last.
-            if self.features.basin.running.is_some() {
-                self.cancel_basin();
+            if self.features.basin.is_running() {
+                self.features.basin.cancel();
             } else {
                 self.stop_export();
             }
@@ -304,7 +304,7 @@ impl App {
             Action::ClearRuns => self.clear_runs(),
             Action::RunBasin => self.run_basin(BasinView::Angles),
             Action::RunBasinMap => self.run_basin(BasinView::Map),
-            Action::CancelBasin => self.cancel_basin(),
+            Action::CancelBasin => self.features.basin.cancel(),
             Action::RestoreRuns => self.restore_runs(),
             Action::ExportCurves => self.ask_for_file(DialogKind::Curves),
             Action::ExportPlot => self.ask_for_file(DialogKind::Plot),
@@ -315,6 +315,13 @@ impl App {
             _ => return false,
         }
         true
+    }
+
+    fn run_basin(&mut self, view: BasinView) {
+        self.with(
+            |features| &mut features.basin,
+            |basin, context, requests| basin.begin(view, context, requests),
+        );
     }
 
     fn act_on_frames(&mut self, action: Action) -> bool {

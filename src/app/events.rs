@@ -164,7 +164,7 @@ impl App {
         self.state.session.reset(Some(footage.clone()));
         self.features.observability.forget();
         self.asked_to_observe = None;
-        self.forget_basin();
+        self.features.basin.reset();
         if let Some(TakeSource::Path(path)) = &footage.source {
             self.state.preferences.remember(path.clone());
         }

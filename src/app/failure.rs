@@ -57,7 +57,6 @@ impl App {
             // Without its frame a demonstration cannot go on.
             Lane::Load | Lane::Open => self.features.demonstration.prepared = None,
             Lane::Save => self.features.recovery.copy_broke(),
-            Lane::Basin => self.basin_ended(),
             _ => {}
         }
     }
@@ -92,7 +91,6 @@ const fn work_of(lane: Lane) -> &'static str {
         Lane::Track => "The tracker",
         Lane::Hull => "Carving the visual hull",
         Lane::LaboratoryCheck => "The check of the laboratory's gradients",
-        Lane::Basin => "The basin",
     }
 }
 
@@ -101,10 +99,10 @@ mod tests {
     use std::time::{Duration, Instant};
 
     use super::*;
+    use crate::app::settings::Settings;
     use crate::app::{AppOptions, Opening};
     use crate::context::action::Action;
     use crate::context::notices::Severity;
-    use crate::context::preferences::Preferences;
     use crate::document::edit::Edit;
     use crate::raster::Headless;
     use crate::take::source::TakeSource;
@@ -153,7 +151,7 @@ mod tests {
         let mut window = Headless::new(1100.0, 700.0, 1.0);
         let which = crate::take::demonstration::Demonstration::SingleLimb;
         let opening = Some(Opening::Take(TakeSource::Demonstration(which)));
-        let options = AppOptions { look: Preferences::default(), opening, ..AppOptions::default() };
+        let options = AppOptions { settings: Settings::default(), opening, ..AppOptions::default() };
         let mut app = App::new(window.ctx.clone(), options).unwrap();
         settle(&mut window, &mut app);
         app.state.preferences.layout = layout;
@@ -187,7 +185,7 @@ mod tests {
                     "{said:?}"
                 );
                 let context = app.context();
-                assert!(!context.busy.is_long() && context.basin.running.is_none(), "{lane:?}");
+                assert!(!context.busy.is_long() && !context.busy.basin, "{lane:?}");
             }
         }
     }

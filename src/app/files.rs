@@ -104,7 +104,6 @@ impl App {
                 DialogKind::LaboratoryPlot => {
                     dialog.set_title("Save plot").set_file_name("laboratory.png").save_file()
                 }
-                DialogKind::Basin(kind) => export_dialog(dialog, "Export basin", &name, kind.extension()),
             };
             if let Some(path) = path {
                 // The window may be gone by now.
@@ -140,7 +139,6 @@ impl App {
                 DialogKind::Curves => self.export_curves_to(&path),
                 DialogKind::Plot => self.export_plot_to(&path),
                 DialogKind::LaboratoryPlot => self.save_laboratory_plot(&path),
-                DialogKind::Basin(kind) => self.export_basin_to(kind, &path),
             }
         }
     }

@@ -8,8 +8,9 @@ use egui::Vec2;
 use image::RgbaImage;
 
 use super::{App, AppOptions, Opening};
+use crate::app::settings::Settings;
 use crate::context::action::Action;
-use crate::context::preferences::{Layout, Preferences};
+use crate::context::preferences::Layout;
 use crate::drawing::ViewMode;
 use crate::features::export::dialog::ExportOrder;
 use crate::raster::Headless;
@@ -95,9 +96,11 @@ pub(crate) fn headless_export(
 /// The app in its window, when all is done that the options ask for.
 fn headless_app(opening: Opening, options: &PictureOptions) -> anyhow::Result<(Headless, App)> {
     let mut window = Headless::new(options.size.x, options.size.y, options.pixels_per_point);
-    let look = Preferences { theme: options.theme, layout: options.layout, ..Preferences::default() };
-    let mut app =
-        App::new(window.ctx.clone(), AppOptions { look, opening: Some(opening), ..AppOptions::default() })?;
+    let settings = Settings { theme: options.theme, layout: options.layout, ..Settings::default() };
+    let mut app = App::new(
+        window.ctx.clone(),
+        AppOptions { settings, opening: Some(opening), ..AppOptions::default() },
+    )?;
     settle(&mut window, &mut app, options.patience);
     if app.state.session.take.is_none() {
         let why = app.state.notices.all().last().map_or("nothing was opened", |notice| notice.text.as_str());
@@ -164,7 +167,7 @@ impl App {
         self.state.session.step_seconds = None;
         self.state.session.predict_seconds = None;
         self.features.laboratory.step_seconds = None;
-        if let Some(running) = &mut self.features.basin.running {
+        if let Some(running) = &mut self.features.basin.results.running {
             running.seconds_left = None;
         }
     }

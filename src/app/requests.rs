@@ -94,7 +94,6 @@ impl App {
                     self.name_runs();
                 }
             }
-            Request::Basin(request) => self.basin_request(request),
             Request::Curves(request) => self.curves_request(request),
             Request::Observe(request) => self.observe_request(request),
             Request::Tile(camera, event) => self.tile_event(camera, event),

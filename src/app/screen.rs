@@ -5,6 +5,7 @@ use egui::{CentralPanel, Frame, Ui, pos2};
 use super::App;
 use crate::context::preferences::Layout;
 use crate::context::{Busy, Context, Request, Requests};
+use crate::features::Features;
 use crate::features::demonstration::explanation;
 use crate::features::laboratory::panel as laboratory;
 use crate::features::timeline;
@@ -29,9 +30,9 @@ impl App {
                 load_broke: !self.may_ask(Lane::Load),
                 fitting: self.worker.is_busy(Lane::Fit),
                 tracking: self.worker.is_busy(Lane::Track),
+                basin: self.features.basin.is_running(),
                 exporting: self.export_progress(),
             },
-            basin: &self.features.basin,
             project: self.state.project.as_deref(),
             has_exported: self.features.export.exported_to.is_some(),
             has_discarded: self.has_discarded(),
@@ -63,17 +64,20 @@ impl App {
         }
         let window = ui.max_rect();
         let mut centre_size = None;
-        let context = self.context();
+        let busy = self.context().busy;
+        let mut features = self.lend();
+        let context = Context { busy, ..self.context() };
         if self.features.camera_views.picture_alone.is_some() {
-            return dock::ui(ui, &context, &self.tiles_look(), requests);
+            dock::ui(ui, &context, &mut features, &self.tiles_look(), requests);
+            return self.take_back(features);
         }
         toolbar::ui(ui, &context, requests);
-        status_bar::ui(ui, &context, requests);
+        status_bar::ui(ui, &context, &features, requests);
         let mut notices_from = pos2(window.right(), window.bottom() - size::STATUS_BAR);
         if context.session.take.is_some() {
             let demonstrates = self.state.preferences.layout == Layout::Demonstrate;
             if self.state.preferences.panel && !demonstrates {
-                right_panel::ui(ui, &context, requests);
+                right_panel::ui(ui, &context, &mut features, requests);
             }
             let centre = ui.available_rect_before_wrap();
             let frame = Frame::NONE;
@@ -88,7 +92,7 @@ impl App {
                     notices_from.y = ui.available_rect_before_wrap().bottom();
                 }
                 centre_size = Some(ui.available_rect_before_wrap().size());
-                dock::ui(ui, &context, &self.tiles_look(), requests);
+                dock::ui(ui, &context, &mut features, &self.tiles_look(), requests);
             });
         } else {
             empty::ui(ui, &context, requests, &self.offer());
@@ -96,12 +100,22 @@ impl App {
         for id in notice_cards::ui(ui, &context, requests, notices_from) {
             requests.request(Request::HoldNotice(id));
         }
+        self.take_back(features);
         if let Some(size) = centre_size.filter(|_| self.shell.docking.alone.is_none()) {
             self.shell.docking.size = size;
         }
         self.show_overlay(ui, requests);
         self.show_tour(ui, notices_from.y);
         self.show_drop(ui);
+    }
+
+    /// The features that are shown with their own state in hand, while the rest of the app is read.
+    fn lend(&mut self) -> Features {
+        Features { basin: std::mem::take(&mut self.features.basin), ..Features::default() }
+    }
+
+    fn take_back(&mut self, features: Features) {
+        self.features.basin = features.basin;
     }
 
     pub(crate) fn tiles_look(&self) -> TilesLook<'_> {

@@ -1,54 +1,164 @@
-//! The settings file follows the arrangement of the window.
+//! What is kept from start to start: the preferences of the window and of every feature, in one record.
 
 use std::path::PathBuf;
 
-use super::App;
-use crate::app::settings_job::SettingsJob;
-use crate::context::preferences::Preferences;
-use crate::worker::Lane;
+use serde::{Deserialize, Serialize};
 
-/// What is in the settings file.
-#[derive(Debug)]
-pub(crate) struct Settings {
-    /// `None` without a folder for it.
-    folder: Option<PathBuf>,
-    written: Preferences,
-    failed: bool,
+use super::App;
+use crate::context::arrangement::Kept;
+use crate::context::preferences::{Layout, Preferences};
+use crate::context::view_settings::ViewSettings;
+use crate::features::basin::BasinPreferences;
+use crate::features::convergence::CurvesLook;
+use crate::features::export::ExportChoices;
+use crate::features::scene::SceneLook;
+use crate::style::theme::Theme;
+
+/// All that is kept. It is in the settings file as it is here.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// Dark or light.
+    pub theme: Theme,
+    /// What it is arranged for.
+    pub layout: Layout,
+    /// Whether the right panel is there.
+    pub panel: bool,
+    /// Whether the timeline has its lanes.
+    pub lanes: bool,
+    /// Whether zoom and pan go together in all views.
+    pub linked_zoom: bool,
+    /// How all camera views look.
+    pub views: ViewSettings,
+    /// Takes that were opened last, the newest first.
+    pub recent: Vec<PathBuf>,
+    /// What the 3-D scene shows.
+    pub scene: SceneLook,
+    /// How the user has arranged the tiles.
+    pub kept: Kept,
+    /// What was chosen for the last export.
+    pub export: ExportChoices,
+    /// What the convergence plot shows.
+    pub curves: CurvesLook,
+    /// What is chosen for the basin, and how it is shown.
+    pub basin: BasinPreferences,
+    /// Names of the commands that were chosen last in the palette, the newest first.
+    pub used_commands: Vec<String>,
+    /// Whether the tour was offered.
+    pub tour_offered: bool,
+    /// Changes with *Reset layout*, so that egui forgets sizes and open sections.
+    pub generation: u32,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            theme: Theme::Dark,
+            layout: Layout::Pose,
+            panel: true,
+            lanes: true,
+            linked_zoom: false,
+            views: ViewSettings::default(),
+            recent: Vec::new(),
+            scene: SceneLook::default(),
+            kept: Kept::default(),
+            export: ExportChoices::default(),
+            curves: CurvesLook::default(),
+            basin: BasinPreferences::default(),
+            used_commands: Vec::new(),
+            tour_offered: false,
+            generation: 0,
+        }
+    }
 }
 
 impl Settings {
-    /// They are in the file as they are.
-    pub(crate) fn new(folder: Option<PathBuf>, look: &Preferences) -> Self {
-        Self { folder, written: look.clone(), failed: false }
+    /// The arrangement as it was at first; theme and recent takes stay.
+    pub fn reset(&mut self) {
+        let generation = self.generation.wrapping_add(1);
+        let before = std::mem::take(self);
+        *self = Self { layout: before.layout, generation, ..Self::default() }.with_memory_of(before);
+    }
+
+    /// The same arrangement with what another one remembers that *Reset layout* does not touch.
+    #[must_use]
+    pub fn with_memory_of(self, other: Self) -> Self {
+        Self {
+            theme: other.theme,
+            recent: other.recent,
+            export: other.export,
+            curves: other.curves,
+            basin: other.basin,
+            used_commands: other.used_commands,
+            tour_offered: other.tour_offered,
+            ..self
+        }
     }
 }
 
 impl App {
-    /// Says what of the settings could not be read.
-    pub fn complain(&mut self, unread: Option<String>) {
-        if let Some(unread) = unread {
-            self.state.notices.error(unread);
+    /// What is to be kept.
+    #[must_use]
+    pub fn settings(&self) -> Settings {
+        let preferences = self.state.preferences.clone();
+        Settings {
+            theme: preferences.theme,
+            layout: preferences.layout,
+            panel: preferences.panel,
+            lanes: preferences.lanes,
+            linked_zoom: preferences.linked_zoom,
+            views: preferences.views,
+            recent: preferences.recent,
+            scene: preferences.scene,
+            kept: preferences.kept,
+            export: preferences.export,
+            curves: preferences.curves,
+            basin: self.features.basin.preferences.clone(),
+            used_commands: preferences.used_commands,
+            tour_offered: preferences.tour_offered,
+            generation: preferences.generation,
         }
     }
 
-    /// Writes the settings, if they are others than in the file.
-    pub(crate) fn write_settings(&mut self) {
-        let Some(folder) = self.settings.folder.clone() else { return };
-        if self.settings.failed || self.settings.written != self.state.preferences {
-            self.settings.written = self.state.preferences.clone();
-            self.worker.request(Lane::Settings, SettingsJob { look: self.state.preferences.clone(), folder });
-        }
+    /// Hands what was kept to whom it belongs.
+    pub(crate) fn apply_settings(&mut self, settings: Settings) {
+        self.state.preferences = Preferences {
+            theme: settings.theme,
+            layout: settings.layout,
+            panel: settings.panel,
+            lanes: settings.lanes,
+            linked_zoom: settings.linked_zoom,
+            views: settings.views,
+            recent: settings.recent,
+            scene: settings.scene,
+            kept: settings.kept,
+            export: settings.export,
+            curves: settings.curves,
+            used_commands: settings.used_commands,
+            tour_offered: settings.tour_offered,
+            generation: settings.generation,
+        };
+        self.features.basin.preferences = settings.basin;
     }
+}
 
-    /// A failure is said once, until it works again.
-    pub(crate) fn settings_written(&mut self, result: Result<(), String>) {
-        match result {
-            Ok(()) => self.settings.failed = false,
-            Err(why) if !std::mem::replace(&mut self.settings.failed, true) => {
-                let text = format!("The arrangement of the window is not kept for the next start: {why}");
-                self.state.notices.error(text);
-            }
-            Err(_) => {}
-        }
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::features::convergence::Quantity;
+
+    #[test]
+    fn what_is_chosen_for_plots_and_basin_is_kept_and_outlives_a_reset() {
+        let curves = CurvesLook { quantity: Quantity::StepNorm, is_log: false, rejected: false };
+        let mut look = Settings { curves, ..Settings::default() };
+        look.basin.settings.seed = 12;
+        look.basin.view = crate::features::basin::BasinView::Map;
+        let kept: Settings = serde_json::from_str(&serde_json::to_string(&look).unwrap()).unwrap();
+        assert_eq!(kept, look);
+        let mut after = kept.clone();
+        after.reset();
+        assert_eq!((after.curves, &after.basin), (look.curves, &look.basin));
+        // An arrangement of before there were such choices.
+        assert_eq!(serde_json::from_str::<Settings>("{}").unwrap(), Settings::default());
     }
 }

@@ -9,7 +9,7 @@ use backlit_formats::{DiskFiles, FileError, MAX_TEXT_BYTES, TakeFiles, atomic};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use crate::context::preferences::Preferences;
+use crate::app::settings::Settings;
 
 /// Name and version of the settings file's format.
 pub const FORMAT: &str = "backlit-settings 1";
@@ -20,7 +20,7 @@ const NAME: &str = "settings.json";
 struct File<'a> {
     format: &'static str,
     #[serde(flatten)]
-    look: &'a Preferences,
+    look: &'a Settings,
 }
 
 /// The settings file of a data folder.
@@ -33,7 +33,7 @@ pub fn path_in(folder: &Path) -> PathBuf {
 ///
 /// # Errors
 /// The file system says no.
-pub fn write(folder: &Path, look: &Preferences) -> Result<(), FileError> {
+pub fn write(folder: &Path, look: &Settings) -> Result<(), FileError> {
     // If it cannot be made, the file cannot be written, and that is said.
     let _ = std::fs::create_dir_all(folder);
     atomic::write_with(&path_in(folder), |out| {
@@ -44,13 +44,13 @@ pub fn write(folder: &Path, look: &Preferences) -> Result<(), FileError> {
 
 /// The settings of a folder, and a sentence about what of them could not be read. Without a file they are as at first.
 #[must_use]
-pub fn read(folder: &Path) -> (Preferences, Option<String>) {
+pub fn read(folder: &Path) -> (Settings, Option<String>) {
     let path = path_in(folder);
     let text = match DiskFiles.read(&path, MAX_TEXT_BYTES) {
         Ok(text) => text,
-        Err(error) if error.is_missing() => return (Preferences::default(), None),
+        Err(error) if error.is_missing() => return (Settings::default(), None),
         Err(error) => {
-            return (Preferences::default(), Some(format!("{error}. The settings are as at first.")));
+            return (Settings::default(), Some(format!("{error}. The settings are as at first.")));
         }
     };
     match serde_json::from_slice::<Map<String, Value>>(&text) {
@@ -62,15 +62,15 @@ pub fn read(folder: &Path) -> (Preferences, Option<String>) {
         }
         Err(error) => {
             let said = format!("{}: {error}. The settings are as at first.", path.display());
-            (Preferences::default(), Some(said))
+            (Settings::default(), Some(said))
         }
     }
 }
 
 /// The settings with all fields that can be read, and the names of the others.
-fn read_fields(fields: Map<String, Value>) -> (Preferences, Vec<String>) {
+fn read_fields(fields: Map<String, Value>) -> (Settings, Vec<String>) {
     let mut unread = Vec::new();
-    let (mut look, mut known) = (Preferences::default(), Map::new());
+    let (mut look, mut known) = (Settings::default(), Map::new());
     for (name, value) in fields {
         if name == "format" {
             continue;
@@ -93,22 +93,16 @@ mod tests {
     use crate::context::preferences::Layout;
     use crate::style::theme::Theme;
 
-    fn look() -> Preferences {
+    fn look() -> Settings {
         let recent = vec![PathBuf::from("/takes/balancing")];
-        Preferences {
-            theme: Theme::Light,
-            layout: Layout::Debug,
-            panel: false,
-            recent,
-            ..Preferences::default()
-        }
+        Settings { theme: Theme::Light, layout: Layout::Debug, panel: false, recent, ..Settings::default() }
     }
 
     #[test]
     fn settings_are_read_back() {
         let folder = tempfile::tempdir().unwrap();
         let inner = folder.path().join("not/there/yet");
-        assert_eq!(read(&inner), (Preferences::default(), None));
+        assert_eq!(read(&inner), (Settings::default(), None));
         write(&inner, &look()).unwrap();
         assert_eq!(read(&inner), (look(), None));
         let text = std::fs::read_to_string(path_in(&inner)).unwrap();
@@ -132,7 +126,7 @@ mod tests {
         for broken in ["", "[]", &good[..good.len() / 2]] {
             std::fs::write(&path, broken).unwrap();
             let (read_back, said) = read(folder.path());
-            assert_eq!(read_back, Preferences::default());
+            assert_eq!(read_back, Settings::default());
             assert!(said.unwrap().contains("settings.json: "));
         }
     }

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::app::settings_file as settings;
-use crate::context::preferences::Preferences;
+use crate::app::settings::Settings;
+use crate::app::settings_file;
 use crate::context::write_advice::remedy;
 use crate::worker::{Event, Job, Outbox, Step};
 
@@ -11,14 +11,14 @@ use crate::worker::{Event, Job, Outbox, Step};
 #[derive(Debug)]
 pub struct SettingsJob {
     /// How the window is arranged.
-    pub look: Preferences,
+    pub settings: Settings,
     /// The data folder.
     pub folder: PathBuf,
 }
 
 impl Job<Event> for SettingsJob {
     fn step(&mut self, out: &Outbox<Event>) -> Step {
-        let written = settings::write(&self.folder, &self.look);
+        let written = settings_file::write(&self.folder, &self.settings);
         out.send(Event::SettingsWritten(written.map_err(|error| format!("{error}. {}", remedy(&error)))));
         Step::Done
     }

@@ -9,13 +9,14 @@ use backlit_tracking::body::{Pose, builtin};
 use super::background::Background;
 use super::failure::Broken;
 use super::settings::Settings;
+use super::settings_writer::SettingsWriter;
 use crate::context::clock::Clock;
 use crate::context::notices::Notices;
 use crate::context::preferences::{Layout, Preferences};
 use crate::document::Document;
 use crate::document::history::{Gesture, History};
 use crate::features::Features;
-use crate::features::basin::{BasinState, FileKind};
+use crate::features::basin::Basin;
 use crate::features::camera_views::TileLook;
 use crate::features::laboratory::Laboratory;
 use crate::features::laboratory::job::LiveLaboratory;
@@ -32,7 +33,7 @@ use crate::worker::{Event, Lane, Worker};
 #[derive(Debug, Default)]
 pub struct AppOptions {
     /// The arrangement of the last time.
-    pub look: Preferences,
+    pub settings: Settings,
     /// Folder for the copy of unsaved work and the settings; without one nothing is kept for the next start.
     pub data_folder: Option<PathBuf>,
     /// What is opened at once.
@@ -74,7 +75,6 @@ pub(crate) enum DialogKind {
     Curves,
     Plot,
     LaboratoryPlot,
-    Basin(FileKind),
 }
 
 /// What a file dialog was asked for, and the file that was chosen.
@@ -132,7 +132,7 @@ pub struct App {
     pub(crate) asked_to_observe: Option<(FitInputs, Pose)>,
     pub(crate) live_laboratory: LiveLaboratory,
     pub(crate) state_file: Option<PathBuf>,
-    pub(crate) settings: Settings,
+    pub(crate) settings_writer: SettingsWriter,
     pub(crate) clock: Clock,
     pub(crate) next_gesture: u64,
 }
@@ -147,12 +147,12 @@ impl App {
             let egui = egui.clone();
             move || egui.request_repaint()
         };
-        let settings = Settings::new(options.data_folder.clone(), &options.look);
+        let settings_writer = SettingsWriter::new(options.data_folder.clone(), &options.settings);
         let state = State {
             history: History::new(Document::new(builtin::full_body())),
             selection: Selection::default(),
             session: Session::default(),
-            preferences: options.look,
+            preferences: Preferences::default(),
             notices: Notices::default(),
             status: None,
             project: None,
@@ -172,10 +172,11 @@ impl App {
             asked_to_observe: None,
             live_laboratory: LiveLaboratory::default(),
             state_file: options.state_file,
-            settings,
+            settings_writer,
             clock: options.clock,
             next_gesture: 1,
         };
+        app.apply_settings(options.settings);
         if options.offers_tour {
             app.offer_tour();
         }
@@ -206,12 +207,6 @@ impl App {
         &self.state.session
     }
 
-    /// How the window is arranged.
-    #[must_use]
-    pub fn look(&self) -> &Preferences {
-        &self.state.preferences
-    }
-
     /// Whether there is work that is in no file.
     #[must_use]
     pub fn is_unsaved(&self) -> bool {
@@ -232,7 +227,7 @@ impl App {
 
     /// What was tried of the basin.
     #[must_use]
-    pub fn basin(&self) -> &BasinState {
+    pub fn basin(&self) -> &Basin {
         &self.features.basin
     }
 
@@ -251,6 +246,7 @@ impl App {
         self.worker.is_idle_but(Lane::Scene)
             && is_drawn
             && self.background.is_idle()
+            && self.state.pool.is_idle()
             && !(self.state.session.is_stale && self.may_ask(Lane::Predict))
             && self.features.demonstration.prepared.is_none()
             && self.features.export.exporting.is_none()

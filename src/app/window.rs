@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::anyhow;
 use egui::ViewportBuilder;
 
-use crate::app::settings_file as settings;
+use crate::app::settings_file;
 use crate::app::{App, AppOptions, Opening};
 use crate::context::clock::Clock;
 use crate::style::theme::size;
@@ -43,9 +43,9 @@ pub fn open_window(opening: Option<Opening>, state_file: Option<PathBuf>) -> any
         // Tests from outside begin where everybody else goes on.
         let offers_tour = state_file.is_none();
         let data_folder = eframe::storage_dir(APP_ID);
-        let (look, unread) = data_folder.as_deref().map(settings::read).unwrap_or_default();
+        let (settings, unread) = data_folder.as_deref().map(settings_file::read).unwrap_or_default();
         let options =
-            AppOptions { look, data_folder, opening, state_file, offers_tour, clock: Clock::default() };
+            AppOptions { settings, data_folder, opening, state_file, offers_tour, clock: Clock::default() };
         let mut app = App::new(context.egui_ctx.clone(), options)?;
         app.complain(unread);
         Ok(Box::new(app) as Box<dyn eframe::App>)

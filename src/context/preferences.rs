@@ -8,7 +8,6 @@ use crate::context::arrangement;
 use crate::context::arrangement::Kept;
 use crate::context::pane::Pane;
 use crate::context::view_settings::ViewSettings;
-use crate::features::basin::BasinLook;
 use crate::features::convergence::CurvesLook;
 use crate::features::export::ExportChoices;
 use crate::features::scene::SceneLook;
@@ -46,8 +45,7 @@ impl Layout {
 const MAX_RECENT: usize = 5;
 
 /// The arrangement.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Preferences {
     /// Dark or light.
     pub theme: Theme,
@@ -71,8 +69,6 @@ pub struct Preferences {
     pub export: ExportChoices,
     /// What the convergence plot shows.
     pub curves: CurvesLook,
-    /// What is chosen for the basin, and how it is shown.
-    pub basin: BasinLook,
     /// Names of the commands that were chosen last in the palette, the newest first.
     pub used_commands: Vec<String>,
     /// Whether the tour was offered.
@@ -95,7 +91,6 @@ impl Default for Preferences {
             kept: Kept::default(),
             export: ExportChoices::default(),
             curves: CurvesLook::default(),
-            basin: BasinLook::default(),
             used_commands: Vec::new(),
             tour_offered: false,
             generation: 0,
@@ -126,49 +121,11 @@ impl Preferences {
             None => arrangement::is_open_at_first(self.layout, pane),
         }
     }
-
-    /// The arrangement as it was at first; theme and recent takes stay.
-    pub fn reset(&mut self) {
-        let generation = self.generation.wrapping_add(1);
-        let before = std::mem::take(self);
-        *self = Self { layout: before.layout, generation, ..Self::default() }.with_memory_of(before);
-    }
-
-    /// The same arrangement with what another one remembers that *Reset layout* does not touch.
-    #[must_use]
-    pub fn with_memory_of(self, other: Self) -> Self {
-        Self {
-            theme: other.theme,
-            recent: other.recent,
-            export: other.export,
-            curves: other.curves,
-            basin: other.basin,
-            used_commands: other.used_commands,
-            tour_offered: other.tour_offered,
-            ..self
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::features::convergence::Quantity;
-
-    #[test]
-    fn what_is_chosen_for_plots_and_basin_is_kept_and_outlives_a_reset() {
-        let curves = CurvesLook { quantity: Quantity::StepNorm, is_log: false, rejected: false };
-        let mut look = Preferences { curves, ..Preferences::default() };
-        look.basin.settings.seed = 12;
-        look.basin.view = crate::features::basin::BasinView::Map;
-        let kept: Preferences = serde_json::from_str(&serde_json::to_string(&look).unwrap()).unwrap();
-        assert_eq!(kept, look);
-        let mut after = kept.clone();
-        after.reset();
-        assert_eq!((after.curves, &after.basin), (look.curves, &look.basin));
-        // An arrangement of before there were such choices.
-        assert_eq!(serde_json::from_str::<Preferences>("{}").unwrap(), Preferences::default());
-    }
 
     #[test]
     fn recent_takes_are_few_and_different() {

@@ -7,21 +7,96 @@
 //! | file | holds |
 //! |---|---|
 //! | [`settings`] | [`BasinSettings`]: what is typed and chosen, and the options that follow |
-//! | [`look`] | [`BasinLook`]: the settings and what is shown, kept from start to start |
-//! | [`state`] | [`BasinState`]: what runs, and what came of it |
-//! | [`request`] | [`BasinRequest`]: what the panels ask for |
+//! | [`preferences`] | [`BasinPreferences`]: the settings and what is shown, kept from start to start |
+//! | [`results`] | [`BasinResults`]: what came of it |
+//! | `update` | begun, stopped, its starts taken, its files written |
+//! | `job` | the fits, one a step |
+//! | `panel` | the pane and the section of the right panel |
 //! | [`export`] | results as CSV, JSON and pictures |
 
 pub mod export;
-pub(crate) mod job;
-pub mod look;
-pub(crate) mod panel;
-pub mod request;
+mod job;
+mod panel;
+pub mod preferences;
+pub mod results;
 pub mod settings;
-pub mod state;
-pub(crate) mod update;
+mod update;
 
-pub use look::{BasinLook, BasinView, MapColour};
-pub use request::{BasinRequest, FileKind};
+use std::time::Instant;
+
+use job::Fitted;
+pub use preferences::{BasinPreferences, BasinView, MapColour};
+pub use results::{About, AnglesResult, BasinResults, FitCount, MapResult, Running};
 pub use settings::{BasinSettings, Compared, ComparedWay, MapDirection, Reference};
-pub use state::{About, AnglesResult, BasinState, FitCount, MapResult, Running};
+
+use crate::context::file_dialog::FileDialogs;
+use crate::jobs::{Priority, Task};
+
+/// What a result is written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FileKind {
+    /// A table.
+    Csv,
+    /// A picture.
+    Png,
+    /// All numbers and options.
+    Json,
+}
+
+/// The feature.
+#[derive(Debug)]
+pub struct Basin {
+    /// What is chosen, kept from start to start.
+    pub preferences: BasinPreferences,
+    /// What came of it.
+    pub results: BasinResults,
+    /// Why nothing could be begun, until something else is tried.
+    problem: Option<String>,
+    task: Task<(), Fitted>,
+    began: Option<Instant>,
+    dialogs: FileDialogs<FileKind>,
+}
+
+impl Default for Basin {
+    fn default() -> Self {
+        Self {
+            preferences: BasinPreferences::default(),
+            results: BasinResults::default(),
+            problem: None,
+            task: Task::new(Priority::BASIN),
+            began: None,
+            dialogs: FileDialogs::default(),
+        }
+    }
+}
+
+impl Basin {
+    /// The same without any work that is going on, for a picture of it.
+    #[must_use]
+    pub(crate) fn at_rest(&self) -> Self {
+        let results = BasinResults { running: None, ..self.results.clone() };
+        Self {
+            preferences: self.preferences.clone(),
+            results,
+            problem: self.problem.clone(),
+            ..Self::default()
+        }
+    }
+
+    /// Another take is open: what is about the old one goes.
+    pub(crate) fn reset(&mut self) {
+        *self = Self { preferences: std::mem::take(&mut self.preferences), ..Self::default() };
+    }
+
+    /// Whether fits are being made.
+    #[must_use]
+    pub fn is_running(&self) -> bool {
+        self.results.running.is_some()
+    }
+
+    /// How far it is, for the status bar.
+    #[must_use]
+    pub(crate) fn progress(&self) -> Option<String> {
+        self.results.running.map(panel::progress_text)
+    }
+}

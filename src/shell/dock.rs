@@ -12,7 +12,7 @@ use crate::context::action::Action;
 use crate::context::arrangement::{Arrangement, Centre, automatic, has_strip, panes_with, snap};
 use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::{Context, PaneEvent, Request, Requests};
-use crate::features::basin::panel as basin;
+use crate::features::Features;
 use crate::features::camera_views::CameraPanes;
 use crate::features::convergence::panel as convergence;
 use crate::features::scene::panel as scene;
@@ -28,7 +28,13 @@ const TABS: f32 = 26.0;
 const DROP_TINT: f32 = 0.22;
 
 /// The centre, in all of the space that is left.
-pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, look: &TilesLook<'_>, requests: &mut Requests) {
+pub(crate) fn ui(
+    ui: &mut Ui,
+    context: &Context<'_>,
+    features: &mut Features,
+    look: &TilesLook<'_>,
+    requests: &mut Requests,
+) {
     let mut rect = ui.available_rect_before_wrap();
     ui.painter().rect_filled(rect, 0.0, theme::palette(ui).well);
     let common = CameraPanes::new(context, look.views);
@@ -40,7 +46,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, look: &TilesLook<'_>, reque
             _ => Vec::new(),
         };
         let input = Contents { context, look, common: &common, pane, siblings: &others };
-        contents(ui, rect, &input, requests);
+        contents(ui, rect, &input, features, requests);
         return;
     }
     let cameras = context.session.camera_count();
@@ -58,6 +64,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, look: &TilesLook<'_>, reque
         look,
         common: &common,
         shows_siblings: kept.is_some() || !has_strip(&centre),
+        features,
         requests,
         before: &before,
         edit: None,
@@ -92,7 +99,13 @@ struct Contents<'a> {
 }
 
 /// Shows a pane; whether its tile is dragged away by its header.
-fn contents(ui: &mut Ui, rect: Rect, input: &Contents<'_>, requests: &mut Requests) -> bool {
+fn contents(
+    ui: &mut Ui,
+    rect: Rect,
+    input: &Contents<'_>,
+    features: &mut Features,
+    requests: &mut Requests,
+) -> bool {
     let Contents { context, look, common, pane, siblings } = *input;
     let mut dragged = false;
     ui.scope_builder(UiBuilder::new().scope_id(pane.scope()).max_rect(rect), |ui| {
@@ -106,7 +119,7 @@ fn contents(ui: &mut Ui, rect: Rect, input: &Contents<'_>, requests: &mut Reques
             }
             Pane::Scene => scene::ui(ui, context, look.views.dragged, siblings, requests),
             Pane::Convergence => convergence::ui(ui, context, siblings, requests),
-            Pane::Basin => basin::ui(ui, context, siblings, requests),
+            Pane::Basin => features.basin.pane(ui, context, siblings, requests),
         }
         if !matches!(pane, Pane::Camera(_)) {
             header_buttons(ui, rect, pane, look.alone == Some(pane), requests);
@@ -194,6 +207,7 @@ struct Dock<'a> {
     common: &'a CameraPanes<'a>,
     /// Whether panes that stand behind one are named in its header.
     shows_siblings: bool,
+    features: &'a mut Features,
     requests: &'a mut Requests,
     before: &'a Arrangement,
     edit: Option<EditAction>,
@@ -224,7 +238,7 @@ impl Behavior<Pane> for Dock<'_> {
             pane: *pane,
             siblings: &siblings,
         };
-        let dragged = contents(ui, ui.max_rect(), &input, self.requests);
+        let dragged = contents(ui, ui.max_rect(), &input, self.features, self.requests);
         if dragged { UiResponse::DragStarted } else { UiResponse::None }
     }
 

@@ -3,12 +3,12 @@
 use egui::Vec2;
 
 use crate::app::App;
+use crate::app::settings::Settings;
 use crate::context::PaneEvent;
 use crate::context::action::Action;
 use crate::context::arrangement;
 use crate::context::arrangement::{Arrangement, Centre};
 use crate::context::pane::Pane;
-use crate::context::preferences::Preferences;
 
 /// What belongs to the tiles and is not kept for the next start.
 #[derive(Debug)]
@@ -20,7 +20,7 @@ pub(crate) struct Docking {
     /// Size of the centre in the last frame, in points.
     pub(crate) size: Vec2,
     /// How it looked before the layout was reset.
-    pub(crate) before: Option<Box<Preferences>>,
+    pub(crate) before: Option<Box<Settings>>,
 }
 
 impl Default for Docking {
@@ -113,21 +113,23 @@ impl App {
             Action::ShowBasin => self.toggle_pane(Pane::Basin),
             Action::ShowConvergence => self.toggle_pane(Pane::Convergence),
             Action::ArrangeTiles => {
-                self.shell.docking.before = Some(Box::new(self.state.preferences.clone()));
+                self.shell.docking.before = Some(Box::new(self.settings()));
                 self.shell.docking.alone = None;
                 self.state.preferences.kept.forget(self.state.preferences.layout, cameras);
                 self.state.notices.info(self.state.now, "Arranged the tiles.", Some(Action::RestoreLayout));
             }
             Action::ResetLayout => {
-                self.shell.docking.before = Some(Box::new(self.state.preferences.clone()));
+                self.shell.docking.before = Some(Box::new(self.settings()));
                 self.shell.docking.alone = None;
-                self.state.preferences.reset();
+                let mut settings = self.settings();
+                settings.reset();
+                self.apply_settings(settings);
                 self.state.notices.info(self.state.now, "Reset the layout.", Some(Action::RestoreLayout));
             }
             Action::RestoreLayout => {
                 if let Some(before) = self.shell.docking.before.take() {
-                    self.state.preferences =
-                        (*before).with_memory_of(std::mem::take(&mut self.state.preferences));
+                    let settings = before.with_memory_of(self.settings());
+                    self.apply_settings(settings);
                     self.state.status = Some("The layout is as it was.".to_owned());
                 }
             }

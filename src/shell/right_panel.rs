@@ -4,7 +4,7 @@ use egui::{Frame, Margin, Panel, ScrollArea, Ui};
 
 use crate::context::preferences::Layout;
 use crate::context::{Context, Requests};
-use crate::features::basin::panel as basin;
+use crate::features::Features;
 use crate::features::fit::{measurement, refit, renderer, solver};
 use crate::features::observability::{camera_subsets, panel as observability};
 use crate::features::pose::{joint, panel as pose, sizes};
@@ -15,7 +15,7 @@ use crate::style::theme::{size, space};
 const NARROW: f32 = 1200.0;
 
 /// The column.
-pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &mut Features, requests: &mut Requests) {
     let palette = theme::palette(ui);
     let frame = Frame::NONE.fill(palette.panel).inner_margin(Margin::ZERO);
     let layout = context.preferences.layout;
@@ -31,14 +31,20 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
                 let margin = Margin::symmetric(space::PANEL_MARGIN as i8, 0);
                 Frame::NONE.inner_margin(margin).show(ui, |ui| {
                     ui.push_id((layout, context.preferences.generation), |ui| {
-                        sections(ui, context, requests, layout);
+                        sections(ui, context, features, requests, layout);
                     });
                 });
             });
         });
 }
 
-fn sections(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, layout: Layout) {
+fn sections(
+    ui: &mut Ui,
+    context: &Context<'_>,
+    features: &mut Features,
+    requests: &mut Requests,
+    layout: Layout,
+) {
     let posing = layout == Layout::Pose;
     ui.spacing_mut().item_spacing.y = 0.0;
     pose::ui(ui, context, requests, posing);
@@ -50,5 +56,5 @@ fn sections(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, layout:
     solver::ui(ui, context, requests, !posing);
     observability::ui(ui, context, requests, layout == Layout::Debug);
     camera_subsets::ui(ui, context, requests, layout == Layout::Debug);
-    basin::section(ui, context, requests, false);
+    features.basin.section(ui, context, requests, false);
 }

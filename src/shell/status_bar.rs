@@ -7,14 +7,14 @@ use crate::context::command_button as command;
 use crate::context::preferences::Layout;
 use crate::context::{Context, Requests};
 use crate::drawing::joint_name;
-use crate::features::basin::panel::progress_text;
+use crate::features::Features;
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{size, space};
 use crate::widgets::Icon;
 
 /// The status bar.
-pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &Features, requests: &mut Requests) {
     let palette = theme::palette(ui);
     let frame = Frame::NONE.fill(palette.raised).inner_margin(Margin::symmetric(8, 0));
     Panel::bottom("status bar").exact_size(size::STATUS_BAR).resizable(false).frame(frame).show(ui, |ui| {
@@ -26,7 +26,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
                 if context.busy.is_long() && !context.busy.opening {
                     command::named_button(ui, context, requests, Action::Stop, "Cancel");
                 }
-                if context.basin.running.is_some() && !context.busy.is_long() {
+                if context.busy.basin && !context.busy.is_long() {
                     command::named_button(ui, context, requests, Action::CancelBasin, "Cancel");
                 }
                 if let Some((done, total)) = context.busy.exporting {
@@ -34,7 +34,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
                     let text = format!("Exporting, {done} of {total}.");
                     ui.label(RichText::new(text).small().color(palette.text2));
                 }
-                let text = RichText::new(sentence(context)).small().color(palette.text2);
+                let text = RichText::new(sentence(context, features)).small().color(palette.text2);
                 ui.add(egui::Label::new(text).truncate());
             });
         });
@@ -42,7 +42,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
 }
 
 /// What is happening, or what one may do.
-fn sentence(context: &Context<'_>) -> String {
+fn sentence(context: &Context<'_>, features: &Features) -> String {
     let session = context.session;
     if let Some(doing) = context.doing {
         return doing.to_owned();
@@ -73,8 +73,8 @@ fn sentence(context: &Context<'_>) -> String {
     if context.busy.fitting {
         return "The fit is running. Esc stops it; all steps stay.".to_owned();
     }
-    if let Some(running) = context.basin.running {
-        return format!("Trying the basin: {}. Esc stops it; what is done stays.", progress_text(running));
+    if let Some(progress) = features.basin.progress() {
+        return format!("Trying the basin: {progress}. Esc stops it; what is done stays.");
     }
     if context.preferences.layout == Layout::Demonstrate {
         return laboratory_sentence(context);

@@ -68,8 +68,6 @@ pub enum Lane {
     Hull,
     /// The check of the laboratory's gradients.
     LaboratoryCheck,
-    /// Fits of many starts of one frame.
-    Basin,
 }
 
 impl Lane {
@@ -86,7 +84,7 @@ impl Lane {
             | Self::Observe => Crew::Screen,
             Self::Scene => Crew::Scene,
             Self::Save | Self::Settings | Self::LaboratoryPlot => Crew::Files,
-            Self::Survey | Self::Track | Self::Hull | Self::LaboratoryCheck | Self::Basin => Crew::Long,
+            Self::Survey | Self::Track | Self::Hull | Self::LaboratoryCheck => Crew::Long,
         }
     }
 }

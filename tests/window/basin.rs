@@ -4,7 +4,7 @@ use crate::support::app_window::{PATIENCE, click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
 use backlit::app::{App, AppOptions, Opening};
-use backlit::context::preferences::{Layout, Look};
+use backlit::context::preferences::{Layout, Settings};
 use backlit::features::basin::{BasinView, Compared, ComparedWay, FileKind, MapDirection, Reference};
 use backlit::style::theme::Theme;
 use backlit::take::source::TakeSource;
@@ -22,8 +22,9 @@ use egui_kittest::kittest::Queryable;
 use image::imageops::crop_imm;
 
 fn open(theme: Theme, size: Vec2, opening: Opening) -> Harness<'static, App> {
-    let look = Look { theme, layout: Layout::Pose, ..Look::default() };
-    let mut harness = open_sized(AppOptions { look, opening: Some(opening), ..AppOptions::default() }, size);
+    let look = Settings { theme, layout: Layout::Pose, ..Settings::default() };
+    let mut harness =
+        open_sized(AppOptions { settings: look, opening: Some(opening), ..AppOptions::default() }, size);
     // The panel's other sections are not what this is about.
     for section in ["Pose", "Refit"] {
         click(&mut harness, section);
@@ -57,7 +58,7 @@ fn the_window_finds_the_same_as_the_core_on_the_built_in_take() {
     let opening = Opening::Take(TakeSource::BuiltIn);
     let mut harness = open(Theme::Dark, vec2(1500.0, 1000.0), opening);
     set_starts(&mut harness, "5 40", "0 20");
-    let mut settings = harness.state().look().basin.settings.clone();
+    let mut settings = harness.state().settings().basin.settings.clone();
     settings.starts = 2;
     settings.seed = 7;
     harness.state_mut().set_basin(settings);
@@ -100,7 +101,7 @@ fn what_is_typed_wrong_is_said_and_nothing_runs() {
 fn steps_go_on_beside_a_basin_and_cancelling_keeps_what_is_done() {
     let mut harness = open_arm();
     set_starts(&mut harness, "5 10 20 30 45", "0");
-    let mut settings = harness.state().look().basin.settings.clone();
+    let mut settings = harness.state().settings().basin.settings.clone();
     settings.starts = 500;
     harness.state_mut().set_basin(settings);
     harness.get_all_by_role_and_label(Role::Button, "Run starts").next().unwrap().click();
@@ -129,7 +130,7 @@ fn steps_go_on_beside_a_basin_and_cancelling_keeps_what_is_done() {
 fn esc_stops_a_basin_and_what_it_leaves_is_called_a_part_everywhere() {
     let mut harness = open_arm();
     set_starts(&mut harness, "5 45", "0");
-    let mut settings = harness.state().look().basin.settings.clone();
+    let mut settings = harness.state().settings().basin.settings.clone();
     settings.starts = 500;
     harness.state_mut().set_basin(settings);
     harness.get_all_by_role_and_label(Role::Button, "Run starts").next().unwrap().click();
@@ -173,19 +174,19 @@ fn what_is_chosen_is_there_at_the_next_start() {
     let mut harness = open_arm();
     set_starts(&mut harness, "7 21", "3");
     click(&mut harness, "Compare with…");
-    let mut settings = harness.state().look().basin.settings.clone();
+    let mut settings = harness.state().settings().basin.settings.clone();
     settings.directions[1].joint = Some("right forearm".to_owned());
     (settings.starts, settings.seed, settings.cells, settings.only_held) = (33, 9, 7, true);
     harness.state_mut().set_basin(settings.clone());
     harness.step();
-    let kept = serde_json::to_string(harness.state().look()).unwrap();
+    let kept = serde_json::to_string(&harness.state().settings()).unwrap();
     drop(harness);
 
-    let look: Look = serde_json::from_str(&kept).unwrap();
+    let look: Settings = serde_json::from_str(&kept).unwrap();
     let opening = Some(Opening::Ready(Box::new(take::take())));
-    let options = AppOptions { look, opening, ..AppOptions::default() };
+    let options = AppOptions { settings: look, opening, ..AppOptions::default() };
     let mut harness = open_sized(options, vec2(1500.0, 1000.0));
-    assert_eq!(harness.state().look().basin.settings, settings);
+    assert_eq!(harness.state().settings().basin.settings, settings);
     click(&mut harness, "Pose");
     click(&mut harness, "Refit");
     click(&mut harness, "Basin");
@@ -197,7 +198,7 @@ fn what_is_chosen_is_there_at_the_next_start() {
 #[test]
 fn the_windows_map_is_the_commands() {
     let mut harness = open(Theme::Dark, vec2(1500.0, 1000.0), Opening::Take(TakeSource::BuiltIn));
-    let mut settings = harness.state().look().basin.settings.clone();
+    let mut settings = harness.state().settings().basin.settings.clone();
     let report = Compared { way: ComparedWay::Preset(Preset::Report), renderer: RendererKind::Cylinder };
     settings.compared = vec![report];
     settings.reference = Reference::Truth;
@@ -247,7 +248,7 @@ fn the_windows_map_is_the_commands() {
 
 /// Runs a small map about the take's start.
 fn run_map(harness: &mut Harness<'_, App>) {
-    let mut settings = harness.state().look().basin.settings.clone();
+    let mut settings = harness.state().settings().basin.settings.clone();
     settings.cells = 7;
     harness.state_mut().set_basin(settings);
     click(harness, "Run map");
@@ -256,7 +257,7 @@ fn run_map(harness: &mut Harness<'_, App>) {
 #[test]
 fn a_click_on_a_cell_takes_its_start_and_undo_brings_the_pose_back() {
     let mut harness = open_arm();
-    let mut settings = harness.state().look().basin.settings.clone();
+    let mut settings = harness.state().settings().basin.settings.clone();
     for direction in &mut settings.directions {
         direction.joint = Some("right forearm".to_owned());
     }
@@ -298,7 +299,7 @@ fn results_are_written_as_tables_pictures_and_numbers() {
         assert!(numbers.starts_with("{\n  \"format\": \"backlit-experiment 1\""), "{numbers:.80}");
         assert!(image::open(folder.path().join(format!("{view}.png"))).unwrap().width() > 400);
     }
-    assert_eq!(harness.state().look().basin.view, BasinView::Map);
+    assert_eq!(harness.state().settings().basin.view, BasinView::Map);
 }
 
 /// The pane alone.
@@ -335,9 +336,9 @@ fn the_pane_as_a_plot_and_as_a_map() {
 #[test]
 fn the_section_does_not_widen_the_panel() {
     for width in [1100.0, 1600.0] {
-        let look = Look { layout: Layout::Pose, ..Look::default() };
+        let look = Settings { layout: Layout::Pose, ..Settings::default() };
         let opening = Some(Opening::Take(TakeSource::BuiltIn));
-        let options = AppOptions { look, opening, ..AppOptions::default() };
+        let options = AppOptions { settings: look, opening, ..AppOptions::default() };
         let mut harness = open_sized(options, vec2(width, 900.0));
         let left = |harness: &Harness<'_, App>| {
             harness.get_by_role_and_label(Role::Button, "Camera subsets").rect().left()
@@ -350,7 +351,7 @@ fn the_section_does_not_widen_the_panel() {
         for _ in 0..2 {
             click(&mut harness, "Compare with…");
         }
-        let mut settings = harness.state().look().basin.settings.clone();
+        let mut settings = harness.state().settings().basin.settings.clone();
         settings.directions[0].joint = Some("right upper arm".to_owned());
         harness.state_mut().set_basin(settings);
         settle(&mut harness);

@@ -4,7 +4,7 @@ use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
 use backlit::app::{App, AppOptions, Opening};
-use backlit::context::preferences::{Layout, Look};
+use backlit::context::preferences::{Layout, Settings};
 use backlit::style::theme::Theme;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, Rect, Vec2, pos2, vec2};
@@ -13,9 +13,9 @@ use egui_kittest::kittest::Queryable;
 use image::imageops::crop_imm;
 
 fn open(theme: Theme, size: Vec2) -> Harness<'static, App> {
-    let look = Look { theme, layout: Layout::Debug, ..Look::default() };
+    let look = Settings { theme, layout: Layout::Debug, ..Settings::default() };
     let opening = Some(Opening::Ready(Box::new(take::take())));
-    open_sized(AppOptions { look, opening, ..AppOptions::default() }, size)
+    open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, size)
 }
 
 fn open_dark() -> Harness<'static, App> {

@@ -5,7 +5,7 @@ use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
 use backlit::app::{App, AppOptions, Opening};
 use backlit::context::pane::Pane;
-use backlit::context::preferences::{Layout, Look};
+use backlit::context::preferences::{Layout, Settings};
 use backlit::features::scene::{HullLook, SceneLook, Viewpoint};
 use backlit::style::theme::{Theme, size};
 use egui::accesskit::Role;
@@ -18,13 +18,13 @@ const DEBUG_PANES: [&str; 4] = ["Camera 1", "Camera 2", "Scene", "Convergence"];
 /// Between tiles.
 const GAP: f32 = 2.0;
 
-fn open(look: Look) -> Harness<'static, App> {
+fn open(look: Settings) -> Harness<'static, App> {
     let opening = Some(Opening::Ready(Box::new(take::take())));
-    open_sized(AppOptions { look, opening, ..AppOptions::default() }, vec2(1500.0, 900.0))
+    open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, vec2(1500.0, 900.0))
 }
 
 fn debug() -> Harness<'static, App> {
-    open(Look { layout: Layout::Debug, ..Look::default() })
+    open(Settings { layout: Layout::Debug, ..Settings::default() })
 }
 
 fn header(harness: &Harness<'_, App>, pane: &str) -> Rect {
@@ -112,7 +112,7 @@ fn a_split_is_dragged_and_the_automatic_arrangement_comes_back() {
     let wider = header(&harness, "Camera 1").width();
     assert!((wider - first - 70.0).abs() < 2.0, "{first} {wider}");
     assert_fills(&harness);
-    assert!(harness.state().look().kept.get(Layout::Debug, 2).is_some());
+    assert!(harness.state().settings().kept.get(Layout::Debug, 2).is_some());
 
     command(&mut harness, "Arrange tiles");
     assert!((header(&harness, "Camera 1").width() - first).abs() < 0.5);
@@ -120,11 +120,13 @@ fn a_split_is_dragged_and_the_automatic_arrangement_comes_back() {
     assert!((header(&harness, "Camera 1").width() - wider).abs() < 0.5);
 
     press(&mut harness, Modifiers::COMMAND, Key::B);
-    let before = harness.state().look().clone();
+    let before = harness.state().settings();
     command(&mut harness, "Reset layout");
-    assert!(harness.state().look().panel && harness.state().look().kept.get(Layout::Debug, 2).is_none());
+    assert!(
+        harness.state().settings().panel && harness.state().settings().kept.get(Layout::Debug, 2).is_none()
+    );
     undo_in_notice(&mut harness);
-    let look = harness.state().look();
+    let look = harness.state().settings();
     assert_eq!((&look.kept, look.panel), (&before.kept, false));
 }
 
@@ -149,12 +151,12 @@ fn the_arrangement_is_there_at_the_next_start() {
     let split = split_right_of(&harness, "Camera 1");
     drag(&mut harness, split, vec2(-60.0, 0.0));
     let widths = DEBUG_PANES.map(|pane| header(&harness, pane).width());
-    let text = serde_json::to_string(harness.state().look()).unwrap();
+    let text = serde_json::to_string(&harness.state().settings()).unwrap();
     let again = open(serde_json::from_str(&text).unwrap());
     assert_eq!(DEBUG_PANES.map(|pane| header(&again, pane).width()), widths);
     // The other layout has its own.
-    let look: Look = serde_json::from_str(&text).unwrap();
-    let pose = open(Look { layout: Layout::Pose, ..look });
+    let look: Settings = serde_json::from_str(&text).unwrap();
+    let pose = open(Settings { layout: Layout::Pose, ..look });
     assert!(has(&pose, "Camera 2") && !has(&pose, "Scene"));
 }
 
@@ -177,7 +179,7 @@ fn tiles_are_closed_and_opened_again() {
     click(&mut harness, "More for Scene");
     click(&mut harness, "Close tile");
     assert!(!has(&harness, "Scene") && has(&harness, "Camera 2"));
-    assert!(!harness.state().look().is_open(Pane::Scene, 2));
+    assert!(!harness.state().settings().is_open(Pane::Scene, 2));
     command(&mut harness, "Show or hide scene");
     assert_eq!(header(&harness, "Scene"), before, "it comes back to its place");
     for pane in DEBUG_PANES {
@@ -206,12 +208,12 @@ fn any_tile_fills_the_window_and_esc_brings_the_others_back() {
 #[test]
 fn the_scene_is_orbited_panned_and_zoomed_and_a_double_click_resets_it() {
     let mut harness = debug();
-    let orbit = |harness: &Harness<'_, App>| match harness.state().look().scene.viewpoint {
+    let orbit = |harness: &Harness<'_, App>| match harness.state().settings().scene.viewpoint {
         Some(Viewpoint::Orbit(orbit)) => orbit,
         other => panic!("{other:?}"),
     };
     let at = header(&harness, "Scene").center_bottom() + vec2(0.0, 250.0);
-    assert_eq!(harness.state().look().scene.viewpoint, None);
+    assert_eq!(harness.state().settings().scene.viewpoint, None);
     drag(&mut harness, at, vec2(60.0, 10.0));
     let turned = orbit(&harness);
     drag_by(&mut harness, PointerButton::Middle, at, vec2(0.0, 40.0));
@@ -228,7 +230,7 @@ fn the_scene_is_orbited_panned_and_zoomed_and_a_double_click_resets_it() {
     harness.run_steps(20);
     assert!(orbit(&harness).distance < panned.distance);
     double_click(&mut harness, at);
-    assert_eq!(harness.state().look().scene.viewpoint, None);
+    assert_eq!(harness.state().settings().scene.viewpoint, None);
 }
 
 #[test]
@@ -238,7 +240,7 @@ fn a_click_on_a_camera_in_the_scene_makes_its_tile_the_active_one() {
     click(&mut harness, "Scene camera 2");
     assert_eq!(harness.state().selection().camera, 1);
     command(&mut harness, "Scene from the active camera");
-    assert_eq!(harness.state().look().scene.viewpoint, Some(Viewpoint::Camera(1)));
+    assert_eq!(harness.state().settings().scene.viewpoint, Some(Viewpoint::Camera(1)));
     assert!(harness.query_by_role_and_label(Role::Button, "Scene camera 2").is_none());
 }
 
@@ -260,7 +262,7 @@ fn the_hull_is_carved_for_the_scene() {
     assert!(hull.size().max_element() < 0.95, "{}", hull.size());
     harness.get_by_label_contains("Visual hull ");
     let hidden = SceneLook { hull: HullLook::Hidden, ..SceneLook::default() };
-    let harness = open(Look { layout: Layout::Debug, scene: hidden, ..Look::default() });
+    let harness = open(Settings { layout: Layout::Debug, scene: hidden, ..Settings::default() });
     let session = harness.state().session();
     assert!(session.hulls.get(session.shown_frame(0).unwrap()).is_none(), "what is not shown is not made");
 }
@@ -270,7 +272,7 @@ fn the_scene_in_both_themes() {
     let mut snapshots = Snapshots::default();
     for theme in Theme::ALL {
         let scene = SceneLook { hull: HullLook::Shell, ..SceneLook::default() };
-        let mut harness = open(Look { theme, layout: Layout::Debug, scene, ..Look::default() });
+        let mut harness = open(Settings { theme, layout: Layout::Debug, scene, ..Settings::default() });
         for _ in 0..3 {
             harness.state_mut().freeze_times();
             harness.step();

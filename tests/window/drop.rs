@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::{App, AppOptions, Opening, opening_of};
-use backlit::context::preferences::Look;
+use backlit::context::preferences::Settings;
 use backlit::document::project::read_project;
 use backlit::style::theme::Theme;
 use backlit_formats::pose_file;
@@ -189,8 +189,8 @@ fn what_will_happen_is_said_before_the_file_is_let_go() {
 fn recent_takes_that_are_gone_say_so_and_can_be_removed() {
     let (here, gone) = (folder(), PathBuf::from("/no/such/take"));
     let recent = vec![here.path().to_owned(), gone.clone()];
-    let look = Look { recent, ..Look::default() };
-    let mut harness = open_sized(AppOptions { look, ..AppOptions::default() }, vec2(1100.0, 700.0));
+    let look = Settings { recent, ..Settings::default() };
+    let mut harness = open_sized(AppOptions { settings: look, ..AppOptions::default() }, vec2(1100.0, 700.0));
     harness.get_by_label("missing");
     click(&mut harness, "Remove take from the recent takes");
     assert!(harness.query_by_label("missing").is_none());
@@ -241,10 +241,10 @@ fn the_cards_look_as_they_should() {
     let mut snapshots = Snapshots::default();
     let folder = folder();
     for theme in Theme::ALL {
-        let look = Look { theme, ..Look::default() };
+        let look = Settings { theme, ..Settings::default() };
         let opening = Some(opening_of(folder.path()));
         let mut harness =
-            open_sized(AppOptions { look, opening, ..AppOptions::default() }, vec2(1300.0, 860.0));
+            open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, vec2(1300.0, 860.0));
         harness.set_render_cursor(false);
         hover(&mut harness, &folder.path().join("cameras.json"));
         part(

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::{App, AppOptions, Opening};
-use backlit::context::preferences::Look;
+use backlit::context::preferences::Settings;
 use backlit::features::export::{ExportChoices, SeriesFormat};
 use backlit::style::theme::Theme;
 use egui::accesskit::Role;
@@ -15,9 +15,9 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use image::imageops::crop_imm;
 
-fn open(look: Look) -> Harness<'static, App> {
+fn open(look: Settings) -> Harness<'static, App> {
     let opening = Some(Opening::Ready(Box::new(take::take())));
-    open_sized(AppOptions { look, opening, ..AppOptions::default() }, vec2(1200.0, 800.0))
+    open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, vec2(1200.0, 800.0))
 }
 
 /// Opens the palette, types, and presses Enter.
@@ -50,7 +50,7 @@ pub(crate) fn export_to(harness: &mut Harness<'_, App>, field: &str, path: &Path
 #[test]
 fn a_view_is_exported_at_the_size_that_was_chosen() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = open(Look::default());
+    let mut harness = open(Settings::default());
     command(&mut harness, "export view");
     let path = folder.path().join("front.png");
     harness.get_by_role_and_label(Role::RadioButton, "3×").click();
@@ -69,7 +69,7 @@ fn a_view_is_exported_at_the_size_that_was_chosen() {
 #[test]
 fn the_window_is_exported_as_it_is() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = open(Look { theme: Theme::Light, ..Look::default() });
+    let mut harness = open(Settings { theme: Theme::Light, ..Settings::default() });
     click(&mut harness, "Solver");
     let path = folder.path().join("window.png");
     command(&mut harness, "export window");
@@ -101,7 +101,7 @@ fn the_window_is_exported_as_it_is() {
 #[test]
 fn iterations_become_numbered_pictures_or_a_gif() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = open(Look::default());
+    let mut harness = open(Settings::default());
     click(&mut harness, "Step");
     click(&mut harness, "Step");
     let steps = folder.path().join("steps");
@@ -132,7 +132,7 @@ fn iterations_become_numbered_pictures_or_a_gif() {
 fn frames_are_exported_and_an_export_can_be_stopped() {
     let folder = tempfile::tempdir().unwrap();
     let export = ExportChoices { format: SeriesFormat::AnimatedPng, ..ExportChoices::default() };
-    let mut harness = open(Look { export, ..Look::default() });
+    let mut harness = open(Settings { export, ..Settings::default() });
     click(&mut harness, "Track forward");
     let path = folder.path().join("frames.png");
     command(&mut harness, "export frames");
@@ -161,7 +161,7 @@ fn frames_are_exported_and_an_export_can_be_stopped() {
 
 #[test]
 fn a_folder_that_is_not_there_is_said_before_anything_is_done() {
-    let mut harness = open(Look::default());
+    let mut harness = open(Settings::default());
     command(&mut harness, "export view");
     harness.get_by_role_and_label(Role::TextInput, "File").focus();
     harness.run_steps(2);
@@ -181,7 +181,7 @@ fn the_dialog_looks_as_it_should() {
     for theme in Theme::ALL {
         let folder = std::path::PathBuf::from("/pictures");
         let export = ExportChoices { folder: Some(folder), ..ExportChoices::default() };
-        let mut harness = open(Look { theme, export, ..Look::default() });
+        let mut harness = open(Settings { theme, export, ..Settings::default() });
         harness.set_render_cursor(false);
         click(&mut harness, "Step");
         for (what, name) in [("export view", "view"), ("export iterations", "iterations")] {

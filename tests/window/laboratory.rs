@@ -4,7 +4,7 @@ use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
 use backlit::app::{App, AppOptions, Opening};
-use backlit::context::preferences::{Layout, Look};
+use backlit::context::preferences::{Layout, Settings};
 use backlit::features::laboratory::story;
 use backlit::features::laboratory::story::MOST_WORDS;
 use backlit::features::laboratory::{Comparison, Lineup};
@@ -20,8 +20,8 @@ use image::imageops::crop_imm;
 const NONE: Modifiers = Modifiers::NONE;
 
 fn open(opening: Opening, theme: Theme, size: egui::Vec2) -> Harness<'static, App> {
-    let look = Look { theme, layout: Layout::Demonstrate, ..Look::default() };
-    open_sized(AppOptions { look, opening: Some(opening), ..AppOptions::default() }, size)
+    let look = Settings { theme, layout: Layout::Demonstrate, ..Settings::default() };
+    open_sized(AppOptions { settings: look, opening: Some(opening), ..AppOptions::default() }, size)
 }
 
 fn open_limb() -> Harness<'static, App> {

@@ -3,7 +3,7 @@
 use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::take;
 use backlit::app::{App, AppOptions, Opening};
-use backlit::context::preferences::{Layout, Look};
+use backlit::context::preferences::{Layout, Settings};
 use egui::accesskit::{Action, Role};
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
@@ -14,8 +14,11 @@ const GAP: f64 = 10.0;
 
 fn open(layout: Layout) -> Harness<'static, App> {
     let opening = Some(Opening::Ready(Box::new(take::take())));
-    let look = Look { layout, ..Look::default() };
-    open_sized(AppOptions { look, opening, offers_tour: true, ..AppOptions::default() }, vec2(1600.0, 1000.0))
+    let look = Settings { layout, ..Settings::default() };
+    open_sized(
+        AppOptions { settings: look, opening, offers_tour: true, ..AppOptions::default() },
+        vec2(1600.0, 1000.0),
+    )
 }
 
 /// Why the name of an input, a picture or a plot is none. A hint in an empty field is not a name: it is gone once

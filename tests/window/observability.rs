@@ -4,7 +4,7 @@ use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
 use backlit::app::{App, AppOptions, Opening};
-use backlit::context::preferences::{Layout, Look};
+use backlit::context::preferences::{Layout, Settings};
 use backlit::style::theme::{Theme, size};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Rect, vec2};
@@ -18,9 +18,10 @@ const HEIGHT: f32 = 1500.0;
 const MARGIN: f32 = 8.0;
 
 fn open(theme: Theme) -> Harness<'static, App> {
-    let look = Look { theme, layout: Layout::Debug, ..Look::default() };
+    let look = Settings { theme, layout: Layout::Debug, ..Settings::default() };
     let opening = Some(Opening::Ready(Box::new(take::take())));
-    let mut harness = open_sized(AppOptions { look, opening, ..AppOptions::default() }, vec2(WIDTH, HEIGHT));
+    let mut harness =
+        open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, vec2(WIDTH, HEIGHT));
     click(&mut harness, "Run");
     harness
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::{App, AppOptions, Opening, opening_of};
-use backlit::context::preferences::{Layout, Look};
+use backlit::context::preferences::{Layout, Settings};
 use backlit::style::theme::{Theme, size};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Rect, pos2, vec2};
@@ -26,10 +26,10 @@ const MARGIN: f32 = 8.0;
 const WINDOW: Rect = Rect { min: pos2(MARGIN, MARGIN), max: pos2(WIDTH - MARGIN, HEIGHT - MARGIN) };
 
 fn open(theme: Theme, layout: Layout) -> Harness<'static, App> {
-    let look = Look { theme, layout, ..Look::default() };
+    let look = Settings { theme, layout, ..Settings::default() };
     let opening = Some(Opening::Ready(Box::new(take::take())));
     let width = if layout == Layout::Debug { DEBUG_WIDTH } else { WIDTH };
-    open_sized(AppOptions { look, opening, ..AppOptions::default() }, vec2(width, HEIGHT))
+    open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, vec2(width, HEIGHT))
 }
 
 /// Compares a part of the window. Carets do not blink and times are not shown.
@@ -136,10 +136,10 @@ fn empty_state_with_an_error() {
     let mut snapshots = Snapshots::default();
     for theme in Theme::ALL {
         let recent = vec![PathBuf::from("takes/balancing"), PathBuf::from("takes/walking")];
-        let look = Look { theme, recent, ..Look::default() };
+        let look = Settings { theme, recent, ..Settings::default() };
         let opening = Some(opening_of("/no/such/take".as_ref()));
         let window = vec2(900.0, 500.0);
-        let mut harness = open_sized(AppOptions { look, opening, ..AppOptions::default() }, window);
+        let mut harness = open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, window);
         let rect = Rect::from_min_max(pos2(200.0, 100.0), window.to_pos2() - vec2(MARGIN, MARGIN));
         part(&mut snapshots, &mut harness, rect, &format!("panel_empty_{}", theme_name(theme)));
     }

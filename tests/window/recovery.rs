@@ -9,7 +9,7 @@ use crate::support::app_window::{click, drag, open_sized, press};
 use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::{App, AppOptions, opening_of};
 use backlit::context::clock::Clock;
-use backlit::context::preferences::Look;
+use backlit::context::preferences::Settings;
 use backlit::document::Document;
 use backlit::style::theme::{Theme, size};
 use egui::accesskit::Role;
@@ -91,8 +91,8 @@ fn copies_are_offered_with_time_picture_and_work_the_newest_first() {
     let folder = tempfile::tempdir().unwrap();
     leave_two(folder.path());
     for theme in Theme::ALL {
-        let look = Look { theme, ..Look::default() };
-        let options = take_in(folder.path(), AppOptions { look, ..options(folder.path()) });
+        let look = Settings { theme, ..Settings::default() };
+        let options = take_in(folder.path(), AppOptions { settings: look, ..options(folder.path()) });
         let mut harness = open_sized(options, vec2(1100.0, 700.0));
         assert_eq!(titles(&harness), ["Today 14:32, 12 minutes ago", "Yesterday 09:44, 29 hours ago"]);
         harness.get_by_label("At frame 0 of 3: 1 pose set by hand");

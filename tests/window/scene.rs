@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use backlit::app::{App, AppOptions, Opening};
-use backlit::context::preferences::{Layout, Look};
+use backlit::context::preferences::{Layout, Settings};
 use backlit::features::scene::{SceneDrawing, Upright, Viewpoint};
 use backlit_tracking::body::Kinematics;
 use egui::accesskit::Role;
@@ -17,8 +17,8 @@ use crate::support::take;
 
 fn open() -> Harness<'static, App> {
     let opening = Some(Opening::Ready(Box::new(take::take())));
-    let look = Look { layout: Layout::Debug, ..Look::default() };
-    open_sized(AppOptions { look, opening, ..AppOptions::default() }, vec2(1500.0, 900.0))
+    let look = Settings { layout: Layout::Debug, ..Settings::default() };
+    open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, vec2(1500.0, 900.0))
 }
 
 fn drawing(harness: &Harness<'_, App>) -> Arc<SceneDrawing> {
@@ -95,7 +95,7 @@ fn a_view_that_is_dragged_ends_where_the_hand_let_go() {
     harness.event(button(from + vec2(59.0, 18.0), false));
     settle(&mut harness);
     let app = harness.state();
-    let Some(Viewpoint::Orbit(orbit)) = app.look().scene.viewpoint else { panic!("it was turned") };
+    let Some(Viewpoint::Orbit(orbit)) = app.settings().scene.viewpoint else { panic!("it was turned") };
     let upright = Upright::of(&app.session().take.as_ref().unwrap().cameras);
     let order = &drawing(&harness).order;
     assert_eq!(order.eye, orbit.camera(&upright));
@@ -108,7 +108,7 @@ fn over_the_scene_arrows_turn_it_and_elsewhere_they_change_the_frame() {
     let at = middle(&harness);
     harness.event(Event::PointerMoved(at));
     settle(&mut harness);
-    let orbit = |harness: &Harness<'_, App>| match harness.state().look().scene.viewpoint {
+    let orbit = |harness: &Harness<'_, App>| match harness.state().settings().scene.viewpoint {
         Some(Viewpoint::Orbit(orbit)) => orbit,
         other => panic!("{other:?}"),
     };
@@ -126,12 +126,12 @@ fn over_the_scene_arrows_turn_it_and_elsewhere_they_change_the_frame() {
     assert!(orbit(&harness).distance > turned.distance);
     assert_eq!(harness.state().selection().frame, 0);
     press(&mut harness, Modifiers::NONE, Key::Home);
-    assert_eq!(harness.state().look().scene.viewpoint, None);
+    assert_eq!(harness.state().settings().scene.viewpoint, None);
 
     harness.event(Event::PointerGone);
     settle(&mut harness);
     press(&mut harness, Modifiers::NONE, Key::ArrowRight);
-    assert_eq!((harness.state().selection().frame, harness.state().look().scene.viewpoint), (1, None));
+    assert_eq!((harness.state().selection().frame, harness.state().settings().scene.viewpoint), (1, None));
 
     harness.get_by_role_and_label(Role::Image, "Scene").focus();
     settle(&mut harness);

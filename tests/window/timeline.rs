@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use backlit::app::{App, AppOptions, Opening};
-use backlit::context::preferences::Look;
+use backlit::context::preferences::Settings;
 use backlit::document::Document;
 use backlit::style::theme::{Theme, size};
 use egui::accesskit::Role;
@@ -24,13 +24,13 @@ const EMPTY: usize = 7;
 
 type Window = Harness<'static, App>;
 
-fn open_as(take: backlit_formats::Take, look: Look, window: Vec2) -> Window {
+fn open_as(take: backlit_formats::Take, look: Settings, window: Vec2) -> Window {
     let opening = Some(Opening::Ready(Box::new(take)));
-    open_sized(AppOptions { look, opening, ..AppOptions::default() }, window)
+    open_sized(AppOptions { settings: look, opening, ..AppOptions::default() }, window)
 }
 
 fn open() -> Window {
-    open_as(take::take_of(FRAMES, &[]), Look::default(), vec2(1500.0, 900.0))
+    open_as(take::take_of(FRAMES, &[]), Settings::default(), vec2(1500.0, 900.0))
 }
 
 fn document(window: &Window) -> &Document {
@@ -405,7 +405,7 @@ fn a_track_between_keys_that_is_stopped_keeps_what_was_done() {
 }
 
 /// A take with a frame in which there is nobody, tracked.
-fn open_tracked(look: Look, size: Vec2) -> Window {
+fn open_tracked(look: Settings, size: Vec2) -> Window {
     let mut window = open_as(take::take_of(FRAMES, &[EMPTY]), look, size);
     press(&mut window, Modifiers::COMMAND, Key::Enter);
     window.state_mut().close_notices();
@@ -417,7 +417,7 @@ fn open_tracked(look: Look, size: Vec2) -> Window {
 fn lost_and_worst_frames_are_marked_and_gone_to() {
     let mut window = open();
     refuses(&mut window, "Next worst", "No frame is tracked yet");
-    let mut window = open_tracked(Look::default(), vec2(1500.0, 900.0));
+    let mut window = open_tracked(Settings::default(), vec2(1500.0, 900.0));
     let lost: Vec<usize> =
         document(&window).estimates.iter().filter(|(_, found)| found.lost).map(|(at, _)| *at).collect();
     assert_eq!(lost, [EMPTY]);
@@ -447,7 +447,7 @@ fn lost_and_worst_frames_are_marked_and_gone_to() {
 
 #[test]
 fn lanes_say_their_values_and_their_ends() {
-    let mut window = open_as(take::take_of(FRAMES, &[]), Look::default(), vec2(1500.0, 900.0));
+    let mut window = open_as(take::take_of(FRAMES, &[]), Settings::default(), vec2(1500.0, 900.0));
     window.get_by_label("Cost, grey²: not known, lane from 0 to 1");
     window.get_by_label("IoU: not known, lane from 0.4 to 1");
     press(&mut window, Modifiers::COMMAND, Key::Enter);
@@ -465,7 +465,7 @@ fn lanes_say_their_values_and_their_ends() {
 
 #[test]
 fn a_take_of_one_frame_neither_plays_nor_tracks() {
-    let mut window = open_as(take::take_of(1, &[]), Look::default(), vec2(1500.0, 900.0));
+    let mut window = open_as(take::take_of(1, &[]), Settings::default(), vec2(1500.0, 900.0));
     assert_eq!(shown(&window), "Frames 0 to 0 of 0 to 0");
     refuses(&mut window, "Play or pause", "The take has one frame");
     refuses(&mut window, "Track back", "This is the first frame");
@@ -498,7 +498,7 @@ fn part(snapshots: &mut Snapshots, window: &mut Window, name: &str) {
 fn pictures_of_its_states() {
     let mut snapshots = Snapshots::default();
     for theme in Theme::ALL {
-        let look = Look { theme, ..Look::default() };
+        let look = Settings { theme, ..Settings::default() };
         let theme = theme_name(theme);
         let large = vec2(1276.0 + size::RIGHT_PANEL, 816.0);
         let mut window = open_as(take::take_of(FRAMES, &[]), look.clone(), large);

@@ -5,7 +5,7 @@ use std::time::Instant;
 use crate::support::app_window::{PATIENCE, click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::{App, AppOptions, Opening};
-use backlit::context::preferences::Look;
+use backlit::context::preferences::Settings;
 use backlit::style::theme::Theme;
 use backlit::take::source::TakeSource;
 use egui::accesskit::Role;
@@ -15,9 +15,9 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use image::imageops::crop_imm;
 
 fn open(size: Vec2, theme: Theme, offers_tour: bool) -> Harness<'static, App> {
-    let look = Look { theme, ..Look::default() };
+    let look = Settings { theme, ..Settings::default() };
     let opening = Some(Opening::Take(TakeSource::BuiltIn));
-    open_sized(AppOptions { look, opening, offers_tour, ..AppOptions::default() }, size)
+    open_sized(AppOptions { settings: look, opening, offers_tour, ..AppOptions::default() }, size)
 }
 
 fn at(harness: &Harness<'_, App>, step: usize) -> Rect {
@@ -147,11 +147,11 @@ fn the_tour_is_offered_once() {
     harness.get_by_label("Offer of the tour");
     click(&mut harness, "Not now");
     assert!(harness.query_by_label("Offer of the tour").is_none());
-    let look = harness.state().look().clone();
+    let look = harness.state().settings();
     assert!(look.tour_offered);
     let opening = Some(Opening::Take(TakeSource::BuiltIn));
     let again = open_sized(
-        AppOptions { look, opening, offers_tour: true, ..AppOptions::default() },
+        AppOptions { settings: look, opening, offers_tour: true, ..AppOptions::default() },
         vec2(1200.0, 800.0),
     );
     assert!(again.query_by_label("Offer of the tour").is_none());

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use backlit::app::settings_file as settings;
 use backlit::app::{App, AppOptions, Opening, opening_of};
-use backlit::context::preferences::{Layout, Look};
+use backlit::context::preferences::{Layout, Settings};
 use backlit::document::project::read_project;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, vec2};
@@ -248,14 +248,14 @@ fn the_arrangement_is_kept() {
     drop(harness);
     let (kept, unread) = settings::read(&data.path().join("folder"));
     assert_eq!(unread, None);
-    assert_eq!(kept, Look { layout: Layout::Debug, panel: false, lanes: false, ..Look::default() });
+    assert_eq!(kept, Settings { layout: Layout::Debug, panel: false, lanes: false, ..Settings::default() });
 }
 
 #[test]
 fn the_debug_layout_shows_the_run_and_goes_to_its_steps() {
-    let look = Look { layout: Layout::Debug, ..Look::default() };
+    let look = Settings { layout: Layout::Debug, ..Settings::default() };
     let opening = Some(Opening::Ready(Box::new(take::take())));
-    let mut harness = open(AppOptions { look, opening, ..AppOptions::default() });
+    let mut harness = open(AppOptions { settings: look, opening, ..AppOptions::default() });
     harness.get_by_label("Press Space to step");
     click(&mut harness, "Run");
     harness.get_by_label("Convergence plot");

@@ -5,11 +5,22 @@ use backlit_lab::experiment::basin_map::{self, BasinMap};
 use backlit_lab::experiment::frame_basin::{self, Frame, FrameBasin};
 use backlit_tracking::cancel::CancelToken;
 
-use crate::worker::{BackgroundEvent, Job, Outbox, Step};
+use backlit_lab::experiment::basin_map::Cell;
+use backlit_lab::experiment::frame_basin::Trial;
+
+use crate::jobs::{Job, Outbox, Step};
+
+/// A fit that was made, or why none can be.
+#[derive(Debug)]
+pub(super) enum Fitted {
+    Trial(Trial),
+    Cell(Cell),
+    Refused(ExperimentError),
+}
 
 /// What is to be tried.
 #[derive(Debug)]
-pub enum BasinWork {
+pub(super) enum BasinWork {
     /// Success over angle.
     Angles(Box<frame_basin::Options>),
     /// The map.
@@ -24,7 +35,7 @@ enum Prepared {
 
 /// An experiment about a frame. Its first step finds where fits are to end.
 #[derive(Debug)]
-pub struct BasinJob {
+pub(super) struct BasinJob {
     begin: Option<(Frame, BasinWork)>,
     prepared: Option<Prepared>,
     next: usize,
@@ -32,13 +43,12 @@ pub struct BasinJob {
 
 impl BasinJob {
     /// All fits about this frame.
-    #[must_use]
-    pub fn new(frame: Frame, work: BasinWork) -> Self {
+    pub(super) fn new(frame: Frame, work: BasinWork) -> Self {
         Self { begin: Some((frame, work)), prepared: None, next: 0 }
     }
 
     /// Makes the next fit; whether there is one more.
-    fn go_on(&mut self, out: &Outbox<BackgroundEvent>) -> Result<bool, ExperimentError> {
+    fn go_on(&mut self, out: &Outbox<Fitted>) -> Result<bool, ExperimentError> {
         if let Some((frame, work)) = self.begin.take() {
             self.prepared = Some(prepare(frame, work, out.cancel())?);
         }
@@ -46,11 +56,11 @@ impl BasinJob {
         self.next += 1;
         let total = match &self.prepared {
             Some(Prepared::Angles(basin)) => {
-                out.send(BackgroundEvent::BasinTrial(basin.run(index, out.cancel())?));
+                out.send(Fitted::Trial(basin.run(index, out.cancel())?));
                 basin.len()
             }
             Some(Prepared::Map(map)) => {
-                out.send(BackgroundEvent::BasinCell(map.run(index, out.cancel())?));
+                out.send(Fitted::Cell(map.run(index, out.cancel())?));
                 map.len()
             }
             None => 0,
@@ -66,8 +76,8 @@ fn prepare(frame: Frame, work: BasinWork, cancel: &CancelToken) -> Result<Prepar
     })
 }
 
-impl Job<BackgroundEvent> for BasinJob {
-    fn step(&mut self, out: &Outbox<BackgroundEvent>) -> Step {
+impl Job<Fitted> for BasinJob {
+    fn step(&mut self, out: &Outbox<Fitted>) -> Step {
         if out.cancel().is_cancelled() {
             return Step::Done;
         }
@@ -75,7 +85,7 @@ impl Job<BackgroundEvent> for BasinJob {
             Ok(true) => Step::Again,
             Ok(false) | Err(ExperimentError::Cancelled) => Step::Done,
             Err(error) => {
-                out.send(BackgroundEvent::Failed(format!("The basin cannot be tried: {error}.")));
+                out.send(Fitted::Refused(error));
                 Step::Done
             }
         }

@@ -6,45 +6,90 @@ mod success;
 
 use egui::{Align, Button, Layout as Direction, Rect, RichText, Ui, UiBuilder, vec2};
 
+use super::{Basin, BasinView, FileKind, FitCount, MapColour, MapResult, Running};
 use crate::context::action::Action;
 use crate::context::command_button::named_button;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
-use crate::context::{Context, Request, Requests};
-use crate::features::basin::{BasinRequest, BasinState, BasinView, FileKind, FitCount, MapResult, Running};
-use crate::shell::pane_title;
+use crate::context::pane_title;
+use crate::context::{Context, Requests};
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{size, space};
 use crate::widgets::segmented;
-
-pub(crate) use section::ui as section;
 
 /// A pane narrower than this has two rows above the plot.
 const ONE_ROW: f32 = 470.0;
 /// Height of the bar that says how far it is.
 const BAR: f32 = 2.0;
 
-/// The pane, in all of the space that is left.
-pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
+/// What is asked for in the pane, done when it is drawn.
+enum Wish {
+    View(BasinView),
+    Colour(MapColour),
+    ShowChoice(Option<usize>),
+    TakeStart([usize; 2]),
+    Export(FileKind),
+}
+
+impl Basin {
+    /// The pane, in all of the space that is left.
+    pub(crate) fn pane(
+        &mut self,
+        ui: &mut Ui,
+        context: &Context<'_>,
+        siblings: &[Pane],
+        requests: &mut Requests,
+    ) {
+        let mut wishes = Vec::new();
+        pane(ui, self, context, siblings, requests, &mut wishes);
+        for wish in wishes {
+            match wish {
+                Wish::View(view) => self.preferences.view = view,
+                Wish::Colour(colour) => self.preferences.colour = colour,
+                Wish::ShowChoice(choice) => {
+                    if let Some(map) = &mut self.results.map {
+                        map.shown = choice;
+                    }
+                }
+                Wish::TakeStart(place) => self.take_start(place, requests),
+                Wish::Export(kind) => self.ask_for_file(kind, context, requests),
+            }
+        }
+    }
+}
+
+fn pane(
+    ui: &mut Ui,
+    basin: &Basin,
+    context: &Context<'_>,
+    siblings: &[Pane],
+    requests: &mut Requests,
+    wishes: &mut Vec<Wish>,
+) {
     let rect = ui.available_rect_before_wrap();
     ui.painter().rect_filled(rect, 0.0, theme::palette(ui).panel);
     let inner = UiBuilder::new().max_rect(rect.shrink2(vec2(space::WIDGET, 0.0)));
     ui.scope_builder(inner, |ui| {
-        head(ui, context, siblings, requests);
-        progress_bar(ui, context.basin);
-        conditions(ui, context.basin, context.preferences.basin.view);
-        match (context.preferences.basin.view, &context.basin.angles, &context.basin.map) {
+        head(ui, basin, context, siblings, requests, wishes);
+        progress_bar(ui, basin);
+        conditions(ui, basin);
+        match (basin.preferences.view, &basin.results.angles, &basin.results.map) {
             (BasinView::Angles, Some(result), _) => success::ui(ui, result),
-            (BasinView::Map, _, Some(result)) => {
-                map::ui(ui, result, context.preferences.basin.colour, requests)
-            }
-            _ => empty(ui, context, requests),
+            (BasinView::Map, _, Some(result)) => map::ui(ui, result, basin.preferences.colour, wishes),
+            _ => empty(ui, basin, context, requests),
         }
     });
 }
 
 /// The name and all that can be done: in one row, or in two where the pane is a narrow column.
-fn head(ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
+fn head(
+    ui: &mut Ui,
+    basin: &Basin,
+    context: &Context<'_>,
+    siblings: &[Pane],
+    requests: &mut Requests,
+    wishes: &mut Vec<Wish>,
+) {
     let is_narrow = ui.available_width() < ONE_ROW;
     let row = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
         let size = vec2(ui.available_width(), size::TILE_HEADER);
@@ -57,56 +102,68 @@ fn head(ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Re
         pane_title::show(ui, Pane::Basin, siblings, requests);
         if !is_narrow {
             ui.add_space(space::ROW);
-            controls(ui, context, requests);
-            choice_of_map(ui, context, requests);
+            controls(ui, basin, context, requests, wishes);
+            choice_of_map(ui, basin, wishes);
         }
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
             ui.add_space(HEADER_BUTTONS);
-            export(ui, context.basin, context.preferences.basin.view, requests);
-            progress(ui, context.basin);
+            export(ui, basin, wishes);
+            progress(ui, basin);
         });
     });
     if is_narrow {
-        row(ui, &mut |ui| controls(ui, context, requests));
-        if several_maps(context).is_some() {
-            row(ui, &mut |ui| choice_of_map(ui, context, requests));
+        row(ui, &mut |ui| controls(ui, basin, context, requests, wishes));
+        if several_maps(basin).is_some() {
+            row(ui, &mut |ui| choice_of_map(ui, basin, wishes));
         }
     }
 }
 
 /// The maps that are shown, where there is more than one to choose from.
-fn several_maps<'a>(context: &Context<'a>) -> Option<&'a MapResult> {
-    let map = context.basin.map.as_ref().filter(|map| map.options.choices.len() > 1);
-    map.filter(|_| context.preferences.basin.view == BasinView::Map)
+fn several_maps(basin: &Basin) -> Option<&MapResult> {
+    let map = basin.results.map.as_ref().filter(|map| map.options.choices.len() > 1);
+    map.filter(|_| basin.preferences.view == BasinView::Map)
 }
 
-fn choice_of_map(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
-    if let Some(map) = several_maps(context) {
-        map::choice_box(ui, map, requests);
+fn choice_of_map(ui: &mut Ui, basin: &Basin, wishes: &mut Vec<Wish>) {
+    if let Some(map) = several_maps(basin) {
+        map::choice_box(ui, map, wishes);
     }
 }
 
-fn controls(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
-    let shown = context.preferences.basin.view;
+fn controls(
+    ui: &mut Ui,
+    basin: &Basin,
+    context: &Context<'_>,
+    requests: &mut Requests,
+    wishes: &mut Vec<Wish>,
+) {
+    let shown = basin.preferences.view;
     let mut view = shown;
     segmented(ui, &mut view, &[(BasinView::Angles, "Angles"), (BasinView::Map, "Map")])
         .on_hover_text("Success over how far starts are off, or a map of two angles");
     if view != shown {
-        requests.request(Request::Basin(BasinRequest::View(view)));
+        wishes.push(Wish::View(view));
     }
-    run_or_cancel(ui, context, requests, shown);
+    run_or_cancel(ui, basin, context, requests, shown);
 }
 
-fn progress(ui: &mut Ui, basin: &BasinState) {
-    if let Some(running) = basin.running {
+fn progress(ui: &mut Ui, basin: &Basin) {
+    if let Some(running) = basin.results.running {
         let text = RichText::new(progress_text(running)).small().color(theme::palette(ui).text2);
         ui.add(egui::Label::new(text).truncate());
     }
 }
 
 /// The button that begins what a view shows, or stops what runs.
-fn run_or_cancel(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, view: BasinView) {
-    let (action, text) = match (context.basin.running, view) {
+fn run_or_cancel(
+    ui: &mut Ui,
+    basin: &Basin,
+    context: &Context<'_>,
+    requests: &mut Requests,
+    view: BasinView,
+) {
+    let (action, text) = match (basin.results.running, view) {
         (Some(_), _) => (Action::CancelBasin, "Cancel basin"),
         (None, BasinView::Angles) => (Action::RunBasin, "Run starts"),
         (None, BasinView::Map) => (Action::RunBasinMap, "Run map"),
@@ -114,16 +171,16 @@ fn run_or_cancel(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, vi
     named_button(ui, context, requests, action, text);
 }
 
-fn export(ui: &mut Ui, basin: &BasinState, view: BasinView, requests: &mut Requests) {
-    let has_result = match view {
-        BasinView::Angles => basin.angles.is_some(),
-        BasinView::Map => basin.map.is_some(),
+fn export(ui: &mut Ui, basin: &Basin, wishes: &mut Vec<Wish>) {
+    let has_result = match basin.preferences.view {
+        BasinView::Angles => basin.results.angles.is_some(),
+        BasinView::Map => basin.results.map.is_some(),
     };
     ui.add_enabled_ui(has_result, |ui| {
         ui.menu_button("Export", |ui| {
             for kind in FileKind::ALL {
                 if ui.add(Button::new(kind.text())).clicked() {
-                    requests.request(Request::Basin(BasinRequest::Export(kind)));
+                    wishes.push(Wish::Export(kind));
                     ui.close();
                 }
             }
@@ -135,7 +192,7 @@ fn export(ui: &mut Ui, basin: &BasinState, view: BasinView, requests: &mut Reque
 }
 
 /// How far an experiment is, in words.
-pub(crate) fn progress_text(running: Running) -> String {
+pub(super) fn progress_text(running: Running) -> String {
     let left = match running.seconds_left {
         Some(seconds) if seconds >= 90.0 => {
             format!(", about {} min left", format::number(seconds / 60.0, 0))
@@ -146,9 +203,9 @@ pub(crate) fn progress_text(running: Running) -> String {
     format!("{} of {} fits{left}", format::count(running.done as i64), format::count(running.total as i64))
 }
 
-fn progress_bar(ui: &mut Ui, basin: &BasinState) {
+fn progress_bar(ui: &mut Ui, basin: &Basin) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), BAR), egui::Sense::hover());
-    if let Some(running) = basin.running {
+    if let Some(running) = basin.results.running {
         let share = running.done as f32 / running.total.max(1) as f32;
         let bar = Rect::from_min_size(rect.min, vec2(rect.width() * share, BAR));
         ui.painter().rect_filled(bar, 0.0, theme::palette(ui).accent);
@@ -156,15 +213,16 @@ fn progress_bar(ui: &mut Ui, basin: &BasinState) {
 }
 
 /// What is shown is about, and whether it is all of it; or why nothing could be begun.
-fn conditions(ui: &mut Ui, basin: &BasinState, view: BasinView) {
+fn conditions(ui: &mut Ui, basin: &Basin) {
+    let view = basin.preferences.view;
     let palette = theme::palette(ui);
     if let Some(problem) = &basin.problem {
         ui.label(RichText::new(format!("{problem}.")).color(palette.warn));
         return;
     }
     let about = match view {
-        BasinView::Angles => basin.angles.as_ref().map(|result| &result.about),
-        BasinView::Map => basin.map.as_ref().map(|result| &result.about),
+        BasinView::Angles => basin.results.angles.as_ref().map(|result| &result.about),
+        BasinView::Map => basin.results.map.as_ref().map(|result| &result.about),
     };
     if let Some(about) = about {
         let mut letters = about.conditions.chars();
@@ -172,7 +230,7 @@ fn conditions(ui: &mut Ui, basin: &BasinState, view: BasinView) {
         let text = RichText::new(format!("{first}{}", letters.as_str())).small().color(palette.text3);
         ui.horizontal(|ui| {
             ui.spacing_mut().interact_size.y = 0.0;
-            if let Some(partial) = basin.partial(view).and_then(FitCount::partial_text) {
+            if let Some(partial) = basin.results.partial(view).and_then(FitCount::partial_text) {
                 ui.label(RichText::new(partial).small().color(palette.warn)).on_hover_text(
                     "It was stopped before all fits were made: shares and bars are of those that were. Files that are \
                      written of it say so too",
@@ -183,9 +241,9 @@ fn conditions(ui: &mut Ui, basin: &BasinState, view: BasinView) {
     }
 }
 
-fn empty(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+fn empty(ui: &mut Ui, basin: &Basin, context: &Context<'_>, requests: &mut Requests) {
     let palette = theme::palette(ui);
-    let text = match context.preferences.basin.view {
+    let text = match basin.preferences.view {
         BasinView::Angles => {
             "How far off may a start be, and still come home? Starts are drawn about the pose on the screen, farther \
              and farther off; each is fitted to this frame, and those that end where they should are counted."
@@ -200,6 +258,6 @@ fn empty(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     ui.scope_builder(builder, |ui| {
         ui.label(RichText::new(text).color(palette.text3));
         ui.add_space(space::WIDGET);
-        run_or_cancel(ui, context, requests, context.preferences.basin.view);
+        run_or_cancel(ui, basin, context, requests, basin.preferences.view);
     });
 }

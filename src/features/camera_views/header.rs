@@ -9,7 +9,7 @@ use egui::{
 use super::comparison::mode_text;
 use super::{CameraTileInput, TileEvent, TileLayout, gutter, tile_menu};
 use crate::context::action::Action;
-use crate::shell::pane_title;
+use crate::context::pane_title;
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{size, space};

@@ -10,9 +10,9 @@ use super::{runs, steps};
 use crate::context::action::Action;
 use crate::context::command_button::menu_row;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
+use crate::context::pane_title;
 use crate::context::{Context, Request, Requests};
 use crate::features::convergence::{CurvesLook, CurvesRequest, Quantity};
-use crate::shell::pane_title;
 use crate::style::theme;
 use crate::style::theme::{size, space};
 use crate::widgets::{checkbox, segmented};
@@ -67,14 +67,14 @@ fn head(ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Re
         },
     );
     if look != context.preferences.curves {
-        requests.request(Request::Curves(CurvesRequest::Preferences(look)));
+        requests.request(Request::Curves(CurvesRequest::Look(look)));
     }
 }
 
 fn choices(ui: &mut Ui, look: &mut CurvesLook) {
     let all = Quantity::ALL.map(|quantity| (quantity, quantity.text(), quantity.explanation().to_owned()));
     if let Some(quantity) =
-        crate::shell::toolbar::choice(ui, "Quantity", QUANTITY, look.quantity.text(), &all)
+        crate::widgets::choice(ui, "Quantity", QUANTITY, look.quantity.text(), &all)
     {
         look.quantity = quantity;
     }

@@ -6,7 +6,7 @@ use super::CurvesLook;
 #[derive(Debug, Clone, PartialEq)]
 pub enum CurvesRequest {
     /// Show something else.
-    Preferences(CurvesLook),
+    Look(CurvesLook),
     /// Call a run by a name; an empty one brings back the name that is made of its choices.
     Rename(usize, String),
     /// Forget a run.

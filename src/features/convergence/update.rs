@@ -18,7 +18,7 @@ impl App {
 
     pub(crate) fn curves_request(&mut self, request: CurvesRequest) {
         match request {
-            CurvesRequest::Preferences(look) => self.state.preferences.curves = look,
+            CurvesRequest::Look(look) => self.state.preferences.curves = look,
             CurvesRequest::Rename(run, name) => {
                 if let Some(run) = self.state.session.runs.get_mut(run) {
                     let name = name.trim();

@@ -8,12 +8,12 @@ use egui::{Memory, Vec2, vec2};
 use image::{DynamicImage, RgbImage};
 
 use crate::app::headless::rest;
+use crate::app::settings::Settings;
 use crate::app::{App, AppOptions};
 use crate::context::pane::Pane;
-use crate::context::preferences::Preferences;
 use crate::document::Document;
 use crate::document::history::History;
-use crate::features::basin::BasinState;
+use crate::features::basin::Basin;
 use crate::features::camera_views::{PictureAlone, TileLook};
 use crate::features::export::choices::MAX_SIDE;
 use crate::features::laboratory::Laboratory;
@@ -65,11 +65,11 @@ pub(crate) struct Snapshot {
     document: Document,
     session: Session,
     selection: Selection,
-    look: Preferences,
+    settings: Settings,
     tiles: [Vec<TileLook>; 2],
     alone: Option<Pane>,
     pair: [usize; 2],
-    basin: BasinState,
+    basin: Basin,
     laboratory: Laboratory,
     explanation: Option<&'static str>,
     frame_seconds: f64,
@@ -85,11 +85,11 @@ impl App {
             document: self.document().clone(),
             session: self.state.session.at_rest(),
             selection: self.state.selection,
-            look: self.state.preferences.clone(),
+            settings: self.settings(),
             tiles: self.features.camera_views.tiles.clone(),
             alone: self.shell.docking.alone,
             pair: self.shell.docking.pair,
-            basin: BasinState { running: None, ..self.features.basin.clone() },
+            basin: self.features.basin.at_rest(),
             laboratory: self.features.laboratory.at_rest(),
             explanation: self.features.demonstration.explanation,
             frame_seconds: self.state.frame_seconds,
@@ -124,7 +124,7 @@ impl Twin {
         let most = MAX_SIDE as f32 / size.max_elem().max(1.0);
         let window = Headless::new(size.x, size.y, pixels_per_point.min(most));
         window.ctx.memory_mut(|memory| *memory = snapshot.memory);
-        let options = AppOptions { look: snapshot.look, ..AppOptions::default() };
+        let options = AppOptions { settings: snapshot.settings, ..AppOptions::default() };
         let mut app = App::new(window.ctx.clone(), options)?;
         app.state.history = History::new(snapshot.document);
         app.state.session = snapshot.session;

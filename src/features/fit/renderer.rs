@@ -7,7 +7,7 @@ use crate::context::action::Action;
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
-use crate::shell::toolbar::choice;
+use crate::widgets::choice;
 use crate::style::theme;
 use crate::widgets::{SliderRow, section};
 

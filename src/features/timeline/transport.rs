@@ -8,7 +8,7 @@ use crate::context::command_button::{icon, named_button, sized_button};
 use crate::context::{Context, Request, Requests};
 use crate::document::Document;
 use crate::session::playback::SPEEDS;
-use crate::shell::toolbar::choice;
+use crate::widgets::choice;
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{size, space};

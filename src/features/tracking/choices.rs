@@ -6,7 +6,7 @@ use egui::Ui;
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::document::tracking_choices::Following;
-use crate::shell::toolbar::choice;
+use crate::widgets::choice;
 use crate::widgets::{hint, named_row, number_field};
 
 /// Width of the names, as in the rest of the section.
@@ -35,12 +35,12 @@ const SEARCHES: [(Search, &str, &str); 3] = [
     (
         Search::WhenPoor,
         "When poor",
-        "Preferences for other poses in a first frame, and in one after a lost one, whose fit overlaps poorly: IoU below 0.9",
+        "Look for other poses in a first frame, and in one after a lost one, whose fit overlaps poorly: IoU below 0.9",
     ),
     (
         Search::Always,
         "Always",
-        "Preferences for other poses in every first frame and after every lost one; takes seconds",
+        "Look for other poses in every first frame and after every lost one; takes seconds",
     ),
 ];
 

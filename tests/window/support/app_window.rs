@@ -16,7 +16,7 @@ const ROUNDS: usize = 2;
 
 /// A window of `size` points, when nothing is being worked on any more.
 pub(crate) fn open_sized(options: AppOptions, size: Vec2) -> Harness<'static, App> {
-    let theme = options.look.theme;
+    let theme = options.settings.theme;
     let app = App::new(egui::Context::default(), options).unwrap();
     let builder = crate::support::harness_builder(size, theme);
     let mut harness = builder.build_ui_state(|ui, app: &mut App| app.frame(ui), app);

@@ -5,12 +5,12 @@ use egui::{
     pos2, vec2,
 };
 
-use crate::context::{Request, Requests};
 use crate::drawing::plot::heat_map::{
     AXES, NAME, axes, best_across, cell_in, error_colour, error_legend, grid_in, paint_cell, places,
 };
-use crate::features::basin::{BasinRequest, MapColour, MapResult};
-use crate::shell::toolbar::choice;
+use super::Wish;
+use crate::features::basin::{MapColour, MapResult};
+use crate::widgets::choice;
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{gradient_colour, run_style, size, space};
@@ -33,7 +33,7 @@ const FOUND: f32 = 0.85;
 const NOT_FOUND: f32 = 0.2;
 
 /// The maps and their legend.
-pub(crate) fn ui(ui: &mut Ui, result: &MapResult, colour: MapColour, requests: &mut Requests) {
+pub(crate) fn ui(ui: &mut Ui, result: &MapResult, colour: MapColour, wishes: &mut Vec<Wish>) {
     let area = ui.available_rect_before_wrap();
     let room = if area.width() >= FOLD {
         vec2(LEGEND, 0.0)
@@ -49,7 +49,7 @@ pub(crate) fn ui(ui: &mut Ui, result: &MapResult, colour: MapColour, requests: &
             name(ui, result, *choice, *grid);
         }
         axes(ui, *grid, &result.directions, result.options.degrees);
-        under = cells(ui, result, (*choice, colour), *grid, requests).or(under);
+        under = cells(ui, result, (*choice, colour), *grid, wishes).or(under);
     }
     let shown: Vec<usize> = grids.iter().map(|(choice, _)| *choice).collect();
     for (_, grid) in &grids {
@@ -64,13 +64,13 @@ pub(crate) fn ui(ui: &mut Ui, result: &MapResult, colour: MapColour, requests: &
     };
     if room != egui::Vec2::ZERO {
         let builder = egui::UiBuilder::new().max_rect(place).layout(Direction::top_down(Align::Min));
-        ui.scope_builder(builder, |ui| legend(ui, result, colour, (&shown, under), requests));
+        ui.scope_builder(builder, |ui| legend(ui, result, colour, (&shown, under), wishes));
     }
     ui.advance_cursor_after_rect(area);
 }
 
 /// Which maps are shown.
-pub(crate) fn choice_box(ui: &mut Ui, result: &MapResult, requests: &mut Requests) {
+pub(crate) fn choice_box(ui: &mut Ui, result: &MapResult, wishes: &mut Vec<Wish>) {
     const ALL: &str = "All fits";
     let choices = &result.options.choices;
     let mut rows = vec![(None, ALL, "The maps of all fits side by side, by one scale".to_owned())];
@@ -79,7 +79,7 @@ pub(crate) fn choice_box(ui: &mut Ui, result: &MapResult, requests: &mut Request
     }));
     let chosen = result.shown.and_then(|index| choices.get(index)).map_or(ALL, |choice| &choice.name);
     if let Some(shown) = choice(ui, "Fits shown", CHOICE, chosen, &rows) {
-        requests.request(Request::Basin(BasinRequest::ShowChoice(shown)));
+        wishes.push(Wish::ShowChoice(shown));
     }
 }
 
@@ -133,7 +133,7 @@ fn cells(
     result: &MapResult,
     (choice, colour): (usize, MapColour),
     grid: Rect,
-    requests: &mut Requests,
+    wishes: &mut Vec<Wish>,
 ) -> Option<[usize; 2]> {
     let palette = theme::palette(ui);
     let count = result.options.cells;
@@ -153,7 +153,7 @@ fn cells(
                 under = Some(place);
             }
             if response.clicked() {
-                requests.request(Request::Basin(BasinRequest::TakeStart(place)));
+                wishes.push(Wish::TakeStart(place));
             }
             response.on_hover_ui(|ui| {
                 ui.label(format!("{}\nClick: take this start, and step it", label()));
@@ -222,14 +222,14 @@ fn legend(
     result: &MapResult,
     colour: MapColour,
     (shown, under): (&[usize], Option<[usize; 2]>),
-    requests: &mut Requests,
+    wishes: &mut Vec<Wish>,
 ) {
     let palette = theme::palette(ui);
     let mut chosen = colour;
     segmented(ui, &mut chosen, &[(MapColour::Error, "Distance"), (MapColour::Success, "Found")])
         .on_hover_text("What the cells are coloured by");
     if chosen != colour {
-        requests.request(Request::Basin(BasinRequest::Colour(chosen)));
+        wishes.push(Wish::Colour(chosen));
     }
     ui.add_space(space::WIDGET);
     let (bar, _) = ui.allocate_exact_size(vec2(ui.available_width().min(208.0), 34.0), Sense::hover());

@@ -8,13 +8,11 @@ use egui::{Button, ComboBox, RichText, TextEdit, Ui, vec2};
 use super::run_or_cancel;
 use crate::context::action::Action;
 use crate::context::command_button::named_button;
-use crate::context::{Context, Request, Requests};
+use crate::context::{Context, Requests};
 use crate::document::fit_words as words;
 use crate::features::basin::settings::{MOST_COMPARED, MOST_STARTS, angle_name};
-use crate::features::basin::{
-    BasinRequest, BasinSettings, BasinState, BasinView, Compared, ComparedWay, MapDirection, Reference,
-};
-use crate::shell::toolbar::choice;
+use crate::features::basin::{Basin, BasinResults, BasinSettings, BasinView, Compared, ComparedWay, MapDirection, Reference};
+use crate::widgets::choice;
 use crate::style::theme;
 use crate::style::theme::{run_style, size, space};
 use crate::widgets::{Icon, hint, icon_button, named_row, number_field, section, segmented};
@@ -27,18 +25,39 @@ const ANGLE: f32 = 94.0;
 /// Width of a number.
 const FIELD: f32 = 62.0;
 
-/// The section.
-pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
-    let basin = context.basin;
-    section(ui, "Basin", &summary(basin), open, |ui| {
-        let kept = &context.preferences.basin.settings;
+impl Basin {
+    /// The section of the right panel.
+    pub(crate) fn section(
+        &mut self,
+        ui: &mut Ui,
+        context: &Context<'_>,
+        requests: &mut Requests,
+        open: bool,
+    ) {
+        if let Some(settings) = contents(ui, self, context, requests, open) {
+            self.set(settings);
+        }
+    }
+}
+
+/// The section; other settings, if they were changed.
+fn contents(
+    ui: &mut Ui,
+    basin: &Basin,
+    context: &Context<'_>,
+    requests: &mut Requests,
+    open: bool,
+) -> Option<BasinSettings> {
+    let mut changed = None;
+    section(ui, "Basin", &summary(&basin.results), open, |ui| {
+        let kept = &basin.preferences.settings;
         let mut settings = kept.clone();
         ui.spacing_mut().item_spacing.y = 6.0;
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 6.0;
-            run_or_cancel(ui, context, requests, BasinView::Angles);
-            if basin.running.is_none() {
-                run_or_cancel(ui, context, requests, BasinView::Map);
+            run_or_cancel(ui, basin, context, requests, BasinView::Angles);
+            if basin.results.running.is_none() {
+                run_or_cancel(ui, basin, context, requests, BasinView::Map);
             }
             named_button(ui, context, requests, Action::ShowBasin, "Open tile");
         });
@@ -46,13 +65,14 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
         compared(ui, context, &mut settings);
         map(ui, context, &mut settings);
         if settings != *kept {
-            requests.request(Request::Basin(BasinRequest::Settings(Box::new(settings))));
+            changed = Some(settings);
         }
     });
+    changed
 }
 
 /// The state in one line.
-fn summary(basin: &BasinState) -> String {
+fn summary(basin: &BasinResults) -> String {
     if let Some(running) = basin.running {
         return super::progress_text(running);
     }

@@ -4,9 +4,9 @@ use egui::{Align, Button, Layout, Popup, Rect, Role, Sense, Ui, UiBuilder, Widge
 
 use crate::context::action::Action;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
+use crate::context::pane_title;
 use crate::context::{Context, Request, Requests};
 use crate::features::scene::{HullLook, SceneLook, Viewpoint};
-use crate::shell::pane_title;
 use crate::style::theme;
 use crate::style::theme::{size, space};
 use crate::widgets::{Icon, checkbox};

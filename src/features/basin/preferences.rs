@@ -29,7 +29,7 @@ pub enum MapColour {
 /// All that is chosen.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct BasinLook {
+pub struct BasinPreferences {
     /// What is tried.
     pub settings: BasinSettings,
     /// What is shown.

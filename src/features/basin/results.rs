@@ -1,4 +1,4 @@
-//! What runs of the basin, and what came of it.
+//! What came of a basin's experiments.
 
 use backlit_lab::experiment::basin_map::{self, Cell};
 use backlit_lab::experiment::frame_basin::{self, Frame, Report, Trial};
@@ -143,18 +143,16 @@ pub struct Running {
 
 /// All of it.
 #[derive(Debug, Clone, Default)]
-pub struct BasinState {
+pub struct BasinResults {
     /// Success over angle.
     pub angles: Option<AnglesResult>,
     /// The map.
     pub map: Option<MapResult>,
     /// What is going on.
     pub running: Option<Running>,
-    /// Why nothing could be begun, until something else is tried.
-    pub problem: Option<String>,
 }
 
-impl BasinState {
+impl BasinResults {
     /// How many fits were made of what a view shows, if that is not all of them and no more is to come.
     #[must_use]
     pub fn partial(&self, view: BasinView) -> Option<FitCount> {
