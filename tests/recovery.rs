@@ -18,9 +18,9 @@ use std::time::{Duration, Instant};
 use backlit::app::{App, AppOptions, opening_of};
 use backlit::document::Document;
 use backlit::project::read_project;
-use backlit::raster::Headless;
 use backlit::recovery::Copies;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, pos2};
+use egui_painter::Headless;
 
 /// Names the folder in which the process that is going to be killed works.
 const FOLDER: &str = "BACKLIT_TEST_KILLED_IN";

@@ -106,8 +106,8 @@ mod tests {
     use crate::edit::Edit;
     use crate::look::Look;
     use crate::notices::Severity;
-    use crate::raster::Headless;
     use crate::worker::{Job, Outbox, Step};
+    use egui_painter::Headless;
 
     struct Breaks;
 

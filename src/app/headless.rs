@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use anyhow::ensure;
 use backlit_tracking::cancel::CancelToken;
 use egui::Vec2;
+use egui_painter::Headless;
 use image::RgbaImage;
 
 use super::{App, AppOptions, Opening};
@@ -12,7 +13,6 @@ use crate::action::Action;
 use crate::look::{Layout, Look};
 use crate::panels::export_dialog::ExportOrder;
 use crate::picture::ViewMode;
-use crate::raster::Headless;
 use crate::theme::Theme;
 
 /// What has come to rest so often is at rest; what plays never is.

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use backlit_tracking::cancel::CancelToken;
 use egui::{Memory, Vec2, vec2};
+use egui_painter::Headless;
 use image::{DynamicImage, RgbImage};
 
 use super::headless::rest;
@@ -17,7 +18,6 @@ use crate::laboratory::Laboratory;
 use crate::look::Look;
 use crate::pane::Pane;
 use crate::panels::camera_tile::{PictureAlone, TileLook};
-use crate::raster::Headless;
 use crate::selection::{Selection, StepRef};
 use crate::session::Session;
 use crate::widgets::{Framing, image_canvas};

@@ -1,0 +1,3 @@
+//! Pictures of the 3-D scene, made on the CPU.
+
+pub mod scene;
