@@ -57,6 +57,8 @@ pub(crate) mod state;
 pub(crate) mod state_dump;
 pub(crate) mod survey_job;
 pub(crate) mod take_in_job;
+#[cfg(test)]
+pub(crate) mod testing;
 pub mod window;
 pub(crate) mod write_job;
 

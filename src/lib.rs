@@ -7,7 +7,6 @@ pub mod document;
 pub mod drawing;
 pub mod features;
 pub mod jobs;
-pub mod raster;
 pub mod session;
 pub mod shell;
 pub mod style;

@@ -19,8 +19,8 @@ use backlit::app::{App, AppOptions, opening_of};
 use backlit::document::Document;
 use backlit::document::project::read_project;
 use backlit::features::recovery::Copies;
-use backlit::raster::Headless;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, pos2};
+use egui_painter::Headless;
 
 /// Names the folder in which the process that is going to be killed works.
 const FOLDER: &str = "BACKLIT_TEST_KILLED_IN";

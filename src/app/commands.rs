@@ -317,7 +317,7 @@ impl App {
         true
     }
 
-    fn run_basin(&mut self, view: BasinView) {
+    pub(crate) fn run_basin(&mut self, view: BasinView) {
         self.with(
             |features| &mut features.basin,
             |basin, context, requests| basin.begin(view, context, requests),

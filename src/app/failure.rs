@@ -96,27 +96,12 @@ const fn work_of(lane: Lane) -> &'static str {
 
 #[cfg(test)]
 mod tests {
-    use std::time::{Duration, Instant};
-
     use super::*;
-    use crate::app::settings::Settings;
-    use crate::app::{AppOptions, Opening};
+    use crate::app::testing::{Breaks, errors, open, settle};
     use crate::context::action::Action;
-    use crate::context::notices::Severity;
     use crate::document::edit::Edit;
-    use crate::raster::Headless;
-    use crate::take::source::TakeSource;
-    use crate::worker::{Job, Outbox, Step};
 
-    struct Breaks;
-
-    impl<E> Job<E> for Breaks {
-        fn step(&mut self, _: &Outbox<E>) -> Step {
-            panic!("thirteen");
-        }
-    }
-
-    const ALL: [Lane; 18] = [
+    const ALL: [Lane; 17] = [
         Lane::Scene,
         Lane::Settings,
         Lane::Predict,
@@ -134,35 +119,7 @@ mod tests {
         Lane::Track,
         Lane::Hull,
         Lane::LaboratoryCheck,
-        Lane::Basin,
     ];
-
-    fn settle(window: &mut Headless, app: &mut App) {
-        let began = Instant::now();
-        window.run(2, Vec::new(), |ui| app.frame(ui));
-        while !app.is_idle() {
-            assert!(began.elapsed() < Duration::from_secs(60), "it waits for ever");
-            std::thread::sleep(Duration::from_millis(1));
-            window.run(1, Vec::new(), |ui| app.frame(ui));
-        }
-    }
-
-    fn open(layout: Layout) -> (Headless, App) {
-        let mut window = Headless::new(1100.0, 700.0, 1.0);
-        let which = crate::take::demonstration::Demonstration::SingleLimb;
-        let opening = Some(Opening::Take(TakeSource::Demonstration(which)));
-        let options = AppOptions { settings: Settings::default(), opening, ..AppOptions::default() };
-        let mut app = App::new(window.ctx.clone(), options).unwrap();
-        settle(&mut window, &mut app);
-        app.state.preferences.layout = layout;
-        settle(&mut window, &mut app);
-        (window, app)
-    }
-
-    fn errors(app: &App) -> Vec<&str> {
-        let all = app.state.notices.all().iter();
-        all.filter(|notice| notice.severity == Severity::Error).map(|notice| notice.text.as_str()).collect()
-    }
 
     #[test]
     fn whatever_breaks_down_is_said_once_and_nothing_waits_for_it() {
@@ -172,11 +129,7 @@ mod tests {
             let is_seen = |lane: &Lane| *lane != Lane::LaboratoryCheck || layout == Layout::Demonstrate;
             for lane in ALL.into_iter().filter(is_seen) {
                 let before = errors(&app).len();
-                if lane == Lane::Basin {
-                    app.background.worker.request(lane, Breaks);
-                } else {
-                    app.worker.request(lane, Breaks);
-                }
+                app.worker.request(lane, Breaks);
                 settle(&mut window, &mut app);
                 let said = errors(&app);
                 assert_eq!(said.len(), before + 1, "{lane:?}: {said:?}");
@@ -246,15 +199,5 @@ mod tests {
         app.worker.request(Lane::LaboratoryCheck, Breaks);
         settle(&mut window, &mut app);
         assert!(app.features.laboratory.check_broke);
-    }
-
-    #[test]
-    fn a_basin_that_breaks_down_is_a_part_or_nothing() {
-        let (mut window, mut app) = open(Layout::Pose);
-        app.run_basin(crate::features::basin::BasinView::Angles);
-        assert!(app.features.basin.running.is_some());
-        app.background.worker.request(Lane::Basin, Breaks);
-        settle(&mut window, &mut app);
-        assert!(app.features.basin.running.is_none() && app.features.basin.angles.is_none());
     }
 }

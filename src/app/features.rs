@@ -1,10 +1,28 @@
 //! What the features do by themselves in every frame.
 
+use std::path::Path;
+
 use super::App;
+use crate::features::basin::{BasinSettings, FileKind};
 
 impl App {
     /// Every feature takes in what its tasks have done, and asks for what it lacks.
     pub(crate) fn update_features(&mut self) {
         self.with(|features| &mut features.basin, |basin, context, requests| basin.update(context, requests));
+    }
+
+    /// Other settings of the basin.
+    pub fn set_basin(&mut self, settings: BasinSettings) {
+        self.features.basin.set(settings);
+    }
+
+    /// Writes what the basin's pane shows to a file.
+    pub fn export_basin_to(&mut self, kind: FileKind, path: &Path) {
+        self.with(
+            |features| &mut features.basin,
+            |basin, context, requests| {
+                basin.write(kind, path, context.preferences.theme, requests);
+            },
+        );
     }
 }

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use anyhow::ensure;
 use backlit_tracking::cancel::CancelToken;
 use egui::Vec2;
+use egui_painter::Headless;
 use image::RgbaImage;
 
 use super::{App, AppOptions, Opening};
@@ -13,7 +14,6 @@ use crate::context::action::Action;
 use crate::context::preferences::Layout;
 use crate::drawing::ViewMode;
 use crate::features::export::dialog::ExportOrder;
-use crate::raster::Headless;
 use crate::style::theme::Theme;
 
 /// What has come to rest so often is at rest; what plays never is.

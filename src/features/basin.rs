@@ -20,6 +20,8 @@ mod panel;
 pub mod preferences;
 pub mod results;
 pub mod settings;
+#[cfg(test)]
+mod tests;
 mod update;
 
 use std::time::Instant;
@@ -51,7 +53,7 @@ pub struct Basin {
     /// What came of it.
     pub results: BasinResults,
     /// Why nothing could be begun, until something else is tried.
-    problem: Option<String>,
+    pub problem: Option<String>,
     task: Task<(), Fitted>,
     began: Option<Instant>,
     dialogs: FileDialogs<FileKind>,

@@ -4,7 +4,8 @@ use crate::support::app_window::{PATIENCE, click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
 use backlit::app::{App, AppOptions, Opening};
-use backlit::context::preferences::{Layout, Settings};
+use backlit::app::settings::Settings;
+use backlit::context::preferences::{Layout};
 use backlit::features::basin::{BasinView, Compared, ComparedWay, FileKind, MapDirection, Reference};
 use backlit::style::theme::Theme;
 use backlit::take::source::TakeSource;
@@ -64,7 +65,7 @@ fn the_window_finds_the_same_as_the_core_on_the_built_in_take() {
     harness.state_mut().set_basin(settings);
     let fit = (*harness.state().document().fit).clone();
     click(&mut harness, "Run starts");
-    let found = harness.state().basin().angles.as_ref().unwrap().report.clone();
+    let found = harness.state().basin().results.angles.as_ref().unwrap().report.clone();
     harness.get_by_label("The basin is done: 4 fits.");
 
     let state = harness.state();
@@ -93,7 +94,9 @@ fn what_is_typed_wrong_is_said_and_nothing_runs() {
     set_starts(&mut harness, "5 many", "0");
     harness.get_by_label_contains("“many” is no number");
     click(&mut harness, "Run starts");
-    assert!(harness.state().basin().angles.is_none() && harness.state().basin().running.is_none());
+    assert!(
+        harness.state().basin().results.angles.is_none() && harness.state().basin().results.running.is_none()
+    );
     assert!(harness.state().basin().problem.as_ref().unwrap().contains("many"));
 }
 
@@ -106,7 +109,9 @@ fn steps_go_on_beside_a_basin_and_cancelling_keeps_what_is_done() {
     harness.state_mut().set_basin(settings);
     harness.get_all_by_role_and_label(Role::Button, "Run starts").next().unwrap().click();
     let begun = std::time::Instant::now();
-    let done = |harness: &Harness<'_, App>| harness.state().basin().running.map_or(0, |running| running.done);
+    let done = |harness: &Harness<'_, App>| {
+        harness.state().basin().results.running.map_or(0, |running| running.done)
+    };
     while done(&harness) < 10 {
         assert!(begun.elapsed() < PATIENCE, "no fit comes back");
         harness.step();
@@ -117,10 +122,10 @@ fn steps_go_on_beside_a_basin_and_cancelling_keeps_what_is_done() {
         assert!(begun.elapsed() < PATIENCE, "the step does not come");
         harness.step();
     }
-    assert!(harness.state().basin().running.is_some(), "the basin goes on");
+    assert!(harness.state().basin().results.running.is_some(), "the basin goes on");
     harness.get_all_by_role_and_label(Role::Button, "Cancel basin").next().unwrap().click();
     settle(&mut harness);
-    let result = harness.state().basin().angles.as_ref().unwrap();
+    let result = harness.state().basin().results.angles.as_ref().unwrap();
     let tried: usize = result.report.choices[0].levels.iter().map(|level| level.tried).sum();
     assert!((10..2500).contains(&tried), "{tried}");
     harness.get_by_label_contains("The basin was stopped after");
@@ -135,7 +140,7 @@ fn esc_stops_a_basin_and_what_it_leaves_is_called_a_part_everywhere() {
     harness.state_mut().set_basin(settings);
     harness.get_all_by_role_and_label(Role::Button, "Run starts").next().unwrap().click();
     let begun = std::time::Instant::now();
-    let running = |harness: &Harness<'_, App>| harness.state().basin().running;
+    let running = |harness: &Harness<'_, App>| harness.state().basin().results.running;
     while running(&harness).is_none_or(|running| running.done < 3) {
         assert!(begun.elapsed() < PATIENCE, "no fit comes back");
         harness.step();
@@ -145,7 +150,7 @@ fn esc_stops_a_basin_and_what_it_leaves_is_called_a_part_everywhere() {
     assert!(harness.query_by_label_contains("Partial: ").is_none(), "more is to come");
     press(&mut harness, Modifiers::NONE, Key::Escape);
     assert!(running(&harness).is_none());
-    let done = harness.state().basin().angles.as_ref().unwrap().fits().done;
+    let done = harness.state().basin().results.angles.as_ref().unwrap().fits().done;
     assert!((3..1000).contains(&done), "{done}");
     let partial = format!("Partial: {done} of 1\u{2009}000 fits");
     harness.get_by_label(&partial);
@@ -165,7 +170,7 @@ fn esc_stops_a_basin_and_what_it_leaves_is_called_a_part_everywhere() {
     let table = std::fs::read_to_string(path(FileKind::Csv)).unwrap();
     assert_eq!(table.lines().count(), 1001);
     assert_eq!(table.lines().filter(|line| line.ends_with(",,")).count(), 1000 - done);
-    let figure = harness.state().basin().angles.as_ref().unwrap().figure();
+    let figure = harness.state().basin().results.angles.as_ref().unwrap().figure();
     assert!(figure.subtitle.starts_with(&partial), "{}", figure.subtitle);
 }
 
@@ -208,7 +213,7 @@ fn the_windows_map_is_the_commands() {
         [direction("right forearm", Angle::Flexion), direction("right upper arm", Angle::Sideways)];
     harness.state_mut().set_basin(settings);
     click(&mut harness, "Run map");
-    let map = harness.state().basin().map.clone().unwrap();
+    let map = harness.state().basin().results.map.clone().unwrap();
     assert!(map.fits().is_whole());
 
     let folder = tempfile::tempdir().unwrap();
@@ -263,7 +268,7 @@ fn a_click_on_a_cell_takes_its_start_and_undo_brings_the_pose_back() {
     }
     harness.state_mut().set_basin(settings);
     run_map(&mut harness);
-    let map = harness.state().basin().map.clone().unwrap();
+    let map = harness.state().basin().results.map.clone().unwrap();
     assert_eq!(map.directions[0], "right forearm, flexion");
     assert_eq!(map.cells.iter().flatten().count(), 49);
     assert_eq!(map.cell(0, [3, 3]).unwrap().error_mm, 0.0);

@@ -1,124 +1,16 @@
-//! The CPU painter on known shapes, and a gallery of the theme in both of its versions.
+//! A gallery of the theme in both of its versions.
 
 use crate::support;
-use backlit::raster::{Canvas, TextureStore};
 use backlit::style::format;
 use backlit::style::theme;
 use backlit::style::theme::Theme;
 use backlit::widgets::{
     Icon, ValueSlider, camera_badge, checkbox, icon_button, icon_toggle, primary_button, segmented,
 };
-use egui::epaint::{ClippedPrimitive, ImageDelta, Mesh, Primitive, Vertex};
-use egui::{
-    Color32, ColorImage, ComboBox, Grid, ProgressBar, Rect, RichText, Slider, TextStyle, TextureId,
-    TextureOptions, TexturesDelta, Ui, pos2, vec2,
-};
+use egui::{ComboBox, Grid, ProgressBar, Rect, RichText, Slider, TextStyle, Ui, vec2};
 use egui_kittest::kittest::Queryable;
-use image::RgbaImage;
 
 use crate::support::snapshots::{Snapshots, theme_name};
-
-const RED: Color32 = Color32::from_rgb(255, 0, 0);
-
-fn paint(
-    size: u32,
-    background: Color32,
-    texture: ColorImage,
-    options: TextureOptions,
-    mesh: Mesh,
-) -> RgbaImage {
-    let mut textures = TextureStore::default();
-    let mut delta = TexturesDelta::default();
-    delta.push(TextureId::default(), ImageDelta::full(texture, options));
-    textures.update(&mut delta);
-    let mut canvas = Canvas::new(size, size, background);
-    let clip_rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(100.0, 7.4));
-    canvas.paint(1.0, &[ClippedPrimitive { clip_rect, primitive: Primitive::Mesh(mesh) }], &textures);
-    canvas.image()
-}
-
-fn white() -> ColorImage {
-    ColorImage::filled([1, 1], Color32::WHITE)
-}
-
-/// The red channel in sixteenths, a hexadecimal digit a pixel.
-fn digits(image: &RgbaImage) -> Vec<String> {
-    let digit = |x, y| format!("{:x}", image.get_pixel(x, y).0[0] / 16);
-    (0..image.height()).map(|y| (0..image.width()).map(|x| digit(x, y)).collect()).collect()
-}
-
-#[test]
-fn a_triangle_is_filled_up_to_its_clip() {
-    let mut mesh = Mesh::default();
-    for (x, y) in [(1.0, 1.0), (9.0, 1.0), (1.0, 9.0)] {
-        mesh.vertices.push(Vertex::untextured(pos2(x, y), RED));
-    }
-    mesh.add_triangle(0, 1, 2);
-    let image = paint(10, Color32::BLACK, white(), TextureOptions::LINEAR, mesh);
-    let expected = [
-        "0000000000",
-        "0fffffff00",
-        "0ffffff000",
-        "0fffff0000",
-        "0ffff00000",
-        "0fff000000",
-        "0ff0000000",
-        "0000000000",
-        "0000000000",
-        "0000000000",
-    ];
-    assert_eq!(digits(&image), expected);
-}
-
-#[test]
-fn translucent_triangles_that_share_an_edge_leave_no_seam() {
-    let half_red = Color32::from_rgba_premultiplied(128, 0, 0, 128);
-    let mut mesh = Mesh::default();
-    for (x, y) in [(0.0, 0.0), (10.0, 0.3), (0.0, 10.0), (10.0, 10.0)] {
-        mesh.vertices.push(Vertex::untextured(pos2(x, y), half_red));
-    }
-    mesh.add_triangle(0, 1, 2);
-    mesh.add_triangle(3, 2, 1);
-    let image = paint(7, Color32::WHITE, white(), TextureOptions::LINEAR, mesh);
-    for pixel in image.pixels() {
-        assert_eq!(pixel.0, [255, 127, 127, 255]);
-    }
-}
-
-#[test]
-fn colours_run_evenly_between_corners() {
-    let mut mesh = Mesh::default();
-    for (x, y) in [(0.0, 0.0), (8.0, 0.0), (0.0, 8.0), (8.0, 8.0)] {
-        let grey = Color32::from_gray((x / 8.0 * 240.0) as u8);
-        mesh.vertices.push(Vertex::untextured(pos2(x, y), grey));
-    }
-    mesh.add_triangle(0, 1, 2);
-    mesh.add_triangle(2, 1, 3);
-    let image = paint(8, Color32::BLACK, white(), TextureOptions::LINEAR, mesh);
-    for row in &digits(&image)[..7] {
-        assert_eq!(row, "02468ace");
-    }
-}
-
-#[test]
-fn textures_are_mixed_or_picked_as_they_ask() {
-    let texture = ColorImage::new([2, 1], vec![Color32::BLACK, Color32::from_gray(240)]);
-    let square = |top: f32| {
-        let mut mesh = Mesh::default();
-        let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(8.0, 8.0));
-        mesh.add_rect_with_uv(rect, uv, Color32::WHITE);
-        // A lifted corner takes the way through triangles instead of upright rectangles.
-        mesh.vertices[1].pos.y += top;
-        mesh
-    };
-    for lift in [0.0, 0.25] {
-        let linear = paint(8, RED, texture.clone(), TextureOptions::LINEAR, square(lift));
-        assert_eq!(digits(&linear)[3], "00159dff");
-        let nearest = paint(8, RED, texture.clone(), TextureOptions::NEAREST, square(lift));
-        assert_eq!(digits(&nearest)[3], "0000ffff");
-    }
-}
 
 const SIZE: egui::Vec2 = vec2(660.0, 440.0);
 

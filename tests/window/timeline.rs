@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use backlit::app::{App, AppOptions, Opening};
-use backlit::context::preferences::Settings;
+use backlit::app::settings::Settings;
 use backlit::document::Document;
 use backlit::style::theme::{Theme, size};
 use egui::accesskit::Role;

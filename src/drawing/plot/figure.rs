@@ -1,11 +1,11 @@
 //! A figure: title, axes, curves and legend, as one picture.
 
 use egui::{CentralPanel, Frame, Margin, RichText, Sense, Shape, Stroke, Ui, vec2};
+use egui_painter::Headless;
 use egui_plot::{GridInput, LineStyle, MarkerShape, Plot, PlotPoints, PlotUi, Points};
 use image::RgbaImage;
 
 use super::{marks, png};
-use crate::raster::Headless;
 use crate::style::theme;
 use crate::style::theme::data_colours::mark;
 use crate::style::theme::{Palette, Theme, run_style};

@@ -1,9 +1,9 @@
 //! Grids of coloured cells as a picture, side by side by one scale, with their legend.
 
 use egui::{Align2, CentralPanel, Frame, Margin, Painter, Pos2, Rect, RichText, TextStyle, Ui, pos2, vec2};
+use egui_painter::Headless;
 use image::RgbaImage;
 
-use crate::raster::Headless;
 use crate::style::theme;
 use crate::style::theme::{Palette, Theme, gradient_colour, size};
 

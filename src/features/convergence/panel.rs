@@ -73,9 +73,7 @@ fn head(ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Re
 
 fn choices(ui: &mut Ui, look: &mut CurvesLook) {
     let all = Quantity::ALL.map(|quantity| (quantity, quantity.text(), quantity.explanation().to_owned()));
-    if let Some(quantity) =
-        crate::widgets::choice(ui, "Quantity", QUANTITY, look.quantity.text(), &all)
-    {
+    if let Some(quantity) = crate::widgets::choice(ui, "Quantity", QUANTITY, look.quantity.text(), &all) {
         look.quantity = quantity;
     }
     segmented(ui, &mut look.is_log, &[(true, "Log"), (false, "Linear")])

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use backlit_tracking::cancel::CancelToken;
 use egui::{Memory, Vec2, vec2};
+use egui_painter::Headless;
 use image::{DynamicImage, RgbImage};
 
 use crate::app::headless::rest;
@@ -17,7 +18,6 @@ use crate::features::basin::Basin;
 use crate::features::camera_views::{PictureAlone, TileLook};
 use crate::features::export::choices::MAX_SIDE;
 use crate::features::laboratory::Laboratory;
-use crate::raster::Headless;
 use crate::session::Session;
 use crate::session::selection::{Selection, StepRef};
 use crate::widgets::{Framing, image_canvas};

@@ -7,8 +7,8 @@ use crate::context::action::Action;
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
-use crate::widgets::choice;
 use crate::style::theme;
+use crate::widgets::choice;
 use crate::widgets::{SliderRow, section};
 
 /// The renderers with their commands.

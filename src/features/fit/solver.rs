@@ -12,8 +12,8 @@ use crate::document::edit::Edit;
 use crate::document::fit_words as words;
 use crate::document::fit_words::preset_like;
 use crate::features::tracking::choices as tracking_choices;
-use crate::widgets::choice;
 use crate::style::theme;
+use crate::widgets::choice;
 use crate::widgets::{hint, named_row, number_field, section, segmented};
 
 /// Width of the names in this section.

@@ -8,10 +8,10 @@ use crate::context::command_button::{icon, named_button, sized_button};
 use crate::context::{Context, Request, Requests};
 use crate::document::Document;
 use crate::session::playback::SPEEDS;
-use crate::widgets::choice;
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{size, space};
+use crate::widgets::choice;
 use crate::widgets::{Icon, checkbox, number_field};
 
 /// Height of the row.

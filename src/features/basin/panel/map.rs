@@ -5,15 +5,15 @@ use egui::{
     pos2, vec2,
 };
 
+use super::Wish;
 use crate::drawing::plot::heat_map::{
     AXES, NAME, axes, best_across, cell_in, error_colour, error_legend, grid_in, paint_cell, places,
 };
-use super::Wish;
 use crate::features::basin::{MapColour, MapResult};
-use crate::widgets::choice;
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{gradient_colour, run_style, size, space};
+use crate::widgets::choice;
 use crate::widgets::segmented;
 
 /// Width of the legend beside the map; where there is less than `FOLD` in all it stands below, so high.

@@ -11,10 +11,12 @@ use crate::context::command_button::named_button;
 use crate::context::{Context, Requests};
 use crate::document::fit_words as words;
 use crate::features::basin::settings::{MOST_COMPARED, MOST_STARTS, angle_name};
-use crate::features::basin::{Basin, BasinResults, BasinSettings, BasinView, Compared, ComparedWay, MapDirection, Reference};
-use crate::widgets::choice;
+use crate::features::basin::{
+    Basin, BasinResults, BasinSettings, BasinView, Compared, ComparedWay, MapDirection, Reference,
+};
 use crate::style::theme;
 use crate::style::theme::{run_style, size, space};
+use crate::widgets::choice;
 use crate::widgets::{Icon, hint, icon_button, named_row, number_field, section, segmented};
 
 /// Width of the names in this section.

@@ -9,11 +9,12 @@ use crate::document::fit_words::preset_like;
 use crate::features::fit::solver;
 use crate::features::laboratory::{LaboratoryRequest, Lineup, PushAxis, StartChoice};
 use crate::features::pose::panel::capitalised;
-use crate::shell::toolbar::{FOLD_CHOICES, choice};
+use crate::shell::toolbar::FOLD_CHOICES;
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{size, space};
 use crate::take::source::TakeSource;
+use crate::widgets::choice;
 use crate::widgets::{Icon, icon_button, primary_button};
 
 /// Height of the header, and of its rows.

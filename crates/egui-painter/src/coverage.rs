@@ -7,24 +7,24 @@
 use std::ops::Range;
 
 /// One pixel in snapped units.
-pub(super) const UNIT: i64 = 256;
+pub(crate) const UNIT: i64 = 256;
 
 const CENTRE: i64 = UNIT / 2;
 
 /// A position in 1/256 pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Snapped {
-    pub(super) x: i64,
-    pub(super) y: i64,
+pub(crate) struct Snapped {
+    pub(crate) x: i64,
+    pub(crate) y: i64,
 }
 
 /// The pixels that may be drawn on: `left..right` by `top..bottom`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Clip {
-    pub(super) left: i64,
-    pub(super) top: i64,
-    pub(super) right: i64,
-    pub(super) bottom: i64,
+pub(crate) struct Clip {
+    pub(crate) left: i64,
+    pub(crate) top: i64,
+    pub(crate) right: i64,
+    pub(crate) bottom: i64,
 }
 
 impl Snapped {
@@ -32,26 +32,26 @@ impl Snapped {
     const LIMIT: f64 = 262_144.0;
 
     /// Rounds a position in pixels; `None` if it is not finite.
-    pub(super) fn new(x: f32, y: f32) -> Option<Self> {
+    pub(crate) fn new(x: f32, y: f32) -> Option<Self> {
         let snap = |v: f32| (f64::from(v).clamp(-Self::LIMIT, Self::LIMIT) * UNIT as f64).round() as i64;
         (x.is_finite() && y.is_finite()).then(|| Self { x: snap(x), y: snap(y) })
     }
 }
 
 /// The pixels whose centre is in `from..to`, both snapped.
-pub(super) fn pixels_between(from: i64, to: i64) -> Range<i64> {
+pub(crate) fn pixels_between(from: i64, to: i64) -> Range<i64> {
     ceil_div(from - CENTRE, UNIT)..ceil_div(to - CENTRE, UNIT)
 }
 
 /// Twice the signed area: positive for clockwise on a screen whose y points down.
-pub(super) fn doubled_area([a, b, c]: [Snapped; 3]) -> i64 {
+pub(crate) fn doubled_area([a, b, c]: [Snapped; 3]) -> i64 {
     (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
 }
 
 /// Calls `span(row, pixels)` for every row of `clip` in which the triangle covers pixels, from the top.
 ///
 /// The corners may be in either order. A triangle without area covers nothing.
-pub(super) fn for_each_span(corners: [Snapped; 3], clip: Clip, mut span: impl FnMut(i64, Range<i64>)) {
+pub(crate) fn for_each_span(corners: [Snapped; 3], clip: Clip, mut span: impl FnMut(i64, Range<i64>)) {
     let [a, mut b, mut c] = corners;
     match doubled_area(corners) {
         0 => return,

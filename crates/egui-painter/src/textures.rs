@@ -5,82 +5,65 @@ use std::collections::HashMap;
 use egui::epaint::{ImageData, ImageDelta};
 use egui::{TextureFilter, TextureId, TextureOptions, TextureWrapMode, TexturesDelta};
 
-use super::pixel;
+use crate::pixel;
 
 /// Textures by their id, kept up to date with egui's deltas.
 #[derive(Debug, Default)]
-pub struct TextureStore {
+pub(crate) struct TextureStore {
     textures: HashMap<TextureId, Texture>,
     to_free: Vec<TextureId>,
 }
 
 impl TextureStore {
     /// Applies what changed in a frame and empties `delta`. Textures that are freed in it may still be
-    /// painted with until the next call.
-    pub fn update(&mut self, delta: &mut TexturesDelta) {
+    /// painted with until the next call. Returns how many images were refused.
+    pub(crate) fn update(&mut self, delta: &mut TexturesDelta) -> usize {
         for id in self.to_free.drain(..) {
             self.textures.remove(&id);
         }
-        let mut changed: Vec<_> = delta.set.drain().collect();
-        changed.sort_by_key(|(id, _)| *id);
-        for (id, deltas) in changed {
-            for image in deltas {
-                self.set(id, &image);
-            }
-        }
+        let images =
+            delta.set.drain().flat_map(|(id, images)| images.into_iter().map(move |image| (id, image)));
+        // The textures' order does not matter, and a texture's own images stay in theirs.
+        let refused = images.map(|(id, image)| self.set(id, &image)).filter(Option::is_none).count();
         self.to_free.extend(delta.free.drain());
+        refused
     }
 
-    /// How many textures are alive.
-    pub fn len(&self) -> usize {
-        self.textures.len()
-    }
-
-    /// Whether no texture is alive.
-    pub fn is_empty(&self) -> bool {
-        self.textures.is_empty()
-    }
-
-    pub(super) fn get(&self, id: TextureId) -> Option<&Texture> {
+    pub(crate) fn get(&self, id: TextureId) -> Option<&Texture> {
         self.textures.get(&id)
     }
 
-    fn set(&mut self, id: TextureId, delta: &ImageDelta) {
+    /// `None`, and nothing done, if the image is empty, has a wrong number of pixels, reaches beyond its
+    /// texture, or is a patch of a texture that was never set.
+    fn set(&mut self, id: TextureId, delta: &ImageDelta) -> Option<()> {
         let ImageData::Color(image) = &delta.image;
         let [width, height] = image.size;
-        if image.pixels.len() != width * height || width == 0 || height == 0 {
-            tracing::warn!("texture {id:?} has no pixels or a wrong number of them");
-            return;
+        if image.pixels.is_empty() || width.checked_mul(height) != Some(image.pixels.len()) {
+            return None;
         }
-        let pixels = image.pixels.iter().map(|colour| pixel::pack(*colour));
-        match delta.pos {
-            None => {
-                let pixels = pixels.collect();
-                self.textures.insert(id, Texture { width, height, pixels, options: delta.options });
-            }
-            Some([left, top]) => {
-                let Some(texture) = self.textures.get_mut(&id) else {
-                    tracing::warn!("texture {id:?} is updated but was never set");
-                    return;
-                };
-                if left + width > texture.width || top + height > texture.height {
-                    tracing::warn!("the update of texture {id:?} reaches beyond it");
-                    return;
-                }
-                texture.options = delta.options;
-                let pixels: Vec<u32> = pixels.collect();
-                for (row, source) in pixels.chunks_exact(width).enumerate() {
-                    let start = (top + row) * texture.width + left;
-                    texture.pixels[start..start + width].copy_from_slice(source);
-                }
-            }
+        let pixels: Vec<u32> = image.pixels.iter().map(|colour| pixel::pack(*colour)).collect();
+        let Some([left, top]) = delta.pos else {
+            self.textures.insert(id, Texture { width, height, pixels, options: delta.options });
+            return Some(());
+        };
+        let texture = self.textures.get_mut(&id)?;
+        let fits =
+            |start: usize, length: usize, room| start.checked_add(length).is_some_and(|end| end <= room);
+        if !fits(left, width, texture.width) || !fits(top, height, texture.height) {
+            return None;
         }
+        texture.options = delta.options;
+        for (row, source) in pixels.chunks_exact(width).enumerate() {
+            let start = (top + row) * texture.width + left;
+            texture.pixels[start..start + width].copy_from_slice(source);
+        }
+        Some(())
     }
 }
 
 /// A texture's pixels, premultiplied.
 #[derive(Debug)]
-pub(super) struct Texture {
+pub(crate) struct Texture {
     width: usize,
     height: usize,
     pixels: Vec<u32>,
@@ -89,7 +72,7 @@ pub(super) struct Texture {
 
 /// Where a coordinate falls between two texels of a row or column.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Tap {
+pub(crate) struct Tap {
     near: u32,
     far: u32,
     /// Share of `far`, in 1/256.
@@ -98,33 +81,33 @@ pub(super) struct Tap {
 
 impl Texture {
     /// Whether texels are to be picked rather than mixed, when one pixel is `texels_per_pixel` texels wide.
-    pub(super) fn is_nearest(&self, texels_per_pixel: f32) -> bool {
+    pub(crate) fn is_nearest(&self, texels_per_pixel: f32) -> bool {
         let filter =
             if texels_per_pixel > 1.0 { self.options.minification } else { self.options.magnification };
         filter == TextureFilter::Nearest
     }
 
     /// Texels across and down.
-    pub(super) fn size(&self) -> [f32; 2] {
+    pub(crate) fn size(&self) -> [f32; 2] {
         [self.width as f32, self.height as f32]
     }
 
-    pub(super) fn tap_x(&self, u: f32, nearest: bool) -> Tap {
+    pub(crate) fn tap_x(&self, u: f32, nearest: bool) -> Tap {
         tap(u, self.width, nearest, self.options.wrap_mode)
     }
 
-    pub(super) fn tap_y(&self, v: f32, nearest: bool) -> Tap {
+    pub(crate) fn tap_y(&self, v: f32, nearest: bool) -> Tap {
         tap(v, self.height, nearest, self.options.wrap_mode)
     }
 
     #[inline]
-    pub(super) fn sample(&self, x: Tap, y: Tap) -> u32 {
+    pub(crate) fn sample(&self, x: Tap, y: Tap) -> u32 {
         self.rows(y).sample(x)
     }
 
     /// The two rows of texels that `y` falls between.
     #[inline]
-    pub(super) fn rows(&self, y: Tap) -> Rows<'_> {
+    pub(crate) fn rows(&self, y: Tap) -> Rows<'_> {
         let row = |index: u32| {
             let start = index as usize * self.width;
             &self.pixels[start..start + self.width]
@@ -134,7 +117,7 @@ impl Texture {
 }
 
 /// Two rows of texels and the share of the second, in 1/256.
-pub(super) struct Rows<'a> {
+pub(crate) struct Rows<'a> {
     near: &'a [u32],
     far: &'a [u32],
     weight: u32,
@@ -142,7 +125,7 @@ pub(super) struct Rows<'a> {
 
 impl Rows<'_> {
     #[inline]
-    pub(super) fn sample(&self, x: Tap) -> u32 {
+    pub(crate) fn sample(&self, x: Tap) -> u32 {
         let (left, right) = (x.near as usize, x.far as usize);
         if x.weight == 0 && self.weight == 0 {
             return self.near[left];
@@ -161,7 +144,7 @@ fn tap(coordinate: f32, len: usize, nearest: bool, wrap: TextureWrapMode) -> Tap
         let texel = wrapped(position >> 8, len, wrap);
         return Tap { near: texel, far: texel, weight: 0 };
     }
-    let position = position - 128;
+    let position = position.saturating_sub(128);
     Tap {
         near: wrapped(position >> 8, len, wrap),
         far: wrapped((position >> 8) + 1, len, wrap),
@@ -205,12 +188,12 @@ mod tests {
         let mut delta = TexturesDelta::default();
         delta.push(id, ImageDelta::full(numbered([3, 2], 0), TextureOptions::LINEAR));
         delta.push(id, ImageDelta::partial([1, 0], numbered([2, 1], 90), TextureOptions::LINEAR));
-        store.update(&mut delta);
+        assert_eq!(store.update(&mut delta), 0);
         assert!(delta.is_empty());
         assert_eq!(greys(store.get(id).unwrap()), [0, 90, 91, 3, 4, 5]);
 
         delta.push(id, ImageDelta::partial([2, 0], numbered([2, 1], 7), TextureOptions::LINEAR));
-        store.update(&mut delta);
+        assert_eq!(store.update(&mut delta), 1);
         assert_eq!(
             greys(store.get(id).unwrap()),
             [0, 90, 91, 3, 4, 5],
@@ -226,9 +209,9 @@ mod tests {
         delta.push(id, ImageDelta::full(numbered([1, 1], 0), TextureOptions::LINEAR));
         delta.free(id);
         store.update(&mut delta);
-        assert_eq!(store.len(), 1);
+        assert!(store.get(id).is_some());
         store.update(&mut delta);
-        assert!(store.is_empty());
+        assert!(store.get(id).is_none());
     }
 
     #[test]

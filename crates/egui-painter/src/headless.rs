@@ -1,84 +1,100 @@
-//! The window without a display.
+//! An egui app without a window.
 
-use egui::{Event, Pos2, RawInput, Rect, Ui, ViewportId, vec2};
+use egui::{Event, FullOutput, Pos2, RawInput, Rect, Ui, Vec2, ViewportId, vec2};
 use image::RgbaImage;
 
-use super::{Canvas, TextureStore};
+use crate::Painter;
 
 /// Time from one frame to the next, in seconds: long enough that every animation ends within one.
 const FRAME_TIME: f64 = 0.25;
 
-/// An egui context that is driven by hand and painted on the CPU.
+/// An egui context that is driven by hand, frame by frame, and painted on the CPU.
+///
+/// Its clock moves only with its frames, so what an app shows does not depend on how fast the machine is.
 #[derive(Debug)]
 pub struct Headless {
-    /// The context. Set the theme here before the first frame.
+    /// The context. Set fonts and style here before the first frame.
     pub ctx: egui::Context,
-    textures: TextureStore,
-    size: egui::Vec2,
+    painter: Painter,
+    size: Vec2,
     pixels_per_point: f32,
+    frame_time: f64,
     frames_run: u32,
 }
 
 impl Headless {
-    /// A window of `width` × `height` points.
+    /// A window of `width` × `height` points, each at least 1.
+    #[must_use]
     pub fn new(width: f32, height: f32, pixels_per_point: f32) -> Self {
         Self {
             ctx: egui::Context::default(),
-            textures: TextureStore::default(),
+            painter: Painter::default(),
             size: vec2(width.max(1.0), height.max(1.0)),
             pixels_per_point,
+            frame_time: FRAME_TIME,
             frames_run: 0,
         }
     }
 
+    /// The same with `seconds` from frame to frame. Without it they are a quarter of a second, in which every
+    /// animation of egui ends.
+    #[must_use]
+    pub fn with_frame_time(self, seconds: f64) -> Self {
+        Self { frame_time: seconds, ..self }
+    }
+
     /// The size in points.
-    pub fn size(&self) -> egui::Vec2 {
+    #[must_use]
+    pub fn size(&self) -> Vec2 {
         self.size
     }
 
     /// Pixels per point.
+    #[must_use]
     pub fn pixels_per_point(&self) -> f32 {
         self.pixels_per_point
     }
 
-    /// Runs `count` frames of `ui` (at least one) and paints the last. The first of them receives `events`.
+    /// What has painted so far, and what it could not paint.
+    #[must_use]
+    pub fn painter(&self) -> &Painter {
+        &self.painter
+    }
+
+    /// Runs `count` frames of `ui` (at least one) and paints the last, on the theme's panel colour. The first of
+    /// them receives `events`.
     ///
     /// egui settles sizes over two frames, so three show a new window as it stays.
     pub fn frames(&mut self, count: usize, events: Vec<Event>, mut ui: impl FnMut(&mut Ui)) -> RgbaImage {
         let unpainted = count.saturating_sub(1);
         let (first, last) = if unpainted > 0 { (events, Vec::new()) } else { (Vec::new(), events) };
         self.run(unpainted, first, &mut ui);
-        let input = self.input(last);
-        let mut output = self.ctx.run_ui(input, &mut ui);
-        self.textures.update(&mut output.textures_delta);
+        let output = self.frame(last, &mut ui);
         let primitives = self.ctx.tessellate(output.shapes, output.pixels_per_point);
         let background = self.ctx.global_style().visuals.panel_fill;
         let size_px = (self.size * self.pixels_per_point).round();
-        let mut canvas = Canvas::new(size_px.x as u32, size_px.y as u32, background);
-        canvas.paint(output.pixels_per_point, &primitives, &self.textures);
-        canvas.image()
+        let size_px = [size_px.x as u32, size_px.y as u32];
+        self.painter.paint(&primitives, output.pixels_per_point, size_px, background)
     }
 
     /// Runs `count` frames of `ui` and paints none of them. The first of them receives `events`.
     pub fn run(&mut self, count: usize, events: Vec<Event>, mut ui: impl FnMut(&mut Ui)) {
         let mut events = events;
         for _ in 0..count {
-            let input = self.input(std::mem::take(&mut events));
-            let mut output = self.ctx.run_ui(input, &mut ui);
-            self.textures.update(&mut output.textures_delta);
+            self.frame(std::mem::take(&mut events), &mut ui);
         }
     }
 
     /// Gives the window another size, in points, from the next frame on.
-    pub fn resize(&mut self, size: egui::Vec2) {
+    pub fn resize(&mut self, size: Vec2) {
         self.size = size.max(vec2(1.0, 1.0));
     }
 
-    fn input(&mut self, events: Vec<Event>) -> RawInput {
+    fn frame(&mut self, events: Vec<Event>, ui: impl FnMut(&mut Ui)) -> FullOutput {
         let mut input = RawInput {
             screen_rect: Some(Rect::from_min_size(Pos2::ZERO, self.size)),
-            time: Some(f64::from(self.frames_run) * FRAME_TIME),
-            predicted_dt: FRAME_TIME as f32,
+            time: Some(f64::from(self.frames_run) * self.frame_time),
+            predicted_dt: self.frame_time as f32,
             focused: true,
             events,
             ..RawInput::default()
@@ -87,7 +103,9 @@ impl Headless {
         if let Some(viewport) = input.viewports.get_mut(&ViewportId::ROOT) {
             viewport.native_pixels_per_point = Some(self.pixels_per_point);
         }
-        input
+        let mut output = self.ctx.run_ui(input, ui);
+        self.painter.update(&mut output.textures_delta);
+        output
     }
 }
 
@@ -99,7 +117,7 @@ mod tests {
 
     fn red_panel(ui: &mut Ui) {
         let frame = Frame::NONE.fill(Color32::from_rgb(200, 30, 20));
-        CentralPanel::default().frame(frame).show(ui, |ui| ui.label("Backlit"));
+        CentralPanel::default().frame(frame).show(ui, |ui| ui.label("Painted"));
     }
 
     #[test]

@@ -1,74 +1,65 @@
-//! Paints egui's meshes on a picture in memory, as the GPU would: premultiplied colours, blended in gamma
-//! space, textures sampled with the filter they ask for.
+//! Meshes on a picture in memory, as a GPU would paint them: premultiplied colours, blended in gamma space,
+//! textures sampled with the filter they ask for.
 
 use std::ops::Range;
 
 use egui::epaint::{ClippedPrimitive, Mesh, Primitive, Vertex};
 use egui::{Color32, Rect};
 use image::RgbaImage;
-use rayon::prelude::*;
 
-use super::coverage::{Clip, Snapped, UNIT, doubled_area, for_each_span, pixels_between};
-use super::pixel;
-use super::textures::{Tap, Texture, TextureStore};
+use crate::Skipped;
+use crate::coverage::{Clip, Snapped, UNIT, doubled_area, for_each_span, pixels_between};
+use crate::pixel;
+use crate::textures::{Tap, Texture, TextureStore};
 
 /// Textured rectangles of this many pixels are shared among threads, row by row.
+#[cfg(feature = "rayon")]
 const PARALLEL_FROM: usize = 1 << 15;
 
-/// A picture to paint on.
+/// A picture that is being painted.
 #[derive(Debug)]
-pub struct Canvas {
+pub(crate) struct Canvas {
     width: usize,
     height: usize,
     pixels: Vec<u32>,
     /// Texture coordinates of a rectangle's columns; kept to spare allocations.
     columns: Vec<Tap>,
-    callback_reported: bool,
 }
 
 impl Canvas {
     /// A picture of `width` × `height` pixels, all of `background`, which is taken as opaque.
-    pub fn new(width: u32, height: u32, background: Color32) -> Self {
+    pub(crate) fn new([width, height]: [u32; 2], background: Color32) -> Self {
         let (width, height) = (width as usize, height as usize);
-        let mut canvas =
-            Self { width, height, pixels: Vec::new(), columns: Vec::new(), callback_reported: false };
-        canvas.pixels.resize(width * height, 0);
-        canvas.clear(background);
-        canvas
+        let pixels = vec![pixel::pack(background.to_opaque()); width * height];
+        Self { width, height, pixels, columns: Vec::new() }
     }
 
-    /// Makes every pixel `background`, taken as opaque.
-    pub fn clear(&mut self, background: Color32) {
-        self.pixels.fill(pixel::pack(background.to_opaque()));
-    }
-
-    /// Paints what [`egui::Context::tessellate`] returned, in order.
-    ///
-    /// Paint callbacks are skipped with one warning; meshes whose texture is unknown, and triangles with
-    /// corners that are not finite, are skipped silently.
-    pub fn paint(&mut self, pixels_per_point: f32, primitives: &[ClippedPrimitive], textures: &TextureStore) {
+    /// Paints `primitives` in order, and counts what it cannot paint.
+    pub(crate) fn paint(
+        &mut self,
+        primitives: &[ClippedPrimitive],
+        pixels_per_point: f32,
+        textures: &TextureStore,
+        skipped: &mut Skipped,
+    ) {
         for ClippedPrimitive { clip_rect, primitive } in primitives {
-            match primitive {
-                Primitive::Mesh(mesh) => {
-                    let clip = self.clip(*clip_rect, pixels_per_point);
-                    if let Some(texture) = textures.get(mesh.texture_id)
-                        && clip.left < clip.right
-                        && clip.top < clip.bottom
-                    {
-                        self.paint_mesh(mesh, texture, clip, pixels_per_point);
-                    }
-                }
-                Primitive::Callback(_) if !self.callback_reported => {
-                    self.callback_reported = true;
-                    tracing::warn!("paint callbacks need a GPU and are left out of this picture");
-                }
-                Primitive::Callback(_) => {}
+            let Primitive::Mesh(mesh) = primitive else {
+                skipped.callbacks += 1;
+                continue;
+            };
+            let Some(texture) = textures.get(mesh.texture_id) else {
+                skipped.meshes += 1;
+                continue;
+            };
+            let clip = self.clip(*clip_rect, pixels_per_point);
+            if clip.left < clip.right && clip.top < clip.bottom {
+                skipped.triangles += self.paint_mesh(mesh, texture, clip, pixels_per_point);
             }
         }
     }
 
     /// The picture so far. Its pixels are opaque.
-    pub fn image(&self) -> RgbaImage {
+    pub(crate) fn image(&self) -> RgbaImage {
         let mut bytes = vec![0; self.pixels.len() * 4];
         for (bytes, pixel) in bytes.chunks_exact_mut(4).zip(&self.pixels) {
             bytes.copy_from_slice(&pixel.to_le_bytes());
@@ -87,7 +78,9 @@ impl Canvas {
         }
     }
 
-    fn paint_mesh(&mut self, mesh: &Mesh, texture: &Texture, clip: Clip, pixels_per_point: f32) {
+    /// How many triangles could not be painted.
+    fn paint_mesh(&mut self, mesh: &Mesh, texture: &Texture, clip: Clip, pixels_per_point: f32) -> usize {
+        let mut skipped = 0;
         let mut indices = mesh.indices.as_slice();
         while indices.len() >= 3 {
             let corner = |at: usize| Corner::new(mesh, indices[at], pixels_per_point);
@@ -103,9 +96,12 @@ impl Canvas {
             }
             if let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) {
                 self.paint_triangle([a, b, c], texture, clip);
+            } else {
+                skipped += 1;
             }
             indices = &indices[3..];
         }
+        skipped
     }
 
     fn row(&mut self, y: i64, span: Range<i64>) -> &mut [u32] {
@@ -146,16 +142,11 @@ impl Canvas {
                 }
             }
         };
-        if taps.len() * (rows.end - rows.start) as usize >= PARALLEL_FROM {
-            let (left, right) = (columns.start as usize, columns.end as usize);
-            let band = rows.start as usize * self.width..rows.end as usize * self.width;
-            let band = self.pixels[band].par_chunks_exact_mut(self.width).enumerate();
-            band.for_each(|(index, row)| paint_row(rows.start + index as i64, &mut row[left..right]));
-        } else {
-            for y in rows {
-                paint_row(y, self.row(y, columns.clone()));
-            }
-        }
+        let span = columns.start as usize..columns.end as usize;
+        let band = rows.start as usize * self.width..rows.end as usize * self.width;
+        for_each_row(&mut self.pixels[band], self.width, span, |index, row| {
+            paint_row(rows.start + index as i64, row);
+        });
         self.columns = taps;
     }
 
@@ -194,6 +185,25 @@ impl Canvas {
                 });
             }
         }
+    }
+}
+
+/// Calls `paint` with the pixels `span` of every row of `band`, and with the row's index in it. Rows do not
+/// depend on each other, so threads change nothing.
+fn for_each_row(
+    band: &mut [u32],
+    width: usize,
+    span: Range<usize>,
+    paint: impl Fn(usize, &mut [u32]) + Sync,
+) {
+    #[cfg(feature = "rayon")]
+    if span.len() * (band.len() / width) >= PARALLEL_FROM {
+        use rayon::prelude::*;
+        let rows = band.par_chunks_exact_mut(width).enumerate();
+        return rows.for_each(|(index, row)| paint(index, &mut row[span.clone()]));
+    }
+    for (index, row) in band.chunks_exact_mut(width).enumerate() {
+        paint(index, &mut row[span.clone()]);
     }
 }
 
@@ -322,11 +332,14 @@ impl Gradients {
         self.walk(&self.uv, x, y)
     }
 
+    /// How far one pixel reaches in the texture. Without `hypot`, whose last bit is the platform's.
     fn texels_per_pixel(&self, [width, height]: [f32; 2]) -> f32 {
         let [u, v] = &self.uv;
-        let per_column = (u.per_column * f64::from(width)).hypot(v.per_column * f64::from(height));
-        let per_row = (u.per_row * f64::from(width)).hypot(v.per_row * f64::from(height));
-        per_column.max(per_row) as f32
+        let squared = |du: f64, dv: f64| {
+            let (across, down) = (du * f64::from(width), dv * f64::from(height));
+            across * across + down * down
+        };
+        squared(u.per_column, v.per_column).max(squared(u.per_row, v.per_row)).sqrt() as f32
     }
 }
 

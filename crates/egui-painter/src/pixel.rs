@@ -10,13 +10,13 @@ const HALF: u64 = 0x0080_0080_0080_0080;
 const ONES: u64 = 0x0001_0001_0001_0001;
 
 /// Opaque white: the neutral element of [`modulate`].
-pub(super) const WHITE: u32 = 0xFFFF_FFFF;
+pub(crate) const WHITE: u32 = 0xFFFF_FFFF;
 
-pub(super) fn pack(colour: Color32) -> u32 {
+pub(crate) fn pack(colour: Color32) -> u32 {
     u32::from_le_bytes(colour.to_array())
 }
 
-pub(super) fn alpha(pixel: u32) -> u32 {
+pub(crate) fn alpha(pixel: u32) -> u32 {
     pixel >> 24
 }
 
@@ -39,7 +39,7 @@ fn scale(lanes: u64, factor: u32) -> u64 {
 
 /// Channel times channel / 255, rounded to the nearest.
 #[inline]
-pub(super) fn modulate(texel: u32, colour: u32) -> u32 {
+pub(crate) fn modulate(texel: u32, colour: u32) -> u32 {
     if texel == WHITE {
         return colour;
     }
@@ -55,7 +55,7 @@ pub(super) fn modulate(texel: u32, colour: u32) -> u32 {
 
 /// Premultiplied `source` over `target`; sums past 255 (additive colours) saturate.
 #[inline]
-pub(super) fn over(source: u32, target: u32) -> u32 {
+pub(crate) fn over(source: u32, target: u32) -> u32 {
     let sum = spread(source) + scale(spread(target), 255 - alpha(source));
     let overflow = (sum >> 8) & ONES;
     gather((sum | (overflow * 0xFF)) & LANES)
@@ -69,7 +69,7 @@ fn mix(a: u64, b: u64, weight: u32) -> u64 {
 
 /// The mix of four pixels `[upper left, upper right, lower left, lower right]` with weights in 1/256.
 #[inline]
-pub(super) fn bilinear(texels: [u32; 4], weight_x: u32, weight_y: u32) -> u32 {
+pub(crate) fn bilinear(texels: [u32; 4], weight_x: u32, weight_y: u32) -> u32 {
     let upper = mix(spread(texels[0]), spread(texels[1]), weight_x);
     let lower = mix(spread(texels[2]), spread(texels[3]), weight_x);
     gather(mix(upper, lower, weight_y))
@@ -77,7 +77,7 @@ pub(super) fn bilinear(texels: [u32; 4], weight_x: u32, weight_y: u32) -> u32 {
 
 /// Puts `source` over every pixel of `row`.
 #[inline]
-pub(super) fn fill(row: &mut [u32], source: u32) {
+pub(crate) fn fill(row: &mut [u32], source: u32) {
     match alpha(source) {
         255 => row.fill(source),
         _ if source == 0 => {}
@@ -87,7 +87,7 @@ pub(super) fn fill(row: &mut [u32], source: u32) {
 
 /// Puts `source` over one pixel.
 #[inline]
-pub(super) fn blend(pixel: &mut u32, source: u32) {
+pub(crate) fn blend(pixel: &mut u32, source: u32) {
     match alpha(source) {
         255 => *pixel = source,
         _ if source == 0 => {}
