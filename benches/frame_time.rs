@@ -12,9 +12,9 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use backlit::app::{App, AppOptions, Opening};
 use backlit::app::settings::Settings;
-use backlit::context::preferences::{Layout};
+use backlit::app::{App, AppOptions, Opening};
+use backlit::context::preferences::Layout;
 use backlit::features::scene::{Upright, Viewpoint};
 use backlit::take::source::TakeSource;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};

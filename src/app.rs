@@ -62,7 +62,6 @@ pub(crate) mod testing;
 pub mod window;
 pub(crate) mod write_job;
 
-pub(crate) use crate::features::pose::drag::nudge_of;
 pub(crate) use crate::features::timeline::playing::TimeAxis;
 pub(crate) use crate::features::tracking::keys_around;
 pub use files::opening_of;

@@ -1,25 +1,25 @@
 //! What panels read, and what they ask for.
 
-pub mod action;
 pub mod arrangement;
 pub mod clock;
+pub mod command;
 pub(crate) mod command_button;
 pub(crate) mod file_dialog;
 pub mod notices;
 pub mod pane;
 pub(crate) mod pane_title;
 pub mod preferences;
-pub(crate) mod unavailable_in_time;
+mod unavailable;
 pub mod view_settings;
 pub mod write_advice;
 
+pub use unavailable::unavailable;
+
 use std::path::{Path, PathBuf};
 
-use backlit_tracking::body::Pose;
-
-use crate::app::{TimeAxis, nudge_of};
-use crate::context::action::Action;
+use crate::app::TimeAxis;
 use crate::context::arrangement::Arrangement;
+use crate::context::command::Command;
 use crate::context::notices::Notices;
 use crate::context::pane::Pane;
 use crate::context::preferences::{Layout, Preferences};
@@ -40,6 +40,7 @@ use crate::session::Session;
 use crate::session::prediction::{Derivatives, FitInputs};
 use crate::session::selection::{Selection, StepRef};
 use crate::take::source::TakeSource;
+use backlit_tracking::body::Pose;
 
 /// All that a panel may look at while a frame is drawn.
 #[derive(Debug, Clone, Copy)]
@@ -204,7 +205,7 @@ pub enum Request {
     /// Open a page of the web outside.
     OpenPage(&'static str),
     /// A command was chosen in the palette.
-    Used(Action),
+    Used(Command),
     /// Export pictures.
     Export(Box<ExportOrder>),
     /// Ask in a dialog of the desktop's where an export goes.
@@ -212,9 +213,9 @@ pub enum Request {
     /// Say in the status bar what was just done, or nothing any more.
     Status(Option<String>),
     /// Say something on a card, with a command that goes on from there.
-    Inform(String, Option<Action>),
+    Inform(String, Option<Command>),
     /// Say what went wrong, with a command that helps.
-    Complain(String, Option<Action>),
+    Complain(String, Option<Command>),
 }
 
 /// A file to be written, and what makes its bytes on the thread that writes.
@@ -261,7 +262,7 @@ pub struct Requests {
     /// Changes of the document, each with its gesture.
     pub edits: Vec<(Edit, Option<Gesture>)>,
     /// Commands.
-    pub actions: Vec<Action>,
+    pub commands: Vec<Command>,
     /// Everything else.
     pub others: Vec<Request>,
     /// What is looked at of what the cameras see, in this frame: nothing that is asked for.
@@ -284,8 +285,8 @@ impl Requests {
     }
 
     /// Asks for a command.
-    pub fn act(&mut self, action: Action) {
-        self.actions.push(action);
+    pub fn run(&mut self, command: Command) {
+        self.commands.push(command);
     }
 
     /// Says in the status bar what was just done.
@@ -294,7 +295,7 @@ impl Requests {
     }
 
     /// Says something on a card, with a command that goes on from there.
-    pub fn inform(&mut self, text: impl Into<String>, next: Option<Action>) {
+    pub fn inform(&mut self, text: impl Into<String>, next: Option<Command>) {
         self.request(Request::Inform(text.into(), next));
     }
 
@@ -316,121 +317,5 @@ impl Requests {
     /// Asks for something else.
     pub fn request(&mut self, request: Request) {
         self.others.push(request);
-    }
-}
-
-/// Why a command cannot be used now, in a sentence without its full stop; `None` if it can.
-#[must_use]
-#[expect(clippy::too_many_lines, reason = "one row for each reason")]
-pub fn unavailable(action: Action, context: &Context<'_>) -> Option<&'static str> {
-    use Action as A;
-    const NO_TAKE: &str = "Open a take first";
-    let (session, selection, document) = (context.session, context.selection, context.document());
-    let because = |is_so: bool, why: &'static str| is_so.then_some(why);
-    let no_take = because(session.take.is_none(), NO_TAKE);
-    let no_fit = || {
-        let no_camera = document.used_cameras().next().is_none();
-        let no_mask = session.frames.get(selection.frame).is_none_or(|frame| !frame.has_mask());
-        no_take
-            .or(because(no_camera, "No camera is used in the fit: tick one beside its view"))
-            .or(because(no_mask, "This frame has no silhouette yet"))
-            .or(because(context.busy.tracking, "The tracker is at work"))
-    };
-    if context.preferences.layout == Layout::Demonstrate
-        && let Some(answer) = context.laboratory.unavailable(action)
-    {
-        return no_take.or(answer);
-    }
-    let run = session.run_of(selection).and_then(|run| session.runs.get(run).map(|r| (run, r)));
-    if let Some(camera) = (0..8).find(|index| A::camera_alone(*index) == Some(action)) {
-        return no_take.or(because(camera >= session.camera_count(), "The take has fewer cameras"));
-    }
-    match action {
-        A::Undo => {
-            let nothing = context.history.undo_text().is_none() && session.removed.is_none();
-            because(nothing, "There is nothing to undo")
-        }
-        A::Wipe | A::Blink => no_take,
-        nudge if nudge_of(nudge).is_some() => no_take,
-        A::Redo => because(context.history.redo_text().is_none(), "There is nothing to redo"),
-        A::Save => no_take,
-        A::Step | A::Run | A::RefitLimb | A::RefitChain | A::RefitBody => {
-            no_fit().or(because(context.busy.fitting && action != A::Step, "The fit is running"))
-        }
-        A::Stop => {
-            let busy = context.busy;
-            let is_behind = busy.exporting.is_some() || context.busy.basin;
-            let is_running = busy.fitting || busy.tracking || is_behind;
-            because(!is_running, "Nothing is running")
-        }
-        A::ExportView
-        | A::ExportWindow
-        | A::ExportSteps
-        | A::ExportFrames
-        | A::StopExport
-        | A::ShowExported => export_unavailable(action, context),
-        A::StepBack | A::EarlierStep => match (run, selection.step) {
-            (None, _) => Some("This frame has no run yet: press Space to step"),
-            (Some(_), Some(StepRef { step: 0, .. })) => Some("This is the start of the run"),
-            (Some((_, run)), _) => because(run.steps.len() < 2, "The run has no step yet"),
-        },
-        A::LaterStep | A::Branch => because(selection.step.is_none(), "This is the newest step of the run"),
-        A::ShowScene
-        | A::ShowConvergence
-        | A::ShowBasin
-        | A::ArrangeTiles
-        | A::SceneFront
-        | A::SceneSide
-        | A::SceneTop
-        | A::SceneFromCamera
-        | A::SceneReset => {
-            let has_none = context.preferences.layout == Layout::Demonstrate;
-            no_take.or(because(has_none, "This layout has no tiles"))
-        }
-        A::RestoreLayout => because(!context.can_restore_layout, "The layout was not reset"),
-        A::RestartLaboratory => Some("The Demonstrate layout has the laboratory: press F3"),
-        A::RunBasin | A::RunBasinMap => no_fit().or(because(context.busy.basin, "A basin is being tried")),
-        A::CancelBasin => because(!context.busy.basin, "No basin is being tried"),
-        A::FindTake => because(!context.lacks_take, "No project has lost its take"),
-        A::UndoDiscard => because(!context.has_discarded, "Nothing was discarded"),
-        A::RestoreRuns => because(session.removed.is_none(), "No run was removed"),
-        A::ClearRuns | A::ExportCurves | A::ExportPlot => {
-            because(session.runs.is_empty(), "There are no runs")
-        }
-        A::SearchPoses => no_fit(),
-        A::FitBody => no_fit().or(because(context.busy.fitting, "The fit is running")),
-        A::SaveAs
-        | A::CopyPose
-        | A::PastePose
-        | A::Mirror
-        | A::MirrorPose
-        | A::PinJoint
-        | A::ResetLimb
-        | A::ResetBody
-        | A::Uncertainty
-        | A::Sway
-        | A::SetKeyPose => no_take,
-        A::WeakerDirection | A::StrongerDirection => {
-            no_take.or(because(context.observing.found().is_none(), "Open the Observability section first"))
-        }
-        _ => unavailable_in_time::unavailable(action, context),
-    }
-}
-
-/// The same for exports.
-fn export_unavailable(action: Action, context: &Context<'_>) -> Option<&'static str> {
-    let is_exporting = context.busy.exporting.is_some();
-    let has_take = context.session.take.is_some();
-    let has_run = context.session.run_of(context.selection).is_some();
-    match action {
-        Action::ShowExported if context.has_exported => None,
-        Action::ShowExported => Some("Nothing was exported since the start"),
-        Action::StopExport if is_exporting => None,
-        Action::StopExport => Some("Nothing is being exported"),
-        _ if is_exporting => Some("An export is under way"),
-        Action::ExportWindow => None,
-        _ if !has_take => Some("Open a take first"),
-        Action::ExportSteps if !has_run => Some("This frame has no run yet: press Space to step"),
-        _ => None,
     }
 }

@@ -6,6 +6,7 @@
 //! | file | holds |
 //! |---|---|
 //! | [`mode`] | [`ViewMode`]: the ways to look at a camera, with their names and legends |
+//! | `comparison` | [`Comparison`]: how two modes are seen in one picture |
 //! | [`input`] | [`PictureInput`]: what there is to look at; [`Sample`]: its values at one pixel |
 //! | `footage` … `owner_limb` | one view mode each |
 //! | [`derivative`] | gradient and Jacobian column: what they are and how they look |
@@ -21,6 +22,7 @@
 //! | [`state_axis`] | the coefficient whose Jacobian column is looked at |
 
 pub mod calibration_marks;
+mod comparison;
 mod data;
 pub mod derivative;
 pub mod ellipse_factor;
@@ -43,6 +45,7 @@ pub mod sway;
 mod tinted;
 
 pub use calibration_marks::CalibrationMarks;
+pub use comparison::Comparison;
 pub use derivative::Derivative;
 pub use input::{PictureInput, Sample};
 pub use joints::{JointId, JointMark, draggable_joints, joint_name, project_joints};

@@ -5,29 +5,24 @@ use backlit_tracking::track::{FitOptions, posing};
 
 use super::App;
 use super::state::{DialogKind, Opening};
-use crate::context::action::Action;
+use crate::context::command::{
+    BasinCommand, Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
+    PoseCommand, RecoveryCommand, TrackingCommand, ViewCommand, WindowCommand,
+};
 use crate::context::command_button::dragged_until_now;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 use crate::context::{PaneEvent, Requests, unavailable};
 use crate::document::edit::Edit;
 use crate::drawing::{JointId, ViewMode};
-use crate::features::basin::BasinView;
-use crate::features::camera_views::Comparison;
 use crate::features::camera_views::zoom;
-use crate::features::demonstration::demonstration_of;
 use crate::features::export::dialog::Subject;
-use crate::features::fit::Part;
-use crate::features::fit::renderer::renderer_of;
-use crate::features::fit::solver::preset_of;
 use crate::features::observability::ObserveRequest;
-use crate::features::pose::drag::nudge_of;
 use crate::features::pose::panel::rotation_tree;
 use crate::features::scene::panel as scene;
 use crate::session::selection::Selection;
 use crate::shell::Overlay;
 use crate::shell::palette::Palette;
-use crate::shell::toolbar::view_mode_of;
 use crate::take::source::TakeSource;
 use crate::widgets::Framing;
 
@@ -43,44 +38,48 @@ impl App {
             && !egui::Popup::is_any_open(ctx)
         {
             let of_scene = scene::keys::hold_back(ctx);
-            requests.actions = Action::pressed(ctx);
+            requests.commands = Command::pressed(ctx);
             scene::keys::give_back(ctx, of_scene);
-            requests.actions.extend(self.read_clipboard(ctx));
+            requests.commands.extend(self.read_clipboard(ctx));
         }
         requests
     }
 
-    /// Does a command, if it can be used now.
-    pub(crate) fn act(&mut self, action: Action, ctx: &egui::Context) {
+    /// Does a command, if it can be used now. In the laboratory's layout some mean what they mean there.
+    pub(crate) fn run(&mut self, command: Command, ctx: &egui::Context) {
         let is_free =
             !self.features.laboratory.is_running || self.state.preferences.layout != Layout::Demonstrate;
-        if action == Action::Stop && is_free && (self.put_back(ctx) || self.let_go()) {
+        if command == Command::Fit(FitCommand::Stop) && is_free && (self.put_back(ctx) || self.let_go()) {
             return;
         }
-        if unavailable(action, &self.context()).is_some() {
+        if unavailable(command, &self.context()).is_some() || self.laboratory_takes(command) {
             return;
         }
-        if self.act_on_laboratory(action)
-            || self.act_on_files(action, ctx)
-            || self.act_on_pose(action, ctx)
-            || self.act_on_view(action)
-            || self.act_on_fit(action)
-            || self.act_on_observing(action)
-            || self.act_on_frames(action)
-        {
-            return;
-        }
-        self.shell.overlay = match action {
-            Action::Palette => Some(Overlay::Palette(Palette::default())),
-            Action::Shortcuts => Some(Overlay::Shortcuts(String::new())),
-            Action::Messages => Some(Overlay::Messages),
-            Action::About => Some(Overlay::About),
-            Action::Tour => {
+        match command {
+            Command::File(command) => self.file_command(command, ctx),
+            Command::History(command) => self.history_command(command),
+            Command::Recovery(RecoveryCommand::UndoDiscard) => self.undo_discard(),
+            Command::Export(command) => self.export_command(command),
+            Command::Pose(command) => self.pose_command(command, ctx),
+            Command::Window(command) => self.window_command(command),
+            Command::View(command) => self.view_command(command),
+            Command::Scene(command) => self.scene_command(command),
+            Command::Fit(command) => self.fit_command(command),
+            Command::Convergence(command) => self.convergence_command(command),
+            Command::Basin(command) => self.with(
+                |features| &mut features.basin,
+                |basin, context, requests| basin.run(command, context, requests),
+            ),
+            Command::Observability(command) => self.observability_command(command),
+            Command::Tracking(command) => self.tracking_command(command),
+            Command::Timeline(command) => self.timeline_command(command),
+            Command::Demonstration(which) => self.open(Opening::Take(TakeSource::Demonstration(which))),
+            Command::Laboratory(command) => self.laboratory_command(command),
+            Command::Tour => {
                 self.begin_tour();
-                None
+                self.shell.overlay = None;
             }
-            _ => None,
-        };
+        }
     }
 
     /// Esc while a slider or a field is dragged: what that has changed is as it was.
@@ -117,150 +116,148 @@ impl App {
         true
     }
 
-    fn act_on_files(&mut self, action: Action, ctx: &egui::Context) -> bool {
-        if let Some(which) = demonstration_of(action) {
-            self.open(Opening::Take(TakeSource::Demonstration(which)));
-            return true;
+    fn file_command(&mut self, command: FileCommand, ctx: &egui::Context) {
+        match command {
+            FileCommand::OpenTake => self.ask_for_file(DialogKind::Take),
+            FileCommand::OpenBuiltIn => self.open(Opening::Take(TakeSource::BuiltIn)),
+            FileCommand::OpenProject => self.ask_for_file(DialogKind::Project),
+            FileCommand::FindTake => self.ask_for_file(DialogKind::FindTake),
+            FileCommand::Save => self.save_project(),
+            FileCommand::SaveAs => self.ask_for_file(DialogKind::SaveAs),
+            FileCommand::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
         }
-        match action {
-            Action::OpenTake => self.ask_for_file(DialogKind::Take),
-            Action::OpenBuiltIn => self.open(Opening::Take(TakeSource::BuiltIn)),
-            Action::OpenProject => self.ask_for_file(DialogKind::Project),
-            Action::FindTake => self.ask_for_file(DialogKind::FindTake),
-            Action::Save => self.save_project(),
-            Action::SaveAs => self.ask_for_file(DialogKind::SaveAs),
-            Action::ExportView => self.ask_for_export(Subject::View),
-            Action::ExportWindow => self.ask_for_export(Subject::Window),
-            Action::ExportSteps => self.ask_for_export(Subject::Steps),
-            Action::ExportFrames => self.ask_for_export(Subject::Frames),
-            Action::StopExport => self.stop_export(),
-            Action::ShowExported => self.show_exported(),
-            Action::UndoDiscard => self.undo_discard(),
-            Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
-            _ => return false,
-        }
-        true
     }
 
-    fn act_on_pose(&mut self, action: Action, ctx: &egui::Context) -> bool {
-        if let Some(by_px) = nudge_of(action) {
-            self.nudge(by_px);
-            return true;
+    fn history_command(&mut self, command: HistoryCommand) {
+        if command == HistoryCommand::Undo && self.removed_runs_last() {
+            return self.restore_runs();
         }
+        self.interrupt_fit();
+        self.state.selection.step = None;
+        let (what, verb) = match command {
+            HistoryCommand::Undo => (self.state.history.undo(), "Undid"),
+            HistoryCommand::Redo => (self.state.history.redo(), "Did again"),
+        };
+        if let Some(what) = what {
+            self.state.status = Some(format!("{verb}: {what}."));
+        }
+    }
+
+    fn export_command(&mut self, command: ExportCommand) {
+        match command {
+            ExportCommand::View => self.ask_for_export(Subject::View),
+            ExportCommand::Window => self.ask_for_export(Subject::Window),
+            ExportCommand::Steps => self.ask_for_export(Subject::Steps),
+            ExportCommand::Frames => self.ask_for_export(Subject::Frames),
+            ExportCommand::Stop => self.stop_export(),
+            ExportCommand::ShowExported => self.show_exported(),
+        }
+    }
+
+    fn pose_command(&mut self, command: PoseCommand, ctx: &egui::Context) {
         let model = self.document().model.clone();
         let limb = self.state.selection.limb(&model);
         let rotation = model.limbs()[limb].rotation;
         let name = model.limbs()[limb].name.clone();
-        match action {
-            Action::Undo if self.removed_runs_last() => self.restore_runs(),
-            Action::Undo | Action::Redo => {
-                self.interrupt_fit();
-                self.state.selection.step = None;
-                let what = if action == Action::Undo {
-                    self.state.history.undo()
-                } else {
-                    self.state.history.redo()
-                };
-                if let Some(what) = what {
-                    let verb = if action == Action::Undo { "Undid" } else { "Did again" };
-                    self.state.status = Some(format!("{verb}: {what}."));
-                }
-            }
-            Action::CopyPose => self.copy_pose(ctx),
-            Action::PastePose => self.paste_pose(ctx),
-            Action::MirrorPose => {
-                let pose = posing::mirror(&model, self.shown_pose());
-                self.set_pose(pose, "Mirror pose".to_owned());
-            }
-            Action::Mirror => {
+        match command {
+            PoseCommand::Copy => self.copy_pose(ctx),
+            PoseCommand::Paste => self.paste_pose(ctx),
+            PoseCommand::Mirror => {
                 let pose = mirrored(&model, self.shown_pose(), rotation);
                 self.set_pose(pose, format!("Mirror {name}"));
             }
-            Action::PinJoint => {
+            PoseCommand::MirrorAll => {
+                let pose = posing::mirror(&model, self.shown_pose());
+                self.set_pose(pose, "Mirror pose".to_owned());
+            }
+            PoseCommand::PinJoint => {
                 if let JointId::End(limb) = self.state.selection.joint {
                     let pinned = !self.document().pins.contains(&limb);
                     self.edit(Edit::Pin { limb, pinned }, None);
                 }
             }
-            Action::ResetLimb => {
+            PoseCommand::ResetLimb => {
                 let mut pose = self.shown_pose().clone();
                 pose.rotations[rotation] = Pose::rest(&model).rotations[rotation];
                 self.set_pose(pose, format!("Reset {name}"));
             }
-            Action::ResetBody => {
-                let start = (*self.document().start).clone();
-                let revision = self.state.history.revision();
-                self.set_pose(start, "Reset body".to_owned());
-                if self.state.history.revision() != revision {
-                    let text = "The body has the start pose of the take again.";
-                    self.state.notices.info(self.state.now, text, Some(Action::Undo));
-                }
-            }
-            Action::NextJoint | Action::PreviousJoint => {
+            PoseCommand::ResetBody => self.reset_body(),
+            PoseCommand::NextJoint | PoseCommand::PreviousJoint => {
                 // In the order of the tree in the Pose section.
                 let rows = rotation_tree(&model);
                 let here = rows.iter().position(|(row, _)| *row == rotation).unwrap_or(0);
-                let by = if action == Action::NextJoint { 1 } else { rows.len() - 1 };
+                let by = if command == PoseCommand::NextJoint { 1 } else { rows.len() - 1 };
                 let owner = model.rotation_owners()[rows[(here + by) % rows.len()].0];
                 self.state.selection.joint = Selection::joint_of(&model, owner);
             }
-            _ => return false,
+            PoseCommand::Nudge(nudge) => self.nudge(nudge.by_px()),
         }
-        true
     }
 
-    fn act_on_view(&mut self, action: Action) -> bool {
-        if let Some(mode) = view_mode_of(action) {
-            self.show_mode(mode);
-            return true;
+    fn reset_body(&mut self) {
+        let start = (*self.document().start).clone();
+        let revision = self.state.history.revision();
+        self.set_pose(start, "Reset body".to_owned());
+        if self.state.history.revision() != revision {
+            let text = "The body has the start pose of the take again.";
+            self.state.notices.info(self.state.now, text, Some(Command::History(HistoryCommand::Undo)));
         }
-        if let Some(camera) = (0..8).find(|index| Action::camera_alone(*index) == Some(action)) {
-            self.pane_event(Pane::Camera(camera), PaneEvent::ToggleAlone);
-            return true;
+    }
+
+    fn window_command(&mut self, command: WindowCommand) {
+        match command {
+            WindowCommand::Layout(layout) => self.state.preferences.layout = layout,
+            WindowCommand::ToggleTheme => {
+                self.state.preferences.theme = self.state.preferences.theme.toggled()
+            }
+            WindowCommand::TogglePanel => self.state.preferences.panel = !self.state.preferences.panel,
+            WindowCommand::ToggleTimeline => self.state.preferences.lanes = !self.state.preferences.lanes,
+            WindowCommand::TogglePane(pane) => self.toggle_pane(pane),
+            WindowCommand::ArrangeTiles => self.arrange_tiles(),
+            WindowCommand::ResetLayout => self.reset_layout(),
+            WindowCommand::RestoreLayout => self.restore_layout(),
+            WindowCommand::Palette => self.shell.overlay = Some(Overlay::Palette(Palette::default())),
+            WindowCommand::Shortcuts => self.shell.overlay = Some(Overlay::Shortcuts(String::new())),
+            WindowCommand::Messages => self.shell.overlay = Some(Overlay::Messages),
+            WindowCommand::About => self.shell.overlay = Some(Overlay::About),
         }
+    }
+
+    fn view_command(&mut self, command: ViewCommand) {
         let framing = |app: &mut Self, framing: Framing| {
             for tile in app.tiles_mut() {
                 tile.framing = framing;
             }
         };
-        match action {
-            Action::LayoutPose => self.state.preferences.layout = Layout::Pose,
-            Action::LayoutDebug => self.state.preferences.layout = Layout::Debug,
-            Action::LayoutDemonstrate => self.state.preferences.layout = Layout::Demonstrate,
-            Action::ToggleTheme => self.state.preferences.theme = self.state.preferences.theme.toggled(),
-            Action::TogglePanel => self.state.preferences.panel = !self.state.preferences.panel,
-            Action::ToggleTimeline => self.state.preferences.lanes = !self.state.preferences.lanes,
-            Action::Wipe | Action::Blink => {
-                let comparison = if action == Action::Wipe { Comparison::Wipe } else { Comparison::Blink };
+        match command {
+            ViewCommand::FitSubject => framing(self, Framing::Subject),
+            ViewCommand::WholePicture => framing(self, Framing::Whole),
+            ViewCommand::ZoomIn => self.zoom(zoom::STEP),
+            ViewCommand::ZoomOut => self.zoom(1.0 / zoom::STEP),
+            ViewCommand::LinkZoom => {
+                self.state.preferences.linked_zoom = !self.state.preferences.linked_zoom;
+                let what = if self.state.preferences.linked_zoom { "together" } else { "each by itself" };
+                self.state.status = Some(format!("Views zoom and pan {what}."));
+            }
+            ViewCommand::CalibrationMarks => self.state.preferences.views.calibration_marks ^= true,
+            ViewCommand::PixelGrid => self.state.preferences.views.pixel_grid ^= true,
+            ViewCommand::SizeHandles => {
+                self.state.preferences.views.size_handles ^= true;
+                let what =
+                    "Drag the diamonds: at its end for the limb's length, at its outline for its radius.";
+                self.state.status = self.state.preferences.views.size_handles.then(|| what.to_owned());
+            }
+            ViewCommand::Mode(mode) => self.show_mode(mode),
+            ViewCommand::Compare(comparison) => {
                 let camera = self.state.selection.camera;
                 if let Some(tile) = self.tiles_mut().get_mut(camera) {
                     tile.toggle(comparison);
                 }
             }
-            Action::LinkZoom => {
-                self.state.preferences.linked_zoom = !self.state.preferences.linked_zoom;
-                let what = if self.state.preferences.linked_zoom { "together" } else { "each by itself" };
-                self.state.status = Some(format!("Views zoom and pan {what}."));
+            ViewCommand::CameraAlone(camera) => {
+                self.pane_event(Pane::Camera(camera), PaneEvent::ToggleAlone);
             }
-            Action::CalibrationMarks => self.state.preferences.views.calibration_marks ^= true,
-            Action::PixelGrid => self.state.preferences.views.pixel_grid ^= true,
-            Action::SizeHandles => {
-                self.state.preferences.views.size_handles ^= true;
-                if self.state.preferences.views.size_handles {
-                    let what =
-                        "Drag the diamonds: at its end for the limb's length, at its outline for its radius.";
-                    self.state.status = Some(what.to_owned());
-                } else {
-                    self.state.status = None;
-                }
-            }
-            Action::FitSubject => framing(self, Framing::Subject),
-            Action::WholePicture => framing(self, Framing::Whole),
-            Action::ZoomIn => self.zoom(zoom::STEP),
-            Action::ZoomOut => self.zoom(1.0 / zoom::STEP),
-            _ => return self.act_on_tiles(action),
         }
-        true
     }
 
     /// Shows a mode in all views. The Jacobian's, chosen again, goes on to its next axis.
@@ -278,95 +275,55 @@ impl App {
         }
     }
 
-    fn act_on_fit(&mut self, action: Action) -> bool {
-        if let Some(renderer) = renderer_of(action) {
-            self.set_renderer(renderer);
-            return true;
+    fn fit_command(&mut self, command: FitCommand) {
+        match command {
+            FitCommand::Step => self.step(Some(1)),
+            FitCommand::Run => self.step(None),
+            FitCommand::Stop => self.stop(),
+            FitCommand::StepBack | FitCommand::EarlierStep => self.look_at_neighbour(false),
+            FitCommand::LaterStep => self.look_at_neighbour(true),
+            FitCommand::Branch => self.branch(),
+            FitCommand::Refit(part) => self.refit(part),
+            FitCommand::SearchPoses => self.search_poses(),
+            FitCommand::FitBody => self.fit_body(),
+            FitCommand::Renderer(renderer) => self.set_renderer(renderer),
+            FitCommand::Preset(preset) => {
+                // The renderer is chosen by itself.
+                let renderer = self.document().fit.renderer;
+                let options = FitOptions { renderer, ..FitOptions::preset(preset) };
+                self.set_preset(preset, options);
+            }
         }
-        if let Some(preset) = preset_of(action) {
-            // The renderer is chosen by itself.
-            let renderer = self.document().fit.renderer;
-            let options = FitOptions { renderer, ..FitOptions::preset(preset) };
-            self.set_preset(preset, options);
-            return true;
-        }
-        match action {
-            Action::Step => self.step(Some(1)),
-            Action::Run => self.step(None),
-            Action::Stop => self.stop(),
-            Action::StepBack | Action::EarlierStep => self.look_at_neighbour(false),
-            Action::LaterStep => self.look_at_neighbour(true),
-            Action::Branch => self.branch(),
-            Action::RefitLimb => self.refit(Part::Limb),
-            Action::RefitChain => self.refit(Part::Chain),
-            Action::RefitBody => self.refit(Part::Body),
-            Action::FitBody => self.fit_body(),
-            Action::ClearRuns => self.clear_runs(),
-            Action::RunBasin => self.run_basin(BasinView::Angles),
-            Action::RunBasinMap => self.run_basin(BasinView::Map),
-            Action::CancelBasin => self.features.basin.cancel(),
-            Action::RestoreRuns => self.restore_runs(),
-            Action::ExportCurves => self.ask_for_file(DialogKind::Curves),
-            Action::ExportPlot => self.ask_for_file(DialogKind::Plot),
-            Action::TrackForward => self.track(false),
-            Action::TrackBack => self.track(true),
-            Action::TrackBetween => self.track_between_keys(),
-            Action::SearchPoses => self.search_poses(),
-            _ => return false,
-        }
-        true
     }
 
-    pub(crate) fn run_basin(&mut self, view: BasinView) {
-        self.with(
-            |features| &mut features.basin,
-            |basin, context, requests| basin.begin(view, context, requests),
-        );
+    fn convergence_command(&mut self, command: ConvergenceCommand) {
+        match command {
+            ConvergenceCommand::ClearRuns => self.clear_runs(),
+            ConvergenceCommand::RestoreRuns => self.restore_runs(),
+            ConvergenceCommand::ExportCurves => self.ask_for_file(DialogKind::Curves),
+            ConvergenceCommand::ExportPlot => self.ask_for_file(DialogKind::Plot),
+        }
     }
 
-    fn act_on_frames(&mut self, action: Action) -> bool {
-        let here = self.state.selection.frame;
-        let last = self.state.session.frame_count().saturating_sub(1);
-        let frame = match action {
-            Action::PreviousFrame => here.saturating_sub(1),
-            Action::NextFrame => here + 1,
-            Action::TenFramesBack => here.saturating_sub(10),
-            Action::TenFramesOn => here + 10,
-            Action::FirstFrame => 0,
-            Action::LastFrame => last,
-            Action::NextWorst | Action::PreviousWorst => {
-                self.go_to_worst(action == Action::NextWorst);
-                return true;
-            }
-            Action::SetKeyPose => {
-                let is_key = self.document().keys.contains_key(&here);
-                let edit = if is_key { Edit::ClearKey { frame: here } } else { Edit::SetKey { frame: here } };
-                self.edit(edit, None);
-                return true;
-            }
-            Action::ClearTrack => {
-                let (tracked, keys) = (self.document().estimates.len(), self.document().keys.len());
-                self.edit(Edit::ClearEstimates, None);
-                let kept = match keys {
-                    0 => String::new(),
-                    1 => "; 1 key pose stays".to_owned(),
-                    keys => format!("; {keys} key poses stay"),
-                };
-                let text = format!("Forgot the poses of {tracked} frames{kept}.");
-                self.state.notices.info(self.state.now, text, Some(Action::Undo));
-                return true;
-            }
-            Action::Play => {
-                self.play_or_pause();
-                return true;
-            }
-            _ if self.act_on_time(action) => return true,
-            _ => return false,
+    fn tracking_command(&mut self, command: TrackingCommand) {
+        match command {
+            TrackingCommand::Forward => self.track(false),
+            TrackingCommand::Back => self.track(true),
+            TrackingCommand::Between => self.track_between_keys(),
+            TrackingCommand::Clear => self.clear_track(),
+        }
+    }
+
+    fn clear_track(&mut self) {
+        let (tracked, keys) = (self.document().estimates.len(), self.document().keys.len());
+        self.edit(Edit::ClearEstimates, None);
+        let kept = match keys {
+            0 => String::new(),
+            1 => "; 1 key pose stays".to_owned(),
+            keys => format!("; {keys} key poses stay"),
         };
-        self.features.tracking.follows_tracker = false;
-        self.interrupt_fit();
-        self.go_to_frame(frame.min(last));
-        true
+        let text = format!("Forgot the poses of {tracked} frames{kept}.");
+        self.state.notices.info(self.state.now, text, Some(Command::History(HistoryCommand::Undo)));
     }
 
     /// The pose on the screen.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::App;
 use crate::app::dropped::Dropped;
 use crate::app::take_in_job::TakeInJob;
-use crate::context::action::Action;
+use crate::context::command::{Command, HistoryCommand};
 use crate::document::edit::Edit;
 use crate::shell::drop_overlay;
 use crate::worker::Lane;
@@ -60,7 +60,7 @@ impl App {
         let revision = self.state.history.revision();
         self.edit(edit, None);
         if self.state.history.revision() != revision {
-            self.state.notices.info(self.state.now, said, Some(Action::Undo));
+            self.state.notices.info(self.state.now, said, Some(Command::History(HistoryCommand::Undo)));
         } else if !self.state.notices.cards().any(|notice| notice.text.starts_with("That cannot be done")) {
             self.state.notices.info(self.state.now, "Nothing changed: that is what is there already.", None);
         }

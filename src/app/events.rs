@@ -6,14 +6,14 @@ use backlit_tracking::track::Preset;
 
 use super::App;
 use crate::app::open_job::OpenedProject;
-use crate::context::action::Action;
+use crate::context::command::{Command, FileCommand};
 use crate::document::edit::Edit;
 use crate::document::history::History;
 use crate::document::run::{RunEnding, RunStep};
 use crate::document::tracking_choices::TrackingChoices;
 use crate::document::{CameraUse, Document, Estimate, Origin};
-use crate::drawing::ViewMode;
-use crate::features::camera_views::{Comparison, TileLook};
+use crate::drawing::{Comparison, ViewMode};
+use crate::features::camera_views::TileLook;
 use crate::features::fit::job::FitJob;
 use crate::features::fit::refitted::Refitted;
 use crate::session::prediction::Predicted;
@@ -55,7 +55,7 @@ impl App {
             Event::TracksJoined { frame, distance_m, meets } => self.tracks_joined(frame, distance_m, meets),
             Event::PosesFound(frame, found) => self.poses_found(frame, found),
             Event::Saved { path, revision } => self.saved(path, revision),
-            Event::NotSaved(text) => self.state.notices.error_with(text, Action::SaveAs),
+            Event::NotSaved(text) => self.state.notices.error_with(text, Command::File(FileCommand::SaveAs)),
             Event::CopySaved { revision } => self.copy_saved(revision),
             Event::CopyFailed(why) => self.copy_failed(&why),
             Event::SettingsWritten(result) => self.settings_written(result),

@@ -98,7 +98,9 @@ const fn work_of(lane: Lane) -> &'static str {
 mod tests {
     use super::*;
     use crate::app::testing::{Breaks, errors, open, settle};
-    use crate::context::action::Action;
+    use crate::app::{AppOptions, Opening};
+    use crate::context::command::{Command, FitCommand, LaboratoryCommand, TrackingCommand};
+    use crate::context::notices::Severity;
     use crate::document::edit::Edit;
 
     const ALL: [Lane; 17] = [
@@ -161,20 +163,20 @@ mod tests {
     fn a_fit_and_a_tracker_that_break_down_leave_what_they_have_done() {
         let (mut window, mut app) = open(Layout::Pose);
         let context = window.ctx.clone();
-        app.act(Action::Step, &context);
+        app.run(Command::Fit(FitCommand::Step), &context);
         settle(&mut window, &mut app);
         let steps = app.state.session.runs[0].steps.len();
-        app.act(Action::Run, &context);
+        app.run(Command::Fit(FitCommand::Run), &context);
         app.worker.request(Lane::Fit, Breaks);
         settle(&mut window, &mut app);
         let run = &app.state.session.runs[0];
         assert_eq!((run.steps.len(), run.ending_text().as_str()), (steps, "Stopped: a step broke down"));
         assert!(app.state.session.live.is_none());
-        app.act(Action::Step, &context);
+        app.run(Command::Fit(FitCommand::Step), &context);
         settle(&mut window, &mut app);
         assert!(app.state.session.runs.last().unwrap().steps.len() > 1, "the next run is a new one");
 
-        app.act(Action::TrackForward, &context);
+        app.run(Command::Tracking(TrackingCommand::Forward), &context);
         app.worker.request(Lane::Track, Breaks);
         settle(&mut window, &mut app);
         assert!(app.state.session.tracking.is_none());
@@ -190,7 +192,7 @@ mod tests {
         let comparison = app.features.laboratory.comparison.as_ref().unwrap();
         assert!(comparison.has_begun() && comparison.problem().unwrap().contains("broke down"));
         let context = window.ctx.clone();
-        app.act(Action::RestartLaboratory, &context);
+        app.run(Command::Laboratory(LaboratoryCommand::Restart), &context);
         settle(&mut window, &mut app);
         let comparison = app.features.laboratory.comparison.as_ref().unwrap();
         assert!(

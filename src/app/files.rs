@@ -6,7 +6,7 @@ use super::App;
 use super::state::{DialogKind, Opening};
 use crate::app::open_job::OpenJob;
 use crate::app::save_job::SaveJob;
-use crate::context::action::Action;
+use crate::context::command::{Command, FileCommand};
 use crate::features::recovery::{About, Picture};
 use crate::shell::Overlay;
 use crate::take::source::TakeSource;
@@ -32,9 +32,8 @@ impl App {
 
     /// Says that a project's take is not where it was, and offers to look for it.
     pub(crate) fn take_missing(&mut self, project: PathBuf, why: &str) {
-        self.state
-            .notices
-            .error_with(format!("{why}. If it has moved, say where it is now."), Action::FindTake);
+        let said = format!("{why}. If it has moved, say where it is now.");
+        self.state.notices.error_with(said, Command::File(FileCommand::FindTake));
         self.files.lost_take = Some(project);
     }
 

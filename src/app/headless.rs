@@ -10,7 +10,7 @@ use image::RgbaImage;
 
 use super::{App, AppOptions, Opening};
 use crate::app::settings::Settings;
-use crate::context::action::Action;
+use crate::context::command::{Command, FitCommand, TimelineCommand, TrackingCommand};
 use crate::context::preferences::Layout;
 use crate::drawing::ViewMode;
 use crate::features::export::dialog::ExportOrder;
@@ -110,7 +110,7 @@ fn headless_app(opening: Opening, options: &PictureOptions) -> anyhow::Result<(H
     ensure!(options.frame < count, "there is no frame {}; the take has {count}", options.frame);
     let context = window.ctx.clone();
     if options.track {
-        app.act(Action::TrackForward, &context);
+        app.run(Command::Tracking(TrackingCommand::Forward), &context);
         settle(&mut window, &mut app, options.patience);
         // A card over a view is for who has just tracked.
         app.state.notices.close_all();
@@ -118,16 +118,16 @@ fn headless_app(opening: Opening, options: &PictureOptions) -> anyhow::Result<(H
     app.go_to_frame(options.frame);
     settle(&mut window, &mut app, options.patience);
     if options.steps.is_none() {
-        app.act(Action::Run, &context);
+        app.run(Command::Fit(FitCommand::Run), &context);
         settle(&mut window, &mut app, options.patience);
     }
     let steps = options.steps.unwrap_or(0);
     if steps > 0 && app.state.preferences.layout == Layout::Demonstrate {
         // A demonstration has run already.
-        app.act(Action::FirstFrame, &context);
+        app.run(Command::Timeline(TimelineCommand::FirstFrame), &context);
     }
     for _ in 0..steps {
-        app.act(Action::Step, &context);
+        app.run(Command::Fit(FitCommand::Step), &context);
         settle(&mut window, &mut app, options.patience);
     }
     Ok((window, app))

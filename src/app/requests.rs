@@ -10,7 +10,7 @@ use crate::features::Features;
 impl App {
     /// Applies edits, then requests, then commands.
     pub(crate) fn apply(&mut self, requests: Requests, ctx: &egui::Context) {
-        if !(requests.edits.is_empty() && requests.others.is_empty() && requests.actions.is_empty()) {
+        if !(requests.edits.is_empty() && requests.others.is_empty() && requests.commands.is_empty()) {
             // What was asked for in this frame is seen in the next.
             ctx.request_repaint();
         }
@@ -29,11 +29,8 @@ impl App {
         for request in requests.others {
             self.request(request);
         }
-        for write in requests.writes {
-            self.write(&write.path, write.make);
-        }
-        for action in requests.actions {
-            self.act(action, ctx);
+        for command in requests.commands {
+            self.run(command, ctx);
         }
     }
 
@@ -116,7 +113,7 @@ impl App {
                 self.state.notices.info(self.state.now, format!("Copied the {what}."), None);
             }
             Request::OpenPage(address) => self.open_outside(address.to_owned()),
-            Request::Used(action) => self.state.preferences.use_command(action.text()),
+            Request::Used(command) => self.state.preferences.use_command(command.text()),
             Request::Export(order) => self.begin_export(*order),
             Request::Status(text) => self.state.status = text,
             Request::Inform(text, next) => self.state.notices.info(self.state.now, text, next),

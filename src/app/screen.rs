@@ -54,7 +54,7 @@ impl App {
     pub(crate) fn show(&mut self, ui: &mut Ui, requests: &mut Requests) {
         if ui.input(|input| !input.events.is_empty())
             && self.features.pose.held.is_none()
-            && !requests.actions.is_empty()
+            && !requests.commands.is_empty()
         {
             self.state.status = None;
         }

@@ -152,7 +152,7 @@ mod tests {
         let curves = CurvesLook { quantity: Quantity::StepNorm, is_log: false, rejected: false };
         let mut look = Settings { curves, ..Settings::default() };
         look.basin.settings.seed = 12;
-        look.basin.view = crate::features::basin::BasinView::Map;
+        look.basin.view = crate::context::command::BasinView::Map;
         let kept: Settings = serde_json::from_str(&serde_json::to_string(&look).unwrap()).unwrap();
         assert_eq!(kept, look);
         let mut after = kept.clone();

@@ -12,6 +12,7 @@ use super::settings::Settings;
 use super::settings_writer::SettingsWriter;
 use crate::context::clock::Clock;
 use crate::context::notices::Notices;
+use crate::context::pane::Pane;
 use crate::context::preferences::{Layout, Preferences};
 use crate::document::Document;
 use crate::document::history::{Gesture, History};
@@ -205,6 +206,12 @@ impl App {
     #[must_use]
     pub fn session(&self) -> &Session {
         &self.state.session
+    }
+
+    /// Whether a pane is open.
+    #[must_use]
+    pub fn is_open(&self, pane: Pane) -> bool {
+        self.state.preferences.is_open(pane, self.state.session.camera_count())
     }
 
     /// Whether there is work that is in no file.

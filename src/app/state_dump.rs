@@ -12,8 +12,7 @@ use serde_json::{Value, json};
 use super::App;
 use crate::context::notices::{Notice, Severity};
 use crate::document::run::Run;
-use crate::drawing::joint_name;
-use crate::features::camera_views::Comparison;
+use crate::drawing::{Comparison, joint_name};
 use crate::shell::Overlay;
 use crate::take::source::TakeSource;
 use crate::widgets::accessible::{Named, named};
@@ -247,7 +246,7 @@ fn notice(notice: &Notice) -> Value {
     json!({
         "text": notice.text,
         "error": notice.severity == Severity::Error,
-        "action": notice.action.map(|action| action.text()),
+        "action": notice.command.map(|command| command.text()),
     })
 }
 

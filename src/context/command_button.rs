@@ -2,37 +2,43 @@
 
 use egui::{AsIdSalt, Button, Id, Response, Ui, vec2};
 
-use crate::context::action::Action;
+use crate::context::command::Command;
 use crate::context::{Context, Requests, unavailable};
 use crate::document::history::Gesture;
 use crate::style::theme::size;
 use crate::widgets::{Icon, icon_button, primary_button};
 
 /// Adds a widget for a command, grey where it cannot be used, and asks for the command on a click.
-fn command(
+fn widget(
     ui: &mut Ui,
     context: &Context<'_>,
     requests: &mut Requests,
-    action: Action,
+    command: Command,
     add: impl FnOnce(&mut Ui, &str) -> Response,
 ) -> Response {
-    let why_not = unavailable(action, context);
-    let tooltip = why_not.map_or_else(|| action.tooltip(), |why| format!("{}\n{why}.", action.tooltip()));
+    let why_not = unavailable(command, context);
+    let tooltip = why_not.map_or_else(|| command.tooltip(), |why| format!("{}\n{why}.", command.tooltip()));
     let response = ui.add_enabled_ui(why_not.is_none(), |ui| add(ui, &tooltip)).inner;
     if response.clicked() {
-        requests.act(action);
+        requests.run(command);
     }
     response
 }
 
 /// A square button.
-pub(crate) fn icon(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, action: Action, icon: Icon) {
-    command(ui, context, requests, action, |ui, tooltip| icon_button(ui, icon, action.text(), tooltip));
+pub(crate) fn icon(
+    ui: &mut Ui,
+    context: &Context<'_>,
+    requests: &mut Requests,
+    command: Command,
+    icon: Icon,
+) {
+    widget(ui, context, requests, command, |ui, tooltip| icon_button(ui, icon, command.text(), tooltip));
 }
 
 /// A button with the command's text.
-pub(crate) fn button(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, action: Action) {
-    named_button(ui, context, requests, action, action.text());
+pub(crate) fn button(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, command: Command) {
+    named_button(ui, context, requests, command, command.text());
 }
 
 /// A button with a shorter text.
@@ -40,10 +46,10 @@ pub(crate) fn named_button(
     ui: &mut Ui,
     context: &Context<'_>,
     requests: &mut Requests,
-    action: Action,
+    command: Command,
     text: &str,
 ) {
-    sized_button(ui, context, requests, action, text, 0.0);
+    sized_button(ui, context, requests, command, text, 0.0);
 }
 
 /// A button with a text of its own that is at least so wide.
@@ -51,20 +57,20 @@ pub(crate) fn sized_button(
     ui: &mut Ui,
     context: &Context<'_>,
     requests: &mut Requests,
-    action: Action,
+    command: Command,
     text: &str,
     width: f32,
 ) {
-    command(ui, context, requests, action, |ui, tooltip| {
+    widget(ui, context, requests, command, |ui, tooltip| {
         let button = ui.add(Button::new(text).min_size(vec2(width, size::BUTTON)));
         button.on_hover_text(tooltip).on_disabled_hover_text(tooltip)
     });
 }
 
 /// The one button in the accent.
-pub(crate) fn primary(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, action: Action) {
-    command(ui, context, requests, action, |ui, tooltip| {
-        primary_button(ui, action.text()).on_hover_text(tooltip).on_disabled_hover_text(tooltip)
+pub(crate) fn primary(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, command: Command) {
+    widget(ui, context, requests, command, |ui, tooltip| {
+        primary_button(ui, command.text()).on_hover_text(tooltip).on_disabled_hover_text(tooltip)
     });
 }
 
@@ -73,11 +79,11 @@ pub(crate) fn menu_row(
     ui: &mut Ui,
     context: &Context<'_>,
     requests: &mut Requests,
-    action: Action,
+    command: Command,
     text: &str,
 ) {
-    let response = command(ui, context, requests, action, |ui, tooltip| {
-        let button = Button::new(text).shortcut_text(action.keys_text().unwrap_or_default());
+    let response = widget(ui, context, requests, command, |ui, tooltip| {
+        let button = Button::new(text).shortcut_text(command.keys_text().unwrap_or_default());
         ui.add(button).on_hover_text(tooltip).on_disabled_hover_text(tooltip)
     });
     if response.clicked() {

@@ -1,6 +1,6 @@
 //! What the program says in passing: the newest few as cards, all of them in *Help › Messages*.
 
-use crate::context::action::Action;
+use crate::context::command::Command;
 
 /// Time that a card stays, in seconds.
 const LIFETIME: f64 = 6.0;
@@ -28,7 +28,7 @@ pub struct Notice {
     /// The sentence.
     pub text: String,
     /// The button.
-    pub action: Option<Action>,
+    pub command: Option<Command>,
     /// When it was said, in seconds of the window's clock.
     pub said: f64,
     /// When it goes, in seconds of the window's clock; never for errors.
@@ -47,9 +47,9 @@ pub struct Notices {
 
 impl Notices {
     /// Says something good to know.
-    pub fn info(&mut self, now: f64, text: impl Into<String>, action: Option<Action>) {
+    pub fn info(&mut self, now: f64, text: impl Into<String>, command: Option<Command>) {
         self.now = now;
-        self.push(Severity::Info, text.into(), action, Some(now + LIFETIME));
+        self.push(Severity::Info, text.into(), command, Some(now + LIFETIME));
     }
 
     /// Says that something did not work.
@@ -58,8 +58,8 @@ impl Notices {
     }
 
     /// Says that something did not work, and offers a command that helps.
-    pub fn error_with(&mut self, text: impl Into<String>, action: Action) {
-        self.push(Severity::Error, text.into(), Some(action), None);
+    pub fn error_with(&mut self, text: impl Into<String>, command: Command) {
+        self.push(Severity::Error, text.into(), Some(command), None);
     }
 
     /// The cards on the screen, the newest last.
@@ -116,7 +116,7 @@ impl Notices {
         }
     }
 
-    fn push(&mut self, severity: Severity, text: String, action: Option<Action>, expires: Option<f64>) {
+    fn push(&mut self, severity: Severity, text: String, command: Option<Command>, expires: Option<f64>) {
         if self.kept.len() == MAX_KEPT {
             self.kept.remove(0);
         }
@@ -125,7 +125,7 @@ impl Notices {
             notice.is_open = false;
         }
         let (id, said) = (self.next_id, self.now);
-        self.kept.push(Notice { id, severity, text, action, said, expires, is_open: true });
+        self.kept.push(Notice { id, severity, text, command, said, expires, is_open: true });
         self.next_id += 1;
     }
 }

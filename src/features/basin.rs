@@ -24,12 +24,11 @@ pub mod settings;
 mod tests;
 mod update;
 
-use std::time::Instant;
-
 use job::Fitted;
-pub use preferences::{BasinPreferences, BasinView, MapColour};
+pub use preferences::{BasinPreferences, MapColour};
 pub use results::{About, AnglesResult, BasinResults, FitCount, MapResult, Running};
 pub use settings::{BasinSettings, Compared, ComparedWay, MapDirection, Reference};
+use std::time::Instant;
 
 use crate::context::file_dialog::FileDialogs;
 use crate::jobs::{Priority, Task};

@@ -43,7 +43,7 @@ pub(crate) use alone::PictureAlone;
 pub use event::{Drag, TileEvent};
 pub(crate) use linked::point_at;
 pub(crate) use look::CameraViewsState;
-pub use look::{Comparison, TileLook};
+pub use look::TileLook;
 pub use observed::ObservedMarks;
 pub(crate) use pane::{CameraPanes, CameraViews};
 

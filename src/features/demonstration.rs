@@ -5,7 +5,6 @@ pub(crate) mod explanation;
 use std::collections::VecDeque;
 
 use crate::app::App;
-use crate::context::action::Action;
 use crate::context::preferences::Layout;
 use crate::document::edit::Edit;
 use crate::document::history::{Gesture, History};
@@ -18,19 +17,6 @@ use crate::worker::Lane;
 pub(crate) struct Prepared {
     runs: VecDeque<PreparedRun>,
     gesture: Gesture,
-}
-
-/// The demonstration of a command.
-pub(crate) fn demonstration_of(action: Action) -> Option<Demonstration> {
-    Some(match action {
-        Action::ShowSingleLimb => Demonstration::SingleLimb,
-        Action::ShowOneCamera => Demonstration::OneCamera,
-        Action::ShowTwoCameras => Demonstration::TwoCameras,
-        Action::ShowSequence => Demonstration::Sequence,
-        Action::ShowTinySequence => Demonstration::TinySequence,
-        Action::ShowBias => Demonstration::Bias,
-        _ => return None,
-    })
 }
 
 /// The demonstration that is open.

@@ -16,6 +16,7 @@ use backlit_tracking::render::RendererKind;
 use backlit_tracking::track::{FitOptions, Preset};
 
 use crate::app::App;
+use crate::context::command::Part;
 use crate::context::preferences::Layout;
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
@@ -28,14 +29,6 @@ use crate::features::fit::job::{FitJob, FitStart};
 use crate::session::prediction::{Derivatives, FitInputs};
 use crate::session::selection::StepRef;
 use crate::worker::Lane;
-
-/// Which part of the body is fitted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Part {
-    Limb,
-    Chain,
-    Body,
-}
 
 /// The fit of the frame on the screen.
 #[derive(Debug, Default)]

@@ -21,7 +21,7 @@ use egui::{
     Frame, Id, Margin, Panel, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2,
 };
 
-use crate::context::action::Action;
+use crate::context::command::{Command, TimelineCommand, TrackingCommand};
 use crate::context::command_button::menu_row;
 use crate::context::preferences::Layout;
 use crate::context::{Context, Request, Requests};
@@ -138,16 +138,16 @@ fn frames(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, lanes: &[
         requests.request(Request::Frame(area.frame_at(pointer)));
     }
     response.context_menu(|ui| {
-        for action in [
-            Action::SetKeyPose,
-            Action::TrackForward,
-            Action::TrackBack,
-            Action::TrackBetween,
-            Action::ClearRange,
-            Action::ClearTrack,
-            Action::WholeTake,
+        for command in [
+            Command::Timeline(TimelineCommand::SetKeyPose),
+            Command::Tracking(TrackingCommand::Forward),
+            Command::Tracking(TrackingCommand::Back),
+            Command::Tracking(TrackingCommand::Between),
+            Command::Timeline(TimelineCommand::ClearRange),
+            Command::Tracking(TrackingCommand::Clear),
+            Command::Timeline(TimelineCommand::WholeTake),
         ] {
-            menu_row(ui, context, requests, action, action.text());
+            menu_row(ui, context, requests, command, command.text());
         }
     });
 }

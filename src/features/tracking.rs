@@ -12,7 +12,7 @@ use backlit_tracking::body::Pose;
 use backlit_tracking::track::Hypothesis;
 
 use crate::app::App;
-use crate::context::action::Action;
+use crate::context::command::{Command, HistoryCommand};
 use crate::document::edit::Edit;
 use crate::document::{Document, Estimate};
 use crate::features::fit::poses_job::PosesJob;
@@ -177,7 +177,7 @@ impl App {
             ),
             None => format!("Stopped after {} of {} frames.", tracking.done, tracking.total),
         };
-        let undo = (tracking.done > 0).then_some(Action::Undo);
+        let undo = (tracking.done > 0).then_some(Command::History(HistoryCommand::Undo));
         self.state.notices.info(self.state.now, text, undo);
     }
 

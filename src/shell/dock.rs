@@ -8,8 +8,8 @@ use egui::{
 use egui_tiles::{Behavior, EditAction, ResizeState, TabState, Tabs, TileId, Tiles, UiResponse};
 
 use super::tiles::TilesLook;
-use crate::context::action::Action;
 use crate::context::arrangement::{Arrangement, Centre, automatic, has_strip, panes_with, snap};
+use crate::context::command::{Command, WindowCommand};
 use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::{Context, PaneEvent, Request, Requests};
 use crate::features::Features;
@@ -166,9 +166,10 @@ fn nothing_open(ui: &mut Ui, rect: Rect, requests: &mut Requests) {
     let builder = UiBuilder::new().max_rect(middle).layout(Direction::top_down(Align::Center));
     ui.scope_builder(builder, |ui| {
         ui.label("All tiles are closed.");
-        let button = ui.add(Button::new(Action::ArrangeTiles.text()).min_size(vec2(0.0, size::BUTTON)));
-        if button.on_hover_text(Action::ArrangeTiles.tooltip()).clicked() {
-            requests.act(Action::ArrangeTiles);
+        let command = Command::Window(WindowCommand::ArrangeTiles);
+        let button = ui.add(Button::new(command.text()).min_size(vec2(0.0, size::BUTTON)));
+        if button.on_hover_text(command.tooltip()).clicked() {
+            requests.run(command);
         }
     });
 }

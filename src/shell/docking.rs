@@ -5,9 +5,9 @@ use egui::Vec2;
 use crate::app::App;
 use crate::app::settings::Settings;
 use crate::context::PaneEvent;
-use crate::context::action::Action;
 use crate::context::arrangement;
 use crate::context::arrangement::{Arrangement, Centre};
+use crate::context::command::{Command, WindowCommand};
 use crate::context::pane::Pane;
 
 /// What belongs to the tiles and is not kept for the next start.
@@ -106,39 +106,39 @@ impl App {
         self.make_active(to);
     }
 
-    pub(crate) fn act_on_tiles(&mut self, action: Action) -> bool {
-        let cameras = self.state.session.camera_count();
-        match action {
-            Action::ShowScene => self.toggle_pane(Pane::Scene),
-            Action::ShowBasin => self.toggle_pane(Pane::Basin),
-            Action::ShowConvergence => self.toggle_pane(Pane::Convergence),
-            Action::ArrangeTiles => {
-                self.shell.docking.before = Some(Box::new(self.settings()));
-                self.shell.docking.alone = None;
-                self.state.preferences.kept.forget(self.state.preferences.layout, cameras);
-                self.state.notices.info(self.state.now, "Arranged the tiles.", Some(Action::RestoreLayout));
-            }
-            Action::ResetLayout => {
-                self.shell.docking.before = Some(Box::new(self.settings()));
-                self.shell.docking.alone = None;
-                let mut settings = self.settings();
-                settings.reset();
-                self.apply_settings(settings);
-                self.state.notices.info(self.state.now, "Reset the layout.", Some(Action::RestoreLayout));
-            }
-            Action::RestoreLayout => {
-                if let Some(before) = self.shell.docking.before.take() {
-                    let settings = before.with_memory_of(self.settings());
-                    self.apply_settings(settings);
-                    self.state.status = Some("The layout is as it was.".to_owned());
-                }
-            }
-            _ => return self.act_on_scene(action),
-        }
-        true
+    /// Puts the tiles where they give the largest pictures, in this layout.
+    pub(crate) fn arrange_tiles(&mut self) {
+        self.shell.docking.before = Some(Box::new(self.settings()));
+        self.shell.docking.alone = None;
+        self.state.preferences.kept.forget(self.state.preferences.layout, self.state.session.camera_count());
+        self.offer_layout_back("Arranged the tiles.");
     }
 
-    fn toggle_pane(&mut self, pane: Pane) {
+    /// Tiles, sizes and sections as they were at first.
+    pub(crate) fn reset_layout(&mut self) {
+        self.shell.docking.before = Some(Box::new(self.settings()));
+        self.shell.docking.alone = None;
+        let mut settings = self.settings();
+        settings.reset();
+        self.apply_settings(settings);
+        self.offer_layout_back("Reset the layout.");
+    }
+
+    fn offer_layout_back(&mut self, text: &str) {
+        let back = Command::Window(WindowCommand::RestoreLayout);
+        self.state.notices.info(self.state.now, text, Some(back));
+    }
+
+    /// Takes back the last of the two.
+    pub(crate) fn restore_layout(&mut self) {
+        if let Some(before) = self.shell.docking.before.take() {
+            let settings = before.with_memory_of(self.settings());
+            self.apply_settings(settings);
+            self.state.status = Some("The layout is as it was.".to_owned());
+        }
+    }
+
+    pub(crate) fn toggle_pane(&mut self, pane: Pane) {
         let is_open = self.state.preferences.is_open(pane, self.state.session.camera_count());
         self.pane_event(pane, if is_open { PaneEvent::Close } else { PaneEvent::Open });
     }

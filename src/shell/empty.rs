@@ -3,7 +3,7 @@
 use egui::{Align, CentralPanel, Frame, Layout as Direction, RichText, Ui, vec2};
 
 use super::recent;
-use crate::context::action::Action;
+use crate::context::command::{Command, FileCommand};
 use crate::context::command_button::{button, named_button, primary};
 use crate::context::{Context, Requests};
 use crate::features::recovery::panel as recovery;
@@ -37,8 +37,8 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, of
             ui.allocate_ui_with_layout(vec2(182.0, 28.0), Direction::left_to_right(Align::Center), |ui| {
                 // The likely next act is to go on with what was left.
                 let open = if is_offered { button } else { primary };
-                open(ui, context, requests, Action::OpenTake);
-                named_button(ui, context, requests, Action::OpenBuiltIn, "Built-in take");
+                open(ui, context, requests, Command::File(FileCommand::OpenTake));
+                named_button(ui, context, requests, Command::File(FileCommand::OpenBuiltIn), "Built-in take");
             });
             if is_offered {
                 return;

@@ -1,14 +1,20 @@
 //! The menus: every command stands in one of them.
 
+use backlit_tracking::render::RendererKind;
+use backlit_tracking::track::Preset;
 use egui::Ui;
 
-use crate::app::nudge_of;
-use crate::context::action::{Action, Menu};
+use crate::context::command::{
+    Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand, LaboratoryCommand,
+    Menu, Part, PoseCommand, TimelineCommand, ViewCommand, WindowCommand,
+};
 use crate::context::command_button::menu_row;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 use crate::context::{Context, PaneEvent, Request, Requests};
+use crate::drawing::{Comparison, ViewMode};
 use crate::style::theme;
+use crate::take::demonstration::Demonstration;
 use crate::widgets::checkbox;
 
 /// All menus in a row, or one menu of menus where there is little room.
@@ -28,23 +34,23 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, fo
 
 fn contents(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, menu: Menu) {
     ui.set_min_width(230.0);
-    for action in Action::in_menu(menu) {
-        if is_hidden(action, context) {
+    for command in Command::in_menu(menu) {
+        if is_hidden(command, context) {
             continue;
         }
-        if begins_group(action) {
+        if begins_group(command) {
             ui.separator();
         }
-        let text = match action {
-            Action::Undo => with_object("Undo", context.history.undo_text()),
-            Action::Redo => with_object("Redo", context.history.redo_text()),
-            _ => action.text().to_owned(),
+        let text = match command {
+            Command::History(HistoryCommand::Undo) => with_object("Undo", context.history.undo_text()),
+            Command::History(HistoryCommand::Redo) => with_object("Redo", context.history.redo_text()),
+            _ => command.text().to_owned(),
         };
-        menu_row(ui, context, requests, action, &text);
-        if action == Action::RestoreLayout {
+        menu_row(ui, context, requests, command, &text);
+        if command == Command::Window(WindowCommand::RestoreLayout) {
             panes(ui, context, requests);
         }
-        if action == Action::OpenProject {
+        if command == Command::File(FileCommand::OpenProject) {
             recent(ui, context, requests);
         }
     }
@@ -55,50 +61,34 @@ fn with_object(verb: &str, object: Option<&str>) -> String {
 }
 
 /// Cameras that the take does not have, what only keys are good for, and what stands in the scene's own menu.
-fn is_hidden(action: Action, context: &Context<'_>) -> bool {
-    use Action as A;
-    let is_of_scene =
-        matches!(action, A::SceneFront | A::SceneSide | A::SceneTop | A::SceneFromCamera | A::SceneReset);
-    if is_of_scene || nudge_of(action).is_some() {
-        return true;
+fn is_hidden(command: Command, context: &Context<'_>) -> bool {
+    match command {
+        Command::Scene(_) | Command::Pose(PoseCommand::Nudge(_)) => true,
+        Command::View(ViewCommand::CameraAlone(camera)) => camera >= context.session.camera_count(),
+        _ => false,
     }
-    let count = context.session.camera_count();
-    (count..8).any(|index| Action::camera_alone(index) == Some(action))
 }
 
-const fn begins_group(action: Action) -> bool {
-    use Action as A;
+fn begins_group(command: Command) -> bool {
+    use {FileCommand as F, FitCommand as Fit, PoseCommand as P, TimelineCommand as T, ViewCommand as V};
     matches!(
-        action,
-        A::OpenProject
-            | A::Save
-            | A::ExportView
-            | A::Quit
-            | A::CopyPose
-            | A::Mirror
-            | A::NextJoint
-            | A::ToggleTheme
-            | A::ShowScene
-            | A::FitSubject
-            | A::LinkZoom
-            | A::ViewFootage
-            | A::Wipe
-            | A::Camera1
-            | A::EarlierStep
-            | A::RefitLimb
-            | A::RendererCapsule
-            | A::PresetReport
-            | A::ClearRuns
-            | A::SetKeyPose
-            | A::PreviousFrame
-            | A::Play
-            | A::WholeTake
-            | A::SearchPoses
-            | A::ShowOneCamera
-            | A::ShowSequence
-            | A::ShowBias
-            | A::RestartLaboratory
-            | A::Messages
+        command,
+        Command::File(F::OpenProject | F::Save | F::Quit)
+            | Command::Export(ExportCommand::View)
+            | Command::Pose(P::Copy | P::Mirror | P::NextJoint)
+            | Command::Window(
+                WindowCommand::ToggleTheme | WindowCommand::TogglePane(Pane::Scene) | WindowCommand::Messages
+            )
+            | Command::View(V::FitSubject | V::LinkZoom | V::Mode(ViewMode::Footage))
+            | Command::View(V::Compare(Comparison::Wipe) | V::CameraAlone(0))
+            | Command::Fit(Fit::EarlierStep | Fit::Refit(Part::Limb) | Fit::SearchPoses)
+            | Command::Fit(Fit::Renderer(RendererKind::Capsule) | Fit::Preset(Preset::Report))
+            | Command::Convergence(ConvergenceCommand::ClearRuns)
+            | Command::Timeline(T::SetKeyPose | T::PreviousFrame | T::Play | T::WholeTake)
+            | Command::Demonstration(
+                Demonstration::OneCamera | Demonstration::Sequence | Demonstration::Bias
+            )
+            | Command::Laboratory(LaboratoryCommand::Restart)
     )
 }
 

@@ -4,7 +4,7 @@ use egui::{
     Align, Area, Button, Frame, Id, Layout as Direction, Margin, Order, RichText, Role, Sense, Ui, vec2,
 };
 
-use crate::context::action::Action;
+use crate::context::command::{Command, HistoryCommand, WindowCommand};
 use crate::context::notices::{Notice, Severity};
 use crate::context::{Context, Request, Requests};
 use crate::style::theme;
@@ -36,8 +36,12 @@ pub(crate) fn ui(
 }
 
 /// A layout is taken back by its own command, which is *Undo* here.
-fn word(action: Action) -> &'static str {
-    if action == Action::RestoreLayout { Action::Undo.text() } else { action.text() }
+fn word(command: Command) -> &'static str {
+    if command == Command::Window(WindowCommand::RestoreLayout) {
+        Command::History(HistoryCommand::Undo).text()
+    } else {
+        command.text()
+    }
 }
 
 fn card(ui: &mut Ui, notice: &Notice, requests: &mut Requests) {
@@ -61,10 +65,10 @@ fn card(ui: &mut Ui, notice: &Notice, requests: &mut Requests) {
                 if icon_button(ui, Icon::Close, "Close notice", "Close").clicked() {
                     requests.request(Request::CloseNotice(notice.id));
                 }
-                if let Some(action) = notice.action
-                    && ui.add(Button::new(word(action)).min_size(vec2(0.0, size::BUTTON))).clicked()
+                if let Some(command) = notice.command
+                    && ui.add(Button::new(word(command)).min_size(vec2(0.0, size::BUTTON))).clicked()
                 {
-                    requests.act(action);
+                    requests.run(command);
                     requests.request(Request::CloseNotice(notice.id));
                 }
                 ui.with_layout(Direction::left_to_right(Align::Min), |ui| {

@@ -2,7 +2,7 @@
 
 use egui::{Button, Key, RichText, ScrollArea, Ui, vec2};
 
-use crate::context::action::Action;
+use crate::context::command::{Command, Menu, WindowCommand};
 use crate::context::{Context, Request, Requests, unavailable};
 use crate::shell::matching::fuzzy;
 use crate::style::theme;
@@ -28,7 +28,7 @@ pub(crate) struct Palette {
 /// A command that fits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Found {
-    action: Action,
+    command: Command,
     /// Whether it stands among those that were used lately, above all others.
     is_recent: bool,
 }
@@ -56,9 +56,9 @@ impl Palette {
                         ui.separator();
                     }
                     let is_marked = index == self.marked;
-                    let clicked = row(ui, context, one.action, is_marked, has_moved);
+                    let clicked = row(ui, context, one.command, is_marked, has_moved);
                     if clicked || (enter && is_marked) {
-                        chosen = Some(one.action);
+                        chosen = Some(one.command);
                     }
                 }
                 if found.is_empty() {
@@ -66,9 +66,9 @@ impl Palette {
                 }
             });
         });
-        if let Some(action) = chosen.filter(|action| unavailable(*action, context).is_none()) {
-            requests.request(Request::Used(action));
-            requests.act(action);
+        if let Some(command) = chosen.filter(|command| unavailable(*command, context).is_none()) {
+            requests.request(Request::Used(command));
+            requests.run(command);
             return false;
         }
         !modal.should_close()
@@ -95,10 +95,10 @@ impl Palette {
 }
 
 /// A command with its keys, or with the reason why it cannot be used.
-fn row(ui: &mut Ui, context: &Context<'_>, action: Action, is_marked: bool, scroll: bool) -> bool {
-    let why_not = unavailable(action, context);
-    let text = format!("{}: {}", action.menu().text(), action.text());
-    let right = why_not.map_or_else(|| action.keys_text().unwrap_or_default(), str::to_owned);
+fn row(ui: &mut Ui, context: &Context<'_>, command: Command, is_marked: bool, scroll: bool) -> bool {
+    let why_not = unavailable(command, context);
+    let text = format!("{}: {}", command.menu().map_or("", Menu::text), command.text());
+    let right = why_not.map_or_else(|| command.keys_text().unwrap_or_default(), str::to_owned);
     let button = Button::selectable(is_marked, text)
         .shortcut_text(RichText::new(right).small())
         .truncate()
@@ -108,8 +108,8 @@ fn row(ui: &mut Ui, context: &Context<'_>, action: Action, is_marked: bool, scro
         response.scroll_to_me(None);
     }
     let tooltip = match why_not {
-        Some(why) => format!("{}\n{why}.", action.explanation()),
-        None => action.explanation().to_owned(),
+        Some(why) => format!("{}\n{why}.", command.explanation()),
+        None => command.explanation().to_owned(),
     };
     response.on_hover_text(&tooltip).on_disabled_hover_text(tooltip).clicked()
 }
@@ -117,25 +117,26 @@ fn row(ui: &mut Ui, context: &Context<'_>, action: Action, is_marked: bool, scro
 /// The commands that fit what was typed, the best first. Where nothing is typed: those that were used lately, then all
 /// others in the order of the menus.
 fn matching(text: &str, used: &[String]) -> Vec<Found> {
-    let commands = || Action::all().filter(|action| *action != Action::Palette);
-    let is_used = |action: Action| used.iter().any(|name| name == action.text());
+    let commands = || Command::all().filter(|command| *command != Command::Window(WindowCommand::Palette));
+    let is_used = |command: Command| used.iter().any(|name| name == command.text());
     if text.trim().is_empty() {
-        let recent = used.iter().filter_map(|name| commands().find(|action| action.text() == name));
-        let recent = recent.map(|action| Found { action, is_recent: true });
-        let rest = commands().filter(|action| !is_used(*action));
-        return recent.chain(rest.map(|action| Found { action, is_recent: false })).collect();
+        let recent = used.iter().filter_map(|name| commands().find(|command| command.text() == name));
+        let recent = recent.map(|command| Found { command, is_recent: true });
+        let rest = commands().filter(|command| !is_used(*command));
+        return recent.chain(rest.map(|command| Found { command, is_recent: false })).collect();
     }
     let words: Vec<String> = text.to_lowercase().split_whitespace().map(str::to_owned).collect();
-    let score = |action: Action| {
-        let full = format!("{} {}", action.text(), action.menu().text());
-        let named = fuzzy(text, action.text()).into_iter().chain(fuzzy(text, &full)).max();
-        let all = format!("{full} {}", action.explanation()).to_lowercase();
+    let score = |command: Command| {
+        let full = format!("{} {}", command.text(), command.menu().map_or("", Menu::text));
+        let named = fuzzy(text, command.text()).into_iter().chain(fuzzy(text, &full)).max();
+        let all = format!("{full} {}", command.explanation()).to_lowercase();
         let explained = || words.iter().all(|word| all.contains(word.as_str())).then_some(ONLY_EXPLAINED);
-        let lately = if is_used(action) { USED_LATELY } else { 0 };
+        let lately = if is_used(command) { USED_LATELY } else { 0 };
         Some(named.or_else(explained)? + lately)
     };
-    let mut found: Vec<(i32, Found)> =
-        commands().filter_map(|action| Some((score(action)?, Found { action, is_recent: false }))).collect();
+    let mut found: Vec<(i32, Found)> = commands()
+        .filter_map(|command| Some((score(command)?, Found { command, is_recent: false })))
+        .collect();
     // Letters that are scattered over a long name are chance, where others fit well.
     let best = found.iter().map(|(score, _)| *score).max().unwrap_or(0);
     found.retain(|(score, _)| *score <= ONLY_EXPLAINED + USED_LATELY || *score * 2 >= best);
@@ -145,34 +146,40 @@ fn matching(text: &str, used: &[String]) -> Vec<Found> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use backlit_tracking::track::Preset;
 
-    fn actions(text: &str) -> Vec<Action> {
-        matching(text, &[]).into_iter().map(|found| found.action).collect()
+    use super::*;
+    use crate::context::command::{ExportCommand, FitCommand, HistoryCommand, TrackingCommand, ViewCommand};
+
+    fn commands(text: &str) -> Vec<Command> {
+        matching(text, &[]).into_iter().map(|found| found.command).collect()
     }
 
     #[test]
     fn words_may_stand_in_any_order_and_the_best_come_first() {
-        for (text, action) in [
-            ("forward track", Action::TrackForward),
-            ("step", Action::Step),
-            ("trf", Action::TrackForward),
-            ("fs", Action::FitSubject),
-            ("export it", Action::ExportSteps),
-            ("quaternions", Action::PresetReport),
+        for (text, command) in [
+            ("forward track", Command::Tracking(TrackingCommand::Forward)),
+            ("step", Command::Fit(FitCommand::Step)),
+            ("trf", Command::Tracking(TrackingCommand::Forward)),
+            ("fs", Command::View(ViewCommand::FitSubject)),
+            ("export it", Command::Export(ExportCommand::Steps)),
+            ("quaternions", Command::Fit(FitCommand::Preset(Preset::Report))),
         ] {
-            assert_eq!(actions(text).first(), Some(&action), "{text}");
+            assert_eq!(commands(text).first(), Some(&command), "{text}");
         }
-        assert!(actions("xyzzy").is_empty());
-        assert_eq!(actions("").len(), Action::all().count() - 1);
+        assert!(commands("xyzzy").is_empty());
+        assert_eq!(commands("").len(), Command::all().count() - 1);
     }
 
     #[test]
     fn commands_that_were_used_lately_stand_first() {
         let used = ["Run", "Undo", "No longer a command"].map(str::to_owned);
         let found = matching("", &used);
-        assert_eq!((found[0].action, found[1].action), (Action::Run, Action::Undo));
+        assert_eq!(
+            (found[0].command, found[1].command),
+            (Command::Fit(FitCommand::Run), Command::History(HistoryCommand::Undo))
+        );
         assert!(found[1].is_recent && !found[2].is_recent);
-        assert_eq!(found.len(), Action::all().count() - 1);
+        assert_eq!(found.len(), Command::all().count() - 1);
     }
 }

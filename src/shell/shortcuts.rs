@@ -2,7 +2,7 @@
 
 use egui::{Align, Label, RichText, ScrollArea, Ui, vec2};
 
-use crate::context::action::{Action, Menu, keys_text};
+use crate::context::command::{Command, Menu, keys_text};
 use crate::features::scene::panel as scene;
 use crate::style::theme;
 use crate::style::theme::size;
@@ -52,11 +52,12 @@ pub(crate) fn ui(ui: &Ui, search: &mut String) -> bool {
             .show(ui, |ui| {
                 let mut is_empty = true;
                 for menu in Menu::ALL {
-                    let rows =
-                        Action::in_menu(menu).filter(|action| !action.shortcuts().is_empty()).map(|action| {
-                            let keys: Vec<String> = action.shortcuts().iter().map(keys_text).collect();
-                            (keys.join(", "), action.text(), action.explanation())
-                        });
+                    let rows = Command::in_menu(menu).filter(|command| !command.shortcuts().is_empty()).map(
+                        |command| {
+                            let keys: Vec<String> = command.shortcuts().iter().map(keys_text).collect();
+                            (keys.join(", "), command.text(), command.explanation())
+                        },
+                    );
                     is_empty &= !group(ui, menu.text(), rows, &words);
                 }
                 let of_scene = scene::keys::KEYS.iter().map(|(keys, text)| ((*keys).to_owned(), *text, ""));

@@ -2,7 +2,7 @@
 
 use egui::{Align, Frame, Layout as Direction, Margin, Panel, RichText, Sense, Ui, vec2};
 
-use crate::context::action::Action;
+use crate::context::command::{BasinCommand, Command, ExportCommand, FitCommand};
 use crate::context::command_button as command;
 use crate::context::preferences::Layout;
 use crate::context::{Context, Requests};
@@ -24,13 +24,19 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &Features, reques
                 let (rect, _) = ui.allocate_exact_size(vec2(size::ICON, size::ICON), Sense::hover());
                 Icon::Info.paint_scaled(ui.painter(), rect, palette.text3, 0.85);
                 if context.busy.is_long() && !context.busy.opening {
-                    command::named_button(ui, context, requests, Action::Stop, "Cancel");
+                    command::named_button(ui, context, requests, Command::Fit(FitCommand::Stop), "Cancel");
                 }
                 if context.busy.basin && !context.busy.is_long() {
-                    command::named_button(ui, context, requests, Action::CancelBasin, "Cancel");
+                    command::named_button(
+                        ui,
+                        context,
+                        requests,
+                        Command::Basin(BasinCommand::Cancel),
+                        "Cancel",
+                    );
                 }
                 if let Some((done, total)) = context.busy.exporting {
-                    command::button(ui, context, requests, Action::StopExport);
+                    command::button(ui, context, requests, Command::Export(ExportCommand::Stop));
                     let text = format!("Exporting, {done} of {total}.");
                     ui.label(RichText::new(text).small().color(palette.text2));
                 }

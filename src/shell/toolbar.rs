@@ -5,11 +5,12 @@ use egui::{
 };
 
 use super::menus;
-use crate::context::action::Action;
+use crate::context::command::{
+    Command, FileCommand, FitCommand, HistoryCommand, TrackingCommand, WindowCommand,
+};
 use crate::context::command_button::{icon, primary};
 use crate::context::preferences::Layout;
 use crate::context::{Context, Request, Requests};
-use crate::drawing::ViewMode;
 use crate::features::fit::{renderer, solver};
 use crate::features::laboratory::panel as laboratory;
 use crate::style::format;
@@ -65,8 +66,8 @@ fn left(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32)
         menus::ui(ui, context, requests, folded);
         ui.add_space(space::ROW);
         divider(ui);
-        icon(ui, context, requests, Action::Undo, Icon::Undo);
-        icon(ui, context, requests, Action::Redo, Icon::Redo);
+        icon(ui, context, requests, Command::History(HistoryCommand::Undo), Icon::Undo);
+        icon(ui, context, requests, Command::History(HistoryCommand::Redo), Icon::Redo);
         divider(ui);
         ui.add_space(space::ROW);
         take(ui, context, folded);
@@ -116,10 +117,10 @@ fn right(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32
     }
     primary(ui, context, requests, likely_next(context));
     ui.add_space(space::ROW);
-    icon(ui, context, requests, Action::Stop, Icon::Stop);
-    icon(ui, context, requests, Action::Run, Icon::Run);
-    icon(ui, context, requests, Action::Step, Icon::Step);
-    icon(ui, context, requests, Action::StepBack, Icon::StepBack);
+    icon(ui, context, requests, Command::Fit(FitCommand::Stop), Icon::Stop);
+    icon(ui, context, requests, Command::Fit(FitCommand::Run), Icon::Run);
+    icon(ui, context, requests, Command::Fit(FitCommand::Step), Icon::Step);
+    icon(ui, context, requests, Command::Fit(FitCommand::StepBack), Icon::StepBack);
     if width >= FOLD_CHOICES && context.session.take.is_some() {
         ui.add_space(space::WIDGET);
         solver::preset_box(ui, context, requests, 92.0);
@@ -129,13 +130,13 @@ fn right(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32
 }
 
 /// The likely next act: stop what runs, else track on, else open something.
-fn likely_next(context: &Context<'_>) -> Action {
+fn likely_next(context: &Context<'_>) -> Command {
     if context.busy.tracking || context.busy.fitting {
-        Action::Stop
+        Command::Fit(FitCommand::Stop)
     } else if context.session.take.is_some() {
-        Action::TrackForward
+        Command::Tracking(TrackingCommand::Forward)
     } else {
-        Action::OpenTake
+        Command::File(FileCommand::OpenTake)
     }
 }
 
@@ -144,7 +145,8 @@ fn find(ui: &mut Ui, requests: &mut Requests, small: bool) {
     let width = if small { 74.0 } else { 118.0 };
     let (rect, response) = ui.allocate_exact_size(vec2(width, size::BUTTON), Sense::click());
     let enabled = ui.is_enabled();
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, Action::Palette.text()));
+    let command = Command::Window(WindowCommand::Palette);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, command.text()));
     let fill = if response.hovered() { palette.hover } else { palette.field };
     ui.painter().rect(
         rect,
@@ -158,23 +160,7 @@ fn find(ui: &mut Ui, requests: &mut Requests, small: bool) {
     let font = egui::TextStyle::Small.resolve(ui.style());
     let at = rect.left_center() + vec2(27.0, 0.0);
     ui.painter().text(at, egui::Align2::LEFT_CENTER, "Ctrl K", font, palette.text3);
-    if response.on_hover_text(Action::Palette.tooltip()).clicked() {
-        requests.act(Action::Palette);
+    if response.on_hover_text(command.tooltip()).clicked() {
+        requests.run(command);
     }
-}
-
-/// The view mode of a command.
-pub(crate) fn view_mode_of(action: Action) -> Option<ViewMode> {
-    Some(match action {
-        Action::ViewFootage => ViewMode::Footage,
-        Action::ViewData => ViewMode::Data,
-        Action::ViewPrediction => ViewMode::Prediction,
-        Action::ViewResidual => ViewMode::Residual,
-        Action::ViewTinted => ViewMode::Tinted,
-        Action::ViewReport => ViewMode::ReportOverlay,
-        Action::ViewOwner => ViewMode::OwnerLimb,
-        Action::ViewGradient => ViewMode::Gradient,
-        Action::ViewJacobian => ViewMode::JacobianColumn,
-        _ => return None,
-    })
 }

@@ -3,10 +3,11 @@
 use crate::support::app_window::{PATIENCE, click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
-use backlit::app::{App, AppOptions, Opening};
 use backlit::app::settings::Settings;
-use backlit::context::preferences::{Layout};
-use backlit::features::basin::{BasinView, Compared, ComparedWay, FileKind, MapDirection, Reference};
+use backlit::app::{App, AppOptions, Opening};
+use backlit::context::command::BasinView;
+use backlit::context::preferences::Layout;
+use backlit::features::basin::{Compared, ComparedWay, FileKind, MapDirection, Reference};
 use backlit::style::theme::Theme;
 use backlit::take::source::TakeSource;
 use backlit_lab::experiment::FitChoice;

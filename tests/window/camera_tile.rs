@@ -3,13 +3,11 @@
 use crate::support;
 use backlit::context::view_settings::ViewSettings;
 use backlit::drawing::{
-    BoundedAngle, Derivative, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb,
-    SightRay, ViewMode, body_outline, limb_colours, project_joints, project_limbs, sight_ray,
+    BoundedAngle, Comparison, Derivative, JointEllipse, JointId, JointMark, LimitMark, PictureInput,
+    ProjectedLimb, SightRay, ViewMode, body_outline, limb_colours, project_joints, project_limbs, sight_ray,
 };
 use backlit::features::camera_views as camera_tile;
-use backlit::features::camera_views::{
-    CameraTileInput, Comparison, Drag, ObservedMarks, TileEvent, TileLook,
-};
+use backlit::features::camera_views::{CameraTileInput, Drag, ObservedMarks, TileEvent, TileLook};
 use backlit::style::theme::Theme;
 use backlit::widgets::Framing;
 use backlit_tracking::body::builtin::full_body;
@@ -229,8 +227,10 @@ fn sight_ray_target(scene: &Scene) -> (DVec2, f64) {
 type Events = Vec<TileEvent>;
 
 fn harness<'a>(input: CameraTileInput<'a>, size: [f32; 2], theme: Theme) -> Harness<'a, Events> {
-    support::harness_builder(size, theme)
-        .build_ui_state(move |ui, events: &mut Events| events.extend(camera_tile(ui, &input)), Events::new())
+    support::harness_builder(size, theme).build_ui_state(
+        move |ui, events: &mut Events| events.extend(camera_tile::camera_tile(ui, &input)),
+        Events::new(),
+    )
 }
 
 const WIDE: [f32; 2] = [376.0, 276.0];

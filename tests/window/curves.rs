@@ -3,9 +3,9 @@
 use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
-use backlit::app::{App, AppOptions, Opening};
 use backlit::app::settings::Settings;
-use backlit::context::preferences::{Layout};
+use backlit::app::{App, AppOptions, Opening};
+use backlit::context::preferences::Layout;
 use backlit::style::theme::Theme;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, Rect, Vec2, pos2, vec2};

@@ -3,10 +3,10 @@
 use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
+use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, Opening};
 use backlit::context::pane::Pane;
-use backlit::app::settings::Settings;
-use backlit::context::preferences::{Layout};
+use backlit::context::preferences::Layout;
 use backlit::features::scene::{HullLook, SceneLook, Viewpoint};
 use backlit::style::theme::{Theme, size};
 use egui::accesskit::Role;
@@ -180,7 +180,7 @@ fn tiles_are_closed_and_opened_again() {
     click(&mut harness, "More for Scene");
     click(&mut harness, "Close tile");
     assert!(!has(&harness, "Scene") && has(&harness, "Camera 2"));
-    assert!(!harness.state().settings().is_open(Pane::Scene, 2));
+    assert!(!harness.state().is_open(Pane::Scene));
     command(&mut harness, "Show or hide scene");
     assert_eq!(header(&harness, "Scene"), before, "it comes back to its place");
     for pane in DEBUG_PANES {

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
-use backlit::app::{App, AppOptions, Opening, opening_of};
 use backlit::app::settings::Settings;
+use backlit::app::{App, AppOptions, Opening, opening_of};
 use backlit::document::project::read_project;
 use backlit::style::theme::Theme;
 use backlit_formats::pose_file;

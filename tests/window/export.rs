@@ -5,8 +5,8 @@ use std::path::Path;
 
 use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
-use backlit::app::{App, AppOptions, Opening};
 use backlit::app::settings::Settings;
+use backlit::app::{App, AppOptions, Opening};
 use backlit::features::export::{ExportChoices, SeriesFormat};
 use backlit::style::theme::Theme;
 use egui::accesskit::Role;

@@ -2,9 +2,9 @@
 
 use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::take;
-use backlit::app::{App, AppOptions, Opening};
 use backlit::app::settings::Settings;
-use backlit::context::preferences::{Layout};
+use backlit::app::{App, AppOptions, Opening};
+use backlit::context::preferences::Layout;
 use egui::accesskit::{Action, Role};
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;

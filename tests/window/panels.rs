@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
-use backlit::app::{App, AppOptions, Opening, opening_of};
 use backlit::app::settings::Settings;
-use backlit::context::preferences::{Layout};
+use backlit::app::{App, AppOptions, Opening, opening_of};
+use backlit::context::preferences::Layout;
 use backlit::style::theme::{Theme, size};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Rect, pos2, vec2};

@@ -7,9 +7,9 @@ use std::time::{Duration, SystemTime};
 
 use crate::support::app_window::{click, drag, open_sized, press};
 use crate::support::snapshots::{Snapshots, theme_name};
+use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, opening_of};
 use backlit::context::clock::Clock;
-use backlit::app::settings::Settings;
 use backlit::document::Document;
 use backlit::style::theme::{Theme, size};
 use egui::accesskit::Role;

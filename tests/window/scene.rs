@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use backlit::app::{App, AppOptions, Opening};
 use backlit::app::settings::Settings;
-use backlit::context::preferences::{Layout};
+use backlit::app::{App, AppOptions, Opening};
+use backlit::context::preferences::Layout;
 use backlit::features::scene::{SceneDrawing, Upright, Viewpoint};
 use backlit_tracking::body::Kinematics;
 use egui::accesskit::Role;

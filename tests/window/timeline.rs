@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use backlit::app::{App, AppOptions, Opening};
 use backlit::app::settings::Settings;
+use backlit::app::{App, AppOptions, Opening};
 use backlit::document::Document;
 use backlit::style::theme::{Theme, size};
 use egui::accesskit::Role;

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use crate::support::app_window::{PATIENCE, click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
-use backlit::app::{App, AppOptions, Opening};
 use backlit::app::settings::Settings;
+use backlit::app::{App, AppOptions, Opening};
 use backlit::style::theme::Theme;
 use backlit::take::source::TakeSource;
 use egui::accesskit::Role;

@@ -3,10 +3,10 @@
 use crate::support::take;
 use std::time::Instant;
 
+use backlit::app::settings::Settings;
 use backlit::app::settings_file as settings;
 use backlit::app::{App, AppOptions, Opening, opening_of};
-use backlit::app::settings::Settings;
-use backlit::context::preferences::{Layout};
+use backlit::context::preferences::Layout;
 use backlit::document::project::read_project;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, vec2};

@@ -6,8 +6,8 @@ mod success;
 
 use egui::{Align, Button, Layout as Direction, Rect, RichText, Ui, UiBuilder, vec2};
 
-use super::{Basin, BasinView, FileKind, FitCount, MapColour, MapResult, Running};
-use crate::context::action::Action;
+use super::{Basin, FileKind, FitCount, MapColour, MapResult, Running};
+use crate::context::command::{BasinCommand, BasinView, Command};
 use crate::context::command_button::named_button;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::pane_title;
@@ -163,12 +163,12 @@ fn run_or_cancel(
     requests: &mut Requests,
     view: BasinView,
 ) {
-    let (action, text) = match (basin.results.running, view) {
-        (Some(_), _) => (Action::CancelBasin, "Cancel basin"),
-        (None, BasinView::Angles) => (Action::RunBasin, "Run starts"),
-        (None, BasinView::Map) => (Action::RunBasinMap, "Run map"),
+    let (command, text) = match (basin.results.running, view) {
+        (Some(_), _) => (BasinCommand::Cancel, "Cancel basin"),
+        (None, BasinView::Angles) => (BasinCommand::Run(view), "Run starts"),
+        (None, BasinView::Map) => (BasinCommand::Run(view), "Run map"),
     };
-    named_button(ui, context, requests, action, text);
+    named_button(ui, context, requests, Command::Basin(command), text);
 }
 
 fn export(ui: &mut Ui, basin: &Basin, wishes: &mut Vec<Wish>) {

@@ -3,17 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::BasinSettings;
-
-/// The two ways in which a basin is shown.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum BasinView {
-    /// Success over angle.
-    #[default]
-    Angles,
-    /// A map of two directions.
-    Map,
-}
+use crate::context::command::BasinView;
 
 /// What the cells of the map are coloured by.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -4,7 +4,7 @@ use backlit_lab::experiment::basin_map::{self, Cell};
 use backlit_lab::experiment::frame_basin::{self, Frame, Report, Trial};
 use serde::Serialize;
 
-use super::BasinView;
+use crate::context::command::BasinView;
 use crate::style::format;
 
 /// What an experiment was about.

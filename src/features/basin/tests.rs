@@ -1,13 +1,13 @@
 //! The basin in the window.
 
-use super::BasinView;
 use crate::app::testing::{Breaks, errors, open, settle};
+use crate::context::command::{BasinCommand, BasinView, Command};
 use crate::context::preferences::Layout;
 
 #[test]
 fn a_basin_that_breaks_down_is_said_once_and_is_a_part_or_nothing() {
     let (mut window, mut app) = open(Layout::Pose);
-    app.run_basin(BasinView::Angles);
+    app.run(Command::Basin(BasinCommand::Run(BasinView::Angles)), &window.ctx.clone());
     let pool = app.state.pool.clone();
     assert!(app.features.basin.is_running());
     app.features.basin.task.begin(&pool, (), |()| Breaks);

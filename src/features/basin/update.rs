@@ -8,7 +8,8 @@ use backlit_tracking::track::start;
 
 use super::job::{BasinJob, BasinWork, Fitted};
 use super::settings::direction_name;
-use super::{About, AnglesResult, Basin, BasinSettings, BasinView, FileKind, MapResult, Reference, Running};
+use super::{About, AnglesResult, Basin, BasinSettings, FileKind, MapResult, Reference, Running};
+use crate::context::command::{BasinCommand, BasinView};
 use crate::context::file_dialog::Wanted;
 use crate::context::pane::Pane;
 use crate::context::{Context, PaneEvent, Request, Requests};
@@ -25,8 +26,21 @@ impl Basin {
         self.problem = None;
     }
 
+    /// Does a command.
+    pub(crate) fn run(&mut self, command: BasinCommand, context: &Context<'_>, requests: &mut Requests) {
+        match command {
+            BasinCommand::Run(view) => self.begin(view, context, requests),
+            BasinCommand::Cancel => self.cancel(),
+        }
+    }
+
+    /// Stops the fits; what is done stays.
+    pub(crate) fn cancel(&self) {
+        self.task.stop();
+    }
+
     /// Runs what a view shows, about the pose on the screen, and shows it.
-    pub(crate) fn begin(&mut self, view: BasinView, context: &Context<'_>, requests: &mut Requests) {
+    fn begin(&mut self, view: BasinView, context: &Context<'_>, requests: &mut Requests) {
         self.preferences.view = view;
         requests.request(Request::Pane(Pane::Basin, PaneEvent::Open));
         self.problem = self.try_to_begin(view, context).err();
@@ -95,11 +109,6 @@ impl Basin {
             conditions += ", about the truth";
         }
         About { frame, conditions }
-    }
-
-    /// Stops the fits; what is done stays.
-    pub(crate) fn cancel(&self) {
-        self.task.stop();
     }
 
     /// Takes in the fits that were made, and the files that were chosen.

@@ -8,8 +8,8 @@ use egui::{
 };
 
 use super::hand::rotation_owner;
-use super::{CameraTileInput, Comparison, TileEvent};
-use crate::drawing::{JointId, ViewMode};
+use super::{CameraTileInput, TileEvent};
+use crate::drawing::{Comparison, JointId, ViewMode};
 use crate::style::theme::data_colours::{CASING, JOINT};
 use crate::style::theme::{Theme, size};
 

@@ -2,10 +2,9 @@
 
 use glam::DVec2;
 
-use super::Comparison;
 use crate::context::pane::Pane;
 use crate::context::view_settings::ViewSettings;
-use crate::drawing::{JointId, ViewMode};
+use crate::drawing::{Comparison, JointId, ViewMode};
 use crate::widgets::Framing;
 
 /// What the user did in a tile. The app applies it after the frame.

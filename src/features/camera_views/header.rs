@@ -8,7 +8,7 @@ use egui::{
 
 use super::comparison::mode_text;
 use super::{CameraTileInput, TileEvent, TileLayout, gutter, tile_menu};
-use crate::context::action::Action;
+use crate::context::command::{Command, ViewCommand};
 use crate::context::pane_title;
 use crate::style::format;
 use crate::style::theme;
@@ -186,7 +186,7 @@ fn buttons(ui: &mut Ui, input: &CameraTileInput<'_>, has_link: bool, events: &mu
 
 /// What a click on badge or button does, with its keys.
 fn expand_tooltip(input: &CameraTileInput<'_>) -> String {
-    let key = Action::camera_alone(input.index).and_then(Action::keys_text);
+    let key = Command::View(ViewCommand::CameraAlone(input.index)).keys_text();
     let key = key.map_or_else(String::new, |key| format!("   {key}"));
     if input.is_expanded {
         format!("Back to all views   Esc, or{key}")

@@ -2,18 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::drawing::ViewMode;
+use crate::drawing::{Comparison, ViewMode};
 use crate::widgets::Framing;
-
-/// How a second view mode is seen in the same picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Comparison {
-    /// Side by side: the tile's own mode is left of a handle, the other one right of it.
-    Wipe,
-    /// One after the other.
-    Blink,
-}
 
 /// What a tile shows and how.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

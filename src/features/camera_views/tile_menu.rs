@@ -2,9 +2,9 @@
 
 use egui::{Button, RichText, Ui};
 
-use super::{CameraTileInput, Comparison, TileEvent, gutter};
+use super::{CameraTileInput, TileEvent, gutter};
 use crate::context::view_settings::ViewSettings;
-use crate::drawing::{StateAxis, ViewMode};
+use crate::drawing::{Comparison, StateAxis, ViewMode};
 use crate::style::theme;
 use crate::style::theme::{size, space};
 use crate::widgets::{Framing, ValueSlider, checkbox};

@@ -7,7 +7,7 @@ mod read_out;
 use egui::{Align, Layout as Direction, Ui, UiBuilder, vec2};
 
 use super::{runs, steps};
-use crate::context::action::Action;
+use crate::context::command::{Command, ConvergenceCommand};
 use crate::context::command_button::menu_row;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::pane_title;
@@ -84,12 +84,18 @@ fn choices(ui: &mut Ui, look: &mut CurvesLook) {
 
 /// What is done with all runs.
 fn more(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
-    crate::context::command_button::button(ui, context, requests, Action::ClearRuns);
+    crate::context::command_button::button(
+        ui,
+        context,
+        requests,
+        Command::Convergence(ConvergenceCommand::ClearRuns),
+    );
     let has_runs = !context.session.runs.is_empty();
     ui.add_enabled_ui(has_runs, |ui| {
         ui.menu_button("Export", |ui| {
-            for action in [Action::ExportCurves, Action::ExportPlot] {
-                menu_row(ui, context, requests, action, action.text());
+            for command in [ConvergenceCommand::ExportCurves, ConvergenceCommand::ExportPlot] {
+                let command = Command::Convergence(command);
+                menu_row(ui, context, requests, command, command.text());
             }
         })
         .response

@@ -2,7 +2,7 @@
 
 use egui::{Align, Align2, Layout as Direction, Rect, RichText, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
-use crate::context::action::Action;
+use crate::context::command::{Command, FitCommand};
 use crate::context::command_button::{button, icon};
 use crate::context::{Context, Request, Requests};
 use crate::document::run::{Run, RunStep};
@@ -24,8 +24,8 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         vec2(ui.available_width(), 44.0),
         Direction::left_to_right(Align::Center),
         |ui| {
-            icon(ui, context, requests, Action::EarlierStep, Icon::Previous);
-            icon(ui, context, requests, Action::LaterStep, Icon::Next);
+            icon(ui, context, requests, Command::Fit(FitCommand::EarlierStep), Icon::Previous);
+            icon(ui, context, requests, Command::Fit(FitCommand::LaterStep), Icon::Next);
             let run_index = context.session.run_of(context.selection);
             let run = run_index.and_then(|run| Some((run, context.session.runs.get(run)?)));
             let Some((index, run)) = run else {
@@ -117,7 +117,7 @@ fn step_by_key(ui: &Ui, response: &egui::Response, at: usize, last: usize) -> Op
 
 fn words(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, run: &Run, at: usize) {
     ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-        button(ui, context, requests, Action::Branch);
+        button(ui, context, requests, Command::Fit(FitCommand::Branch));
         let text = run.steps.get(at).map_or_else(String::new, |step| sentence(step, at));
         let text = RichText::new(text).small().color(theme::palette(ui).text2);
         ui.add(egui::Label::new(text).truncate());

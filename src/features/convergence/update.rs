@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::app::App;
-use crate::context::action::Action;
+use crate::context::command::{Command, ConvergenceCommand};
 use crate::document::run::RunEnding;
 use crate::document::run_names::name_runs;
 use crate::features::convergence::{CurvesRequest, picture, table};
@@ -48,11 +48,8 @@ impl App {
         self.state.selection.step =
             self.state.selection.step.and_then(|at| Some(StepRef { run: moved(at.run)?, step: at.step }));
         self.name_runs();
-        self.state.notices.info(
-            self.state.now,
-            format!("Removed the run {name}."),
-            Some(Action::RestoreRuns),
-        );
+        let back = Command::Convergence(ConvergenceCommand::RestoreRuns);
+        self.state.notices.info(self.state.now, format!("Removed the run {name}."), Some(back));
     }
 
     pub(crate) fn clear_runs(&mut self) {
@@ -63,7 +60,11 @@ impl App {
         self.state.session.runs.clear();
         self.state.session.live = None;
         let text = if count == 1 { "Removed the run.".to_owned() } else { format!("Removed {count} runs.") };
-        self.state.notices.info(self.state.now, text, Some(Action::RestoreRuns));
+        self.state.notices.info(
+            self.state.now,
+            text,
+            Some(Command::Convergence(ConvergenceCommand::RestoreRuns)),
+        );
     }
 
     fn remember_runs(&mut self) {

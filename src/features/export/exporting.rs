@@ -9,7 +9,7 @@ use image::DynamicImage;
 
 use super::off_screen::{PictureOf, Shot, Snapshot, Twin};
 use crate::app::App;
-use crate::context::action::Action;
+use crate::context::command::{Command, ExportCommand};
 use crate::context::write_advice::remedy;
 use crate::features::camera_views::PictureAlone;
 use crate::features::export::dialog::{ExportDialog, ExportOrder, Subject};
@@ -207,7 +207,11 @@ impl App {
                     1 if !is_folder => format!("Exported {name}."),
                     _ => format!("Exported {} to {name}.", pictures(total)),
                 };
-                self.state.notices.info(self.state.now, text, Some(Action::ShowExported));
+                self.state.notices.info(
+                    self.state.now,
+                    text,
+                    Some(Command::Export(ExportCommand::ShowExported)),
+                );
             }
             Ok(false) => {
                 let kept =

@@ -4,7 +4,7 @@ use backlit_tracking::body::{Pose, SizeKind};
 use backlit_tracking::track::fit_body::{BodyFit, frames};
 
 use crate::app::App;
-use crate::context::action::Action;
+use crate::context::command::{Command, HistoryCommand};
 use crate::document::edit::Edit;
 use crate::features::fit::body_job::BodyJob;
 use crate::worker::Lane;
@@ -37,7 +37,11 @@ impl App {
         let before = self.document().model.clone();
         self.edit(Edit::SetBody(std::sync::Arc::new(model)), None);
         if self.document().model != before {
-            self.state.notices.info(self.state.now, said_of(fit), Some(Action::Undo));
+            self.state.notices.info(
+                self.state.now,
+                said_of(fit),
+                Some(Command::History(HistoryCommand::Undo)),
+            );
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use egui::{RichText, TextStyle, Ui};
 
-use crate::context::action::Action;
+use crate::context::command::{Command, FitCommand};
 use crate::context::command_button::button;
 use crate::context::{Context, Request, Requests};
 use crate::style::format;
@@ -16,7 +16,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let palette = theme::palette(ui);
     let frame = context.selection.frame;
     ui.horizontal(|ui| {
-        button(ui, context, requests, Action::SearchPoses);
+        button(ui, context, requests, Command::Fit(FitCommand::SearchPoses));
         let hint = |text: &str| RichText::new(text.to_owned()).small().color(palette.text3);
         if context.session.searching == Some(frame) {
             ui.label(hint("Looking for other poses…"));

@@ -3,7 +3,7 @@
 use egui::{RichText, Ui};
 
 use super::other_poses;
-use crate::context::action::Action;
+use crate::context::command::{Command, FitCommand, Part};
 use crate::context::command_button::named_button;
 use crate::context::{Context, Requests};
 use crate::style::theme;
@@ -17,13 +17,10 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
     section(ui, "Refit", if open { "the rest stays" } else { summary }, open, |ui| {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 6.0;
-            let actions = [
-                (Action::RefitLimb, "Refit limb"),
-                (Action::RefitChain, "Refit chain"),
-                (Action::RefitBody, "Refit body"),
-            ];
-            for (action, text) in actions {
-                named_button(ui, context, requests, action, text);
+            let parts =
+                [(Part::Limb, "Refit limb"), (Part::Chain, "Refit chain"), (Part::Body, "Refit body")];
+            for (part, text) in parts {
+                named_button(ui, context, requests, Command::Fit(FitCommand::Refit(part)), text);
             }
         });
         ui.add_space(space::ROW);

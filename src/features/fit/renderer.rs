@@ -3,7 +3,7 @@
 use backlit_tracking::render::RendererKind;
 use egui::{RichText, Ui};
 
-use crate::context::action::Action;
+use crate::context::command::{Command, FitCommand};
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
@@ -11,40 +11,32 @@ use crate::style::theme;
 use crate::widgets::choice;
 use crate::widgets::{SliderRow, section};
 
-/// The renderers with their commands.
-const KINDS: [(Action, RendererKind); 3] = [
-    (Action::RendererCapsule, RendererKind::Capsule),
-    (Action::RendererCylinder, RendererKind::Cylinder),
-    (Action::RendererSphereTree, RendererKind::SphereTree { spheres: None }),
-];
+/// The renderers that are offered.
+const KINDS: [RendererKind; 3] =
+    [RendererKind::Capsule, RendererKind::Cylinder, RendererKind::SphereTree { spheres: None }];
 
-/// The command that switches to a renderer.
-fn action_of(kind: RendererKind) -> Action {
-    match kind {
-        RendererKind::Capsule => Action::RendererCapsule,
-        RendererKind::Cylinder => Action::RendererCylinder,
-        RendererKind::SphereTree { .. } => Action::RendererSphereTree,
-    }
-}
-
-/// The renderer of a command.
-pub(crate) fn renderer_of(action: Action) -> Option<RendererKind> {
-    KINDS.iter().find(|(other, _)| *other == action).map(|(_, kind)| *kind)
+/// The command that switches to a renderer. The count of spheres is chosen by itself.
+fn command_of(kind: RendererKind) -> Command {
+    let offered = match kind {
+        RendererKind::SphereTree { .. } => RendererKind::SphereTree { spheres: None },
+        RendererKind::Capsule | RendererKind::Cylinder => kind,
+    };
+    Command::Fit(FitCommand::Renderer(offered))
 }
 
 /// A box of the three renderers.
 pub(crate) fn kind_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32) {
-    let chosen = action_of(context.document().fit.renderer).text();
-    let choices = KINDS.map(|(action, _)| (action, action.text(), action.tooltip()));
-    if let Some(action) = choice(ui, "Renderer", width, chosen, &choices) {
-        requests.act(action);
+    let chosen = command_of(context.document().fit.renderer).text();
+    let choices = KINDS.map(command_of).map(|command| (command, command.text(), command.tooltip()));
+    if let Some(command) = choice(ui, "Renderer", width, chosen, &choices) {
+        requests.run(command);
     }
 }
 
 /// The Renderer section.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
     let fit = &*context.document().fit;
-    let name = action_of(fit.renderer).text().to_lowercase();
+    let name = command_of(fit.renderer).text().to_lowercase();
     let ramps = words::ramps(fit);
     section(ui, "Renderer", &format!("{name}, {ramps}"), open, |ui| {
         kind_box(ui, context, requests, ui.available_width());

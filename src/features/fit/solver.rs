@@ -6,7 +6,7 @@ use backlit_tracking::render::Ramp;
 use backlit_tracking::track::{FitOptions, Preset};
 use egui::{RichText, Ui};
 
-use crate::context::action::Action;
+use crate::context::command::{Command, FitCommand};
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
@@ -21,21 +21,15 @@ const NAME: f32 = 78.0;
 /// Width of a field.
 const FIELD: f32 = 72.0;
 
-/// The preset of a command.
-pub(crate) fn preset_of(action: Action) -> Option<Preset> {
-    match action {
-        Action::PresetReport => Some(Preset::Report),
-        Action::PresetRobust => Some(Preset::Robust),
-        _ => None,
-    }
-}
-
 /// A box of the presets.
 pub(crate) fn preset_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32) {
     let chosen = preset_like(&context.document().fit).map_or("Own", Preset::label);
-    let choices = [Action::PresetRobust, Action::PresetReport].map(|a| (a, a.text(), a.tooltip()));
-    if let Some(action) = choice(ui, "Preset", width, chosen, &choices) {
-        requests.act(action);
+    let choices = [Preset::Robust, Preset::Report].map(|preset| {
+        let command = Command::Fit(FitCommand::Preset(preset));
+        (command, command.text(), command.tooltip())
+    });
+    if let Some(command) = choice(ui, "Preset", width, chosen, &choices) {
+        requests.run(command);
     }
 }
 

@@ -3,7 +3,7 @@
 use backlit_tracking::body::{Model, Pose};
 
 use super::{Comparison, Lineup, PushAxis, StartChoice};
-use crate::context::action::Action;
+use crate::context::command::{Command, FitCommand, LaboratoryCommand, TimelineCommand};
 use crate::document::run::RunStep;
 
 /// All that belongs to the laboratory. Not saved and not undone.
@@ -91,26 +91,28 @@ impl Laboratory {
     /// Why a command cannot be used in the laboratory's layout; the outer `None` is for commands that it leaves to
     /// others.
     #[must_use]
-    pub fn unavailable(&self, action: Action) -> Option<Option<&'static str>> {
+    pub fn unavailable(&self, command: Command) -> Option<Option<&'static str>> {
         let because = |is_so: bool, why: &'static str| is_so.then_some(why);
         let Some(comparison) = self.comparison.as_ref().filter(|comparison| comparison.has_begun()) else {
-            return is_own(action).then_some(Some("The laboratory has not begun yet"));
+            return is_own(command).then_some(Some("The laboratory has not begun yet"));
         };
         let at_end = comparison.cursor == comparison.last();
         let is_over = comparison.is_over() && at_end;
-        Some(match action {
-            Action::Step | Action::LaterStep | Action::NextFrame => because(is_over, "All fits have ended"),
-            Action::Run => {
+        Some(match command {
+            Command::Fit(FitCommand::Step | FitCommand::LaterStep)
+            | Command::Timeline(TimelineCommand::NextFrame) => because(is_over, "All fits have ended"),
+            Command::Fit(FitCommand::Run) => {
                 because(is_over, "All fits have ended").or(because(self.is_running, "They are running"))
             }
-            Action::StepBack
-            | Action::EarlierStep
-            | Action::PreviousFrame
-            | Action::TenFramesBack
-            | Action::FirstFrame => because(comparison.cursor == 0, "This is the start"),
-            Action::LastFrame | Action::TenFramesOn => because(at_end, "This is the newest step"),
-            Action::Stop if self.is_running => None,
-            Action::RestartLaboratory => {
+            Command::Fit(FitCommand::StepBack | FitCommand::EarlierStep)
+            | Command::Timeline(
+                TimelineCommand::PreviousFrame | TimelineCommand::TenFramesBack | TimelineCommand::FirstFrame,
+            ) => because(comparison.cursor == 0, "This is the start"),
+            Command::Timeline(TimelineCommand::LastFrame | TimelineCommand::TenFramesOn) => {
+                because(at_end, "This is the newest step")
+            }
+            Command::Fit(FitCommand::Stop) if self.is_running => None,
+            Command::Laboratory(LaboratoryCommand::Restart) => {
                 let is_new = comparison.last() == 0 && comparison.problem().is_none();
                 because(is_new, "No step has been made yet")
             }
@@ -128,22 +130,13 @@ impl Laboratory {
 }
 
 /// Whether a command means something of its own in the laboratory's layout.
-fn is_own(action: Action) -> bool {
-    use Action as A;
+fn is_own(command: Command) -> bool {
+    use {FitCommand as F, TimelineCommand as T};
     matches!(
-        action,
-        A::Step
-            | A::StepBack
-            | A::Run
-            | A::Stop
-            | A::EarlierStep
-            | A::LaterStep
-            | A::PreviousFrame
-            | A::NextFrame
-            | A::TenFramesBack
-            | A::TenFramesOn
-            | A::FirstFrame
-            | A::LastFrame
-            | A::RestartLaboratory
+        command,
+        Command::Fit(F::Step | F::StepBack | F::Run | F::Stop | F::EarlierStep | F::LaterStep)
+            | Command::Timeline(T::PreviousFrame | T::NextFrame | T::TenFramesBack | T::TenFramesOn)
+            | Command::Timeline(T::FirstFrame | T::LastFrame)
+            | Command::Laboratory(LaboratoryCommand::Restart)
     )
 }

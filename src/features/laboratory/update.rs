@@ -9,7 +9,7 @@ use backlit_tracking::body::Pose;
 use crate::app::App;
 use crate::app::state::DialogKind;
 use crate::context::Request;
-use crate::context::action::Action;
+use crate::context::command::{Command, FitCommand, LaboratoryCommand, TimelineCommand, ViewCommand};
 use crate::context::preferences::Layout;
 use crate::features::laboratory::comparison::{Checked, PushKey};
 use crate::features::laboratory::job::{
@@ -247,36 +247,45 @@ impl App {
         }
     }
 
-    /// Does what a command means in the laboratory's layout. `false` for those that mean there what they mean
-    /// everywhere.
-    pub(crate) fn act_on_laboratory(&mut self, action: Action) -> bool {
+    /// Does what a command of another feature means in the laboratory's layout. `false` for those that mean there
+    /// what they mean everywhere.
+    pub(crate) fn laboratory_takes(&mut self, command: Command) -> bool {
         if self.state.preferences.layout != Layout::Demonstrate {
             return false;
         }
-        if let Some(camera) = (0..8).find(|index| Action::camera_alone(*index) == Some(action)) {
+        if let Command::View(ViewCommand::CameraAlone(camera)) = command {
             self.features.laboratory.camera = camera;
             return true;
         }
         let Some(comparison) = &mut self.features.laboratory.comparison else { return false };
         let here = comparison.cursor;
-        match action {
-            Action::Step | Action::LaterStep | Action::NextFrame => self.step_laboratory(Some(1)),
-            Action::Run => self.step_laboratory(None),
-            Action::StepBack | Action::EarlierStep | Action::PreviousFrame => {
+        match command {
+            Command::Fit(FitCommand::Step | FitCommand::LaterStep)
+            | Command::Timeline(TimelineCommand::NextFrame) => self.step_laboratory(Some(1)),
+            Command::Fit(FitCommand::Run) => self.step_laboratory(None),
+            Command::Fit(FitCommand::StepBack | FitCommand::EarlierStep)
+            | Command::Timeline(TimelineCommand::PreviousFrame) => {
                 comparison.go_to(here.saturating_sub(1));
             }
-            Action::TenFramesBack => comparison.go_to(here.saturating_sub(MANY_STEPS)),
-            Action::TenFramesOn => comparison.go_to(here + MANY_STEPS),
-            Action::FirstFrame => comparison.go_to(0),
-            Action::LastFrame => comparison.go_to(usize::MAX),
-            Action::Stop if self.features.laboratory.is_running => {
+            Command::Timeline(TimelineCommand::TenFramesBack) => {
+                comparison.go_to(here.saturating_sub(MANY_STEPS));
+            }
+            Command::Timeline(TimelineCommand::TenFramesOn) => comparison.go_to(here + MANY_STEPS),
+            Command::Timeline(TimelineCommand::FirstFrame) => comparison.go_to(0),
+            Command::Timeline(TimelineCommand::LastFrame) => comparison.go_to(usize::MAX),
+            Command::Fit(FitCommand::Stop) if self.features.laboratory.is_running => {
                 self.features.laboratory.pending_steps = 0;
                 self.worker.cancel(Lane::Laboratory);
             }
-            Action::RestartLaboratory => self.features.laboratory.comparison = None,
             _ => return false,
         }
         true
+    }
+
+    pub(crate) fn laboratory_command(&mut self, command: LaboratoryCommand) {
+        match command {
+            LaboratoryCommand::Restart => self.features.laboratory.comparison = None,
+        }
     }
 
     pub(crate) fn laboratory_request(&mut self, request: LaboratoryRequest) {

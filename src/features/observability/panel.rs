@@ -6,7 +6,7 @@ use backlit_tracking::camera::Camera;
 use backlit_tracking::track::observability::{Direction, JointUncertainty, Observability};
 use egui::{Align, ComboBox, Layout, Rect, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 
-use crate::context::action::Action;
+use crate::context::command::{Command, ObservabilityCommand};
 use crate::context::command_button::named_button;
 use crate::context::{Context, Request, Requests, unavailable};
 use crate::drawing::ellipse_factor::FACTORS;
@@ -139,13 +139,13 @@ fn title_row(
     ui.scope_builder(builder, |ui| {
         ui.spacing_mut().item_spacing.x = 0.0;
         let neighbours = [
-            (Icon::Previous, Action::StrongerDirection, at > 0),
-            (Icon::Next, Action::WeakerDirection, at + 1 < count),
+            (Icon::Previous, Command::Observability(ObservabilityCommand::StrongerDirection), at > 0),
+            (Icon::Next, Command::Observability(ObservabilityCommand::WeakerDirection), at + 1 < count),
         ];
-        for (icon, action, is_there) in neighbours {
+        for (icon, command, is_there) in neighbours {
             ui.add_enabled_ui(is_there, |ui| {
-                if icon_button(ui, icon, action.text(), &action.tooltip()).clicked() {
-                    requests.act(action);
+                if icon_button(ui, icon, command.text(), &command.tooltip()).clicked() {
+                    requests.run(command);
                 }
             });
         }
@@ -244,7 +244,7 @@ fn sway(ui: &mut Ui, context: &Context<'_>, direction: &Direction, requests: &mu
     }
     ui.horizontal(|ui| {
         let text = if observing.is_playing() { "Hold" } else { "Sway" };
-        named_button(ui, context, requests, Action::Sway, text);
+        named_button(ui, context, requests, Command::Observability(ObservabilityCommand::Sway), text);
         ui.add_enabled_ui(observing.is_swaying(), |ui| {
             let tooltip = "The body goes back to where it is (Esc)";
             if ui.button("Put back").on_hover_text(tooltip).on_disabled_hover_text(tooltip).clicked() {
@@ -264,9 +264,9 @@ fn uncertainty(ui: &mut Ui, context: &Context<'_>, shown: &Observability, reques
          together as by themselves. From the data alone, without priors. {}",
         format::number(noise.pixel_deviation, 0),
         format::number(noise.together.sqrt(), 1),
-        Action::Uncertainty.keys_text().unwrap_or_default(),
+        Command::Observability(ObservabilityCommand::Ellipses).keys_text().unwrap_or_default(),
     );
-    let is_possible = unavailable(Action::Uncertainty, context).is_none();
+    let is_possible = unavailable(Command::Observability(ObservabilityCommand::Ellipses), context).is_none();
     let response = ui.add_enabled_ui(is_possible, |ui| checkbox(ui, &mut shows, "Uncertainty in the views"));
     if response.inner.on_hover_text(tooltip).changed() {
         requests.request(Request::Observe(ObserveRequest::Ellipses(shows)));

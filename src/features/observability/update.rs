@@ -1,7 +1,7 @@
 //! Figures of what the cameras see, the sway along a direction, and sets of cameras.
 
 use crate::app::App;
-use crate::context::action::Action;
+use crate::context::command::ObservabilityCommand;
 use crate::features::observability::observed::ObserveJob;
 use crate::features::observability::{ObserveRequest, Observing};
 use crate::worker::Lane;
@@ -42,17 +42,16 @@ impl App {
         self.features.observability.apply(request);
     }
 
-    pub(crate) fn act_on_observing(&mut self, action: Action) -> bool {
-        let request = match action {
-            Action::Uncertainty => ObserveRequest::Ellipses(!self.features.observability.shows_ellipses()),
-            Action::Sway => ObserveRequest::Play(!self.features.observability.is_playing()),
-            Action::WeakerDirection | Action::StrongerDirection => {
-                self.features.observability.pick_next(if action == Action::WeakerDirection { 1 } else { -1 });
-                return true;
+    pub(crate) fn observability_command(&mut self, command: ObservabilityCommand) {
+        match command {
+            ObservabilityCommand::Ellipses => {
+                self.observe_request(ObserveRequest::Ellipses(!self.features.observability.shows_ellipses()));
             }
-            _ => return false,
-        };
-        self.observe_request(request);
-        true
+            ObservabilityCommand::Sway => {
+                self.observe_request(ObserveRequest::Play(!self.features.observability.is_playing()));
+            }
+            ObservabilityCommand::WeakerDirection => self.features.observability.pick_next(1),
+            ObservabilityCommand::StrongerDirection => self.features.observability.pick_next(-1),
+        }
     }
 }

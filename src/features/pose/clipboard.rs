@@ -6,7 +6,7 @@ use backlit_formats::pose_file::{self, Quaternions};
 use backlit_tracking::body::Pose;
 
 use crate::app::App;
-use crate::context::action::Action;
+use crate::context::command::{Command, PoseCommand};
 use crate::document::edit::Edit;
 
 /// Frames of the window within which the system gives its clipboard, or not.
@@ -25,25 +25,27 @@ pub(crate) struct Clipboard {
 
 impl App {
     /// Ctrl+C and Ctrl+V as a window's system tells them: not as keys. While text is typed they are the text's.
-    pub(crate) fn read_clipboard(&mut self, ctx: &egui::Context) -> Vec<Action> {
+    pub(crate) fn read_clipboard(&mut self, ctx: &egui::Context) -> Vec<Command> {
         if ctx.text_edit_focused() {
             return Vec::new();
         }
-        let mut actions = Vec::new();
+        let mut commands = Vec::new();
         ctx.input(|input| {
             for event in &input.events {
                 match event {
-                    egui::Event::Copy => actions.push(Action::CopyPose),
+                    egui::Event::Copy => commands.push(Command::Pose(PoseCommand::Copy)),
                     egui::Event::Paste(text) => {
                         self.features.pose.clipboard.text = Some(text.clone());
-                        actions.push(Action::PastePose);
+                        commands.push(Command::Pose(PoseCommand::Paste));
                     }
                     _ => {}
                 }
             }
         });
         match self.features.pose.clipboard.waits {
-            Some(_) if actions.contains(&Action::PastePose) => self.features.pose.clipboard.waits = None,
+            Some(_) if commands.contains(&Command::Pose(PoseCommand::Paste)) => {
+                self.features.pose.clipboard.waits = None
+            }
             Some(0) => {
                 // The system gave nothing.
                 self.features.pose.clipboard.waits = None;
@@ -55,7 +57,7 @@ impl App {
             }
             None => {}
         }
-        actions
+        commands
     }
 
     pub(crate) fn copy_pose(&mut self, ctx: &egui::Context) {

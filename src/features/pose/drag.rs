@@ -7,7 +7,6 @@ use glam::DVec2;
 
 use crate::app::App;
 use crate::context::PaneEvent;
-use crate::context::action::Action;
 use crate::context::pane::Pane;
 use crate::document::edit::Edit;
 use crate::document::history::Gesture;
@@ -218,21 +217,6 @@ impl App {
         self.state.egui.request_repaint_after(std::time::Duration::from_secs_f64(NUDGE_SECONDS));
         self.features.pose.nudging = Some(nudging);
     }
-}
-
-/// The pixels of a command that nudges; none for another command.
-pub(crate) fn nudge_of(action: Action) -> Option<DVec2> {
-    Some(match action {
-        Action::NudgeLeft => DVec2::new(-1.0, 0.0),
-        Action::NudgeRight => DVec2::new(1.0, 0.0),
-        Action::NudgeUp => DVec2::new(0.0, -1.0),
-        Action::NudgeDown => DVec2::new(0.0, 1.0),
-        Action::NudgeFarLeft => DVec2::new(-5.0, 0.0),
-        Action::NudgeFarRight => DVec2::new(5.0, 0.0),
-        Action::NudgeFarUp => DVec2::new(0.0, -5.0),
-        Action::NudgeFarDown => DVec2::new(0.0, 5.0),
-        _ => return None,
-    })
 }
 
 /// The joint whose sight ray is drawn in the other views.

@@ -5,7 +5,7 @@ use backlit_tracking::track::posing::LimitedAngle;
 use egui::{Align2, RichText, TextStyle, Ui, vec2};
 
 use super::panel::capitalised;
-use crate::context::action::Action;
+use crate::context::command::{Command, PoseCommand};
 use crate::context::command_button::{gesture, named_button};
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
@@ -38,12 +38,12 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
         ui.add_space(space::ROW);
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 6.0;
-            named_button(ui, context, requests, Action::Mirror, "Mirror");
+            named_button(ui, context, requests, Command::Pose(PoseCommand::Mirror), "Mirror");
             let pinned = matches!(context.selection.joint, JointId::End(end) if context.document().pins.contains(&end));
-            named_button(ui, context, requests, Action::PinJoint, if pinned { "Free" } else { "Pin" });
-            named_button(ui, context, requests, Action::ResetLimb, "Reset");
-            named_button(ui, context, requests, Action::CopyPose, "Copy");
-            named_button(ui, context, requests, Action::PastePose, "Paste");
+            named_button(ui, context, requests, Command::Pose(PoseCommand::PinJoint), if pinned { "Free" } else { "Pin" });
+            named_button(ui, context, requests, Command::Pose(PoseCommand::ResetLimb), "Reset");
+            named_button(ui, context, requests, Command::Pose(PoseCommand::Copy), "Copy");
+            named_button(ui, context, requests, Command::Pose(PoseCommand::Paste), "Paste");
         });
     });
 }

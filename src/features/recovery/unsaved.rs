@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use crate::app::App;
 use crate::app::state::Opening;
 use crate::context::Recovery;
-use crate::context::action::Action;
+use crate::context::command::{Command, FileCommand, RecoveryCommand};
 use crate::document::project::write_project;
 use crate::features::recovery::panel::Offer;
 use crate::features::recovery::{About, Copies, Left, Picture};
@@ -143,7 +143,7 @@ impl App {
                 "{COPY}: {why}. It is tried again every {} seconds; save the project to be sure.",
                 AGAIN.as_secs()
             );
-            self.state.notices.error_with(text, Action::SaveAs);
+            self.state.notices.error_with(text, Command::File(FileCommand::SaveAs));
         }
         // Should its folder be gone, the next try makes another.
         if let Some(copies) = &mut self.features.recovery.copies {
@@ -192,7 +192,7 @@ impl App {
             "{not_done}: your work is not saved, and cannot be kept for the next start: {why}. Save it to another \
              place, or {verb} once more and lose it."
         );
-        self.state.notices.error_with(text, Action::SaveAs);
+        self.state.notices.error_with(text, Command::File(FileCommand::SaveAs));
         false
     }
 
@@ -258,7 +258,7 @@ impl App {
             [one] => format!("Discarded. {} can still be opened as a project.", one.display()),
             all => format!("Discarded {} copies. They can still be opened as projects.", all.len()),
         };
-        self.state.notices.info(self.state.now, text, Some(Action::UndoDiscard));
+        self.state.notices.info(self.state.now, text, Some(Command::Recovery(RecoveryCommand::UndoDiscard)));
     }
 
     /// Whether something was discarded that can be brought back.

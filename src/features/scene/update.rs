@@ -1,9 +1,10 @@
 //! Where the 3-D scene is seen from, and its visual hull.
 
 use backlit_tracking::body::Kinematics;
+use glam::DVec3;
 
 use crate::app::App;
-use crate::context::action::Action;
+use crate::context::command::SceneCommand;
 use crate::context::pane::Pane;
 use crate::features::scene::draw_job::DrawSceneJob;
 use crate::features::scene::hull_job::HullJob;
@@ -46,21 +47,22 @@ impl App {
     }
 
     /// Turns the scene to a side of the body. Opens it where it is closed.
-    pub(crate) fn act_on_scene(&mut self, action: Action) -> bool {
-        let viewpoint = match action {
-            Action::SceneReset => None,
-            Action::SceneFromCamera => Some(Viewpoint::Camera(self.state.selection.camera)),
-            Action::SceneFront | Action::SceneSide | Action::SceneTop => self.side_of_body(action),
-            _ => return false,
+    pub(crate) fn scene_command(&mut self, command: SceneCommand) {
+        self.state.preferences.scene.viewpoint = match command {
+            SceneCommand::Reset => None,
+            SceneCommand::FromCamera => Some(Viewpoint::Camera(self.state.selection.camera)),
+            SceneCommand::Front => self.side_of_body(|facing, _| facing),
+            SceneCommand::Side => self.side_of_body(DVec3::cross),
+            // Nearly: the front stays below.
+            SceneCommand::Top => self.side_of_body(|facing, up| up * 1e3 + facing),
         };
-        self.state.preferences.scene.viewpoint = viewpoint;
         if !self.shows_scene() {
             self.pane_event(Pane::Scene, crate::context::PaneEvent::Open);
         }
-        true
     }
 
-    fn side_of_body(&self, action: Action) -> Option<Viewpoint> {
+    /// The body from a direction, made of where it faces and where up is.
+    fn side_of_body(&self, direction: impl Fn(DVec3, DVec3) -> DVec3) -> Option<Viewpoint> {
         let take = self.state.session.take.as_ref()?;
         let upright = Upright::of(&take.cameras);
         let pose = self.shown_pose();
@@ -71,12 +73,6 @@ impl App {
             Some(Viewpoint::Orbit(orbit)) => Orbit { target: pose.root, ..orbit },
             _ => near,
         };
-        let direction = match action {
-            Action::SceneSide => facing.cross(upright.up),
-            // Nearly: the front stays below.
-            Action::SceneTop => upright.up * 1e3 + facing,
-            _ => facing,
-        };
-        Some(Viewpoint::Orbit(orbit.from_side(&upright, direction)))
+        Some(Viewpoint::Orbit(orbit.from_side(&upright, direction(facing, upright.up))))
     }
 }

@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use crate::app::App;
-use crate::context::action::Action;
+use crate::context::Request;
+use crate::context::command::TimelineCommand;
 use crate::document::edit::Edit;
 use crate::features::timeline::{Span, TimelineEvent};
 use crate::session::playback::{Cue, Playback};
@@ -34,20 +35,36 @@ impl App {
         self.features.timeline.playback.is_playing()
     }
 
-    /// Does a command about the time axis; whether it was one.
-    pub(crate) fn act_on_time(&mut self, action: Action) -> bool {
-        match action {
-            Action::ToggleLoop => self.features.timeline.playback.loops ^= true,
-            Action::PlaySlower | Action::PlayFaster => {
-                let speed = self.features.timeline.playback.next_speed(action == Action::PlayFaster);
+    /// Does a command about frames, key poses or the time axis.
+    pub(crate) fn timeline_command(&mut self, command: TimelineCommand) {
+        let here = self.state.selection.frame;
+        let last = self.state.session.frame_count().saturating_sub(1);
+        let go_to = |app: &mut Self, frame: usize| app.request(Request::Frame(frame.min(last)));
+        match command {
+            TimelineCommand::PreviousFrame => go_to(self, here.saturating_sub(1)),
+            TimelineCommand::NextFrame => go_to(self, here + 1),
+            TimelineCommand::TenFramesBack => go_to(self, here.saturating_sub(10)),
+            TimelineCommand::TenFramesOn => go_to(self, here + 10),
+            TimelineCommand::FirstFrame => go_to(self, 0),
+            TimelineCommand::LastFrame => go_to(self, last),
+            TimelineCommand::NextWorst => self.go_to_worst(true),
+            TimelineCommand::PreviousWorst => self.go_to_worst(false),
+            TimelineCommand::NextKey => self.go_to_key(true),
+            TimelineCommand::PreviousKey => self.go_to_key(false),
+            TimelineCommand::SetKeyPose => {
+                let is_key = self.document().keys.contains_key(&here);
+                let edit = if is_key { Edit::ClearKey { frame: here } } else { Edit::SetKey { frame: here } };
+                self.edit(edit, None);
+            }
+            TimelineCommand::ClearRange => self.clear_range(),
+            TimelineCommand::Play => self.play_or_pause(),
+            TimelineCommand::ToggleLoop => self.features.timeline.playback.loops ^= true,
+            TimelineCommand::Slower | TimelineCommand::Faster => {
+                let speed = self.features.timeline.playback.next_speed(command == TimelineCommand::Faster);
                 self.features.timeline.playback.set_speed(speed, self.state.now);
             }
-            Action::WholeTake => self.features.timeline.span = None,
-            Action::ClearRange => self.clear_range(),
-            Action::NextKey | Action::PreviousKey => self.go_to_key(action == Action::NextKey),
-            _ => return false,
+            TimelineCommand::WholeTake => self.features.timeline.span = None,
         }
-        true
     }
 
     /// Stops playing: the frame on the screen is about to be worked on.

@@ -3,7 +3,7 @@
 use egui::{Align, Layout as Direction, RichText, Sense, Ui, vec2};
 
 use super::TimelineEvent;
-use crate::context::action::Action;
+use crate::context::command::{Command, TimelineCommand, TrackingCommand};
 use crate::context::command_button::{icon, named_button, sized_button};
 use crate::context::{Context, Request, Requests};
 use crate::document::Document;
@@ -36,16 +36,17 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         going(ui, context, requests, folded);
         playing(ui, context, requests);
         ui.add_space(space::WIDGET);
-        named_button(ui, context, requests, Action::TrackBack, "Track back");
+        named_button(ui, context, requests, Command::Tracking(TrackingCommand::Back), "Track back");
         let between = if folded { "Between" } else { "Between keys" };
-        named_button(ui, context, requests, Action::TrackBetween, between);
+        named_button(ui, context, requests, Command::Tracking(TrackingCommand::Between), between);
         ui.add_space(space::WIDGET);
-        icon(ui, context, requests, Action::PreviousKey, Icon::PreviousKey);
+        icon(ui, context, requests, Command::Timeline(TimelineCommand::PreviousKey), Icon::PreviousKey);
         key_pose(ui, context, requests);
-        icon(ui, context, requests, Action::NextKey, Icon::NextKey);
+        icon(ui, context, requests, Command::Timeline(TimelineCommand::NextKey), Icon::NextKey);
         ui.add_space(space::WIDGET);
-        icon(ui, context, requests, Action::PreviousWorst, Icon::Previous);
-        named_button(ui, context, requests, Action::NextWorst, if folded { "Worst" } else { "Next worst" });
+        icon(ui, context, requests, Command::Timeline(TimelineCommand::PreviousWorst), Icon::Previous);
+        let worst = if folded { "Worst" } else { "Next worst" };
+        named_button(ui, context, requests, Command::Timeline(TimelineCommand::NextWorst), worst);
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
             let (short, full) = (short_summary(context), summary(context));
             let text = if folded { &short } else { &full };
@@ -59,10 +60,10 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
 }
 
 fn going(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, folded: bool) {
-    icon(ui, context, requests, Action::PreviousFrame, Icon::First);
+    icon(ui, context, requests, Command::Timeline(TimelineCommand::PreviousFrame), Icon::First);
     let play = if context.time.playback.is_playing() { Icon::Pause } else { Icon::Play };
-    icon(ui, context, requests, Action::Play, play);
-    icon(ui, context, requests, Action::NextFrame, Icon::Last);
+    icon(ui, context, requests, Command::Timeline(TimelineCommand::Play), play);
+    icon(ui, context, requests, Command::Timeline(TimelineCommand::NextFrame), Icon::Last);
     let last = context.session.frame_count().saturating_sub(1);
     let mut frame = context.selection.frame as f64;
     let unit = format!(" / {last}");
@@ -81,7 +82,7 @@ fn going(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, folded: bo
 fn key_pose(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let is_key = context.document().keys.contains_key(&context.selection.frame);
     let text = if is_key { "Clear key" } else { "Set key" };
-    sized_button(ui, context, requests, Action::SetKeyPose, text, KEY);
+    sized_button(ui, context, requests, Command::Timeline(TimelineCommand::SetKeyPose), text, KEY);
 }
 
 /// When a frame was taken, in seconds since the first.
@@ -105,8 +106,9 @@ fn playing(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         requests.request(Request::Timeline(TimelineEvent::Speed(speed)));
     }
     let mut loops = playback.loops;
-    if checkbox(ui, &mut loops, "Loop").on_hover_text(Action::ToggleLoop.tooltip()).changed() {
-        requests.act(Action::ToggleLoop);
+    let command = Command::Timeline(TimelineCommand::ToggleLoop);
+    if checkbox(ui, &mut loops, "Loop").on_hover_text(command.tooltip()).changed() {
+        requests.run(command);
     }
 }
 

@@ -6,13 +6,14 @@ use backlit_tracking::render::RendererKind;
 use egui::{Button, ComboBox, RichText, TextEdit, Ui, vec2};
 
 use super::run_or_cancel;
-use crate::context::action::Action;
+use crate::context::command::{BasinView, Command, WindowCommand};
 use crate::context::command_button::named_button;
+use crate::context::pane::Pane;
 use crate::context::{Context, Requests};
 use crate::document::fit_words as words;
 use crate::features::basin::settings::{MOST_COMPARED, MOST_STARTS, angle_name};
 use crate::features::basin::{
-    Basin, BasinResults, BasinSettings, BasinView, Compared, ComparedWay, MapDirection, Reference,
+    Basin, BasinResults, BasinSettings, Compared, ComparedWay, MapDirection, Reference,
 };
 use crate::style::theme;
 use crate::style::theme::{run_style, size, space};
@@ -61,7 +62,8 @@ fn contents(
             if basin.results.running.is_none() {
                 run_or_cancel(ui, basin, context, requests, BasinView::Map);
             }
-            named_button(ui, context, requests, Action::ShowBasin, "Open tile");
+            let tile = Command::Window(WindowCommand::TogglePane(Pane::Basin));
+            named_button(ui, context, requests, tile, "Open tile");
         });
         starts(ui, context, &mut settings);
         compared(ui, context, &mut settings);

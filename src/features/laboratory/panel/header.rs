@@ -2,7 +2,7 @@
 
 use egui::{Align, Button, Frame, Label, Layout as Direction, Margin, Panel, RichText, Ui, vec2};
 
-use crate::context::action::Action;
+use crate::context::command::{Command, FitCommand, LaboratoryCommand};
 use crate::context::command_button as command;
 use crate::context::{Context, Request, Requests, unavailable};
 use crate::document::fit_words::preset_like;
@@ -80,17 +80,22 @@ fn sentence(context: &Context<'_>) -> String {
 fn controls(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     ui.spacing_mut().item_spacing.x = space::ROW + 2.0;
     start_box(ui, context, requests);
-    command::icon(ui, context, requests, Action::Stop, Icon::Stop);
+    command::icon(ui, context, requests, Command::Fit(FitCommand::Stop), Icon::Stop);
     let run = format!("Run {}", context.laboratory.lineup.all_text());
-    act(ui, context, requests, Action::Run, |ui| ui.add(Button::new(run).min_size(vec2(0.0, size::BUTTON))));
-    act(ui, context, requests, Action::Step, |ui| primary_button(ui, Action::Step.text()));
-    command::icon(ui, context, requests, Action::StepBack, Icon::StepBack);
-    let tooltip = unavailable(Action::RestartLaboratory, context);
+    act(ui, context, requests, Command::Fit(FitCommand::Run), |ui| {
+        ui.add(Button::new(run).min_size(vec2(0.0, size::BUTTON)))
+    });
+    let step = Command::Fit(FitCommand::Step);
+    act(ui, context, requests, step, |ui| primary_button(ui, step.text()));
+    command::icon(ui, context, requests, Command::Fit(FitCommand::StepBack), Icon::StepBack);
+    let restart = Command::Laboratory(LaboratoryCommand::Restart);
+    let tooltip = unavailable(restart, context);
     let is_enabled = tooltip.is_none();
-    let tooltip = tooltip.map_or_else(|| Action::RestartLaboratory.tooltip(), |why| format!("{why}."));
-    let restart = ui.add_enabled_ui(is_enabled, |ui| icon_button(ui, Icon::First, "Restart", &tooltip)).inner;
-    if restart.clicked() {
-        requests.act(Action::RestartLaboratory);
+    let tooltip = tooltip.map_or_else(|| restart.tooltip(), |why| format!("{why}."));
+    let response =
+        ui.add_enabled_ui(is_enabled, |ui| icon_button(ui, Icon::First, "Restart", &tooltip)).inner;
+    if response.clicked() {
+        requests.run(restart);
     }
 }
 
@@ -99,14 +104,14 @@ fn act(
     ui: &mut Ui,
     context: &Context<'_>,
     requests: &mut Requests,
-    action: Action,
+    command: Command,
     add: impl FnOnce(&mut Ui) -> egui::Response,
 ) {
-    let why_not = unavailable(action, context);
+    let why_not = unavailable(command, context);
     let response = ui.add_enabled_ui(why_not.is_none(), add).inner;
-    let tooltip = why_not.map_or_else(|| action.tooltip(), |why| format!("{}\n{why}.", action.tooltip()));
+    let tooltip = why_not.map_or_else(|| command.tooltip(), |why| format!("{}\n{why}.", command.tooltip()));
     if response.on_hover_text(&tooltip).on_disabled_hover_text(&tooltip).clicked() {
-        requests.act(action);
+        requests.run(command);
     }
 }
 

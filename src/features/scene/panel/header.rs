@@ -2,7 +2,7 @@
 
 use egui::{Align, Button, Layout, Popup, Rect, Role, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
 
-use crate::context::action::Action;
+use crate::context::command::{Command, SceneCommand};
 use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::pane_title;
 use crate::context::{Context, Request, Requests};
@@ -65,14 +65,14 @@ fn title(look: &SceneLook) -> String {
 
 fn views(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let presets = [
-        ("Whole scene", Action::SceneReset),
-        ("Front", Action::SceneFront),
-        ("Side", Action::SceneSide),
-        ("Above", Action::SceneTop),
+        ("Whole scene", Command::Scene(SceneCommand::Reset)),
+        ("Front", Command::Scene(SceneCommand::Front)),
+        ("Side", Command::Scene(SceneCommand::Side)),
+        ("Above", Command::Scene(SceneCommand::Top)),
     ];
-    for (text, action) in presets {
-        if ui.add(Button::new(text)).on_hover_text(action.tooltip()).clicked() {
-            requests.act(action);
+    for (text, command) in presets {
+        if ui.add(Button::new(text)).on_hover_text(command.tooltip()).clicked() {
+            requests.run(command);
             ui.close();
         }
     }

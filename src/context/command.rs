@@ -1,0 +1,120 @@
+//! The commands of menus, toolbar, palette and keyboard, grouped by the feature that does them.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `groups` | the commands of each feature |
+//! | `table` | text, tooltip, menu and keys of every command |
+//! | `menu` | the menus |
+//! | `keys` | which keys were pressed, and how they are written |
+
+/// Declares a group of commands. `every` lists them: a variant that carries something says what it may be.
+macro_rules! group {
+    ($(#[$meta:meta])* $name:ident { $($variant:ident $(($carried:ty) of $values:expr)?),* $(,)? }) => {
+        $(#[$meta])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[expect(missing_docs, reason = "the table of commands says what each does")]
+        pub enum $name { $($variant $(($carried))?),* }
+
+        impl $name {
+            #[cfg(test)]
+            pub(super) fn every() -> Vec<Self> {
+                let mut every = Vec::new();
+                $(group!(@add every $variant $($values)?);)*
+                every
+            }
+        }
+    };
+    (@add $every:ident $variant:ident) => { $every.push(Self::$variant) };
+    (@add $every:ident $variant:ident $values:expr) => { $every.extend($values.into_iter().map(Self::$variant)) };
+}
+
+mod groups;
+mod keys;
+mod menu;
+mod table;
+
+pub use groups::{
+    BasinCommand, BasinView, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
+    LaboratoryCommand, Nudge, ObservabilityCommand, Part, PoseCommand, RecoveryCommand, SceneCommand,
+    TimelineCommand, TrackingCommand, ViewCommand, WindowCommand,
+};
+pub use keys::keys_text;
+pub use menu::Menu;
+
+use egui::KeyboardShortcut;
+
+use crate::take::demonstration::Demonstration;
+use table::{Row, TABLE};
+
+group! {
+    /// A command.
+    Command {
+        File(FileCommand) of FileCommand::every(),
+        History(HistoryCommand) of HistoryCommand::every(),
+        Recovery(RecoveryCommand) of RecoveryCommand::every(),
+        Export(ExportCommand) of ExportCommand::every(),
+        Pose(PoseCommand) of PoseCommand::every(),
+        Window(WindowCommand) of WindowCommand::every(),
+        View(ViewCommand) of ViewCommand::every(),
+        Scene(SceneCommand) of SceneCommand::every(),
+        Fit(FitCommand) of FitCommand::every(),
+        Convergence(ConvergenceCommand) of ConvergenceCommand::every(),
+        Basin(BasinCommand) of BasinCommand::every(),
+        Observability(ObservabilityCommand) of ObservabilityCommand::every(),
+        Tracking(TrackingCommand) of TrackingCommand::every(),
+        Timeline(TimelineCommand) of TimelineCommand::every(),
+        Demonstration(Demonstration) of Demonstration::ALL,
+        Laboratory(LaboratoryCommand) of LaboratoryCommand::every(),
+        Tour,
+    }
+}
+
+impl Command {
+    /// All commands, in the order of the menus.
+    pub fn all() -> impl Iterator<Item = Self> {
+        TABLE.iter().map(|row| row.command)
+    }
+
+    /// The commands of a menu.
+    pub fn in_menu(menu: Menu) -> impl Iterator<Item = Self> {
+        TABLE.iter().filter(move |row| row.menu == menu).map(|row| row.command)
+    }
+
+    /// The command's name on buttons and in menus.
+    #[must_use]
+    pub fn text(self) -> &'static str {
+        self.row().map_or("", |row| row.text)
+    }
+
+    /// One sentence about what it does, without its full stop.
+    #[must_use]
+    pub fn explanation(self) -> &'static str {
+        self.row().map_or("", |row| row.tooltip)
+    }
+
+    /// The explanation and the keys, for a tooltip.
+    #[must_use]
+    pub fn tooltip(self) -> String {
+        match self.keys_text() {
+            Some(keys) => format!("{}   {keys}", self.explanation()),
+            None => self.explanation().to_owned(),
+        }
+    }
+
+    /// The menu it stands in.
+    #[must_use]
+    pub fn menu(self) -> Option<Menu> {
+        self.row().map(|row| row.menu)
+    }
+
+    /// Its keys.
+    #[must_use]
+    pub fn shortcuts(self) -> &'static [KeyboardShortcut] {
+        self.row().map_or(&[], |row| row.keys)
+    }
+
+    /// Its row of the table, where it has one: a ninth camera has none, nor has a tree of so many spheres.
+    fn row(self) -> Option<&'static Row> {
+        TABLE.iter().find(|row| row.command == self)
+    }
+}

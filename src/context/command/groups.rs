@@ -1,0 +1,194 @@
+//! The commands of each feature, and what some of them carry.
+
+use backlit_tracking::render::RendererKind;
+use backlit_tracking::track::Preset;
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use crate::context::pane::Pane;
+use crate::context::preferences::Layout;
+use crate::drawing::{Comparison, ViewMode};
+
+group! {
+    /// Takes and projects.
+    FileCommand { OpenTake, OpenBuiltIn, OpenProject, FindTake, Save, SaveAs, Quit }
+}
+
+group! {
+    /// The document's past.
+    HistoryCommand { Undo, Redo }
+}
+
+group! {
+    /// Work that was left unsaved.
+    RecoveryCommand { UndoDiscard }
+}
+
+group! {
+    /// Pictures for other people.
+    ExportCommand { View, Window, Steps, Frames, Stop, ShowExported }
+}
+
+group! {
+    /// Posing by hand.
+    PoseCommand {
+        Copy,
+        Paste,
+        Mirror,
+        MirrorAll,
+        PinJoint,
+        ResetLimb,
+        ResetBody,
+        NextJoint,
+        PreviousJoint,
+        Nudge(Nudge) of Nudge::every(),
+    }
+}
+
+group! {
+    /// A small move of the selected joint in the active view.
+    Nudge { Left, Right, Up, Down, FarLeft, FarRight, FarUp, FarDown }
+}
+
+impl Nudge {
+    /// How far it goes in the view.
+    #[must_use]
+    pub const fn by_px(self) -> DVec2 {
+        match self {
+            Self::Left => DVec2::new(-1.0, 0.0),
+            Self::Right => DVec2::new(1.0, 0.0),
+            Self::Up => DVec2::new(0.0, -1.0),
+            Self::Down => DVec2::new(0.0, 1.0),
+            Self::FarLeft => DVec2::new(-5.0, 0.0),
+            Self::FarRight => DVec2::new(5.0, 0.0),
+            Self::FarUp => DVec2::new(0.0, -5.0),
+            Self::FarDown => DVec2::new(0.0, 5.0),
+        }
+    }
+}
+
+group! {
+    /// The window: how it is arranged, and what lies over it.
+    WindowCommand {
+        Layout(Layout) of Layout::ALL.map(|(layout, _)| layout),
+        ToggleTheme,
+        TogglePanel,
+        ToggleTimeline,
+        TogglePane(Pane) of Pane::KINDS.map(|kind| kind.0),
+        ArrangeTiles,
+        ResetLayout,
+        RestoreLayout,
+        Palette,
+        Shortcuts,
+        Messages,
+        About,
+    }
+}
+
+group! {
+    /// What all camera views show, and how; keys stop at the eighth camera.
+    ViewCommand {
+        FitSubject,
+        WholePicture,
+        ZoomIn,
+        ZoomOut,
+        LinkZoom,
+        CalibrationMarks,
+        PixelGrid,
+        SizeHandles,
+        Mode(ViewMode) of ViewMode::ALL,
+        Compare(Comparison) of [Comparison::Wipe, Comparison::Blink],
+        CameraAlone(usize) of 0..8,
+    }
+}
+
+group! {
+    /// Where the scene is seen from.
+    SceneCommand { Front, Side, Top, FromCamera, Reset }
+}
+
+group! {
+    /// The fit of the frame on the screen.
+    FitCommand {
+        Step,
+        StepBack,
+        Run,
+        Stop,
+        EarlierStep,
+        LaterStep,
+        Branch,
+        Refit(Part) of Part::every(),
+        SearchPoses,
+        FitBody,
+        Renderer(RendererKind) of [
+            RendererKind::Capsule,
+            RendererKind::Cylinder,
+            RendererKind::SphereTree { spheres: None },
+        ],
+        Preset(Preset) of Preset::ALL,
+    }
+}
+
+group! {
+    /// Which part of the body is fitted.
+    Part { Limb, Chain, Body }
+}
+
+group! {
+    /// The runs and their plot.
+    ConvergenceCommand { ClearRuns, RestoreRuns, ExportCurves, ExportPlot }
+}
+
+group! {
+    /// The basin of the frame.
+    BasinCommand { Run(BasinView) of [BasinView::Angles, BasinView::Map], Cancel }
+}
+
+/// The two ways in which a basin is tried and shown.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BasinView {
+    /// Success over angle.
+    #[default]
+    Angles,
+    /// A map of two directions.
+    Map,
+}
+
+group! {
+    /// What the cameras see.
+    ObservabilityCommand { Ellipses, Sway, WeakerDirection, StrongerDirection }
+}
+
+group! {
+    /// The tracker.
+    TrackingCommand { Forward, Back, Between, Clear }
+}
+
+group! {
+    /// Frames: going to them, playing them, key poses.
+    TimelineCommand {
+        SetKeyPose,
+        PreviousKey,
+        NextKey,
+        ClearRange,
+        PreviousFrame,
+        NextFrame,
+        TenFramesBack,
+        TenFramesOn,
+        FirstFrame,
+        LastFrame,
+        Play,
+        ToggleLoop,
+        Slower,
+        Faster,
+        WholeTake,
+        NextWorst,
+        PreviousWorst,
+    }
+}
+
+group! {
+    /// The laboratory.
+    LaboratoryCommand { Restart }
+}

@@ -1,0 +1,209 @@
+//! The table of all commands, in the order of the menus: text, tooltip and keys stand here and nowhere else.
+
+use backlit_tracking::render::RendererKind;
+use backlit_tracking::track::Preset;
+use egui::{Key, KeyboardShortcut};
+
+use super::Command::{
+    Basin, Convergence, Demonstration as Show, Export, File, Fit, History, Laboratory, Observability, Pose,
+    Recovery, Scene, Timeline, Tour, Tracking, View, Window,
+};
+use super::keys::{ctrl, ctrl_shift, key, shift};
+use super::{
+    BasinCommand, BasinView, Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand,
+    HistoryCommand, LaboratoryCommand, Menu, Nudge, ObservabilityCommand, Part, PoseCommand, RecoveryCommand,
+    SceneCommand, TimelineCommand, TrackingCommand, ViewCommand, WindowCommand,
+};
+use crate::context::pane::Pane;
+use crate::context::preferences::Layout;
+use crate::drawing::{Comparison, ViewMode};
+use crate::take::demonstration::Demonstration;
+
+/// All about a command.
+pub(super) struct Row {
+    pub(super) command: Command,
+    pub(super) menu: Menu,
+    pub(super) text: &'static str,
+    pub(super) tooltip: &'static str,
+    pub(super) keys: &'static [KeyboardShortcut],
+}
+
+const fn row(
+    menu: Menu,
+    command: Command,
+    text: &'static str,
+    tooltip: &'static str,
+    keys: &'static [KeyboardShortcut],
+) -> Row {
+    Row { command, menu, text, tooltip, keys }
+}
+
+#[rustfmt::skip]
+pub(super) const TABLE: &[Row] = &[
+    row(Menu::File, File(FileCommand::OpenTake), "Open take…", "Open a folder with a take.toml", &[ctrl(Key::O)]),
+    row(Menu::File, File(FileCommand::OpenBuiltIn), "Open built-in take", "A synthetic figure before four cameras, with known truth", &[]),
+    row(Menu::File, File(FileCommand::OpenProject), "Open project…", "Open saved work, a .backlit file", &[ctrl_shift(Key::O)]),
+    row(Menu::File, File(FileCommand::FindTake), "Find take…", "Say where the take is now of the project that was not opened for lack of it", &[]),
+    row(Menu::File, File(FileCommand::Save), "Save", "Save poses, sizes and settings to the project file", &[ctrl(Key::S)]),
+    row(Menu::File, File(FileCommand::SaveAs), "Save as…", "Save to another project file", &[ctrl_shift(Key::S)]),
+    row(Menu::File, Export(ExportCommand::View), "Export view…", "The active camera's picture with its marks and legend, as a PNG of any size", &[ctrl(Key::E)]),
+    row(Menu::File, Export(ExportCommand::Window), "Export window…", "The window as it is, as a PNG of any size", &[ctrl_shift(Key::E)]),
+    row(Menu::File, Export(ExportCommand::Steps), "Export iterations…", "All steps of the shown run, as PNGs or as a picture that moves", &[]),
+    row(Menu::File, Export(ExportCommand::Frames), "Export frames…", "A range of frames with their poses, as PNGs or as a picture that moves", &[]),
+    row(Menu::File, Export(ExportCommand::Stop), "Stop export", "End the export that is under way", &[]),
+    row(Menu::File, Export(ExportCommand::ShowExported), "Show exported files", "Open the folder of the last export", &[]),
+    row(Menu::File, Recovery(RecoveryCommand::UndoDiscard), "Undo discard", "Offer again the unsaved work that was discarded last", &[]),
+    row(Menu::File, File(FileCommand::Quit), "Quit", "Close the window; unsaved work is kept for the next start", &[ctrl(Key::Q)]),
+    row(Menu::Edit, History(HistoryCommand::Undo), "Undo", "Take back the last change", &[ctrl(Key::Z)]),
+    row(Menu::Edit, History(HistoryCommand::Redo), "Redo", "Make the change again that was taken back", &[ctrl_shift(Key::Z), ctrl(Key::Y)]),
+    row(Menu::Edit, Pose(PoseCommand::Copy), "Copy pose", "Copy the whole pose of this frame", &[ctrl(Key::C)]),
+    row(Menu::Edit, Pose(PoseCommand::Paste), "Paste pose", "Give this frame the copied pose", &[ctrl(Key::V)]),
+    row(Menu::Edit, Pose(PoseCommand::Mirror), "Mirror", "Give the other side of the body the turn of the selected limb and all that hangs from it", &[key(Key::X)]),
+    row(Menu::Edit, Pose(PoseCommand::MirrorAll), "Mirror pose", "Let right and left trade places in the whole pose", &[shift(Key::X)]),
+    row(Menu::Edit, Pose(PoseCommand::PinJoint), "Pin or free joint", "A pinned joint stays where it is while others are dragged", &[key(Key::I)]),
+    row(Menu::Edit, Pose(PoseCommand::ResetLimb), "Reset limb", "Turn the selected limb as it is at rest", &[key(Key::Backspace)]),
+    row(Menu::Edit, Pose(PoseCommand::ResetBody), "Reset body", "Go back to the start pose of the take", &[shift(Key::Backspace)]),
+    row(Menu::Edit, Pose(PoseCommand::NextJoint), "Next joint", "Select the next joint of the body", &[key(Key::Tab)]),
+    row(Menu::Edit, Pose(PoseCommand::PreviousJoint), "Previous joint", "Select the joint before", &[shift(Key::Tab)]),
+    row(Menu::Edit, Pose(PoseCommand::Nudge(Nudge::Left)), "Nudge left", "Move the selected joint one pixel to the left in the active view", &[ctrl(Key::ArrowLeft)]),
+    row(Menu::Edit, Pose(PoseCommand::Nudge(Nudge::Right)), "Nudge right", "Move the selected joint one pixel to the right in the active view", &[ctrl(Key::ArrowRight)]),
+    row(Menu::Edit, Pose(PoseCommand::Nudge(Nudge::Up)), "Nudge up", "Move the selected joint one pixel up in the active view", &[ctrl(Key::ArrowUp)]),
+    row(Menu::Edit, Pose(PoseCommand::Nudge(Nudge::Down)), "Nudge down", "Move the selected joint one pixel down in the active view", &[ctrl(Key::ArrowDown)]),
+    row(Menu::Edit, Pose(PoseCommand::Nudge(Nudge::FarLeft)), "Nudge left by five", "Move the selected joint five pixels to the left in the active view", &[ctrl_shift(Key::ArrowLeft)]),
+    row(Menu::Edit, Pose(PoseCommand::Nudge(Nudge::FarRight)), "Nudge right by five", "Move the selected joint five pixels to the right in the active view", &[ctrl_shift(Key::ArrowRight)]),
+    row(Menu::Edit, Pose(PoseCommand::Nudge(Nudge::FarUp)), "Nudge up by five", "Move the selected joint five pixels up in the active view", &[ctrl_shift(Key::ArrowUp)]),
+    row(Menu::Edit, Pose(PoseCommand::Nudge(Nudge::FarDown)), "Nudge down by five", "Move the selected joint five pixels down in the active view", &[ctrl_shift(Key::ArrowDown)]),
+    row(Menu::View, Window(WindowCommand::Layout(Layout::Pose)), "Pose layout", "Large camera views, for setting a pose by hand", &[key(Key::F1)]),
+    row(Menu::View, Window(WindowCommand::Layout(Layout::Debug)), "Debug layout", "Camera views with the convergence plot and its steps", &[key(Key::F2)]),
+    row(Menu::View, Window(WindowCommand::Layout(Layout::Demonstrate)), "Demonstrate layout", "The laboratory: several ways to fit from one start, side by side", &[key(Key::F3)]),
+    row(Menu::View, Window(WindowCommand::ToggleTheme), "Dark or light", "Switch between the dark and the light theme", &[]),
+    row(Menu::View, Window(WindowCommand::TogglePanel), "Show or hide panel", "The column on the right", &[ctrl(Key::B)]),
+    row(Menu::View, Window(WindowCommand::ToggleTimeline), "Show or hide lanes", "The lanes of the timeline", &[ctrl(Key::T)]),
+    row(Menu::View, Window(WindowCommand::TogglePane(Pane::Scene)), "Show or hide scene", "Body, cameras and their pictures in three dimensions", &[]),
+    row(Menu::View, Window(WindowCommand::TogglePane(Pane::Convergence)), "Show or hide convergence", "The plot of the runs, and their steps", &[]),
+    row(Menu::View, Scene(SceneCommand::Front), "Scene from the front", "Look at the body's front in the scene", &[]),
+    row(Menu::View, Scene(SceneCommand::Side), "Scene from the side", "Look at the body's right side in the scene", &[]),
+    row(Menu::View, Scene(SceneCommand::Top), "Scene from above", "Look down on the body in the scene", &[]),
+    row(Menu::View, Scene(SceneCommand::FromCamera), "Scene from the active camera", "Look from the place of the camera whose tile is active", &[]),
+    row(Menu::View, Scene(SceneCommand::Reset), "Whole scene", "See all cameras in the scene", &[]),
+    row(Menu::View, Window(WindowCommand::TogglePane(Pane::Basin)), "Show or hide basin", "How far off a start may be: success over angle, and a map", &[]),
+    row(Menu::View, Window(WindowCommand::ArrangeTiles), "Arrange tiles", "Tiles where they give the largest pictures, in this layout", &[]),
+    row(Menu::View, Window(WindowCommand::ResetLayout), "Reset layout", "Tiles, sizes and sections as they were at first", &[]),
+    row(Menu::View, Window(WindowCommand::RestoreLayout), "Undo layout", "Take back the last Reset layout or Arrange tiles", &[]),
+    row(Menu::View, View(ViewCommand::FitSubject), "Fit subject", "Zoom every view to the subject", &[key(Key::F)]),
+    row(Menu::View, View(ViewCommand::WholePicture), "Whole picture", "Zoom every view to the whole frame", &[key(Key::A)]),
+    row(Menu::View, View(ViewCommand::ZoomIn), "Zoom in", "Magnify the active view about its middle; the wheel does it at the pointer", &[key(Key::Plus), key(Key::Equals)]),
+    row(Menu::View, View(ViewCommand::ZoomOut), "Zoom out", "Show more of the active view; the wheel does it at the pointer", &[key(Key::Minus)]),
+    row(Menu::View, View(ViewCommand::LinkZoom), "Link zoom", "Let all views zoom and pan together, about the same point of the body", &[key(Key::Z)]),
+    row(Menu::View, View(ViewCommand::CalibrationMarks), "Calibration marks", "Show principal points, the axes of the world, a grid through its origin, and lens edges", &[key(Key::Q)]),
+    row(Menu::View, View(ViewCommand::PixelGrid), "Pixel grid", "Show lines between pixels where they are shown large", &[]),
+    row(Menu::View, View(ViewCommand::SizeHandles), "Size handles", "Show handles for the length and the radius of the selected limb in the views", &[key(Key::E)]),
+    row(Menu::View, View(ViewCommand::Mode(ViewMode::Footage)), "Footage", "Show the footage alone", &[key(Key::O)]),
+    row(Menu::View, View(ViewCommand::Mode(ViewMode::Data)), "Data D", "Show the measured silhouette", &[key(Key::D)]),
+    row(Menu::View, View(ViewCommand::Mode(ViewMode::Prediction)), "Prediction Λ", "Show the silhouette that the pose predicts", &[key(Key::M)]),
+    row(Menu::View, View(ViewCommand::Mode(ViewMode::Residual)), "Residual D − Λ", "Show where data and model differ: orange is missing, blue is spurious", &[key(Key::R)]),
+    row(Menu::View, View(ViewCommand::Mode(ViewMode::Tinted)), "Tinted overlay", "Show agreement, missing and spurious over the footage", &[key(Key::T)]),
+    row(Menu::View, View(ViewCommand::Mode(ViewMode::ReportOverlay)), "Report overlay", "Show the data black and the model white, as the report does", &[key(Key::V)]),
+    row(Menu::View, View(ViewCommand::Mode(ViewMode::OwnerLimb)), "Owner limb", "Show which limb each pixel belongs to", &[key(Key::L)]),
+    row(Menu::View, View(ViewCommand::Mode(ViewMode::Gradient)), "Gradient", "Show how strongly each pixel pulls at its limb", &[key(Key::G)]),
+    row(Menu::View, View(ViewCommand::Mode(ViewMode::JacobianColumn)), "Jacobian column", "Show how each pixel changes with the selected joint; again: the next axis", &[key(Key::J)]),
+    row(Menu::View, View(ViewCommand::Compare(Comparison::Wipe)), "Wipe", "Compare two view modes side by side in the active view", &[key(Key::W)]),
+    row(Menu::View, View(ViewCommand::Compare(Comparison::Blink)), "Blink", "Compare two view modes one after the other in the active view", &[key(Key::B)]),
+    row(Menu::View, View(ViewCommand::CameraAlone(0)), "Camera 1 alone", "Camera 1 to the full window, and back", &[key(Key::Num1)]),
+    row(Menu::View, View(ViewCommand::CameraAlone(1)), "Camera 2 alone", "Camera 2 to the full window, and back", &[key(Key::Num2)]),
+    row(Menu::View, View(ViewCommand::CameraAlone(2)), "Camera 3 alone", "Camera 3 to the full window, and back", &[key(Key::Num3)]),
+    row(Menu::View, View(ViewCommand::CameraAlone(3)), "Camera 4 alone", "Camera 4 to the full window, and back", &[key(Key::Num4)]),
+    row(Menu::View, View(ViewCommand::CameraAlone(4)), "Camera 5 alone", "Camera 5 to the full window, and back", &[key(Key::Num5)]),
+    row(Menu::View, View(ViewCommand::CameraAlone(5)), "Camera 6 alone", "Camera 6 to the full window, and back", &[key(Key::Num6)]),
+    row(Menu::View, View(ViewCommand::CameraAlone(6)), "Camera 7 alone", "Camera 7 to the full window, and back", &[key(Key::Num7)]),
+    row(Menu::View, View(ViewCommand::CameraAlone(7)), "Camera 8 alone", "Camera 8 to the full window, and back", &[key(Key::Num8)]),
+    row(Menu::Fit, Fit(FitCommand::Step), "Step", "One step of the fit on this frame", &[key(Key::Space)]),
+    row(Menu::Fit, Fit(FitCommand::StepBack), "Step back", "Look at the step before", &[shift(Key::Space)]),
+    row(Menu::Fit, Fit(FitCommand::Run), "Run", "Step until the fit ends by itself", &[key(Key::Enter)]),
+    row(Menu::Fit, Fit(FitCommand::Stop), "Stop", "Stop the fit or the tracker; what is done stays", &[key(Key::Escape)]),
+    row(Menu::Fit, Fit(FitCommand::EarlierStep), "Earlier step", "Look at the step before in the run", &[key(Key::Comma)]),
+    row(Menu::Fit, Fit(FitCommand::LaterStep), "Later step", "Look at the step after in the run", &[key(Key::Period)]),
+    row(Menu::Fit, Fit(FitCommand::Branch), "Branch", "Go on from the step on the screen; the old run stays", &[]),
+    row(Menu::Fit, Fit(FitCommand::Refit(Part::Limb)), "Refit limb", "Fit the selected limb alone, the rest stays", &[]),
+    row(Menu::Fit, Fit(FitCommand::Refit(Part::Chain)), "Refit chain", "Fit the selected limb and its neighbours up to the trunk", &[]),
+    row(Menu::Fit, Fit(FitCommand::Refit(Part::Body)), "Refit body", "Fit the whole body", &[]),
+    row(Menu::Fit, Fit(FitCommand::SearchPoses), "Search poses", "Look for other poses that the silhouettes of this frame allow; they are listed under Refit", &[ctrl(Key::F)]),
+    row(Menu::Fit, Fit(FitCommand::FitBody), "Fit body to frames", "Find the person's lengths and radii from up to eight frames that have poses of their own", &[]),
+    row(Menu::Fit, Fit(FitCommand::Renderer(RendererKind::Capsule)), "Capsule", "Limbs with round ends", &[key(Key::C)]),
+    row(Menu::Fit, Fit(FitCommand::Renderer(RendererKind::Cylinder)), "Cylinder", "Limbs with flat ends", &[key(Key::Y)]),
+    row(Menu::Fit, Fit(FitCommand::Renderer(RendererKind::SphereTree { spheres: None })), "Sphere tree", "Limbs as rows of spheres", &[key(Key::S)]),
+    row(Menu::Fit, Fit(FitCommand::Preset(Preset::Report)), "Report 2004", "Raw quaternions, thesis ramp, fixed damping, as in the report", &[]),
+    row(Menu::Fit, Fit(FitCommand::Preset(Preset::Robust)), "Robust", "Tangent updates, Levenberg-Marquardt, annealed distance data, priors and limits", &[]),
+    row(Menu::Fit, Convergence(ConvergenceCommand::ClearRuns), "Clear runs", "Forget the runs in the convergence plot", &[]),
+    row(Menu::Fit, Convergence(ConvergenceCommand::RestoreRuns), "Undo remove runs", "Bring back the runs that were removed last", &[]),
+    row(Menu::Fit, Convergence(ConvergenceCommand::ExportCurves), "Export curves…", "Write every step of all runs to a CSV file", &[]),
+    row(Menu::Fit, Convergence(ConvergenceCommand::ExportPlot), "Export plot…", "Write the convergence plot to a PNG file", &[]),
+    row(Menu::Fit, Observability(ObservabilityCommand::Ellipses), "Uncertainty in the views", "Show two standard deviations of every joint as ellipses", &[key(Key::U)]),
+    row(Menu::Fit, Observability(ObservabilityCommand::Sway), "Sway", "Sway the body along the direction that is looked at, or hold it still", &[shift(Key::U)]),
+    row(Menu::Fit, Observability(ObservabilityCommand::WeakerDirection), "Weaker direction", "Look at the next direction that the cameras see less", &[key(Key::PageDown)]),
+    row(Menu::Fit, Observability(ObservabilityCommand::StrongerDirection), "Better seen direction", "Look at the next direction that the cameras see better", &[key(Key::PageUp)]),
+    row(Menu::Fit, Basin(BasinCommand::Run(BasinView::Angles)), "Run basin", "Fit this frame from many starts farther and farther off, in the background", &[]),
+    row(Menu::Fit, Basin(BasinCommand::Run(BasinView::Map)), "Run basin map", "Fit this frame from a grid of starts with two angles set off, in the background", &[]),
+    row(Menu::Fit, Basin(BasinCommand::Cancel), "Cancel basin", "Stop the basin's fits; what is done stays", &[]),
+    row(Menu::Track, Tracking(TrackingCommand::Forward), "Track forward", "Fit frame after frame from here to the end", &[ctrl(Key::Enter)]),
+    row(Menu::Track, Tracking(TrackingCommand::Back), "Track back", "Fit frame after frame from here to the beginning", &[ctrl_shift(Key::Enter)]),
+    row(Menu::Track, Tracking(TrackingCommand::Between), "Track between keys", "Fit from the key pose before on and from the one after back; both tracks are joined where their joints lie nearest, and the frames about the join are blended and fitted again", &[ctrl_shift(Key::K)]),
+    row(Menu::Track, Timeline(TimelineCommand::SetKeyPose), "Set or clear key pose", "Keep the pose of this frame as one that was set by hand, a diamond in the timeline: the tracker begins anew from it. Dragging a joint sets one too; again clears it", &[key(Key::K)]),
+    row(Menu::Track, Timeline(TimelineCommand::PreviousKey), "Previous key pose", "Go to the key pose before", &[key(Key::OpenBracket)]),
+    row(Menu::Track, Timeline(TimelineCommand::NextKey), "Next key pose", "Go to the next key pose", &[key(Key::CloseBracket)]),
+    row(Menu::Track, Tracking(TrackingCommand::Clear), "Clear track", "Forget all tracked poses; key poses stay", &[]),
+    row(Menu::Track, Timeline(TimelineCommand::ClearRange), "Clear marked frames", "Forget what was found for the frames marked in the timeline; key poses stay", &[]),
+    row(Menu::Track, Timeline(TimelineCommand::PreviousFrame), "Previous frame", "Go to the frame before", &[key(Key::ArrowLeft)]),
+    row(Menu::Track, Timeline(TimelineCommand::NextFrame), "Next frame", "Go to the frame after", &[key(Key::ArrowRight)]),
+    row(Menu::Track, Timeline(TimelineCommand::TenFramesBack), "Ten frames back", "Go back by ten frames", &[shift(Key::ArrowLeft)]),
+    row(Menu::Track, Timeline(TimelineCommand::TenFramesOn), "Ten frames on", "Go on by ten frames", &[shift(Key::ArrowRight)]),
+    row(Menu::Track, Timeline(TimelineCommand::FirstFrame), "First frame", "Go to the first frame", &[key(Key::Home)]),
+    row(Menu::Track, Timeline(TimelineCommand::LastFrame), "Last frame", "Go to the last frame", &[key(Key::End)]),
+    row(Menu::Track, Timeline(TimelineCommand::Play), "Play or pause", "Play the frames with their poses", &[key(Key::P)]),
+    row(Menu::Track, Timeline(TimelineCommand::ToggleLoop), "Loop", "Begin again at the end: of the marked frames, else of the take", &[shift(Key::P)]),
+    row(Menu::Track, Timeline(TimelineCommand::Slower), "Play slower", "The next lower speed, down to a tenth", &[shift(Key::Comma)]),
+    row(Menu::Track, Timeline(TimelineCommand::Faster), "Play faster", "The next higher speed, up to four times", &[shift(Key::Period)]),
+    row(Menu::Track, Timeline(TimelineCommand::WholeTake), "Show whole take", "All frames in the timeline", &[]),
+    row(Menu::Track, Timeline(TimelineCommand::NextWorst), "Next worst", "Go to the next frame with a poor fit", &[key(Key::N)]),
+    row(Menu::Track, Timeline(TimelineCommand::PreviousWorst), "Previous worst", "Go to the poor fit before", &[shift(Key::N)]),
+    row(Menu::Demonstrate, Show(Demonstration::SingleLimb), "Fig. 5.1: one limb, three renderers", "One limb seen from the side: capsule and sphere tree come home, the cylinder stays", &[]),
+    row(Menu::Demonstrate, Show(Demonstration::OneCamera), "Fig. 5.2: upper body, one camera", "The cost falls, yet the arms are off where the camera cannot see it", &[]),
+    row(Menu::Demonstrate, Show(Demonstration::TwoCameras), "Fig. 5.3: upper body, two cameras", "The same start with a second camera, the report's steps beside tangent ones", &[]),
+    row(Menu::Demonstrate, Show(Demonstration::Sequence), "Fig. 5.5: simulated sequence", "50 frames of silhouettes in two cameras, to be tracked", &[]),
+    row(Menu::Demonstrate, Show(Demonstration::TinySequence), "Fig. 5.6: tiny pictures", "The same frames with 48 × 36 pixels", &[]),
+    row(Menu::Demonstrate, Show(Demonstration::Bias), "Bias of a ramp", "Fits that begin at the true pose, and leave it", &[]),
+    row(Menu::Demonstrate, Laboratory(LaboratoryCommand::Restart), "Restart laboratory", "Forget the laboratory's steps and begin again from its start", &[ctrl(Key::R)]),
+    row(Menu::Help, Window(WindowCommand::Palette), "Find a command…", "Type a few letters of any command", &[ctrl(Key::K)]),
+    row(Menu::Help, Window(WindowCommand::Shortcuts), "Keys", "All keys, searchable", &[key(Key::Questionmark)]),
+    row(Menu::Help, Tour, "Tour", "Seven steps on the built-in take, that you do yourself", &[]),
+    row(Menu::Help, Window(WindowCommand::Messages), "Messages", "What the program has said since it was started", &[]),
+    row(Menu::Help, Window(WindowCommand::About), "About Backlit", "Version, licence, and the method's source", &[]),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::context::command::keys_text;
+
+    #[test]
+    fn every_command_has_one_row() {
+        let all = Command::every();
+        for command in &all {
+            assert_eq!(TABLE.iter().filter(|row| row.command == *command).count(), 1, "{command:?}");
+        }
+        assert_eq!(TABLE.len(), all.len());
+    }
+
+    #[test]
+    fn every_key_has_one_command_and_no_text_ends_with_a_full_stop() {
+        let mut keys: Vec<String> = Vec::new();
+        for row in TABLE {
+            assert!(!row.text.ends_with('.') && !row.tooltip.ends_with('.'), "{}", row.text);
+            for shortcut in row.keys {
+                let text = keys_text(shortcut);
+                assert!(!keys.contains(&text), "{text} is used twice");
+                keys.push(text);
+            }
+        }
+    }
+}

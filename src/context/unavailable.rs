@@ -1,0 +1,270 @@
+//! Why a command cannot be used now.
+
+use super::Context;
+use super::command::{
+    BasinCommand, Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
+    LaboratoryCommand, ObservabilityCommand, PoseCommand, RecoveryCommand, TimelineCommand, TrackingCommand,
+    ViewCommand, WindowCommand,
+};
+use super::preferences::Layout;
+use crate::app::keys_around;
+use crate::session::selection::StepRef;
+
+/// A sentence without its full stop; `None` if nothing stands in the way.
+type Why = Option<&'static str>;
+
+/// Why a command cannot be used now, in a sentence without its full stop; `None` if it can.
+#[must_use]
+pub fn unavailable(command: Command, context: &Context<'_>) -> Option<&'static str> {
+    if context.preferences.layout == Layout::Demonstrate
+        && let Some(answer) = context.laboratory.unavailable(command)
+    {
+        return no_take(context).or(answer);
+    }
+    match command {
+        Command::File(command) => file(command, context),
+        Command::History(command) => history(command, context),
+        Command::Recovery(RecoveryCommand::UndoDiscard) => {
+            because(!context.has_discarded, "Nothing was discarded")
+        }
+        Command::Export(command) => export(command, context),
+        Command::Pose(command) => pose(command, context),
+        Command::Window(command) => window(command, context),
+        Command::View(command) => view(command, context),
+        Command::Scene(_) => no_tiles(context),
+        Command::Fit(command) => fit(command, context),
+        Command::Convergence(command) => convergence(command, context),
+        Command::Basin(command) => basin(command, context),
+        Command::Observability(command) => observability(command, context),
+        Command::Tracking(command) => tracking(command, context),
+        Command::Timeline(command) => timeline(command, context),
+        Command::Laboratory(LaboratoryCommand::Restart) => {
+            Some("The Demonstrate layout has the laboratory: press F3")
+        }
+        Command::Demonstration(_) | Command::Tour => None,
+    }
+}
+
+fn because(is_so: bool, why: &'static str) -> Why {
+    is_so.then_some(why)
+}
+
+fn no_take(context: &Context<'_>) -> Why {
+    because(context.session.take.is_none(), "Open a take first")
+}
+
+fn no_tiles(context: &Context<'_>) -> Why {
+    no_take(context)
+        .or(because(context.preferences.layout == Layout::Demonstrate, "This layout has no tiles"))
+}
+
+/// Why this frame cannot be fitted.
+fn no_fit(context: &Context<'_>) -> Why {
+    let no_camera = context.document().used_cameras().next().is_none();
+    let no_mask = context.session.frames.get(context.selection.frame).is_none_or(|frame| !frame.has_mask());
+    no_take(context)
+        .or(because(no_camera, "No camera is used in the fit: tick one beside its view"))
+        .or(because(no_mask, "This frame has no silhouette yet"))
+        .or(because(context.busy.tracking, "The tracker is at work"))
+}
+
+fn file(command: FileCommand, context: &Context<'_>) -> Why {
+    match command {
+        FileCommand::FindTake => because(!context.lacks_take, "No project has lost its take"),
+        FileCommand::Save | FileCommand::SaveAs => no_take(context),
+        FileCommand::OpenTake | FileCommand::OpenBuiltIn | FileCommand::OpenProject | FileCommand::Quit => {
+            None
+        }
+    }
+}
+
+fn history(command: HistoryCommand, context: &Context<'_>) -> Why {
+    match command {
+        HistoryCommand::Undo => {
+            let nothing = context.history.undo_text().is_none() && context.session.removed.is_none();
+            because(nothing, "There is nothing to undo")
+        }
+        HistoryCommand::Redo => because(context.history.redo_text().is_none(), "There is nothing to redo"),
+    }
+}
+
+fn export(command: ExportCommand, context: &Context<'_>) -> Why {
+    let is_exporting = because(context.busy.exporting.is_some(), "An export is under way");
+    match command {
+        ExportCommand::ShowExported => because(!context.has_exported, "Nothing was exported since the start"),
+        ExportCommand::Stop => because(context.busy.exporting.is_none(), "Nothing is being exported"),
+        ExportCommand::Window => is_exporting,
+        ExportCommand::View | ExportCommand::Frames => is_exporting.or(no_take(context)),
+        ExportCommand::Steps => {
+            let has_run = context.session.run_of(context.selection).is_some();
+            let no_run = because(!has_run, "This frame has no run yet: press Space to step");
+            is_exporting.or(no_take(context)).or(no_run)
+        }
+    }
+}
+
+fn pose(command: PoseCommand, context: &Context<'_>) -> Why {
+    match command {
+        PoseCommand::Copy
+        | PoseCommand::Paste
+        | PoseCommand::Mirror
+        | PoseCommand::MirrorAll
+        | PoseCommand::PinJoint
+        | PoseCommand::ResetLimb
+        | PoseCommand::ResetBody
+        | PoseCommand::Nudge(_) => no_take(context),
+        PoseCommand::NextJoint | PoseCommand::PreviousJoint => None,
+    }
+}
+
+fn window(command: WindowCommand, context: &Context<'_>) -> Why {
+    match command {
+        WindowCommand::TogglePane(_) | WindowCommand::ArrangeTiles => no_tiles(context),
+        WindowCommand::RestoreLayout => because(!context.can_restore_layout, "The layout was not reset"),
+        WindowCommand::Layout(_)
+        | WindowCommand::ToggleTheme
+        | WindowCommand::TogglePanel
+        | WindowCommand::ToggleTimeline
+        | WindowCommand::ResetLayout
+        | WindowCommand::Palette
+        | WindowCommand::Shortcuts
+        | WindowCommand::Messages
+        | WindowCommand::About => None,
+    }
+}
+
+fn view(command: ViewCommand, context: &Context<'_>) -> Why {
+    match command {
+        ViewCommand::Compare(_) => no_take(context),
+        ViewCommand::CameraAlone(camera) => {
+            let is_missing = camera >= context.session.camera_count();
+            no_take(context).or(because(is_missing, "The take has fewer cameras"))
+        }
+        ViewCommand::FitSubject
+        | ViewCommand::WholePicture
+        | ViewCommand::ZoomIn
+        | ViewCommand::ZoomOut
+        | ViewCommand::LinkZoom
+        | ViewCommand::CalibrationMarks
+        | ViewCommand::PixelGrid
+        | ViewCommand::SizeHandles
+        | ViewCommand::Mode(_) => None,
+    }
+}
+
+fn fit(command: FitCommand, context: &Context<'_>) -> Why {
+    let busy = context.busy;
+    match command {
+        FitCommand::Step | FitCommand::SearchPoses => no_fit(context),
+        FitCommand::Run | FitCommand::Refit(_) | FitCommand::FitBody => {
+            no_fit(context).or(because(busy.fitting, "The fit is running"))
+        }
+        FitCommand::Stop => {
+            let is_behind = busy.exporting.is_some() || context.busy.basin;
+            because(!(busy.fitting || busy.tracking || is_behind), "Nothing is running")
+        }
+        FitCommand::StepBack | FitCommand::EarlierStep => {
+            let run = context.session.run_of(context.selection);
+            match (run.and_then(|run| context.session.runs.get(run)), context.selection.step) {
+                (None, _) => Some("This frame has no run yet: press Space to step"),
+                (Some(_), Some(StepRef { step: 0, .. })) => Some("This is the start of the run"),
+                (Some(run), _) => because(run.steps.len() < 2, "The run has no step yet"),
+            }
+        }
+        FitCommand::LaterStep | FitCommand::Branch => {
+            because(context.selection.step.is_none(), "This is the newest step of the run")
+        }
+        FitCommand::Renderer(_) | FitCommand::Preset(_) => None,
+    }
+}
+
+fn convergence(command: ConvergenceCommand, context: &Context<'_>) -> Why {
+    match command {
+        ConvergenceCommand::RestoreRuns => because(context.session.removed.is_none(), "No run was removed"),
+        ConvergenceCommand::ClearRuns | ConvergenceCommand::ExportCurves | ConvergenceCommand::ExportPlot => {
+            because(context.session.runs.is_empty(), "There are no runs")
+        }
+    }
+}
+
+fn basin(command: BasinCommand, context: &Context<'_>) -> Why {
+    match command {
+        BasinCommand::Run(_) => no_fit(context).or(because(context.busy.basin, "A basin is being tried")),
+        BasinCommand::Cancel => because(!context.busy.basin, "No basin is being tried"),
+    }
+}
+
+fn observability(command: ObservabilityCommand, context: &Context<'_>) -> Why {
+    match command {
+        ObservabilityCommand::Ellipses | ObservabilityCommand::Sway => no_take(context),
+        ObservabilityCommand::WeakerDirection | ObservabilityCommand::StrongerDirection => {
+            let is_closed = context.observing.found().is_none();
+            no_take(context).or(because(is_closed, "Open the Observability section first"))
+        }
+    }
+}
+
+fn not_tracked(context: &Context<'_>) -> Why {
+    because(context.document().estimates.is_empty(), "No frame is tracked yet")
+}
+
+fn tracking(command: TrackingCommand, context: &Context<'_>) -> Why {
+    let (document, frame) = (context.document(), context.selection.frame);
+    let no_track = || {
+        no_take(context)
+            .or(because(document.used_cameras().next().is_none(), "No camera is used in the fit"))
+            .or(because(context.busy.tracking, "The tracker is at work"))
+    };
+    match command {
+        TrackingCommand::Forward => {
+            let is_last = frame + 1 >= context.session.frame_count();
+            no_track().or(because(is_last, "This is the last frame: Enter fits it"))
+        }
+        TrackingCommand::Back => no_track().or(because(frame == 0, "This is the first frame: Enter fits it")),
+        TrackingCommand::Between => no_track().or(match keys_around(document, frame) {
+            None => Some("Set a key pose before this frame and one after it, with K"),
+            Some((first, last)) => {
+                because(last - first < 2, "There is no frame between the key poses around this frame")
+            }
+        }),
+        TrackingCommand::Clear => not_tracked(context),
+    }
+}
+
+fn timeline(command: TimelineCommand, context: &Context<'_>) -> Why {
+    let (session, document, frame) = (context.session, context.document(), context.selection.frame);
+    match command {
+        TimelineCommand::SetKeyPose => no_take(context),
+        TimelineCommand::PreviousKey | TimelineCommand::NextKey => {
+            let is_only = document.keys.len() == 1 && document.keys.contains_key(&frame);
+            because(document.keys.is_empty(), "There is no key pose yet: K sets one")
+                .or(because(is_only, "This frame has the only key pose"))
+        }
+        TimelineCommand::NextWorst | TimelineCommand::PreviousWorst => {
+            not_tracked(context).or(because(document.estimates.len() < 2, "Only one frame is fitted"))
+        }
+        TimelineCommand::ClearRange => match context.time.playback.range {
+            None => Some("Mark frames first: drag along the timeline with Shift"),
+            Some(range) => {
+                let found = document.estimates.range(range.first..=range.last).next();
+                because(found.is_none(), "No frame of the marked ones is fitted")
+            }
+        },
+        TimelineCommand::Play
+        | TimelineCommand::ToggleLoop
+        | TimelineCommand::Slower
+        | TimelineCommand::Faster => {
+            no_take(context).or(because(session.frame_count() < 2, "The take has one frame"))
+        }
+        TimelineCommand::WholeTake => {
+            no_take(context).or(because(context.time.span.is_none(), "All frames are on the screen"))
+        }
+        TimelineCommand::PreviousFrame | TimelineCommand::TenFramesBack | TimelineCommand::FirstFrame => {
+            no_take(context).or(because(frame == 0, "This is the first frame"))
+        }
+        TimelineCommand::NextFrame | TimelineCommand::TenFramesOn | TimelineCommand::LastFrame => {
+            let is_last = frame + 1 >= session.frame_count();
+            no_take(context).or(because(is_last, "This is the last frame"))
+        }
+    }
+}
