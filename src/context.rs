@@ -9,6 +9,7 @@ pub mod notices;
 pub mod pane;
 pub(crate) mod pane_title;
 pub mod preferences;
+pub(crate) mod preset_box;
 mod unavailable;
 pub mod view_settings;
 pub mod write_advice;
@@ -16,6 +17,7 @@ pub mod write_advice;
 pub use unavailable::unavailable;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::app::TimeAxis;
 use crate::context::arrangement::Arrangement;
@@ -27,9 +29,10 @@ use crate::context::view_settings::ViewSettings;
 use crate::document::Document;
 use crate::document::edit::Edit;
 use crate::document::history::{Gesture, History};
+use crate::document::run::Run;
+use crate::document::runs::{RunChange, Runs, StepRef};
 use crate::drawing::JointId;
 use crate::features::camera_views::TileEvent;
-use crate::features::convergence::CurvesRequest;
 use crate::features::export::dialog::ExportOrder;
 use crate::features::laboratory::{Laboratory, LaboratoryRequest};
 use crate::features::observability::{Glance, ObserveRequest, Observing};
@@ -37,8 +40,8 @@ use crate::features::scene::{SceneLook, SceneOrder};
 use crate::features::timeline::TimelineEvent;
 use crate::jobs::{Failure, Pool};
 use crate::session::Session;
-use crate::session::prediction::{Derivatives, FitInputs};
-use crate::session::selection::{Selection, StepRef};
+use crate::session::prediction::{Derivatives, FitInputs, Predicted};
+use crate::session::selection::Selection;
 use crate::take::source::TakeSource;
 use backlit_tracking::body::Pose;
 
@@ -57,6 +60,8 @@ pub struct Context<'a> {
     pub notices: &'a Notices,
     /// Work in progress.
     pub busy: Busy,
+    /// Which derivatives the views show.
+    pub derivatives: Derivatives,
     /// The project file, if there is one.
     pub project: Option<&'a Path>,
     /// Whether something was exported since the start.
@@ -99,6 +104,8 @@ pub struct Busy {
     pub load_broke: bool,
     /// A fit is running.
     pub fitting: bool,
+    /// The number of its run.
+    pub fitted_run: Option<usize>,
     /// The tracker is running.
     pub tracking: bool,
     /// A basin is being tried.
@@ -122,10 +129,28 @@ impl<'a> Context<'a> {
         self.history.document()
     }
 
-    /// The pose on the screen.
+    /// The runs of the fit.
+    #[must_use]
+    pub fn runs(&self) -> &'a Runs {
+        self.history.runs()
+    }
+
+    /// The run that is looked at, or else the newest one of the frame.
+    #[must_use]
+    pub fn run(&self) -> Option<&'a Run> {
+        let looked_at = self.selection.step.and_then(|step| self.runs().get(step.run));
+        looked_at.or_else(|| self.runs().newest_of(self.selection.frame))
+    }
+
+    /// The pose on the screen: that of the step that is looked at, or of the run that is going on, or the document's.
     #[must_use]
     pub fn shown_pose(&self) -> &'a Pose {
-        self.session.shown_pose(self.document(), self.selection)
+        let going_on = || {
+            let run = self.runs().get(self.busy.fitted_run?)?;
+            run.steps.last().filter(|_| run.frame == self.selection.frame)
+        };
+        let step = self.selection.step.and_then(|step| self.runs().step(step)).or_else(going_on);
+        step.map_or_else(|| self.document().pose_at(self.selection.frame), |step| &step.pose)
     }
 
     /// The name of the take, for files that are made of it.
@@ -134,7 +159,7 @@ impl<'a> Context<'a> {
         self.session.take.as_ref().map_or("project", |take| take.name.as_str())
     }
 
-    /// All that a prediction of the frame on the screen depends on, but the pose; without derivatives.
+    /// All that a prediction of the frame on the screen depends on, but the pose.
     #[must_use]
     pub fn fit_inputs(&self) -> Option<FitInputs> {
         let document = self.document();
@@ -144,7 +169,7 @@ impl<'a> Context<'a> {
             uses: document.cameras.clone(),
             fit: document.fit.clone(),
             frame: self.session.frames.get(self.selection.frame).cloned(),
-            derivatives: Derivatives::default(),
+            derivatives: self.derivatives,
         })
     }
 }
@@ -160,10 +185,14 @@ pub enum Request {
     Camera(usize),
     /// Look at a step of a run.
     Step(StepRef),
-    /// Show or hide a run's curve.
-    ShowRun(usize, bool),
-    /// A wish of the convergence panel.
-    Curves(CurvesRequest),
+    /// Leave the step that is looked at: the pose is the document's again.
+    LeaveStep,
+    /// Something happens to the runs of the fit.
+    Runs(RunChange),
+    /// Begin a run of all the body under this name; it is undone with others of its gesture.
+    BeginRun(String, Gesture),
+    /// Stop a fit that is going on: what it has done stays.
+    InterruptFit,
     /// Something about what the cameras see.
     Observe(ObserveRequest),
     /// What the user did in a camera's tile.
@@ -267,6 +296,8 @@ pub struct Requests {
     pub others: Vec<Request>,
     /// What is looked at of what the cameras see, in this frame: nothing that is asked for.
     pub glance: Glance,
+    /// What the pose on the screen predicts, where who changes the pose knows it already.
+    pub predicted: Option<Arc<Predicted>>,
     /// What the 3-D scene is to show, where its picture shows something else.
     pub scene: Option<Box<SceneOrder>>,
     /// Files to be written.

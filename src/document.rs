@@ -9,6 +9,7 @@ pub mod history;
 pub mod project;
 pub(crate) mod run;
 pub(crate) mod run_names;
+pub mod runs;
 pub mod take_match;
 pub mod tracking_choices;
 

@@ -20,6 +20,7 @@ pub(crate) mod tracking;
 pub struct Features {
     pub(crate) basin: basin::Basin,
     pub(crate) camera_views: camera_views::CameraViewsState,
+    pub(crate) convergence: convergence::Convergence,
     pub(crate) demonstration: demonstration::Demonstrating,
     pub(crate) export: export::ExportState,
     pub(crate) fit: fit::Fit,

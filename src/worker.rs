@@ -20,7 +20,6 @@ use backlit_tracking::track::visual_hull::VisualHull;
 use crate::app::open_job::OpenedProject;
 use crate::document::Estimate;
 use crate::document::edit::Edit;
-use crate::document::run::{RunEnding, RunStep};
 use crate::features::laboratory::job::LaboratoryEvent;
 use crate::features::observability::observed::Observed;
 use crate::features::scene::SceneDrawing;
@@ -57,10 +56,6 @@ pub enum Event {
     SceneDrawn(Arc<SceneDrawing>),
     /// What the cameras see of a pose, and what they do not.
     Observed(Arc<Observed>),
-    /// A step of the fit; the first is the start.
-    FitStep(Box<RunStep>, Arc<Predicted>),
-    /// The fit has ended or was stopped; `None` if it may go on.
-    FitEnded(Option<RunEnding>),
     /// A frame was tracked.
     FrameTracked(usize, Arc<Estimate>),
     /// What was tracked before is now known better: smoothed by later frames, or joined with another track.

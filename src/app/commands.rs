@@ -1,19 +1,21 @@
 //! Doing what menus, buttons, keys and the palette ask for.
 
 use backlit_tracking::body::Pose;
-use backlit_tracking::track::{FitOptions, posing};
+use backlit_tracking::track::posing;
 
 use super::App;
 use super::state::{DialogKind, Opening};
 use crate::context::command::{
-    BasinCommand, Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
-    PoseCommand, RecoveryCommand, TrackingCommand, ViewCommand, WindowCommand,
+    Command, ExportCommand, FileCommand, FitCommand, HistoryCommand, PoseCommand, RecoveryCommand,
+    TrackingCommand, ViewCommand, WindowCommand,
 };
 use crate::context::command_button::dragged_until_now;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 use crate::context::{PaneEvent, Requests, unavailable};
 use crate::document::edit::Edit;
+use crate::document::history::Undone;
+use crate::document::runs::BROUGHT_BACK;
 use crate::drawing::{JointId, ViewMode};
 use crate::features::camera_views::zoom;
 use crate::features::export::dialog::Subject;
@@ -25,6 +27,7 @@ use crate::shell::Overlay;
 use crate::shell::palette::Palette;
 use crate::take::source::TakeSource;
 use crate::widgets::Framing;
+use crate::worker::Lane;
 
 impl App {
     /// The commands whose keys were pressed. While something lies over the window, or the hand holds
@@ -65,7 +68,10 @@ impl App {
             Command::View(command) => self.view_command(command),
             Command::Scene(command) => self.scene_command(command),
             Command::Fit(command) => self.fit_command(command),
-            Command::Convergence(command) => self.convergence_command(command),
+            Command::Convergence(command) => self.with(
+                |features| &mut features.convergence,
+                |convergence, context, requests| convergence.run(command, context, requests),
+            ),
             Command::Basin(command) => self.with(
                 |features| &mut features.basin,
                 |basin, context, requests| basin.run(command, context, requests),
@@ -129,17 +135,19 @@ impl App {
     }
 
     fn history_command(&mut self, command: HistoryCommand) {
-        if command == HistoryCommand::Undo && self.removed_runs_last() {
-            return self.restore_runs();
+        if command == HistoryCommand::Redo || !self.state.history.undo_brings_runs_back() {
+            self.interrupt_fit();
+            self.state.selection.step = None;
         }
-        self.interrupt_fit();
-        self.state.selection.step = None;
-        let (what, verb) = match command {
-            HistoryCommand::Undo => (self.state.history.undo(), "Undid"),
-            HistoryCommand::Redo => (self.state.history.redo(), "Did again"),
+        let said = match command {
+            HistoryCommand::Undo => self.state.history.undo().map(|undone| match undone {
+                Undone::Edit(what) => format!("Undid: {what}."),
+                Undone::RemovedRuns => BROUGHT_BACK.to_owned(),
+            }),
+            HistoryCommand::Redo => self.state.history.redo().map(|what| format!("Did again: {what}.")),
         };
-        if let Some(what) = what {
-            self.state.status = Some(format!("{verb}: {what}."));
+        if said.is_some() {
+            self.state.status = said;
         }
     }
 
@@ -277,32 +285,16 @@ impl App {
 
     fn fit_command(&mut self, command: FitCommand) {
         match command {
-            FitCommand::Step => self.step(Some(1)),
-            FitCommand::Run => self.step(None),
-            FitCommand::Stop => self.stop(),
-            FitCommand::StepBack | FitCommand::EarlierStep => self.look_at_neighbour(false),
-            FitCommand::LaterStep => self.look_at_neighbour(true),
-            FitCommand::Branch => self.branch(),
-            FitCommand::Refit(part) => self.refit(part),
-            FitCommand::SearchPoses => self.search_poses(),
-            FitCommand::FitBody => self.fit_body(),
-            FitCommand::Renderer(renderer) => self.set_renderer(renderer),
-            FitCommand::Preset(preset) => {
-                // The renderer is chosen by itself.
-                let renderer = self.document().fit.renderer;
-                let options = FitOptions { renderer, ..FitOptions::preset(preset) };
-                self.set_preset(preset, options);
+            FitCommand::SearchPoses => return self.search_poses(),
+            FitCommand::FitBody => return self.fit_body(),
+            FitCommand::Step | FitCommand::Run | FitCommand::Refit(_) => self.pause(),
+            FitCommand::Stop => {
+                self.stop_demonstrating();
+                self.worker.cancel(Lane::Track);
             }
+            _ => {}
         }
-    }
-
-    fn convergence_command(&mut self, command: ConvergenceCommand) {
-        match command {
-            ConvergenceCommand::ClearRuns => self.clear_runs(),
-            ConvergenceCommand::RestoreRuns => self.restore_runs(),
-            ConvergenceCommand::ExportCurves => self.ask_for_file(DialogKind::Curves),
-            ConvergenceCommand::ExportPlot => self.ask_for_file(DialogKind::Plot),
-        }
+        self.with(|features| &mut features.fit, |fit, context, requests| fit.run(command, context, requests));
     }
 
     fn tracking_command(&mut self, command: TrackingCommand) {
@@ -327,8 +319,9 @@ impl App {
     }
 
     /// The pose on the screen.
-    pub(crate) fn shown_pose(&self) -> &Pose {
-        self.state.session.shown_pose(self.document(), &self.state.selection)
+    #[must_use]
+    pub fn shown_pose(&self) -> &Pose {
+        self.context().shown_pose()
     }
 
     fn set_pose(&mut self, pose: Pose, what: String) {

@@ -7,15 +7,11 @@ use backlit_tracking::track::Preset;
 use super::App;
 use crate::app::open_job::OpenedProject;
 use crate::context::command::{Command, FileCommand};
-use crate::document::edit::Edit;
 use crate::document::history::History;
-use crate::document::run::{RunEnding, RunStep};
 use crate::document::tracking_choices::TrackingChoices;
-use crate::document::{CameraUse, Document, Estimate, Origin};
+use crate::document::{CameraUse, Document};
 use crate::drawing::{Comparison, ViewMode};
 use crate::features::camera_views::TileLook;
-use crate::features::fit::job::FitJob;
-use crate::features::fit::refitted::Refitted;
 use crate::session::prediction::Predicted;
 use crate::session::selection::Selection;
 use crate::take::footage::Footage;
@@ -44,11 +40,9 @@ impl App {
             }
             Event::HullCarved(frame, hull) => self.state.session.hulls.insert(frame, hull),
             Event::Surveyed(extents) => self.state.session.subject = extents,
-            Event::Predicted(predicted) => self.show_prediction(predicted),
+            Event::Predicted(predicted) => self.predicted(predicted),
             Event::SceneDrawn(drawing) => self.state.session.scene_drawing = Some(drawing),
             Event::Observed(observed) => self.features.observability.hear(observed),
-            Event::FitStep(step, predicted) => self.fit_step(*step, predicted),
-            Event::FitEnded(ending) => self.finish_run(ending),
             Event::BodyFitted(fit) => self.body_fitted(&fit),
             Event::FrameTracked(frame, estimate) => self.frame_tracked(frame, estimate),
             Event::TrackRevised(found) => self.track_revised(found),
@@ -66,79 +60,19 @@ impl App {
         }
     }
 
-    fn show_prediction(&mut self, predicted: Arc<Predicted>) {
+    fn predicted(&mut self, predicted: Arc<Predicted>) {
         self.state.session.predict_seconds = Some(predicted.seconds);
+        self.show_prediction(predicted);
+    }
+
+    pub(crate) fn show_prediction(&mut self, predicted: Arc<Predicted>) {
         self.state.session.predicted = Some(predicted);
         self.state.session.generation += 1;
-    }
-
-    fn fit_step(&mut self, step: RunStep, predicted: Arc<Predicted>) {
-        self.state.session.step_seconds = Some(step.seconds);
-        if self.state.selection.step.is_none() {
-            self.state.session.predicted = Some(predicted.clone());
-            self.state.session.generation += 1;
-        }
-        self.state.session.live_prediction = Some(predicted);
-        if let Some(run) = self.state.session.live.and_then(|live| self.state.session.runs.get_mut(live)) {
-            run.steps.push(step);
-            if run.steps.len() == 1 {
-                // Its start is known now, and whether it is another than those of the runs before.
-                self.name_runs();
-            }
-        }
-    }
-
-    /// The steps asked for are done, or the fit has ended: its pose becomes the frame's.
-    pub(crate) fn finish_run(&mut self, ending: Option<RunEnding>) {
-        let Some(run) = self.state.session.live.and_then(|live| self.state.session.runs.get_mut(live)) else {
-            return;
-        };
-        let stays_live = ending.is_none();
-        run.ending = ending;
-        if run.steps.is_empty() {
-            // It could not begin.
-            self.state.session.live = None;
-            self.state.session.runs.retain(|run| !run.steps.is_empty());
-            self.name_runs();
-            return;
-        }
-        let frame = run.frame;
-        let steps = run.steps.len() - 1;
-        let Some(last) = run.steps.last().cloned() else { return };
-        let before = run.steps.first().map_or(last.mismatch, |first| first.mismatch);
-        let ending = run.ending_text();
-        if let Some(what) = self.state.session.refitting.take_if(|_| !stays_live) {
-            let refitted = Refitted { what, before, after: last.mismatch, steps, ending };
-            self.state.session.refits.insert(frame, refitted);
-        }
-        let predicted =
-            self.state.session.live_prediction.as_ref().filter(|predicted| predicted.pose == last.pose);
-        let estimate = Estimate {
-            pose: last.pose,
-            origin: Origin::Fit,
-            cost: last.mismatch,
-            rms: predicted.and_then(|predicted| predicted.rms).unwrap_or_default(),
-            iou: predicted.and_then(|predicted| predicted.iou()),
-            steps,
-            lost: false,
-        };
-        if steps > 0 {
-            let gesture = self.features.fit.run_gesture;
-            self.edit(Edit::AddEstimate { frame, estimate: Arc::new(estimate) }, gesture);
-        }
-        if !stays_live {
-            self.features.fit.pending_steps = 0;
-        }
     }
 
     fn ended(&mut self, lane: Lane) {
         match lane {
             Lane::Laboratory => self.laboratory_ended(),
-            Lane::Fit if self.features.fit.pending_steps > 0 => {
-                let steps = std::mem::take(&mut self.features.fit.pending_steps);
-                self.features.fit.run_gesture = Some(self.new_gesture());
-                self.worker.request(Lane::Fit, FitJob::go_on(self.features.fit.live.clone(), Some(steps)));
-            }
             Lane::Track => self.tracking_ended(),
             _ => {}
         }
@@ -150,7 +84,6 @@ impl App {
             Lane::Scene,
             Lane::Load,
             Lane::Survey,
-            Lane::Fit,
             Lane::Observe,
             Lane::Track,
             Lane::TakeIn,
@@ -165,6 +98,8 @@ impl App {
         self.features.observability.forget();
         self.asked_to_observe = None;
         self.features.basin.reset();
+        self.features.fit.reset();
+        self.features.convergence.reset();
         if let Some(TakeSource::Path(path)) = &footage.source {
             self.state.preferences.remember(path.clone());
         }
@@ -198,7 +133,6 @@ impl App {
         self.state.preferences.scene.viewpoint = None;
         self.shell.docking.pair = [0, 1.min(footage.cameras.len() - 1)];
         self.features.pose.held = None;
-        self.features.fit.pending_steps = 0;
         self.features.demonstration.prepared = None;
         self.features.demonstration.explanation = None;
         let cameras = footage.cameras.len();

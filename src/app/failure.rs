@@ -5,8 +5,6 @@ use std::collections::BTreeMap;
 
 use super::App;
 use crate::context::preferences::Layout;
-use crate::document::run::RunEnding;
-use crate::features::fit::job::LiveFit;
 use crate::session::selection::Selection;
 use crate::worker::Lane;
 
@@ -51,7 +49,6 @@ impl App {
         self.broken.0.insert(lane, circumstances);
         self.state.notices.error(format!("{} broke down: {why}. Your work is unharmed.", work_of(lane)));
         match lane {
-            Lane::Fit => self.fit_broke(),
             Lane::Laboratory | Lane::LaboratoryCheck => self.laboratory_broke(lane),
             Lane::Track => self.tracking_ended(),
             // Without its frame a demonstration cannot go on.
@@ -59,15 +56,6 @@ impl App {
             Lane::Save => self.features.recovery.copy_broke(),
             _ => {}
         }
-    }
-
-    /// The steps that were made stay; the fit that made them is lost.
-    fn fit_broke(&mut self) {
-        self.features.fit.pending_steps = 0;
-        self.stop_demonstrating();
-        self.finish_run(Some(RunEnding::Solver("a step broke down".to_owned())));
-        self.state.session.live = None;
-        self.features.fit.live = LiveFit::default();
     }
 }
 
@@ -83,7 +71,6 @@ const fn work_of(lane: Lane) -> &'static str {
         Lane::Scene => "Drawing the 3-D scene",
         Lane::Settings => "Keeping the settings",
         Lane::Save => "Writing a file",
-        Lane::Fit => "The fit",
         Lane::Laboratory => "The laboratory",
         Lane::LaboratoryPlot => "Saving the laboratory's plot",
         Lane::Observe => "The look at what the cameras see",
@@ -99,11 +86,11 @@ mod tests {
     use super::*;
     use crate::app::testing::{Breaks, errors, open, settle};
     use crate::app::{AppOptions, Opening};
-    use crate::context::command::{Command, FitCommand, LaboratoryCommand, TrackingCommand};
+    use crate::context::command::{Command, LaboratoryCommand, TrackingCommand};
     use crate::context::notices::Severity;
     use crate::document::edit::Edit;
 
-    const ALL: [Lane; 17] = [
+    const ALL: [Lane; 16] = [
         Lane::Scene,
         Lane::Settings,
         Lane::Predict,
@@ -113,7 +100,6 @@ mod tests {
         Lane::Calibrate,
         Lane::Load,
         Lane::Save,
-        Lane::Fit,
         Lane::Laboratory,
         Lane::LaboratoryPlot,
         Lane::Observe,
@@ -160,22 +146,9 @@ mod tests {
     }
 
     #[test]
-    fn a_fit_and_a_tracker_that_break_down_leave_what_they_have_done() {
+    fn a_tracker_that_breaks_down_is_over() {
         let (mut window, mut app) = open(Layout::Pose);
         let context = window.ctx.clone();
-        app.run(Command::Fit(FitCommand::Step), &context);
-        settle(&mut window, &mut app);
-        let steps = app.state.session.runs[0].steps.len();
-        app.run(Command::Fit(FitCommand::Run), &context);
-        app.worker.request(Lane::Fit, Breaks);
-        settle(&mut window, &mut app);
-        let run = &app.state.session.runs[0];
-        assert_eq!((run.steps.len(), run.ending_text().as_str()), (steps, "Stopped: a step broke down"));
-        assert!(app.state.session.live.is_none());
-        app.run(Command::Fit(FitCommand::Step), &context);
-        settle(&mut window, &mut app);
-        assert!(app.state.session.runs.last().unwrap().steps.len() > 1, "the next run is a new one");
-
         app.run(Command::Tracking(TrackingCommand::Forward), &context);
         app.worker.request(Lane::Track, Breaks);
         settle(&mut window, &mut app);

@@ -4,11 +4,40 @@ use std::path::Path;
 
 use super::App;
 use crate::features::basin::{BasinSettings, FileKind};
+use crate::features::convergence::CurvesFile;
 
 impl App {
     /// Every feature takes in what its tasks have done, and asks for what it lacks.
     pub(crate) fn update_features(&mut self) {
+        self.with(|features| &mut features.fit, |fit, context, requests| fit.update(context, requests));
         self.with(|features| &mut features.basin, |basin, context, requests| basin.update(context, requests));
+        self.with(
+            |features| &mut features.convergence,
+            |convergence, context, requests| convergence.update(context, requests),
+        );
+    }
+
+    /// Ends a fit that is going on, because its pose is about to change: what it has done stays as a run.
+    pub(crate) fn interrupt_fit(&mut self) {
+        self.stop_demonstrating();
+        self.with(|features| &mut features.fit, |fit, _, requests| fit.interrupt(requests));
+    }
+
+    /// Writes every step of all runs as CSV.
+    pub fn export_curves_to(&mut self, path: &Path) {
+        self.write_curves(CurvesFile::Table, path);
+    }
+
+    /// Writes the convergence plot, as it is shown, as a PNG.
+    pub fn export_plot_to(&mut self, path: &Path) {
+        self.write_curves(CurvesFile::Plot, path);
+    }
+
+    fn write_curves(&mut self, file: CurvesFile, path: &Path) {
+        self.with(
+            |features| &mut features.convergence,
+            |convergence, context, requests| convergence.write(file, path, context, requests),
+        );
     }
 
     /// Other settings of the basin.

@@ -98,8 +98,6 @@ impl App {
                     let name = format!("{name}.{PROJECT_EXTENSION}");
                     dialog.set_title("Save project").set_file_name(name).save_file()
                 }
-                DialogKind::Curves => export_dialog(dialog, "Export curves", &name, "csv"),
-                DialogKind::Plot => export_dialog(dialog, "Export plot", &name, "png"),
                 DialogKind::LaboratoryPlot => {
                     dialog.set_title("Save plot").set_file_name("laboratory.png").save_file()
                 }
@@ -135,18 +133,10 @@ impl App {
                     };
                     self.save_to(&path);
                 }
-                DialogKind::Curves => self.export_curves_to(&path),
-                DialogKind::Plot => self.export_plot_to(&path),
                 DialogKind::LaboratoryPlot => self.save_laboratory_plot(&path),
             }
         }
     }
-}
-
-/// Asks where something is to be written; the name that is offered is the take's.
-fn export_dialog(dialog: rfd::FileDialog, title: &str, name: &str, extension: &str) -> Option<PathBuf> {
-    let dialog = dialog.set_title(title).add_filter(extension.to_uppercase(), &[extension]);
-    dialog.set_file_name(format!("{name} {}.{extension}", title.trim_start_matches("Export "))).save_file()
 }
 
 /// What a path is to be opened as.

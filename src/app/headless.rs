@@ -164,7 +164,7 @@ impl App {
     /// Forgets how long things took, so that a picture of the next frame is the same every time.
     pub fn freeze_times(&mut self) {
         self.state.frame_seconds = f64::NAN;
-        self.state.session.step_seconds = None;
+        self.features.fit.step_seconds = None;
         self.state.session.predict_seconds = None;
         self.features.laboratory.step_seconds = None;
         if let Some(running) = &mut self.features.basin.results.running {

@@ -13,7 +13,6 @@ use crate::worker::Lane;
 impl App {
     /// Asks for the frame and for the prediction on the screen, where they are missing or old.
     pub(crate) fn request_jobs(&mut self) {
-        self.state.session.is_stepping = self.worker.is_busy(Lane::Fit);
         self.follow_replacements();
         let Some(take) = self.state.session.take.clone() else { return };
         let frame = self.state.selection.frame;
@@ -80,7 +79,7 @@ impl App {
     }
 
     fn request_prediction(&mut self) {
-        let Some(scene) = self.scene() else { return };
+        let Some(scene) = self.context().fit_inputs() else { return };
         let pose = self.shown_pose().clone();
         let shown = self.state.session.predicted.clone();
         self.state.session.is_stale = !shown.as_ref().is_some_and(|shown| shown.is_of(&scene, &pose));

@@ -20,6 +20,9 @@ impl App {
         if let Some(order) = requests.scene {
             self.draw_scene(*order);
         }
+        if let Some(predicted) = requests.predicted {
+            self.show_prediction(predicted);
+        }
         for (edit, gesture) in requests.edits {
             if matches!(edit, Edit::SetPose { .. }) {
                 self.interrupt_fit();
@@ -80,18 +83,25 @@ impl App {
             Request::Views(settings) => self.state.preferences.views = settings,
             Request::Camera(camera) => self.make_active(camera),
             Request::Step(step) => {
-                if let Some(run) = self.state.session.runs.get(step.run) {
+                if let Some(run) = self.state.history.runs().get(step.run) {
                     self.state.selection.frame = run.frame;
                     self.state.selection.step = Some(step);
                 }
             }
-            Request::ShowRun(run, is_shown) => {
-                if let Some(run) = self.state.session.runs.get_mut(run) {
-                    run.is_shown = is_shown;
-                    self.name_runs();
-                }
+            Request::LeaveStep => self.state.selection.step = None,
+            Request::Runs(change) => {
+                self.state.history.change_runs(change);
+                let runs = self.state.history.runs();
+                self.state.selection.step.take_if(|step| runs.get(step.run).is_none());
             }
-            Request::Curves(request) => self.curves_request(request),
+            Request::BeginRun(name, gesture) => {
+                self.pause();
+                self.with(
+                    |features| &mut features.fit,
+                    |fit, context, requests| fit.begin_named(name, gesture, context, requests),
+                );
+            }
+            Request::InterruptFit => self.interrupt_fit(),
             Request::Observe(request) => self.observe_request(request),
             Request::Tile(camera, event) => self.tile_event(camera, event),
             Request::Layout(layout) => self.state.preferences.layout = layout,

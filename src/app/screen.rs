@@ -5,10 +5,12 @@ use egui::{CentralPanel, Frame, Ui, pos2};
 use super::App;
 use crate::context::preferences::Layout;
 use crate::context::{Busy, Context, Request, Requests};
+use crate::drawing::ViewMode;
 use crate::features::Features;
 use crate::features::demonstration::explanation;
 use crate::features::laboratory::panel as laboratory;
 use crate::features::timeline;
+use crate::session::prediction::Derivatives;
 use crate::shell::Overlay;
 use crate::shell::tiles::TilesLook;
 use crate::shell::{about, dock, empty, messages, notice_cards, right_panel, shortcuts, status_bar, toolbar};
@@ -28,11 +30,13 @@ impl App {
                 opening: self.worker.is_busy(Lane::Open),
                 loading: self.worker.is_busy(Lane::Load),
                 load_broke: !self.may_ask(Lane::Load),
-                fitting: self.worker.is_busy(Lane::Fit),
+                fitting: self.features.fit.is_running(),
+                fitted_run: self.features.fit.fitted_run(),
                 tracking: self.worker.is_busy(Lane::Track),
                 basin: self.features.basin.is_running(),
                 exporting: self.export_progress(),
             },
+            derivatives: self.derivatives(),
             project: self.state.project.as_deref(),
             has_exported: self.features.export.exported_to.is_some(),
             has_discarded: self.has_discarded(),
@@ -50,6 +54,20 @@ impl App {
         }
     }
 
+    /// Which derivatives the tiles show. The Jacobian's column is that of the held limb's chosen axis.
+    fn derivatives(&self) -> Derivatives {
+        let tiles =
+            &self.features.camera_views.tiles[usize::from(self.state.preferences.layout == Layout::Debug)];
+        let shows = |mode| tiles.iter().any(|tile| tile.shows(mode));
+        let model = &self.document().model;
+        let rotation = model.limbs()[self.state.selection.limb(model)].rotation;
+        Derivatives {
+            gradient: shows(ViewMode::Gradient),
+            column: shows(ViewMode::JacobianColumn)
+                .then(|| self.state.preferences.views.axis.column(rotation)),
+        }
+    }
+
     /// Shows all panels.
     pub(crate) fn show(&mut self, ui: &mut Ui, requests: &mut Requests) {
         if ui.input(|input| !input.events.is_empty())
@@ -64,9 +82,9 @@ impl App {
         }
         let window = ui.max_rect();
         let mut centre_size = None;
-        let busy = self.context().busy;
+        let Context { busy, derivatives, .. } = self.context();
         let mut features = self.lend();
-        let context = Context { busy, ..self.context() };
+        let context = Context { busy, derivatives, ..self.context() };
         if self.features.camera_views.picture_alone.is_some() {
             dock::ui(ui, &context, &mut features, &self.tiles_look(), requests);
             return self.take_back(features);
@@ -111,11 +129,19 @@ impl App {
 
     /// The features that are shown with their own state in hand, while the rest of the app is read.
     fn lend(&mut self) -> Features {
-        Features { basin: std::mem::take(&mut self.features.basin), ..Features::default() }
+        let features = &mut self.features;
+        Features {
+            basin: std::mem::take(&mut features.basin),
+            convergence: std::mem::take(&mut features.convergence),
+            fit: std::mem::take(&mut features.fit),
+            ..Features::default()
+        }
     }
 
     fn take_back(&mut self, features: Features) {
         self.features.basin = features.basin;
+        self.features.convergence = features.convergence;
+        self.features.fit = features.fit;
     }
 
     pub(crate) fn tiles_look(&self) -> TilesLook<'_> {

@@ -9,7 +9,7 @@ use crate::context::arrangement::Kept;
 use crate::context::preferences::{Layout, Preferences};
 use crate::context::view_settings::ViewSettings;
 use crate::features::basin::BasinPreferences;
-use crate::features::convergence::CurvesLook;
+use crate::features::convergence::ConvergencePreferences;
 use crate::features::export::ExportChoices;
 use crate::features::scene::SceneLook;
 use crate::style::theme::Theme;
@@ -39,7 +39,7 @@ pub struct Settings {
     /// What was chosen for the last export.
     pub export: ExportChoices,
     /// What the convergence plot shows.
-    pub curves: CurvesLook,
+    pub curves: ConvergencePreferences,
     /// What is chosen for the basin, and how it is shown.
     pub basin: BasinPreferences,
     /// Names of the commands that were chosen last in the palette, the newest first.
@@ -63,7 +63,7 @@ impl Default for Settings {
             scene: SceneLook::default(),
             kept: Kept::default(),
             export: ExportChoices::default(),
-            curves: CurvesLook::default(),
+            curves: ConvergencePreferences::default(),
             basin: BasinPreferences::default(),
             used_commands: Vec::new(),
             tour_offered: false,
@@ -112,7 +112,7 @@ impl App {
             scene: preferences.scene,
             kept: preferences.kept,
             export: preferences.export,
-            curves: preferences.curves,
+            curves: self.features.convergence.preferences,
             basin: self.features.basin.preferences.clone(),
             used_commands: preferences.used_commands,
             tour_offered: preferences.tour_offered,
@@ -133,12 +133,12 @@ impl App {
             scene: settings.scene,
             kept: settings.kept,
             export: settings.export,
-            curves: settings.curves,
             used_commands: settings.used_commands,
             tour_offered: settings.tour_offered,
             generation: settings.generation,
         };
         self.features.basin.preferences = settings.basin;
+        self.features.convergence.preferences = settings.curves;
     }
 }
 
@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn what_is_chosen_for_plots_and_basin_is_kept_and_outlives_a_reset() {
-        let curves = CurvesLook { quantity: Quantity::StepNorm, is_log: false, rejected: false };
+        let curves = ConvergencePreferences { quantity: Quantity::StepNorm, is_log: false, rejected: false };
         let mut look = Settings { curves, ..Settings::default() };
         look.basin.settings.seed = 12;
         look.basin.view = crate::context::command::BasinView::Map;

@@ -16,6 +16,7 @@ use crate::context::pane::Pane;
 use crate::context::preferences::{Layout, Preferences};
 use crate::document::Document;
 use crate::document::history::{Gesture, History};
+use crate::document::run::Run;
 use crate::features::Features;
 use crate::features::basin::Basin;
 use crate::features::camera_views::TileLook;
@@ -73,8 +74,6 @@ pub(crate) enum DialogKind {
     Project,
     SaveAs,
     Export,
-    Curves,
-    Plot,
     LaboratoryPlot,
 }
 
@@ -200,6 +199,12 @@ impl App {
     #[must_use]
     pub fn selection(&self) -> &Selection {
         &self.state.selection
+    }
+
+    /// The runs of the fit, the newest last.
+    #[must_use]
+    pub fn runs(&self) -> &[Run] {
+        self.state.history.runs().all()
     }
 
     /// The derived data.

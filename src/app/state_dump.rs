@@ -131,7 +131,10 @@ impl App {
             .zip(&pose.rotations)
             .map(|(&owner, q)| (model.limbs()[owner].name.as_str(), [q.w, q.x, q.y, q.z]))
             .collect();
-        let step = selection.step.map(|step| json!({"run": step.run, "step": step.step}));
+        let step = selection.step.map(|step| {
+            let run = self.runs().iter().position(|run| run.number == step.run);
+            json!({"run": run, "step": step.step})
+        });
         json!({
             "idle": self.is_idle(),
             "busy": self.busy_lanes(),
@@ -153,7 +156,7 @@ impl App {
             "iou": session.iou(),
             "stale": session.is_stale,
             "renderer": document.fit.renderer.name(),
-            "runs": session.runs.iter().map(run).collect::<Vec<_>>(),
+            "runs": self.runs().iter().map(run).collect::<Vec<_>>(),
             "cameras": self.exported_cameras(),
             "layout": self.state.preferences.layout,
             "theme": self.state.preferences.theme,
@@ -169,10 +172,18 @@ impl App {
         })
     }
 
-    fn busy_lanes(&self) -> Vec<String> {
-        let lanes = [Lane::Predict, Lane::Open, Lane::Load, Lane::Save, Lane::Fit, Lane::Survey, Lane::Track];
-        let busy = lanes.into_iter().filter(|lane| self.worker.is_busy(*lane));
-        busy.map(|lane| format!("{lane:?}").to_lowercase()).collect()
+    fn busy_lanes(&self) -> Vec<&'static str> {
+        let is_busy = |lane| self.worker.is_busy(lane);
+        let kinds = [
+            ("predict", is_busy(Lane::Predict)),
+            ("open", is_busy(Lane::Open)),
+            ("load", is_busy(Lane::Load)),
+            ("save", is_busy(Lane::Save)),
+            ("fit", self.features.fit.is_running()),
+            ("survey", is_busy(Lane::Survey)),
+            ("track", is_busy(Lane::Track)),
+        ];
+        kinds.into_iter().filter(|(_, busy)| *busy).map(|(kind, _)| kind).collect()
     }
 
     fn exported_take(&self) -> Value {

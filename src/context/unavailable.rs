@@ -8,7 +8,7 @@ use super::command::{
 };
 use super::preferences::Layout;
 use crate::app::keys_around;
-use crate::session::selection::StepRef;
+use crate::document::runs::StepRef;
 
 /// A sentence without its full stop; `None` if nothing stands in the way.
 type Why = Option<&'static str>;
@@ -80,10 +80,7 @@ fn file(command: FileCommand, context: &Context<'_>) -> Why {
 
 fn history(command: HistoryCommand, context: &Context<'_>) -> Why {
     match command {
-        HistoryCommand::Undo => {
-            let nothing = context.history.undo_text().is_none() && context.session.removed.is_none();
-            because(nothing, "There is nothing to undo")
-        }
+        HistoryCommand::Undo => because(!context.history.can_undo(), "There is nothing to undo"),
         HistoryCommand::Redo => because(context.history.redo_text().is_none(), "There is nothing to redo"),
     }
 }
@@ -96,8 +93,7 @@ fn export(command: ExportCommand, context: &Context<'_>) -> Why {
         ExportCommand::Window => is_exporting,
         ExportCommand::View | ExportCommand::Frames => is_exporting.or(no_take(context)),
         ExportCommand::Steps => {
-            let has_run = context.session.run_of(context.selection).is_some();
-            let no_run = because(!has_run, "This frame has no run yet: press Space to step");
+            let no_run = because(context.run().is_none(), "This frame has no run yet: press Space to step");
             is_exporting.or(no_take(context)).or(no_run)
         }
     }
@@ -163,14 +159,11 @@ fn fit(command: FitCommand, context: &Context<'_>) -> Why {
             let is_behind = busy.exporting.is_some() || context.busy.basin;
             because(!(busy.fitting || busy.tracking || is_behind), "Nothing is running")
         }
-        FitCommand::StepBack | FitCommand::EarlierStep => {
-            let run = context.session.run_of(context.selection);
-            match (run.and_then(|run| context.session.runs.get(run)), context.selection.step) {
-                (None, _) => Some("This frame has no run yet: press Space to step"),
-                (Some(_), Some(StepRef { step: 0, .. })) => Some("This is the start of the run"),
-                (Some(run), _) => because(run.steps.len() < 2, "The run has no step yet"),
-            }
-        }
+        FitCommand::StepBack | FitCommand::EarlierStep => match (context.run(), context.selection.step) {
+            (None, _) => Some("This frame has no run yet: press Space to step"),
+            (Some(_), Some(StepRef { step: 0, .. })) => Some("This is the start of the run"),
+            (Some(run), _) => because(run.steps.len() < 2, "The run has no step yet"),
+        },
         FitCommand::LaterStep | FitCommand::Branch => {
             because(context.selection.step.is_none(), "This is the newest step of the run")
         }
@@ -180,9 +173,9 @@ fn fit(command: FitCommand, context: &Context<'_>) -> Why {
 
 fn convergence(command: ConvergenceCommand, context: &Context<'_>) -> Why {
     match command {
-        ConvergenceCommand::RestoreRuns => because(context.session.removed.is_none(), "No run was removed"),
+        ConvergenceCommand::RestoreRuns => because(!context.history.has_removed_runs(), "No run was removed"),
         ConvergenceCommand::ClearRuns | ConvergenceCommand::ExportCurves | ConvergenceCommand::ExportPlot => {
-            because(context.session.runs.is_empty(), "There are no runs")
+            because(context.runs().all().is_empty(), "There are no runs")
         }
     }
 }

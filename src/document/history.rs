@@ -1,21 +1,24 @@
 //! Undo and redo by snapshots.
 //!
 //! A snapshot shares what did not change. All edits of one gesture (a drag, a run of the fit, a run of the
-//! tracker) are one entry.
+//! tracker) are one entry. So are runs that were removed; whatever else happens to runs is no entry.
 
 use crate::document::Document;
 use crate::document::edit::{Edit, EditError};
+use crate::document::run::Run;
+use crate::document::runs::{RunChange, Runs};
 
 /// Names a group of edits that are undone together. Each drag and each run has a number of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Gesture(pub u64);
 
-/// A document with its past and its undone future.
+/// A document with its past and its undone future, and the runs of the fit.
 #[derive(Debug, Clone)]
 pub struct History {
     document: Document,
+    runs: Runs,
     undo: Vec<Entry>,
-    redo: Vec<Entry>,
+    redo: Vec<Snapshot>,
     /// Gesture of the newest entry, as long as it may grow.
     open: Option<Gesture>,
     revision: u64,
@@ -23,12 +26,39 @@ pub struct History {
     saved: Option<u64>,
 }
 
-/// A state that can be gone back to, and what led away from it.
+/// A document that can be gone back to, and what led away from it.
 #[derive(Debug, Clone)]
-struct Entry {
+struct Snapshot {
     document: Document,
     revision: u64,
     what: String,
+}
+
+/// What can be undone.
+#[derive(Debug, Clone)]
+enum Entry {
+    /// A change of the document.
+    Document(Box<Snapshot>),
+    /// Runs that were removed.
+    Runs(Vec<Run>),
+}
+
+impl Entry {
+    fn snapshot(&self) -> Option<&Snapshot> {
+        match self {
+            Self::Document(snapshot) => Some(snapshot),
+            Self::Runs(_) => None,
+        }
+    }
+}
+
+/// What was undone.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Undone {
+    /// A change of the document, in words.
+    Edit(String),
+    /// The removal of runs.
+    RemovedRuns,
 }
 
 /// Most entries kept; the oldest are forgotten.
@@ -40,6 +70,7 @@ impl History {
     pub fn new(document: Document) -> Self {
         Self {
             document,
+            runs: Runs::default(),
             undo: Vec::new(),
             redo: Vec::new(),
             open: None,
@@ -55,10 +86,22 @@ impl History {
         Self { saved: None, ..Self::new(document) }
     }
 
+    /// The same document, as one that needs no saving, with its runs and without its past.
+    #[must_use]
+    pub fn without_past(&self) -> Self {
+        Self { runs: self.runs.clone(), ..Self::new(self.document.clone()) }
+    }
+
     /// The document as it is now.
     #[must_use]
     pub fn document(&self) -> &Document {
         &self.document
+    }
+
+    /// The runs of the fit.
+    #[must_use]
+    pub fn runs(&self) -> &Runs {
+        &self.runs
     }
 
     /// Changes with every edit, undo and redo; the same number means the same document.
@@ -78,12 +121,10 @@ impl History {
         if self.document == before {
             return Ok(());
         }
-        let grows = gesture.is_some() && gesture == self.open && !self.undo.is_empty();
+        let grows = gesture.is_some() && gesture == self.open && self.newest_edit().is_some();
         if !grows {
-            self.undo.push(Entry { document: before, revision: self.revision, what });
-            if self.undo.len() > MAX_ENTRIES {
-                self.undo.remove(0);
-            }
+            let snapshot = Snapshot { document: before, revision: self.revision, what };
+            self.remember(Entry::Document(Box::new(snapshot)));
         }
         self.open = gesture;
         self.redo.clear();
@@ -92,37 +133,84 @@ impl History {
         Ok(())
     }
 
+    /// Changes the runs. Only their removal can be undone.
+    pub fn change_runs(&mut self, change: RunChange) {
+        if change == RunChange::Restore {
+            let newest = self.undo.iter().rposition(|entry| entry.snapshot().is_none());
+            if let Some(Entry::Runs(removed)) = newest.map(|index| self.undo.remove(index)) {
+                self.runs.bring_back(removed);
+            }
+            return;
+        }
+        let removed = self.runs.apply(change);
+        if !removed.is_empty() {
+            self.remember(Entry::Runs(removed));
+        }
+    }
+
     /// Goes back to before the newest entry and says what was undone.
-    pub fn undo(&mut self) -> Option<String> {
-        let entry = self.undo.pop()?;
-        Some(self.go(entry, |this| &mut this.redo))
+    pub fn undo(&mut self) -> Option<Undone> {
+        Some(match self.undo.pop()? {
+            Entry::Document(snapshot) => {
+                let left = self.go(*snapshot);
+                let what = left.what.clone();
+                self.redo.push(left);
+                Undone::Edit(what)
+            }
+            Entry::Runs(removed) => {
+                self.runs.bring_back(removed);
+                Undone::RemovedRuns
+            }
+        })
     }
 
-    /// Takes back the last undo and says what was done again.
+    /// Takes back the last undo of a change of the document and says what was done again.
     pub fn redo(&mut self) -> Option<String> {
-        let entry = self.redo.pop()?;
-        Some(self.go(entry, |this| &mut this.undo))
+        let snapshot = self.redo.pop()?;
+        let left = self.go(snapshot);
+        let what = left.what.clone();
+        self.undo.push(Entry::Document(Box::new(left)));
+        Some(what)
     }
 
-    /// What [`undo`](Self::undo) would undo.
+    /// Whether there is something to [`undo`](Self::undo).
+    #[must_use]
+    pub fn can_undo(&self) -> bool {
+        !self.undo.is_empty()
+    }
+
+    /// Whether [`undo`](Self::undo) would bring runs back and leave the document as it is.
+    #[must_use]
+    pub fn undo_brings_runs_back(&self) -> bool {
+        matches!(self.undo.last(), Some(Entry::Runs(_)))
+    }
+
+    /// Whether runs were removed that can be brought back.
+    #[must_use]
+    pub fn has_removed_runs(&self) -> bool {
+        self.undo.iter().any(|entry| entry.snapshot().is_none())
+    }
+
+    /// The newest change of the document that can be undone.
     #[must_use]
     pub fn undo_text(&self) -> Option<&str> {
-        self.undo.last().map(|entry| entry.what.as_str())
+        let newest = self.undo[self.newest_edit()?].snapshot()?;
+        Some(&newest.what)
     }
 
     /// What [`redo`](Self::redo) would do again.
     #[must_use]
     pub fn redo_text(&self) -> Option<&str> {
-        self.redo.last().map(|entry| entry.what.as_str())
+        self.redo.last().map(|snapshot| snapshot.what.as_str())
     }
 
     /// Undoes everything of a gesture that is still open, and forgets it: Esc in a drag.
     pub fn put_back(&mut self, gesture: Gesture) {
         if self.open == Some(gesture)
-            && let Some(entry) = self.undo.pop()
+            && let Some(newest) = self.newest_edit()
+            && let Entry::Document(snapshot) = self.undo.remove(newest)
         {
-            self.document = entry.document;
-            self.revision = entry.revision;
+            self.go(*snapshot);
         }
         self.open = None;
     }
@@ -143,17 +231,30 @@ impl History {
     /// tells its cameras.
     pub fn amend(&mut self, change: impl Fn(&mut Document)) {
         change(&mut self.document);
-        for entry in self.undo.iter_mut().chain(&mut self.redo) {
-            change(&mut entry.document);
-        }
+        let done = self.undo.iter_mut().filter_map(|entry| match entry {
+            Entry::Document(snapshot) => Some(&mut **snapshot),
+            Entry::Runs(_) => None,
+        });
+        done.chain(&mut self.redo).for_each(|snapshot| change(&mut snapshot.document));
     }
 
-    fn go(&mut self, entry: Entry, side: impl FnOnce(&mut Self) -> &mut Vec<Entry>) -> String {
-        let document = std::mem::replace(&mut self.document, entry.document);
-        let revision = std::mem::replace(&mut self.revision, entry.revision);
+    /// Puts a snapshot in the place of the document, which is returned as one.
+    fn go(&mut self, to: Snapshot) -> Snapshot {
         self.open = None;
-        side(self).push(Entry { document, revision, what: entry.what.clone() });
-        entry.what
+        let document = std::mem::replace(&mut self.document, to.document);
+        let revision = std::mem::replace(&mut self.revision, to.revision);
+        Snapshot { document, revision, what: to.what }
+    }
+
+    fn newest_edit(&self) -> Option<usize> {
+        self.undo.iter().rposition(|entry| entry.snapshot().is_some())
+    }
+
+    fn remember(&mut self, entry: Entry) {
+        self.undo.push(entry);
+        if self.undo.len() > MAX_ENTRIES {
+            self.undo.remove(0);
+        }
     }
 }
 
@@ -163,6 +264,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::document::run::RunEnding;
 
     fn moved(document: &Document, x: f64) -> Edit {
         let mut pose = document.pose_at(0).clone();
@@ -183,7 +285,7 @@ mod tests {
         }
         let edit = moved(history.document(), 9.0);
         history.apply(edit, Some(Gesture(8))).unwrap();
-        assert_eq!(history.undo().as_deref(), Some("Move body"));
+        assert_eq!(history.undo(), Some(Undone::Edit("Move body".to_owned())));
         assert_eq!(root_x(&history), 5.0);
         history.undo();
         assert_eq!(root_x(&history), 0.0);
@@ -224,5 +326,54 @@ mod tests {
         assert_eq!(history.undo_text(), None);
         assert!(history.apply(Edit::Pin { limb: 5, pinned: true }, None).is_err());
         assert_eq!(history.undo_text(), None);
+    }
+
+    fn with_runs(numbers: std::ops::RangeInclusive<usize>) -> History {
+        let mut history = History::new(Document::new(builtin::single_limb()));
+        for number in numbers {
+            assert_eq!(history.runs().next_number(), number);
+            let run = Run { number, is_shown: true, ..Run::default() };
+            history.change_runs(RunChange::Begin(Box::new(run)));
+        }
+        history
+    }
+
+    fn numbers(history: &History) -> Vec<usize> {
+        history.runs().all().iter().map(|run| run.number).collect()
+    }
+
+    #[test]
+    fn removed_runs_come_back_in_their_turn_and_are_no_change_of_the_document() {
+        let mut history = with_runs(1..=3);
+        assert!(!history.can_undo(), "to begin a run is no entry");
+        let edit = moved(history.document(), 1.0);
+        history.apply(edit, Some(Gesture(7))).unwrap();
+        let revision = history.revision();
+        history.change_runs(RunChange::Remove(2));
+        assert_eq!((history.revision(), history.undo_text()), (revision, Some("Move body")));
+        let edit = moved(history.document(), 2.0);
+        history.apply(edit, Some(Gesture(7))).unwrap();
+        history.change_runs(RunChange::Clear);
+        assert_eq!(numbers(&history), [0; 0]);
+        assert_eq!((history.undo(), numbers(&history)), (Some(Undone::RemovedRuns), vec![1, 3]));
+        assert_eq!((history.undo(), numbers(&history)), (Some(Undone::RemovedRuns), vec![1, 2, 3]));
+        assert_eq!((history.redo_text(), root_x(&history)), (None, 2.0));
+        history.undo();
+        assert_eq!((root_x(&history), history.can_undo()), (0.0, false), "both moves are one gesture");
+    }
+
+    #[test]
+    fn the_newest_removal_comes_back_past_later_edits_and_beside_later_runs() {
+        let mut history = with_runs(1..=2);
+        history.change_runs(RunChange::Clear);
+        let edit = moved(history.document(), 1.0);
+        history.apply(edit, None).unwrap();
+        let run = Run { number: history.runs().next_number(), ..Run::default() };
+        history.change_runs(RunChange::Begin(Box::new(run)));
+        assert!(history.has_removed_runs() && !history.undo_brings_runs_back());
+        history.change_runs(RunChange::Restore);
+        assert_eq!((numbers(&history), root_x(&history)), (vec![1, 2, 3], 1.0));
+        let stopped = |number| history.runs().get(number).unwrap().ending == Some(RunEnding::Stopped);
+        assert!(stopped(1) && !stopped(3) && !history.has_removed_runs());
     }
 }

@@ -3,9 +3,11 @@
 use std::sync::Arc;
 
 use backlit_tracking::body::Pose;
-use backlit_tracking::track::FitOptions;
+use backlit_tracking::optimize::Termination;
+use backlit_tracking::track::{FitOptions, IterationRecord};
 
 use crate::document::CameraUse;
+use crate::document::runs::StepRef;
 use crate::style::format;
 
 /// One step of a run. The first is the start.
@@ -38,6 +40,25 @@ pub struct RunStep {
 }
 
 impl RunStep {
+    /// A step that the solver has made in so many seconds, and the mismatch and RMS of the pose that it left.
+    #[must_use]
+    pub fn new(record: &IterationRecord, mismatch: f64, rms: f64, seconds: f64) -> Self {
+        Self {
+            pose: record.pose.clone(),
+            mismatch,
+            rms,
+            cost: record.cost,
+            trial_cost: record.trial_cost,
+            foretold: record.predicted_decrease,
+            fell: record.actual_decrease,
+            damping: record.damping,
+            step_norm: record.step_norm,
+            seconds,
+            stage: record.stage,
+            accepted: record.accepted,
+        }
+    }
+
     /// The cost before the step, by the measure of its stage.
     #[must_use]
     pub fn cost_before(&self) -> f64 {
@@ -71,6 +92,29 @@ pub enum RunEnding {
     Stopped,
 }
 
+impl RunEnding {
+    /// What the solver says, of a fit with one stage or with several.
+    #[must_use]
+    pub fn new(termination: Termination, is_annealed: bool) -> Self {
+        match termination {
+            Termination::StepLimit { steps } if is_annealed => {
+                Self::Solver(format!("the {steps} steps of the last stage are done"))
+            }
+            Termination::Cancelled => Self::Stopped,
+            other => Self::Solver(other.to_string()),
+        }
+    }
+
+    /// A sentence without its full stop.
+    #[must_use]
+    pub fn text(&self) -> String {
+        match self {
+            Self::Solver(words) => format!("Stopped: {words}"),
+            Self::Stopped => "Stopped by you".to_owned(),
+        }
+    }
+}
+
 /// What a run depends on besides its frame and its start: what its name may be made of.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RunChoices {
@@ -80,8 +124,8 @@ pub struct RunChoices {
     pub cameras: Arc<Vec<CameraUse>>,
     /// The part of the body that moved: "right forearm"; `None` for all of it.
     pub part: Option<String>,
-    /// The step of an earlier run that it began at: that run's number, and the step.
-    pub branched_from: Option<(usize, usize)>,
+    /// The step of an earlier run that it began at.
+    pub branched_from: Option<StepRef>,
 }
 
 /// A run of the fit on one frame.
@@ -135,11 +179,8 @@ impl Run {
     /// How it ended, in a sentence without its full stop.
     #[must_use]
     pub fn ending_text(&self) -> String {
-        match &self.ending {
-            None => format!("{} so far", steps_text(self.last_step())),
-            Some(RunEnding::Solver(words)) => format!("Stopped: {words}"),
-            Some(RunEnding::Stopped) => "Stopped by you".to_owned(),
-        }
+        let so_far = || format!("{} so far", steps_text(self.last_step()));
+        self.ending.as_ref().map_or_else(so_far, RunEnding::text)
     }
 
     /// The figures it has reached: steps, what is left of the start's mismatch, and the RMS.

@@ -7,6 +7,7 @@ use backlit_tracking::track::FitOptions;
 
 use crate::document::fit_words as words;
 use crate::document::run::Run;
+use crate::document::runs::StepRef;
 use crate::style::format;
 
 /// Names every run that was not named by hand by its differences from the runs whose curves are shown. A run
@@ -107,7 +108,7 @@ impl Facets {
             cameras: cameras_text(run),
             frame_text: format!("frame {}", run.frame),
             start: match choices.branched_from {
-                Some((run, step)) => format!("from step {step} of run {run}"),
+                Some(StepRef { run, step }) => format!("from step {step} of run {run}"),
                 None => format!("start {start}"),
             },
         }
@@ -274,7 +275,7 @@ mod tests {
         assert_eq!(names(vec![arm.clone()]), ["Refit right forearm"]);
         assert_eq!(names(vec![run(|_| {}), arm]), ["Whole body", "Refit right forearm"]);
         let mut branch = run(|_| {});
-        branch.choices.branched_from = Some((1, 4));
+        branch.choices.branched_from = Some(StepRef { run: 1, step: 4 });
         assert_eq!(names(vec![run(|_| {}), branch]), ["Start 1", "From step 4 of run 1"]);
     }
 

@@ -1,25 +1,58 @@
-//! Curves of runs: what is plotted over their steps, and how that is written to files.
+//! Runs of the fit: their curves over their steps, one by one, and as files.
 //!
 //! | file | holds |
 //! |---|---|
 //! | [`quantity`] | [`Quantity`]: cost, RMS, step norm, damping, decrease; the points of a run's curve |
-//! | [`look`] | [`CurvesLook`]: what the plot shows |
-//! | [`request`] | [`CurvesRequest`]: what the panel asks for |
+//! | [`preferences`] | [`ConvergencePreferences`]: what the plot shows, kept from start to start |
 //! | [`axis`] | ends of the plot's axes, which stay while a run goes on |
+//! | `update` | runs removed and brought back, files written |
+//! | `panel`, `runs`, `steps` | the pane: the plot, the list of runs, the steps of one |
 //! | [`table`] | all steps of all runs as CSV |
 //! | [`picture`] | the plot as a [`Figure`](crate::drawing::plot::Figure) |
 
 pub mod axis;
-pub mod look;
-pub(crate) mod panel;
+mod panel;
 pub mod picture;
+pub mod preferences;
 pub mod quantity;
-pub mod request;
-pub(crate) mod runs;
-pub(crate) mod steps;
+mod runs;
+mod steps;
 pub mod table;
-pub(crate) mod update;
+mod update;
 
-pub use look::CurvesLook;
+pub use preferences::ConvergencePreferences;
 pub use quantity::{CurvePoint, Quantity, points};
-pub use request::CurvesRequest;
+
+use crate::context::file_dialog::FileDialogs;
+
+/// What curves are written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CurvesFile {
+    /// Every step of all runs.
+    Table,
+    /// The plot as it is shown.
+    Plot,
+}
+
+/// The feature.
+#[derive(Debug, Default)]
+pub(crate) struct Convergence {
+    /// What is chosen, kept from start to start.
+    pub(crate) preferences: ConvergencePreferences,
+    /// The name that is being typed: of which run, and the text so far.
+    typing: Option<(usize, String)>,
+    dialogs: FileDialogs<CurvesFile>,
+}
+
+impl Convergence {
+    /// The same without open dialogs, for a picture of it.
+    #[must_use]
+    pub(crate) fn at_rest(&self) -> Self {
+        Self { preferences: self.preferences, typing: self.typing.clone(), ..Self::default() }
+    }
+
+    /// Another take is open: what is about the old one goes.
+    pub(crate) fn reset(&mut self) {
+        *self = Self { preferences: self.preferences, ..Self::default() };
+    }
+}

@@ -5,12 +5,12 @@ pub(crate) mod explanation;
 use std::collections::VecDeque;
 
 use crate::app::App;
+use crate::context::Request;
 use crate::context::preferences::Layout;
 use crate::document::edit::Edit;
-use crate::document::history::{Gesture, History};
+use crate::document::history::Gesture;
 use crate::drawing::ViewMode;
 use crate::take::demonstration::{Demonstration, PreparedRun};
-use crate::worker::Lane;
 
 /// Runs that begin by themselves.
 #[derive(Debug)]
@@ -51,7 +51,7 @@ impl App {
     pub(crate) fn go_on_demonstrating(&mut self) {
         let frame = self.state.selection.frame;
         let has_data = self.state.session.frames.get(frame).is_some_and(|frame| frame.has_mask());
-        if !has_data || self.worker.is_busy(Lane::Fit) {
+        if !has_data || self.features.fit.is_running() {
             return;
         }
         let Some(prepared) = &mut self.features.demonstration.prepared else { return };
@@ -59,15 +59,14 @@ impl App {
         let Some(run) = prepared.runs.pop_front() else {
             self.features.demonstration.prepared = None;
             // What has run by itself is nobody's work: there is nothing to undo and nothing to save.
-            self.state.history = History::new(self.document().clone());
+            self.state.history = self.state.history.without_past();
             return;
         };
         let what = "Demonstrate".to_owned();
         self.edit(Edit::SetFit { options: Box::new(run.fit), what }, Some(gesture));
         // From the start again: without key pose and without what the run before has found.
         self.edit(Edit::ClearEstimates, Some(gesture));
-        self.features.fit.run_gesture = Some(gesture);
-        self.begin(Some(run.name), None, None);
+        self.request(Request::BeginRun(run.name, gesture));
     }
 
     /// The user has something else in mind: no further run begins by itself.

@@ -189,7 +189,7 @@ impl App {
     }
 
     fn steps_done(&self) -> usize {
-        self.state.session.runs.iter().map(|run| run.steps.len().saturating_sub(1)).sum()
+        self.runs().iter().map(|run| run.steps.len().saturating_sub(1)).sum()
     }
 
     fn frames_tracked(&self) -> usize {
@@ -197,9 +197,7 @@ impl App {
     }
 
     fn run_has_ended(&self) -> bool {
-        let run =
-            self.state.session.run_of(&self.state.selection).and_then(|run| self.state.session.runs.get(run));
-        run.is_some_and(|run| run.ending.is_some())
+        self.context().run().is_some_and(|run| run.ending.is_some())
     }
 
     /// Shows the card, and does what is asked on it.

@@ -14,6 +14,7 @@ use backlit_tracking::track::Hypothesis;
 use crate::app::App;
 use crate::context::command::{Command, HistoryCommand};
 use crate::document::edit::Edit;
+use crate::document::history::Gesture;
 use crate::document::{Document, Estimate};
 use crate::features::fit::poses_job::PosesJob;
 use crate::features::tracking::job::{Leg, TrackJob};
@@ -53,6 +54,8 @@ pub(crate) fn keys_around(document: &Document, frame: usize) -> Option<(usize, u
 pub(crate) struct TrackingState {
     /// Whether the screen follows the tracker.
     pub(crate) follows_tracker: bool,
+    /// The gesture of what it does to the document.
+    gesture: Option<Gesture>,
     pub(crate) tracked: Tracked,
 }
 
@@ -95,7 +98,9 @@ impl App {
         backwards: bool,
         between: Option<(usize, usize)>,
     ) {
-        let (Some(take), Some(scene)) = (self.state.session.take.clone(), self.scene()) else { return };
+        let (Some(take), Some(scene)) = (self.state.session.take.clone(), self.context().fit_inputs()) else {
+            return;
+        };
         let document = self.document();
         let mut keys = (*document.keys).clone();
         // There a leg begins, from the pose on the screen.
@@ -106,7 +111,7 @@ impl App {
         let job =
             TrackJob::new(take, document.measurement.clone(), scene, document.tracking, Arc::new(keys), legs);
         self.pause();
-        self.features.fit.run_gesture = Some(self.new_gesture());
+        self.features.tracking.gesture = Some(self.new_gesture());
         let began = Instant::now();
         self.state.session.tracking = Some(Tracking { done: 0, total, backwards, between, range, began });
         self.features.tracking.follows_tracker = true;
@@ -133,7 +138,7 @@ impl App {
     pub(crate) fn take_in_tracked(&mut self) {
         if !self.features.tracking.tracked.heard.is_empty() {
             let found = std::mem::take(&mut self.features.tracking.tracked.heard);
-            self.edit(Edit::AddTrack(found), self.features.fit.run_gesture);
+            self.edit(Edit::AddTrack(found), self.features.tracking.gesture);
         }
         self.follow_tracker();
     }
@@ -199,7 +204,7 @@ impl App {
     /// Looks for other poses that fit the frame on the screen.
     pub(crate) fn search_poses(&mut self) {
         self.interrupt_fit();
-        let Some(scene) = self.scene() else { return };
+        let Some(scene) = self.context().fit_inputs() else { return };
         let start = self.shown_pose().clone();
         self.state.session.searching = Some(self.state.selection.frame);
         self.worker.request(Lane::Track, PosesJob { scene, start });

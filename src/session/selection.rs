@@ -2,16 +2,8 @@
 
 use backlit_tracking::body::Model;
 
+use crate::document::runs::StepRef;
 use crate::drawing::{JointId, draggable_joints};
-
-/// A step of a run: which of the session's runs, and which of its iterations (0 is the start).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct StepRef {
-    /// Index in the session's list of runs.
-    pub run: usize,
-    /// 0 is the start; n is the state after the n-th iteration.
-    pub step: usize,
-}
 
 /// What is selected. Nothing here is saved or undone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -14,7 +14,6 @@ use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::{Context, PaneEvent, Request, Requests};
 use crate::features::Features;
 use crate::features::camera_views::CameraPanes;
-use crate::features::convergence::panel as convergence;
 use crate::features::scene::panel as scene;
 use crate::style::theme;
 use crate::style::theme::{Palette, size, space};
@@ -118,7 +117,7 @@ fn contents(
                 dragged = common.show(ui, index, siblings, requests);
             }
             Pane::Scene => scene::ui(ui, context, look.views.dragged, siblings, requests),
-            Pane::Convergence => convergence::ui(ui, context, siblings, requests),
+            Pane::Convergence => features.convergence.pane(ui, context, siblings, requests),
             Pane::Basin => features.basin.pane(ui, context, siblings, requests),
         }
         if !matches!(pane, Pane::Camera(_)) {

@@ -5,9 +5,10 @@ use egui::{Frame, Margin, Panel, ScrollArea, Ui};
 use crate::context::preferences::Layout;
 use crate::context::{Context, Requests};
 use crate::features::Features;
-use crate::features::fit::{measurement, refit, renderer, solver};
+use crate::features::fit::{measurement, other_poses, renderer, solver};
 use crate::features::observability::{camera_subsets, panel as observability};
 use crate::features::pose::{joint, panel as pose, sizes};
+use crate::features::tracking::choices as tracking_choices;
 use crate::style::theme;
 use crate::style::theme::{size, space};
 
@@ -49,11 +50,15 @@ fn sections(
     ui.spacing_mut().item_spacing.y = 0.0;
     pose::ui(ui, context, requests, posing);
     joint::ui(ui, context, requests, posing);
-    refit::ui(ui, context, requests, posing);
+    features.fit.refit_section(ui, context, requests, posing, |ui, requests| {
+        other_poses::ui(ui, context, requests);
+    });
     sizes::ui(ui, context, requests, false);
     measurement::ui(ui, context, requests, false);
     renderer::ui(ui, context, requests, !posing);
-    solver::ui(ui, context, requests, !posing);
+    solver::ui(ui, context, requests, !posing, |ui, requests| {
+        tracking_choices::ui(ui, context, requests);
+    });
     observability::ui(ui, context, requests, layout == Layout::Debug);
     camera_subsets::ui(ui, context, requests, layout == Layout::Debug);
     features.basin.section(ui, context, requests, false);

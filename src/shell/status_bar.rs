@@ -6,6 +6,7 @@ use crate::context::command::{BasinCommand, Command, ExportCommand, FitCommand};
 use crate::context::command_button as command;
 use crate::context::preferences::Layout;
 use crate::context::{Context, Requests};
+use crate::document::run::Run;
 use crate::drawing::joint_name;
 use crate::features::Features;
 use crate::style::format;
@@ -19,7 +20,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &Features, reques
     let frame = Frame::NONE.fill(palette.raised).inner_margin(Margin::symmetric(8, 0));
     Panel::bottom("status bar").exact_size(size::STATUS_BAR).resizable(false).frame(frame).show(ui, |ui| {
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-            numbers(ui, context);
+            numbers(ui, context, features);
             ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
                 let (rect, _) = ui.allocate_exact_size(vec2(size::ICON, size::ICON), Sense::hover());
                 Icon::Info.paint_scaled(ui.painter(), rect, palette.text3, 0.85);
@@ -86,13 +87,13 @@ fn sentence(context: &Context<'_>, features: &Features) -> String {
         return laboratory_sentence(context);
     }
     if let Some(step) = context.selection.step {
-        let steps = session.runs.get(step.run).map_or(0, |run| run.steps.len().saturating_sub(1));
+        let steps = context.runs().get(step.run).map_or(0, Run::last_step);
         return format!(
             "Looking at step {} of {steps}. Comma and period go on; an edit here branches.",
             step.step
         );
     }
-    if let Some(run) = session.runs.iter().rfind(|run| run.frame == context.selection.frame)
+    if let Some(run) = context.runs().newest_of(context.selection.frame)
         && run.ending.is_some()
     {
         return format!("{}: {}. {}.", run.name, run.reached_text(), run.ending_text());
@@ -125,7 +126,7 @@ fn laboratory_sentence(context: &Context<'_>) -> String {
     format!("Step {step} in {all}. Space steps them together, Enter runs them; the arrow keys step.")
 }
 
-fn numbers(ui: &mut Ui, context: &Context<'_>) {
+fn numbers(ui: &mut Ui, context: &Context<'_>, features: &Features) {
     let session = context.session;
     let rms = session.predicted.as_ref().and_then(|predicted| predicted.rms);
     ui.spacing_mut().item_spacing.x = space::GROUP;
@@ -137,7 +138,7 @@ fn numbers(ui: &mut Ui, context: &Context<'_>) {
             140.0,
             "Time that the window needed for its last frame",
         ),
-        ("step", seconds(session.step_seconds), 104.0, "Time of the last step of the fit"),
+        ("step", seconds(features.fit.step_seconds), 104.0, "Time of the last step of the fit"),
         (
             "IoU",
             session.iou().map_or_else(|| format::MISSING.to_owned(), format::ratio),

@@ -10,8 +10,9 @@ use crate::context::command::{
 };
 use crate::context::command_button::{icon, primary};
 use crate::context::preferences::Layout;
+use crate::context::preset_box::preset_box;
 use crate::context::{Context, Request, Requests};
-use crate::features::fit::{renderer, solver};
+use crate::features::fit::renderer;
 use crate::features::laboratory::panel as laboratory;
 use crate::style::format;
 use crate::style::theme;
@@ -110,7 +111,7 @@ fn right(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32
     if context.preferences.layout == Layout::Demonstrate && context.session.take.is_some() {
         // The laboratory has buttons of its own.
         if width >= FOLD_CHOICES {
-            solver::preset_box(ui, context, requests, 92.0);
+            preset_box(ui, context, requests, 92.0);
             laboratory::lineup_box(ui, context, requests);
         }
         return;
@@ -123,7 +124,7 @@ fn right(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32
     icon(ui, context, requests, Command::Fit(FitCommand::StepBack), Icon::StepBack);
     if width >= FOLD_CHOICES && context.session.take.is_some() {
         ui.add_space(space::WIDGET);
-        solver::preset_box(ui, context, requests, 92.0);
+        preset_box(ui, context, requests, 92.0);
         ui.add_space(space::ROW);
         renderer::kind_box(ui, context, requests, 100.0);
     }

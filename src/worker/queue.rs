@@ -52,8 +52,6 @@ pub enum Lane {
     Save,
     /// Writing the settings.
     Settings,
-    /// The fit of one frame.
-    Fit,
     /// The laboratory's fits.
     Laboratory,
     /// The laboratory's plot as a file.
@@ -79,7 +77,6 @@ impl Lane {
             | Self::TakeIn
             | Self::Calibrate
             | Self::Load
-            | Self::Fit
             | Self::Laboratory
             | Self::Observe => Crew::Screen,
             Self::Scene => Crew::Scene,
@@ -375,8 +372,8 @@ mod tests {
     #[test]
     fn a_job_reports_and_ends() {
         let mut worker = Worker::start(|| {}).unwrap();
-        worker.request(Lane::Fit, Count { from: 0, to: 3 });
-        let expected = [Report::Event(0), Report::Event(1), Report::Event(2), Report::Ended(Lane::Fit)];
+        worker.request(Lane::Open, Count { from: 0, to: 3 });
+        let expected = [Report::Event(0), Report::Event(1), Report::Event(2), Report::Ended(Lane::Open)];
         assert_eq!(wait(&mut worker), expected);
     }
 
@@ -384,15 +381,15 @@ mod tests {
     fn new_work_supersedes_old_and_is_not_held_up_by_other_lanes() {
         let mut worker = Worker::start(|| {}).unwrap();
         worker.request(Lane::Track, Count { from: 100, to: u32::MAX });
-        worker.request(Lane::Fit, Count { from: 20, to: u32::MAX });
-        worker.request(Lane::Fit, Count { from: 0, to: 2 });
+        worker.request(Lane::Open, Count { from: 20, to: u32::MAX });
+        worker.request(Lane::Open, Count { from: 0, to: 2 });
         let start = Instant::now();
         let mut fit = Vec::new();
-        while worker.is_busy(Lane::Fit) {
+        while worker.is_busy(Lane::Open) {
             assert!(start.elapsed() < Duration::from_secs(20), "the worker hangs");
             fit.extend(worker.poll().into_iter().filter(|r| !matches!(r, Report::Event(100..))));
         }
-        assert_eq!(fit, [Report::Event(0), Report::Event(1), Report::Ended(Lane::Fit)]);
+        assert_eq!(fit, [Report::Event(0), Report::Event(1), Report::Ended(Lane::Open)]);
         worker.cancel(Lane::Track);
         assert_eq!(wait(&mut worker).last(), Some(&Report::Ended(Lane::Track)));
     }

@@ -24,7 +24,7 @@ fn open_dark() -> Harness<'static, App> {
 }
 
 fn names(harness: &Harness<'_, App>) -> Vec<String> {
-    harness.state().session().runs.iter().map(|run| run.name.clone()).collect()
+    harness.state().runs().iter().map(|run| run.name.clone()).collect()
 }
 
 /// Runs the fit from the take's start with each renderer.
@@ -89,7 +89,7 @@ fn removed_runs_come_back_with_one_undo() {
     harness.get_by_role(Role::TextInput).type_text("undo remove");
     harness.run_steps(2);
     press(&mut harness, Modifiers::NONE, Key::Enter);
-    let runs = &harness.state().session().runs;
+    let runs = harness.state().runs();
     assert_eq!(runs.iter().map(|run| run.number).collect::<Vec<_>>(), [1, 2, 3, 4]);
 }
 
@@ -152,7 +152,7 @@ fn curves_are_written_as_they_are_shown() {
     settle(&mut harness);
     harness.get_by_label("Wrote curves.csv.");
     let text = std::fs::read_to_string(&csv).unwrap();
-    let steps: usize = harness.state().session().runs.iter().map(|run| run.steps.len()).sum();
+    let steps: usize = harness.state().runs().iter().map(|run| run.steps.len()).sum();
     assert_eq!(text.lines().count(), steps + 1);
     assert!(text.starts_with("run,name,") && text.contains("Sphere tree"));
     let picture = image::open(&png).unwrap();

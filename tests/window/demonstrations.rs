@@ -28,7 +28,7 @@ fn show(harness: &mut Harness<'_, App>, label: &str) {
 
 /// Names of the runs, each with the last mismatch in percent of the first.
 fn runs(harness: &Harness<'_, App>) -> Vec<(String, f64)> {
-    let runs = &harness.state().session().runs;
+    let runs = harness.state().runs();
     assert!(runs.iter().all(|run| run.ending.is_some()));
     runs.iter().map(|run| (run.name.clone(), 100.0 * run.fraction(run.steps.len() - 1).unwrap())).collect()
 }
@@ -62,7 +62,7 @@ fn two_clicks_show_the_single_limb_with_all_three_renderers() {
     assert!(fits(&harness)[0].1 > 99.0);
     harness.get_by_label("Why the flat ends lose");
     assert!(!harness.state().document().has_pose(1));
-    assert!(harness.state().session().runs.is_empty(), "the laboratory leaves the other layouts alone");
+    assert!(harness.state().runs().is_empty(), "the laboratory leaves the other layouts alone");
     let comparison = harness.state().laboratory().comparison.as_ref().unwrap();
     assert_eq!((comparison.last(), comparison.cursor), (25, 25));
 }
@@ -89,7 +89,7 @@ fn the_thesis_ramp_leaves_the_truth() {
     let mut harness = open();
     show(&mut harness, "Bias of a ramp");
     let steps = |name: &str| {
-        let run = harness.state().session().runs.iter().find(|run| run.name == name).unwrap();
+        let run = harness.state().runs().iter().find(|run| run.name == name).unwrap();
         [run.steps.first().unwrap().pose.clone(), run.steps.last().unwrap().pose.clone()]
             .map(|p| error_mm(&p))
     };
@@ -102,7 +102,7 @@ fn a_sequence_is_tracked_and_a_project_of_it_opens_again() {
     let mut harness = open();
     show(&mut harness, "Fig. 5.6");
     assert_eq!(harness.state().session().frame_count(), 50);
-    assert!(harness.state().session().runs.is_empty());
+    assert!(harness.state().runs().is_empty());
     click(&mut harness, "Track forward");
     let document = harness.state().document();
     assert_eq!(document.estimates.len(), 50);

@@ -119,7 +119,7 @@ fn keys_go_through_the_steps_and_leave_the_take_alone() {
     assert_eq!(*harness.state().document(), before);
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert_eq!(*harness.state().document(), before, "there is nothing to undo");
-    assert!(harness.state().session().runs.is_empty());
+    assert!(harness.state().runs().is_empty());
     assert_eq!(harness.state().selection().frame, 0);
 }
 

@@ -95,10 +95,10 @@ fn directions_are_picked_by_keys_and_esc_puts_the_body_back() {
     press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
     assert_eq!(harness.state().observing().picked(), Some(7));
     assert_eq!(harness.state().selection().frame, 0, "the arrow is the chart's");
-    let steps = harness.state().session().runs[0].steps.len();
+    let steps = harness.state().runs()[0].steps.len();
     press(&mut harness, Modifiers::NONE, Key::Space);
     assert!(harness.state().observing().is_playing());
-    assert_eq!(harness.state().session().runs[0].steps.len(), steps, "and so is Space");
+    assert_eq!(harness.state().runs()[0].steps.len(), steps, "and so is Space");
 }
 
 #[test]

@@ -33,7 +33,7 @@ fn middle(harness: &Harness<'_, App>) -> Pos2 {
 /// Whether the picture shows the body as it is now, with smooth edges.
 fn shows_pose(harness: &Harness<'_, App>) -> bool {
     let app = harness.state();
-    let pose = app.session().shown_pose(app.document(), app.selection());
+    let pose = app.shown_pose();
     let kinematics = Kinematics::new(&app.document().model, pose);
     let order = &drawing(harness).order;
     let limbs = order.scene.limbs.iter().map(|limb| limb.ends[1]);

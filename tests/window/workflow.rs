@@ -50,7 +50,7 @@ fn from_a_take_to_a_track_and_back_to_the_saved_file() {
     assert_eq!(*harness.state().document().pose_at(0), stepped, "looking back changes nothing");
 
     click(&mut harness, "Run");
-    let runs = &harness.state().session().runs;
+    let runs = harness.state().runs();
     assert_eq!(runs.len(), 2, "from an earlier step a new run begins");
     assert!(runs[1].ending.is_some() && runs[1].steps.len() > 3);
     assert!(iou(&harness) > 0.8, "fitted: {}", iou(&harness));
@@ -260,7 +260,7 @@ fn the_debug_layout_shows_the_run_and_goes_to_its_steps() {
     harness.get_by_label("Press Space to step");
     click(&mut harness, "Run");
     harness.get_by_label("Convergence plot");
-    let last = harness.state().session().runs[0].steps.len() - 1;
+    let last = harness.state().runs()[0].steps.len() - 1;
     harness.get_by_label("Convergence plot").click();
     settle(&mut harness);
     let step = harness.state().selection().step.unwrap().step;

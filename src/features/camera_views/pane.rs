@@ -66,7 +66,7 @@ pub(crate) struct CameraPanes<'a> {
 impl<'a> CameraPanes<'a> {
     pub(crate) fn new(context: &'a Context<'a>, views: CameraViews<'a>) -> Self {
         let document = context.document();
-        let pose = context.session.shown_pose(document, context.selection);
+        let pose = context.shown_pose();
         let kinematics = Kinematics::new(&document.model, pose);
         let ray = views.dragged.and_then(|(index, joint)| {
             let camera = context.session.take.as_ref()?.cameras.get(index)?;

@@ -1,18 +1,17 @@
 //! The convergence panel: a quantity of the fit against its steps, one curve a run, rejected steps as ×; the list of
 //! runs beside it, the steps of the run on the screen below.
 
-pub(crate) mod plot;
+mod plot;
 mod read_out;
 
 use egui::{Align, Layout as Direction, Ui, UiBuilder, vec2};
 
-use super::{runs, steps};
+use super::{Convergence, ConvergencePreferences, Quantity, steps};
 use crate::context::command::{Command, ConvergenceCommand};
 use crate::context::command_button::menu_row;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::pane_title;
-use crate::context::{Context, Request, Requests};
-use crate::features::convergence::{CurvesLook, CurvesRequest, Quantity};
+use crate::context::{Context, Requests};
 use crate::style::theme;
 use crate::style::theme::{size, space};
 use crate::widgets::{checkbox, segmented};
@@ -26,59 +25,67 @@ const LIST_SHARE: f32 = 0.4;
 /// Width of the box of quantities.
 const QUANTITY: f32 = 124.0;
 
-/// The panel, in all of the space that is left.
-pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
-    let rect = ui.available_rect_before_wrap();
-    ui.painter().rect_filled(rect, 0.0, theme::palette(ui).panel);
-    let inner = UiBuilder::new().max_rect(rect.shrink2(vec2(space::WIDGET, 0.0)));
-    ui.scope_builder(inner, |ui| contents(ui, context, siblings, requests));
-}
+impl Convergence {
+    /// The panel, in all of the space that is left.
+    pub(crate) fn pane(
+        &mut self,
+        ui: &mut Ui,
+        context: &Context<'_>,
+        siblings: &[Pane],
+        requests: &mut Requests,
+    ) {
+        let rect = ui.available_rect_before_wrap();
+        ui.painter().rect_filled(rect, 0.0, theme::palette(ui).panel);
+        let inner = UiBuilder::new().max_rect(rect.shrink2(vec2(space::WIDGET, 0.0)));
+        ui.scope_builder(inner, |ui| self.contents(ui, context, siblings, requests));
+    }
 
-fn contents(ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
-    head(ui, context, siblings, requests);
-    let list = ui.available_width() >= LIST_FROM;
-    let list_width = if list { size::RUN_LIST.min(LIST_SHARE * ui.available_width()) } else { 0.0 };
-    let plot_height = (ui.available_height() - STEPS).max(80.0);
-    ui.horizontal_top(|ui| {
-        let width = ui.available_width() - list_width;
-        plot::ui(ui, context, requests, vec2(width - space::WIDGET, plot_height), !list);
-        if list {
-            let area = vec2(list_width - space::WIDGET, plot_height);
-            let down = Direction::top_down(Align::Min);
-            ui.allocate_ui_with_layout(area, down, |ui| runs::ui(ui, context, requests, plot_height));
-        }
-    });
-    steps::ui(ui, context, requests);
-}
+    fn contents(&mut self, ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
+        // What is chosen now is seen from the next frame on.
+        let preferences = self.preferences;
+        self.head(ui, context, siblings, requests);
+        let list = ui.available_width() >= LIST_FROM;
+        let list_width = if list { size::RUN_LIST.min(LIST_SHARE * ui.available_width()) } else { 0.0 };
+        let plot_height = (ui.available_height() - STEPS).max(80.0);
+        ui.horizontal_top(|ui| {
+            let width = ui.available_width() - list_width;
+            plot::ui(ui, context, preferences, requests, vec2(width - space::WIDGET, plot_height), !list);
+            if list {
+                let area = vec2(list_width - space::WIDGET, plot_height);
+                let down = Direction::top_down(Align::Min);
+                ui.allocate_ui_with_layout(area, down, |ui| self.list(ui, context, requests, plot_height));
+            }
+        });
+        steps::ui(ui, context, requests);
+    }
 
-fn head(ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
-    let mut look = context.preferences.curves;
-    ui.allocate_ui_with_layout(
-        vec2(ui.available_width(), size::TILE_HEADER),
-        Direction::left_to_right(Align::Center),
-        |ui| {
-            pane_title::show(ui, Pane::Convergence, siblings, requests);
-            ui.add_space(space::ROW);
-            choices(ui, &mut look);
-            ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-                ui.add_space(HEADER_BUTTONS);
-                more(ui, context, requests);
-            });
-        },
-    );
-    if look != context.preferences.curves {
-        requests.request(Request::Curves(CurvesRequest::Look(look)));
+    fn head(&mut self, ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {
+        ui.allocate_ui_with_layout(
+            vec2(ui.available_width(), size::TILE_HEADER),
+            Direction::left_to_right(Align::Center),
+            |ui| {
+                pane_title::show(ui, Pane::Convergence, siblings, requests);
+                ui.add_space(space::ROW);
+                choices(ui, &mut self.preferences);
+                ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+                    ui.add_space(HEADER_BUTTONS);
+                    more(ui, context, requests);
+                });
+            },
+        );
     }
 }
 
-fn choices(ui: &mut Ui, look: &mut CurvesLook) {
+fn choices(ui: &mut Ui, preferences: &mut ConvergencePreferences) {
     let all = Quantity::ALL.map(|quantity| (quantity, quantity.text(), quantity.explanation().to_owned()));
-    if let Some(quantity) = crate::widgets::choice(ui, "Quantity", QUANTITY, look.quantity.text(), &all) {
-        look.quantity = quantity;
+    if let Some(quantity) =
+        crate::widgets::choice(ui, "Quantity", QUANTITY, preferences.quantity.text(), &all)
+    {
+        preferences.quantity = quantity;
     }
-    segmented(ui, &mut look.is_log, &[(true, "Log"), (false, "Linear")])
+    segmented(ui, &mut preferences.is_log, &[(true, "Log"), (false, "Linear")])
         .on_hover_text("How the axis of heights runs");
-    checkbox(ui, &mut look.rejected, "Rejected steps")
+    checkbox(ui, &mut preferences.rejected, "Rejected steps")
         .on_hover_text("A × for each step that would have raised the cost and was taken back");
 }
 
@@ -90,7 +97,7 @@ fn more(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         requests,
         Command::Convergence(ConvergenceCommand::ClearRuns),
     );
-    let has_runs = !context.session.runs.is_empty();
+    let has_runs = !context.runs().all().is_empty();
     ui.add_enabled_ui(has_runs, |ui| {
         ui.menu_button("Export", |ui| {
             for command in [ConvergenceCommand::ExportCurves, ConvergenceCommand::ExportPlot] {

@@ -1,7 +1,7 @@
 //! The convergence plot as a picture.
 
 use super::quantity::foretold;
-use super::{CurvePoint, CurvesLook, Quantity, axis, points};
+use super::{ConvergencePreferences, CurvePoint, Quantity, axis, points};
 use crate::document::run::Run;
 use crate::drawing::plot::{Axis, Figure, Line};
 
@@ -11,10 +11,10 @@ const STACK: f64 = 0.035;
 
 /// The plot of the runs that are shown, as the window has it.
 #[must_use]
-pub fn figure(runs: &[Run], look: CurvesLook, title: &str) -> Figure {
+pub fn figure(runs: &[Run], preferences: ConvergencePreferences, title: &str) -> Figure {
     let shown: Vec<&Run> = runs.iter().filter(|run| run.is_shown).collect();
-    let quantity = look.quantity;
-    let ends = heights(&shown, look);
+    let quantity = preferences.quantity;
+    let ends = heights(&shown, preferences);
     let mut lines: Vec<Line> = Vec::with_capacity(shown.len());
     for run in &shown {
         let (accepted, rejected): (Vec<CurvePoint>, Vec<CurvePoint>) =
@@ -22,17 +22,19 @@ pub fn figure(runs: &[Run], look: CurvesLook, title: &str) -> Figure {
         let place = |point: &CurvePoint| [point.x, point.y];
         let name = format!("{}: {}", run.name, run.reached_text());
         let mut line = Line::of_points(&name, run.colour, accepted.iter().map(place).collect());
-        if look.rejected {
-            line =
-                line.with_crosses(rejected.iter().map(|point| stacked(point, ends, look.is_log)).collect());
+        if preferences.rejected {
+            line = line.with_crosses(
+                rejected.iter().map(|point| stacked(point, ends, preferences.is_log)).collect(),
+            );
         }
         lines.push(line);
         if quantity == Quantity::Decrease {
             lines.push(Line::of_points("", run.colour, foretold(run).iter().map(place).collect()).faint());
         }
     }
-    let axis = if look.is_log { Axis::log(&label(quantity)) } else { Axis::linear(&label(quantity)) };
-    let subtitle = if look.rejected { "accepted steps are dots, rejected ones ×" } else { "accepted steps" };
+    let axis = if preferences.is_log { Axis::log(&label(quantity)) } else { Axis::linear(&label(quantity)) };
+    let subtitle =
+        if preferences.rejected { "accepted steps are dots, rejected ones ×" } else { "accepted steps" };
     Figure {
         title: title.to_owned(),
         subtitle: subtitle.to_owned(),
@@ -50,11 +52,12 @@ pub fn most_steps(runs: &[&Run]) -> f64 {
 
 /// Ends of the axis of heights, of all that is plotted.
 #[must_use]
-pub fn heights(runs: &[&Run], look: CurvesLook) -> [f64; 2] {
-    let own = runs.iter().flat_map(|run| points(run, look.quantity));
-    let said = runs.iter().filter(|_| look.quantity == Quantity::Decrease).flat_map(|run| foretold(run));
-    let is_drawn = |point: &CurvePoint| point.accepted || look.rejected;
-    axis::heights(own.chain(said).filter(is_drawn).map(|point| point.y), look.is_log)
+pub fn heights(runs: &[&Run], preferences: ConvergencePreferences) -> [f64; 2] {
+    let own = runs.iter().flat_map(|run| points(run, preferences.quantity));
+    let said =
+        runs.iter().filter(|_| preferences.quantity == Quantity::Decrease).flat_map(|run| foretold(run));
+    let is_drawn = |point: &CurvePoint| point.accepted || preferences.rejected;
+    axis::heights(own.chain(said).filter(is_drawn).map(|point| point.y), preferences.is_log)
 }
 
 fn stacked(point: &CurvePoint, [low, high]: [f64; 2], is_log: bool) -> [f64; 2] {
@@ -86,11 +89,15 @@ mod tests {
         let run = crate::features::convergence::quantity::tests::run();
         let hidden = Run { is_shown: false, ..run.clone() };
         let runs = [run, hidden];
-        let made = figure(&runs, CurvesLook::default(), "Robust");
+        let made = figure(&runs, ConvergencePreferences::default(), "Robust");
         assert_eq!((made.lines.len(), made.lines[0].points.len(), made.lines[0].crosses.len()), (1, 3, 2));
         assert!(made.lines[0].crosses[1][1] > made.lines[0].crosses[0][1]);
         assert!(made.lines[0].name.starts_with("Robust: 4 steps, 25.0 % of the start"));
-        let without = CurvesLook { rejected: false, quantity: Quantity::Decrease, ..CurvesLook::default() };
+        let without = ConvergencePreferences {
+            rejected: false,
+            quantity: Quantity::Decrease,
+            ..ConvergencePreferences::default()
+        };
         let made = figure(&runs, without, "Robust");
         assert_eq!((made.lines.len(), made.lines[0].crosses.len()), (2, 0));
         let _ = made.picture(Theme::Light);

@@ -1,14 +1,15 @@
 //! The list of runs beside the convergence plot: named by what differs, shown or hidden, renamed, removed.
 
 use egui::{
-    Align, Id, Key, Layout as Direction, Rect, Response, RichText, Role, ScrollArea, Sense, Stroke, TextEdit,
-    Ui, WidgetInfo, vec2,
+    Align, Key, Layout as Direction, Rect, Response, RichText, Role, ScrollArea, Sense, Stroke, TextEdit, Ui,
+    WidgetInfo, vec2,
 };
 
+use super::Convergence;
+use super::update::remove;
 use crate::context::{Context, Request, Requests};
 use crate::document::run::Run;
-use crate::features::convergence::CurvesRequest;
-use crate::session::selection::StepRef;
+use crate::document::runs::{RunChange, StepRef};
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{run_style, size};
@@ -21,62 +22,120 @@ const SAMPLE: f32 = 20.0;
 /// Room of the figure and the buttons at the right of a card.
 const RIGHT: f32 = 62.0 + 3.0 * (size::BUTTON + 2.0);
 
-/// The name that is being typed: of which run, and the text so far.
-type Typing = Option<(usize, String)>;
-
-/// The list.
-pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, height: f32) {
-    ScrollArea::vertical().max_height(height).auto_shrink(false).show(ui, |ui| {
-        ui.spacing_mut().item_spacing.y = 2.0;
-        let current = context.session.run_of(context.selection);
-        for (index, run) in context.session.runs.iter().enumerate().rev() {
-            card(ui, requests, index, run, current == Some(index));
-        }
-        if context.session.runs.is_empty() {
-            let text = "Runs are kept here, each with all its steps.";
-            ui.label(RichText::new(text).small().color(theme::palette(ui).text3));
-        }
-    });
-}
-
-fn card(ui: &mut Ui, requests: &mut Requests, index: usize, run: &Run, is_current: bool) {
-    let palette = theme::palette(ui);
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), CARD), Sense::click());
-    let name = format!("Run {}: {}", run.number, run.name);
-    response.widget_info(|| WidgetInfo::selected(Role::ListItem, true, is_current, &name));
-    if response.clicked() {
-        requests.request(Request::Step(StepRef { run: index, step: run.last_step() }));
-    }
-    if response.has_focus() && ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Delete)) {
-        requests.request(Request::Curves(CurvesRequest::Remove(index)));
-    }
-    if is_current {
-        ui.painter().rect_filled(rect, 3.0, palette.select);
-    } else if response.hovered() || response.has_focus() {
-        ui.painter().rect_filled(rect, 3.0, palette.raised);
-    }
-    sample(ui, rect, run);
-    let inner = Rect::from_min_max(rect.min + vec2(SAMPLE + 16.0, 4.0), rect.max - vec2(4.0, 4.0));
-    let mut inside =
-        ui.new_child(egui::UiBuilder::new().max_rect(inner).layout(Direction::top_down(Align::Min)));
-    inside.spacing_mut().item_spacing.y = 1.0;
-    inside.horizontal(|ui| {
-        ui.set_height(size::ROW);
-        ui.spacing_mut().item_spacing.x = 2.0;
-        title(ui, requests, index, run, &response);
-        ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-            buttons(ui, requests, index, run);
-            let share = run.fraction(run.last_step());
-            let text = share.map_or_else(|| format::MISSING.to_owned(), format::percent);
-            ui.label(RichText::new(text).monospace().color(palette.text));
+impl Convergence {
+    /// The list.
+    pub(super) fn list(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, height: f32) {
+        ScrollArea::vertical().max_height(height).auto_shrink(false).show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 2.0;
+            for run in context.runs().all().iter().rev() {
+                self.card(ui, context, requests, run);
+            }
+            if context.runs().all().is_empty() {
+                let text = "Runs are kept here, each with all its steps.";
+                ui.label(RichText::new(text).small().color(theme::palette(ui).text3));
+            }
         });
-    });
-    let detail = format!("{}, frame {}", run.detail, run.frame);
-    let full = format!("{name}\n{detail}\n{}: {}", run.reached_text(), run.ending_text());
-    for text in [detail, run.ending_text()] {
-        line(&mut inside, &text);
     }
-    response.on_hover_text(full);
+
+    fn card(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, run: &Run) {
+        let is_current = context.run().is_some_and(|current| current.number == run.number);
+        let palette = theme::palette(ui);
+        let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), CARD), Sense::click());
+        let name = format!("Run {}: {}", run.number, run.name);
+        response.widget_info(|| WidgetInfo::selected(Role::ListItem, true, is_current, &name));
+        if response.clicked() {
+            requests.request(Request::Step(StepRef { run: run.number, step: run.last_step() }));
+        }
+        if response.has_focus() && ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Delete))
+        {
+            remove(run, context, requests);
+        }
+        if is_current {
+            ui.painter().rect_filled(rect, 3.0, palette.select);
+        } else if response.hovered() || response.has_focus() {
+            ui.painter().rect_filled(rect, 3.0, palette.raised);
+        }
+        sample(ui, rect, run);
+        let inner = Rect::from_min_max(rect.min + vec2(SAMPLE + 16.0, 4.0), rect.max - vec2(4.0, 4.0));
+        let mut inside =
+            ui.new_child(egui::UiBuilder::new().max_rect(inner).layout(Direction::top_down(Align::Min)));
+        inside.spacing_mut().item_spacing.y = 1.0;
+        inside.horizontal(|ui| {
+            ui.set_height(size::ROW);
+            ui.spacing_mut().item_spacing.x = 2.0;
+            self.title(ui, requests, run, &response);
+            ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+                self.buttons(ui, context, requests, run);
+                let share = run.fraction(run.last_step());
+                let text = share.map_or_else(|| format::MISSING.to_owned(), format::percent);
+                ui.label(RichText::new(text).monospace().color(palette.text));
+            });
+        });
+        let detail = format!("{}, frame {}", run.detail, run.frame);
+        let full = format!("{name}\n{detail}\n{}: {}", run.reached_text(), run.ending_text());
+        for text in [detail, run.ending_text()] {
+            line(&mut inside, &text);
+        }
+        response.on_hover_text(full);
+    }
+
+    fn buttons(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, run: &Run) {
+        let number = run.number;
+        let button = |ui: &mut Ui, icon, what: &str, tooltip: &str| {
+            icon_button(ui, icon, &format!("{what} run {number}"), tooltip).clicked()
+        };
+        if button(ui, Icon::Close, "Remove", "Remove the run; a notice offers to undo it") {
+            remove(run, context, requests);
+        }
+        let (icon, what, tooltip) = if run.is_shown {
+            (Icon::Eye, "Hide curve of", "Hide the curve. With Shift: hide all others")
+        } else {
+            (Icon::EyeOff, "Show curve of", "Show the curve. With Shift: hide all others")
+        };
+        if button(ui, icon, what, tooltip) {
+            let is_alone = ui.input(|input| input.modifiers.shift);
+            let alone = RunChange::ShowOnly(number);
+            let change = if is_alone { alone } else { RunChange::Show(number, !run.is_shown) };
+            requests.request(Request::Runs(change));
+        }
+        if button(ui, Icon::Pencil, "Rename", "Rename; an empty name says again what differs") {
+            self.typing = Some((number, run.name.clone()));
+        }
+    }
+
+    /// The name, or the field in which it is typed; a double click on the card begins that too.
+    fn title(&mut self, ui: &mut Ui, requests: &mut Requests, run: &Run, card: &Response) {
+        let palette = theme::palette(ui);
+        let width = (ui.available_width() - RIGHT).max(60.0);
+        let Some((_, text)) = self.typing.as_mut().filter(|(number, _)| *number == run.number) else {
+            let colour = if run.is_shown { palette.text } else { palette.text3 };
+            let label = egui::Label::new(RichText::new(&run.name).color(colour)).truncate().selectable(false);
+            ui.allocate_ui_with_layout(
+                vec2(width, size::ROW),
+                Direction::left_to_right(Align::Center),
+                |ui| {
+                    ui.set_min_width(width);
+                    ui.add(label);
+                },
+            );
+            if card.double_clicked() {
+                self.typing = Some((run.number, run.name.clone()));
+            }
+            return;
+        };
+        let id = ui.make_persistent_id(("rename", run.number));
+        let field = TextEdit::singleline(text).id(id).desired_width(width - 8.0).char_limit(60);
+        let response = ui.name_inputs(format!("Name of run {}", run.number), |ui| ui.add(field));
+        let cancelled = ui.input(|input| input.key_pressed(Key::Escape));
+        if response.lost_focus() {
+            if !cancelled && *text != run.name {
+                requests.request(Request::Runs(RunChange::Rename(run.number, text.clone())));
+            }
+            self.typing = None;
+        } else if !response.has_focus() {
+            response.request_focus();
+        }
+    }
 }
 
 /// A piece of the run's line; pale while it is hidden.
@@ -92,71 +151,6 @@ fn sample(ui: &Ui, rect: Rect, run: &Run) {
             ui.painter().extend(egui::Shape::dashed_line(&[from, to], stroke, *length, *length));
         }
     }
-}
-
-fn buttons(ui: &mut Ui, requests: &mut Requests, index: usize, run: &Run) {
-    let number = run.number;
-    let button = |ui: &mut Ui, icon, what: &str, tooltip: &str| {
-        icon_button(ui, icon, &format!("{what} run {number}"), tooltip).clicked()
-    };
-    if button(ui, Icon::Close, "Remove", "Remove the run; a notice offers to undo it") {
-        requests.request(Request::Curves(CurvesRequest::Remove(index)));
-    }
-    let (icon, what, tooltip) = if run.is_shown {
-        (Icon::Eye, "Hide curve of", "Hide the curve. With Shift: hide all others")
-    } else {
-        (Icon::EyeOff, "Show curve of", "Show the curve. With Shift: hide all others")
-    };
-    if button(ui, icon, what, tooltip) {
-        if ui.input(|input| input.modifiers.shift) {
-            requests.request(Request::Curves(CurvesRequest::ShowOnly(index)));
-        } else {
-            requests.request(Request::ShowRun(index, !run.is_shown));
-        }
-    }
-    if button(ui, Icon::Pencil, "Rename", "Rename; an empty name says again what differs") {
-        let typing: Typing = Some((number, run.name.clone()));
-        ui.data_mut(|data| data.insert_temp(typing_id(), typing));
-    }
-}
-
-/// Where the name that is being typed is kept.
-fn typing_id() -> Id {
-    Id::unique("name of a run")
-}
-
-/// The name, or the field in which it is typed; a double click on the card begins that too.
-fn title(ui: &mut Ui, requests: &mut Requests, index: usize, run: &Run, card: &Response) {
-    let palette = theme::palette(ui);
-    let width = (ui.available_width() - RIGHT).max(60.0);
-    let typing: Typing = ui.data(|data| data.get_temp(typing_id())).flatten();
-    let Some((_, mut text)) = typing.filter(|(number, _)| *number == run.number) else {
-        let colour = if run.is_shown { palette.text } else { palette.text3 };
-        let label = egui::Label::new(RichText::new(&run.name).color(colour)).truncate().selectable(false);
-        ui.allocate_ui_with_layout(vec2(width, size::ROW), Direction::left_to_right(Align::Center), |ui| {
-            ui.set_min_width(width);
-            ui.add(label);
-        });
-        if card.double_clicked() {
-            let typing: Typing = Some((run.number, run.name.clone()));
-            ui.data_mut(|data| data.insert_temp(typing_id(), typing));
-        }
-        return;
-    };
-    let id = ui.make_persistent_id(("rename", run.number));
-    let field = TextEdit::singleline(&mut text).id(id).desired_width(width - 8.0).char_limit(60);
-    let response = ui.name_inputs(format!("Name of run {}", run.number), |ui| ui.add(field));
-    let cancelled = ui.input(|input| input.key_pressed(Key::Escape));
-    let mut typing: Typing = Some((run.number, text.clone()));
-    if response.lost_focus() {
-        typing = None;
-        if !cancelled && text != run.name {
-            requests.request(Request::Curves(CurvesRequest::Rename(index, text)));
-        }
-    } else if !response.has_focus() {
-        response.request_focus();
-    }
-    ui.data_mut(|data| data.insert_temp(typing_id(), typing));
 }
 
 fn line(ui: &mut Ui, text: &str) {

@@ -6,8 +6,8 @@ use crate::context::command::{Command, FitCommand};
 use crate::context::command_button::{button, icon};
 use crate::context::{Context, Request, Requests};
 use crate::document::run::{Run, RunStep};
+use crate::document::runs::StepRef;
 use crate::features::convergence::Quantity;
-use crate::session::selection::StepRef;
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{size, space};
@@ -26,25 +26,23 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         |ui| {
             icon(ui, context, requests, Command::Fit(FitCommand::EarlierStep), Icon::Previous);
             icon(ui, context, requests, Command::Fit(FitCommand::LaterStep), Icon::Next);
-            let run_index = context.session.run_of(context.selection);
-            let run = run_index.and_then(|run| Some((run, context.session.runs.get(run)?)));
-            let Some((index, run)) = run else {
+            let Some(run) = context.run() else {
                 ui.label(RichText::new("No step on this frame yet").color(theme::palette(ui).text3));
                 return;
             };
-            let last = run.steps.len().saturating_sub(1);
-            let at = context.selection.step.filter(|step| step.run == index).map_or(last, |step| step.step);
+            let last = run.last_step();
+            let at = context.selection.step.filter(|at| at.run == run.number).map_or(last, |at| at.step);
             let text = RichText::new(format!("Step {at} of {last}")).monospace();
             let (rect, _) = ui.allocate_exact_size(vec2(104.0, size::ROW), Sense::hover());
             ui.put(rect, egui::Label::new(text));
             let width = (ui.available_width() - WORDS).max(120.0);
-            slider(ui, requests, index, run, at, width);
+            slider(ui, requests, run, at, width);
             words(ui, context, requests, run, at);
         },
     );
 }
 
-fn slider(ui: &mut Ui, requests: &mut Requests, index: usize, run: &Run, at: usize, width: f32) {
+fn slider(ui: &mut Ui, requests: &mut Requests, run: &Run, at: usize, width: f32) {
     let (rect, response) = ui.allocate_exact_size(vec2(width, 40.0), Sense::click_and_drag());
     let last = run.steps.len().saturating_sub(1).max(1);
     response.widget_info(|| WidgetInfo::slider(true, at as f64, "Step"));
@@ -54,11 +52,11 @@ fn slider(ui: &mut Ui, requests: &mut Requests, index: usize, run: &Run, at: usi
         let share = ((pointer.x - rail.left()) / rail.width()).clamp(0.0, 1.0);
         let step = (share * last as f32).round() as usize;
         if step != at && step < run.steps.len() {
-            requests.request(Request::Step(StepRef { run: index, step }));
+            requests.request(Request::Step(StepRef { run: run.number, step }));
         }
     }
     if let Some(step) = step_by_key(ui, &response, at, run.last_step()) {
-        requests.request(Request::Step(StepRef { run: index, step }));
+        requests.request(Request::Step(StepRef { run: run.number, step }));
     }
     let palette = theme::palette(ui);
     let painter = ui.painter();

@@ -82,7 +82,7 @@ impl Facts {
         let camera_of = |take: &std::sync::Arc<crate::take::footage::Footage>| {
             take.cameras.get(camera).map(|camera| [camera.width(), camera.height()])
         };
-        let run = session.run_of(context.selection).and_then(|run| session.runs.get(run));
+        let run = context.run();
         Self {
             footage: take.and_then(camera_of).unwrap_or([1, 1]),
             camera,

@@ -11,10 +11,11 @@ use super::off_screen::{PictureOf, Shot, Snapshot, Twin};
 use crate::app::App;
 use crate::context::command::{Command, ExportCommand};
 use crate::context::write_advice::remedy;
+use crate::document::run::Run;
+use crate::document::runs::StepRef;
 use crate::features::camera_views::PictureAlone;
 use crate::features::export::dialog::{ExportDialog, ExportOrder, Subject};
 use crate::features::export::{ExportError, Part, SeriesFormat, SeriesOptions, write_series};
-use crate::session::selection::StepRef;
 use crate::shell::Overlay;
 
 /// An export that is under way.
@@ -163,10 +164,9 @@ impl App {
 
     /// The steps of the shown run, from its start on.
     fn shots_of_steps(&self, accepted_only: bool) -> Vec<(usize, Shot)> {
-        let Some(run) = self.state.session.run_of(&self.state.selection) else { return Vec::new() };
-        let Some(steps) = self.state.session.runs.get(run).map(|run| &run.steps) else { return Vec::new() };
+        let Some(Run { number, steps, .. }) = self.context().run() else { return Vec::new() };
         let is_wanted = |step: usize| step == 0 || steps[step].accepted || !accepted_only;
-        let shot = |step| (step, Shot::Step(StepRef { run, step }));
+        let shot = |step| (step, Shot::Step(StepRef { run: *number, step }));
         (0..steps.len()).filter(|step| is_wanted(*step)).map(shot).collect()
     }
 

@@ -11,15 +11,18 @@ use image::{DynamicImage, RgbImage};
 use crate::app::headless::rest;
 use crate::app::settings::Settings;
 use crate::app::{App, AppOptions};
+use crate::context::Request;
 use crate::context::pane::Pane;
-use crate::document::Document;
 use crate::document::history::History;
+use crate::document::runs::StepRef;
 use crate::features::basin::Basin;
 use crate::features::camera_views::{PictureAlone, TileLook};
+use crate::features::convergence::Convergence;
 use crate::features::export::choices::MAX_SIDE;
+use crate::features::fit::Fit;
 use crate::features::laboratory::Laboratory;
 use crate::session::Session;
-use crate::session::selection::{Selection, StepRef};
+use crate::session::selection::Selection;
 use crate::widgets::{Framing, image_canvas};
 
 /// How long a picture is waited for.
@@ -62,7 +65,7 @@ pub(crate) enum Shot {
 /// All of an inspector that its twin needs. It can be sent to another thread.
 #[derive(Debug)]
 pub(crate) struct Snapshot {
-    document: Document,
+    history: History,
     session: Session,
     selection: Selection,
     settings: Settings,
@@ -70,6 +73,8 @@ pub(crate) struct Snapshot {
     alone: Option<Pane>,
     pair: [usize; 2],
     basin: Basin,
+    convergence: Convergence,
+    fit: Fit,
     laboratory: Laboratory,
     explanation: Option<&'static str>,
     frame_seconds: f64,
@@ -82,7 +87,7 @@ impl App {
         // Textures are the first window's: its twin makes its own.
         image_canvas::forget_textures(&self.state.egui);
         Snapshot {
-            document: self.document().clone(),
+            history: self.state.history.without_past(),
             session: self.state.session.at_rest(),
             selection: self.state.selection,
             settings: self.settings(),
@@ -90,6 +95,8 @@ impl App {
             alone: self.shell.docking.alone,
             pair: self.shell.docking.pair,
             basin: self.features.basin.at_rest(),
+            convergence: self.features.convergence.at_rest(),
+            fit: self.features.fit.at_rest(),
             laboratory: self.features.laboratory.at_rest(),
             explanation: self.features.demonstration.explanation,
             frame_seconds: self.state.frame_seconds,
@@ -126,13 +133,15 @@ impl Twin {
         window.ctx.memory_mut(|memory| *memory = snapshot.memory);
         let options = AppOptions { settings: snapshot.settings, ..AppOptions::default() };
         let mut app = App::new(window.ctx.clone(), options)?;
-        app.state.history = History::new(snapshot.document);
+        app.state.history = snapshot.history;
         app.state.session = snapshot.session;
         app.state.selection = snapshot.selection;
         app.features.camera_views.tiles = snapshot.tiles;
         app.shell.docking.alone = snapshot.alone;
         app.shell.docking.pair = snapshot.pair;
         app.features.basin = snapshot.basin;
+        app.features.convergence = snapshot.convergence;
+        app.features.fit = snapshot.fit;
         app.features.laboratory = snapshot.laboratory;
         app.features.demonstration.explanation = snapshot.explanation;
         let mut twin = Self { window, app, frame_seconds: snapshot.frame_seconds };
@@ -159,10 +168,7 @@ impl Twin {
         match shot {
             Shot::AsShown => {}
             Shot::Step(step) => {
-                if let Some(run) = self.app.state.session.runs.get(step.run) {
-                    self.app.state.selection.frame = run.frame;
-                    self.app.state.selection.step = Some(step);
-                }
+                self.app.request(Request::Step(step));
             }
             Shot::Frame(frame) => self.app.go_to_frame(frame),
         }

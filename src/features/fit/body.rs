@@ -16,7 +16,9 @@ impl App {
     /// Fits lengths and radii to the frames that have poses of their own, at most eight of them.
     pub(crate) fn fit_body(&mut self) {
         self.interrupt_fit();
-        let (Some(take), Some(scene)) = (self.state.session.take.clone(), self.scene()) else { return };
+        let (Some(take), Some(scene)) = (self.state.session.take.clone(), self.context().fit_inputs()) else {
+            return;
+        };
         let document = self.document();
         let is_lost = |frame: usize| document.estimates.get(&frame).is_some_and(|found| found.lost);
         let posed: Vec<usize> =

@@ -1,156 +1,131 @@
 //! The fit of one frame, one iteration a step.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::Instant;
 
 use backlit_tracking::body::Pose;
-use backlit_tracking::optimize::Termination;
-use backlit_tracking::track::{Fit, FitError, FitOptions, IterationRecord};
+use backlit_tracking::track::{Fit, FitError, FitOptions};
 
 use crate::document::run::{RunEnding, RunStep};
+use crate::jobs::{Job, Outbox, Step};
 use crate::session::prediction::{FitInputs, Predicted};
-use crate::worker::{Event, Job, Outbox, Step};
 
-/// What a fit begins with.
-#[derive(Debug, Clone)]
-pub struct FitStart {
-    /// The frame's data and the choices of the fit.
-    pub scene: FitInputs,
-    /// Where it begins.
-    pub pose: Pose,
-    /// The scene's choices, at the scale of what is seen.
-    pub options: FitOptions,
-    /// Rotations that may move; all of them if there is none.
-    pub free: Option<Vec<bool>>,
+/// What came of it.
+#[derive(Debug)]
+pub(super) enum Fitted {
+    /// The start or a step, with what the pose after it predicts.
+    Step(Box<RunStep>, Arc<Predicted>),
+    /// It cannot begin.
+    Refused(FitError),
+    /// The steps are done, with the ending if there are no more to come, and the fit if it may go on.
+    Paused(Option<RunEnding>, Option<Box<Running>>),
 }
 
-/// A fit that waits for its next step. The job puts it back when it has done its steps, so that damping and
-/// stage go on where they were.
-pub type LiveFit = Arc<Mutex<Option<Running>>>;
-
-/// A fit between two steps.
+/// What a fit begins with.
 #[derive(Debug)]
-pub struct Running {
+pub(super) struct FitStart {
+    /// The frame's data and the choices of the fit.
+    pub(super) inputs: FitInputs,
+    /// Where it begins.
+    pub(super) pose: Pose,
+    /// The choices, at the scale of what is seen.
+    pub(super) options: FitOptions,
+    /// Rotations that may move; all of them if there is none.
+    pub(super) free: Option<Vec<bool>>,
+}
+
+/// A fit between two steps: damping and stage go on where they were.
+#[derive(Debug)]
+pub(super) struct Running {
     fit: Fit,
-    scene: FitInputs,
+    inputs: FitInputs,
     last: Arc<Predicted>,
 }
 
 /// Steps of a fit.
 #[derive(Debug)]
-pub struct FitJob {
-    /// Begins a new fit; otherwise the live one goes on.
+pub(super) struct FitJob {
+    /// Begins a new fit; otherwise the one that runs goes on.
     start: Option<FitStart>,
-    live: LiveFit,
+    running: Option<Box<Running>>,
     /// Steps to do; `None` runs to the end.
     left: Option<usize>,
-    running: Option<Running>,
 }
 
 impl FitJob {
     /// Begins a fit and does so many steps, or all of them.
-    #[must_use]
-    pub fn begin(start: FitStart, live: LiveFit, steps: Option<usize>) -> Self {
-        Self { start: Some(start), live, left: steps, running: None }
+    pub(super) fn begin(start: FitStart, steps: Option<usize>) -> Self {
+        Self { start: Some(start), running: None, left: steps }
     }
 
-    /// Goes on with the live fit.
-    #[must_use]
-    pub fn go_on(live: LiveFit, steps: Option<usize>) -> Self {
-        Self { start: None, live, left: steps, running: None }
+    /// Goes on with a fit.
+    pub(super) fn go_on(running: Option<Box<Running>>, steps: Option<usize>) -> Self {
+        Self { start: None, running, left: steps }
     }
 
-    fn prepare(&mut self, out: &Outbox<Event>) -> Result<(), FitError> {
-        if let Some(start) = self.start.take() {
-            let model = start.scene.model.clone();
-            let views = start.scene.views();
-            let fit = Fit::with_free_rotations(model, views, start.pose, start.options, start.free)?;
-            let last = Arc::new(Predicted::new(&start.scene, fit.pose(), None));
-            let first = RunStep {
-                pose: fit.pose().clone(),
-                mismatch: last.mismatch,
-                rms: last.rms.unwrap_or_default(),
-                cost: fit.cost(),
-                trial_cost: fit.cost(),
-                foretold: 0.0,
-                fell: 0.0,
-                seconds: 0.0,
-                damping: start.scene.fit.damping,
-                step_norm: 0.0,
-                stage: 0,
-                accepted: true,
-            };
-            out.send(Event::FitStep(Box::new(first), last.clone()));
-            self.running = Some(Running { fit, scene: start.scene, last });
-        } else {
-            self.running = self.live.lock().unwrap_or_else(PoisonError::into_inner).take();
-        }
-        Ok(())
-    }
-
-    fn end(&mut self, out: &Outbox<Event>, ending: Option<RunEnding>) -> Step {
-        let mut live = self.live.lock().unwrap_or_else(PoisonError::into_inner);
-        *live = self.running.take().filter(|running| running.fit.termination().is_none());
-        out.send(Event::FitEnded(ending));
+    fn pause(&mut self, out: &Outbox<Fitted>, ending: Option<RunEnding>) -> Step {
+        let running = self.running.take().filter(|running| running.fit.termination().is_none());
+        out.send(Fitted::Paused(ending, running));
         Step::Done
     }
 }
 
-impl Job<Event> for FitJob {
-    fn step(&mut self, out: &Outbox<Event>) -> Step {
-        if self.running.is_none()
-            && let Err(error) = self.prepare(out)
-        {
-            out.send(Event::Failed(format!("The fit cannot begin: {error}")));
-            return self.end(out, Some(RunEnding::Solver(error.to_string())));
+impl FitStart {
+    fn begin(self, out: &Outbox<Fitted>) -> Result<Running, FitError> {
+        let Self { inputs, pose, options, free } = self;
+        let fit = Fit::with_free_rotations(inputs.model.clone(), inputs.views(), pose, options, free)?;
+        let last = Arc::new(Predicted::new(&inputs, fit.pose(), None));
+        let first = RunStep {
+            pose: fit.pose().clone(),
+            mismatch: last.mismatch,
+            rms: last.rms.unwrap_or_default(),
+            cost: fit.cost(),
+            trial_cost: fit.cost(),
+            foretold: 0.0,
+            fell: 0.0,
+            seconds: 0.0,
+            damping: inputs.fit.damping,
+            step_norm: 0.0,
+            stage: 0,
+            accepted: true,
+        };
+        out.send(Fitted::Step(Box::new(first), last.clone()));
+        Ok(Running { fit, inputs, last })
+    }
+}
+
+impl Job<Fitted> for FitJob {
+    fn step(&mut self, out: &Outbox<Fitted>) -> Step {
+        if let Some(start) = self.start.take() {
+            match start.begin(out) {
+                Ok(running) => self.running = Some(Box::new(running)),
+                Err(error) => {
+                    out.send(Fitted::Refused(error));
+                    return Step::Done;
+                }
+            }
         }
         if out.cancel().is_cancelled() {
-            return self.end(out, Some(RunEnding::Stopped));
+            return self.pause(out, Some(RunEnding::Stopped));
         }
         if self.left == Some(0) {
-            return self.end(out, None);
+            return self.pause(out, None);
         }
-        let Some(running) = &mut self.running else { return self.end(out, Some(RunEnding::Stopped)) };
+        let Some(running) = &mut self.running else { return self.pause(out, Some(RunEnding::Stopped)) };
         let began = Instant::now();
         let Some(record) = running.fit.step() else {
-            let is_annealed = running.scene.fit.stages.len() > 1;
-            let ending = running.fit.termination().map(|why| ending_of(why, is_annealed));
-            return self.end(out, Some(ending.unwrap_or(RunEnding::Stopped)));
+            let is_annealed = running.inputs.fit.stages.len() > 1;
+            let ending = running.fit.termination().map(|why| RunEnding::new(why, is_annealed));
+            return self.pause(out, Some(ending.unwrap_or(RunEnding::Stopped)));
         };
         let seconds = began.elapsed().as_secs_f64();
         if record.accepted {
-            running.last = Arc::new(Predicted::new(&running.scene, &record.pose, Some(&running.last)));
+            running.last = Arc::new(Predicted::new(&running.inputs, &record.pose, Some(&running.last)));
         }
-        let step = run_step(&record, &running.last, seconds);
-        out.send(Event::FitStep(Box::new(step), running.last.clone()));
+        let step =
+            RunStep::new(&record, running.last.mismatch, running.last.rms.unwrap_or_default(), seconds);
+        out.send(Fitted::Step(Box::new(step), running.last.clone()));
         self.left = self.left.map(|left| left.saturating_sub(1));
         Step::Again
-    }
-}
-
-pub(crate) fn ending_of(termination: Termination, is_annealed: bool) -> RunEnding {
-    match termination {
-        Termination::StepLimit { steps } if is_annealed => {
-            RunEnding::Solver(format!("the {steps} steps of the last stage are done"))
-        }
-        Termination::Cancelled => RunEnding::Stopped,
-        other => RunEnding::Solver(other.to_string()),
-    }
-}
-
-pub(crate) fn run_step(record: &IterationRecord, predicted: &Predicted, seconds: f64) -> RunStep {
-    RunStep {
-        pose: record.pose.clone(),
-        mismatch: predicted.mismatch,
-        rms: predicted.rms.unwrap_or_default(),
-        cost: record.cost,
-        trial_cost: record.trial_cost,
-        foretold: record.predicted_decrease,
-        fell: record.actual_decrease,
-        damping: record.damping,
-        step_norm: record.step_norm,
-        seconds,
-        stage: record.stage,
-        accepted: record.accepted,
     }
 }

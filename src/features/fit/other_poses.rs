@@ -26,7 +26,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     });
     let Some(poses) = context.session.other_poses.get(&frame) else { return };
     ui.label(RichText::new("Poses that fit, best first").small().color(palette.text2));
-    let shown = context.session.shown_pose(context.document(), context.selection);
+    let shown = context.shown_pose();
     let best = poses.found.first().map_or(0.0, |found| found.cost);
     for (index, found) in poses.found.iter().enumerate() {
         let is_shown = found.pose.root.distance(shown.root) < SAME

@@ -3,17 +3,15 @@
 use backlit_tracking::body::Parameters;
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::Ramp;
-use backlit_tracking::track::{FitOptions, Preset};
+use backlit_tracking::track::FitOptions;
 use egui::{RichText, Ui};
 
-use crate::context::command::{Command, FitCommand};
+use crate::context::preset_box::preset_box;
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
 use crate::document::fit_words::preset_like;
-use crate::features::tracking::choices as tracking_choices;
 use crate::style::theme;
-use crate::widgets::choice;
 use crate::widgets::{hint, named_row, number_field, section, segmented};
 
 /// Width of the names in this section.
@@ -21,20 +19,14 @@ const NAME: f32 = 78.0;
 /// Width of a field.
 const FIELD: f32 = 72.0;
 
-/// A box of the presets.
-pub(crate) fn preset_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32) {
-    let chosen = preset_like(&context.document().fit).map_or("Own", Preset::label);
-    let choices = [Preset::Robust, Preset::Report].map(|preset| {
-        let command = Command::Fit(FitCommand::Preset(preset));
-        (command, command.text(), command.tooltip())
-    });
-    if let Some(command) = choice(ui, "Preset", width, chosen, &choices) {
-        requests.run(command);
-    }
-}
-
-/// The Solver section.
-pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
+/// The Solver section, with what else it holds at its end.
+pub(crate) fn ui(
+    ui: &mut Ui,
+    context: &Context<'_>,
+    requests: &mut Requests,
+    open: bool,
+    more: impl FnOnce(&mut Ui, &mut Requests),
+) {
     let fit = &*context.document().fit;
     let summary = preset_like(fit).map_or_else(|| "own choices".to_owned(), |p| p.label().to_owned());
     section(ui, "Solver", &summary, open, |ui| {
@@ -74,7 +66,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
                 .on_hover_text("How hard joints are held within their limits");
             hint(ui, "of the joints");
         });
-        tracking_choices::ui(ui, context, requests);
+        more(ui, requests);
         sanitise(&mut options);
         if options != *fit {
             let what = "Change solver".to_owned();

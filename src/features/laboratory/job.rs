@@ -14,7 +14,6 @@ use rayon::prelude::*;
 use crate::context::write_advice::remedy;
 use crate::document::run::{RunEnding, RunStep};
 use crate::drawing::plot::Figure;
-use crate::features::fit::job::{ending_of, run_step};
 use crate::features::laboratory::comparison::PushKey;
 use crate::features::laboratory::{CheckProgress, ColumnCheck, Push, Pushed};
 use crate::session::Extent;
@@ -178,7 +177,7 @@ impl Job<Event> for LaboratoryJob {
         let began = Instant::now();
         let Some(record) = fit.step() else {
             let is_annealed = racing.scene.fit.stages.len() > 1;
-            let ending = fit.termination().map(|why| ending_of(why, is_annealed));
+            let ending = fit.termination().map(|why| RunEnding::new(why, is_annealed));
             racing.fit = None;
             send(out, LaboratoryEvent::Ended(index, ending.unwrap_or(RunEnding::Stopped)));
             return Step::Again;
@@ -188,7 +187,8 @@ impl Job<Event> for LaboratoryJob {
         if record.accepted {
             racing.last = Arc::new(Predicted::new(&racing.scene, &record.pose, Some(&racing.last)));
         }
-        let step = run_step(&record, &racing.last, seconds);
+        let (mismatch, rms) = (racing.last.mismatch, racing.last.rms.unwrap_or_default());
+        let step = RunStep::new(&record, mismatch, rms, seconds);
         send(out, LaboratoryEvent::Step(index, Box::new(step), racing.last.clone()));
         Step::Again
     }

@@ -46,7 +46,7 @@ impl App {
 
     /// What is compared as things are now; `None` as long as the frame is not there.
     fn basis(&self) -> Option<Basis> {
-        let scene = self.scene()?;
+        let scene = self.context().fit_inputs()?;
         scene.frame.as_ref()?;
         let document = self.document();
         let take = self.state.session.take.as_ref()?;

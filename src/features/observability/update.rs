@@ -15,7 +15,7 @@ impl App {
 
     /// Asks for figures where they are wanted and old, once nothing more urgent is in hand, and lets the body sway.
     pub(crate) fn observe(&mut self, ctx: &egui::Context) {
-        let Some(scene) = self.scene() else { return };
+        let Some(scene) = self.context().fit_inputs() else { return };
         let pose = self.shown_pose().clone();
         let is_stale = !self.features.observability.found().is_some_and(|found| found.is_of(&scene, &pose));
         let document = self.state.history.document();
@@ -23,7 +23,7 @@ impl App {
         if self.features.observability.is_playing() {
             ctx.request_repaint();
         }
-        let is_busy = [Lane::Fit, Lane::Track].into_iter().any(|lane| self.worker.is_busy(lane));
+        let is_busy = self.features.fit.is_running() || self.worker.is_busy(Lane::Track);
         let is_moving =
             is_busy || self.features.pose.held.is_some() || self.features.timeline.playback.is_playing();
         if !is_stale || is_moving || scene.frame.is_none() || !self.features.observability.is_wanted() {

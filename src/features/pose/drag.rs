@@ -131,7 +131,7 @@ impl App {
     fn take_hold(&mut self, camera: usize, drag: Drag) {
         self.interrupt_fit();
         self.pause();
-        let base = self.state.session.shown_pose(self.document(), &self.state.selection).clone();
+        let base = self.shown_pose().clone();
         let gesture = self.features.pose.held.take().map_or_else(|| self.new_gesture(), |held| held.gesture);
         let body = self.document().model.clone();
         self.features.pose.held = Some(Held { camera, base, body, gesture, drag });

@@ -32,7 +32,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
     let turns_at = limb.parent.map_or(JointId::Root, JointId::End);
     let summary = format!("turns at the {}", joint_name(model, turns_at));
     named_section(ui, "joint", &capitalised(&limb.name), &summary, open, |ui| {
-        let pose = context.session.shown_pose(context.document(), context.selection);
+        let pose = context.shown_pose();
         angles(ui, context, requests, limb, pose);
         position(ui, context, requests, pose);
         ui.add_space(space::ROW);

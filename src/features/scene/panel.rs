@@ -84,7 +84,7 @@ impl Stage {
         });
         // A body that sways is shown on its way.
         let swayed = context.observing.swayed_pose();
-        let pose = swayed.as_ref().unwrap_or(context.session.shown_pose(document, context.selection));
+        let pose = swayed.as_ref().unwrap_or(context.shown_pose());
         let mut stage = Self {
             picture,
             upright,

@@ -8,9 +8,11 @@ use egui_plot::{
 use super::read_out;
 use crate::context::{Context, Request, Requests};
 use crate::document::run::Run;
-use crate::drawing::plot::marks::{decade_marks, even_marks};
-use crate::features::convergence::{CurvePoint, CurvesLook, Quantity, axis, picture, points, quantity};
-use crate::session::selection::StepRef;
+use crate::document::runs::StepRef;
+use crate::drawing::plot::marks::{decade_marks, even_marks, step_marks};
+use crate::features::convergence::{
+    ConvergencePreferences, CurvePoint, Quantity, axis, picture, points, quantity,
+};
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::data_colours::mark;
@@ -28,45 +30,45 @@ const LABEL_SPACING: f32 = 14.0;
 /// Room around the curves, as a part of the axis of heights; it holds the ×.
 const BELOW: f64 = 0.05;
 const ABOVE: f64 = 0.09;
-/// Marks of the axis of steps are so many of the plot's finest divisions apart, or their numbers are not written.
-const MARK_SPACING: f64 = 10.0;
 /// A step is read out when the pointer is so near to its dot.
 const REACH: f32 = 40.0;
 
 /// A run's curve, ready to be drawn.
-pub(crate) struct Curve<'a> {
-    pub(crate) index: usize,
-    pub(crate) run: &'a Run,
+struct Curve<'a> {
+    run: &'a Run,
     points: Vec<CurvePoint>,
 }
 
 /// Which ends the axes have, and how heights lie on theirs.
 #[derive(Clone, Copy)]
 struct Scale {
-    look: CurvesLook,
+    preferences: ConvergencePreferences,
     heights: [f64; 2],
     last_step: f64,
 }
 
 impl Scale {
-    fn of(runs: &[&Run], look: CurvesLook) -> Self {
+    fn of(runs: &[&Run], preferences: ConvergencePreferences) -> Self {
         let last_step = axis::last_step(picture::most_steps(runs));
-        Self { look, heights: picture::heights(runs, look), last_step }
+        Self { preferences, heights: picture::heights(runs, preferences), last_step }
     }
 
     /// Height in the plot of a value; what is too small for a logarithmic axis lies at its end.
     fn y(&self, value: f64) -> f64 {
-        if self.look.is_log { value.max(self.heights[0]).log10() } else { value }
+        if self.preferences.is_log { value.max(self.heights[0]).log10() } else { value }
     }
 
     /// What stands at a mark of the axis.
     fn mark(&self, mark: GridMark) -> String {
-        let unit =
-            if matches!(self.look.quantity, Quantity::Percent | Quantity::Decrease) { " %" } else { "" };
-        if self.look.quantity == Quantity::Cost {
-            let value = if self.look.is_log { 10f64.powf(mark.value) } else { mark.value };
-            self.look.quantity.text_of(value)
-        } else if self.look.is_log {
+        let unit = if matches!(self.preferences.quantity, Quantity::Percent | Quantity::Decrease) {
+            " %"
+        } else {
+            ""
+        };
+        if self.preferences.quantity == Quantity::Cost {
+            let value = if self.preferences.is_log { 10f64.powf(mark.value) } else { mark.value };
+            self.preferences.quantity.text_of(value)
+        } else if self.preferences.is_log {
             format!("{}{unit}", format::short(10f64.powf(mark.value)))
         } else {
             let decimals = (-mark.step_size.log10().floor()).clamp(0.0, 6.0) as usize;
@@ -84,31 +86,35 @@ impl Scale {
 }
 
 /// The plot. `names` says whether the runs' names stand at the ends of their curves.
-pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, area: Vec2, names: bool) {
+pub(super) fn ui(
+    ui: &mut Ui,
+    context: &Context<'_>,
+    preferences: ConvergencePreferences,
+    requests: &mut Requests,
+    area: Vec2,
+    names: bool,
+) {
     let palette = theme::palette(ui);
-    let look = context.preferences.curves;
-    let shown: Vec<(usize, &Run)> =
-        context.session.runs.iter().enumerate().filter(|(_, run)| run.is_shown).collect();
-    if shown.is_empty() {
+    let runs: Vec<&Run> = context.runs().all().iter().filter(|run| run.is_shown).collect();
+    if runs.is_empty() {
         return empty(ui, context, area);
     }
-    let runs: Vec<&Run> = shown.iter().map(|(_, run)| *run).collect();
-    let scale = Scale::of(&runs, look);
+    let scale = Scale::of(&runs, preferences);
     let curves: Vec<Curve<'_>> =
-        shown.iter().map(|&(index, run)| Curve { index, run, points: points(run, look.quantity) }).collect();
+        runs.iter().map(|run| Curve { run, points: points(run, preferences.quantity) }).collect();
     let current = context.selection.step.or_else(|| newest(context));
     let bounds = scale.bounds(f64::from(area.x), f64::from(if names { NAMES } else { FIGURES }));
     let response = still_plot("convergence plot", area, palette)
         .y_axis_min_width(52.0)
         .x_grid_spacer(step_marks)
-        .y_grid_spacer(move |input| if look.is_log { decade_marks(input) } else { even_marks(input) })
+        .y_grid_spacer(move |input| if preferences.is_log { decade_marks(input) } else { even_marks(input) })
         .y_axis_formatter(move |mark, _| scale.mark(mark))
         .x_axis_formatter(|mark, _| format::number(mark.value, 0))
         .show(ui, |plot| {
             plot.set_plot_bounds_x(bounds[0][0]..=bounds[0][1]);
             plot.set_plot_bounds_y(bounds[1][0]..=bounds[1][1]);
             for curve in &curves {
-                let is_current = current.is_some_and(|step| step.run == curve.index);
+                let is_current = current.is_some_and(|step| step.run == curve.run.number);
                 draw(plot, curve, scale, is_current);
             }
             if let Some(step) = current {
@@ -136,7 +142,7 @@ fn empty(ui: &mut Ui, context: &Context<'_>, area: Vec2) {
     let (rect, response) = ui.allocate_exact_size(area, egui::Sense::hover());
     let palette = theme::palette(ui);
     ui.painter().rect_filled(rect, f32::from(size::FIELD_RADIUS), palette.plot);
-    let text = match (context.session.take.is_some(), context.session.runs.is_empty()) {
+    let text = match (context.session.take.is_some(), context.runs().all().is_empty()) {
         (false, _) => "No take, no steps",
         (true, true) => "Press Space to step",
         (true, false) => "All curves are hidden",
@@ -148,17 +154,8 @@ fn empty(ui: &mut Ui, context: &Context<'_>, area: Vec2) {
 
 /// The last step of the newest run of the frame.
 fn newest(context: &Context<'_>) -> Option<StepRef> {
-    let run = context.session.run_of(context.selection)?;
-    Some(StepRef { run, step: context.session.runs.get(run)?.steps.len().checked_sub(1)? })
-}
-
-pub(crate) fn step_marks(input: egui_plot::GridInput) -> Vec<GridMark> {
-    let (low, high) = input.bounds;
-    let apart = MARK_SPACING * input.base_step_size;
-    let step = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0].into_iter().find(|s| *s >= apart).unwrap_or(200.0);
-    let first = (low.max(0.0) / step).ceil() as i64;
-    let last = (high / step).floor() as i64;
-    (first..=last).map(|k| GridMark { value: k as f64 * step, step_size: step }).collect()
+    let run = context.run()?;
+    Some(StepRef { run: run.number, step: run.steps.len().checked_sub(1)? })
 }
 
 fn draw(plot: &mut PlotUi<'_>, curve: &Curve<'_>, scale: Scale, is_current: bool) {
@@ -168,7 +165,7 @@ fn draw(plot: &mut PlotUi<'_>, curve: &Curve<'_>, scale: Scale, is_current: bool
         [length, ..] => LineStyle::Dashed { length: *length },
     };
     let place = |point: &CurvePoint| [point.x, scale.y(point.y)];
-    if scale.look.quantity == Quantity::Decrease {
+    if scale.preferences.quantity == Quantity::Decrease {
         let said: Vec<[f64; 2]> =
             quantity::foretold(curve.run).iter().filter(|p| p.accepted).map(place).collect();
         let rings = Points::new("", PlotPoints::from(said)).color(style.colour).filled(false);
@@ -179,7 +176,7 @@ fn draw(plot: &mut PlotUi<'_>, curve: &Curve<'_>, scale: Scale, is_current: bool
     plot.line(Line::new("", PlotPoints::from(line.clone())).color(style.colour).width(width).style(dash));
     let dots = Points::new("", PlotPoints::from(line)).color(style.colour).radius(mark::ACCEPTED_RADIUS);
     plot.points(dots.shape(MarkerShape::Circle).filled(true));
-    if scale.look.rejected {
+    if scale.preferences.rejected {
         let frame = plot.response().rect;
         let crosses: Vec<[f64; 2]> = curve
             .points
@@ -198,7 +195,7 @@ fn draw(plot: &mut PlotUi<'_>, curve: &Curve<'_>, scale: Scale, is_current: bool
 
 /// Where a rejected step's × stands: stacked upwards above the last accepted dot, unless it has a value of its own.
 fn cross_at(point: &CurvePoint, scale: Scale, on_screen: Pos2, frame: Rect) -> Pos2 {
-    if scale.look.quantity.is_of_trials() {
+    if scale.preferences.quantity.is_of_trials() {
         return on_screen;
     }
     let y = on_screen.y - mark::REJECTED_SPACING * point.stacked as f32;
@@ -213,10 +210,10 @@ fn playhead(
     scale: Scale,
     palette: &Palette,
 ) {
-    let Some(run) = context.session.runs.get(step.run) else { return };
+    let Some(run) = context.runs().get(step.run) else { return };
     let x = run.accepted_until(step.step) as f64;
     plot.vline(VLine::new("", x).color(palette.accent_text).width(1.5));
-    let curve = curves.iter().find(|curve| curve.index == step.run);
+    let curve = curves.iter().find(|curve| curve.run.number == step.run);
     let Some(point) = curve.and_then(|curve| curve.points.iter().find(|p| p.step == step.step)) else {
         return;
     };
@@ -233,7 +230,7 @@ fn labels(ui: &Ui, curves: &[Curve<'_>], scale: Scale, transform: &PlotTransform
         .filter_map(|curve| {
             let last = curve.points.iter().rfind(|point| point.accepted)?;
             let at = transform.position_from_point(&PlotPoint::new(last.x, scale.y(last.y)));
-            let value = scale.look.quantity.text_of(last.y);
+            let value = scale.preferences.quantity.text_of(last.y);
             let text = if names { format!("{value}  {}", curve.run.name) } else { value };
             Some((at, text, run_style(curve.run.colour).colour))
         })
@@ -276,7 +273,7 @@ fn nearest(
 ) -> Option<(StepRef, Pos2)> {
     let mut best: Option<(f32, StepRef, Pos2)> = None;
     for curve in curves {
-        for point in curve.points.iter().filter(|point| point.accepted || scale.look.rejected) {
+        for point in curve.points.iter().filter(|point| point.accepted || scale.preferences.rejected) {
             let mut at = transform.position_from_point(&PlotPoint::new(point.x, scale.y(point.y)));
             if !point.accepted {
                 at = cross_at(point, scale, at, *transform.frame());
@@ -285,7 +282,7 @@ fn nearest(
             // Time runs across: what lies beneath the pointer counts more than what lies beside it.
             let distance = away.x.abs() * 3.0 + away.y.abs();
             if best.is_none_or(|(least, ..)| distance < least) {
-                best = Some((distance, StepRef { run: curve.index, step: point.step }, at));
+                best = Some((distance, StepRef { run: curve.run.number, step: point.step }, at));
             }
         }
     }

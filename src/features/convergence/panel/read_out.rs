@@ -5,7 +5,7 @@ use egui::{Align, Area, Frame, Id, Layout as Direction, Margin, Order, Pos2, Rec
 use super::plot::step_title;
 use crate::context::Context;
 use crate::document::run::{Run, RunStep};
-use crate::session::selection::StepRef;
+use crate::document::runs::StepRef;
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{run_style, size};
@@ -17,7 +17,7 @@ const AWAY: f32 = 18.0;
 
 /// Shows the card beside the step's mark at `at`; it keeps inside the window and never under the pointer.
 pub(crate) fn show(ui: &Ui, context: &Context<'_>, step: StepRef, at: Pos2, ground: Rect) {
-    let Some(run) = context.session.runs.get(step.run) else { return };
+    let Some(run) = context.runs().get(step.run) else { return };
     let Some(record) = run.steps.get(step.step) else { return };
     let palette = theme::palette(ui);
     let left = if at.x + AWAY + CARD.x > ground.right() { at.x - AWAY - CARD.x } else { at.x + AWAY };

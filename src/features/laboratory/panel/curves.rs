@@ -5,8 +5,8 @@ use egui_plot::{Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotTransfo
 
 use super::{Bench, named};
 use crate::context::{Request, Requests};
+use crate::drawing::plot::marks::step_marks;
 use crate::drawing::plot::marks::{decade_marks, even_marks};
-use crate::features::convergence::panel::plot::step_marks;
 use crate::features::laboratory::story::percent_text;
 use crate::features::laboratory::table::LEAST_PERCENT;
 use crate::features::laboratory::{Contestant, LaboratoryRequest};

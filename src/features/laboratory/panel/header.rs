@@ -4,9 +4,9 @@ use egui::{Align, Button, Frame, Label, Layout as Direction, Margin, Panel, Rich
 
 use crate::context::command::{Command, FitCommand, LaboratoryCommand};
 use crate::context::command_button as command;
+use crate::context::preset_box::preset_box;
 use crate::context::{Context, Request, Requests, unavailable};
 use crate::document::fit_words::preset_like;
-use crate::features::fit::solver;
 use crate::features::laboratory::{LaboratoryRequest, Lineup, PushAxis, StartChoice};
 use crate::features::pose::panel::capitalised;
 use crate::shell::toolbar::FOLD_CHOICES;
@@ -158,7 +158,7 @@ fn choices(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         camera_box(ui, context, requests);
     }
     if ui.ctx().content_rect().width() - TOOLBAR_MARGINS < FOLD_CHOICES {
-        solver::preset_box(ui, context, requests, 92.0);
+        preset_box(ui, context, requests, 92.0);
         lineup_box(ui, context, requests);
     }
 }

@@ -7,7 +7,7 @@ use super::Quantity;
 /// The choices above the plot. They are kept from start to start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct CurvesLook {
+pub struct ConvergencePreferences {
     /// What is plotted.
     pub quantity: Quantity,
     /// Whether its axis is logarithmic.
@@ -16,7 +16,7 @@ pub struct CurvesLook {
     pub rejected: bool,
 }
 
-impl Default for CurvesLook {
+impl Default for ConvergencePreferences {
     fn default() -> Self {
         Self { quantity: Quantity::Percent, is_log: true, rejected: true }
     }

@@ -1,0 +1,288 @@
+//! The fit, begun and gone on with, its steps taken in, stopped.
+
+use std::sync::Arc;
+
+use backlit_tracking::track::{FitOptions, Preset};
+
+use super::job::{FitJob, FitStart, Fitted};
+use super::part::free_rotations;
+use super::refitted::Refitted;
+use super::{Fit, LiveRun};
+use crate::context::command::{FitCommand, Part};
+use crate::context::command_button::next_gesture;
+use crate::context::{Context, Request, Requests};
+use crate::document::edit::Edit;
+use crate::document::fit_words as words;
+use crate::document::history::Gesture;
+use crate::document::run::{Run, RunChoices, RunEnding, RunStep};
+use crate::document::runs::{RunChange, StepRef};
+use crate::document::tracking_choices::TrackingChoices;
+use crate::document::{Estimate, Origin};
+use crate::jobs::News;
+use crate::session::prediction::{FitInputs, Predicted};
+
+/// What a run is to be.
+#[derive(Debug, Default)]
+struct NewRun {
+    /// Its own name; otherwise one is made of its choices.
+    name: Option<String>,
+    /// The part of the body that may move, by name; otherwise all of it.
+    part: Option<(String, Vec<bool>)>,
+    /// So many steps; otherwise to the end.
+    steps: Option<usize>,
+}
+
+impl Fit {
+    /// Does a command; the tracker does those of several frames.
+    pub(crate) fn run(&mut self, command: FitCommand, context: &Context<'_>, requests: &mut Requests) {
+        match command {
+            FitCommand::Step => self.step(Some(1), context, requests),
+            FitCommand::Run => self.step(None, context, requests),
+            FitCommand::Stop => self.stop(),
+            FitCommand::StepBack | FitCommand::EarlierStep => look_at_neighbour(false, context, requests),
+            FitCommand::LaterStep => look_at_neighbour(true, context, requests),
+            FitCommand::Branch => branch(context, requests),
+            FitCommand::Refit(part) => self.refit(part, context, requests),
+            FitCommand::SearchPoses | FitCommand::FitBody => {}
+            FitCommand::Renderer(renderer) => {
+                let options = FitOptions { renderer, ..(*context.document().fit).clone() };
+                let what = format!("Switch to {}", words::renderer_name(renderer).to_lowercase());
+                requests.edit(Edit::SetFit { options: Box::new(options), what });
+            }
+            FitCommand::Preset(preset) => set_preset(preset, context, requests),
+        }
+    }
+
+    /// Stops it after its step; what is done stays, and may go on.
+    pub(crate) fn stop(&mut self) {
+        self.pending_steps = 0;
+        self.task.stop();
+    }
+
+    /// Ends it at once, because its pose is about to change: what it has done stays as a run.
+    pub(crate) fn interrupt(&mut self, requests: &mut Requests) {
+        if self.task.is_busy() {
+            self.task.forget();
+            self.pending_steps = 0;
+            self.end(Some(RunEnding::Stopped), requests);
+            self.live = None;
+        }
+    }
+
+    /// Runs all of the body to the end under a name, as a part of a gesture.
+    pub(crate) fn begin_named(
+        &mut self,
+        name: String,
+        gesture: Gesture,
+        context: &Context<'_>,
+        requests: &mut Requests,
+    ) {
+        self.gesture = Some(gesture);
+        self.begin(NewRun { name: Some(name), ..NewRun::default() }, context, requests);
+    }
+
+    /// One step, or all of them: of the run that is live, if the pose on the screen is its last one and
+    /// nothing that it depends on has changed; else of a new run.
+    fn step(&mut self, steps: Option<usize>, context: &Context<'_>, requests: &mut Requests) {
+        if self.task.is_busy() {
+            self.pending_steps += steps.unwrap_or(0);
+            return;
+        }
+        self.gesture = Some(next_gesture(context.egui));
+        match self.live.as_ref().filter(|live| live.can_go_on(context)) {
+            Some(live) => {
+                requests.request(Request::LeaveStep);
+                requests.request(Request::Runs(RunChange::End(live.number, None)));
+                self.go_on(steps, context);
+            }
+            None => self.begin(NewRun { steps, ..NewRun::default() }, context, requests),
+        }
+    }
+
+    fn go_on(&mut self, steps: Option<usize>, context: &Context<'_>) {
+        let running = self.running.take();
+        self.task.begin(context.pool, (), |()| FitJob::go_on(running, steps));
+    }
+
+    /// Fits a part of the body from the pose on the screen, to the end.
+    fn refit(&mut self, part: Part, context: &Context<'_>, requests: &mut Requests) {
+        let model = &context.document().model;
+        let limb = context.selection.limb(model);
+        let name = match part {
+            Part::Limb => Some(model.limbs()[limb].name.clone()),
+            Part::Chain => Some(format!("chain of {}", model.limbs()[limb].name)),
+            Part::Body => None,
+        };
+        self.gesture = Some(next_gesture(context.egui));
+        let what = format!("Refit {}", name.as_deref().unwrap_or("body"));
+        let part = name.zip(free_rotations(model, limb, part));
+        self.begin(NewRun { part, ..NewRun::default() }, context, requests);
+        self.refitting = Some(what);
+    }
+
+    fn begin(&mut self, new: NewRun, context: &Context<'_>, requests: &mut Requests) {
+        self.refitting = None;
+        let Some(inputs) = context.fit_inputs() else { return };
+        let (pose, frame, runs) = (context.shown_pose().clone(), context.selection.frame, context.runs());
+        let (part, free) = new.part.unzip();
+        let fit = inputs.fit.clone();
+        // Stages to the scale of what is seen: these are the ones that the fit's steps will name.
+        let options = (*fit).clone().at_scale(&inputs.model, &inputs.views(), &pose);
+        let number = runs.next_number();
+        let branched_from = runs.step_with_pose(frame, &pose);
+        let run = Run {
+            number,
+            is_named: new.name.is_some(),
+            name: new.name.unwrap_or_default(),
+            detail: words::fit_detail(&fit),
+            frame,
+            colour: runs.free_colour(),
+            stages: options.stages.iter().map(|stage| words::short_ramp(stage.ramp)).collect(),
+            choices: RunChoices { fit, cameras: inputs.uses.clone(), part, branched_from },
+            is_shown: true,
+            ..Run::default()
+        };
+        requests.request(Request::Runs(RunChange::Begin(Box::new(run))));
+        requests.request(Request::LeaveStep);
+        self.live = Some(LiveRun::new(number, frame, inputs.clone()));
+        let start = FitStart { inputs, pose, options, free };
+        self.task.begin(context.pool, (), |()| FitJob::begin(start, new.steps));
+    }
+
+    /// Takes in the steps that were made.
+    pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        // A run that was removed does not go on, even if it comes back.
+        self.live.take_if(|live| context.runs().get(live.number).is_none());
+        for news in self.task.poll() {
+            match news {
+                News::Output(Fitted::Step(step, predicted)) => {
+                    self.take_in(*step, predicted, context, requests);
+                }
+                News::Output(Fitted::Refused(error)) => {
+                    requests.complain(format!("The fit cannot begin: {error}"));
+                    self.end(Some(RunEnding::Solver(error.to_string())), requests);
+                }
+                News::Output(Fitted::Paused(ending, running)) => {
+                    self.running = running;
+                    self.end(ending, requests);
+                }
+                News::Ended if self.pending_steps > 0 => {
+                    let steps = std::mem::take(&mut self.pending_steps);
+                    self.gesture = Some(next_gesture(context.egui));
+                    self.go_on(Some(steps), context);
+                }
+                News::Ended => {}
+                News::Failed(failure) => {
+                    requests.failed("The fit", &failure);
+                    // Nothing else begins by itself after it.
+                    requests.request(Request::InterruptFit);
+                    self.pending_steps = 0;
+                    self.end(Some(RunEnding::Solver("a step broke down".to_owned())), requests);
+                    self.live = None;
+                }
+            }
+        }
+    }
+
+    fn take_in(
+        &mut self,
+        step: RunStep,
+        predicted: Arc<Predicted>,
+        context: &Context<'_>,
+        requests: &mut Requests,
+    ) {
+        self.step_seconds = Some(step.seconds);
+        if context.selection.step.is_none() {
+            requests.predicted = Some(predicted.clone());
+        }
+        let Some(live) = &mut self.live else { return };
+        if live.last.is_some() {
+            live.steps += 1;
+        } else {
+            live.before = step.mismatch;
+        }
+        live.last = Some((step.clone(), predicted));
+        requests.request(Request::Runs(RunChange::Step(live.number, Box::new(step))));
+    }
+
+    /// The steps asked for are done, or the fit has ended: its pose becomes the frame's.
+    fn end(&mut self, ending: Option<RunEnding>, requests: &mut Requests) {
+        let Some(live) = &self.live else { return };
+        requests.request(Request::Runs(RunChange::End(live.number, ending.clone())));
+        let Some((last, predicted)) = &live.last else {
+            // It could not begin.
+            self.live = None;
+            return;
+        };
+        if let Some(ending) = &ending
+            && let Some(what) = self.refitting.take()
+        {
+            let (before, after, ending) = (live.before, last.mismatch, ending.text());
+            self.refits.insert(live.frame, Refitted { what, before, after, steps: live.steps, ending });
+        }
+        if live.steps > 0 {
+            let predicted = Some(predicted).filter(|predicted| predicted.pose == last.pose);
+            let estimate = Estimate {
+                pose: last.pose.clone(),
+                origin: Origin::Fit,
+                cost: last.mismatch,
+                rms: predicted.and_then(|predicted| predicted.rms).unwrap_or_default(),
+                iou: predicted.and_then(|predicted| predicted.iou()),
+                steps: live.steps,
+                lost: false,
+            };
+            let edit = Edit::AddEstimate { frame: live.frame, estimate: Arc::new(estimate) };
+            requests.edits.push((edit, self.gesture));
+        }
+        if ending.is_some() {
+            self.pending_steps = 0;
+        }
+    }
+}
+
+impl LiveRun {
+    const fn new(number: usize, frame: usize, inputs: FitInputs) -> Self {
+        Self { number, frame, inputs, before: 0.0, steps: 0, last: None }
+    }
+
+    /// Whether the pose on the screen is its last one, and nothing else that it depends on has changed.
+    fn can_go_on(&self, context: &Context<'_>) -> bool {
+        let has_same_inputs = || context.fit_inputs().is_some_and(|inputs| self.inputs.is(&inputs));
+        self.frame == context.selection.frame
+            && self.last.as_ref().is_some_and(|(last, _)| *context.shown_pose() == last.pose)
+            && has_same_inputs()
+    }
+}
+
+/// Goes to the step before or after the one on the screen.
+fn look_at_neighbour(later: bool, context: &Context<'_>, requests: &mut Requests) {
+    let Some(run) = context.run().filter(|run| !run.steps.is_empty()) else { return };
+    let last = run.last_step();
+    let at = context.selection.step.map_or(last, |step| step.step);
+    let step = if later { (at + 1).min(last) } else { at.saturating_sub(1) };
+    // The newest step is the document's pose, as long as nobody has changed that.
+    let is_newest =
+        step == last && run.steps[last].pose == *context.document().pose_at(context.selection.frame);
+    let at = StepRef { run: run.number, step };
+    requests.request(if is_newest { Request::LeaveStep } else { Request::Step(at) });
+}
+
+/// Makes the step on the screen the frame's pose.
+fn branch(context: &Context<'_>, requests: &mut Requests) {
+    let Some(at) = context.selection.step else { return };
+    let Some(step) = context.runs().step(at) else { return };
+    let what = format!("Branch at step {}", at.step);
+    requests.edit(Edit::SetPose { frame: context.selection.frame, pose: step.pose.clone(), what });
+}
+
+/// Switches to a preset, with the tracking that goes with it: one act. The renderer is chosen by itself.
+fn set_preset(preset: Preset, context: &Context<'_>, requests: &mut Requests) {
+    let document = context.document();
+    let gesture = next_gesture(context.egui);
+    let options = FitOptions { renderer: document.fit.renderer, ..FitOptions::preset(preset) };
+    let what = format!("Switch to {}", preset.label());
+    requests.drag(Edit::SetFit { options: Box::new(options), what }, gesture);
+    let motion = document.tracking.motion;
+    let choices = TrackingChoices { motion, ..TrackingChoices::of_preset(Some(preset)) };
+    requests.drag(Edit::SetTracking(choices), gesture);
+}
