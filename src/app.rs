@@ -42,7 +42,6 @@ pub(crate) mod failure;
 pub(crate) mod features;
 pub(crate) mod files;
 pub(crate) mod headless;
-pub(crate) mod load_job;
 pub(crate) mod open_job;
 pub(crate) mod open_with_system;
 pub(crate) mod refresh;
@@ -77,6 +76,7 @@ impl App {
         // Whoever made the app may show it in another window's context.
         self.state.egui.clone_from(ui.ctx());
         self.apply_theme(ui);
+        self.take_in_refreshed();
         self.hear_worker();
         self.hear_background();
         self.update_features();
@@ -90,7 +90,7 @@ impl App {
         self.play(ui.ctx());
         self.autosave();
         self.guard_close(ui.ctx());
-        self.request_jobs();
+        self.refresh();
         self.observe(ui.ctx());
         self.go_on_demonstrating();
         self.follow_tour();

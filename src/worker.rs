@@ -45,16 +45,12 @@ pub enum Event {
         /// What is missing.
         why: String,
     },
-    /// A frame was read and segmented.
-    FrameLoaded(Arc<FrameData>),
-    /// Where the subject is over the whole take, by camera.
-    Surveyed(Vec<Option<Extent>>),
-    /// What a pose predicts.
-    Predicted(Arc<Predicted>),
     /// The visual hull of a frame, if its silhouettes leave one.
     HullCarved(Arc<FrameData>, Option<Arc<VisualHull>>),
     /// The 3-D scene as it was ordered.
     SceneDrawn(Arc<SceneDrawing>),
+    /// A frame was read and segmented.
+    FrameLoaded(Arc<FrameData>),
     /// What the cameras see of a pose, and what they do not.
     Observed(Arc<Observed>),
     /// A step of the fit; the first is the start.
@@ -87,8 +83,6 @@ pub enum Event {
     },
     /// A project was not written; why, and what can be done.
     NotSaved(String),
-    /// The footage is seen by other cameras.
-    Recalibrated(Arc<Footage>),
     /// Dropped files were read.
     TakenIn {
         /// The change of the document.

@@ -26,8 +26,8 @@ impl App {
             notices: &self.state.notices,
             busy: Busy {
                 opening: self.worker.is_busy(Lane::Open),
-                loading: self.worker.is_busy(Lane::Load),
-                load_broke: !self.may_ask(Lane::Load),
+                loading: self.refresh.is_reading(),
+                load_broke: self.refresh.has_failed_to_read(),
                 fitting: self.worker.is_busy(Lane::Fit),
                 tracking: self.worker.is_busy(Lane::Track),
                 basin: self.features.basin.is_running(),

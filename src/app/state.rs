@@ -8,6 +8,7 @@ use backlit_tracking::body::{Pose, builtin};
 
 use super::background::Background;
 use super::failure::Broken;
+use super::refresh::Refresh;
 use super::settings::Settings;
 use super::settings_writer::SettingsWriter;
 use crate::context::clock::Clock;
@@ -126,6 +127,7 @@ pub struct App {
     pub(crate) features: Features,
     pub(crate) shell: Shell,
     pub(crate) files: Files,
+    pub(crate) refresh: Refresh,
     pub(crate) worker: Worker<Event>,
     pub(crate) background: Background,
     pub(crate) broken: Broken,
@@ -167,6 +169,7 @@ impl App {
             features: Features { recovery: Unsaved::new(options.data_folder), ..Features::default() },
             shell: Shell::default(),
             files: Files::default(),
+            refresh: Refresh::default(),
             worker: Worker::start(wake(&egui))?,
             background: Background::start(&egui)?,
             broken: Broken::default(),
@@ -254,7 +257,7 @@ impl App {
             && is_drawn
             && self.background.is_idle()
             && self.state.pool.is_idle()
-            && !(self.state.session.is_stale && self.may_ask(Lane::Predict))
+            && !(self.state.session.is_stale && !self.refresh.has_failed_to_predict())
             && self.features.demonstration.prepared.is_none()
             && self.features.export.exporting.is_none()
             && !is_waiting
