@@ -58,6 +58,7 @@ pub(crate) mod survey_job;
 pub(crate) mod take_in_job;
 #[cfg(test)]
 pub(crate) mod testing;
+pub(crate) mod unavailable;
 pub mod window;
 pub(crate) mod write_job;
 

@@ -11,6 +11,7 @@ use super::failure::Broken;
 use super::refresh::Refresh;
 use super::settings::Settings;
 use super::settings_writer::SettingsWriter;
+use crate::context::Unavailable;
 use crate::context::clock::Clock;
 use crate::context::notices::Notices;
 use crate::context::pane::Pane;
@@ -90,6 +91,8 @@ pub(crate) struct State {
     pub(crate) session: Session,
     pub(crate) preferences: Preferences,
     pub(crate) notices: Notices,
+    /// What cannot be used in the frame that is shown.
+    pub(crate) unavailable: Unavailable,
     /// The sentence of the status bar about what was just done.
     pub(crate) status: Option<String>,
     /// The project file, if there is one.
@@ -157,6 +160,7 @@ impl App {
             session: Session::default(),
             preferences: Preferences::default(),
             notices: Notices::default(),
+            unavailable: Unavailable::default(),
             status: None,
             project: None,
             now: 0.0,
