@@ -32,7 +32,6 @@
 //! | `zoom` | zoom by the keyboard |
 //! | `headless` | the window's picture without a display |
 
-pub(crate) mod background;
 pub(crate) mod calibrate_job;
 pub(crate) mod commands;
 pub mod dropped;
@@ -50,7 +49,6 @@ pub(crate) mod save_job;
 pub(crate) mod screen;
 pub mod settings;
 pub mod settings_file;
-pub(crate) mod settings_job;
 pub(crate) mod settings_writer;
 pub(crate) mod state;
 pub(crate) mod state_dump;
@@ -60,7 +58,7 @@ pub(crate) mod take_in_job;
 pub(crate) mod testing;
 pub(crate) mod unavailable;
 pub mod window;
-pub(crate) mod write_job;
+pub(crate) mod writes;
 
 pub(crate) use crate::features::timeline::playing::TimeAxis;
 pub(crate) use crate::features::tracking::keys_around;
@@ -77,9 +75,12 @@ impl App {
         // Whoever made the app may show it in another window's context.
         self.state.egui.clone_from(ui.ctx());
         self.apply_theme(ui);
+        self.take_in_files();
+        self.take_in_dropped();
+        self.take_in_settings();
+        self.take_in_written();
         self.take_in_refreshed();
         self.hear_worker();
-        self.hear_background();
         self.update_features();
         self.take_in_tracked();
         self.hear_dialogs();

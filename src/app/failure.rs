@@ -54,8 +54,6 @@ impl App {
             Lane::Fit => self.fit_broke(),
             Lane::Laboratory | Lane::LaboratoryCheck => self.laboratory_broke(lane),
             Lane::Track => self.tracking_ended(),
-            // Without its frame a demonstration cannot go on.
-            Lane::Open => self.features.demonstration.prepared = None,
             Lane::Save => self.features.recovery.copy_broke(),
             _ => {}
         }
@@ -75,10 +73,7 @@ impl App {
 const fn work_of(lane: Lane) -> &'static str {
     match lane {
         Lane::LaboratoryLook => "Drawing the laboratory's pictures",
-        Lane::Open => "Opening the take",
-        Lane::TakeIn => "Reading the dropped files",
         Lane::Scene => "Drawing the 3-D scene",
-        Lane::Settings => "Keeping the settings",
         Lane::Save => "Writing a file",
         Lane::Fit => "The fit",
         Lane::Laboratory => "The laboratory",
@@ -99,12 +94,9 @@ mod tests {
     use crate::context::notices::Severity;
     use crate::document::edit::Edit;
 
-    const ALL: [Lane; 13] = [
+    const ALL: [Lane; 10] = [
         Lane::Scene,
-        Lane::Settings,
         Lane::LaboratoryLook,
-        Lane::Open,
-        Lane::TakeIn,
         Lane::Save,
         Lane::Fit,
         Lane::Laboratory,

@@ -25,7 +25,7 @@ impl App {
             preferences: &self.state.preferences,
             notices: &self.state.notices,
             busy: Busy {
-                opening: self.worker.is_busy(Lane::Open),
+                opening: self.files.open.is_busy(),
                 loading: self.refresh.is_reading(),
                 load_broke: self.refresh.has_failed_to_read(),
                 fitting: self.worker.is_busy(Lane::Fit),

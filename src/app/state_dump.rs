@@ -172,9 +172,9 @@ impl App {
     fn busy_lanes(&self) -> Vec<&'static str> {
         let lanes = [
             ("predict", self.refresh.is_predicting()),
-            ("open", self.worker.is_busy(Lane::Open)),
+            ("open", self.files.open.is_busy()),
             ("load", self.refresh.is_reading()),
-            ("save", self.worker.is_busy(Lane::Save)),
+            ("save", self.files.save.is_busy() || self.worker.is_busy(Lane::Save)),
             ("fit", self.worker.is_busy(Lane::Fit)),
             ("survey", self.refresh.is_surveying()),
             ("track", self.worker.is_busy(Lane::Track)),

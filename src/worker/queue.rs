@@ -38,14 +38,8 @@ pub enum Lane {
     Scene,
     /// The pictures of the laboratory's step.
     LaboratoryLook,
-    /// Opening a take.
-    Open,
-    /// Reading dropped files.
-    TakeIn,
     /// Writing a file.
     Save,
-    /// Writing the settings.
-    Settings,
     /// The fit of one frame.
     Fit,
     /// The laboratory's fits.
@@ -65,14 +59,9 @@ pub enum Lane {
 impl Lane {
     const fn crew(self) -> Crew {
         match self {
-            Self::LaboratoryLook
-            | Self::Open
-            | Self::TakeIn
-            | Self::Fit
-            | Self::Laboratory
-            | Self::Observe => Crew::Screen,
+            Self::LaboratoryLook | Self::Fit | Self::Laboratory | Self::Observe => Crew::Screen,
             Self::Scene => Crew::Scene,
-            Self::Save | Self::Settings | Self::LaboratoryPlot => Crew::Files,
+            Self::Save | Self::LaboratoryPlot => Crew::Files,
             Self::Track | Self::Hull | Self::LaboratoryCheck => Crew::Long,
         }
     }
@@ -414,14 +403,14 @@ mod tests {
     #[test]
     fn a_panic_is_a_message_and_the_thread_lives_on() {
         let mut worker = Worker::start(|| {}).unwrap();
-        worker.request(Lane::Open, Count { from: 13, to: 20 });
+        worker.request(Lane::Hull, Count { from: 13, to: 20 });
         let reports = wait(&mut worker);
         assert!(
-            matches!(&reports[..], [Report::Panicked(Lane::Open, text)] if text == "thirteen"),
+            matches!(&reports[..], [Report::Panicked(Lane::Hull, text)] if text == "thirteen"),
             "{reports:?}"
         );
-        worker.request(Lane::Open, Count { from: 1, to: 2 });
-        assert_eq!(wait(&mut worker), [Report::Event(1), Report::Ended(Lane::Open)]);
+        worker.request(Lane::Hull, Count { from: 1, to: 2 });
+        assert_eq!(wait(&mut worker), [Report::Event(1), Report::Ended(Lane::Hull)]);
     }
 
     #[test]
