@@ -3,12 +3,25 @@
 use std::path::Path;
 
 use super::App;
+use crate::drawing::DragEvent;
 use crate::features::basin::{BasinSettings, FileKind};
 
 impl App {
     /// Every feature takes in what its tasks have done, and asks for what it lacks.
     pub(crate) fn update_features(&mut self) {
         self.with(|features| &mut features.basin, |basin, context, requests| basin.update(context, requests));
+    }
+
+    /// Something is dragged in a camera's view. What runs or plays stops for it.
+    pub(crate) fn drag(&mut self, camera: usize, event: DragEvent) {
+        if matches!(event, DragEvent::Begin(_)) {
+            self.interrupt_fit();
+            self.pause();
+        }
+        self.with(
+            |features| &mut features.pose,
+            |posing, context, requests| posing.drag(camera, event, context, requests),
+        );
     }
 
     /// Other settings of the basin.
