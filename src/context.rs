@@ -4,17 +4,19 @@ pub mod arrangement;
 pub mod clock;
 pub mod command;
 pub(crate) mod command_button;
+pub(crate) mod drag_marks;
 pub(crate) mod file_dialog;
 pub mod notices;
 pub mod pane;
 pub(crate) mod pane_title;
+pub(crate) mod picture_alone;
 pub mod preferences;
 pub(crate) mod preset_box;
-mod unavailable;
+pub(crate) mod unavailable;
 pub mod view_settings;
 pub mod write_advice;
 
-pub use unavailable::unavailable;
+pub use unavailable::{Unavailable, unavailable};
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -22,6 +24,7 @@ use std::sync::Arc;
 use crate::app::TimeAxis;
 use crate::context::arrangement::Arrangement;
 use crate::context::command::Command;
+use crate::context::drag_marks::DragMarks;
 use crate::context::notices::Notices;
 use crate::context::pane::Pane;
 use crate::context::preferences::{Layout, Preferences};
@@ -31,8 +34,7 @@ use crate::document::edit::Edit;
 use crate::document::history::{Gesture, History};
 use crate::document::run::Run;
 use crate::document::runs::{RunChange, Runs, StepRef};
-use crate::drawing::JointId;
-use crate::features::camera_views::TileEvent;
+use crate::drawing::{DragEvent, JointId};
 use crate::features::export::dialog::ExportOrder;
 use crate::features::laboratory::{Laboratory, LaboratoryRequest};
 use crate::features::observability::{Glance, ObserveRequest, Observing};
@@ -70,6 +72,10 @@ pub struct Context<'a> {
     pub has_discarded: bool,
     /// Whether a project was not opened since its take was not there.
     pub lacks_take: bool,
+    /// What all camera views share.
+    pub views: ViewSettings,
+    /// What goes on in the camera views.
+    pub(crate) drag: DragMarks<'a>,
     /// What is played, and what of the time axis is on the screen.
     pub(crate) time: &'a TimeAxis,
     /// What is looked at of what the cameras see.
@@ -78,6 +84,8 @@ pub struct Context<'a> {
     pub doing: Option<&'a str>,
     /// What the open demonstration shows, until that is closed.
     pub explanation: Option<&'a str>,
+    /// What cannot be used in this frame.
+    pub unavailable: &'a Unavailable,
     /// Whether a change of the layout can be taken back.
     pub can_restore_layout: bool,
     /// The laboratory.
@@ -195,11 +203,22 @@ pub enum Request {
     InterruptFit,
     /// Something about what the cameras see.
     Observe(ObserveRequest),
-    /// What the user did in a camera's tile.
-    Tile(usize, TileEvent),
+    /// Show another camera in the tile of one.
+    SwitchCamera {
+        /// The camera whose tile it is.
+        from: usize,
+        /// The camera that is shown there.
+        to: usize,
+    },
+    /// Something is dragged in a camera's view.
+    Drag(usize, DragEvent),
+    /// Undo all of a gesture that goes on, as if it had not begun.
+    CancelGesture(Gesture),
+    /// Find the silhouettes of the frame anew.
+    Segment,
     /// Look at the size of this limb, of those that turn with the held joint.
     Part(usize),
-    /// How all camera views look.
+    /// What all camera views share.
     Views(ViewSettings),
     /// How the window is arranged.
     Layout(Layout),

@@ -6,12 +6,10 @@ use backlit_tracking::track::Preset;
 
 use super::App;
 use crate::app::open_job::OpenedProject;
-use crate::context::command::{Command, FileCommand};
+use crate::app::refresh::Refresh;
 use crate::document::history::History;
 use crate::document::tracking_choices::TrackingChoices;
 use crate::document::{CameraUse, Document};
-use crate::drawing::{Comparison, ViewMode};
-use crate::features::camera_views::TileLook;
 use crate::session::prediction::Predicted;
 use crate::session::selection::Selection;
 use crate::take::footage::Footage;
@@ -32,15 +30,8 @@ impl App {
 
     fn hear(&mut self, event: Event) {
         match event {
-            Event::TakeOpened { footage, project } => self.take_opened(&footage, project),
-            Event::TakeMissing { project, why } => self.take_missing(project, &why),
-            Event::FrameLoaded(frame) => {
-                self.state.session.frames.insert(frame);
-                self.state.session.generation += 1;
-            }
+            Event::FrameLoaded(frame) => self.state.session.keep_frame(frame),
             Event::HullCarved(frame, hull) => self.state.session.hulls.insert(frame, hull),
-            Event::Surveyed(extents) => self.state.session.subject = extents,
-            Event::Predicted(predicted) => self.predicted(predicted),
             Event::SceneDrawn(drawing) => self.state.session.scene_drawing = Some(drawing),
             Event::Observed(observed) => self.features.observability.hear(observed),
             Event::BodyFitted(fit) => self.body_fitted(&fit),
@@ -48,21 +39,11 @@ impl App {
             Event::TrackRevised(found) => self.track_revised(found),
             Event::TracksJoined { frame, distance_m, meets } => self.tracks_joined(frame, distance_m, meets),
             Event::PosesFound(frame, found) => self.poses_found(frame, found),
-            Event::Saved { path, revision } => self.saved(path, revision),
-            Event::NotSaved(text) => self.state.notices.error_with(text, Command::File(FileCommand::SaveAs)),
             Event::CopySaved { revision } => self.copy_saved(revision),
             Event::CopyFailed(why) => self.copy_failed(&why),
-            Event::SettingsWritten(result) => self.settings_written(result),
-            Event::Recalibrated(footage) => self.recalibrated(footage),
-            Event::TakenIn { edit, said } => self.taken_in(*edit, said),
             Event::Laboratory(event) => self.hear_laboratory(*event),
             Event::Failed(text) => self.state.notices.error(text),
         }
-    }
-
-    fn predicted(&mut self, predicted: Arc<Predicted>) {
-        self.state.session.predict_seconds = Some(predicted.seconds);
-        self.show_prediction(predicted);
     }
 
     pub(crate) fn show_prediction(&mut self, predicted: Arc<Predicted>) {
@@ -78,20 +59,12 @@ impl App {
         }
     }
 
-    fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<OpenedProject>) {
-        for lane in [
-            Lane::Predict,
-            Lane::Scene,
-            Lane::Load,
-            Lane::Survey,
-            Lane::Observe,
-            Lane::Track,
-            Lane::TakeIn,
-            Lane::Calibrate,
-            Lane::Hull,
-        ] {
+    pub(crate) fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<OpenedProject>) {
+        for lane in [Lane::Scene, Lane::Observe, Lane::Track, Lane::Hull] {
             self.worker.drop_lane(lane);
         }
+        self.refresh = Refresh::default();
+        self.files.take_in.forget();
         self.forget_broken();
         self.reset_laboratory(footage);
         self.state.session.reset(Some(footage.clone()));
@@ -132,11 +105,10 @@ impl App {
         self.shell.docking.alone = None;
         self.state.preferences.scene.viewpoint = None;
         self.shell.docking.pair = [0, 1.min(footage.cameras.len() - 1)];
-        self.features.pose.held = None;
+        self.features.pose.reset();
         self.features.demonstration.prepared = None;
         self.features.demonstration.explanation = None;
-        let cameras = footage.cameras.len();
-        self.features.camera_views.tiles = [vec![TileLook::default(); cameras], debug_tiles(cameras)];
+        self.features.camera_views.reset(footage.cameras.len());
         if let Some(TakeSource::Demonstration(which)) = &footage.source
             && is_new
         {
@@ -165,17 +137,4 @@ fn document_of(footage: &Footage) -> Document {
     }
     document.cameras = Arc::new(cameras);
     document
-}
-
-/// The debug layout begins with the residual, and the report's overlay wiped against the footage, by turns.
-fn debug_tiles(cameras: usize) -> Vec<TileLook> {
-    let residual = TileLook { mode: ViewMode::Residual, ..TileLook::default() };
-    let report = TileLook {
-        mode: ViewMode::ReportOverlay,
-        other: ViewMode::Footage,
-        comparison: Some(Comparison::Wipe),
-        wipe_at: 0.6,
-        ..TileLook::default()
-    };
-    (0..cameras).map(|camera| if camera % 2 == 0 { residual } else { report }).collect()
 }

@@ -23,6 +23,7 @@ impl App {
         if let Some(predicted) = requests.predicted {
             self.show_prediction(predicted);
         }
+        requests.writes.into_iter().for_each(|write| self.write(write));
         for (edit, gesture) in requests.edits {
             if matches!(edit, Edit::SetPose { .. }) {
                 self.interrupt_fit();
@@ -80,8 +81,8 @@ impl App {
             }
             Request::Joint(joint) => self.state.selection.joint = joint,
             Request::Part(part) => self.state.selection.part = Some(part),
-            Request::Views(settings) => self.state.preferences.views = settings,
-            Request::Camera(camera) => self.make_active(camera),
+            Request::Views(settings) => self.features.camera_views.preferences.settings = settings,
+            Request::Camera(camera) => self.dock(|docking, window| docking.make_active(window, camera)),
             Request::Step(step) => {
                 if let Some(run) = self.state.history.runs().get(step.run) {
                     self.state.selection.frame = run.frame;
@@ -103,11 +104,16 @@ impl App {
             }
             Request::InterruptFit => self.interrupt_fit(),
             Request::Observe(request) => self.observe_request(request),
-            Request::Tile(camera, event) => self.tile_event(camera, event),
+            Request::SwitchCamera { from, to } => {
+                self.dock(|docking, window| docking.switch_camera(window, from, to))
+            }
+            Request::Drag(camera, event) => self.drag(camera, event),
+            Request::CancelGesture(gesture) => self.state.history.cancel(gesture),
+            Request::Segment => self.state.session.forget_measurements(),
             Request::Layout(layout) => self.state.preferences.layout = layout,
             Request::Pane(pane, event) => self.pane_event(pane, event),
             Request::Scene(look) => self.state.preferences.scene = look,
-            Request::Arrange(tree) => self.arrange(*tree),
+            Request::Arrange(tree) => self.dock(|_, window| window.arrange(*tree)),
             Request::Open(source) => self.open(Opening::Take(source)),
             Request::CloseNotice(id) => self.state.notices.close(id),
             Request::CloseExplanation => self.features.demonstration.explanation = None,

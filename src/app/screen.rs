@@ -4,15 +4,12 @@ use egui::{CentralPanel, Frame, Ui, pos2};
 
 use super::App;
 use crate::context::preferences::Layout;
-use crate::context::{Busy, Context, Request, Requests};
-use crate::drawing::ViewMode;
+use crate::context::{Busy, Context, Request, Requests, Unavailable};
 use crate::features::Features;
 use crate::features::demonstration::explanation;
 use crate::features::laboratory::panel as laboratory;
 use crate::features::timeline;
-use crate::session::prediction::Derivatives;
 use crate::shell::Overlay;
-use crate::shell::tiles::TilesLook;
 use crate::shell::{about, dock, empty, messages, notice_cards, right_panel, shortcuts, status_bar, toolbar};
 use crate::style::theme::size;
 use crate::worker::Lane;
@@ -27,25 +24,32 @@ impl App {
             preferences: &self.state.preferences,
             notices: &self.state.notices,
             busy: Busy {
-                opening: self.worker.is_busy(Lane::Open),
-                loading: self.worker.is_busy(Lane::Load),
-                load_broke: !self.may_ask(Lane::Load),
+                opening: self.files.open.is_busy(),
+                loading: self.refresh.is_reading(),
+                load_broke: self.refresh.has_failed_to_read(),
                 fitting: self.features.fit.is_running(),
                 fitted_run: self.features.fit.fitted_run(),
                 tracking: self.worker.is_busy(Lane::Track),
                 basin: self.features.basin.is_running(),
                 exporting: self.export_progress(),
             },
-            derivatives: self.derivatives(),
+            derivatives: self.features.camera_views.derivatives(
+                self.state.preferences.layout,
+                &self.document().model,
+                &self.state.selection,
+            ),
             project: self.state.project.as_deref(),
             has_exported: self.features.export.exported_to.is_some(),
             has_discarded: self.has_discarded(),
             lacks_take: self.files.lost_take.is_some(),
+            views: self.features.camera_views.preferences.settings,
+            drag: self.features.pose.marks(self.state.now),
             time: &self.features.timeline,
             observing: &self.features.observability,
             doing: self.state.status.as_deref(),
             explanation: self.features.demonstration.explanation,
-            can_restore_layout: self.shell.docking.before.is_some(),
+            unavailable: &self.state.unavailable,
+            can_restore_layout: self.layout_before.is_some(),
             laboratory: &self.features.laboratory,
             frame_seconds: self.state.frame_seconds,
             now: self.state.now,
@@ -54,24 +58,10 @@ impl App {
         }
     }
 
-    /// Which derivatives the tiles show. The Jacobian's column is that of the held limb's chosen axis.
-    fn derivatives(&self) -> Derivatives {
-        let tiles =
-            &self.features.camera_views.tiles[usize::from(self.state.preferences.layout == Layout::Debug)];
-        let shows = |mode| tiles.iter().any(|tile| tile.shows(mode));
-        let model = &self.document().model;
-        let rotation = model.limbs()[self.state.selection.limb(model)].rotation;
-        Derivatives {
-            gradient: shows(ViewMode::Gradient),
-            column: shows(ViewMode::JacobianColumn)
-                .then(|| self.state.preferences.views.axis.column(rotation)),
-        }
-    }
-
     /// Shows all panels.
     pub(crate) fn show(&mut self, ui: &mut Ui, requests: &mut Requests) {
         if ui.input(|input| !input.events.is_empty())
-            && self.features.pose.held.is_none()
+            && !self.context().drag.is_dragging()
             && !requests.commands.is_empty()
         {
             self.state.status = None;
@@ -80,13 +70,14 @@ impl App {
             ui.ctx()
                 .request_repaint_after(std::time::Duration::from_secs_f64((next - self.state.now).max(0.0)));
         }
+        self.state.unavailable = Unavailable::find(|command| self.unavailable(command));
         let window = ui.max_rect();
         let mut centre_size = None;
-        let Context { busy, derivatives, .. } = self.context();
+        let Context { busy, derivatives, views, .. } = self.context();
         let mut features = self.lend();
-        let context = Context { busy, derivatives, ..self.context() };
-        if self.features.camera_views.picture_alone.is_some() {
-            dock::ui(ui, &context, &mut features, &self.tiles_look(), requests);
+        let context = Context { busy, derivatives, views, ..self.context() };
+        if features.camera_views.is_picture_alone() {
+            dock::ui(ui, &context, &mut features, &self.shell.docking, requests);
             return self.take_back(features);
         }
         toolbar::ui(ui, &context, requests);
@@ -110,7 +101,7 @@ impl App {
                     notices_from.y = ui.available_rect_before_wrap().bottom();
                 }
                 centre_size = Some(ui.available_rect_before_wrap().size());
-                dock::ui(ui, &context, &mut features, &self.tiles_look(), requests);
+                dock::ui(ui, &context, &mut features, &self.shell.docking, requests);
             });
         } else {
             empty::ui(ui, &context, requests, &self.offer());
@@ -132,6 +123,7 @@ impl App {
         let features = &mut self.features;
         Features {
             basin: std::mem::take(&mut features.basin),
+            camera_views: std::mem::take(&mut features.camera_views),
             convergence: std::mem::take(&mut features.convergence),
             fit: std::mem::take(&mut features.fit),
             ..Features::default()
@@ -140,16 +132,9 @@ impl App {
 
     fn take_back(&mut self, features: Features) {
         self.features.basin = features.basin;
+        self.features.camera_views = features.camera_views;
         self.features.convergence = features.convergence;
         self.features.fit = features.fit;
-    }
-
-    pub(crate) fn tiles_look(&self) -> TilesLook<'_> {
-        TilesLook {
-            views: self.camera_views(),
-            alone: self.shell.docking.alone,
-            pair: self.shell.docking.pair,
-        }
     }
 
     fn show_overlay(&mut self, ui: &Ui, requests: &mut Requests) {

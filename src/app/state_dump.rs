@@ -148,7 +148,7 @@ impl App {
             "camera": selection.camera,
             "joint": joint_name(model, selection.joint),
             "limb": model.limbs()[selection.limb(model)].name,
-            "held": self.features.pose.held.is_some(),
+            "held": self.context().drag.is_dragging(),
             "step": step,
             "pose": {"root": pose.root.to_array(), "rotations": rotations},
             "cost": session.predicted.as_ref().map(|predicted| predicted.mismatch),
@@ -173,17 +173,16 @@ impl App {
     }
 
     fn busy_lanes(&self) -> Vec<&'static str> {
-        let is_busy = |lane| self.worker.is_busy(lane);
-        let kinds = [
-            ("predict", is_busy(Lane::Predict)),
-            ("open", is_busy(Lane::Open)),
-            ("load", is_busy(Lane::Load)),
-            ("save", is_busy(Lane::Save)),
+        let lanes = [
+            ("predict", self.refresh.is_predicting()),
+            ("open", self.files.open.is_busy()),
+            ("load", self.refresh.is_reading()),
+            ("save", self.files.save.is_busy() || self.worker.is_busy(Lane::Save)),
             ("fit", self.features.fit.is_running()),
-            ("survey", is_busy(Lane::Survey)),
-            ("track", is_busy(Lane::Track)),
+            ("survey", self.refresh.is_surveying()),
+            ("track", self.worker.is_busy(Lane::Track)),
         ];
-        kinds.into_iter().filter(|(_, busy)| *busy).map(|(kind, _)| kind).collect()
+        lanes.into_iter().filter(|lane| lane.1).map(|lane| lane.0).collect()
     }
 
     fn exported_take(&self) -> Value {
@@ -205,7 +204,7 @@ impl App {
 
     fn exported_cameras(&self) -> Vec<Value> {
         let predicted = self.state.session.predicted.as_ref();
-        let tiles = self.tiles_look().views.tiles;
+        let tiles = self.features.camera_views.tiles(self.state.preferences.layout);
         let camera = |(index, camera): (usize, &crate::document::CameraUse)| {
             let overlap = predicted.and_then(|predicted| predicted.cameras.get(index)?.overlap);
             let tile = tiles.get(index);

@@ -1,10 +1,12 @@
 //! Why a command cannot be used now.
+//!
+//! Each feature says it of its commands. The app asks them once a frame, before anything is shown, so that whoever shows a
+//! command need not know who does it.
 
 use super::Context;
 use super::command::{
     BasinCommand, Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
-    LaboratoryCommand, ObservabilityCommand, PoseCommand, RecoveryCommand, TimelineCommand, TrackingCommand,
-    ViewCommand, WindowCommand,
+    ObservabilityCommand, RecoveryCommand, TimelineCommand, TrackingCommand, WindowCommand,
 };
 use super::preferences::Layout;
 use crate::app::keys_around;
@@ -13,14 +15,25 @@ use crate::document::runs::StepRef;
 /// A sentence without its full stop; `None` if nothing stands in the way.
 type Why = Option<&'static str>;
 
-/// Why a command cannot be used now, in a sentence without its full stop; `None` if it can.
+/// The commands that cannot be used in this frame of the window, each with why.
+#[derive(Debug, Default)]
+pub struct Unavailable(Vec<(Command, &'static str)>);
+
+impl Unavailable {
+    /// Asks about every command.
+    pub(crate) fn find(why: impl Fn(Command) -> Option<&'static str>) -> Self {
+        Self(Command::all().filter_map(|command| Some((command, why(command)?))).collect())
+    }
+}
+
+/// Why a command that is shown cannot be used now, in a sentence without its full stop; `None` if it can.
 #[must_use]
 pub fn unavailable(command: Command, context: &Context<'_>) -> Option<&'static str> {
-    if context.preferences.layout == Layout::Demonstrate
-        && let Some(answer) = context.laboratory.unavailable(command)
-    {
-        return no_take(context).or(answer);
-    }
+    context.unavailable.0.iter().find(|(other, _)| *other == command).map(|(_, why)| *why)
+}
+
+/// The same for commands whose feature does not say it itself.
+pub(crate) fn why(command: Command, context: &Context<'_>) -> Why {
     match command {
         Command::File(command) => file(command, context),
         Command::History(command) => history(command, context),
@@ -28,9 +41,7 @@ pub fn unavailable(command: Command, context: &Context<'_>) -> Option<&'static s
             because(!context.has_discarded, "Nothing was discarded")
         }
         Command::Export(command) => export(command, context),
-        Command::Pose(command) => pose(command, context),
         Command::Window(command) => window(command, context),
-        Command::View(command) => view(command, context),
         Command::Scene(_) => no_tiles(context),
         Command::Fit(command) => fit(command, context),
         Command::Convergence(command) => convergence(command, context),
@@ -38,18 +49,19 @@ pub fn unavailable(command: Command, context: &Context<'_>) -> Option<&'static s
         Command::Observability(command) => observability(command, context),
         Command::Tracking(command) => tracking(command, context),
         Command::Timeline(command) => timeline(command, context),
-        Command::Laboratory(LaboratoryCommand::Restart) => {
-            Some("The Demonstrate layout has the laboratory: press F3")
-        }
-        Command::Demonstration(_) | Command::Tour => None,
+        Command::Pose(_)
+        | Command::View(_)
+        | Command::Laboratory(_)
+        | Command::Demonstration(_)
+        | Command::Tour => None,
     }
 }
 
-fn because(is_so: bool, why: &'static str) -> Why {
+pub(crate) fn because(is_so: bool, why: &'static str) -> Why {
     is_so.then_some(why)
 }
 
-fn no_take(context: &Context<'_>) -> Why {
+pub(crate) fn no_take(context: &Context<'_>) -> Why {
     because(context.session.take.is_none(), "Open a take first")
 }
 
@@ -99,20 +111,6 @@ fn export(command: ExportCommand, context: &Context<'_>) -> Why {
     }
 }
 
-fn pose(command: PoseCommand, context: &Context<'_>) -> Why {
-    match command {
-        PoseCommand::Copy
-        | PoseCommand::Paste
-        | PoseCommand::Mirror
-        | PoseCommand::MirrorAll
-        | PoseCommand::PinJoint
-        | PoseCommand::ResetLimb
-        | PoseCommand::ResetBody
-        | PoseCommand::Nudge(_) => no_take(context),
-        PoseCommand::NextJoint | PoseCommand::PreviousJoint => None,
-    }
-}
-
 fn window(command: WindowCommand, context: &Context<'_>) -> Why {
     match command {
         WindowCommand::TogglePane(_) | WindowCommand::ArrangeTiles => no_tiles(context),
@@ -126,25 +124,6 @@ fn window(command: WindowCommand, context: &Context<'_>) -> Why {
         | WindowCommand::Shortcuts
         | WindowCommand::Messages
         | WindowCommand::About => None,
-    }
-}
-
-fn view(command: ViewCommand, context: &Context<'_>) -> Why {
-    match command {
-        ViewCommand::Compare(_) => no_take(context),
-        ViewCommand::CameraAlone(camera) => {
-            let is_missing = camera >= context.session.camera_count();
-            no_take(context).or(because(is_missing, "The take has fewer cameras"))
-        }
-        ViewCommand::FitSubject
-        | ViewCommand::WholePicture
-        | ViewCommand::ZoomIn
-        | ViewCommand::ZoomOut
-        | ViewCommand::LinkZoom
-        | ViewCommand::CalibrationMarks
-        | ViewCommand::PixelGrid
-        | ViewCommand::SizeHandles
-        | ViewCommand::Mode(_) => None,
     }
 }
 

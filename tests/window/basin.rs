@@ -118,8 +118,7 @@ fn steps_go_on_beside_a_basin_and_cancelling_keeps_what_is_done() {
         harness.step();
     }
     harness.get_by_role_and_label(Role::Button, "Step").click();
-    while harness.state().runs().first().is_none_or(|run| run.steps.len() < 2 || run.ending.is_some())
-    {
+    while harness.state().runs().first().is_none_or(|run| run.steps.len() < 2 || run.ending.is_some()) {
         assert!(begun.elapsed() < PATIENCE, "the step does not come");
         harness.step();
     }

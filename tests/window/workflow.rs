@@ -41,8 +41,8 @@ fn from_a_take_to_a_track_and_back_to_the_saved_file() {
 
     click(&mut harness, "Step");
     click(&mut harness, "Step");
-    let session = harness.state().session();
-    assert_eq!((session.runs.len(), session.runs[0].steps.len()), (1, 3), "the second step goes on");
+    let runs = harness.state().runs();
+    assert_eq!((runs.len(), runs[0].steps.len()), (1, 3), "the second step goes on");
     let stepped = harness.state().document().pose_at(0).clone();
 
     click(&mut harness, "Step back");
