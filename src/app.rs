@@ -45,6 +45,7 @@ pub(crate) mod headless;
 pub(crate) mod load_job;
 pub(crate) mod open_job;
 pub(crate) mod open_with_system;
+pub(crate) mod playing;
 pub(crate) mod refresh;
 pub(crate) mod requests;
 pub(crate) mod save_job;
@@ -62,8 +63,6 @@ pub(crate) mod testing;
 pub mod window;
 pub(crate) mod write_job;
 
-pub(crate) use crate::features::timeline::playing::TimeAxis;
-pub(crate) use crate::features::tracking::keys_around;
 pub use files::opening_of;
 pub(crate) use headless::headless_export;
 pub use headless::{PictureOptions, headless_picture};
@@ -80,7 +79,6 @@ impl App {
         self.hear_worker();
         self.hear_background();
         self.update_features();
-        self.take_in_tracked();
         self.hear_dialogs();
         self.hear_export();
         self.take_dropped_files(ui.ctx());

@@ -49,11 +49,6 @@ impl App {
             Event::Observed(observed) => self.features.observability.hear(observed),
             Event::FitStep(step, predicted) => self.fit_step(*step, predicted),
             Event::FitEnded(ending) => self.finish_run(ending),
-            Event::BodyFitted(fit) => self.body_fitted(&fit),
-            Event::FrameTracked(frame, estimate) => self.frame_tracked(frame, estimate),
-            Event::TrackRevised(found) => self.track_revised(found),
-            Event::TracksJoined { frame, distance_m, meets } => self.tracks_joined(frame, distance_m, meets),
-            Event::PosesFound(frame, found) => self.poses_found(frame, found),
             Event::Saved { path, revision } => self.saved(path, revision),
             Event::NotSaved(text) => self.state.notices.error_with(text, Command::File(FileCommand::SaveAs)),
             Event::CopySaved { revision } => self.copy_saved(revision),
@@ -139,7 +134,6 @@ impl App {
                 self.features.fit.run_gesture = Some(self.new_gesture());
                 self.worker.request(Lane::Fit, FitJob::go_on(self.features.fit.live.clone(), Some(steps)));
             }
-            Lane::Track => self.tracking_ended(),
             _ => {}
         }
     }
@@ -152,7 +146,6 @@ impl App {
             Lane::Survey,
             Lane::Fit,
             Lane::Observe,
-            Lane::Track,
             Lane::TakeIn,
             Lane::Calibrate,
             Lane::Hull,
@@ -165,6 +158,7 @@ impl App {
         self.features.observability.forget();
         self.asked_to_observe = None;
         self.features.basin.reset();
+        self.features.tracking.reset();
         if let Some(TakeSource::Path(path)) = &footage.source {
             self.state.preferences.remember(path.clone());
         }

@@ -1,11 +1,10 @@
-//! Reading and segmenting a frame, its cameras shared out among threads.
+//! Reading and segmenting a frame for the window.
 
 use std::sync::Arc;
 
 use backlit_tracking::segment::SegmentOptions;
-use rayon::prelude::*;
 
-use crate::session::FrameData;
+use crate::session::load_frame;
 use crate::take::footage::Footage;
 use crate::worker::{Event, Job, Outbox, Step};
 
@@ -33,18 +32,4 @@ impl Job<Event> for LoadJob {
         }
         Step::Done
     }
-}
-
-/// A frame. The result does not depend on how the cameras are shared out.
-pub(crate) fn load_frame(
-    footage: &Footage,
-    measurement: &Arc<Vec<SegmentOptions>>,
-    frame: usize,
-) -> FrameData {
-    let load = |camera: usize| {
-        let options = measurement.get(camera).cloned().unwrap_or_default();
-        footage.load(camera, frame, &options)
-    };
-    let cameras = (0..footage.cameras.len()).into_par_iter().map(load).collect();
-    FrameData { frame, cameras, made_with: footage.made_with(measurement, frame) }
 }

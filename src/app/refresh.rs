@@ -33,7 +33,10 @@ impl App {
         if !is_missing
             && may_load
             && !self.worker.is_busy(Lane::Load)
-            && let Some(ahead) = self.frame_to_read_ahead()
+            && let Some(ahead) = self.with(
+                |features| &mut features.timeline,
+                |timeline, context, _| timeline.frame_to_read_ahead(context),
+            )
         {
             self.state.session.loading = Some(ahead);
             self.worker.request(Lane::Load, LoadJob::new(take.clone(), measurement.clone(), ahead));

@@ -20,6 +20,10 @@ impl App {
         if let Some(order) = requests.scene {
             self.draw_scene(*order);
         }
+        for frame in requests.frames {
+            self.state.session.frames.insert(frame);
+            self.state.session.generation += 1;
+        }
         for (edit, gesture) in requests.edits {
             if matches!(edit, Edit::SetPose { .. }) {
                 self.interrupt_fit();
@@ -71,10 +75,15 @@ impl App {
     pub(crate) fn request(&mut self, request: Request) {
         match request {
             Request::Frame(frame) => {
-                self.features.tracking.follows_tracker = false;
                 self.interrupt_fit();
+                self.request(Request::Visit(frame));
+            }
+            Request::Visit(frame) => {
+                self.features.tracking.stop_following();
                 self.go_to_frame(frame);
             }
+            Request::Follow(frame) => self.go_to_frame(frame),
+            Request::LeaveStep => self.state.selection.step = None,
             Request::Joint(joint) => self.state.selection.joint = joint,
             Request::Part(part) => self.state.selection.part = Some(part),
             Request::Views(settings) => self.state.preferences.views = settings,
@@ -103,8 +112,7 @@ impl App {
             Request::CloseExplanation => self.features.demonstration.explanation = None,
             Request::HoldNotice(id) => self.state.notices.hold(id, self.state.now),
             Request::Laboratory(request) => self.laboratory_request(request),
-            Request::Timeline(event) => self.timeline_event(event),
-            Request::ChoosePose(index) => self.choose_pose(index),
+            Request::Playback(change) => self.change_playback(change),
             Request::Recover(which) => self.recover(which),
             Request::OpenPath(path) => self.open_path(&path),
             Request::ForgetRecent(path) => self.state.preferences.recent.retain(|other| *other != path),

@@ -3,12 +3,12 @@
 use egui::{CentralPanel, Frame, Ui, pos2};
 
 use super::App;
+use crate::context::activity::Activity;
 use crate::context::preferences::Layout;
-use crate::context::{Busy, Context, Request, Requests};
+use crate::context::{Context, Request, Requests};
 use crate::features::Features;
 use crate::features::demonstration::explanation;
 use crate::features::laboratory::panel as laboratory;
-use crate::features::timeline;
 use crate::shell::Overlay;
 use crate::shell::tiles::TilesLook;
 use crate::shell::{about, dock, empty, messages, notice_cards, right_panel, shortcuts, status_bar, toolbar};
@@ -24,12 +24,13 @@ impl App {
             selection: &self.state.selection,
             preferences: &self.state.preferences,
             notices: &self.state.notices,
-            busy: Busy {
+            busy: Activity {
                 opening: self.worker.is_busy(Lane::Open),
                 loading: self.worker.is_busy(Lane::Load),
                 load_broke: !self.may_ask(Lane::Load),
                 fitting: self.worker.is_busy(Lane::Fit),
-                tracking: self.worker.is_busy(Lane::Track),
+                tracking: self.features.tracking.is_busy(),
+                track: self.features.tracking.progress(),
                 basin: self.features.basin.is_running(),
                 exporting: self.export_progress(),
             },
@@ -37,7 +38,8 @@ impl App {
             has_exported: self.features.export.exported_to.is_some(),
             has_discarded: self.has_discarded(),
             lacks_take: self.files.lost_take.is_some(),
-            time: &self.features.timeline,
+            playback: &self.state.playback,
+            unavailable: &self.state.unavailable,
             observing: &self.features.observability,
             doing: self.state.status.as_deref(),
             explanation: self.features.demonstration.explanation,
@@ -64,6 +66,7 @@ impl App {
         }
         let window = ui.max_rect();
         let mut centre_size = None;
+        self.ask_what_is_unavailable();
         let busy = self.context().busy;
         let mut features = self.lend();
         let context = Context { busy, ..self.context() };
@@ -88,7 +91,7 @@ impl App {
                 }
                 explanation::ui(ui, &context, requests);
                 if self.shell.docking.alone.is_none() {
-                    timeline::ui(ui, &context, requests, window.height());
+                    features.timeline.ui(ui, &context, requests, window.height());
                     notices_from.y = ui.available_rect_before_wrap().bottom();
                 }
                 centre_size = Some(ui.available_rect_before_wrap().size());
@@ -111,11 +114,18 @@ impl App {
 
     /// The features that are shown with their own state in hand, while the rest of the app is read.
     fn lend(&mut self) -> Features {
-        Features { basin: std::mem::take(&mut self.features.basin), ..Features::default() }
+        Features {
+            basin: std::mem::take(&mut self.features.basin),
+            timeline: std::mem::take(&mut self.features.timeline),
+            tracking: std::mem::take(&mut self.features.tracking),
+            ..Features::default()
+        }
     }
 
     fn take_back(&mut self, features: Features) {
         self.features.basin = features.basin;
+        self.features.timeline = features.timeline;
+        self.features.tracking = features.tracking;
     }
 
     pub(crate) fn tiles_look(&self) -> TilesLook<'_> {

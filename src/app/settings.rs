@@ -105,7 +105,7 @@ impl App {
             theme: preferences.theme,
             layout: preferences.layout,
             panel: preferences.panel,
-            lanes: preferences.lanes,
+            lanes: self.features.timeline.shows_lanes,
             linked_zoom: preferences.linked_zoom,
             views: preferences.views,
             recent: preferences.recent,
@@ -126,7 +126,6 @@ impl App {
             theme: settings.theme,
             layout: settings.layout,
             panel: settings.panel,
-            lanes: settings.lanes,
             linked_zoom: settings.linked_zoom,
             views: settings.views,
             recent: settings.recent,
@@ -138,6 +137,7 @@ impl App {
             tour_offered: settings.tour_offered,
             generation: settings.generation,
         };
+        self.features.timeline.shows_lanes = settings.lanes;
         self.features.basin.preferences = settings.basin;
     }
 }

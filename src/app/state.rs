@@ -10,6 +10,7 @@ use super::background::Background;
 use super::failure::Broken;
 use super::settings::Settings;
 use super::settings_writer::SettingsWriter;
+use crate::context::Unavailable;
 use crate::context::clock::Clock;
 use crate::context::notices::Notices;
 use crate::context::pane::Pane;
@@ -24,6 +25,7 @@ use crate::features::laboratory::job::LiveLaboratory;
 use crate::features::recovery::unsaved::Unsaved;
 use crate::jobs::Pool;
 use crate::session::Session;
+use crate::session::playback::Playback;
 use crate::session::prediction::FitInputs;
 use crate::session::selection::Selection;
 use crate::shell::Shell;
@@ -87,8 +89,12 @@ pub(crate) struct State {
     pub(crate) history: History,
     pub(crate) selection: Selection,
     pub(crate) session: Session,
+    /// How frames are played: neither saved nor undone.
+    pub(crate) playback: Playback,
     pub(crate) preferences: Preferences,
     pub(crate) notices: Notices,
+    /// Why commands of the features cannot be used now.
+    pub(crate) unavailable: Unavailable,
     /// The sentence of the status bar about what was just done.
     pub(crate) status: Option<String>,
     /// The project file, if there is one.
@@ -153,8 +159,10 @@ impl App {
             history: History::new(Document::new(builtin::full_body())),
             selection: Selection::default(),
             session: Session::default(),
+            playback: Playback::default(),
             preferences: Preferences::default(),
             notices: Notices::default(),
+            unavailable: Unavailable::default(),
             status: None,
             project: None,
             now: 0.0,

@@ -158,9 +158,9 @@ impl App {
             "layout": self.state.preferences.layout,
             "theme": self.state.preferences.theme,
             "panel": self.state.preferences.panel,
-            "lanes": self.state.preferences.lanes,
+            "lanes": self.features.timeline.shows_lanes,
             "alone": self.shell.docking.alone.map(|pane| pane.title()),
-            "playing": self.features.timeline.playback.is_playing(),
+            "playing": self.is_playing(),
             "track": self.exported_track(),
             "notices": self.state.notices.cards().map(notice).collect::<Vec<_>>(),
             "messages": self.state.notices.all().len(),
@@ -170,9 +170,10 @@ impl App {
     }
 
     fn busy_lanes(&self) -> Vec<String> {
-        let lanes = [Lane::Predict, Lane::Open, Lane::Load, Lane::Save, Lane::Fit, Lane::Survey, Lane::Track];
+        let lanes = [Lane::Predict, Lane::Open, Lane::Load, Lane::Save, Lane::Fit, Lane::Survey];
         let busy = lanes.into_iter().filter(|lane| self.worker.is_busy(*lane));
-        busy.map(|lane| format!("{lane:?}").to_lowercase()).collect()
+        let tracking = self.features.tracking.is_busy().then(|| "track".to_owned());
+        busy.map(|lane| format!("{lane:?}").to_lowercase()).chain(tracking).collect()
     }
 
     fn exported_take(&self) -> Value {
@@ -215,7 +216,7 @@ impl App {
     fn exported_track(&self) -> Value {
         let document = self.document();
         let lost = document.estimates.iter().filter(|(_, found)| found.lost).map(|(frame, _)| *frame);
-        let running = self.state.session.tracking.map(
+        let running = self.features.tracking.progress().map(
             |tracking| json!({"done": tracking.done, "total": tracking.total, "backwards": tracking.backwards}),
         );
         json!({

@@ -53,8 +53,6 @@ pub struct Preferences {
     pub layout: Layout,
     /// Whether the right panel is there.
     pub panel: bool,
-    /// Whether the timeline has its lanes.
-    pub lanes: bool,
     /// Whether zoom and pan go together in all views.
     pub linked_zoom: bool,
     /// How all camera views look.
@@ -83,7 +81,6 @@ impl Default for Preferences {
             theme: Theme::Dark,
             layout: Layout::Pose,
             panel: true,
-            lanes: true,
             linked_zoom: false,
             views: ViewSettings::default(),
             recent: Vec::new(),

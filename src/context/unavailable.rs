@@ -3,15 +3,29 @@
 use super::Context;
 use super::command::{
     BasinCommand, Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
-    LaboratoryCommand, ObservabilityCommand, PoseCommand, RecoveryCommand, TimelineCommand, TrackingCommand,
-    ViewCommand, WindowCommand,
+    LaboratoryCommand, ObservabilityCommand, PoseCommand, RecoveryCommand, ViewCommand, WindowCommand,
 };
 use super::preferences::Layout;
-use crate::app::keys_around;
 use crate::session::selection::StepRef;
 
 /// A sentence without its full stop; `None` if nothing stands in the way.
-type Why = Option<&'static str>;
+pub(crate) type Why = Option<&'static str>;
+
+/// Why commands of the features cannot be used now: the app asks the features, and panels read it here.
+#[derive(Debug, Clone, Default)]
+pub struct Unavailable(Vec<(Command, &'static str)>);
+
+impl Unavailable {
+    /// Asks about every command.
+    pub(crate) fn ask(why: impl Fn(Command) -> Why) -> Self {
+        Self(Command::all().filter_map(|command| Some((command, why(command)?))).collect())
+    }
+
+    /// Why a command cannot be used.
+    pub(crate) fn why(&self, command: Command) -> Why {
+        self.0.iter().find(|(other, _)| *other == command).map(|(_, why)| *why)
+    }
+}
 
 /// Why a command cannot be used now, in a sentence without its full stop; `None` if it can.
 #[must_use]
@@ -36,8 +50,7 @@ pub fn unavailable(command: Command, context: &Context<'_>) -> Option<&'static s
         Command::Convergence(command) => convergence(command, context),
         Command::Basin(command) => basin(command, context),
         Command::Observability(command) => observability(command, context),
-        Command::Tracking(command) => tracking(command, context),
-        Command::Timeline(command) => timeline(command, context),
+        Command::Tracking(_) | Command::Timeline(_) => context.unavailable.why(command),
         Command::Laboratory(LaboratoryCommand::Restart) => {
             Some("The Demonstrate layout has the laboratory: press F3")
         }
@@ -45,11 +58,13 @@ pub fn unavailable(command: Command, context: &Context<'_>) -> Option<&'static s
     }
 }
 
-fn because(is_so: bool, why: &'static str) -> Why {
+/// A sentence, where it is so.
+pub(crate) fn because(is_so: bool, why: &'static str) -> Why {
     is_so.then_some(why)
 }
 
-fn no_take(context: &Context<'_>) -> Why {
+/// Why nothing can be done with a take.
+pub(crate) fn no_take(context: &Context<'_>) -> Why {
     because(context.session.take.is_none(), "Open a take first")
 }
 
@@ -204,67 +219,7 @@ fn observability(command: ObservabilityCommand, context: &Context<'_>) -> Why {
     }
 }
 
-fn not_tracked(context: &Context<'_>) -> Why {
+/// Why nothing can be done with what was tracked.
+pub(crate) fn not_tracked(context: &Context<'_>) -> Why {
     because(context.document().estimates.is_empty(), "No frame is tracked yet")
-}
-
-fn tracking(command: TrackingCommand, context: &Context<'_>) -> Why {
-    let (document, frame) = (context.document(), context.selection.frame);
-    let no_track = || {
-        no_take(context)
-            .or(because(document.used_cameras().next().is_none(), "No camera is used in the fit"))
-            .or(because(context.busy.tracking, "The tracker is at work"))
-    };
-    match command {
-        TrackingCommand::Forward => {
-            let is_last = frame + 1 >= context.session.frame_count();
-            no_track().or(because(is_last, "This is the last frame: Enter fits it"))
-        }
-        TrackingCommand::Back => no_track().or(because(frame == 0, "This is the first frame: Enter fits it")),
-        TrackingCommand::Between => no_track().or(match keys_around(document, frame) {
-            None => Some("Set a key pose before this frame and one after it, with K"),
-            Some((first, last)) => {
-                because(last - first < 2, "There is no frame between the key poses around this frame")
-            }
-        }),
-        TrackingCommand::Clear => not_tracked(context),
-    }
-}
-
-fn timeline(command: TimelineCommand, context: &Context<'_>) -> Why {
-    let (session, document, frame) = (context.session, context.document(), context.selection.frame);
-    match command {
-        TimelineCommand::SetKeyPose => no_take(context),
-        TimelineCommand::PreviousKey | TimelineCommand::NextKey => {
-            let is_only = document.keys.len() == 1 && document.keys.contains_key(&frame);
-            because(document.keys.is_empty(), "There is no key pose yet: K sets one")
-                .or(because(is_only, "This frame has the only key pose"))
-        }
-        TimelineCommand::NextWorst | TimelineCommand::PreviousWorst => {
-            not_tracked(context).or(because(document.estimates.len() < 2, "Only one frame is fitted"))
-        }
-        TimelineCommand::ClearRange => match context.time.playback.range {
-            None => Some("Mark frames first: drag along the timeline with Shift"),
-            Some(range) => {
-                let found = document.estimates.range(range.first..=range.last).next();
-                because(found.is_none(), "No frame of the marked ones is fitted")
-            }
-        },
-        TimelineCommand::Play
-        | TimelineCommand::ToggleLoop
-        | TimelineCommand::Slower
-        | TimelineCommand::Faster => {
-            no_take(context).or(because(session.frame_count() < 2, "The take has one frame"))
-        }
-        TimelineCommand::WholeTake => {
-            no_take(context).or(because(context.time.span.is_none(), "All frames are on the screen"))
-        }
-        TimelineCommand::PreviousFrame | TimelineCommand::TenFramesBack | TimelineCommand::FirstFrame => {
-            no_take(context).or(because(frame == 0, "This is the first frame"))
-        }
-        TimelineCommand::NextFrame | TimelineCommand::TenFramesOn | TimelineCommand::LastFrame => {
-            let is_last = frame + 1 >= session.frame_count();
-            no_take(context).or(because(is_last, "This is the last frame"))
-        }
-    }
 }

@@ -49,7 +49,9 @@ fn sections(
     ui.spacing_mut().item_spacing.y = 0.0;
     pose::ui(ui, context, requests, posing);
     joint::ui(ui, context, requests, posing);
-    refit::ui(ui, context, requests, posing);
+    refit::ui(ui, context, requests, posing, |ui, requests| {
+        features.tracking.other_poses(ui, context, requests)
+    });
     sizes::ui(ui, context, requests, false);
     measurement::ui(ui, context, requests, false);
     renderer::ui(ui, context, requests, !posing);
