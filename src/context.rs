@@ -69,14 +69,14 @@ pub struct Context<'a> {
     pub lacks_take: bool,
     /// How frames are played.
     pub playback: &'a Playback,
-    /// Why commands of the features cannot be used now.
-    pub unavailable: &'a Unavailable,
     /// What is looked at of what the cameras see.
     pub observing: &'a Observing,
     /// The sentence of the status bar about what the hand is doing.
     pub doing: Option<&'a str>,
     /// What the open demonstration shows, until that is closed.
     pub explanation: Option<&'a str>,
+    /// What cannot be used in this frame.
+    pub unavailable: &'a Unavailable,
     /// Whether a change of the layout can be taken back.
     pub can_restore_layout: bool,
     /// The laboratory.

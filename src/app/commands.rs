@@ -12,7 +12,7 @@ use crate::context::command::{
 use crate::context::command_button::dragged_until_now;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
-use crate::context::{PaneEvent, Requests, unavailable};
+use crate::context::{PaneEvent, Requests};
 use crate::document::edit::Edit;
 use crate::drawing::{JointId, ViewMode};
 use crate::features::camera_views::zoom;
@@ -31,7 +31,7 @@ impl App {
     /// something, keys are theirs.
     pub(crate) fn read_keys(&mut self, ctx: &egui::Context) -> Requests {
         let mut requests = Requests::default();
-        let is_moving = self.is_moving_tile(ctx);
+        let is_moving = self.shell.docking.is_moving_tile(ctx, &self.state.preferences, &self.state.session);
         if self.shell.overlay.is_none()
             && self.features.pose.held.is_none()
             && !is_moving
@@ -52,8 +52,7 @@ impl App {
         if command == Command::Fit(FitCommand::Stop) && is_free && (self.put_back(ctx) || self.let_go()) {
             return;
         }
-        self.ask_what_is_unavailable();
-        if unavailable(command, &self.context()).is_some() || self.laboratory_takes(command) {
+        if self.unavailable(command).is_some() || self.laboratory_takes(command) {
             return;
         }
         match command {
@@ -238,7 +237,7 @@ impl App {
             }
             WindowCommand::TogglePanel => self.state.preferences.panel = !self.state.preferences.panel,
             WindowCommand::ToggleTimeline => self.features.timeline.shows_lanes ^= true,
-            WindowCommand::TogglePane(pane) => self.toggle_pane(pane),
+            WindowCommand::TogglePane(pane) => self.dock(|docking, window| docking.toggle_pane(window, pane)),
             WindowCommand::ArrangeTiles => self.arrange_tiles(),
             WindowCommand::ResetLayout => self.reset_layout(),
             WindowCommand::RestoreLayout => self.restore_layout(),

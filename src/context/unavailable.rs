@@ -1,9 +1,12 @@
 //! Why a command cannot be used now.
+//!
+//! Each feature says it of its commands. The app asks them once a frame, before anything is shown, so that whoever shows a
+//! command need not know who does it.
 
 use super::Context;
 use super::command::{
     BasinCommand, Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
-    LaboratoryCommand, ObservabilityCommand, PoseCommand, RecoveryCommand, ViewCommand, WindowCommand,
+    ObservabilityCommand, PoseCommand, RecoveryCommand, ViewCommand, WindowCommand,
 };
 use super::preferences::Layout;
 use crate::session::selection::StepRef;
@@ -11,30 +14,25 @@ use crate::session::selection::StepRef;
 /// A sentence without its full stop; `None` if nothing stands in the way.
 pub(crate) type Why = Option<&'static str>;
 
-/// Why commands of the features cannot be used now: the app asks the features, and panels read it here.
-#[derive(Debug, Clone, Default)]
+/// The commands that cannot be used in this frame of the window, each with why.
+#[derive(Debug, Default)]
 pub struct Unavailable(Vec<(Command, &'static str)>);
 
 impl Unavailable {
     /// Asks about every command.
-    pub(crate) fn ask(why: impl Fn(Command) -> Why) -> Self {
+    pub(crate) fn find(why: impl Fn(Command) -> Option<&'static str>) -> Self {
         Self(Command::all().filter_map(|command| Some((command, why(command)?))).collect())
-    }
-
-    /// Why a command cannot be used.
-    pub(crate) fn why(&self, command: Command) -> Why {
-        self.0.iter().find(|(other, _)| *other == command).map(|(_, why)| *why)
     }
 }
 
-/// Why a command cannot be used now, in a sentence without its full stop; `None` if it can.
+/// Why a command that is shown cannot be used now, in a sentence without its full stop; `None` if it can.
 #[must_use]
 pub fn unavailable(command: Command, context: &Context<'_>) -> Option<&'static str> {
-    if context.preferences.layout == Layout::Demonstrate
-        && let Some(answer) = context.laboratory.unavailable(command)
-    {
-        return no_take(context).or(answer);
-    }
+    context.unavailable.0.iter().find(|(other, _)| *other == command).map(|(_, why)| *why)
+}
+
+/// The same for commands whose feature does not say it itself.
+pub(crate) fn why(command: Command, context: &Context<'_>) -> Why {
     match command {
         Command::File(command) => file(command, context),
         Command::History(command) => history(command, context),
@@ -50,20 +48,18 @@ pub fn unavailable(command: Command, context: &Context<'_>) -> Option<&'static s
         Command::Convergence(command) => convergence(command, context),
         Command::Basin(command) => basin(command, context),
         Command::Observability(command) => observability(command, context),
-        Command::Tracking(_) | Command::Timeline(_) => context.unavailable.why(command),
-        Command::Laboratory(LaboratoryCommand::Restart) => {
-            Some("The Demonstrate layout has the laboratory: press F3")
-        }
-        Command::Demonstration(_) | Command::Tour => None,
+        Command::Tracking(_)
+        | Command::Timeline(_)
+        | Command::Laboratory(_)
+        | Command::Demonstration(_)
+        | Command::Tour => None,
     }
 }
 
-/// A sentence, where it is so.
 pub(crate) fn because(is_so: bool, why: &'static str) -> Why {
     is_so.then_some(why)
 }
 
-/// Why nothing can be done with a take.
 pub(crate) fn no_take(context: &Context<'_>) -> Why {
     because(context.session.take.is_none(), "Open a take first")
 }

@@ -18,9 +18,7 @@ mod span;
 mod transport;
 mod update;
 
-use egui::{
-    Frame, Margin, Panel, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2,
-};
+use egui::{Frame, Margin, Panel, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2};
 
 use crate::context::command::{Command, TimelineCommand, TrackingCommand};
 use crate::context::command_button::menu_row;
@@ -178,7 +176,7 @@ impl Timeline {
         let before = self.last_frame.replace(frame);
         let Some(span) = &mut self.span else { return Span::whole(count) };
         if before != Some(frame) {
-            *span = span.context(frame, count);
+            *span = span.containing(frame, count);
         }
         *span
     }

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use backlit_tracking::segment::SegmentOptions;
 use rayon::prelude::*;
 
-use crate::take::footage::{CameraFrame, Footage, MadeWith};
+use crate::take::footage::Footage;
+
+use crate::take::footage::{CameraFrame, MadeWith};
 
 /// Frames that are kept.
 const CAPACITY: usize = 48;
@@ -28,20 +30,6 @@ impl FrameData {
     pub fn has_mask(&self) -> bool {
         self.cameras.iter().any(|camera| camera.mask.is_some())
     }
-}
-
-/// Reads and segments a frame, its cameras shared out among threads. The result does not depend on how the cameras are shared out.
-pub(crate) fn load_frame(
-    footage: &Footage,
-    measurement: &Arc<Vec<SegmentOptions>>,
-    frame: usize,
-) -> FrameData {
-    let load = |camera: usize| {
-        let options = measurement.get(camera).cloned().unwrap_or_default();
-        footage.load(camera, frame, &options)
-    };
-    let cameras = (0..footage.cameras.len()).into_par_iter().map(load).collect();
-    FrameData { frame, cameras, made_with: footage.made_with(measurement, frame) }
 }
 
 /// The frames that were loaded last.
@@ -75,6 +63,20 @@ impl FrameCache {
     pub fn clear(&mut self) {
         self.frames.clear();
     }
+}
+
+/// A frame. The result does not depend on how the cameras are shared out.
+pub(crate) fn load_frame(
+    footage: &Footage,
+    measurement: &Arc<Vec<SegmentOptions>>,
+    frame: usize,
+) -> FrameData {
+    let load = |camera: usize| {
+        let options = measurement.get(camera).cloned().unwrap_or_default();
+        footage.load(camera, frame, &options)
+    };
+    let cameras = (0..footage.cameras.len()).into_par_iter().map(load).collect();
+    FrameData { frame, cameras, made_with: footage.made_with(measurement, frame) }
 }
 
 #[cfg(test)]
