@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::App;
+use crate::drawing::DragEvent;
 use crate::features::basin::{BasinSettings, FileKind};
 
 impl App {
@@ -13,7 +14,19 @@ impl App {
             |features| &mut features.tracking,
             |tracking, context, requests| tracking.update(context, requests),
         );
-        self.with(|features| &mut features.timeline, |timeline, context, _| timeline.update(context));
+        self.lend_to(|features| &mut features.timeline, |timeline, context, _| timeline.update(context));
+    }
+
+    /// Something is dragged in a camera's view. What runs or plays stops for it.
+    pub(crate) fn drag(&mut self, camera: usize, event: DragEvent) {
+        if matches!(event, DragEvent::Begin(_)) {
+            self.interrupt_fit();
+            self.pause();
+        }
+        self.with(
+            |features| &mut features.pose,
+            |posing, context, requests| posing.drag(camera, event, context, requests),
+        );
     }
 
     /// Other settings of the basin.

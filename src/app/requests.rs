@@ -64,7 +64,8 @@ impl App {
         self.apply_before_show(requests, &egui);
     }
 
-    fn lend_to<Feature: Default, Answer>(
+    /// Lets a feature work, and says what it asked for.
+    pub(crate) fn lend_to<Feature: Default, Answer>(
         &mut self,
         feature: fn(&mut Features) -> &mut Feature,
         work: impl FnOnce(&mut Feature, &Context<'_>, &mut Requests) -> Answer,
@@ -109,7 +110,7 @@ impl App {
             Request::LeaveStep => self.state.selection.step = None,
             Request::Joint(joint) => self.state.selection.joint = joint,
             Request::Part(part) => self.state.selection.part = Some(part),
-            Request::Views(settings) => self.state.preferences.views = settings,
+            Request::Views(settings) => self.features.camera_views.preferences.settings = settings,
             Request::Camera(camera) => self.dock(|docking, window| docking.make_active(window, camera)),
             Request::Step(step) => {
                 if let Some(run) = self.state.session.runs.get(step.run) {
@@ -125,7 +126,12 @@ impl App {
             }
             Request::Curves(request) => self.curves_request(request),
             Request::Observe(request) => self.observe_request(request),
-            Request::Tile(camera, event) => self.tile_event(camera, event),
+            Request::SwitchCamera { from, to } => {
+                self.dock(|docking, window| docking.switch_camera(window, from, to))
+            }
+            Request::Drag(camera, event) => self.drag(camera, event),
+            Request::CancelGesture(gesture) => self.state.history.cancel(gesture),
+            Request::Segment => self.state.session.forget_measurements(),
             Request::Layout(layout) => self.state.preferences.layout = layout,
             Request::Pane(pane, event) => self.pane_event(pane, event),
             Request::Scene(look) => self.state.preferences.scene = look,

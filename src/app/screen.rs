@@ -10,7 +10,6 @@ use crate::features::Features;
 use crate::features::demonstration::explanation;
 use crate::features::laboratory::panel as laboratory;
 use crate::shell::Overlay;
-use crate::shell::tiles::TilesLook;
 use crate::shell::{about, dock, empty, messages, notice_cards, right_panel, shortcuts, status_bar, toolbar};
 use crate::style::theme::size;
 use crate::worker::Lane;
@@ -39,6 +38,8 @@ impl App {
             has_discarded: self.has_discarded(),
             lacks_take: self.files.lost_take.is_some(),
             playback: &self.state.playback,
+            views: self.features.camera_views.preferences.settings,
+            drag: self.features.pose.marks(self.state.now),
             observing: &self.features.observability,
             doing: self.state.status.as_deref(),
             explanation: self.features.demonstration.explanation,
@@ -55,7 +56,7 @@ impl App {
     /// Shows all panels.
     pub(crate) fn show(&mut self, ui: &mut Ui, requests: &mut Requests) {
         if ui.input(|input| !input.events.is_empty())
-            && self.features.pose.held.is_none()
+            && !self.context().drag.is_dragging()
             && !requests.commands.is_empty()
         {
             self.state.status = None;
@@ -67,11 +68,11 @@ impl App {
         self.state.unavailable = Unavailable::find(|command| self.unavailable(command));
         let window = ui.max_rect();
         let mut centre_size = None;
-        let busy = self.context().busy;
+        let Context { busy, views, .. } = self.context();
         let mut features = self.lend();
-        let context = Context { busy, ..self.context() };
-        if self.features.camera_views.picture_alone.is_some() {
-            dock::ui(ui, &context, &mut features, &self.tiles_look(), requests);
+        let context = Context { busy, views, ..self.context() };
+        if features.camera_views.is_picture_alone() {
+            dock::ui(ui, &context, &mut features, &self.shell.docking, requests);
             return self.take_back(features);
         }
         toolbar::ui(ui, &context, requests);
@@ -95,7 +96,7 @@ impl App {
                     notices_from.y = ui.available_rect_before_wrap().bottom();
                 }
                 centre_size = Some(ui.available_rect_before_wrap().size());
-                dock::ui(ui, &context, &mut features, &self.tiles_look(), requests);
+                dock::ui(ui, &context, &mut features, &self.shell.docking, requests);
             });
         } else {
             empty::ui(ui, &context, requests, &self.offer());
@@ -118,6 +119,7 @@ impl App {
             basin: std::mem::take(&mut self.features.basin),
             timeline: std::mem::take(&mut self.features.timeline),
             tracking: std::mem::take(&mut self.features.tracking),
+            camera_views: std::mem::take(&mut self.features.camera_views),
             ..Features::default()
         }
     }
@@ -126,14 +128,7 @@ impl App {
         self.features.basin = features.basin;
         self.features.timeline = features.timeline;
         self.features.tracking = features.tracking;
-    }
-
-    pub(crate) fn tiles_look(&self) -> TilesLook<'_> {
-        TilesLook {
-            views: self.camera_views(),
-            alone: self.shell.docking.alone,
-            pair: self.shell.docking.pair,
-        }
+        self.features.camera_views = features.camera_views;
     }
 
     fn show_overlay(&mut self, ui: &Ui, requests: &mut Requests) {

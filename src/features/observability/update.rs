@@ -24,7 +24,7 @@ impl App {
             ctx.request_repaint();
         }
         let is_busy = self.worker.is_busy(Lane::Fit) || self.features.tracking.is_busy();
-        let is_moving = is_busy || self.features.pose.held.is_some() || self.is_playing();
+        let is_moving = is_busy || self.context().drag.is_dragging() || self.is_playing();
         if !is_stale || is_moving || scene.frame.is_none() || !self.features.observability.is_wanted() {
             return;
         }
