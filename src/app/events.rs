@@ -34,11 +34,6 @@ impl App {
             Event::HullCarved(frame, hull) => self.state.session.hulls.insert(frame, hull),
             Event::SceneDrawn(drawing) => self.state.session.scene_drawing = Some(drawing),
             Event::Observed(observed) => self.features.observability.hear(observed),
-            Event::BodyFitted(fit) => self.body_fitted(&fit),
-            Event::FrameTracked(frame, estimate) => self.frame_tracked(frame, estimate),
-            Event::TrackRevised(found) => self.track_revised(found),
-            Event::TracksJoined { frame, distance_m, meets } => self.tracks_joined(frame, distance_m, meets),
-            Event::PosesFound(frame, found) => self.poses_found(frame, found),
             Event::CopySaved { revision } => self.copy_saved(revision),
             Event::CopyFailed(why) => self.copy_failed(&why),
             Event::Laboratory(event) => self.hear_laboratory(*event),
@@ -54,13 +49,12 @@ impl App {
     fn ended(&mut self, lane: Lane) {
         match lane {
             Lane::Laboratory => self.laboratory_ended(),
-            Lane::Track => self.tracking_ended(),
             _ => {}
         }
     }
 
     pub(crate) fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<OpenedProject>) {
-        for lane in [Lane::Scene, Lane::Observe, Lane::Track, Lane::Hull] {
+        for lane in [Lane::Scene, Lane::Observe, Lane::Hull] {
             self.worker.drop_lane(lane);
         }
         self.refresh = Refresh::default();
@@ -73,6 +67,7 @@ impl App {
         self.features.basin.reset();
         self.features.fit.reset();
         self.features.convergence.reset();
+        self.features.tracking.reset();
         if let Some(TakeSource::Path(path)) = &footage.source {
             self.state.preferences.remember(path.clone());
         }

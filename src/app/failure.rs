@@ -50,7 +50,6 @@ impl App {
         self.state.notices.error(format!("{} broke down: {why}. Your work is unharmed.", work_of(lane)));
         match lane {
             Lane::Laboratory | Lane::LaboratoryCheck => self.laboratory_broke(lane),
-            Lane::Track => self.tracking_ended(),
             Lane::Save => self.features.recovery.copy_broke(),
             _ => {}
         }
@@ -66,7 +65,6 @@ const fn work_of(lane: Lane) -> &'static str {
         Lane::Laboratory => "The laboratory",
         Lane::LaboratoryPlot => "Saving the laboratory's plot",
         Lane::Observe => "The look at what the cameras see",
-        Lane::Track => "The tracker",
         Lane::Hull => "Carving the visual hull",
         Lane::LaboratoryCheck => "The check of the laboratory's gradients",
     }
@@ -76,16 +74,15 @@ const fn work_of(lane: Lane) -> &'static str {
 mod tests {
     use super::*;
     use crate::app::testing::{Breaks, errors, open, settle};
-    use crate::context::command::{Command, LaboratoryCommand, TrackingCommand};
+    use crate::context::command::{Command, LaboratoryCommand};
 
-    const ALL: [Lane; 9] = [
+    const ALL: [Lane; 8] = [
         Lane::Scene,
         Lane::LaboratoryLook,
         Lane::Save,
         Lane::Laboratory,
         Lane::LaboratoryPlot,
         Lane::Observe,
-        Lane::Track,
         Lane::Hull,
         Lane::LaboratoryCheck,
     ];
@@ -110,16 +107,6 @@ mod tests {
                 assert!(!context.busy.is_long() && !context.busy.basin, "{lane:?}");
             }
         }
-    }
-
-    #[test]
-    fn a_tracker_that_breaks_down_is_over() {
-        let (mut window, mut app) = open(Layout::Pose);
-        let context = window.ctx.clone();
-        app.run(Command::Tracking(TrackingCommand::Forward), &context);
-        app.worker.request(Lane::Track, Breaks);
-        settle(&mut window, &mut app);
-        assert!(app.state.session.tracking.is_none());
     }
 
     #[test]

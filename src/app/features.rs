@@ -10,12 +10,20 @@ use crate::features::convergence::CurvesFile;
 impl App {
     /// Every feature takes in what its tasks have done, and asks for what it lacks.
     pub(crate) fn update_features(&mut self) {
-        self.with(|features| &mut features.fit, |fit, context, requests| fit.update(context, requests));
+        self.update_feature(
+            |features| &mut features.fit,
+            |fit, context, requests| fit.update(context, requests),
+        );
         self.with(|features| &mut features.basin, |basin, context, requests| basin.update(context, requests));
-        self.with(
+        self.update_feature(
             |features| &mut features.convergence,
             |convergence, context, requests| convergence.update(context, requests),
         );
+        self.update_feature(
+            |features| &mut features.tracking,
+            |tracking, context, requests| tracking.update(context, requests),
+        );
+        self.lend_to(|features| &mut features.timeline, |timeline, context, _| timeline.update(context));
     }
 
     /// Ends a fit that is going on, because its pose is about to change: what it has done stays as a run.

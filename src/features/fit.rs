@@ -8,13 +8,9 @@
 //! | `refit`, [`refitted`] | the section of that name, and what the last refit has done |
 //! | `solver`, `renderer`, `measurement` | the sections of those names |
 
-pub(crate) mod body;
-pub(crate) mod body_job;
 mod job;
 pub(crate) mod measurement;
-pub(crate) mod other_poses;
 mod part;
-pub(crate) mod poses_job;
 mod refit;
 pub mod refitted;
 pub(crate) mod renderer;

@@ -5,7 +5,7 @@ use egui::{Frame, Margin, Panel, ScrollArea, Ui};
 use crate::context::preferences::Layout;
 use crate::context::{Context, Requests};
 use crate::features::Features;
-use crate::features::fit::{measurement, other_poses, renderer, solver};
+use crate::features::fit::{measurement, renderer, solver};
 use crate::features::observability::{camera_subsets, panel as observability};
 use crate::features::pose::Posing;
 use crate::features::tracking::choices as tracking_choices;
@@ -50,7 +50,7 @@ fn sections(
     ui.spacing_mut().item_spacing.y = 0.0;
     Posing::limbs(ui, context, requests, posing);
     features.fit.refit_section(ui, context, requests, posing, |ui, requests| {
-        other_poses::ui(ui, context, requests);
+        features.tracking.other_poses(ui, context, requests)
     });
     Posing::sizes(ui, context, requests);
     measurement::ui(ui, context, requests, false);

@@ -22,6 +22,7 @@ use crate::features::convergence::Convergence;
 use crate::features::export::choices::MAX_SIDE;
 use crate::features::fit::Fit;
 use crate::features::laboratory::Laboratory;
+use crate::features::tracking::Tracking;
 use crate::session::Session;
 use crate::session::selection::Selection;
 use crate::widgets::image_canvas;
@@ -76,6 +77,7 @@ pub(crate) struct Snapshot {
     basin: Basin,
     convergence: Convergence,
     fit: Fit,
+    tracking: Tracking,
     laboratory: Laboratory,
     explanation: Option<&'static str>,
     frame_seconds: f64,
@@ -89,7 +91,7 @@ impl App {
         image_canvas::forget_textures(&self.state.egui);
         Snapshot {
             history: self.state.history.without_past(),
-            session: self.state.session.at_rest(),
+            session: self.state.session.clone(),
             selection: self.state.selection,
             settings: self.settings(),
             camera_views: self.features.camera_views.clone(),
@@ -98,6 +100,7 @@ impl App {
             basin: self.features.basin.at_rest(),
             convergence: self.features.convergence.at_rest(),
             fit: self.features.fit.at_rest(),
+            tracking: self.features.tracking.at_rest(),
             laboratory: self.features.laboratory.at_rest(),
             explanation: self.features.demonstration.explanation,
             frame_seconds: self.state.frame_seconds,
@@ -143,6 +146,7 @@ impl Twin {
         app.features.basin = snapshot.basin;
         app.features.convergence = snapshot.convergence;
         app.features.fit = snapshot.fit;
+        app.features.tracking = snapshot.tracking;
         app.features.laboratory = snapshot.laboratory;
         app.features.demonstration.explanation = snapshot.explanation;
         let mut twin = Self { window, app, frame_seconds: snapshot.frame_seconds };
