@@ -21,7 +21,6 @@ use crate::app::open_job::OpenedProject;
 use crate::document::Estimate;
 use crate::document::edit::Edit;
 use crate::document::run::{RunEnding, RunStep};
-use crate::features::laboratory::job::LaboratoryEvent;
 use crate::features::observability::observed::Observed;
 use crate::features::scene::SceneDrawing;
 use crate::session::prediction::Predicted;
@@ -60,8 +59,6 @@ pub enum Event {
     PosesFound(usize, Vec<Hypothesis>),
     /// The body's own sizes were found.
     BodyFitted(Box<BodyFit>),
-    /// The laboratory's news.
-    Laboratory(Box<LaboratoryEvent>),
     /// The copy of unsaved work was written.
     CopySaved {
         /// The document's revision.

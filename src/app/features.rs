@@ -9,11 +9,27 @@ impl App {
     /// Every feature takes in what its tasks have done, and asks for what it lacks.
     pub(crate) fn update_features(&mut self) {
         self.with(|features| &mut features.basin, |basin, context, requests| basin.update(context, requests));
+        self.with(
+            |all| &mut all.laboratory,
+            |laboratory, context, requests| {
+                laboratory.update(context, requests);
+            },
+        );
     }
 
     /// Other settings of the basin.
     pub fn set_basin(&mut self, settings: BasinSettings) {
         self.features.basin.set(settings);
+    }
+
+    /// Writes the laboratory's plot to a file.
+    pub fn save_laboratory_plot(&mut self, path: &Path) {
+        self.with(
+            |all| &mut all.laboratory,
+            |laboratory, context, requests| {
+                laboratory.save_plot(path, context, requests);
+            },
+        );
     }
 
     /// Writes what the basin's pane shows to a file.

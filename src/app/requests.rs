@@ -102,7 +102,6 @@ impl App {
             Request::CloseNotice(id) => self.state.notices.close(id),
             Request::CloseExplanation => self.features.demonstration.explanation = None,
             Request::HoldNotice(id) => self.state.notices.hold(id, self.state.now),
-            Request::Laboratory(request) => self.laboratory_request(request),
             Request::Timeline(event) => self.timeline_event(event),
             Request::ChoosePose(index) => self.choose_pose(index),
             Request::Recover(which) => self.recover(which),

@@ -7,7 +7,6 @@ use crate::context::preferences::Layout;
 use crate::context::{Busy, Context, Request, Requests, Unavailable};
 use crate::features::Features;
 use crate::features::demonstration::explanation;
-use crate::features::laboratory::panel as laboratory;
 use crate::features::timeline;
 use crate::shell::Overlay;
 use crate::shell::tiles::TilesLook;
@@ -43,7 +42,6 @@ impl App {
             explanation: self.features.demonstration.explanation,
             unavailable: &self.state.unavailable,
             can_restore_layout: self.shell.docking.before.is_some(),
-            laboratory: &self.features.laboratory,
             frame_seconds: self.state.frame_seconds,
             now: self.state.now,
             pool: &self.state.pool,
@@ -73,7 +71,7 @@ impl App {
             dock::ui(ui, &context, &mut features, &self.tiles_look(), requests);
             return self.take_back(features);
         }
-        toolbar::ui(ui, &context, requests);
+        toolbar::ui(ui, &context, &mut features, requests);
         status_bar::ui(ui, &context, &features, requests);
         let mut notices_from = pos2(window.right(), window.bottom() - size::STATUS_BAR);
         if context.session.take.is_some() {
@@ -86,7 +84,7 @@ impl App {
             CentralPanel::default().frame(frame).show(ui, |ui| {
                 notices_from = pos2(centre.right(), centre.bottom());
                 if demonstrates {
-                    return laboratory::ui(ui, &context, requests);
+                    return features.laboratory.ui(ui, &context, requests);
                 }
                 explanation::ui(ui, &context, requests);
                 if self.shell.docking.alone.is_none() {
@@ -113,11 +111,16 @@ impl App {
 
     /// The features that are shown with their own state in hand, while the rest of the app is read.
     fn lend(&mut self) -> Features {
-        Features { basin: std::mem::take(&mut self.features.basin), ..Features::default() }
+        Features {
+            basin: std::mem::take(&mut self.features.basin),
+            laboratory: std::mem::take(&mut self.features.laboratory),
+            ..Features::default()
+        }
     }
 
     fn take_back(&mut self, features: Features) {
         self.features.basin = features.basin;
+        self.features.laboratory = features.laboratory;
     }
 
     pub(crate) fn tiles_look(&self) -> TilesLook<'_> {

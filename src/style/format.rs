@@ -23,6 +23,12 @@ pub fn number(value: f64, decimals: usize) -> String {
     if value < 0.0 && !is_zero { format!("{MINUS}{text}") } else { text }
 }
 
+/// The text with a capital letter, for the start of a line.
+pub fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// A count in groups of three: `1 074`.
 pub fn count(value: i64) -> String {
     let digits = value.unsigned_abs().to_string();

@@ -36,33 +36,25 @@ impl Crew {
 pub enum Lane {
     /// The picture of the 3-D scene.
     Scene,
-    /// The pictures of the laboratory's step.
-    LaboratoryLook,
     /// Writing a file.
     Save,
     /// The fit of one frame.
     Fit,
-    /// The laboratory's fits.
-    Laboratory,
-    /// The laboratory's plot as a file.
-    LaboratoryPlot,
     /// What the cameras see of the pose on the screen.
     Observe,
     /// The fit of frame after frame.
     Track,
     /// The visual hull of the frame on the screen.
     Hull,
-    /// The check of the laboratory's gradients.
-    LaboratoryCheck,
 }
 
 impl Lane {
     const fn crew(self) -> Crew {
         match self {
-            Self::LaboratoryLook | Self::Fit | Self::Laboratory | Self::Observe => Crew::Screen,
+            Self::Fit | Self::Observe => Crew::Screen,
             Self::Scene => Crew::Scene,
-            Self::Save | Self::LaboratoryPlot => Crew::Files,
-            Self::Track | Self::Hull | Self::LaboratoryCheck => Crew::Long,
+            Self::Save => Crew::Files,
+            Self::Track | Self::Hull => Crew::Long,
         }
     }
 }

@@ -4,7 +4,6 @@ use backlit_tracking::body::{Kinematics, Limb, Pose};
 use backlit_tracking::track::posing::LimitedAngle;
 use egui::{Align2, RichText, TextStyle, Ui, vec2};
 
-use super::panel::capitalised;
 use crate::context::command::{Command, PoseCommand};
 use crate::context::command_button::{gesture, named_button};
 use crate::context::{Context, Requests};
@@ -12,6 +11,7 @@ use crate::document::edit::Edit;
 use crate::drawing::limits::WARN_WITHIN;
 use crate::drawing::{JointId, joint_name};
 use crate::features::pose::moved;
+use crate::style::format::capitalised;
 use crate::style::theme;
 use crate::style::theme::space;
 use crate::widgets::{SliderRow, named_section, number_field, row_name};

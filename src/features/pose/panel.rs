@@ -7,7 +7,7 @@ use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
 use crate::drawing::JointId;
 use crate::session::selection::Selection;
-use crate::style::format;
+use crate::style::format::{self, capitalised};
 use crate::style::theme;
 use crate::style::theme::size;
 use crate::widgets::section;
@@ -33,12 +33,6 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
             row(ui, context, requests, limb, depth, shares.get(rotation).copied());
         }
     });
-}
-
-/// The name of a limb at the start of a line.
-pub(crate) fn capitalised(name: &str) -> String {
-    let mut letters = name.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// The rotations with their depths, each followed by those that turn with it.

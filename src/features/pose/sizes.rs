@@ -3,12 +3,11 @@
 use backlit_tracking::body::Model;
 use egui::Ui;
 
-use super::panel::capitalised;
 use crate::context::command_button::gesture;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
 use crate::features::pose::{LENGTHS_M, RADII_M};
-use crate::style::format;
+use crate::style::format::{self, capitalised};
 use crate::style::theme::space;
 use crate::widgets::{SliderRow, checkbox, section};
 
