@@ -9,7 +9,6 @@ use crate::features::Features;
 use crate::features::demonstration::explanation;
 use crate::features::timeline;
 use crate::shell::Overlay;
-use crate::shell::tiles::TilesLook;
 use crate::shell::{about, dock, empty, messages, notice_cards, right_panel, shortcuts, status_bar, toolbar};
 use crate::style::theme::size;
 use crate::worker::Lane;
@@ -36,12 +35,14 @@ impl App {
             has_exported: self.features.export.exported_to.is_some(),
             has_discarded: self.has_discarded(),
             lacks_take: self.files.lost_take.is_some(),
+            views: self.features.camera_views.preferences.settings,
+            drag: self.features.pose.marks(self.state.now),
             time: &self.features.timeline,
             observing: &self.features.observability,
             doing: self.state.status.as_deref(),
             explanation: self.features.demonstration.explanation,
             unavailable: &self.state.unavailable,
-            can_restore_layout: self.shell.docking.before.is_some(),
+            can_restore_layout: self.layout_before.is_some(),
             frame_seconds: self.state.frame_seconds,
             now: self.state.now,
             pool: &self.state.pool,
@@ -52,7 +53,7 @@ impl App {
     /// Shows all panels.
     pub(crate) fn show(&mut self, ui: &mut Ui, requests: &mut Requests) {
         if ui.input(|input| !input.events.is_empty())
-            && self.features.pose.held.is_none()
+            && !self.context().drag.is_dragging()
             && !requests.commands.is_empty()
         {
             self.state.status = None;
@@ -64,11 +65,11 @@ impl App {
         self.state.unavailable = Unavailable::find(|command| self.unavailable(command));
         let window = ui.max_rect();
         let mut centre_size = None;
-        let busy = self.context().busy;
+        let Context { busy, views, .. } = self.context();
         let mut features = self.lend();
-        let context = Context { busy, ..self.context() };
-        if self.features.camera_views.picture_alone.is_some() {
-            dock::ui(ui, &context, &mut features, &self.tiles_look(), requests);
+        let context = Context { busy, views, ..self.context() };
+        if features.camera_views.is_picture_alone() {
+            dock::ui(ui, &context, &mut features, &self.shell.docking, requests);
             return self.take_back(features);
         }
         toolbar::ui(ui, &context, &mut features, requests);
@@ -92,7 +93,7 @@ impl App {
                     notices_from.y = ui.available_rect_before_wrap().bottom();
                 }
                 centre_size = Some(ui.available_rect_before_wrap().size());
-                dock::ui(ui, &context, &mut features, &self.tiles_look(), requests);
+                dock::ui(ui, &context, &mut features, &self.shell.docking, requests);
             });
         } else {
             empty::ui(ui, &context, requests, &self.offer());
@@ -113,6 +114,7 @@ impl App {
     fn lend(&mut self) -> Features {
         Features {
             basin: std::mem::take(&mut self.features.basin),
+            camera_views: std::mem::take(&mut self.features.camera_views),
             laboratory: std::mem::take(&mut self.features.laboratory),
             ..Features::default()
         }
@@ -120,15 +122,8 @@ impl App {
 
     fn take_back(&mut self, features: Features) {
         self.features.basin = features.basin;
+        self.features.camera_views = features.camera_views;
         self.features.laboratory = features.laboratory;
-    }
-
-    pub(crate) fn tiles_look(&self) -> TilesLook<'_> {
-        TilesLook {
-            views: self.camera_views(),
-            alone: self.shell.docking.alone,
-            pair: self.shell.docking.pair,
-        }
     }
 
     fn show_overlay(&mut self, ui: &Ui, requests: &mut Requests) {

@@ -23,7 +23,6 @@ use crate::document::history::{Gesture, History};
 use crate::document::project::ProjectError;
 use crate::features::Features;
 use crate::features::basin::Basin;
-use crate::features::camera_views::TileLook;
 use crate::features::laboratory::Laboratory;
 use crate::features::recovery::unsaved::Unsaved;
 use crate::jobs::{Pool, Priority, Task};
@@ -149,6 +148,8 @@ pub struct App {
     /// What figures were asked for last, whatever came of it.
     pub(crate) asked_to_observe: Option<(FitInputs, Pose)>,
     pub(crate) state_file: Option<PathBuf>,
+    /// How the window was arranged before its layout was reset.
+    pub(crate) layout_before: Option<Box<Settings>>,
     pub(crate) settings_writer: SettingsWriter,
     pub(crate) clock: Clock,
     pub(crate) next_gesture: u64,
@@ -190,6 +191,7 @@ impl App {
             broken: Broken::default(),
             asked_to_observe: None,
             state_file: options.state_file,
+            layout_before: None,
             settings_writer,
             clock: options.clock,
             next_gesture: 1,
@@ -286,11 +288,6 @@ impl App {
         // Far from those of the panels, which count from one.
         self.next_gesture += 1;
         Gesture(u64::MAX - self.next_gesture)
-    }
-
-    /// How the tiles of the layout look.
-    pub(crate) fn tiles_mut(&mut self) -> &mut Vec<TileLook> {
-        &mut self.features.camera_views.tiles[usize::from(self.state.preferences.layout == Layout::Debug)]
     }
 
     /// Hands the theme to egui when it has changed.

@@ -3,12 +3,21 @@
 use super::App;
 use crate::context::command::Command;
 use crate::context::unavailable::why;
+use crate::features::camera_views::CameraViews;
+use crate::features::pose::Posing;
 
 impl App {
     /// Why a command cannot be used now, in a sentence without its full stop; `None` if it can.
     pub(crate) fn unavailable(&self, command: Command) -> Option<&'static str> {
         let (context, features) = (&self.context(), &self.features);
         // In its layout some commands of others are the laboratory's.
-        features.laboratory.unavailable(command, context).unwrap_or_else(|| why(command, context))
+        if let Some(answer) = features.laboratory.unavailable(command, context) {
+            return answer;
+        }
+        match command {
+            Command::Pose(command) => Posing::unavailable(command, context),
+            Command::View(command) => CameraViews::unavailable(command, context),
+            other => why(other, context),
+        }
     }
 }

@@ -6,8 +6,7 @@
 use super::Context;
 use super::command::{
     BasinCommand, Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
-    ObservabilityCommand, PoseCommand, RecoveryCommand, TimelineCommand, TrackingCommand, ViewCommand,
-    WindowCommand,
+    ObservabilityCommand, RecoveryCommand, TimelineCommand, TrackingCommand, WindowCommand,
 };
 use super::preferences::Layout;
 use crate::app::keys_around;
@@ -42,9 +41,7 @@ pub(crate) fn why(command: Command, context: &Context<'_>) -> Why {
             because(!context.has_discarded, "Nothing was discarded")
         }
         Command::Export(command) => export(command, context),
-        Command::Pose(command) => pose(command, context),
         Command::Window(command) => window(command, context),
-        Command::View(command) => view(command, context),
         Command::Scene(_) => no_tiles(context),
         Command::Fit(command) => fit(command, context),
         Command::Convergence(command) => convergence(command, context),
@@ -52,7 +49,11 @@ pub(crate) fn why(command: Command, context: &Context<'_>) -> Why {
         Command::Observability(command) => observability(command, context),
         Command::Tracking(command) => tracking(command, context),
         Command::Timeline(command) => timeline(command, context),
-        Command::Laboratory(_) | Command::Demonstration(_) | Command::Tour => None,
+        Command::Pose(_)
+        | Command::View(_)
+        | Command::Laboratory(_)
+        | Command::Demonstration(_)
+        | Command::Tour => None,
     }
 }
 
@@ -114,20 +115,6 @@ fn export(command: ExportCommand, context: &Context<'_>) -> Why {
     }
 }
 
-fn pose(command: PoseCommand, context: &Context<'_>) -> Why {
-    match command {
-        PoseCommand::Copy
-        | PoseCommand::Paste
-        | PoseCommand::Mirror
-        | PoseCommand::MirrorAll
-        | PoseCommand::PinJoint
-        | PoseCommand::ResetLimb
-        | PoseCommand::ResetBody
-        | PoseCommand::Nudge(_) => no_take(context),
-        PoseCommand::NextJoint | PoseCommand::PreviousJoint => None,
-    }
-}
-
 fn window(command: WindowCommand, context: &Context<'_>) -> Why {
     match command {
         WindowCommand::TogglePane(_) | WindowCommand::ArrangeTiles => no_tiles(context),
@@ -141,25 +128,6 @@ fn window(command: WindowCommand, context: &Context<'_>) -> Why {
         | WindowCommand::Shortcuts
         | WindowCommand::Messages
         | WindowCommand::About => None,
-    }
-}
-
-fn view(command: ViewCommand, context: &Context<'_>) -> Why {
-    match command {
-        ViewCommand::Compare(_) => no_take(context),
-        ViewCommand::CameraAlone(camera) => {
-            let is_missing = camera >= context.session.camera_count();
-            no_take(context).or(because(is_missing, "The take has fewer cameras"))
-        }
-        ViewCommand::FitSubject
-        | ViewCommand::WholePicture
-        | ViewCommand::ZoomIn
-        | ViewCommand::ZoomOut
-        | ViewCommand::LinkZoom
-        | ViewCommand::CalibrationMarks
-        | ViewCommand::PixelGrid
-        | ViewCommand::SizeHandles
-        | ViewCommand::Mode(_) => None,
     }
 }
 

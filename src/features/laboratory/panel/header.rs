@@ -8,7 +8,7 @@ use crate::context::command_button as command;
 use crate::context::{Context, Requests, preset_box, unavailable};
 use crate::document::fit_words::preset_like;
 use crate::features::laboratory::{Laboratory, Lineup, PushAxis, StartChoice};
-use crate::style::format::{self, capitalised};
+use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{size, space};
 use crate::widgets::choice;
@@ -181,7 +181,7 @@ fn limb_box(ui: &mut Ui, context: &Context<'_>, wishes: &mut Vec<Wish>) {
     let names: Vec<(usize, String)> = model
         .rotation_owners()
         .iter()
-        .map(|owner| (*owner, capitalised(&model.limbs()[*owner].name)))
+        .map(|owner| (*owner, format::capitalised(&model.limbs()[*owner].name)))
         .collect();
     let choices: Vec<(usize, &str, String)> = names
         .iter()
