@@ -48,7 +48,6 @@ impl App {
         self.state.notices.error(format!("{} broke down: {why}. Your work is unharmed.", work_of(lane)));
         match lane {
             Lane::Fit => self.fit_broke(),
-            Lane::Track => self.tracking_ended(),
             Lane::Save => self.features.recovery.copy_broke(),
             _ => {}
         }
@@ -71,7 +70,6 @@ const fn work_of(lane: Lane) -> &'static str {
         Lane::Save => "Writing a file",
         Lane::Fit => "The fit",
         Lane::Observe => "The look at what the cameras see",
-        Lane::Track => "The tracker",
         Lane::Hull => "Carving the visual hull",
     }
 }
@@ -81,11 +79,11 @@ mod tests {
     use super::*;
     use crate::app::testing::{Breaks, errors, open, settle};
     use crate::app::{AppOptions, Opening};
-    use crate::context::command::{Command, FitCommand, TrackingCommand};
+    use crate::context::command::{Command, FitCommand};
     use crate::context::notices::Severity;
     use crate::document::edit::Edit;
 
-    const ALL: [Lane; 6] = [Lane::Scene, Lane::Save, Lane::Fit, Lane::Observe, Lane::Track, Lane::Hull];
+    const ALL: [Lane; 5] = [Lane::Scene, Lane::Save, Lane::Fit, Lane::Observe, Lane::Hull];
 
     #[test]
     fn whatever_breaks_down_is_said_once_and_nothing_waits_for_it() {
@@ -108,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fit_and_a_tracker_that_break_down_leave_what_they_have_done() {
+    fn a_fit_that_breaks_down_leaves_what_it_has_done() {
         let (mut window, mut app) = open(Layout::Pose);
         let context = window.ctx.clone();
         app.run(Command::Fit(FitCommand::Step), &context);
@@ -123,10 +121,5 @@ mod tests {
         app.run(Command::Fit(FitCommand::Step), &context);
         settle(&mut window, &mut app);
         assert!(app.state.session.runs.last().unwrap().steps.len() > 1, "the next run is a new one");
-
-        app.run(Command::Tracking(TrackingCommand::Forward), &context);
-        app.worker.request(Lane::Track, Breaks);
-        settle(&mut window, &mut app);
-        assert!(app.state.session.tracking.is_none());
     }
 }

@@ -10,11 +10,14 @@ impl App {
     /// Every feature takes in what its tasks have done, and asks for what it lacks.
     pub(crate) fn update_features(&mut self) {
         self.with(|features| &mut features.basin, |basin, context, requests| basin.update(context, requests));
-        self.with(
-            |all| &mut all.laboratory,
-            |laboratory, context, requests| {
-                laboratory.update(context, requests);
-            },
+        self.update_feature(
+            |features| &mut features.tracking,
+            |tracking, context, requests| tracking.update(context, requests),
+        );
+        self.lend_to(|features| &mut features.timeline, |timeline, context, _| timeline.update(context));
+        self.update_feature(
+            |features| &mut features.laboratory,
+            |laboratory, context, requests| laboratory.update(context, requests),
         );
     }
 

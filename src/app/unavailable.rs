@@ -15,6 +15,8 @@ impl App {
             return answer;
         }
         match command {
+            Command::Tracking(command) => features.tracking.unavailable(command, context),
+            Command::Timeline(command) => features.timeline.unavailable(command, context),
             Command::Pose(command) => Posing::unavailable(command, context),
             Command::View(command) => CameraViews::unavailable(command, context),
             other => why(other, context),
