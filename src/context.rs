@@ -37,7 +37,6 @@ use crate::document::run::Run;
 use crate::document::runs::{RunChange, Runs, StepRef};
 use crate::drawing::{DragEvent, JointId};
 use crate::features::export::dialog::ExportOrder;
-use crate::features::laboratory::{Laboratory, LaboratoryRequest};
 use crate::features::observability::{Glance, ObserveRequest, Observing};
 use crate::features::scene::{SceneLook, SceneOrder};
 use crate::jobs::{Failure, Pool};
@@ -89,8 +88,6 @@ pub struct Context<'a> {
     pub unavailable: &'a Unavailable,
     /// Whether a change of the layout can be taken back.
     pub can_restore_layout: bool,
-    /// The laboratory.
-    pub laboratory: &'a Laboratory,
     /// Time that the last frame of the window took, in seconds.
     pub frame_seconds: f64,
     /// Seconds since the window was opened.
@@ -205,8 +202,6 @@ pub enum Request {
     Arrange(Box<Arrangement>),
     /// Open a take.
     Open(TakeSource),
-    /// What is asked of the laboratory.
-    Laboratory(LaboratoryRequest),
     /// Close a notice.
     CloseNotice(u64),
     /// Close the explanation of a demonstration.

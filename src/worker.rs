@@ -14,7 +14,6 @@ pub use queue::{Job, Lane, Outbox, Report, Step, Worker};
 
 use backlit_tracking::track::visual_hull::VisualHull;
 
-use crate::features::laboratory::job::LaboratoryEvent;
 use crate::features::observability::observed::Observed;
 use crate::features::scene::SceneDrawing;
 use crate::session::FrameData;
@@ -30,8 +29,6 @@ pub enum Event {
     FrameLoaded(Arc<FrameData>),
     /// What the cameras see of a pose, and what they do not.
     Observed(Arc<Observed>),
-    /// The laboratory's news.
-    Laboratory(Box<LaboratoryEvent>),
     /// The copy of unsaved work was written.
     CopySaved {
         /// The document's revision.

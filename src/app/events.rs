@@ -36,7 +36,6 @@ impl App {
             Event::Observed(observed) => self.features.observability.hear(observed),
             Event::CopySaved { revision } => self.copy_saved(revision),
             Event::CopyFailed(why) => self.copy_failed(&why),
-            Event::Laboratory(event) => self.hear_laboratory(*event),
             Event::Failed(text) => self.state.notices.error(text),
         }
     }
@@ -48,7 +47,6 @@ impl App {
 
     fn ended(&mut self, lane: Lane) {
         match lane {
-            Lane::Laboratory => self.laboratory_ended(),
             _ => {}
         }
     }
@@ -60,7 +58,7 @@ impl App {
         self.refresh = Refresh::default();
         self.files.take_in.forget();
         self.forget_broken();
-        self.reset_laboratory(footage);
+        self.features.laboratory.reset(footage);
         self.state.session.reset(Some(footage.clone()));
         self.features.observability.forget();
         self.asked_to_observe = None;

@@ -135,9 +135,6 @@ impl App {
                     let name = format!("{name}.{PROJECT_EXTENSION}");
                     dialog.set_title("Save project").set_file_name(name).save_file()
                 }
-                DialogKind::LaboratoryPlot => {
-                    dialog.set_title("Save plot").set_file_name("laboratory.png").save_file()
-                }
             };
             if let Some(path) = path {
                 // The window may be gone by now.
@@ -170,7 +167,6 @@ impl App {
                     };
                     self.save_to(&path);
                 }
-                DialogKind::LaboratoryPlot => self.save_laboratory_plot(&path),
             }
         }
     }

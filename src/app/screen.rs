@@ -8,7 +8,6 @@ use crate::context::preferences::Layout;
 use crate::context::{Context, Request, Requests, Unavailable};
 use crate::features::Features;
 use crate::features::demonstration::explanation;
-use crate::features::laboratory::panel as laboratory;
 use crate::shell::Overlay;
 use crate::shell::{about, dock, empty, messages, notice_cards, right_panel, shortcuts, status_bar, toolbar};
 use crate::style::theme::size;
@@ -50,7 +49,6 @@ impl App {
             explanation: self.features.demonstration.explanation,
             unavailable: &self.state.unavailable,
             can_restore_layout: self.layout_before.is_some(),
-            laboratory: &self.features.laboratory,
             frame_seconds: self.state.frame_seconds,
             now: self.state.now,
             pool: &self.state.pool,
@@ -80,7 +78,7 @@ impl App {
             dock::ui(ui, &context, &mut features, &self.shell.docking, requests);
             return self.take_back(features);
         }
-        toolbar::ui(ui, &context, requests);
+        toolbar::ui(ui, &context, &mut features, requests);
         status_bar::ui(ui, &context, &features, requests);
         let mut notices_from = pos2(window.right(), window.bottom() - size::STATUS_BAR);
         if context.session.take.is_some() {
@@ -93,7 +91,7 @@ impl App {
             CentralPanel::default().frame(frame).show(ui, |ui| {
                 notices_from = pos2(centre.right(), centre.bottom());
                 if demonstrates {
-                    return laboratory::ui(ui, &context, requests);
+                    return features.laboratory.ui(ui, &context, requests);
                 }
                 explanation::ui(ui, &context, requests);
                 if self.shell.docking.alone.is_none() {
@@ -126,6 +124,7 @@ impl App {
             camera_views: std::mem::take(&mut features.camera_views),
             convergence: std::mem::take(&mut features.convergence),
             fit: std::mem::take(&mut features.fit),
+            laboratory: std::mem::take(&mut features.laboratory),
             timeline: std::mem::take(&mut features.timeline),
             tracking: std::mem::take(&mut features.tracking),
             ..Features::default()
@@ -139,6 +138,7 @@ impl App {
         self.features.camera_views = features.camera_views;
         self.features.convergence = features.convergence;
         self.features.fit = features.fit;
+        self.features.laboratory = features.laboratory;
     }
 
     fn show_overlay(&mut self, ui: &Ui, requests: &mut Requests) {

@@ -16,7 +16,7 @@ use crate::context::Unavailable;
 use crate::context::clock::Clock;
 use crate::context::notices::Notices;
 use crate::context::pane::Pane;
-use crate::context::preferences::{Layout, Preferences};
+use crate::context::preferences::Preferences;
 use crate::document::Document;
 use crate::document::edit::Edit;
 use crate::document::history::{Gesture, History};
@@ -25,7 +25,6 @@ use crate::document::run::Run;
 use crate::features::Features;
 use crate::features::basin::Basin;
 use crate::features::laboratory::Laboratory;
-use crate::features::laboratory::job::LiveLaboratory;
 use crate::features::recovery::unsaved::Unsaved;
 use crate::jobs::{Pool, Priority, Task};
 use crate::session::Session;
@@ -79,7 +78,6 @@ pub(crate) enum DialogKind {
     Project,
     SaveAs,
     Export,
-    LaboratoryPlot,
 }
 
 /// What a file dialog was asked for, and the file that was chosen.
@@ -151,7 +149,6 @@ pub struct App {
     pub(crate) broken: Broken,
     /// What figures were asked for last, whatever came of it.
     pub(crate) asked_to_observe: Option<(FitInputs, Pose)>,
-    pub(crate) live_laboratory: LiveLaboratory,
     pub(crate) state_file: Option<PathBuf>,
     /// How the window was arranged before its layout was reset.
     pub(crate) layout_before: Option<Box<Settings>>,
@@ -196,7 +193,6 @@ impl App {
             writes: Writes::default(),
             broken: Broken::default(),
             asked_to_observe: None,
-            live_laboratory: LiveLaboratory::default(),
             state_file: options.state_file,
             layout_before: None,
             settings_writer,
@@ -278,8 +274,6 @@ impl App {
     /// Whether nothing is being read, fitted or drawn anew: what is on the screen is whole.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        let is_waiting =
-            self.features.laboratory.is_waiting && self.state.preferences.layout == Layout::Demonstrate;
         // A body that sways never comes to rest, and neither does its picture.
         let is_drawn = !self.worker.is_busy(Lane::Scene) || self.features.observability.is_playing();
         self.worker.is_idle_but(Lane::Scene)
@@ -288,7 +282,7 @@ impl App {
             && !(self.state.session.is_stale && !self.refresh.has_failed_to_predict())
             && self.features.demonstration.prepared.is_none()
             && self.features.export.exporting.is_none()
-            && !is_waiting
+            && self.features.laboratory.is_settled(&self.context())
     }
 
     /// Goes to a frame.

@@ -1,4 +1,4 @@
-//! A box of the presets of the fit.
+//! The presets of the fit as a box, for all who have room for it.
 
 use backlit_tracking::track::Preset;
 use egui::Ui;
@@ -8,8 +8,8 @@ use crate::context::{Context, Requests};
 use crate::document::fit_words::preset_like;
 use crate::widgets::choice;
 
-/// The box; what is chosen in it is a command.
-pub(crate) fn preset_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32) {
+/// A box of the presets.
+pub(crate) fn show(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32) {
     let chosen = preset_like(&context.document().fit).map_or("Own", Preset::label);
     let choices = [Preset::Robust, Preset::Report].map(|preset| {
         let command = Command::Fit(FitCommand::Preset(preset));

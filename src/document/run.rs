@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use backlit_tracking::body::Pose;
 use backlit_tracking::optimize::Termination;
-use backlit_tracking::track::{FitOptions, IterationRecord};
+use backlit_tracking::track::FitOptions;
 
 use crate::document::CameraUse;
 use crate::document::runs::StepRef;
@@ -40,25 +40,6 @@ pub struct RunStep {
 }
 
 impl RunStep {
-    /// A step that the solver has made in so many seconds, and the mismatch and RMS of the pose that it left.
-    #[must_use]
-    pub fn new(record: &IterationRecord, mismatch: f64, rms: f64, seconds: f64) -> Self {
-        Self {
-            pose: record.pose.clone(),
-            mismatch,
-            rms,
-            cost: record.cost,
-            trial_cost: record.trial_cost,
-            foretold: record.predicted_decrease,
-            fell: record.actual_decrease,
-            damping: record.damping,
-            step_norm: record.step_norm,
-            seconds,
-            stage: record.stage,
-            accepted: record.accepted,
-        }
-    }
-
     /// The cost before the step, by the measure of its stage.
     #[must_use]
     pub fn cost_before(&self) -> f64 {
@@ -93,9 +74,9 @@ pub enum RunEnding {
 }
 
 impl RunEnding {
-    /// What the solver says, of a fit with one stage or with several.
+    /// The end of a fit whose solver has ended; an annealed one has several stages.
     #[must_use]
-    pub fn new(termination: Termination, is_annealed: bool) -> Self {
+    pub fn of(termination: Termination, is_annealed: bool) -> Self {
         match termination {
             Termination::StepLimit { steps } if is_annealed => {
                 Self::Solver(format!("the {steps} steps of the last stage are done"))

@@ -70,7 +70,7 @@ fn sentence(context: &Context<'_>, features: &Features) -> String {
         return format!("Trying the basin: {progress}. Esc stops it; what is done stays.");
     }
     if context.preferences.layout == Layout::Demonstrate {
-        return laboratory_sentence(context);
+        return features.laboratory.sentence();
     }
     if let Some(step) = context.selection.step {
         let steps = context.runs().get(step.run).map_or(0, Run::last_step);
@@ -89,27 +89,6 @@ fn sentence(context: &Context<'_>, features: &Features) -> String {
     }
     let joint = joint_name(&context.document().model, context.selection.joint);
     format!("Drag the {joint} in any view, or press Space for one step of the fit.")
-}
-
-/// What the laboratory does.
-fn laboratory_sentence(context: &Context<'_>) -> String {
-    let laboratory = context.laboratory;
-    let all = laboratory.lineup.all_text();
-    let Some(comparison) = laboratory.comparison.as_ref().filter(|comparison| comparison.has_begun()) else {
-        return "Preparing the laboratory…".to_owned();
-    };
-    let step = comparison.cursor;
-    if laboratory.is_running {
-        return format!("Step {step} in {all}. They are running; Esc stops them.");
-    }
-    let last = comparison.last();
-    if comparison.is_over() && step == last {
-        return format!("Step {step} in {all}: they have ended. The arrow keys go through their steps.");
-    }
-    if step < last {
-        return format!("Step {step} of {last} in {all}. The arrow keys go through them.");
-    }
-    format!("Step {step} in {all}. Space steps them together, Enter runs them; the arrow keys step.")
 }
 
 fn numbers(ui: &mut Ui, context: &Context<'_>, features: &Features) {
@@ -140,7 +119,7 @@ fn numbers(ui: &mut Ui, context: &Context<'_>, features: &Features) {
     ];
     let all_fits = (
         "all fits, a step",
-        seconds(context.laboratory.step_seconds),
+        seconds(features.laboratory.step_seconds),
         188.0,
         "Time of the last step of all the laboratory's fits together",
     );

@@ -36,29 +36,21 @@ impl Crew {
 pub enum Lane {
     /// The picture of the 3-D scene.
     Scene,
-    /// The pictures of the laboratory's step.
-    LaboratoryLook,
     /// Writing a file.
     Save,
-    /// The laboratory's fits.
-    Laboratory,
-    /// The laboratory's plot as a file.
-    LaboratoryPlot,
     /// What the cameras see of the pose on the screen.
     Observe,
     /// The visual hull of the frame on the screen.
     Hull,
-    /// The check of the laboratory's gradients.
-    LaboratoryCheck,
 }
 
 impl Lane {
     const fn crew(self) -> Crew {
         match self {
-            Self::LaboratoryLook | Self::Laboratory | Self::Observe => Crew::Screen,
+            Self::Observe => Crew::Screen,
             Self::Scene => Crew::Scene,
-            Self::Save | Self::LaboratoryPlot => Crew::Files,
-            Self::Hull | Self::LaboratoryCheck => Crew::Long,
+            Self::Save => Crew::Files,
+            Self::Hull => Crew::Long,
         }
     }
 }

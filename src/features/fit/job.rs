@@ -75,20 +75,7 @@ impl FitStart {
         let Self { inputs, pose, options, free } = self;
         let fit = Fit::with_free_rotations(inputs.model.clone(), inputs.views(), pose, options, free)?;
         let last = Arc::new(Predicted::new(&inputs, fit.pose(), None));
-        let first = RunStep {
-            pose: fit.pose().clone(),
-            mismatch: last.mismatch,
-            rms: last.rms.unwrap_or_default(),
-            cost: fit.cost(),
-            trial_cost: fit.cost(),
-            foretold: 0.0,
-            fell: 0.0,
-            seconds: 0.0,
-            damping: inputs.fit.damping,
-            step_norm: 0.0,
-            stage: 0,
-            accepted: true,
-        };
+        let first = last.start_of(&fit);
         out.send(Fitted::Step(Box::new(first), last.clone()));
         Ok(Running { fit, inputs, last })
     }
@@ -115,15 +102,14 @@ impl Job<Fitted> for FitJob {
         let began = Instant::now();
         let Some(record) = running.fit.step() else {
             let is_annealed = running.inputs.fit.stages.len() > 1;
-            let ending = running.fit.termination().map(|why| RunEnding::new(why, is_annealed));
+            let ending = running.fit.termination().map(|why| RunEnding::of(why, is_annealed));
             return self.pause(out, Some(ending.unwrap_or(RunEnding::Stopped)));
         };
         let seconds = began.elapsed().as_secs_f64();
         if record.accepted {
             running.last = Arc::new(Predicted::new(&running.inputs, &record.pose, Some(&running.last)));
         }
-        let step =
-            RunStep::new(&record, running.last.mismatch, running.last.rms.unwrap_or_default(), seconds);
+        let step = running.last.step_of(&record, seconds);
         out.send(Fitted::Step(Box::new(step), running.last.clone()));
         self.left = self.left.map(|left| left.saturating_sub(1));
         Step::Again

@@ -6,7 +6,7 @@ use backlit_tracking::render::Ramp;
 use backlit_tracking::track::FitOptions;
 use egui::{RichText, Ui};
 
-use crate::context::preset_box::preset_box;
+use crate::context::preset_box;
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
@@ -32,7 +32,7 @@ pub(crate) fn ui(
     section(ui, "Solver", &summary, open, |ui| {
         let mut options = fit.clone();
         ui.spacing_mut().item_spacing.y = 6.0;
-        row(ui, "Preset", |ui| preset_box(ui, context, requests, ui.available_width()));
+        row(ui, "Preset", |ui| preset_box::show(ui, context, requests, ui.available_width()));
         row(ui, "Update", |ui| {
             let choices = [(Parameters::Tangent, "Tangent"), (Parameters::Raw, "Raw")];
             segmented(ui, &mut options.parameters, &choices).on_hover_text(
