@@ -6,6 +6,7 @@ pub mod command;
 pub(crate) mod command_button;
 pub(crate) mod file_dialog;
 pub mod notices;
+pub mod observability;
 pub mod pane;
 pub(crate) mod pane_title;
 pub mod preferences;
@@ -21,6 +22,7 @@ use crate::app::TimeAxis;
 use crate::context::arrangement::Arrangement;
 use crate::context::command::Command;
 use crate::context::notices::Notices;
+use crate::context::observability::ObservabilityMarks;
 use crate::context::pane::Pane;
 use crate::context::preferences::{Layout, Preferences};
 use crate::context::view_settings::ViewSettings;
@@ -32,7 +34,6 @@ use crate::features::camera_views::TileEvent;
 use crate::features::convergence::CurvesRequest;
 use crate::features::export::dialog::ExportOrder;
 use crate::features::laboratory::{Laboratory, LaboratoryRequest};
-use crate::features::observability::{Glance, ObserveRequest, Observing};
 use crate::features::scene::{SceneLook, SceneOrder};
 use crate::features::timeline::TimelineEvent;
 use crate::jobs::{Failure, Pool};
@@ -67,8 +68,8 @@ pub struct Context<'a> {
     pub lacks_take: bool,
     /// What is played, and what of the time axis is on the screen.
     pub(crate) time: &'a TimeAxis,
-    /// What is looked at of what the cameras see.
-    pub observing: &'a Observing,
+    /// What views and scene draw of what the cameras see.
+    pub observability: &'a ObservabilityMarks,
     /// The sentence of the status bar about what the hand is doing.
     pub doing: Option<&'a str>,
     /// What the open demonstration shows, until that is closed.
@@ -101,6 +102,8 @@ pub struct Busy {
     pub fitting: bool,
     /// The tracker is running.
     pub tracking: bool,
+    /// A joint or a limb is in the hand.
+    pub posing: bool,
     /// A basin is being tried.
     pub basin: bool,
     /// Pictures of an export that are done, and all of them.
@@ -164,8 +167,6 @@ pub enum Request {
     ShowRun(usize, bool),
     /// A wish of the convergence panel.
     Curves(CurvesRequest),
-    /// Something about what the cameras see.
-    Observe(ObserveRequest),
     /// What the user did in a camera's tile.
     Tile(usize, TileEvent),
     /// Look at the size of this limb, of those that turn with the held joint.
@@ -265,8 +266,6 @@ pub struct Requests {
     pub commands: Vec<Command>,
     /// Everything else.
     pub others: Vec<Request>,
-    /// What is looked at of what the cameras see, in this frame: nothing that is asked for.
-    pub glance: Glance,
     /// What the 3-D scene is to show, where its picture shows something else.
     pub scene: Option<Box<SceneOrder>>,
     /// Files to be written.

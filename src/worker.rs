@@ -22,7 +22,6 @@ use crate::document::Estimate;
 use crate::document::edit::Edit;
 use crate::document::run::{RunEnding, RunStep};
 use crate::features::laboratory::job::LaboratoryEvent;
-use crate::features::observability::observed::Observed;
 use crate::features::scene::SceneDrawing;
 use crate::session::prediction::Predicted;
 use crate::session::{Extent, FrameData};
@@ -55,8 +54,6 @@ pub enum Event {
     HullCarved(Arc<FrameData>, Option<Arc<VisualHull>>),
     /// The 3-D scene as it was ordered.
     SceneDrawn(Arc<SceneDrawing>),
-    /// What the cameras see of a pose, and what they do not.
-    Observed(Arc<Observed>),
     /// A step of the fit; the first is the start.
     FitStep(Box<RunStep>, Arc<Predicted>),
     /// The fit has ended or was stopped; `None` if it may go on.

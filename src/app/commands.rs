@@ -17,7 +17,6 @@ use crate::document::edit::Edit;
 use crate::drawing::{JointId, ViewMode};
 use crate::features::camera_views::zoom;
 use crate::features::export::dialog::Subject;
-use crate::features::observability::ObserveRequest;
 use crate::features::pose::panel::rotation_tree;
 use crate::features::scene::panel as scene;
 use crate::session::selection::Selection;
@@ -70,7 +69,7 @@ impl App {
                 |features| &mut features.basin,
                 |basin, context, requests| basin.run(command, context, requests),
             ),
-            Command::Observability(command) => self.observability_command(command),
+            Command::Observability(command) => self.features.observability.run(command),
             Command::Tracking(command) => self.tracking_command(command),
             Command::Timeline(command) => self.timeline_command(command),
             Command::Demonstration(which) => self.open(Opening::Take(TakeSource::Demonstration(which))),
@@ -101,7 +100,7 @@ impl App {
             return false;
         }
         if self.features.observability.is_swaying() {
-            self.observe_request(ObserveRequest::StopSway);
+            self.features.observability.stop_sway();
             return true;
         }
         let alone = self.shell.docking.alone.take().is_some();

@@ -46,7 +46,6 @@ impl App {
             Event::Surveyed(extents) => self.state.session.subject = extents,
             Event::Predicted(predicted) => self.show_prediction(predicted),
             Event::SceneDrawn(drawing) => self.state.session.scene_drawing = Some(drawing),
-            Event::Observed(observed) => self.features.observability.hear(observed),
             Event::FitStep(step, predicted) => self.fit_step(*step, predicted),
             Event::FitEnded(ending) => self.finish_run(ending),
             Event::BodyFitted(fit) => self.body_fitted(&fit),
@@ -151,7 +150,6 @@ impl App {
             Lane::Load,
             Lane::Survey,
             Lane::Fit,
-            Lane::Observe,
             Lane::Track,
             Lane::TakeIn,
             Lane::Calibrate,
@@ -162,8 +160,7 @@ impl App {
         self.forget_broken();
         self.reset_laboratory(footage);
         self.state.session.reset(Some(footage.clone()));
-        self.features.observability.forget();
-        self.asked_to_observe = None;
+        self.features.observability.reset();
         self.features.basin.reset();
         if let Some(TakeSource::Path(path)) = &footage.source {
             self.state.preferences.remember(path.clone());

@@ -86,7 +86,6 @@ const fn work_of(lane: Lane) -> &'static str {
         Lane::Fit => "The fit",
         Lane::Laboratory => "The laboratory",
         Lane::LaboratoryPlot => "Saving the laboratory's plot",
-        Lane::Observe => "The look at what the cameras see",
         Lane::Survey => "The look at the whole take",
         Lane::Track => "The tracker",
         Lane::Hull => "Carving the visual hull",
@@ -103,7 +102,7 @@ mod tests {
     use crate::context::notices::Severity;
     use crate::document::edit::Edit;
 
-    const ALL: [Lane; 17] = [
+    const ALL: [Lane; 16] = [
         Lane::Scene,
         Lane::Settings,
         Lane::Predict,
@@ -116,7 +115,6 @@ mod tests {
         Lane::Fit,
         Lane::Laboratory,
         Lane::LaboratoryPlot,
-        Lane::Observe,
         Lane::Survey,
         Lane::Track,
         Lane::Hull,

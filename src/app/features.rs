@@ -9,6 +9,11 @@ impl App {
     /// Every feature takes in what its tasks have done, and asks for what it lacks.
     pub(crate) fn update_features(&mut self) {
         self.with(|features| &mut features.basin, |basin, context, requests| basin.update(context, requests));
+        self.with(
+            |features| &mut features.observability,
+            |observability, context, requests| observability.update(context, requests),
+        );
+        self.state.observability = self.features.observability.marks();
     }
 
     /// Other settings of the basin.

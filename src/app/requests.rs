@@ -14,9 +14,6 @@ impl App {
             // What was asked for in this frame is seen in the next.
             ctx.request_repaint();
         }
-        if self.features.observability.glance(requests.glance) {
-            ctx.request_repaint();
-        }
         if let Some(order) = requests.scene {
             self.draw_scene(*order);
         }
@@ -92,7 +89,6 @@ impl App {
                 }
             }
             Request::Curves(request) => self.curves_request(request),
-            Request::Observe(request) => self.observe_request(request),
             Request::Tile(camera, event) => self.tile_event(camera, event),
             Request::Layout(layout) => self.state.preferences.layout = layout,
             Request::Pane(pane, event) => self.pane_event(pane, event),

@@ -30,6 +30,7 @@ impl App {
                 load_broke: !self.may_ask(Lane::Load),
                 fitting: self.worker.is_busy(Lane::Fit),
                 tracking: self.worker.is_busy(Lane::Track),
+                posing: self.features.pose.held.is_some(),
                 basin: self.features.basin.is_running(),
                 exporting: self.export_progress(),
             },
@@ -38,7 +39,7 @@ impl App {
             has_discarded: self.has_discarded(),
             lacks_take: self.files.lost_take.is_some(),
             time: &self.features.timeline,
-            observing: &self.features.observability,
+            observability: &self.state.observability,
             doing: self.state.status.as_deref(),
             explanation: self.features.demonstration.explanation,
             can_restore_layout: self.shell.docking.before.is_some(),
@@ -111,11 +112,16 @@ impl App {
 
     /// The features that are shown with their own state in hand, while the rest of the app is read.
     fn lend(&mut self) -> Features {
-        Features { basin: std::mem::take(&mut self.features.basin), ..Features::default() }
+        Features {
+            basin: std::mem::take(&mut self.features.basin),
+            observability: std::mem::take(&mut self.features.observability),
+            ..Features::default()
+        }
     }
 
     fn take_back(&mut self, features: Features) {
         self.features.basin = features.basin;
+        self.features.observability = features.observability;
     }
 
     pub(crate) fn tiles_look(&self) -> TilesLook<'_> {

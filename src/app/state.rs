@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use backlit_formats::Take;
-use backlit_tracking::body::{Pose, builtin};
+use backlit_tracking::body::builtin;
 
 use super::background::Background;
 use super::failure::Broken;
@@ -12,6 +12,7 @@ use super::settings::Settings;
 use super::settings_writer::SettingsWriter;
 use crate::context::clock::Clock;
 use crate::context::notices::Notices;
+use crate::context::observability::ObservabilityMarks;
 use crate::context::pane::Pane;
 use crate::context::preferences::{Layout, Preferences};
 use crate::document::Document;
@@ -21,10 +22,10 @@ use crate::features::basin::Basin;
 use crate::features::camera_views::TileLook;
 use crate::features::laboratory::Laboratory;
 use crate::features::laboratory::job::LiveLaboratory;
+use crate::features::observability::Observability;
 use crate::features::recovery::unsaved::Unsaved;
 use crate::jobs::Pool;
 use crate::session::Session;
-use crate::session::prediction::FitInputs;
 use crate::session::selection::Selection;
 use crate::shell::Shell;
 use crate::take::source::TakeSource;
@@ -89,6 +90,8 @@ pub(crate) struct State {
     pub(crate) session: Session,
     pub(crate) preferences: Preferences,
     pub(crate) notices: Notices,
+    /// What views and scene draw of what the cameras see.
+    pub(crate) observability: ObservabilityMarks,
     /// The sentence of the status bar about what was just done.
     pub(crate) status: Option<String>,
     /// The project file, if there is one.
@@ -129,8 +132,6 @@ pub struct App {
     pub(crate) worker: Worker<Event>,
     pub(crate) background: Background,
     pub(crate) broken: Broken,
-    /// What figures were asked for last, whatever came of it.
-    pub(crate) asked_to_observe: Option<(FitInputs, Pose)>,
     pub(crate) live_laboratory: LiveLaboratory,
     pub(crate) state_file: Option<PathBuf>,
     pub(crate) settings_writer: SettingsWriter,
@@ -155,6 +156,7 @@ impl App {
             session: Session::default(),
             preferences: Preferences::default(),
             notices: Notices::default(),
+            observability: ObservabilityMarks::default(),
             status: None,
             project: None,
             now: 0.0,
@@ -170,7 +172,6 @@ impl App {
             worker: Worker::start(wake(&egui))?,
             background: Background::start(&egui)?,
             broken: Broken::default(),
-            asked_to_observe: None,
             live_laboratory: LiveLaboratory::default(),
             state_file: options.state_file,
             settings_writer,
@@ -236,6 +237,12 @@ impl App {
     #[must_use]
     pub fn basin(&self) -> &Basin {
         &self.features.basin
+    }
+
+    /// What the cameras see of the pose.
+    #[must_use]
+    pub fn observability(&self) -> &Observability {
+        &self.features.observability
     }
 
     /// Closes the cards of notices; they stay among the messages.

@@ -197,10 +197,8 @@ fn basin(command: BasinCommand, context: &Context<'_>) -> Why {
 fn observability(command: ObservabilityCommand, context: &Context<'_>) -> Why {
     match command {
         ObservabilityCommand::Ellipses | ObservabilityCommand::Sway => no_take(context),
-        ObservabilityCommand::WeakerDirection | ObservabilityCommand::StrongerDirection => {
-            let is_closed = context.observing.found().is_none();
-            no_take(context).or(because(is_closed, "Open the Observability section first"))
-        }
+        ObservabilityCommand::WeakerDirection | ObservabilityCommand::StrongerDirection => no_take(context)
+            .or(because(!context.observability.has_figures, "Open the Observability section first")),
     }
 }
 

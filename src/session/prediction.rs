@@ -43,6 +43,13 @@ pub struct Derivatives {
     pub column: Option<usize>,
 }
 
+/// They are the same where they are of the very same parts.
+impl PartialEq for FitInputs {
+    fn eq(&self, other: &Self) -> bool {
+        self.is(other) && self.derivatives == other.derivatives
+    }
+}
+
 impl FitInputs {
     /// Whether both are of the very same parts, whatever derivatives are looked at.
     #[must_use]

@@ -6,7 +6,6 @@ use crate::context::preferences::Layout;
 use crate::context::{Context, Requests};
 use crate::features::Features;
 use crate::features::fit::{measurement, refit, renderer, solver};
-use crate::features::observability::{camera_subsets, panel as observability};
 use crate::features::pose::{joint, panel as pose, sizes};
 use crate::style::theme;
 use crate::style::theme::{size, space};
@@ -48,13 +47,14 @@ fn sections(
     let posing = layout == Layout::Pose;
     ui.spacing_mut().item_spacing.y = 0.0;
     pose::ui(ui, context, requests, posing);
-    joint::ui(ui, context, requests, posing);
+    features.observability.look_at_angle(joint::ui(ui, context, requests, posing));
     refit::ui(ui, context, requests, posing);
     sizes::ui(ui, context, requests, false);
     measurement::ui(ui, context, requests, false);
     renderer::ui(ui, context, requests, !posing);
     solver::ui(ui, context, requests, !posing);
-    observability::ui(ui, context, requests, layout == Layout::Debug);
-    camera_subsets::ui(ui, context, requests, layout == Layout::Debug);
+    let debugging = layout == Layout::Debug;
+    features.observability.section(ui, context, requests, debugging);
+    features.observability.subsets_section(ui, context, requests, debugging);
     features.basin.section(ui, context, requests, false);
 }

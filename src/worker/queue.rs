@@ -58,8 +58,6 @@ pub enum Lane {
     Laboratory,
     /// The laboratory's plot as a file.
     LaboratoryPlot,
-    /// What the cameras see of the pose on the screen.
-    Observe,
     /// A look at the take as a whole.
     Survey,
     /// The fit of frame after frame.
@@ -80,8 +78,7 @@ impl Lane {
             | Self::Calibrate
             | Self::Load
             | Self::Fit
-            | Self::Laboratory
-            | Self::Observe => Crew::Screen,
+            | Self::Laboratory => Crew::Screen,
             Self::Scene => Crew::Scene,
             Self::Save | Self::Settings | Self::LaboratoryPlot => Crew::Files,
             Self::Survey | Self::Track | Self::Hull | Self::LaboratoryCheck => Crew::Long,

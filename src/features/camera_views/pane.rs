@@ -19,7 +19,6 @@ use crate::drawing::{
     BoundedAngle, JointId, LimitMark, PictureInput, ProjectedLimb, SightRay, SwayMarks, Swaying,
     joined_outline, limb_colours, project_joints, project_limbs, sight_ray,
 };
-use crate::features::observability::panel as observability;
 use crate::style::theme;
 use crate::style::theme::size;
 use crate::widgets::{Framing, ViewTransform};
@@ -59,8 +58,6 @@ pub(crate) struct CameraPanes<'a> {
     ray: Option<(usize, DVec2, f64)>,
     /// The prediction on the screen is of another pose than the one that is shown.
     is_prediction_old: bool,
-    /// The body on its way, if it sways.
-    swaying: Option<Swaying>,
 }
 
 impl<'a> CameraPanes<'a> {
@@ -85,7 +82,6 @@ impl<'a> CameraPanes<'a> {
             limits: limits(context, views, pose),
             colours: limb_colours(&document.model),
             ray,
-            swaying: context.observing.swaying(),
             is_prediction_old: predicted.is_some_and(|predicted| predicted.pose != *pose),
         }
     }
@@ -106,9 +102,10 @@ impl<'a> CameraPanes<'a> {
         let limit = |bounded| LimitMark::new(&document.model, self.pose, &self.kinematics, camera, bounded);
         let limits: Vec<LimitMark> = self.limits.iter().filter_map(limit).collect();
         let ray = self.ray_in(index, camera);
+        let seen = context.observability;
         let marks = |body: &Swaying| SwayMarks::new(&document.model, body, camera, document.fit.renderer);
-        let sway = self.swaying.as_ref().map(marks);
-        let (ellipses, are_of_others) = observability::ellipses(context.observing, camera);
+        let sway = seen.swaying.as_ref().map(marks);
+        let ellipses = seen.uncertainty.as_ref().map_or_else(Vec::new, |known| known.ellipses(camera));
         let uses = document.cameras.get(index);
         let quick_outline = self.quick_outline(&limbs);
         let name = format!("Camera {}", index + 1);
@@ -143,9 +140,9 @@ impl<'a> CameraPanes<'a> {
             observed: ObservedMarks {
                 sway: sway.as_ref(),
                 ellipses: &ellipses,
-                factor: context.observing.ellipse_factor(),
-                is_stale: context.observing.is_stale(),
-                are_of_others,
+                factor: seen.factor,
+                is_stale: seen.is_stale,
+                are_of_others: seen.uncertainty.as_ref().is_some_and(|known| known.is_of_others),
             },
             shows_hover_card: true,
         };
@@ -290,7 +287,7 @@ impl<'a> CameraPanes<'a> {
 /// The limits that are shown: those of the angle that a panel looks at, or those that the hand has met.
 fn limits(context: &Context<'_>, views: CameraViews<'_>, pose: &Pose) -> Vec<BoundedAngle> {
     let model = &context.document().model;
-    if let Some(angle) = context.observing.angle() {
+    if let Some(angle) = context.observability.angle {
         let limb = context.selection.limb(model);
         return BoundedAngle::new(model, pose, limb, angle).into_iter().collect();
     }
