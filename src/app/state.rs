@@ -6,17 +6,22 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use backlit_formats::Take;
 use backlit_tracking::body::builtin;
 
-use super::background::Background;
 use super::failure::Broken;
+use super::refresh::Refresh;
 use super::settings::Settings;
 use super::settings_writer::SettingsWriter;
+use crate::app::open_job::Opened;
+use crate::app::writes::Writes;
+use crate::context::Unavailable;
 use crate::context::clock::Clock;
 use crate::context::notices::Notices;
 use crate::context::observability::ObservabilityMarks;
 use crate::context::pane::Pane;
 use crate::context::preferences::{Layout, Preferences};
 use crate::document::Document;
+use crate::document::edit::Edit;
 use crate::document::history::{Gesture, History};
+use crate::document::project::ProjectError;
 use crate::features::Features;
 use crate::features::basin::Basin;
 use crate::features::camera_views::TileLook;
@@ -24,7 +29,7 @@ use crate::features::laboratory::Laboratory;
 use crate::features::laboratory::job::LiveLaboratory;
 use crate::features::observability::Observability;
 use crate::features::recovery::unsaved::Unsaved;
-use crate::jobs::Pool;
+use crate::jobs::{Pool, Priority, Task};
 use crate::session::Session;
 use crate::session::selection::Selection;
 use crate::shell::Shell;
@@ -92,6 +97,8 @@ pub(crate) struct State {
     pub(crate) notices: Notices,
     /// What views and scene draw of what the cameras see.
     pub(crate) observability: ObservabilityMarks,
+    /// What cannot be used in the frame that is shown.
+    pub(crate) unavailable: Unavailable,
     /// The sentence of the status bar about what was just done.
     pub(crate) status: Option<String>,
     /// The project file, if there is one.
@@ -111,6 +118,9 @@ pub(crate) struct Files {
     pub(crate) lost_take: Option<PathBuf>,
     /// What is opened when the unsaved work is left.
     pub(crate) postponed: Option<Opening>,
+    pub(crate) open: Task<(), Opened>,
+    pub(crate) save: Task<PathBuf, Result<u64, ProjectError>>,
+    pub(crate) take_in: Task<(), anyhow::Result<(Edit, String)>>,
     pub(crate) dialog_sender: Sender<DialogAnswer>,
     pub(crate) dialog_answers: Receiver<DialogAnswer>,
 }
@@ -118,7 +128,15 @@ pub(crate) struct Files {
 impl Default for Files {
     fn default() -> Self {
         let (dialog_sender, dialog_answers) = channel();
-        Self { lost_take: None, postponed: None, dialog_sender, dialog_answers }
+        Self {
+            lost_take: None,
+            postponed: None,
+            open: Task::new(Priority::OPEN),
+            save: Task::new(Priority::SAVE),
+            take_in: Task::new(Priority::TAKE_IN),
+            dialog_sender,
+            dialog_answers,
+        }
     }
 }
 
@@ -129,8 +147,9 @@ pub struct App {
     pub(crate) features: Features,
     pub(crate) shell: Shell,
     pub(crate) files: Files,
+    pub(crate) refresh: Refresh,
     pub(crate) worker: Worker<Event>,
-    pub(crate) background: Background,
+    pub(crate) writes: Writes,
     pub(crate) broken: Broken,
     pub(crate) live_laboratory: LiveLaboratory,
     pub(crate) state_file: Option<PathBuf>,
@@ -157,6 +176,7 @@ impl App {
             preferences: Preferences::default(),
             notices: Notices::default(),
             observability: ObservabilityMarks::default(),
+            unavailable: Unavailable::default(),
             status: None,
             project: None,
             now: 0.0,
@@ -169,8 +189,9 @@ impl App {
             features: Features { recovery: Unsaved::new(options.data_folder), ..Features::default() },
             shell: Shell::default(),
             files: Files::default(),
+            refresh: Refresh::default(),
             worker: Worker::start(wake(&egui))?,
-            background: Background::start(&egui)?,
+            writes: Writes::default(),
             broken: Broken::default(),
             live_laboratory: LiveLaboratory::default(),
             state_file: options.state_file,
@@ -259,9 +280,8 @@ impl App {
         let is_drawn = !self.worker.is_busy(Lane::Scene) || self.features.observability.is_playing();
         self.worker.is_idle_but(Lane::Scene)
             && is_drawn
-            && self.background.is_idle()
             && self.state.pool.is_idle()
-            && !(self.state.session.is_stale && self.may_ask(Lane::Predict))
+            && !(self.state.session.is_stale && !self.refresh.has_failed_to_predict())
             && self.features.demonstration.prepared.is_none()
             && self.features.export.exporting.is_none()
             && !is_waiting

@@ -13,9 +13,7 @@ use crate::drawing::{JointEllipse, Swaying, joint_ellipses};
 /// What is drawn in a frame.
 #[derive(Debug, Clone, Default)]
 pub struct ObservabilityMarks {
-    /// Whether there are figures, perhaps of an older pose.
-    pub has_figures: bool,
-    /// Whether they are of an older pose, frame or set of cameras than the one on the screen.
+    /// Whether what is known is of an older pose, frame or set of cameras than the one on the screen.
     pub is_stale: bool,
     /// Whether the body is on its way.
     pub is_playing: bool,

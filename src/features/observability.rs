@@ -19,7 +19,6 @@ mod update;
 
 use std::sync::Arc;
 
-use backlit_tracking::body::Pose;
 use backlit_tracking::track::FitError;
 use backlit_tracking::track::observability::{Direction, JointUncertainty, Observability as Figures};
 use backlit_tracking::track::posing::LimitedAngle;
@@ -30,7 +29,7 @@ use sway::Sway;
 use crate::context::observability::{ObservabilityMarks, Uncertainty};
 use crate::drawing::ellipse_factor::automatic_factor;
 use crate::jobs::{Priority, Task};
-use crate::session::prediction::FitInputs;
+use crate::session::prediction::PosedInputs;
 
 /// What was chosen. It outlives the take.
 #[derive(Debug, Clone)]
@@ -73,7 +72,7 @@ pub struct Observability {
     picked: Option<usize>,
     sway: Option<Sway>,
     choices: Choices,
-    task: Task<(FitInputs, Pose), Result<Arc<Observed>, FitError>>,
+    task: Task<PosedInputs, Result<Arc<Observed>, FitError>>,
 }
 
 impl Default for Observability {
@@ -169,7 +168,6 @@ impl Observability {
             Some(Uncertainty { model, joints: joints.to_vec(), is_of_others: others.is_some() })
         };
         ObservabilityMarks {
-            has_figures: self.found.is_some(),
             is_stale: self.is_stale,
             is_playing: self.is_playing(),
             swaying: self.swaying(),

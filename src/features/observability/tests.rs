@@ -3,6 +3,7 @@
 use crate::app::testing::{Breaks, errors, open, settle};
 use crate::context::command::{Command, ObservabilityCommand};
 use crate::context::preferences::Layout;
+use crate::session::prediction::PosedInputs;
 
 #[test]
 fn a_look_that_breaks_down_is_said_once_and_begins_again_with_another_pose() {
@@ -10,7 +11,7 @@ fn a_look_that_breaks_down_is_said_once_and_begins_again_with_another_pose() {
     let inputs = app.context().fit_inputs().unwrap();
     let pose = app.context().shown_pose().clone();
     let pool = app.state.pool.clone();
-    app.features.observability.task.begin(&pool, (inputs, pose.clone()), |_| Breaks);
+    app.features.observability.task.begin(&pool, PosedInputs { inputs, pose: pose.clone() }, |_| Breaks);
     app.run(Command::Observability(ObservabilityCommand::Ellipses), &window.ctx.clone());
     settle(&mut window, &mut app);
     let said = ["The look at what the cameras see broke down: thirteen. Your work is unharmed."];

@@ -4,8 +4,10 @@ use std::sync::Arc;
 
 use super::{Observability, Observed};
 use crate::context::command::ObservabilityCommand;
+use crate::context::unavailable::{because, no_take};
 use crate::context::{Context, Requests};
 use crate::jobs::{News, once};
+use crate::session::prediction::PosedInputs;
 
 impl Observability {
     /// Does a command.
@@ -16,6 +18,20 @@ impl Observability {
             ObservabilityCommand::WeakerDirection => self.pick_next(1),
             ObservabilityCommand::StrongerDirection => self.pick_next(-1),
         }
+    }
+
+    /// Why a command cannot be used now.
+    pub(crate) fn unavailable(
+        &self,
+        command: ObservabilityCommand,
+        context: &Context<'_>,
+    ) -> Option<&'static str> {
+        no_take(context).or(match command {
+            ObservabilityCommand::Ellipses | ObservabilityCommand::Sway => None,
+            ObservabilityCommand::WeakerDirection | ObservabilityCommand::StrongerDirection => {
+                because(self.found.is_none(), "Open the Observability section first")
+            }
+        })
     }
 
     /// Takes figures in, lets the body sway, and asks for newer figures where somebody looks at them, once nothing moves
@@ -34,7 +50,7 @@ impl Observability {
         }
         let Some(inputs) = context.fit_inputs() else { return };
         let pose = context.shown_pose();
-        self.is_stale = !self.found().is_some_and(|found| found.pose == *pose && found.inputs == inputs);
+        self.is_stale = !self.found().is_some_and(|found| found.pose == *pose && found.inputs.is(&inputs));
         self.advance(context);
         if self.is_playing() {
             context.egui.request_repaint();
@@ -43,10 +59,11 @@ impl Observability {
         let busy = context.busy;
         let is_moving = busy.fitting || busy.tracking || busy.posing || context.time.playback.is_playing();
         if self.is_stale && is_wanted && !is_moving && inputs.frame.is_some() {
-            self.task.ask(context.pool, (inputs, pose.clone()), |(inputs, pose)| {
-                let (inputs, pose) = (inputs.clone(), pose.clone());
+            let observe = |posed: &PosedInputs| {
+                let PosedInputs { inputs, pose } = posed.clone();
                 once(move |_| Observed::new(inputs, pose).map(Arc::new))
-            });
+            };
+            self.task.ask(context.pool, PosedInputs { inputs, pose: pose.clone() }, observe);
         }
     }
 }
