@@ -1,14 +1,17 @@
 //! What panels read, and what they ask for.
 
+pub mod activity;
 pub mod arrangement;
 pub mod clock;
 pub mod command;
 pub(crate) mod command_button;
+pub(crate) mod drag_marks;
 pub(crate) mod file_dialog;
 pub mod notices;
 pub mod observability;
 pub mod pane;
 pub(crate) mod pane_title;
+pub(crate) mod picture_alone;
 pub mod preferences;
 pub(crate) mod unavailable;
 pub mod view_settings;
@@ -17,10 +20,12 @@ pub mod write_advice;
 pub use unavailable::{Unavailable, unavailable};
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use crate::app::TimeAxis;
+use crate::context::activity::Activity;
 use crate::context::arrangement::Arrangement;
 use crate::context::command::Command;
+use crate::context::drag_marks::DragMarks;
 use crate::context::notices::Notices;
 use crate::context::observability::ObservabilityMarks;
 use crate::context::pane::Pane;
@@ -29,17 +34,16 @@ use crate::context::view_settings::ViewSettings;
 use crate::document::Document;
 use crate::document::edit::Edit;
 use crate::document::history::{Gesture, History};
-use crate::drawing::JointId;
-use crate::features::camera_views::TileEvent;
+use crate::drawing::{DragEvent, JointId};
 use crate::features::convergence::CurvesRequest;
 use crate::features::export::dialog::ExportOrder;
 use crate::features::laboratory::{Laboratory, LaboratoryRequest};
 use crate::features::scene::{SceneLook, SceneOrder};
-use crate::features::timeline::TimelineEvent;
 use crate::jobs::{Failure, Pool};
-use crate::session::Session;
+use crate::session::playback::{Playback, PlaybackChange};
 use crate::session::prediction::{Derivatives, FitInputs};
 use crate::session::selection::{Selection, StepRef};
+use crate::session::{FrameData, Session};
 use crate::take::source::TakeSource;
 use backlit_tracking::body::Pose;
 
@@ -57,7 +61,7 @@ pub struct Context<'a> {
     /// What was said.
     pub notices: &'a Notices,
     /// Work in progress.
-    pub busy: Busy,
+    pub busy: Activity,
     /// The project file, if there is one.
     pub project: Option<&'a Path>,
     /// Whether something was exported since the start.
@@ -66,8 +70,12 @@ pub struct Context<'a> {
     pub has_discarded: bool,
     /// Whether a project was not opened since its take was not there.
     pub lacks_take: bool,
-    /// What is played, and what of the time axis is on the screen.
-    pub(crate) time: &'a TimeAxis,
+    /// How frames are played.
+    pub playback: &'a Playback,
+    /// What all camera views share.
+    pub views: ViewSettings,
+    /// What goes on in the camera views.
+    pub(crate) drag: DragMarks<'a>,
     /// What views and scene draw of what the cameras see.
     pub observability: &'a ObservabilityMarks,
     /// The sentence of the status bar about what the hand is doing.
@@ -88,36 +96,6 @@ pub struct Context<'a> {
     pub pool: &'a Pool,
     /// The window's own context.
     pub egui: &'a egui::Context,
-}
-
-/// Which lanes of the worker have work.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-#[expect(clippy::struct_excessive_bools, reason = "lanes work independently of each other")]
-pub struct Busy {
-    /// A take is being opened.
-    pub opening: bool,
-    /// The frame is being read and segmented.
-    pub loading: bool,
-    /// Whether reading the frame on the screen broke down.
-    pub load_broke: bool,
-    /// A fit is running.
-    pub fitting: bool,
-    /// The tracker is running.
-    pub tracking: bool,
-    /// A joint or a limb is in the hand.
-    pub posing: bool,
-    /// A basin is being tried.
-    pub basin: bool,
-    /// Pictures of an export that are done, and all of them.
-    pub exporting: Option<(usize, usize)>,
-}
-
-impl Busy {
-    /// Whether a bar under the toolbar says that something takes its time.
-    #[must_use]
-    pub fn is_long(self) -> bool {
-        self.opening || self.fitting || self.tracking
-    }
 }
 
 impl<'a> Context<'a> {
@@ -157,23 +135,40 @@ impl<'a> Context<'a> {
 /// Something a panel asks for that is neither an edit nor a command of its own.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Request {
-    /// Go to a frame.
+    /// Go to a frame: a fit that is going on ends, and the tracker is followed no more.
     Frame(usize),
+    /// Go to a frame while a fit goes on; the tracker is followed no more.
+    Visit(usize),
+    /// Go on to the frame that the tracker has reached.
+    Follow(usize),
     /// Hold a joint.
     Joint(JointId),
     /// Make a camera's tile the active one.
     Camera(usize),
     /// Look at a step of a run.
     Step(StepRef),
+    /// Look at the document's pose again, and no step of a run.
+    LeaveStep,
     /// Show or hide a run's curve.
     ShowRun(usize, bool),
     /// A wish of the convergence panel.
     Curves(CurvesRequest),
-    /// What the user did in a camera's tile.
-    Tile(usize, TileEvent),
+    /// Show another camera in the tile of one.
+    SwitchCamera {
+        /// The camera whose tile it is.
+        from: usize,
+        /// The camera that is shown there.
+        to: usize,
+    },
+    /// Something is dragged in a camera's view.
+    Drag(usize, DragEvent),
+    /// Undo all of a gesture that goes on, as if it had not begun.
+    CancelGesture(Gesture),
+    /// Find the silhouettes of the frame anew.
+    Segment,
     /// Look at the size of this limb, of those that turn with the held joint.
     Part(usize),
-    /// How all camera views look.
+    /// What all camera views share.
     Views(ViewSettings),
     /// How the window is arranged.
     Layout(Layout),
@@ -193,10 +188,8 @@ pub enum Request {
     CloseExplanation,
     /// A notice is under the pointer: it stays.
     HoldNotice(u64),
-    /// What was done in the timeline.
-    Timeline(TimelineEvent),
-    /// Give the frame one of the poses that a search has found, by its place in their list.
-    ChoosePose(usize),
+    /// Change how frames are played.
+    Playback(PlaybackChange),
     /// What to do with work that an earlier start of the program left unsaved.
     Recover(Recovery),
     /// Open whatever a path is.
@@ -272,6 +265,8 @@ pub struct Requests {
     pub scene: Option<Box<SceneOrder>>,
     /// Files to be written.
     pub writes: Vec<Write>,
+    /// Frames that were read on the way, and that panels may show.
+    pub frames: Vec<Arc<FrameData>>,
 }
 
 impl Requests {

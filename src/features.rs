@@ -19,15 +19,15 @@ pub(crate) mod tracking;
 #[derive(Debug, Default)]
 pub struct Features {
     pub(crate) basin: basin::Basin,
-    pub(crate) camera_views: camera_views::CameraViewsState,
+    pub(crate) camera_views: camera_views::CameraViews,
     pub(crate) demonstration: demonstration::Demonstrating,
     pub(crate) export: export::ExportState,
     pub(crate) fit: fit::Fit,
     pub(crate) laboratory: laboratory::Laboratory,
     pub(crate) observability: observability::Observability,
-    pub(crate) pose: pose::drag::Posing,
+    pub(crate) pose: pose::Posing,
     pub(crate) recovery: recovery::unsaved::Unsaved,
-    pub(crate) timeline: timeline::playing::TimeAxis,
+    pub(crate) timeline: timeline::Timeline,
     pub(crate) tour: Option<tour::Tour>,
-    pub(crate) tracking: tracking::TrackingState,
+    pub(crate) tracking: tracking::Tracking,
 }

@@ -13,8 +13,6 @@ use crate::document::history::History;
 use crate::document::run::{RunEnding, RunStep};
 use crate::document::tracking_choices::TrackingChoices;
 use crate::document::{CameraUse, Document, Estimate, Origin};
-use crate::drawing::{Comparison, ViewMode};
-use crate::features::camera_views::TileLook;
 use crate::features::fit::job::FitJob;
 use crate::features::fit::refitted::Refitted;
 use crate::session::prediction::Predicted;
@@ -42,11 +40,6 @@ impl App {
             Event::SceneDrawn(drawing) => self.state.session.scene_drawing = Some(drawing),
             Event::FitStep(step, predicted) => self.fit_step(*step, predicted),
             Event::FitEnded(ending) => self.finish_run(ending),
-            Event::BodyFitted(fit) => self.body_fitted(&fit),
-            Event::FrameTracked(frame, estimate) => self.frame_tracked(frame, estimate),
-            Event::TrackRevised(found) => self.track_revised(found),
-            Event::TracksJoined { frame, distance_m, meets } => self.tracks_joined(frame, distance_m, meets),
-            Event::PosesFound(frame, found) => self.poses_found(frame, found),
             Event::CopySaved { revision } => self.copy_saved(revision),
             Event::CopyFailed(why) => self.copy_failed(&why),
             Event::Laboratory(event) => self.hear_laboratory(*event),
@@ -121,13 +114,12 @@ impl App {
                 self.features.fit.run_gesture = Some(self.new_gesture());
                 self.worker.request(Lane::Fit, FitJob::go_on(self.features.fit.live.clone(), Some(steps)));
             }
-            Lane::Track => self.tracking_ended(),
             _ => {}
         }
     }
 
     pub(crate) fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<OpenedProject>) {
-        for lane in [Lane::Scene, Lane::Fit, Lane::Track, Lane::Hull] {
+        for lane in [Lane::Scene, Lane::Fit, Lane::Hull] {
             self.worker.drop_lane(lane);
         }
         self.refresh = Refresh::default();
@@ -137,6 +129,7 @@ impl App {
         self.state.session.reset(Some(footage.clone()));
         self.features.observability.reset();
         self.features.basin.reset();
+        self.features.tracking.reset();
         if let Some(TakeSource::Path(path)) = &footage.source {
             self.state.preferences.remember(path.clone());
         }
@@ -169,12 +162,11 @@ impl App {
         self.shell.docking.alone = None;
         self.state.preferences.scene.viewpoint = None;
         self.shell.docking.pair = [0, 1.min(footage.cameras.len() - 1)];
-        self.features.pose.held = None;
+        self.features.pose.reset();
         self.features.fit.pending_steps = 0;
         self.features.demonstration.prepared = None;
         self.features.demonstration.explanation = None;
-        let cameras = footage.cameras.len();
-        self.features.camera_views.tiles = [vec![TileLook::default(); cameras], debug_tiles(cameras)];
+        self.features.camera_views.reset(footage.cameras.len());
         if let Some(TakeSource::Demonstration(which)) = &footage.source
             && is_new
         {
@@ -203,17 +195,4 @@ fn document_of(footage: &Footage) -> Document {
     }
     document.cameras = Arc::new(cameras);
     document
-}
-
-/// The debug layout begins with the residual, and the report's overlay wiped against the footage, by turns.
-fn debug_tiles(cameras: usize) -> Vec<TileLook> {
-    let residual = TileLook { mode: ViewMode::Residual, ..TileLook::default() };
-    let report = TileLook {
-        mode: ViewMode::ReportOverlay,
-        other: ViewMode::Footage,
-        comparison: Some(Comparison::Wipe),
-        wipe_at: 0.6,
-        ..TileLook::default()
-    };
-    (0..cameras).map(|camera| if camera % 2 == 0 { residual } else { report }).collect()
 }

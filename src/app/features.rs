@@ -3,17 +3,35 @@
 use std::path::Path;
 
 use super::App;
+use crate::drawing::DragEvent;
 use crate::features::basin::{BasinSettings, FileKind};
 
 impl App {
     /// Every feature takes in what its tasks have done, and asks for what it lacks.
     pub(crate) fn update_features(&mut self) {
         self.with(|features| &mut features.basin, |basin, context, requests| basin.update(context, requests));
-        self.with(
+        self.update_feature(
+            |features| &mut features.tracking,
+            |tracking, context, requests| tracking.update(context, requests),
+        );
+        self.lend_to(|features| &mut features.timeline, |timeline, context, _| timeline.update(context));
+        self.update_feature(
             |features| &mut features.observability,
             |observability, context, requests| observability.update(context, requests),
         );
         self.state.observability = self.features.observability.marks();
+    }
+
+    /// Something is dragged in a camera's view. What runs or plays stops for it.
+    pub(crate) fn drag(&mut self, camera: usize, event: DragEvent) {
+        if matches!(event, DragEvent::Begin(_)) {
+            self.interrupt_fit();
+            self.pause();
+        }
+        self.with(
+            |features| &mut features.pose,
+            |posing, context, requests| posing.drag(camera, event, context, requests),
+        );
     }
 
     /// Other settings of the basin.

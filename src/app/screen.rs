@@ -3,14 +3,13 @@
 use egui::{CentralPanel, Frame, Ui, pos2};
 
 use super::App;
+use crate::context::activity::Activity;
 use crate::context::preferences::Layout;
-use crate::context::{Busy, Context, Request, Requests, Unavailable};
+use crate::context::{Context, Request, Requests, Unavailable};
 use crate::features::Features;
 use crate::features::demonstration::explanation;
 use crate::features::laboratory::panel as laboratory;
-use crate::features::timeline;
 use crate::shell::Overlay;
-use crate::shell::tiles::TilesLook;
 use crate::shell::{about, dock, empty, messages, notice_cards, right_panel, shortcuts, status_bar, toolbar};
 use crate::style::theme::size;
 use crate::worker::Lane;
@@ -24,13 +23,13 @@ impl App {
             selection: &self.state.selection,
             preferences: &self.state.preferences,
             notices: &self.state.notices,
-            busy: Busy {
+            busy: Activity {
                 opening: self.files.open.is_busy(),
                 loading: self.refresh.is_reading(),
                 load_broke: self.refresh.has_failed_to_read(),
                 fitting: self.worker.is_busy(Lane::Fit),
-                tracking: self.worker.is_busy(Lane::Track),
-                posing: self.features.pose.held.is_some(),
+                tracking: self.features.tracking.is_busy(),
+                track: self.features.tracking.progress(),
                 basin: self.features.basin.is_running(),
                 exporting: self.export_progress(),
             },
@@ -38,12 +37,14 @@ impl App {
             has_exported: self.features.export.exported_to.is_some(),
             has_discarded: self.has_discarded(),
             lacks_take: self.files.lost_take.is_some(),
-            time: &self.features.timeline,
+            playback: &self.state.playback,
+            views: self.features.camera_views.preferences.settings,
+            drag: self.features.pose.marks(self.state.now),
             observability: &self.state.observability,
             doing: self.state.status.as_deref(),
             explanation: self.features.demonstration.explanation,
             unavailable: &self.state.unavailable,
-            can_restore_layout: self.shell.docking.before.is_some(),
+            can_restore_layout: self.layout_before.is_some(),
             laboratory: &self.features.laboratory,
             frame_seconds: self.state.frame_seconds,
             now: self.state.now,
@@ -55,7 +56,7 @@ impl App {
     /// Shows all panels.
     pub(crate) fn show(&mut self, ui: &mut Ui, requests: &mut Requests) {
         if ui.input(|input| !input.events.is_empty())
-            && self.features.pose.held.is_none()
+            && !self.context().drag.is_dragging()
             && !requests.commands.is_empty()
         {
             self.state.status = None;
@@ -67,11 +68,11 @@ impl App {
         self.state.unavailable = Unavailable::find(|command| self.unavailable(command));
         let window = ui.max_rect();
         let mut centre_size = None;
-        let busy = self.context().busy;
+        let Context { busy, views, .. } = self.context();
         let mut features = self.lend();
-        let context = Context { busy, ..self.context() };
-        if self.features.camera_views.picture_alone.is_some() {
-            dock::ui(ui, &context, &mut features, &self.tiles_look(), requests);
+        let context = Context { busy, views, ..self.context() };
+        if features.camera_views.is_picture_alone() {
+            dock::ui(ui, &context, &mut features, &self.shell.docking, requests);
             return self.take_back(features);
         }
         toolbar::ui(ui, &context, requests);
@@ -91,11 +92,11 @@ impl App {
                 }
                 explanation::ui(ui, &context, requests);
                 if self.shell.docking.alone.is_none() {
-                    timeline::ui(ui, &context, requests, window.height());
+                    features.timeline.ui(ui, &context, requests, window.height());
                     notices_from.y = ui.available_rect_before_wrap().bottom();
                 }
                 centre_size = Some(ui.available_rect_before_wrap().size());
-                dock::ui(ui, &context, &mut features, &self.tiles_look(), requests);
+                dock::ui(ui, &context, &mut features, &self.shell.docking, requests);
             });
         } else {
             empty::ui(ui, &context, requests, &self.offer());
@@ -117,6 +118,9 @@ impl App {
         Features {
             basin: std::mem::take(&mut self.features.basin),
             observability: std::mem::take(&mut self.features.observability),
+            timeline: std::mem::take(&mut self.features.timeline),
+            tracking: std::mem::take(&mut self.features.tracking),
+            camera_views: std::mem::take(&mut self.features.camera_views),
             ..Features::default()
         }
     }
@@ -124,14 +128,9 @@ impl App {
     fn take_back(&mut self, features: Features) {
         self.features.basin = features.basin;
         self.features.observability = features.observability;
-    }
-
-    pub(crate) fn tiles_look(&self) -> TilesLook<'_> {
-        TilesLook {
-            views: self.camera_views(),
-            alone: self.shell.docking.alone,
-            pair: self.shell.docking.pair,
-        }
+        self.features.timeline = features.timeline;
+        self.features.tracking = features.tracking;
+        self.features.camera_views = features.camera_views;
     }
 
     fn show_overlay(&mut self, ui: &Ui, requests: &mut Requests) {

@@ -24,13 +24,13 @@ use crate::document::history::{Gesture, History};
 use crate::document::project::ProjectError;
 use crate::features::Features;
 use crate::features::basin::Basin;
-use crate::features::camera_views::TileLook;
 use crate::features::laboratory::Laboratory;
 use crate::features::laboratory::job::LiveLaboratory;
 use crate::features::observability::Observability;
 use crate::features::recovery::unsaved::Unsaved;
 use crate::jobs::{Pool, Priority, Task};
 use crate::session::Session;
+use crate::session::playback::Playback;
 use crate::session::selection::Selection;
 use crate::shell::Shell;
 use crate::take::source::TakeSource;
@@ -93,6 +93,8 @@ pub(crate) struct State {
     pub(crate) history: History,
     pub(crate) selection: Selection,
     pub(crate) session: Session,
+    /// How frames are played: neither saved nor undone.
+    pub(crate) playback: Playback,
     pub(crate) preferences: Preferences,
     pub(crate) notices: Notices,
     /// What views and scene draw of what the cameras see.
@@ -153,6 +155,8 @@ pub struct App {
     pub(crate) broken: Broken,
     pub(crate) live_laboratory: LiveLaboratory,
     pub(crate) state_file: Option<PathBuf>,
+    /// How the window was arranged before its layout was reset.
+    pub(crate) layout_before: Option<Box<Settings>>,
     pub(crate) settings_writer: SettingsWriter,
     pub(crate) clock: Clock,
     pub(crate) next_gesture: u64,
@@ -173,6 +177,7 @@ impl App {
             history: History::new(Document::new(builtin::full_body())),
             selection: Selection::default(),
             session: Session::default(),
+            playback: Playback::default(),
             preferences: Preferences::default(),
             notices: Notices::default(),
             observability: ObservabilityMarks::default(),
@@ -195,6 +200,7 @@ impl App {
             broken: Broken::default(),
             live_laboratory: LiveLaboratory::default(),
             state_file: options.state_file,
+            layout_before: None,
             settings_writer,
             clock: options.clock,
             next_gesture: 1,
@@ -299,11 +305,6 @@ impl App {
         // Far from those of the panels, which count from one.
         self.next_gesture += 1;
         Gesture(u64::MAX - self.next_gesture)
-    }
-
-    /// How the tiles of the layout look.
-    pub(crate) fn tiles_mut(&mut self) -> &mut Vec<TileLook> {
-        &mut self.features.camera_views.tiles[usize::from(self.state.preferences.layout == Layout::Debug)]
     }
 
     /// Hands the theme to egui when it has changed.

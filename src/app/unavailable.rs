@@ -4,6 +4,8 @@ use super::App;
 use crate::context::command::Command;
 use crate::context::preferences::Layout;
 use crate::context::unavailable::{no_take, why};
+use crate::features::camera_views::CameraViews;
+use crate::features::pose::Posing;
 
 impl App {
     /// Why a command cannot be used now, in a sentence without its full stop; `None` if it can.
@@ -16,8 +18,12 @@ impl App {
             return no_take(context).or(answer);
         }
         match command {
+            Command::Tracking(command) => features.tracking.unavailable(command, context),
+            Command::Timeline(command) => features.timeline.unavailable(command, context),
             Command::Laboratory(_) => Some("The Demonstrate layout has the laboratory: press F3"),
             Command::Observability(command) => features.observability.unavailable(command, context),
+            Command::Pose(command) => Posing::unavailable(command, context),
+            Command::View(command) => CameraViews::unavailable(command, context),
             other => why(other, context),
         }
     }

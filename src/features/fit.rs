@@ -1,11 +1,7 @@
 //! Stepping, running and refitting.
 
-pub(crate) mod body;
-pub(crate) mod body_job;
 pub(crate) mod job;
 pub(crate) mod measurement;
-pub(crate) mod other_poses;
-pub(crate) mod poses_job;
 pub(crate) mod refit;
 pub(crate) mod refitted;
 pub(crate) mod renderer;
@@ -17,16 +13,14 @@ use backlit_tracking::track::{FitOptions, Preset};
 
 use crate::app::App;
 use crate::context::command::Part;
-use crate::context::preferences::Layout;
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
 use crate::document::history::Gesture;
 use crate::document::run::{Run, RunChoices};
 use crate::document::tracking_choices::TrackingChoices;
-use crate::drawing::ViewMode;
 use crate::features::fit::job::LiveFit;
 use crate::features::fit::job::{FitJob, FitStart};
-use crate::session::prediction::{Derivatives, FitInputs};
+use crate::session::prediction::FitInputs;
 use crate::session::selection::StepRef;
 use crate::worker::Lane;
 
@@ -36,7 +30,7 @@ pub(crate) struct Fit {
     pub(crate) live: LiveFit,
     /// Steps that were asked for while one was being made.
     pub(crate) pending_steps: usize,
-    /// The gesture of the run of fit or tracker that is going on.
+    /// The gesture of the run that is going on.
     pub(crate) run_gesture: Option<Gesture>,
 }
 
@@ -51,22 +45,8 @@ impl App {
             uses: document.cameras.clone(),
             fit: document.fit.clone(),
             frame: self.state.session.frames.get(self.state.selection.frame).cloned(),
-            derivatives: self.derivatives(),
+            derivatives: self.features.camera_views.derivatives(&self.context()),
         })
-    }
-
-    /// Which derivatives the tiles show. The Jacobian's column is that of the held limb's chosen axis.
-    fn derivatives(&self) -> Derivatives {
-        let tiles =
-            &self.features.camera_views.tiles[usize::from(self.state.preferences.layout == Layout::Debug)];
-        let shows = |mode| tiles.iter().any(|tile| tile.shows(mode));
-        let model = &self.document().model;
-        let rotation = model.limbs()[self.state.selection.limb(model)].rotation;
-        Derivatives {
-            gradient: shows(ViewMode::Gradient),
-            column: shows(ViewMode::JacobianColumn)
-                .then(|| self.state.preferences.views.axis.column(rotation)),
-        }
     }
 
     /// One step, or all of them: of the run that is live, if the pose on the screen is its last one and
@@ -212,12 +192,11 @@ impl App {
         self.set_fit(options, format!("Switch to {}", words::renderer_name(renderer).to_lowercase()));
     }
 
-    /// Stops fit and tracker; what is done stays.
+    /// Stops the fit; what is done stays.
     pub(crate) fn stop(&mut self) {
         self.features.fit.pending_steps = 0;
         self.stop_demonstrating();
         self.worker.cancel(Lane::Fit);
-        self.worker.cancel(Lane::Track);
     }
 }
 

@@ -6,7 +6,7 @@ use crate::context::preferences::Layout;
 use crate::context::{Context, Requests};
 use crate::features::Features;
 use crate::features::fit::{measurement, refit, renderer, solver};
-use crate::features::pose::{joint, panel as pose, sizes};
+use crate::features::pose::Posing;
 use crate::style::theme;
 use crate::style::theme::{size, space};
 
@@ -46,10 +46,11 @@ fn sections(
 ) {
     let posing = layout == Layout::Pose;
     ui.spacing_mut().item_spacing.y = 0.0;
-    pose::ui(ui, context, requests, posing);
-    features.observability.look_at_angle(joint::ui(ui, context, requests, posing));
-    refit::ui(ui, context, requests, posing);
-    sizes::ui(ui, context, requests, false);
+    features.observability.look_at_angle(Posing::limbs(ui, context, requests, posing));
+    refit::ui(ui, context, requests, posing, |ui, requests| {
+        features.tracking.other_poses(ui, context, requests)
+    });
+    Posing::sizes(ui, context, requests);
     measurement::ui(ui, context, requests, false);
     renderer::ui(ui, context, requests, !posing);
     solver::ui(ui, context, requests, !posing);

@@ -57,7 +57,8 @@ impl Observability {
         }
         let is_wanted = self.shown.figures || self.choices.ellipses || self.sway.is_some();
         let busy = context.busy;
-        let is_moving = busy.fitting || busy.tracking || busy.posing || context.time.playback.is_playing();
+        let is_moving =
+            busy.fitting || busy.tracking || context.drag.is_dragging() || context.playback.is_playing();
         if self.is_stale && is_wanted && !is_moving && inputs.frame.is_some() {
             let observe = |posed: &PosedInputs| {
                 let PosedInputs { inputs, pose } = posed.clone();
