@@ -25,7 +25,6 @@ use crate::document::project::ProjectError;
 use crate::features::Features;
 use crate::features::basin::Basin;
 use crate::features::laboratory::Laboratory;
-use crate::features::laboratory::job::LiveLaboratory;
 use crate::features::observability::Observability;
 use crate::features::recovery::unsaved::Unsaved;
 use crate::jobs::{Pool, Priority, Task};
@@ -81,7 +80,6 @@ pub(crate) enum DialogKind {
     Export,
     Curves,
     Plot,
-    LaboratoryPlot,
 }
 
 /// What a file dialog was asked for, and the file that was chosen.
@@ -153,7 +151,6 @@ pub struct App {
     pub(crate) worker: Worker<Event>,
     pub(crate) writes: Writes,
     pub(crate) broken: Broken,
-    pub(crate) live_laboratory: LiveLaboratory,
     pub(crate) state_file: Option<PathBuf>,
     /// How the window was arranged before its layout was reset.
     pub(crate) layout_before: Option<Box<Settings>>,
@@ -198,7 +195,6 @@ impl App {
             worker: Worker::start(wake(&egui))?,
             writes: Writes::default(),
             broken: Broken::default(),
-            live_laboratory: LiveLaboratory::default(),
             state_file: options.state_file,
             layout_before: None,
             settings_writer,
@@ -280,8 +276,6 @@ impl App {
     /// Whether nothing is being read, fitted or drawn anew: what is on the screen is whole.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        let is_waiting =
-            self.features.laboratory.is_waiting && self.state.preferences.layout == Layout::Demonstrate;
         // A body that sways never comes to rest, and neither does its picture.
         let is_drawn = !self.worker.is_busy(Lane::Scene) || self.features.observability.is_playing();
         self.worker.is_idle_but(Lane::Scene)
@@ -290,7 +284,7 @@ impl App {
             && !(self.state.session.is_stale && !self.refresh.has_failed_to_predict())
             && self.features.demonstration.prepared.is_none()
             && self.features.export.exporting.is_none()
-            && !is_waiting
+            && self.features.laboratory.is_settled(&self.context())
     }
 
     /// Goes to a frame.

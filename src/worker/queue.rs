@@ -36,29 +36,21 @@ impl Crew {
 pub enum Lane {
     /// The picture of the 3-D scene.
     Scene,
-    /// The pictures of the laboratory's step.
-    LaboratoryLook,
     /// Writing a file.
     Save,
     /// The fit of one frame.
     Fit,
-    /// The laboratory's fits.
-    Laboratory,
-    /// The laboratory's plot as a file.
-    LaboratoryPlot,
     /// The visual hull of the frame on the screen.
     Hull,
-    /// The check of the laboratory's gradients.
-    LaboratoryCheck,
 }
 
 impl Lane {
     const fn crew(self) -> Crew {
         match self {
-            Self::LaboratoryLook | Self::Fit | Self::Laboratory => Crew::Screen,
+            Self::Fit => Crew::Screen,
             Self::Scene => Crew::Scene,
-            Self::Save | Self::LaboratoryPlot => Crew::Files,
-            Self::Hull | Self::LaboratoryCheck => Crew::Long,
+            Self::Save => Crew::Files,
+            Self::Hull => Crew::Long,
         }
     }
 }
@@ -386,10 +378,10 @@ mod tests {
     fn a_long_step_holds_up_neither_the_screen_nor_a_file() {
         let mut worker = Worker::start(|| {}).unwrap();
         worker.request(Lane::Hull, Sleep);
-        worker.request(Lane::LaboratoryLook, Count { from: 0, to: 1 });
+        worker.request(Lane::Fit, Count { from: 0, to: 1 });
         worker.request(Lane::Save, Count { from: 1, to: 2 });
         let start = Instant::now();
-        while worker.is_busy(Lane::LaboratoryLook) || worker.is_busy(Lane::Save) {
+        while worker.is_busy(Lane::Fit) || worker.is_busy(Lane::Save) {
             assert!(start.elapsed() < Duration::from_secs(20), "the worker hangs");
             worker.poll();
         }
