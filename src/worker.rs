@@ -14,7 +14,6 @@ pub use queue::{Job, Lane, Outbox, Report, Step, Worker};
 
 use backlit_tracking::track::visual_hull::VisualHull;
 
-use crate::features::observability::observed::Observed;
 use crate::features::scene::SceneDrawing;
 use crate::session::FrameData;
 
@@ -27,8 +26,6 @@ pub enum Event {
     SceneDrawn(Arc<SceneDrawing>),
     /// A frame was read and segmented.
     FrameLoaded(Arc<FrameData>),
-    /// What the cameras see of a pose, and what they do not.
-    Observed(Arc<Observed>),
     /// The copy of unsaved work was written.
     CopySaved {
         /// The document's revision.

@@ -14,7 +14,6 @@ use crate::context::preferences::Layout;
 use crate::document::history::Undone;
 use crate::document::runs::BROUGHT_BACK;
 use crate::features::export::dialog::Subject;
-use crate::features::observability::ObserveRequest;
 use crate::features::scene::panel as scene;
 use crate::shell::Overlay;
 use crate::shell::palette::Palette;
@@ -93,7 +92,7 @@ impl App {
                 |features| &mut features.basin,
                 |basin, context, requests| basin.run(command, context, requests),
             ),
-            Command::Observability(command) => self.observability_command(command),
+            Command::Observability(command) => self.features.observability.run(command),
             Command::Tracking(command) => {
                 if command != TrackingCommand::Clear {
                     self.interrupt_fit();
@@ -135,7 +134,7 @@ impl App {
             return false;
         }
         if self.features.observability.is_swaying() {
-            self.observe_request(ObserveRequest::StopSway);
+            self.features.observability.stop_sway();
             return true;
         }
         let alone = self.shell.docking.alone.take().is_some();

@@ -33,7 +33,6 @@ impl App {
             Event::FrameLoaded(frame) => self.state.session.keep_frame(frame),
             Event::HullCarved(frame, hull) => self.state.session.hulls.insert(frame, hull),
             Event::SceneDrawn(drawing) => self.state.session.scene_drawing = Some(drawing),
-            Event::Observed(observed) => self.features.observability.hear(observed),
             Event::CopySaved { revision } => self.copy_saved(revision),
             Event::CopyFailed(why) => self.copy_failed(&why),
             Event::Failed(text) => self.state.notices.error(text),
@@ -52,7 +51,7 @@ impl App {
     }
 
     pub(crate) fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<OpenedProject>) {
-        for lane in [Lane::Scene, Lane::Observe, Lane::Hull] {
+        for lane in [Lane::Scene, Lane::Hull] {
             self.worker.drop_lane(lane);
         }
         self.refresh = Refresh::default();
@@ -60,8 +59,7 @@ impl App {
         self.forget_broken();
         self.features.laboratory.reset(footage);
         self.state.session.reset(Some(footage.clone()));
-        self.features.observability.forget();
-        self.asked_to_observe = None;
+        self.features.observability.reset();
         self.features.basin.reset();
         self.features.fit.reset();
         self.features.convergence.reset();

@@ -56,7 +56,6 @@ const fn work_of(lane: Lane) -> &'static str {
     match lane {
         Lane::Scene => "Drawing the 3-D scene",
         Lane::Save => "Writing a file",
-        Lane::Observe => "The look at what the cameras see",
         Lane::Hull => "Carving the visual hull",
     }
 }
@@ -66,7 +65,7 @@ mod tests {
     use super::*;
     use crate::app::testing::{Breaks, errors, open, settle};
 
-    const ALL: [Lane; 4] = [Lane::Scene, Lane::Save, Lane::Observe, Lane::Hull];
+    const ALL: [Lane; 3] = [Lane::Scene, Lane::Save, Lane::Hull];
 
     #[test]
     fn whatever_breaks_down_is_said_once_and_nothing_waits_for_it() {

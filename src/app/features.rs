@@ -28,6 +28,11 @@ impl App {
             |features| &mut features.laboratory,
             |laboratory, context, requests| laboratory.update(context, requests),
         );
+        self.update_feature(
+            |features| &mut features.observability,
+            |observability, context, requests| observability.update(context, requests),
+        );
+        self.state.observability = self.features.observability.marks();
     }
 
     /// Ends a fit that is going on, because its pose is about to change: what it has done stays as a run.

@@ -44,7 +44,7 @@ impl App {
             playback: &self.state.playback,
             views: self.features.camera_views.preferences.settings,
             drag: self.features.pose.marks(self.state.now),
-            observing: &self.features.observability,
+            observability: &self.state.observability,
             doing: self.state.status.as_deref(),
             explanation: self.features.demonstration.explanation,
             unavailable: &self.state.unavailable,
@@ -125,6 +125,7 @@ impl App {
             convergence: std::mem::take(&mut features.convergence),
             fit: std::mem::take(&mut features.fit),
             laboratory: std::mem::take(&mut features.laboratory),
+            observability: std::mem::take(&mut features.observability),
             timeline: std::mem::take(&mut features.timeline),
             tracking: std::mem::take(&mut features.tracking),
             ..Features::default()
@@ -133,6 +134,7 @@ impl App {
 
     fn take_back(&mut self, features: Features) {
         self.features.basin = features.basin;
+        self.features.observability = features.observability;
         self.features.timeline = features.timeline;
         self.features.tracking = features.tracking;
         self.features.camera_views = features.camera_views;

@@ -6,7 +6,6 @@ use crate::context::preferences::Layout;
 use crate::context::{Context, Requests};
 use crate::features::Features;
 use crate::features::fit::{measurement, renderer, solver};
-use crate::features::observability::{camera_subsets, panel as observability};
 use crate::features::pose::Posing;
 use crate::features::tracking::choices as tracking_choices;
 use crate::style::theme;
@@ -48,7 +47,7 @@ fn sections(
 ) {
     let posing = layout == Layout::Pose;
     ui.spacing_mut().item_spacing.y = 0.0;
-    Posing::limbs(ui, context, requests, posing);
+    features.observability.look_at_angle(Posing::limbs(ui, context, requests, posing));
     features.fit.refit_section(ui, context, requests, posing, |ui, requests| {
         features.tracking.other_poses(ui, context, requests)
     });
@@ -58,7 +57,8 @@ fn sections(
     solver::ui(ui, context, requests, !posing, |ui, requests| {
         tracking_choices::ui(ui, context, requests);
     });
-    observability::ui(ui, context, requests, layout == Layout::Debug);
-    camera_subsets::ui(ui, context, requests, layout == Layout::Debug);
+    let debugging = layout == Layout::Debug;
+    features.observability.section(ui, context, requests, debugging);
+    features.observability.subsets_section(ui, context, requests, debugging);
     features.basin.section(ui, context, requests, false);
 }

@@ -12,8 +12,6 @@ use backlit_tracking::cancel::CancelToken;
 /// hold up the copy of unsaved work, and the scene is drawn while silhouettes are predicted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Crew {
-    /// What the screen waits for.
-    Screen,
     /// The picture of the 3-D scene.
     Scene,
     /// What is written.
@@ -23,8 +21,7 @@ enum Crew {
 }
 
 impl Crew {
-    const ALL: [(Self, &'static str); 4] = [
-        (Self::Screen, "backlit worker"),
+    const ALL: [(Self, &'static str); 3] = [
         (Self::Scene, "backlit scene"),
         (Self::Files, "backlit files"),
         (Self::Long, "backlit long work"),
@@ -38,8 +35,6 @@ pub enum Lane {
     Scene,
     /// Writing a file.
     Save,
-    /// What the cameras see of the pose on the screen.
-    Observe,
     /// The visual hull of the frame on the screen.
     Hull,
 }
@@ -47,7 +42,6 @@ pub enum Lane {
 impl Lane {
     const fn crew(self) -> Crew {
         match self {
-            Self::Observe => Crew::Screen,
             Self::Scene => Crew::Scene,
             Self::Save => Crew::Files,
             Self::Hull => Crew::Long,
@@ -341,8 +335,8 @@ mod tests {
     #[test]
     fn a_job_reports_and_ends() {
         let mut worker = Worker::start(|| {}).unwrap();
-        worker.request(Lane::Observe, Count { from: 0, to: 3 });
-        let expected = [Report::Event(0), Report::Event(1), Report::Event(2), Report::Ended(Lane::Observe)];
+        worker.request(Lane::Scene, Count { from: 0, to: 3 });
+        let expected = [Report::Event(0), Report::Event(1), Report::Event(2), Report::Ended(Lane::Scene)];
         assert_eq!(wait(&mut worker), expected);
     }
 
@@ -350,15 +344,15 @@ mod tests {
     fn new_work_supersedes_old_and_is_not_held_up_by_other_lanes() {
         let mut worker = Worker::start(|| {}).unwrap();
         worker.request(Lane::Hull, Count { from: 100, to: u32::MAX });
-        worker.request(Lane::Observe, Count { from: 20, to: u32::MAX });
-        worker.request(Lane::Observe, Count { from: 0, to: 2 });
+        worker.request(Lane::Scene, Count { from: 20, to: u32::MAX });
+        worker.request(Lane::Scene, Count { from: 0, to: 2 });
         let start = Instant::now();
         let mut fit = Vec::new();
-        while worker.is_busy(Lane::Observe) {
+        while worker.is_busy(Lane::Scene) {
             assert!(start.elapsed() < Duration::from_secs(20), "the worker hangs");
             fit.extend(worker.poll().into_iter().filter(|r| !matches!(r, Report::Event(100..))));
         }
-        assert_eq!(fit, [Report::Event(0), Report::Event(1), Report::Ended(Lane::Observe)]);
+        assert_eq!(fit, [Report::Event(0), Report::Event(1), Report::Ended(Lane::Scene)]);
         worker.cancel(Lane::Hull);
         assert_eq!(wait(&mut worker).last(), Some(&Report::Ended(Lane::Hull)));
     }
@@ -378,10 +372,10 @@ mod tests {
     fn a_long_step_holds_up_neither_the_screen_nor_a_file() {
         let mut worker = Worker::start(|| {}).unwrap();
         worker.request(Lane::Hull, Sleep);
-        worker.request(Lane::Observe, Count { from: 0, to: 1 });
+        worker.request(Lane::Scene, Count { from: 0, to: 1 });
         worker.request(Lane::Save, Count { from: 1, to: 2 });
         let start = Instant::now();
-        while worker.is_busy(Lane::Observe) || worker.is_busy(Lane::Save) {
+        while worker.is_busy(Lane::Scene) || worker.is_busy(Lane::Save) {
             assert!(start.elapsed() < Duration::from_secs(20), "the worker hangs");
             worker.poll();
         }
