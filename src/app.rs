@@ -25,7 +25,7 @@
 //! | `jobs` | what the screen lacks is asked of the worker |
 //! | `exported`, `accessible` | the state as a file, for tests from outside; where the named widgets are |
 //! | `touring` | the tour: which step, and whether it was done |
-//! | `exporting`, `twin` | exports, and the second inspector that is painted for them |
+//! | `off_screen` | the second inspector, which is painted for exports |
 //! | `outside` | folders and pages in other programs |
 //! | `scene_view` | where the 3-D scene is seen from, and its hull |
 //! | `screen` | which panels there are, and where |
@@ -43,6 +43,7 @@ pub(crate) mod features;
 pub(crate) mod files;
 pub(crate) mod headless;
 pub(crate) mod load_job;
+pub(crate) mod off_screen;
 pub(crate) mod open_job;
 pub(crate) mod open_with_system;
 pub(crate) mod refresh;
@@ -82,7 +83,6 @@ impl App {
         self.update_features();
         self.take_in_tracked();
         self.hear_dialogs();
-        self.hear_export();
         self.take_dropped_files(ui.ctx());
         let mut requests = self.read_keys(ui.ctx());
         self.show(ui, &mut requests);

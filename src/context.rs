@@ -30,7 +30,6 @@ use crate::document::history::{Gesture, History};
 use crate::drawing::JointId;
 use crate::features::camera_views::TileEvent;
 use crate::features::convergence::CurvesRequest;
-use crate::features::export::dialog::ExportOrder;
 use crate::features::laboratory::{Laboratory, LaboratoryRequest};
 use crate::features::observability::{Glance, ObserveRequest, Observing};
 use crate::features::scene::{SceneLook, SceneOrder};
@@ -202,14 +201,14 @@ pub enum Request {
     ForgetRecent(PathBuf),
     /// Copy a text, and say what it was.
     Copy(&'static str, String),
-    /// Open a page of the web outside.
-    OpenPage(&'static str),
+    /// Open a page or a folder in another program.
+    OpenOutside(String),
     /// A command was chosen in the palette.
     Used(Command),
-    /// Export pictures.
-    Export(Box<ExportOrder>),
-    /// Ask in a dialog of the desktop's where an export goes.
-    ChooseExportFile,
+    /// Lay the card of the export over the window.
+    ExportCard,
+    /// Begin the export that was put together on its card.
+    Export,
     /// Say in the status bar what was just done, or nothing any more.
     Status(Option<String>),
     /// Say something on a card, with a command that goes on from there.

@@ -21,7 +21,7 @@ pub struct Features {
     pub(crate) basin: basin::Basin,
     pub(crate) camera_views: camera_views::CameraViewsState,
     pub(crate) demonstration: demonstration::Demonstrating,
-    pub(crate) export: export::ExportState,
+    pub(crate) export: export::Export,
     pub(crate) fit: fit::Fit,
     pub(crate) laboratory: laboratory::Laboratory,
     pub(crate) observability: observability::Observing,

@@ -18,7 +18,6 @@ pub(crate) mod tiles;
 pub(crate) mod toolbar;
 
 use crate::app::dropping::Hovering;
-use crate::features::export::dialog::ExportDialog;
 use crate::style::theme::Theme;
 
 /// The state of what stands around the features.
@@ -39,5 +38,5 @@ pub(crate) enum Overlay {
     Shortcuts(String),
     Messages,
     About,
-    Export(Box<ExportDialog>),
+    Export,
 }

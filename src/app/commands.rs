@@ -6,8 +6,8 @@ use backlit_tracking::track::{FitOptions, posing};
 use super::App;
 use super::state::{DialogKind, Opening};
 use crate::context::command::{
-    BasinCommand, Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
-    PoseCommand, RecoveryCommand, TrackingCommand, ViewCommand, WindowCommand,
+    BasinCommand, Command, ConvergenceCommand, FileCommand, FitCommand, HistoryCommand, PoseCommand,
+    RecoveryCommand, TrackingCommand, ViewCommand, WindowCommand,
 };
 use crate::context::command_button::dragged_until_now;
 use crate::context::pane::Pane;
@@ -16,7 +16,6 @@ use crate::context::{PaneEvent, Requests, unavailable};
 use crate::document::edit::Edit;
 use crate::drawing::{JointId, ViewMode};
 use crate::features::camera_views::zoom;
-use crate::features::export::dialog::Subject;
 use crate::features::observability::ObserveRequest;
 use crate::features::pose::panel::rotation_tree;
 use crate::features::scene::panel as scene;
@@ -59,7 +58,10 @@ impl App {
             Command::File(command) => self.file_command(command, ctx),
             Command::History(command) => self.history_command(command),
             Command::Recovery(RecoveryCommand::UndoDiscard) => self.undo_discard(),
-            Command::Export(command) => self.export_command(command),
+            Command::Export(command) => self.with(
+                |features| &mut features.export,
+                |export, context, requests| export.run(command, context, requests),
+            ),
             Command::Pose(command) => self.pose_command(command, ctx),
             Command::Window(command) => self.window_command(command),
             Command::View(command) => self.view_command(command),
@@ -110,7 +112,7 @@ impl App {
             if self.features.basin.is_running() {
                 self.features.basin.cancel();
             } else {
-                self.stop_export();
+                self.features.export.stop();
             }
         }
         true
@@ -140,17 +142,6 @@ impl App {
         };
         if let Some(what) = what {
             self.state.status = Some(format!("{verb}: {what}."));
-        }
-    }
-
-    fn export_command(&mut self, command: ExportCommand) {
-        match command {
-            ExportCommand::View => self.ask_for_export(Subject::View),
-            ExportCommand::Window => self.ask_for_export(Subject::Window),
-            ExportCommand::Steps => self.ask_for_export(Subject::Steps),
-            ExportCommand::Frames => self.ask_for_export(Subject::Frames),
-            ExportCommand::Stop => self.stop_export(),
-            ExportCommand::ShowExported => self.show_exported(),
         }
     }
 

@@ -9,6 +9,7 @@ impl App {
     /// Every feature takes in what its tasks have done, and asks for what it lacks.
     pub(crate) fn update_features(&mut self) {
         self.with(|features| &mut features.basin, |basin, context, requests| basin.update(context, requests));
+        self.with(|features| &mut features.export, |export, _, requests| export.update(requests));
     }
 
     /// Other settings of the basin.

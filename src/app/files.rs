@@ -8,7 +8,6 @@ use crate::app::open_job::OpenJob;
 use crate::app::save_job::SaveJob;
 use crate::context::command::{Command, FileCommand};
 use crate::features::recovery::{About, Picture};
-use crate::shell::Overlay;
 use crate::take::source::TakeSource;
 use crate::worker::Lane;
 
@@ -80,10 +79,6 @@ impl App {
         let context = self.state.egui.clone();
         let name =
             self.state.session.take.as_ref().map_or_else(|| "project".to_owned(), |take| take.name.clone());
-        let export = match &self.shell.overlay {
-            Some(Overlay::Export(dialog)) => dialog.wanted_name(),
-            _ => (false, String::new()),
-        };
         let thread = std::thread::Builder::new().name("backlit file dialog".to_owned()).spawn(move || {
             let dialog = rfd::FileDialog::new();
             let path = match kind {
@@ -92,8 +87,6 @@ impl App {
                 DialogKind::Project => {
                     dialog.set_title("Open project").add_filter("Backlit", &[PROJECT_EXTENSION]).pick_file()
                 }
-                DialogKind::Export if export.0 => dialog.set_title("Export to folder").pick_folder(),
-                DialogKind::Export => dialog.set_title("Export").set_file_name(&export.1).save_file(),
                 DialogKind::SaveAs => {
                     let name = format!("{name}.{PROJECT_EXTENSION}");
                     dialog.set_title("Save project").set_file_name(name).save_file()
@@ -122,11 +115,6 @@ impl App {
             match kind {
                 DialogKind::Take | DialogKind::Project => self.open_path(&path),
                 DialogKind::FindTake => self.find_take(&path),
-                DialogKind::Export => {
-                    if let Some(Overlay::Export(dialog)) = &mut self.shell.overlay {
-                        dialog.set_path(&path);
-                    }
-                }
                 DialogKind::SaveAs => {
                     let path = if path.extension().is_none() {
                         path.with_extension(PROJECT_EXTENSION)

@@ -1,11 +1,12 @@
 //! Applying what the panels asked for.
 
 use super::App;
-use super::state::{DialogKind, Opening};
+use super::state::Opening;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
 use crate::document::history::Gesture;
 use crate::features::Features;
+use crate::shell::Overlay;
 
 impl App {
     /// Applies edits, then requests, then commands.
@@ -112,14 +113,14 @@ impl App {
                 self.state.egui.copy_text(text);
                 self.state.notices.info(self.state.now, format!("Copied the {what}."), None);
             }
-            Request::OpenPage(address) => self.open_outside(address.to_owned()),
+            Request::OpenOutside(address) => self.open_outside(address),
             Request::Used(command) => self.state.preferences.use_command(command.text()),
-            Request::Export(order) => self.begin_export(*order),
+            Request::ExportCard => self.shell.overlay = Some(Overlay::Export),
+            Request::Export => self.begin_export(),
             Request::Status(text) => self.state.status = text,
             Request::Inform(text, next) => self.state.notices.info(self.state.now, text, next),
             Request::Complain(text, None) => self.state.notices.error(text),
             Request::Complain(text, Some(helps)) => self.state.notices.error_with(text, helps),
-            Request::ChooseExportFile => self.ask_for_file(DialogKind::Export),
         }
     }
 }

@@ -31,10 +31,10 @@ impl App {
                 fitting: self.worker.is_busy(Lane::Fit),
                 tracking: self.worker.is_busy(Lane::Track),
                 basin: self.features.basin.is_running(),
-                exporting: self.export_progress(),
+                exporting: self.features.export.progress(),
             },
             project: self.state.project.as_deref(),
-            has_exported: self.features.export.exported_to.is_some(),
+            has_exported: self.features.export.has_exported(),
             has_discarded: self.has_discarded(),
             lacks_take: self.files.lost_take.is_some(),
             time: &self.features.timeline,
@@ -133,7 +133,12 @@ impl App {
             Overlay::Shortcuts(search) => shortcuts::ui(ui, search),
             Overlay::Messages => messages::messages(ui, &self.state.notices, self.state.now, requests),
             Overlay::About => about::about(ui, requests),
-            Overlay::Export(dialog) => dialog.ui(ui, &self.context(), requests),
+            Overlay::Export => {
+                let mut export = std::mem::take(&mut self.features.export);
+                let stays = export.card(ui, &self.context(), requests);
+                self.features.export = export;
+                stays
+            }
         };
         if stays {
             self.shell.overlay = Some(overlay);

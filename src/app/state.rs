@@ -72,7 +72,6 @@ pub(crate) enum DialogKind {
     FindTake,
     Project,
     SaveAs,
-    Export,
     Curves,
     Plot,
     LaboratoryPlot,
@@ -256,7 +255,6 @@ impl App {
             && self.state.pool.is_idle()
             && !(self.state.session.is_stale && self.may_ask(Lane::Predict))
             && self.features.demonstration.prepared.is_none()
-            && self.features.export.exporting.is_none()
             && !is_waiting
     }
 

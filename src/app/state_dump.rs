@@ -256,6 +256,6 @@ fn overlay_name(overlay: &Overlay) -> &'static str {
         Overlay::Shortcuts(_) => "keys",
         Overlay::Messages => "messages",
         Overlay::About => "about",
-        Overlay::Export(_) => "export",
+        Overlay::Export => "export",
     }
 }

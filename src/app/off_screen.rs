@@ -17,47 +17,16 @@ use crate::document::history::History;
 use crate::features::basin::Basin;
 use crate::features::camera_views::{PictureAlone, TileLook};
 use crate::features::export::choices::MAX_SIDE;
+use crate::features::export::{ExportJob, ExportOrder, Painter, PictureOf, Shot};
 use crate::features::laboratory::Laboratory;
 use crate::session::Session;
-use crate::session::selection::{Selection, StepRef};
+use crate::session::selection::Selection;
 use crate::widgets::{Framing, image_canvas};
 
 /// How long a picture is waited for.
 const PATIENCE: Duration = Duration::from_secs(300);
 /// From this many pixels for a pixel of the footage on, marks grow with the picture.
 const MARKS_GROW_FROM: f32 = 2.0;
-
-/// What is painted, and how large.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum PictureOf {
-    /// The window, of its own size in points.
-    Window {
-        /// Points.
-        size: Vec2,
-        /// Pixels for a point.
-        scale: f32,
-    },
-    /// A camera's picture.
-    View {
-        /// Which camera, and with what.
-        picture: PictureAlone,
-        /// Pixels for a pixel of the footage.
-        scale: f32,
-        /// The whole frame, not what is framed in the tile.
-        whole_frame: bool,
-    },
-}
-
-/// What is to be seen in a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Shot {
-    /// What is selected.
-    AsShown,
-    /// A step of a run.
-    Step(StepRef),
-    /// A frame with its pose.
-    Frame(usize),
-}
 
 /// All of an inspector that its twin needs. It can be sent to another thread.
 #[derive(Debug)]
@@ -77,6 +46,22 @@ pub(crate) struct Snapshot {
 }
 
 impl App {
+    /// Begins the export that was put together on its card.
+    pub(crate) fn begin_export(&mut self) {
+        let Some(order) = self.features.export.take_order() else { return };
+        match self.export_job(&order) {
+            Ok(job) => self.features.export.begin(job, order, &self.state.pool),
+            Err(error) => self.state.notices.error(format!("Nothing was exported: {error}.")),
+        }
+    }
+
+    /// What an order asks for.
+    pub(crate) fn export_job(&self, order: &ExportOrder) -> anyhow::Result<ExportJob> {
+        let context = self.context();
+        let painter = Twin::new(self.snapshot(), order.picture(&context))?;
+        Ok(ExportJob::new(order, &context, Box::new(painter)))
+    }
+
     /// What a twin needs to show the same.
     pub(crate) fn snapshot(&self) -> Snapshot {
         // Textures are the first window's: its twin makes its own.
@@ -115,8 +100,8 @@ impl Twin {
         };
         let (size, pixels_per_point) = match what {
             PictureOf::Window { size, scale } => (size, scale),
-            PictureOf::View { picture, scale, .. } => {
-                let size = footage_size(picture.camera).unwrap_or(Vec2::splat(1.0));
+            PictureOf::View { camera, scale, .. } => {
+                let size = footage_size(camera).unwrap_or(Vec2::splat(1.0));
                 let pixels_per_point = (scale / MARKS_GROW_FROM).max(1.0);
                 (size * scale / pixels_per_point, pixels_per_point)
             }
@@ -136,8 +121,8 @@ impl Twin {
         app.features.laboratory = snapshot.laboratory;
         app.features.demonstration.explanation = snapshot.explanation;
         let mut twin = Self { window, app, frame_seconds: snapshot.frame_seconds };
-        if let PictureOf::View { picture, whole_frame, .. } = what {
-            twin.show_alone(picture, whole_frame);
+        if let PictureOf::View { camera, marks, legend, whole_frame, .. } = what {
+            twin.show_alone(PictureAlone { camera, marks, legend }, whole_frame);
         }
         Ok(twin)
     }
@@ -154,8 +139,14 @@ impl Twin {
         self.window.resize(self.window.size() + vec2(0.0, strip));
     }
 
-    /// The picture of a shot.
-    pub(crate) fn paint(&mut self, shot: Shot, cancel: &CancelToken) -> RgbImage {
+    /// Runs frames until nothing is being worked on any more.
+    fn settle(&mut self, cancel: &CancelToken) {
+        rest(&mut self.window, &mut self.app, PATIENCE, cancel);
+    }
+}
+
+impl Painter for Twin {
+    fn paint(&mut self, shot: Shot, cancel: &CancelToken) -> RgbImage {
         match shot {
             Shot::AsShown => {}
             Shot::Step(step) => {
@@ -173,10 +164,5 @@ impl Twin {
             app.frame(ui);
         });
         DynamicImage::ImageRgba8(picture).into_rgb8()
-    }
-
-    /// Runs frames until nothing is being worked on any more.
-    fn settle(&mut self, cancel: &CancelToken) {
-        rest(&mut self.window, &mut self.app, PATIENCE, cancel);
     }
 }
