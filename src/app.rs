@@ -32,7 +32,6 @@
 //! | `zoom` | zoom by the keyboard |
 //! | `headless` | the window's picture without a display |
 
-pub(crate) mod background;
 pub(crate) mod calibrate_job;
 pub(crate) mod commands;
 pub mod dropped;
@@ -42,7 +41,6 @@ pub(crate) mod failure;
 pub(crate) mod features;
 pub(crate) mod files;
 pub(crate) mod headless;
-pub(crate) mod load_job;
 pub(crate) mod off_screen;
 pub(crate) mod open_job;
 pub(crate) mod open_with_system;
@@ -52,7 +50,6 @@ pub(crate) mod save_job;
 pub(crate) mod screen;
 pub mod settings;
 pub mod settings_file;
-pub(crate) mod settings_job;
 pub(crate) mod settings_writer;
 pub(crate) mod state;
 pub(crate) mod state_dump;
@@ -60,8 +57,9 @@ pub(crate) mod survey_job;
 pub(crate) mod take_in_job;
 #[cfg(test)]
 pub(crate) mod testing;
+pub(crate) mod unavailable;
 pub mod window;
-pub(crate) mod write_job;
+pub(crate) mod writes;
 
 pub(crate) use crate::features::timeline::playing::TimeAxis;
 pub(crate) use crate::features::tracking::keys_around;
@@ -78,8 +76,12 @@ impl App {
         // Whoever made the app may show it in another window's context.
         self.state.egui.clone_from(ui.ctx());
         self.apply_theme(ui);
+        self.take_in_files();
+        self.take_in_dropped();
+        self.take_in_settings();
+        self.take_in_written();
+        self.take_in_refreshed();
         self.hear_worker();
-        self.hear_background();
         self.update_features();
         self.take_in_tracked();
         self.hear_dialogs();
@@ -90,7 +92,7 @@ impl App {
         self.play(ui.ctx());
         self.autosave();
         self.guard_close(ui.ctx());
-        self.request_jobs();
+        self.refresh();
         self.observe(ui.ctx());
         self.go_on_demonstrating();
         self.follow_tour();

@@ -9,11 +9,11 @@ pub mod notices;
 pub mod pane;
 pub(crate) mod pane_title;
 pub mod preferences;
-mod unavailable;
+pub(crate) mod unavailable;
 pub mod view_settings;
 pub mod write_advice;
 
-pub use unavailable::unavailable;
+pub use unavailable::{Unavailable, unavailable};
 
 use std::path::{Path, PathBuf};
 
@@ -72,6 +72,8 @@ pub struct Context<'a> {
     pub doing: Option<&'a str>,
     /// What the open demonstration shows, until that is closed.
     pub explanation: Option<&'a str>,
+    /// What cannot be used in this frame.
+    pub unavailable: &'a Unavailable,
     /// Whether a change of the layout can be taken back.
     pub can_restore_layout: bool,
     /// The laboratory.

@@ -13,6 +13,7 @@ use std::time::Instant;
 use backlit_tracking::body::Pose;
 use backlit_tracking::track::{FitOptions, Hypothesis};
 
+pub(crate) use frames::load_frame;
 pub use frames::{FrameCache, FrameData};
 
 use crate::document::Document;
@@ -61,14 +62,10 @@ pub struct Session {
     pub hulls: HullCache,
     /// The picture of the 3-D scene. While a newer one is drawn, the old stays.
     pub scene_drawing: Option<Arc<SceneDrawing>>,
-    /// The frame that is being loaded.
-    pub loading: Option<usize>,
     /// The frame that was shown last: it stays until the next one is there.
     pub last_frame: Option<Arc<FrameData>>,
     /// Changes with the pictures on the screen.
     pub generation: u64,
-    /// The prediction that was asked for last.
-    pub wanted: Option<(FitInputs, Pose)>,
     /// Where the subject is over the whole take, by camera.
     pub subject: Vec<Option<Extent>>,
     /// What the tracker is doing.
@@ -240,8 +237,6 @@ impl Session {
             live_scene: None,
             live_prediction: None,
             is_stepping: false,
-            loading: None,
-            wanted: None,
             tracking: None,
             fitting_body: false,
             ..self.clone()
@@ -251,6 +246,12 @@ impl Session {
     /// Forgets what was made of another take.
     pub fn reset(&mut self, take: Option<Arc<Footage>>) {
         *self = Self { take, ..Self::default() };
+    }
+
+    /// Takes in a frame that was read.
+    pub(crate) fn keep_frame(&mut self, frame: Arc<FrameData>) {
+        self.frames.insert(frame);
+        self.generation += 1;
     }
 
     /// Forgets silhouettes and what follows from them: the measurement's settings have changed.

@@ -31,30 +31,12 @@ use crate::take::footage::Footage;
 /// What the jobs say.
 #[derive(Debug)]
 pub enum Event {
-    /// A take was opened, and the project that named it, if it was one.
-    TakeOpened {
-        /// The take.
-        footage: Arc<Footage>,
-        /// The project and its file.
-        project: Option<OpenedProject>,
-    },
-    /// The take of a project is not where it was.
-    TakeMissing {
-        /// The project.
-        project: PathBuf,
-        /// What is missing.
-        why: String,
-    },
-    /// A frame was read and segmented.
-    FrameLoaded(Arc<FrameData>),
-    /// Where the subject is over the whole take, by camera.
-    Surveyed(Vec<Option<Extent>>),
-    /// What a pose predicts.
-    Predicted(Arc<Predicted>),
     /// The visual hull of a frame, if its silhouettes leave one.
     HullCarved(Arc<FrameData>, Option<Arc<VisualHull>>),
     /// The 3-D scene as it was ordered.
     SceneDrawn(Arc<SceneDrawing>),
+    /// A frame was read and segmented.
+    FrameLoaded(Arc<FrameData>),
     /// What the cameras see of a pose, and what they do not.
     Observed(Arc<Observed>),
     /// A step of the fit; the first is the start.
@@ -78,24 +60,6 @@ pub enum Event {
     PosesFound(usize, Vec<Hypothesis>),
     /// The body's own sizes were found.
     BodyFitted(Box<BodyFit>),
-    /// A project was written.
-    Saved {
-        /// The file.
-        path: PathBuf,
-        /// The document's revision.
-        revision: u64,
-    },
-    /// A project was not written; why, and what can be done.
-    NotSaved(String),
-    /// The footage is seen by other cameras.
-    Recalibrated(Arc<Footage>),
-    /// Dropped files were read.
-    TakenIn {
-        /// The change of the document.
-        edit: Box<Edit>,
-        /// What is said of it.
-        said: String,
-    },
     /// The laboratory's news.
     Laboratory(Box<LaboratoryEvent>),
     /// The copy of unsaved work was written.
@@ -103,19 +67,8 @@ pub enum Event {
         /// The document's revision.
         revision: u64,
     },
-    /// The settings were written, or why they were not.
-    SettingsWritten(Result<(), String>),
     /// The copy of unsaved work was not written; why.
     CopyFailed(String),
-    /// Something did not work; what it was.
-    Failed(String),
-}
-
-/// What the jobs of the second worker say: of experiments and of files.
-#[derive(Debug)]
-pub enum BackgroundEvent {
-    /// A file was written.
-    Written(PathBuf),
     /// Something did not work; what it was.
     Failed(String),
 }

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use crate::jobs::{Job, Outbox, Step};
 use crate::take::footage::Footage;
 use crate::take::replacement::Calibration;
-use crate::worker::{Event, Job, Outbox, Step};
 
 /// Footage that is to be seen by other cameras.
 #[derive(Debug)]
@@ -15,9 +15,9 @@ pub struct CalibrateJob {
     pub calibration: Option<Arc<Calibration>>,
 }
 
-impl Job<Event> for CalibrateJob {
-    fn step(&mut self, out: &Outbox<Event>) -> Step {
-        out.send(Event::Recalibrated(Arc::new(self.footage.with_calibration(self.calibration.take()))));
+impl Job<Arc<Footage>> for CalibrateJob {
+    fn step(&mut self, out: &Outbox<Arc<Footage>>) -> Step {
+        out.send(Arc::new(self.footage.with_calibration(self.calibration.take())));
         Step::Done
     }
 }

@@ -12,7 +12,7 @@ use crate::context::command::{
 use crate::context::command_button::dragged_until_now;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
-use crate::context::{PaneEvent, Requests, unavailable};
+use crate::context::{PaneEvent, Requests};
 use crate::document::edit::Edit;
 use crate::drawing::{JointId, ViewMode};
 use crate::features::camera_views::zoom;
@@ -51,7 +51,7 @@ impl App {
         if command == Command::Fit(FitCommand::Stop) && is_free && (self.put_back(ctx) || self.let_go()) {
             return;
         }
-        if unavailable(command, &self.context()).is_some() || self.laboratory_takes(command) {
+        if self.unavailable(command).is_some() || self.laboratory_takes(command) {
             return;
         }
         match command {

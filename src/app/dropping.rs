@@ -7,8 +7,8 @@ use crate::app::dropped::Dropped;
 use crate::app::take_in_job::TakeInJob;
 use crate::context::command::{Command, HistoryCommand};
 use crate::document::edit::Edit;
+use crate::jobs::{News, once};
 use crate::shell::drop_overlay;
-use crate::worker::Lane;
 
 /// The files over the window, and what they are.
 #[derive(Debug)]
@@ -49,13 +49,26 @@ impl App {
                     return self.state.notices.error(format!("{name}: open a take first."));
                 };
                 let (model, frame) = (self.document().model.clone(), self.state.selection.frame);
-                self.worker.request(Lane::TakeIn, TakeInJob { dropped, footage, model, frame });
+                let job = TakeInJob { dropped, footage, model, frame };
+                self.files.take_in.begin(&self.state.pool, (), |()| once(move |_| job.read()));
+            }
+        }
+    }
+
+    /// Takes in what was read of dropped files.
+    pub(crate) fn take_in_dropped(&mut self) {
+        for news in self.files.take_in.poll() {
+            match news {
+                News::Output(Ok((edit, said))) => self.taken_in(edit, said),
+                News::Output(Err(error)) => self.state.notices.error(format!("{error:#}")),
+                News::Ended => {}
+                News::Failed(failure) => self.failed("Reading the dropped files", &failure),
             }
         }
     }
 
     /// What was dropped is read: it becomes a change that can be undone.
-    pub(crate) fn taken_in(&mut self, edit: Edit, said: String) {
+    fn taken_in(&mut self, edit: Edit, said: String) {
         self.interrupt_fit();
         let revision = self.state.history.revision();
         self.edit(edit, None);

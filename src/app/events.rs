@@ -6,6 +6,7 @@ use backlit_tracking::track::Preset;
 
 use super::App;
 use crate::app::open_job::OpenedProject;
+use crate::app::refresh::Refresh;
 use crate::context::command::{Command, FileCommand};
 use crate::document::edit::Edit;
 use crate::document::history::History;
@@ -36,15 +37,8 @@ impl App {
 
     fn hear(&mut self, event: Event) {
         match event {
-            Event::TakeOpened { footage, project } => self.take_opened(&footage, project),
-            Event::TakeMissing { project, why } => self.take_missing(project, &why),
-            Event::FrameLoaded(frame) => {
-                self.state.session.frames.insert(frame);
-                self.state.session.generation += 1;
-            }
+            Event::FrameLoaded(frame) => self.state.session.keep_frame(frame),
             Event::HullCarved(frame, hull) => self.state.session.hulls.insert(frame, hull),
-            Event::Surveyed(extents) => self.state.session.subject = extents,
-            Event::Predicted(predicted) => self.show_prediction(predicted),
             Event::SceneDrawn(drawing) => self.state.session.scene_drawing = Some(drawing),
             Event::Observed(observed) => self.features.observability.hear(observed),
             Event::FitStep(step, predicted) => self.fit_step(*step, predicted),
@@ -54,22 +48,11 @@ impl App {
             Event::TrackRevised(found) => self.track_revised(found),
             Event::TracksJoined { frame, distance_m, meets } => self.tracks_joined(frame, distance_m, meets),
             Event::PosesFound(frame, found) => self.poses_found(frame, found),
-            Event::Saved { path, revision } => self.saved(path, revision),
-            Event::NotSaved(text) => self.state.notices.error_with(text, Command::File(FileCommand::SaveAs)),
             Event::CopySaved { revision } => self.copy_saved(revision),
             Event::CopyFailed(why) => self.copy_failed(&why),
-            Event::SettingsWritten(result) => self.settings_written(result),
-            Event::Recalibrated(footage) => self.recalibrated(footage),
-            Event::TakenIn { edit, said } => self.taken_in(*edit, said),
             Event::Laboratory(event) => self.hear_laboratory(*event),
             Event::Failed(text) => self.state.notices.error(text),
         }
-    }
-
-    fn show_prediction(&mut self, predicted: Arc<Predicted>) {
-        self.state.session.predict_seconds = Some(predicted.seconds);
-        self.state.session.predicted = Some(predicted);
-        self.state.session.generation += 1;
     }
 
     fn fit_step(&mut self, step: RunStep, predicted: Arc<Predicted>) {
@@ -144,21 +127,12 @@ impl App {
         }
     }
 
-    fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<OpenedProject>) {
-        for lane in [
-            Lane::Predict,
-            Lane::Scene,
-            Lane::Load,
-            Lane::Survey,
-            Lane::Fit,
-            Lane::Observe,
-            Lane::Track,
-            Lane::TakeIn,
-            Lane::Calibrate,
-            Lane::Hull,
-        ] {
+    pub(crate) fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<OpenedProject>) {
+        for lane in [Lane::Scene, Lane::Fit, Lane::Observe, Lane::Track, Lane::Hull] {
             self.worker.drop_lane(lane);
         }
+        self.refresh = Refresh::default();
+        self.files.take_in.forget();
         self.forget_broken();
         self.reset_laboratory(footage);
         self.state.session.reset(Some(footage.clone()));

@@ -54,8 +54,6 @@ impl App {
             Lane::Fit => self.fit_broke(),
             Lane::Laboratory | Lane::LaboratoryCheck => self.laboratory_broke(lane),
             Lane::Track => self.tracking_ended(),
-            // Without its frame a demonstration cannot go on.
-            Lane::Load | Lane::Open => self.features.demonstration.prepared = None,
             Lane::Save => self.features.recovery.copy_broke(),
             _ => {}
         }
@@ -74,20 +72,13 @@ impl App {
 /// What a lane does, at the beginning of a sentence.
 const fn work_of(lane: Lane) -> &'static str {
     match lane {
-        Lane::Predict => "Drawing the silhouettes of the pose",
         Lane::LaboratoryLook => "Drawing the laboratory's pictures",
-        Lane::Open => "Opening the take",
-        Lane::TakeIn => "Reading the dropped files",
-        Lane::Calibrate => "Seeing the footage by other cameras",
-        Lane::Load => "Reading the frame",
         Lane::Scene => "Drawing the 3-D scene",
-        Lane::Settings => "Keeping the settings",
         Lane::Save => "Writing a file",
         Lane::Fit => "The fit",
         Lane::Laboratory => "The laboratory",
         Lane::LaboratoryPlot => "Saving the laboratory's plot",
         Lane::Observe => "The look at what the cameras see",
-        Lane::Survey => "The look at the whole take",
         Lane::Track => "The tracker",
         Lane::Hull => "Carving the visual hull",
         Lane::LaboratoryCheck => "The check of the laboratory's gradients",
@@ -103,21 +94,14 @@ mod tests {
     use crate::context::notices::Severity;
     use crate::document::edit::Edit;
 
-    const ALL: [Lane; 17] = [
+    const ALL: [Lane; 10] = [
         Lane::Scene,
-        Lane::Settings,
-        Lane::Predict,
         Lane::LaboratoryLook,
-        Lane::Open,
-        Lane::TakeIn,
-        Lane::Calibrate,
-        Lane::Load,
         Lane::Save,
         Lane::Fit,
         Lane::Laboratory,
         Lane::LaboratoryPlot,
         Lane::Observe,
-        Lane::Survey,
         Lane::Track,
         Lane::Hull,
         Lane::LaboratoryCheck,
@@ -143,20 +127,6 @@ mod tests {
                 assert!(!context.busy.is_long() && !context.busy.basin, "{lane:?}");
             }
         }
-    }
-
-    #[test]
-    fn what_begins_by_itself_is_tried_again_after_a_change_and_not_before() {
-        let (mut window, mut app) = open(Layout::Pose);
-        app.worker.request(Lane::Predict, Breaks);
-        settle(&mut window, &mut app);
-        assert!(!app.may_ask(Lane::Predict) && app.may_ask(Lane::Load));
-        let mut pose = app.shown_pose().clone();
-        pose.root.x += 0.01;
-        app.edit(Edit::SetPose { frame: 0, pose, what: "Move".to_owned() }, None);
-        assert!(app.may_ask(Lane::Predict));
-        settle(&mut window, &mut app);
-        assert!(!app.state.session.is_stale, "it is drawn now");
     }
 
     #[test]

@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 
 use super::App;
 use super::state::{DialogKind, Opening};
-use crate::app::open_job::OpenJob;
+use crate::app::open_job::{OpenJob, Opened};
 use crate::app::save_job::SaveJob;
 use crate::context::command::{Command, FileCommand};
+use crate::context::write_advice::remedy;
+use crate::document::project::write_project;
 use crate::features::recovery::{About, Picture};
+use crate::jobs::{News, once};
 use crate::take::source::TakeSource;
-use crate::worker::Lane;
 
 /// Ending of project files.
 const PROJECT_EXTENSION: &str = "backlit";
@@ -26,11 +28,11 @@ impl App {
             Opening::Project(path) => OpenJob::Project(path),
             Opening::Moved { project, take } => OpenJob::Moved { project, take },
         };
-        self.worker.request(Lane::Open, job);
+        self.files.open.begin(&self.state.pool, (), |()| once(move |_| job.open()));
     }
 
     /// Says that a project's take is not where it was, and offers to look for it.
-    pub(crate) fn take_missing(&mut self, project: PathBuf, why: &str) {
+    fn take_missing(&mut self, project: PathBuf, why: &str) {
         let said = format!("{why}. If it has moved, say where it is now.");
         self.state.notices.error_with(said, Command::File(FileCommand::FindTake));
         self.files.lost_take = Some(project);
@@ -50,7 +52,11 @@ impl App {
 
     /// Writes the project to a file.
     pub fn save_to(&mut self, path: &Path) {
-        self.worker.request(Lane::Save, self.save_job(path.to_owned(), None));
+        let (document, revision) = (self.document().clone(), self.state.history.revision());
+        let file = path.to_owned();
+        self.files.save.begin(&self.state.pool, file.clone(), |_| {
+            once(move |_| write_project(&file, &document).map(|()| revision))
+        });
     }
 
     pub(crate) fn save_project(&mut self) {
@@ -60,12 +66,43 @@ impl App {
         }
     }
 
-    /// Writes the document to a file, or to the copy of unsaved work.
-    pub(crate) fn save_job(&self, path: PathBuf, beside: Option<(About, Option<Picture>)>) -> SaveJob {
+    /// Writes the document to the copy of unsaved work.
+    pub(crate) fn save_job(&self, path: PathBuf, beside: (About, Option<Picture>)) -> SaveJob {
         SaveJob { document: self.document().clone(), revision: self.state.history.revision(), path, beside }
     }
 
-    pub(crate) fn saved(&mut self, path: PathBuf, revision: u64) {
+    /// Takes in what was opened and saved.
+    pub(crate) fn take_in_files(&mut self) {
+        for news in self.files.open.poll() {
+            match news {
+                News::Output(Opened::Take(footage, project)) => self.take_opened(&footage, project),
+                News::Output(Opened::TakeMissing { project, why }) => self.take_missing(project, &why),
+                News::Output(Opened::Nothing(why)) => self.state.notices.error(why),
+                News::Ended => {}
+                News::Failed(failure) => {
+                    self.features.demonstration.prepared = None;
+                    self.failed("Opening the take", &failure);
+                }
+            }
+        }
+        for news in self.files.save.poll() {
+            let path = self.files.save.inputs().cloned().unwrap_or_default();
+            match news {
+                News::Output(Ok(revision)) => self.saved(path, revision),
+                News::Output(Err(error)) => {
+                    let said = format!(
+                        "Not saved: {error}. Your work is still here, and the file is as it was. {}",
+                        remedy(&error)
+                    );
+                    self.state.notices.error_with(said, Command::File(FileCommand::SaveAs));
+                }
+                News::Ended => {}
+                News::Failed(failure) => self.failed("Writing a file", &failure),
+            }
+        }
+    }
+
+    fn saved(&mut self, path: PathBuf, revision: u64) {
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         self.state.notices.info(self.state.now, format!("Saved to {name}."), None);
         self.state.history.mark_saved(revision);

@@ -11,7 +11,6 @@ use crate::document::project::read_project;
 use crate::document::take_match::match_take;
 use crate::take::footage::Footage;
 use crate::take::source::TakeSource;
-use crate::worker::{Event, Job, Outbox, Step};
 
 /// What is to be opened.
 #[derive(Debug)]
@@ -61,21 +60,35 @@ impl<E: Into<anyhow::Error>> From<E> for Failure {
     }
 }
 
-impl Job<Event> for OpenJob {
-    fn step(&mut self, out: &Outbox<Event>) -> Step {
-        out.send(match self.open() {
-            Ok((footage, project)) => Event::TakeOpened { footage: Arc::new(footage), project },
-            Err(Failure::TakeMissing { project, error }) => {
-                Event::TakeMissing { project, why: format!("{error:#}") }
-            }
-            Err(Failure::Other(error)) => Event::Failed(format!("{error:#}")),
-        });
-        Step::Done
-    }
+/// What came of opening something.
+#[derive(Debug)]
+pub(crate) enum Opened {
+    /// A take, and the project that named it, if it was one.
+    Take(Arc<Footage>, Option<OpenedProject>),
+    /// The take of a project is not where it was.
+    TakeMissing {
+        /// The project.
+        project: PathBuf,
+        /// What is missing.
+        why: String,
+    },
+    /// Nothing; why not.
+    Nothing(String),
 }
 
 impl OpenJob {
-    fn open(&self) -> Result<(Footage, Option<OpenedProject>), Failure> {
+    /// Opens it.
+    pub(crate) fn open(&self) -> Opened {
+        match self.footage() {
+            Ok((footage, project)) => Opened::Take(Arc::new(footage), project),
+            Err(Failure::TakeMissing { project, error }) => {
+                Opened::TakeMissing { project, why: format!("{error:#}") }
+            }
+            Err(Failure::Other(error)) => Opened::Nothing(format!("{error:#}")),
+        }
+    }
+
+    fn footage(&self) -> Result<(Footage, Option<OpenedProject>), Failure> {
         match self {
             Self::Take(source) => Ok((open_take(source)?, None)),
             Self::Ready(take) => Ok((Footage::new((**take).clone(), None), None)),

@@ -1,49 +1,146 @@
-//! What the screen lacks is asked of the worker.
+//! What the screen lacks is made: the frame, its prediction, footage for other cameras, a look at the whole take.
 
 use std::sync::Arc;
 
+use backlit_tracking::segment::SegmentOptions;
+
 use super::App;
-use crate::app::calibrate_job::CalibrateJob;
-use crate::app::load_job::LoadJob;
-use crate::app::survey_job::SurveyJob;
-use crate::session::prediction::PredictJob;
-use crate::take::footage::Footage;
-use crate::worker::Lane;
+use super::calibrate_job::CalibrateJob;
+use super::survey_job::SurveyJob;
+use crate::jobs::{Failure, News, Priority, Task, once};
+use crate::session::prediction::{PosedInputs, Predicted};
+use crate::session::{Extent, FrameData, load_frame};
+use crate::take::footage::{Footage, MadeWith};
+use crate::take::replacement::Calibration;
+
+/// The tasks whose results the session holds.
+#[derive(Debug)]
+pub(crate) struct Refresh {
+    frame: Task<(usize, MadeWith), Arc<FrameData>>,
+    prediction: Task<PosedInputs, Arc<Predicted>>,
+    survey: Task<Arc<Vec<SegmentOptions>>, Vec<Option<Extent>>>,
+    calibration: Task<Option<Arc<Calibration>>, Arc<Footage>>,
+}
+
+impl Default for Refresh {
+    fn default() -> Self {
+        Self {
+            frame: Task::new(Priority::FRAME),
+            prediction: Task::new(Priority::PREDICTION),
+            survey: Task::new(Priority::SURVEY),
+            calibration: Task::new(Priority::CALIBRATION),
+        }
+    }
+}
+
+impl Refresh {
+    /// Whether a frame is being read.
+    pub(crate) fn is_reading(&self) -> bool {
+        self.frame.is_busy()
+    }
+
+    /// Whether a prediction is being made.
+    pub(crate) fn is_predicting(&self) -> bool {
+        self.prediction.is_busy()
+    }
+
+    /// Whether the take is looked at as a whole.
+    pub(crate) fn is_surveying(&self) -> bool {
+        self.survey.is_busy()
+    }
+
+    /// Whether the frame that was read last could not be.
+    pub(crate) fn has_failed_to_read(&self) -> bool {
+        self.frame.failure().is_some()
+    }
+
+    /// Whether the prediction that was asked for last could not be made.
+    pub(crate) fn has_failed_to_predict(&self) -> bool {
+        self.prediction.failure().is_some()
+    }
+}
 
 impl App {
+    /// Takes in what was made for the screen.
+    pub(crate) fn take_in_refreshed(&mut self) {
+        for news in self.refresh.frame.poll() {
+            match news {
+                News::Output(frame) => self.state.session.keep_frame(frame),
+                News::Ended => {}
+                News::Failed(failure) => {
+                    // Without its frame a demonstration cannot go on.
+                    self.features.demonstration.prepared = None;
+                    self.failed("Reading the frame", &failure);
+                }
+            }
+        }
+        for news in self.refresh.prediction.poll() {
+            match news {
+                News::Output(predicted) => {
+                    self.state.session.predict_seconds = Some(predicted.seconds);
+                    self.state.session.predicted = Some(predicted);
+                    self.state.session.generation += 1;
+                }
+                News::Ended => {}
+                News::Failed(failure) => self.failed("Drawing the silhouettes of the pose", &failure),
+            }
+        }
+        for news in self.refresh.survey.poll() {
+            match news {
+                News::Output(extents) => self.state.session.subject = extents,
+                News::Ended => {}
+                News::Failed(failure) => self.failed("The look at the whole take", &failure),
+            }
+        }
+        for news in self.refresh.calibration.poll() {
+            match news {
+                News::Output(footage) => self.recalibrated(footage),
+                News::Ended => {}
+                News::Failed(failure) => self.failed("Seeing the footage by other cameras", &failure),
+            }
+        }
+    }
+
+    /// Says that a job broke down, and what it was doing, as the beginning of a sentence.
+    pub(crate) fn failed(&mut self, doing: &str, failure: &Failure) {
+        self.state.notices.error(format!("{doing} broke down: {failure}. Your work is unharmed."));
+    }
+
     /// Asks for the frame and for the prediction on the screen, where they are missing or old.
-    pub(crate) fn request_jobs(&mut self) {
-        self.state.session.is_stepping = self.worker.is_busy(Lane::Fit);
+    pub(crate) fn refresh(&mut self) {
         self.follow_replacements();
         let Some(take) = self.state.session.take.clone() else { return };
         let frame = self.state.selection.frame;
-        let measurement = self.document().measurement.clone();
-        let is_missing = self.state.session.frames.get(frame).is_none();
-        if let Some(shown) = self.state.session.frames.get(frame) {
-            self.state.session.last_frame = Some(shown.clone());
+        let shown = self.state.session.frames.get(frame).cloned();
+        let is_missing = shown.is_none();
+        if is_missing {
+            self.read_frame(&take, frame);
+        } else {
+            self.state.session.last_frame = shown;
+            if !self.refresh.frame.is_busy()
+                && !self.refresh.has_failed_to_read()
+                && let Some(ahead) = self.frame_to_read_ahead()
+            {
+                self.read_frame(&take, ahead);
+            }
+            if self.state.session.subject.is_empty() {
+                let measurement = self.document().measurement.clone();
+                let pool = &self.state.pool;
+                self.refresh
+                    .survey
+                    .ask(pool, measurement, |measurement| SurveyJob::new(take, measurement.clone()));
+            }
         }
-        let may_load = self.may_ask(Lane::Load);
-        if is_missing
-            && may_load
-            && !(self.worker.is_busy(Lane::Load) && self.state.session.loading == Some(frame))
-        {
-            self.state.session.loading = Some(frame);
-            self.worker.request(Lane::Load, LoadJob::new(take.clone(), measurement.clone(), frame));
-        }
-        if !is_missing
-            && may_load
-            && !self.worker.is_busy(Lane::Load)
-            && let Some(ahead) = self.frame_to_read_ahead()
-        {
-            self.state.session.loading = Some(ahead);
-            self.worker.request(Lane::Load, LoadJob::new(take.clone(), measurement.clone(), ahead));
-        }
-        let may_survey = !is_missing && self.may_ask(Lane::Survey) && !self.worker.is_busy(Lane::Survey);
-        if self.state.session.subject.is_empty() && may_survey {
-            self.worker.request(Lane::Survey, SurveyJob::new(take, measurement));
-        }
-        self.request_prediction();
+        self.refresh_prediction();
         self.request_hull();
+    }
+
+    fn read_frame(&mut self, take: &Arc<Footage>, frame: usize) {
+        let measurement = self.document().measurement.clone();
+        let inputs = (frame, take.made_with(&measurement, frame));
+        let take = take.clone();
+        let read = |_: &_| once(move |_| Arc::new(load_frame(&take, &measurement, frame)));
+        self.refresh.frame.need(&self.state.pool, inputs, read);
     }
 
     /// The footage follows the document's calibration and silhouettes, also where they are undone. Frames that were made
@@ -52,9 +149,10 @@ impl App {
         let Some(take) = self.state.session.take.clone() else { return };
         let (calibration, masks) = (self.document().calibration.clone(), self.document().masks.clone());
         if take.calibration != calibration {
-            if !self.worker.is_busy(Lane::Calibrate) && self.may_ask(Lane::Calibrate) {
-                self.worker.request(Lane::Calibrate, CalibrateJob { footage: take.clone(), calibration });
-            }
+            self.refresh.calibration.need(&self.state.pool, calibration, |calibration| CalibrateJob {
+                footage: take.clone(),
+                calibration: calibration.clone(),
+            });
         } else if take.masks != masks {
             self.state.session.take = Some(Arc::new(take.with_masks(masks)));
         }
@@ -68,33 +166,64 @@ impl App {
     }
 
     /// The cameras are others now.
-    pub(crate) fn recalibrated(&mut self, footage: Arc<Footage>) {
+    fn recalibrated(&mut self, footage: Arc<Footage>) {
         let is_wanted = footage.calibration == self.document().calibration;
         let is_open = self.state.session.take.as_ref().is_some_and(|take| take.source == footage.source);
         if is_wanted && is_open {
             self.interrupt_fit();
             self.state.session.take = Some(footage);
             self.state.session.subject.clear();
+            self.refresh.survey.forget();
             self.state.session.generation += 1;
         }
     }
 
-    fn request_prediction(&mut self) {
-        let Some(scene) = self.scene() else { return };
+    fn refresh_prediction(&mut self) {
+        let Some(inputs) = self.scene() else { return };
         let pose = self.shown_pose().clone();
         let shown = self.state.session.predicted.clone();
-        self.state.session.is_stale = !shown.as_ref().is_some_and(|shown| shown.is_of(&scene, &pose));
-        if !self.state.session.is_stale || !self.may_ask(Lane::Predict) {
-            return;
+        self.state.session.is_stale = !shown.as_ref().is_some_and(|shown| shown.is_of(&inputs, &pose));
+        if self.state.session.is_stale {
+            let posed = PosedInputs { inputs, pose };
+            let predict = |posed: &PosedInputs| {
+                let posed = posed.clone();
+                once(move |_| Arc::new(Predicted::new(&posed.inputs, &posed.pose, shown.as_deref())))
+            };
+            self.refresh.prediction.need(&self.state.pool, posed, predict);
         }
-        let wanted = self.state.session.wanted.as_ref();
-        let is_coming = self.worker.is_busy(Lane::Predict)
-            && wanted.is_some_and(|(other, other_pose)| {
-                *other_pose == pose && other.is(&scene) && other.derivatives == scene.derivatives
-            });
-        if !is_coming {
-            self.state.session.wanted = Some((scene.clone(), pose.clone()));
-            self.worker.request(Lane::Predict, PredictJob { scene, pose, earlier: shown });
-        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::app::testing::{Breaks, errors, open, settle};
+    use crate::context::preferences::Layout;
+    use crate::document::edit::Edit;
+
+    #[test]
+    fn what_begins_by_itself_is_tried_again_after_a_change_and_not_before() {
+        let (mut window, mut app) = open(Layout::Pose);
+        let mut pose = app.shown_pose().clone();
+        pose.root.x += 0.01;
+        app.edit(Edit::SetPose { frame: 0, pose: pose.clone(), what: "Move".to_owned() }, None);
+        let posed = super::PosedInputs { inputs: app.scene().unwrap(), pose: pose.clone() };
+        let pool = app.state.pool.clone();
+        app.refresh.prediction.begin(&pool, posed, |_| Breaks);
+        settle(&mut window, &mut app);
+        assert!(app.refresh.has_failed_to_predict() && app.state.session.is_stale);
+        assert_eq!(errors(&app).len(), 1, "it is said once");
+        pose.root.x += 0.01;
+        app.edit(Edit::SetPose { frame: 0, pose, what: "Move".to_owned() }, None);
+        settle(&mut window, &mut app);
+        assert!(!app.state.session.is_stale, "it is drawn now");
+    }
+
+    #[test]
+    fn a_frame_that_cannot_be_read_is_said_once_and_nothing_waits_for_it() {
+        let (mut window, mut app) = open(Layout::Pose);
+        let pool = app.state.pool.clone();
+        app.refresh.frame.begin(&pool, (0, Default::default()), |_| Breaks);
+        settle(&mut window, &mut app);
+        assert_eq!(errors(&app), ["Reading the frame broke down: thirteen. Your work is unharmed."]);
     }
 }

@@ -4,7 +4,7 @@ use egui::{CentralPanel, Frame, Ui, pos2};
 
 use super::App;
 use crate::context::preferences::Layout;
-use crate::context::{Busy, Context, Request, Requests};
+use crate::context::{Busy, Context, Request, Requests, Unavailable};
 use crate::features::Features;
 use crate::features::demonstration::explanation;
 use crate::features::laboratory::panel as laboratory;
@@ -25,9 +25,9 @@ impl App {
             preferences: &self.state.preferences,
             notices: &self.state.notices,
             busy: Busy {
-                opening: self.worker.is_busy(Lane::Open),
-                loading: self.worker.is_busy(Lane::Load),
-                load_broke: !self.may_ask(Lane::Load),
+                opening: self.files.open.is_busy(),
+                loading: self.refresh.is_reading(),
+                load_broke: self.refresh.has_failed_to_read(),
                 fitting: self.worker.is_busy(Lane::Fit),
                 tracking: self.worker.is_busy(Lane::Track),
                 basin: self.features.basin.is_running(),
@@ -41,6 +41,7 @@ impl App {
             observing: &self.features.observability,
             doing: self.state.status.as_deref(),
             explanation: self.features.demonstration.explanation,
+            unavailable: &self.state.unavailable,
             can_restore_layout: self.shell.docking.before.is_some(),
             laboratory: &self.features.laboratory,
             frame_seconds: self.state.frame_seconds,
@@ -62,6 +63,7 @@ impl App {
             ui.ctx()
                 .request_repaint_after(std::time::Duration::from_secs_f64((next - self.state.now).max(0.0)));
         }
+        self.state.unavailable = Unavailable::find(|command| self.unavailable(command));
         let window = ui.max_rect();
         let mut centre_size = None;
         let busy = self.context().busy;

@@ -2,10 +2,13 @@
 
 use std::path::PathBuf;
 
+use backlit_formats::FileError;
+
 use super::App;
 use crate::app::settings::Settings;
-use crate::app::settings_job::SettingsJob;
-use crate::worker::Lane;
+use crate::app::settings_file;
+use crate::context::write_advice::remedy;
+use crate::jobs::{News, Priority, Task, once};
 
 /// What is in the settings file.
 #[derive(Debug)]
@@ -14,12 +17,13 @@ pub(crate) struct SettingsWriter {
     folder: Option<PathBuf>,
     written: Settings,
     failed: bool,
+    task: Task<(), Result<(), String>>,
 }
 
 impl SettingsWriter {
     /// They are in the file as they are.
     pub(crate) fn new(folder: Option<PathBuf>, settings: &Settings) -> Self {
-        Self { folder, written: settings.clone(), failed: false }
+        Self { folder, written: settings.clone(), failed: false, task: Task::new(Priority::SETTINGS) }
     }
 }
 
@@ -37,12 +41,26 @@ impl App {
         let Some(folder) = self.settings_writer.folder.clone() else { return };
         if self.settings_writer.failed || self.settings_writer.written != settings {
             self.settings_writer.written = settings.clone();
-            self.worker.request(Lane::Settings, SettingsJob { settings, folder });
+            let write = move |_: &_| {
+                let said = |error: FileError| format!("{error}. {}", remedy(&error));
+                settings_file::write(&folder, &settings).map_err(said)
+            };
+            self.settings_writer.task.begin(&self.state.pool, (), |()| once(write));
         }
     }
 
-    /// A failure is said once, until it works again.
-    pub(crate) fn settings_written(&mut self, result: Result<(), String>) {
+    /// Hears whether the settings were written. A failure is said once, until it works again.
+    pub(crate) fn take_in_settings(&mut self) {
+        for news in self.settings_writer.task.poll() {
+            match news {
+                News::Output(result) => self.settings_written(result),
+                News::Ended => {}
+                News::Failed(failure) => self.failed("Keeping the settings", &failure),
+            }
+        }
+    }
+
+    fn settings_written(&mut self, result: Result<(), String>) {
         match result {
             Ok(()) => self.settings_writer.failed = false,
             Err(why) if !std::mem::replace(&mut self.settings_writer.failed, true) => {

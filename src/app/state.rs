@@ -6,23 +6,28 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use backlit_formats::Take;
 use backlit_tracking::body::{Pose, builtin};
 
-use super::background::Background;
 use super::failure::Broken;
+use super::refresh::Refresh;
 use super::settings::Settings;
 use super::settings_writer::SettingsWriter;
+use crate::app::open_job::Opened;
+use crate::app::writes::Writes;
+use crate::context::Unavailable;
 use crate::context::clock::Clock;
 use crate::context::notices::Notices;
 use crate::context::pane::Pane;
 use crate::context::preferences::{Layout, Preferences};
 use crate::document::Document;
+use crate::document::edit::Edit;
 use crate::document::history::{Gesture, History};
+use crate::document::project::ProjectError;
 use crate::features::Features;
 use crate::features::basin::Basin;
 use crate::features::camera_views::TileLook;
 use crate::features::laboratory::Laboratory;
 use crate::features::laboratory::job::LiveLaboratory;
 use crate::features::recovery::unsaved::Unsaved;
-use crate::jobs::Pool;
+use crate::jobs::{Pool, Priority, Task};
 use crate::session::Session;
 use crate::session::prediction::FitInputs;
 use crate::session::selection::Selection;
@@ -88,6 +93,8 @@ pub(crate) struct State {
     pub(crate) session: Session,
     pub(crate) preferences: Preferences,
     pub(crate) notices: Notices,
+    /// What cannot be used in the frame that is shown.
+    pub(crate) unavailable: Unavailable,
     /// The sentence of the status bar about what was just done.
     pub(crate) status: Option<String>,
     /// The project file, if there is one.
@@ -107,6 +114,9 @@ pub(crate) struct Files {
     pub(crate) lost_take: Option<PathBuf>,
     /// What is opened when the unsaved work is left.
     pub(crate) postponed: Option<Opening>,
+    pub(crate) open: Task<(), Opened>,
+    pub(crate) save: Task<PathBuf, Result<u64, ProjectError>>,
+    pub(crate) take_in: Task<(), anyhow::Result<(Edit, String)>>,
     pub(crate) dialog_sender: Sender<DialogAnswer>,
     pub(crate) dialog_answers: Receiver<DialogAnswer>,
 }
@@ -114,7 +124,15 @@ pub(crate) struct Files {
 impl Default for Files {
     fn default() -> Self {
         let (dialog_sender, dialog_answers) = channel();
-        Self { lost_take: None, postponed: None, dialog_sender, dialog_answers }
+        Self {
+            lost_take: None,
+            postponed: None,
+            open: Task::new(Priority::OPEN),
+            save: Task::new(Priority::SAVE),
+            take_in: Task::new(Priority::TAKE_IN),
+            dialog_sender,
+            dialog_answers,
+        }
     }
 }
 
@@ -125,8 +143,9 @@ pub struct App {
     pub(crate) features: Features,
     pub(crate) shell: Shell,
     pub(crate) files: Files,
+    pub(crate) refresh: Refresh,
     pub(crate) worker: Worker<Event>,
-    pub(crate) background: Background,
+    pub(crate) writes: Writes,
     pub(crate) broken: Broken,
     /// What figures were asked for last, whatever came of it.
     pub(crate) asked_to_observe: Option<(FitInputs, Pose)>,
@@ -154,6 +173,7 @@ impl App {
             session: Session::default(),
             preferences: Preferences::default(),
             notices: Notices::default(),
+            unavailable: Unavailable::default(),
             status: None,
             project: None,
             now: 0.0,
@@ -166,8 +186,9 @@ impl App {
             features: Features { recovery: Unsaved::new(options.data_folder), ..Features::default() },
             shell: Shell::default(),
             files: Files::default(),
+            refresh: Refresh::default(),
             worker: Worker::start(wake(&egui))?,
-            background: Background::start(&egui)?,
+            writes: Writes::default(),
             broken: Broken::default(),
             asked_to_observe: None,
             live_laboratory: LiveLaboratory::default(),
@@ -251,9 +272,8 @@ impl App {
         let is_drawn = !self.worker.is_busy(Lane::Scene) || self.features.observability.is_playing();
         self.worker.is_idle_but(Lane::Scene)
             && is_drawn
-            && self.background.is_idle()
             && self.state.pool.is_idle()
-            && !(self.state.session.is_stale && self.may_ask(Lane::Predict))
+            && !(self.state.session.is_stale && !self.refresh.has_failed_to_predict())
             && self.features.demonstration.prepared.is_none()
             && !is_waiting
     }

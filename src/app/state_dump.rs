@@ -169,10 +169,17 @@ impl App {
         })
     }
 
-    fn busy_lanes(&self) -> Vec<String> {
-        let lanes = [Lane::Predict, Lane::Open, Lane::Load, Lane::Save, Lane::Fit, Lane::Survey, Lane::Track];
-        let busy = lanes.into_iter().filter(|lane| self.worker.is_busy(*lane));
-        busy.map(|lane| format!("{lane:?}").to_lowercase()).collect()
+    fn busy_lanes(&self) -> Vec<&'static str> {
+        let lanes = [
+            ("predict", self.refresh.is_predicting()),
+            ("open", self.files.open.is_busy()),
+            ("load", self.refresh.is_reading()),
+            ("save", self.files.save.is_busy() || self.worker.is_busy(Lane::Save)),
+            ("fit", self.worker.is_busy(Lane::Fit)),
+            ("survey", self.refresh.is_surveying()),
+            ("track", self.worker.is_busy(Lane::Track)),
+        ];
+        lanes.into_iter().filter(|lane| lane.1).map(|lane| lane.0).collect()
     }
 
     fn exported_take(&self) -> Value {

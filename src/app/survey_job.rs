@@ -5,9 +5,9 @@ use std::sync::Arc;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::silhouette::{Label, Mask};
 
+use crate::jobs::{Job, Outbox, Step};
 use crate::session::Extent;
 use crate::take::footage::Footage;
-use crate::worker::{Event, Job, Outbox, Step};
 
 /// So many frames are looked at.
 const FRAMES: usize = 6;
@@ -37,8 +37,8 @@ impl SurveyJob {
     }
 }
 
-impl Job<Event> for SurveyJob {
-    fn step(&mut self, out: &Outbox<Event>) -> Step {
+impl Job<Vec<Option<Extent>>> for SurveyJob {
+    fn step(&mut self, out: &Outbox<Vec<Option<Extent>>>) -> Step {
         if out.cancel().is_cancelled() {
             return Step::Done;
         }
@@ -52,7 +52,7 @@ impl Job<Event> for SurveyJob {
             };
             return Step::Again;
         }
-        out.send(Event::Surveyed(std::mem::take(&mut self.extents)));
+        out.send(std::mem::take(&mut self.extents));
         Step::Done
     }
 }

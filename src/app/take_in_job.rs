@@ -11,7 +11,6 @@ use crate::app::dropped::Dropped;
 use crate::document::edit::Edit;
 use crate::take::footage::Footage;
 use crate::take::replacement::{masks_of, read_calibration};
-use crate::worker::{Event, Job, Outbox, Step};
 
 /// Files that were dropped, and what they are for.
 #[derive(Debug)]
@@ -26,19 +25,9 @@ pub struct TakeInJob {
     pub frame: usize,
 }
 
-impl Job<Event> for TakeInJob {
-    fn step(&mut self, out: &Outbox<Event>) -> Step {
-        out.send(match self.read() {
-            Ok((edit, said)) => Event::TakenIn { edit: Box::new(edit), said },
-            Err(error) => Event::Failed(format!("{error:#}")),
-        });
-        Step::Done
-    }
-}
-
 impl TakeInJob {
     /// The change of the document, and what is said of it.
-    fn read(&self) -> anyhow::Result<(Edit, String)> {
+    pub(crate) fn read(&self) -> anyhow::Result<(Edit, String)> {
         let name = |path: &PathBuf| {
             path.file_name()
                 .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())

@@ -1,10 +1,13 @@
 //! Why a command cannot be used now.
+//!
+//! Each feature says it of its commands. The app asks them once a frame, before anything is shown, so that whoever shows a
+//! command need not know who does it.
 
 use super::Context;
 use super::command::{
     BasinCommand, Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
-    LaboratoryCommand, ObservabilityCommand, PoseCommand, RecoveryCommand, TimelineCommand, TrackingCommand,
-    ViewCommand, WindowCommand,
+    ObservabilityCommand, PoseCommand, RecoveryCommand, TimelineCommand, TrackingCommand, ViewCommand,
+    WindowCommand,
 };
 use super::preferences::Layout;
 use crate::app::keys_around;
@@ -13,14 +16,25 @@ use crate::session::selection::StepRef;
 /// A sentence without its full stop; `None` if nothing stands in the way.
 type Why = Option<&'static str>;
 
-/// Why a command cannot be used now, in a sentence without its full stop; `None` if it can.
+/// The commands that cannot be used in this frame of the window, each with why.
+#[derive(Debug, Default)]
+pub struct Unavailable(Vec<(Command, &'static str)>);
+
+impl Unavailable {
+    /// Asks about every command.
+    pub(crate) fn find(why: impl Fn(Command) -> Option<&'static str>) -> Self {
+        Self(Command::all().filter_map(|command| Some((command, why(command)?))).collect())
+    }
+}
+
+/// Why a command that is shown cannot be used now, in a sentence without its full stop; `None` if it can.
 #[must_use]
 pub fn unavailable(command: Command, context: &Context<'_>) -> Option<&'static str> {
-    if context.preferences.layout == Layout::Demonstrate
-        && let Some(answer) = context.laboratory.unavailable(command)
-    {
-        return no_take(context).or(answer);
-    }
+    context.unavailable.0.iter().find(|(other, _)| *other == command).map(|(_, why)| *why)
+}
+
+/// The same for commands whose feature does not say it itself.
+pub(crate) fn why(command: Command, context: &Context<'_>) -> Why {
     match command {
         Command::File(command) => file(command, context),
         Command::History(command) => history(command, context),
@@ -38,18 +52,15 @@ pub fn unavailable(command: Command, context: &Context<'_>) -> Option<&'static s
         Command::Observability(command) => observability(command, context),
         Command::Tracking(command) => tracking(command, context),
         Command::Timeline(command) => timeline(command, context),
-        Command::Laboratory(LaboratoryCommand::Restart) => {
-            Some("The Demonstrate layout has the laboratory: press F3")
-        }
-        Command::Demonstration(_) | Command::Tour => None,
+        Command::Laboratory(_) | Command::Demonstration(_) | Command::Tour => None,
     }
 }
 
-fn because(is_so: bool, why: &'static str) -> Why {
+pub(crate) fn because(is_so: bool, why: &'static str) -> Why {
     is_so.then_some(why)
 }
 
-fn no_take(context: &Context<'_>) -> Why {
+pub(crate) fn no_take(context: &Context<'_>) -> Why {
     because(context.session.take.is_none(), "Open a take first")
 }
 

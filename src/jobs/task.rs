@@ -106,6 +106,17 @@ impl<I, O: Send + 'static> Task<I, O> {
         is_new
     }
 
+    /// Asks for work whose result is not there, or not any more: as [`Self::ask`], but work that is done is done again.
+    pub fn need<J: Job<O> + 'static>(&mut self, pool: &Pool, inputs: I, job: impl FnOnce(&I) -> J)
+    where
+        I: PartialEq,
+    {
+        let is_same = self.inputs.as_ref() == Some(&inputs);
+        if !(is_same && (self.is_busy() || self.failure.is_some())) {
+            self.begin(pool, inputs, job);
+        }
+    }
+
     /// Begins work, whatever was before: it is superseded and nothing more is heard of it.
     pub fn begin<J: Job<O> + 'static>(&mut self, pool: &Pool, inputs: I, job: impl FnOnce(&I) -> J) {
         let shared = pool.shared();

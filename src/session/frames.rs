@@ -3,6 +3,11 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use backlit_tracking::segment::SegmentOptions;
+use rayon::prelude::*;
+
+use crate::take::footage::Footage;
+
 use crate::take::footage::{CameraFrame, MadeWith};
 
 /// Frames that are kept.
@@ -58,6 +63,20 @@ impl FrameCache {
     pub fn clear(&mut self) {
         self.frames.clear();
     }
+}
+
+/// A frame. The result does not depend on how the cameras are shared out.
+pub(crate) fn load_frame(
+    footage: &Footage,
+    measurement: &Arc<Vec<SegmentOptions>>,
+    frame: usize,
+) -> FrameData {
+    let load = |camera: usize| {
+        let options = measurement.get(camera).cloned().unwrap_or_default();
+        footage.load(camera, frame, &options)
+    };
+    let cameras = (0..footage.cameras.len()).into_par_iter().map(load).collect();
+    FrameData { frame, cameras, made_with: footage.made_with(measurement, frame) }
 }
 
 #[cfg(test)]

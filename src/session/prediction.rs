@@ -15,7 +15,6 @@ use rayon::prelude::*;
 use crate::document::CameraUse;
 use crate::drawing::{Derivative, body_outline};
 use crate::session::FrameData;
-use crate::worker::{Event, Job, Outbox, Step};
 
 /// All that a prediction depends on, but the pose.
 #[derive(Debug, Clone)]
@@ -71,6 +70,21 @@ impl FitInputs {
                 Some(FitView { camera: camera.clone(), evidence, weight: used.weight })
             };
         parts.filter_map(view).collect()
+    }
+}
+
+/// Fit inputs and a pose: what a prediction is made of. Equal where all parts are the very same and the poses are equal.
+#[derive(Debug, Clone)]
+pub(crate) struct PosedInputs {
+    pub(crate) inputs: FitInputs,
+    pub(crate) pose: Pose,
+}
+
+impl PartialEq for PosedInputs {
+    fn eq(&self, other: &Self) -> bool {
+        self.pose == other.pose
+            && self.inputs.is(&other.inputs)
+            && self.inputs.derivatives == other.inputs.derivatives
     }
 }
 
@@ -234,24 +248,5 @@ impl FitInputs {
             weight: 1.0,
         };
         Some(view.data(stage, frame.distance()))
-    }
-}
-
-/// A prediction for the window.
-#[derive(Debug)]
-pub struct PredictJob {
-    /// What it depends on.
-    pub scene: FitInputs,
-    /// The pose.
-    pub pose: Pose,
-    /// The prediction on the screen, whose data may be reused.
-    pub earlier: Option<Arc<Predicted>>,
-}
-
-impl Job<Event> for PredictJob {
-    fn step(&mut self, out: &Outbox<Event>) -> Step {
-        let predicted = Predicted::new(&self.scene, &self.pose, self.earlier.as_deref());
-        out.send(Event::Predicted(Arc::new(predicted)));
-        Step::Done
     }
 }

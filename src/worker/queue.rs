@@ -34,24 +34,12 @@ impl Crew {
 /// A kind of work, the most urgent first. At most one job of a lane is alive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Lane {
-    /// The silhouettes of the pose on the screen.
-    Predict,
     /// The picture of the 3-D scene.
     Scene,
     /// The pictures of the laboratory's step.
     LaboratoryLook,
-    /// Opening a take.
-    Open,
-    /// Reading dropped files.
-    TakeIn,
-    /// Making the footage anew for other cameras.
-    Calibrate,
-    /// Reading and segmenting the frame on the screen.
-    Load,
     /// Writing a file.
     Save,
-    /// Writing the settings.
-    Settings,
     /// The fit of one frame.
     Fit,
     /// The laboratory's fits.
@@ -60,8 +48,6 @@ pub enum Lane {
     LaboratoryPlot,
     /// What the cameras see of the pose on the screen.
     Observe,
-    /// A look at the take as a whole.
-    Survey,
     /// The fit of frame after frame.
     Track,
     /// The visual hull of the frame on the screen.
@@ -73,18 +59,10 @@ pub enum Lane {
 impl Lane {
     const fn crew(self) -> Crew {
         match self {
-            Self::Predict
-            | Self::LaboratoryLook
-            | Self::Open
-            | Self::TakeIn
-            | Self::Calibrate
-            | Self::Load
-            | Self::Fit
-            | Self::Laboratory
-            | Self::Observe => Crew::Screen,
+            Self::LaboratoryLook | Self::Fit | Self::Laboratory | Self::Observe => Crew::Screen,
             Self::Scene => Crew::Scene,
-            Self::Save | Self::Settings | Self::LaboratoryPlot => Crew::Files,
-            Self::Survey | Self::Track | Self::Hull | Self::LaboratoryCheck => Crew::Long,
+            Self::Save | Self::LaboratoryPlot => Crew::Files,
+            Self::Track | Self::Hull | Self::LaboratoryCheck => Crew::Long,
         }
     }
 }
@@ -412,10 +390,10 @@ mod tests {
     fn a_long_step_holds_up_neither_the_screen_nor_a_file() {
         let mut worker = Worker::start(|| {}).unwrap();
         worker.request(Lane::Track, Sleep);
-        worker.request(Lane::Predict, Count { from: 0, to: 1 });
+        worker.request(Lane::Observe, Count { from: 0, to: 1 });
         worker.request(Lane::Save, Count { from: 1, to: 2 });
         let start = Instant::now();
-        while worker.is_busy(Lane::Predict) || worker.is_busy(Lane::Save) {
+        while worker.is_busy(Lane::Observe) || worker.is_busy(Lane::Save) {
             assert!(start.elapsed() < Duration::from_secs(20), "the worker hangs");
             worker.poll();
         }
@@ -425,14 +403,14 @@ mod tests {
     #[test]
     fn a_panic_is_a_message_and_the_thread_lives_on() {
         let mut worker = Worker::start(|| {}).unwrap();
-        worker.request(Lane::Load, Count { from: 13, to: 20 });
+        worker.request(Lane::Hull, Count { from: 13, to: 20 });
         let reports = wait(&mut worker);
         assert!(
-            matches!(&reports[..], [Report::Panicked(Lane::Load, text)] if text == "thirteen"),
+            matches!(&reports[..], [Report::Panicked(Lane::Hull, text)] if text == "thirteen"),
             "{reports:?}"
         );
-        worker.request(Lane::Load, Count { from: 1, to: 2 });
-        assert_eq!(wait(&mut worker), [Report::Event(1), Report::Ended(Lane::Load)]);
+        worker.request(Lane::Hull, Count { from: 1, to: 2 });
+        assert_eq!(wait(&mut worker), [Report::Event(1), Report::Ended(Lane::Hull)]);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::app::App;
+use crate::context::Write;
 use crate::context::command::{Command, ConvergenceCommand};
 use crate::document::run::RunEnding;
 use crate::document::run_names::name_runs;
@@ -112,7 +113,7 @@ impl App {
     /// Writes every step of all runs as CSV.
     pub fn export_curves_to(&mut self, path: &Path) {
         let bytes = table::csv(&self.state.session.runs);
-        self.write(path, move || Ok(bytes));
+        self.write(Write { path: path.to_owned(), make: Box::new(move || Ok(bytes)) });
     }
 
     /// Writes the convergence plot, as it is shown, as a PNG.
@@ -121,6 +122,6 @@ impl App {
         let title = format!("{name}, frame {}", self.state.selection.frame);
         let figure = picture::figure(&self.state.session.runs, self.state.preferences.curves, &title);
         let theme = self.state.preferences.theme;
-        self.write(path, move || figure.png(theme));
+        self.write(Write { path: path.to_owned(), make: Box::new(move || figure.png(theme)) });
     }
 }

@@ -7,7 +7,7 @@ use backlit_tracking::body::Pose;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::track::fit_body::{BodyFitError, BodyFitOptions, BodyFrame, CLOTHED, fit_body};
 
-use crate::app::load_job::load_frame;
+use crate::session::load_frame;
 use crate::session::prediction::FitInputs;
 use crate::take::footage::Footage;
 use crate::worker::{Event, Job, Outbox, Step};

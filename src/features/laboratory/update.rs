@@ -75,7 +75,7 @@ impl App {
         }
         let Some(basis) = self.basis() else {
             self.features.laboratory.is_waiting =
-                self.state.session.take.is_some() && self.may_ask(Lane::Load);
+                self.state.session.take.is_some() && !self.refresh.has_failed_to_read();
             return;
         };
         let is_same = self.features.laboratory.comparison.as_ref().is_some_and(|old| old.basis.is(&basis));

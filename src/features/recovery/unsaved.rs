@@ -96,7 +96,7 @@ impl App {
         let is_stale = self.state.session.is_stale;
         let unsaved = &mut self.features.recovery;
         let Some(copies) = &mut unsaved.copies else { return };
-        if self.worker.is_busy(Lane::Save) || self.worker.is_busy(Lane::Open) {
+        if self.worker.is_busy(Lane::Save) || self.files.open.is_busy() {
             return;
         }
         if !dirty {
@@ -120,7 +120,7 @@ impl App {
         unsaved.is_picture_old = is_stale;
         match copies.own().map(Path::to_owned).map_err(|error| copies.said(&error)) {
             Ok(path) => {
-                let job = self.save_job(path, Some(beside));
+                let job = self.save_job(path, beside);
                 self.worker.request(Lane::Save, job);
             }
             Err(error) => self.copy_failed(&error),

@@ -10,10 +10,10 @@ use backlit_tracking::track::join::{self, Source};
 use backlit_tracking::track::{FitError, FrameEstimate, Track, Tracker, motion};
 
 use super::read_ahead::ReadAhead;
-use crate::app::load_job::load_frame;
 use crate::document::tracking_choices::{Following, TrackingChoices};
 use crate::document::{Estimate, Origin};
 use crate::session::FrameData;
+use crate::session::load_frame;
 use crate::session::prediction::FitInputs;
 use crate::take::footage::Footage;
 use crate::worker::{Event, Job, Outbox, Step};

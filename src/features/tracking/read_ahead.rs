@@ -5,8 +5,8 @@ use std::sync::mpsc::{Receiver, sync_channel};
 
 use backlit_tracking::segment::SegmentOptions;
 
-use crate::app::load_job::load_frame;
 use crate::session::FrameData;
+use crate::session::load_frame;
 use crate::take::footage::Footage;
 
 /// Frames that wait to be fitted.

@@ -1,0 +1,23 @@
+//! Who says why a command cannot be used now: the feature that does it.
+
+use super::App;
+use crate::context::command::Command;
+use crate::context::preferences::Layout;
+use crate::context::unavailable::{no_take, why};
+
+impl App {
+    /// Why a command cannot be used now, in a sentence without its full stop; `None` if it can.
+    pub(crate) fn unavailable(&self, command: Command) -> Option<&'static str> {
+        let (context, features) = (&self.context(), &self.features);
+        // In its layout some commands of others are the laboratory's.
+        if context.preferences.layout == Layout::Demonstrate
+            && let Some(answer) = features.laboratory.unavailable(command)
+        {
+            return no_take(context).or(answer);
+        }
+        match command {
+            Command::Laboratory(_) => Some("The Demonstrate layout has the laboratory: press F3"),
+            other => why(other, context),
+        }
+    }
+}
