@@ -20,7 +20,6 @@
 //! | `laboratory` | several fits from one start |
 //! | `files` | takes, projects, dialogs |
 //! | `settings` | the settings file |
-//! | `unsaved` | the copy of unsaved work, and what was left |
 //! | `observing` | what the cameras see, and the sway along a direction |
 //! | `jobs` | what the screen lacks is asked of the worker |
 //! | `exported`, `accessible` | the state as a file, for tests from outside; where the named widgets are |
@@ -46,7 +45,6 @@ pub(crate) mod open_job;
 pub(crate) mod open_with_system;
 pub(crate) mod refresh;
 pub(crate) mod requests;
-pub(crate) mod save_job;
 pub(crate) mod screen;
 pub mod settings;
 pub mod settings_file;
@@ -90,8 +88,7 @@ impl App {
         self.show(ui, &mut requests);
         self.apply(requests, ui.ctx());
         self.play(ui.ctx());
-        self.autosave();
-        self.guard_close(ui.ctx());
+        self.keep_work();
         self.refresh();
         self.observe(ui.ctx());
         self.go_on_demonstrating();
@@ -114,6 +111,7 @@ impl eframe::App for App {
 
     fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
         // What goes wrong was said when the window was asked to close.
-        let _ = self.keep_unsaved_work();
+        let _ = self
+            .with(|features| &mut features.recovery, |recovery, context, all| recovery.keep(context, all));
     }
 }

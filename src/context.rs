@@ -19,6 +19,7 @@ use std::path::{Path, PathBuf};
 
 use crate::app::TimeAxis;
 use crate::context::arrangement::Arrangement;
+use crate::context::clock::Clock;
 use crate::context::command::Command;
 use crate::context::notices::Notices;
 use crate::context::pane::Pane;
@@ -58,16 +59,14 @@ pub struct Context<'a> {
     pub busy: Busy,
     /// The project file, if there is one.
     pub project: Option<&'a Path>,
-    /// Whether something was exported since the start.
-    pub has_exported: bool,
-    /// Whether unsaved work was discarded that can be brought back.
-    pub has_discarded: bool,
     /// Whether a project was not opened since its take was not there.
     pub lacks_take: bool,
     /// What is played, and what of the time axis is on the screen.
     pub(crate) time: &'a TimeAxis,
     /// What is looked at of what the cameras see.
     pub observing: &'a Observing,
+    /// What time it is.
+    pub clock: &'a Clock,
     /// The sentence of the status bar about what the hand is doing.
     pub doing: Option<&'a str>,
     /// What the open demonstration shows, until that is closed.
@@ -189,6 +188,8 @@ pub enum Request {
     CloseNotice(u64),
     /// Close the explanation of a demonstration.
     CloseExplanation,
+    /// Close the notices that begin so: that is over.
+    CloseNoticesAbout(&'static str),
     /// A notice is under the pointer: it stays.
     HoldNotice(u64),
     /// What was done in the timeline.
@@ -196,7 +197,9 @@ pub enum Request {
     /// Give the frame one of the poses that a search has found, by its place in their list.
     ChoosePose(usize),
     /// What to do with work that an earlier start of the program left unsaved.
-    Recover(Recovery),
+    Recover(Decision),
+    /// Open what waits until the user has decided about that work.
+    OpenPostponed,
     /// Open whatever a path is.
     OpenPath(PathBuf),
     /// Take a path off the list of recent takes.
@@ -235,7 +238,7 @@ impl std::fmt::Debug for Write {
 
 /// What the user decides about work that was left, by its place in the list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Recovery {
+pub enum Decision {
     /// Go on with it.
     Restore(usize),
     /// Offer it no more.

@@ -26,7 +26,7 @@ pub struct Features {
     pub(crate) laboratory: laboratory::Laboratory,
     pub(crate) observability: observability::Observing,
     pub(crate) pose: pose::drag::Posing,
-    pub(crate) recovery: recovery::unsaved::Unsaved,
+    pub(crate) recovery: recovery::Recovery,
     pub(crate) timeline: timeline::playing::TimeAxis,
     pub(crate) tour: Option<tour::Tour>,
     pub(crate) tracking: tracking::TrackingState,

@@ -62,13 +62,6 @@ pub enum Event {
     BodyFitted(Box<BodyFit>),
     /// The laboratory's news.
     Laboratory(Box<LaboratoryEvent>),
-    /// The copy of unsaved work was written.
-    CopySaved {
-        /// The document's revision.
-        revision: u64,
-    },
-    /// The copy of unsaved work was not written; why.
-    CopyFailed(String),
     /// Something did not work; what it was.
     Failed(String),
 }

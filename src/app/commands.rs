@@ -6,8 +6,8 @@ use backlit_tracking::track::{FitOptions, posing};
 use super::App;
 use super::state::{DialogKind, Opening};
 use crate::context::command::{
-    BasinCommand, Command, ConvergenceCommand, FileCommand, FitCommand, HistoryCommand, PoseCommand,
-    RecoveryCommand, TrackingCommand, ViewCommand, WindowCommand,
+    Command, ConvergenceCommand, FileCommand, FitCommand, HistoryCommand, PoseCommand, TrackingCommand,
+    ViewCommand, WindowCommand,
 };
 use crate::context::command_button::dragged_until_now;
 use crate::context::pane::Pane;
@@ -57,7 +57,10 @@ impl App {
         match command {
             Command::File(command) => self.file_command(command, ctx),
             Command::History(command) => self.history_command(command),
-            Command::Recovery(RecoveryCommand::UndoDiscard) => self.undo_discard(),
+            Command::Recovery(command) => self.with(
+                |features| &mut features.recovery,
+                |recovery, context, requests| recovery.run(command, context, requests),
+            ),
             Command::Export(command) => self.with(
                 |features| &mut features.export,
                 |export, context, requests| export.run(command, context, requests),

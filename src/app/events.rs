@@ -48,8 +48,6 @@ impl App {
             Event::TrackRevised(found) => self.track_revised(found),
             Event::TracksJoined { frame, distance_m, meets } => self.tracks_joined(frame, distance_m, meets),
             Event::PosesFound(frame, found) => self.poses_found(frame, found),
-            Event::CopySaved { revision } => self.copy_saved(revision),
-            Event::CopyFailed(why) => self.copy_failed(&why),
             Event::Laboratory(event) => self.hear_laboratory(*event),
             Event::Failed(text) => self.state.notices.error(text),
         }
@@ -142,7 +140,7 @@ impl App {
         if let Some(TakeSource::Path(path)) = &footage.source {
             self.state.preferences.remember(path.clone());
         }
-        let left = self.begin_copy(project.as_ref().map(|project| project.path.as_path()));
+        let left = self.features.recovery.begin(project.as_ref().map(|project| project.path.as_path()));
         self.files.lost_take = None;
         if let Some(note) = project.as_ref().and_then(|project| project.note.clone()) {
             self.state.notices.info(self.state.now, note, None);

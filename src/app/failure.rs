@@ -54,7 +54,6 @@ impl App {
             Lane::Fit => self.fit_broke(),
             Lane::Laboratory | Lane::LaboratoryCheck => self.laboratory_broke(lane),
             Lane::Track => self.tracking_ended(),
-            Lane::Save => self.features.recovery.copy_broke(),
             _ => {}
         }
     }
@@ -74,7 +73,6 @@ const fn work_of(lane: Lane) -> &'static str {
     match lane {
         Lane::LaboratoryLook => "Drawing the laboratory's pictures",
         Lane::Scene => "Drawing the 3-D scene",
-        Lane::Save => "Writing a file",
         Lane::Fit => "The fit",
         Lane::Laboratory => "The laboratory",
         Lane::LaboratoryPlot => "Saving the laboratory's plot",
@@ -94,10 +92,9 @@ mod tests {
     use crate::context::notices::Severity;
     use crate::document::edit::Edit;
 
-    const ALL: [Lane; 10] = [
+    const ALL: [Lane; 9] = [
         Lane::Scene,
         Lane::LaboratoryLook,
-        Lane::Save,
         Lane::Fit,
         Lane::Laboratory,
         Lane::LaboratoryPlot,

@@ -12,6 +12,17 @@ impl App {
         self.with(|features| &mut features.export, |export, _, requests| export.update(requests));
     }
 
+    /// The copy of unsaved work follows what was done in this frame, and work is not left that can be kept nowhere.
+    pub(crate) fn keep_work(&mut self) {
+        self.with(
+            |features| &mut features.recovery,
+            |recovery, context, requests| {
+                recovery.update(context, requests);
+                recovery.guard_close(context, requests);
+            },
+        );
+    }
+
     /// Other settings of the basin.
     pub fn set_basin(&mut self, settings: BasinSettings) {
         self.features.basin.set(settings);

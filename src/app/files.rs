@@ -5,11 +5,9 @@ use std::path::{Path, PathBuf};
 use super::App;
 use super::state::{DialogKind, Opening};
 use crate::app::open_job::{OpenJob, Opened};
-use crate::app::save_job::SaveJob;
 use crate::context::command::{Command, FileCommand};
 use crate::context::write_advice::remedy;
 use crate::document::project::write_project;
-use crate::features::recovery::{About, Picture};
 use crate::jobs::{News, once};
 use crate::take::source::TakeSource;
 
@@ -19,7 +17,11 @@ const PROJECT_EXTENSION: &str = "backlit";
 impl App {
     /// Opens a take or a project. What is not saved is kept as a copy.
     pub(crate) fn open(&mut self, opening: Opening) {
-        if !self.may_leave("Not opened", "open it") {
+        let may_leave = self.with(
+            |features| &mut features.recovery,
+            |recovery, context, requests| recovery.may_leave("Not opened", "open it", context, requests),
+        );
+        if !may_leave {
             return;
         }
         let job = match opening {
@@ -64,11 +66,6 @@ impl App {
             Some(path) => self.save_to(&path),
             None => self.ask_for_file(DialogKind::SaveAs),
         }
-    }
-
-    /// Writes the document to the copy of unsaved work.
-    pub(crate) fn save_job(&self, path: PathBuf, beside: (About, Option<Picture>)) -> SaveJob {
-        SaveJob { document: self.document().clone(), revision: self.state.history.revision(), path, beside }
     }
 
     /// Takes in what was opened and saved.

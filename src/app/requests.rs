@@ -101,12 +101,21 @@ impl App {
             Request::Arrange(tree) => self.arrange(*tree),
             Request::Open(source) => self.open(Opening::Take(source)),
             Request::CloseNotice(id) => self.state.notices.close(id),
+            Request::CloseNoticesAbout(beginning) => self.state.notices.close_about(beginning),
             Request::CloseExplanation => self.features.demonstration.explanation = None,
             Request::HoldNotice(id) => self.state.notices.hold(id, self.state.now),
             Request::Laboratory(request) => self.laboratory_request(request),
             Request::Timeline(event) => self.timeline_event(event),
             Request::ChoosePose(index) => self.choose_pose(index),
-            Request::Recover(which) => self.recover(which),
+            Request::Recover(decision) => self.with(
+                |features| &mut features.recovery,
+                |recovery, _, requests| recovery.decide(decision, requests),
+            ),
+            Request::OpenPostponed => {
+                if let Some(opening) = self.files.postponed.take() {
+                    self.open(opening);
+                }
+            }
             Request::OpenPath(path) => self.open_path(&path),
             Request::ForgetRecent(path) => self.state.preferences.recent.retain(|other| *other != path),
             Request::Copy(what, text) => {

@@ -34,9 +34,8 @@ impl App {
                 exporting: self.features.export.progress(),
             },
             project: self.state.project.as_deref(),
-            has_exported: self.features.export.has_exported(),
-            has_discarded: self.has_discarded(),
             lacks_take: self.files.lost_take.is_some(),
+            clock: &self.clock,
             time: &self.features.timeline,
             observing: &self.features.observability,
             doing: self.state.status.as_deref(),
@@ -97,7 +96,7 @@ impl App {
                 dock::ui(ui, &context, &mut features, &self.tiles_look(), requests);
             });
         } else {
-            empty::ui(ui, &context, requests, &self.offer());
+            empty::ui(ui, &context, &self.features.recovery, requests);
         }
         for id in notice_cards::ui(ui, &context, requests, notices_from) {
             requests.request(Request::HoldNotice(id));

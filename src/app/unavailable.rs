@@ -16,6 +16,8 @@ impl App {
             return no_take(context).or(answer);
         }
         match command {
+            Command::Export(command) => features.export.unavailable(command, context),
+            Command::Recovery(command) => features.recovery.unavailable(command),
             Command::Laboratory(_) => Some("The Demonstrate layout has the laboratory: press F3"),
             other => why(other, context),
         }

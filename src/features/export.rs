@@ -73,9 +73,4 @@ impl Export {
     pub(crate) fn progress(&self) -> Option<(usize, usize)> {
         self.running.as_ref().map(|running| (running.done, running.total))
     }
-
-    /// Whether something was exported since the start.
-    pub(crate) const fn has_exported(&self) -> bool {
-        self.folder.is_some()
-    }
 }

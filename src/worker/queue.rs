@@ -38,8 +38,6 @@ pub enum Lane {
     Scene,
     /// The pictures of the laboratory's step.
     LaboratoryLook,
-    /// Writing a file.
-    Save,
     /// The fit of one frame.
     Fit,
     /// The laboratory's fits.
@@ -61,7 +59,7 @@ impl Lane {
         match self {
             Self::LaboratoryLook | Self::Fit | Self::Laboratory | Self::Observe => Crew::Screen,
             Self::Scene => Crew::Scene,
-            Self::Save | Self::LaboratoryPlot => Crew::Files,
+            Self::LaboratoryPlot => Crew::Files,
             Self::Track | Self::Hull | Self::LaboratoryCheck => Crew::Long,
         }
     }
@@ -391,9 +389,9 @@ mod tests {
         let mut worker = Worker::start(|| {}).unwrap();
         worker.request(Lane::Track, Sleep);
         worker.request(Lane::Observe, Count { from: 0, to: 1 });
-        worker.request(Lane::Save, Count { from: 1, to: 2 });
+        worker.request(Lane::LaboratoryPlot, Count { from: 1, to: 2 });
         let start = Instant::now();
-        while worker.is_busy(Lane::Observe) || worker.is_busy(Lane::Save) {
+        while worker.is_busy(Lane::Observe) || worker.is_busy(Lane::LaboratoryPlot) {
             assert!(start.elapsed() < Duration::from_secs(20), "the worker hangs");
             worker.poll();
         }

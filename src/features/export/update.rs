@@ -9,6 +9,7 @@ use super::job::{ExportJob, Exported};
 use super::{Export, ExportOrder, Running, Subject};
 use crate::context::command::{Command, ExportCommand};
 use crate::context::file_dialog::Wanted;
+use crate::context::unavailable::{because, no_take};
 use crate::context::write_advice::remedy;
 use crate::context::{Context, Request, Requests};
 use crate::jobs::{News, Pool};
@@ -26,6 +27,24 @@ impl Export {
                 if let Some(folder) = &self.folder {
                     requests.request(Request::OpenOutside(folder.display().to_string()));
                 }
+            }
+        }
+    }
+
+    /// Why a command cannot be used now.
+    pub(crate) fn unavailable(&self, command: ExportCommand, context: &Context<'_>) -> Option<&'static str> {
+        let is_exporting = because(self.running.is_some(), "An export is under way");
+        match command {
+            ExportCommand::ShowExported => {
+                because(self.folder.is_none(), "Nothing was exported since the start")
+            }
+            ExportCommand::Stop => because(self.running.is_none(), "Nothing is being exported"),
+            ExportCommand::Window => is_exporting,
+            ExportCommand::View | ExportCommand::Frames => is_exporting.or(no_take(context)),
+            ExportCommand::Steps => {
+                let has_run = context.session.run_of(context.selection).is_some();
+                let no_run = because(!has_run, "This frame has no run yet: press Space to step");
+                is_exporting.or(no_take(context)).or(no_run)
             }
         }
     }
