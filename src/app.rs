@@ -40,6 +40,7 @@ pub(crate) mod failure;
 pub(crate) mod features;
 pub(crate) mod files;
 pub(crate) mod headless;
+pub(crate) mod layout;
 pub(crate) mod off_screen;
 pub(crate) mod open_job;
 pub(crate) mod open_with_system;

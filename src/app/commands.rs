@@ -30,7 +30,7 @@ impl App {
     /// something, keys are theirs.
     pub(crate) fn read_keys(&mut self, ctx: &egui::Context) -> Requests {
         let mut requests = Requests::default();
-        let is_moving = self.is_moving_tile(ctx);
+        let is_moving = self.shell.docking.is_moving_tile(ctx, &self.state.preferences, &self.state.session);
         if self.shell.overlay.is_none()
             && self.features.pose.held.is_none()
             && !is_moving
@@ -206,7 +206,7 @@ impl App {
             }
             WindowCommand::TogglePanel => self.state.preferences.panel = !self.state.preferences.panel,
             WindowCommand::ToggleTimeline => self.state.preferences.lanes = !self.state.preferences.lanes,
-            WindowCommand::TogglePane(pane) => self.toggle_pane(pane),
+            WindowCommand::TogglePane(pane) => self.dock(|docking, window| docking.toggle_pane(window, pane)),
             WindowCommand::ArrangeTiles => self.arrange_tiles(),
             WindowCommand::ResetLayout => self.reset_layout(),
             WindowCommand::RestoreLayout => self.restore_layout(),

@@ -1,4 +1,4 @@
-//! Context something in another program: a folder in the desktop's, a page in the browser.
+//! Showing something in another program: a folder in the desktop's, a page in the browser.
 
 use std::process::{Command, Stdio};
 

@@ -79,7 +79,7 @@ impl App {
             Request::Joint(joint) => self.state.selection.joint = joint,
             Request::Part(part) => self.state.selection.part = Some(part),
             Request::Views(settings) => self.state.preferences.views = settings,
-            Request::Camera(camera) => self.make_active(camera),
+            Request::Camera(camera) => self.dock(|docking, window| docking.make_active(window, camera)),
             Request::Step(step) => {
                 if let Some(run) = self.state.session.runs.get(step.run) {
                     self.state.selection.frame = run.frame;
@@ -98,7 +98,7 @@ impl App {
             Request::Layout(layout) => self.state.preferences.layout = layout,
             Request::Pane(pane, event) => self.pane_event(pane, event),
             Request::Scene(look) => self.state.preferences.scene = look,
-            Request::Arrange(tree) => self.arrange(*tree),
+            Request::Arrange(tree) => self.dock(|_, window| window.arrange(*tree)),
             Request::Open(source) => self.open(Opening::Take(source)),
             Request::CloseNotice(id) => self.state.notices.close(id),
             Request::CloseNoticesAbout(beginning) => self.state.notices.close_about(beginning),

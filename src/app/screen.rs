@@ -41,7 +41,7 @@ impl App {
             doing: self.state.status.as_deref(),
             explanation: self.features.demonstration.explanation,
             unavailable: &self.state.unavailable,
-            can_restore_layout: self.shell.docking.before.is_some(),
+            can_restore_layout: self.layout_before.is_some(),
             laboratory: &self.features.laboratory,
             frame_seconds: self.state.frame_seconds,
             now: self.state.now,

@@ -165,6 +165,8 @@ pub struct App {
     pub(crate) asked_to_observe: Option<(FitInputs, Pose)>,
     pub(crate) live_laboratory: LiveLaboratory,
     pub(crate) state_file: Option<PathBuf>,
+    /// How the window was arranged before its layout was reset.
+    pub(crate) layout_before: Option<Box<Settings>>,
     pub(crate) settings_writer: SettingsWriter,
     pub(crate) clock: Clock,
     pub(crate) next_gesture: u64,
@@ -207,6 +209,7 @@ impl App {
             asked_to_observe: None,
             live_laboratory: LiveLaboratory::default(),
             state_file: options.state_file,
+            layout_before: None,
             settings_writer,
             clock: options.clock,
             next_gesture: 1,

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `automatic` | the arrangement that follows the window, until the user changes it |
 //! | `kept` | arrangements of the user's own, by layout and number of cameras |
-//! | `change` | opening, closing, context a pane |
+//! | `change` | opening, closing, showing a pane |
 //! | `snap` | splits that snap at thirds and halves |
 
 mod automatic;

@@ -1,4 +1,4 @@
-//! Context a demonstration: its arrangement, its sentences, and its runs one after the other.
+//! Showing a demonstration: its arrangement, its sentences, and its runs one after the other.
 
 pub(crate) mod explanation;
 

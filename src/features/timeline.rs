@@ -165,7 +165,7 @@ fn shown_span(ui: &Ui, context: &Context<'_>, requests: &mut Requests, count: us
     if before == Some(frame) {
         return span;
     }
-    let follows = span.context(frame, count);
+    let follows = span.containing(frame, count);
     if follows != span {
         requests.request(Request::Timeline(TimelineEvent::Show(Some(follows))));
     }

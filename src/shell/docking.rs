@@ -2,16 +2,16 @@
 
 use egui::Vec2;
 
-use crate::app::App;
-use crate::app::settings::Settings;
 use crate::context::PaneEvent;
 use crate::context::arrangement;
 use crate::context::arrangement::{Arrangement, Centre};
-use crate::context::command::{Command, WindowCommand};
 use crate::context::pane::Pane;
+use crate::context::preferences::Preferences;
+use crate::session::Session;
+use crate::session::selection::Selection;
 
 /// What belongs to the tiles and is not kept for the next start.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Docking {
     /// The pane that fills the centre.
     pub(crate) alone: Option<Pane>,
@@ -19,133 +19,106 @@ pub(crate) struct Docking {
     pub(crate) pair: [usize; 2],
     /// Size of the centre in the last frame, in points.
     pub(crate) size: Vec2,
-    /// How it looked before the layout was reset.
-    pub(crate) before: Option<Box<Settings>>,
 }
 
 impl Default for Docking {
     fn default() -> Self {
-        Self { alone: None, pair: [0, 1], size: Vec2::ZERO, before: None }
+        Self { alone: None, pair: [0, 1], size: Vec2::ZERO }
     }
 }
 
-impl App {
-    fn centre(&self) -> Centre {
-        Centre {
-            layout: self.state.preferences.layout,
-            cameras: self.state.session.camera_count(),
-            pair: self.shell.docking.pair,
-            size: self.shell.docking.size,
-        }
-    }
+/// What the tiles are arranged in.
+pub(crate) struct Window<'a> {
+    pub(crate) preferences: &'a mut Preferences,
+    pub(crate) selection: &'a mut Selection,
+    pub(crate) session: &'a Session,
+}
 
+impl Docking {
     /// The user's arrangement of this layout, else the automatic one.
-    fn arrangement(&self) -> Arrangement {
-        let centre = self.centre();
-        let kept = self.state.preferences.kept.get(centre.layout, centre.cameras);
+    fn arrangement(&self, preferences: &Preferences, session: &Session) -> Arrangement {
+        let (layout, cameras) = (preferences.layout, session.camera_count());
+        let centre = Centre { layout, cameras, pair: self.pair, size: self.size };
+        let kept = preferences.kept.get(layout, cameras);
         kept.cloned().unwrap_or_else(|| arrangement::automatic(&centre))
     }
 
-    /// The user has arranged the tiles.
-    pub(crate) fn arrange(&mut self, tree: Arrangement) {
-        let cameras = self.state.session.camera_count();
-        self.state.preferences.kept.set(self.state.preferences.layout, cameras, tree);
-    }
-
-    pub(crate) fn pane_event(&mut self, pane: Pane, event: PaneEvent) {
+    /// Does what the user asked of a tile.
+    pub(crate) fn pane_event(&mut self, window: &mut Window<'_>, pane: Pane, event: PaneEvent) {
+        let mut tree = self.arrangement(window.preferences, window.session);
         match event {
             PaneEvent::ToggleAlone => {
-                self.shell.docking.alone =
-                    if self.shell.docking.alone == Some(pane) { None } else { Some(pane) };
+                self.alone = if self.alone == Some(pane) { None } else { Some(pane) };
                 if let Pane::Camera(camera) = pane {
-                    self.make_active(camera);
+                    self.make_active(window, camera);
                 }
             }
             PaneEvent::Open => {
-                let mut tree = self.arrangement();
                 arrangement::open(&mut tree, pane);
-                self.arrange(tree);
-                self.shell.docking.alone = None;
+                window.arrange(tree);
+                self.alone = None;
             }
             PaneEvent::Close => {
-                let mut tree = self.arrangement();
                 arrangement::close(&mut tree, pane);
-                self.arrange(tree);
-                self.shell.docking.alone = self.shell.docking.alone.filter(|alone| *alone != pane);
+                window.arrange(tree);
+                self.alone = self.alone.filter(|alone| *alone != pane);
             }
         }
     }
 
+    /// Opens a pane, or closes it.
+    pub(crate) fn toggle_pane(&mut self, window: &mut Window<'_>, pane: Pane) {
+        let is_open = window.preferences.is_open(pane, window.session.camera_count());
+        self.pane_event(window, pane, if is_open { PaneEvent::Close } else { PaneEvent::Open });
+    }
+
     /// Makes a camera's tile the active one, and shows it where it was hidden.
-    pub(crate) fn make_active(&mut self, camera: usize) {
-        if !self.shell.docking.pair.contains(&camera) {
-            let other = usize::from(self.shell.docking.pair[0] == self.state.selection.camera);
-            self.shell.docking.pair[other] = camera;
+    pub(crate) fn make_active(&mut self, window: &mut Window<'_>, camera: usize) {
+        if !self.pair.contains(&camera) {
+            let other = usize::from(self.pair[0] == window.selection.camera);
+            self.pair[other] = camera;
         }
-        if matches!(self.shell.docking.alone, Some(Pane::Camera(_))) {
-            self.shell.docking.alone = Some(Pane::Camera(camera));
+        if matches!(self.alone, Some(Pane::Camera(_))) {
+            self.alone = Some(Pane::Camera(camera));
         }
-        self.state.selection.camera = camera;
-        let cameras = self.state.session.camera_count();
-        if let Some(kept) = self.state.preferences.kept.get(self.state.preferences.layout, cameras) {
+        window.selection.camera = camera;
+        let kept = window.preferences.kept.get(window.preferences.layout, window.session.camera_count());
+        if let Some(kept) = kept {
             let mut tree = kept.clone();
             arrangement::open(&mut tree, Pane::Camera(camera));
             if tree != *kept {
-                self.arrange(tree);
+                window.arrange(tree);
             }
         }
     }
 
     /// Shows another camera in the tile of one.
-    pub(crate) fn switch_camera(&mut self, from: usize, to: usize) {
-        if let Some(place) = self.shell.docking.pair.iter().position(|camera| *camera == from)
-            && !self.shell.docking.pair.contains(&to)
+    pub(crate) fn switch_camera(&mut self, window: &mut Window<'_>, from: usize, to: usize) {
+        if let Some(place) = self.pair.iter().position(|camera| *camera == from)
+            && !self.pair.contains(&to)
         {
-            self.shell.docking.pair[place] = to;
+            self.pair[place] = to;
         }
-        self.make_active(to);
-    }
-
-    /// Puts the tiles where they give the largest pictures, in this layout.
-    pub(crate) fn arrange_tiles(&mut self) {
-        self.shell.docking.before = Some(Box::new(self.settings()));
-        self.shell.docking.alone = None;
-        self.state.preferences.kept.forget(self.state.preferences.layout, self.state.session.camera_count());
-        self.offer_layout_back("Arranged the tiles.");
-    }
-
-    /// Tiles, sizes and sections as they were at first.
-    pub(crate) fn reset_layout(&mut self) {
-        self.shell.docking.before = Some(Box::new(self.settings()));
-        self.shell.docking.alone = None;
-        let mut settings = self.settings();
-        settings.reset();
-        self.apply_settings(settings);
-        self.offer_layout_back("Reset the layout.");
-    }
-
-    fn offer_layout_back(&mut self, text: &str) {
-        let back = Command::Window(WindowCommand::RestoreLayout);
-        self.state.notices.info(self.state.now, text, Some(back));
-    }
-
-    /// Takes back the last of the two.
-    pub(crate) fn restore_layout(&mut self) {
-        if let Some(before) = self.shell.docking.before.take() {
-            let settings = before.with_memory_of(self.settings());
-            self.apply_settings(settings);
-            self.state.status = Some("The layout is as it was.".to_owned());
-        }
-    }
-
-    pub(crate) fn toggle_pane(&mut self, pane: Pane) {
-        let is_open = self.state.preferences.is_open(pane, self.state.session.camera_count());
-        self.pane_event(pane, if is_open { PaneEvent::Close } else { PaneEvent::Open });
+        self.make_active(window, to);
     }
 
     /// Whether a tile is being dragged: Esc is its own then.
-    pub(crate) fn is_moving_tile(&self, ctx: &egui::Context) -> bool {
+    pub(crate) fn is_moving_tile(
+        &self,
+        ctx: &egui::Context,
+        preferences: &Preferences,
+        session: &Session,
+    ) -> bool {
         let is_dragging = ctx.dragged_id().is_some() || ctx.drag_stopped_id().is_some();
-        is_dragging && self.state.session.take.is_some() && self.arrangement().dragged_id(ctx).is_some()
+        is_dragging
+            && session.take.is_some()
+            && self.arrangement(preferences, session).dragged_id(ctx).is_some()
+    }
+}
+
+impl Window<'_> {
+    /// The user has arranged the tiles.
+    pub(crate) fn arrange(&mut self, tree: Arrangement) {
+        self.preferences.kept.set(self.preferences.layout, self.session.camera_count(), tree);
     }
 }

@@ -1,4 +1,4 @@
-//! Opening, closing and context a pane.
+//! Opening, closing and showing a pane.
 
 use egui_tiles::{Container, Linear, LinearDir, Tile};
 

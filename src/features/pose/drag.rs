@@ -61,7 +61,7 @@ impl App {
     /// What the user did in a tile.
     pub(crate) fn tile_event(&mut self, camera: usize, event: TileEvent) {
         match event {
-            TileEvent::Activate => self.make_active(camera),
+            TileEvent::Activate => self.dock(|docking, window| docking.make_active(window, camera)),
             TileEvent::Hover(_) => {}
             TileEvent::SelectJoint(joint) => self.state.selection.joint = joint,
             TileEvent::SelectLimb(limb) => {
@@ -97,7 +97,9 @@ impl App {
             TileEvent::SetFraming(framing) => self.set_tile(camera, |tile| tile.framing = framing),
             TileEvent::ToggleExpanded => self.pane_event(Pane::Camera(camera), PaneEvent::ToggleAlone),
             TileEvent::DragTile => {}
-            TileEvent::Switch(Pane::Camera(other)) => self.switch_camera(camera, other),
+            TileEvent::Switch(Pane::Camera(other)) => {
+                self.dock(|docking, window| docking.switch_camera(window, camera, other))
+            }
             TileEvent::Switch(pane) => self.pane_event(pane, PaneEvent::Open),
             TileEvent::Close => self.pane_event(Pane::Camera(camera), PaneEvent::Close),
             TileEvent::Segment => self.state.session.forget_measurements(),

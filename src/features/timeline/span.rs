@@ -43,7 +43,7 @@ impl Span {
 
     /// Moved just so far that a frame is on the screen.
     #[must_use]
-    pub fn context(self, frame: usize, count: usize) -> Self {
+    pub fn containing(self, frame: usize, count: usize) -> Self {
         let frame = frame as f64;
         let by = (frame - self.last).max(0.0) + (frame - self.first).min(0.0);
         self.moved(by, count)
@@ -122,8 +122,8 @@ mod tests {
         assert_eq!(near_end.last, 99.0 + 0.2);
         assert_eq!(near_end.moved(50.0, 101).last, 100.0);
         assert_eq!(near_end.moved(-500.0, 101).first, 0.0);
-        assert_eq!(near_end.context(3, 101), Span { first: 3.0, last: 23.0 });
-        assert_eq!(near_end.context(90, 101), near_end);
+        assert_eq!(near_end.containing(3, 101), Span { first: 3.0, last: 23.0 });
+        assert_eq!(near_end.containing(90, 101), near_end);
         let closest = near_end.zoomed(1e9, 90.0, 101).unwrap();
         assert!((closest.last - closest.first - LEAST).abs() < 1e-9);
         assert_eq!(Span::whole(1), Span { first: 0.0, last: 1.0 });
