@@ -4,10 +4,12 @@ pub mod arrangement;
 pub mod clock;
 pub mod command;
 pub(crate) mod command_button;
+pub(crate) mod drag_marks;
 pub(crate) mod file_dialog;
 pub mod notices;
 pub mod pane;
 pub(crate) mod pane_title;
+pub(crate) mod picture_alone;
 pub mod preferences;
 pub(crate) mod unavailable;
 pub mod view_settings;
@@ -21,6 +23,7 @@ use crate::app::TimeAxis;
 use crate::context::arrangement::Arrangement;
 use crate::context::clock::Clock;
 use crate::context::command::Command;
+use crate::context::drag_marks::DragMarks;
 use crate::context::notices::Notices;
 use crate::context::pane::Pane;
 use crate::context::preferences::{Layout, Preferences};
@@ -28,8 +31,7 @@ use crate::context::view_settings::ViewSettings;
 use crate::document::Document;
 use crate::document::edit::Edit;
 use crate::document::history::{Gesture, History};
-use crate::drawing::JointId;
-use crate::features::camera_views::TileEvent;
+use crate::drawing::{DragEvent, JointId};
 use crate::features::convergence::CurvesRequest;
 use crate::features::laboratory::{Laboratory, LaboratoryRequest};
 use crate::features::observability::{Glance, ObserveRequest, Observing};
@@ -61,6 +63,10 @@ pub struct Context<'a> {
     pub project: Option<&'a Path>,
     /// Whether a project was not opened since its take was not there.
     pub lacks_take: bool,
+    /// What all camera views share.
+    pub views: ViewSettings,
+    /// What goes on in the camera views.
+    pub(crate) drag: DragMarks<'a>,
     /// What is played, and what of the time axis is on the screen.
     pub(crate) time: &'a TimeAxis,
     /// What is looked at of what the cameras see.
@@ -166,11 +172,22 @@ pub enum Request {
     Curves(CurvesRequest),
     /// Something about what the cameras see.
     Observe(ObserveRequest),
-    /// What the user did in a camera's tile.
-    Tile(usize, TileEvent),
+    /// Show another camera in the tile of one.
+    SwitchCamera {
+        /// The camera whose tile it is.
+        from: usize,
+        /// The camera that is shown there.
+        to: usize,
+    },
+    /// Something is dragged in a camera's view.
+    Drag(usize, DragEvent),
+    /// Undo all of a gesture that goes on, as if it had not begun.
+    CancelGesture(Gesture),
+    /// Find the silhouettes of the frame anew.
+    Segment,
     /// Look at the size of this limb, of those that turn with the held joint.
     Part(usize),
-    /// How all camera views look.
+    /// What all camera views share.
     Views(ViewSettings),
     /// How the window is arranged.
     Layout(Layout),

@@ -10,6 +10,7 @@
 //! | [`input`] | [`PictureInput`]: what there is to look at; [`Sample`]: its values at one pixel |
 //! | `footage` … `owner_limb` | one view mode each |
 //! | [`derivative`] | gradient and Jacobian column: what they are and how they look |
+//! | `drag` | [`Drag`]: how a drag in a picture moves the body |
 //! | [`ellipse_factor`] | how much larger than life ellipses of uncertainty are drawn |
 //! | `hatch` | the hatches of don't-know and of no gradient |
 //! | [`outline`] | the body's outline by marching squares |
@@ -25,6 +26,7 @@ pub mod calibration_marks;
 mod comparison;
 mod data;
 pub mod derivative;
+mod drag;
 pub mod ellipse_factor;
 mod footage;
 mod hatch;
@@ -47,6 +49,7 @@ mod tinted;
 pub use calibration_marks::CalibrationMarks;
 pub use comparison::Comparison;
 pub use derivative::Derivative;
+pub use drag::{Drag, DragEvent};
 pub use input::{PictureInput, Sample};
 pub use joints::{JointId, JointMark, draggable_joints, joint_name, project_joints};
 pub use limbs::{ProjectedLimb, joined_outline, project_limbs};
@@ -54,7 +57,7 @@ pub use limits::{BoundedAngle, LimitMark};
 pub use mode::{Legend, LegendEntry, NO_CHANGE_LEGEND, NO_PULL_LEGEND, Swatch, UNKNOWN_LEGEND, ViewMode};
 pub use outline::body_outline;
 pub use owner_limb::{limb_chains, limb_colours};
-pub use sight_ray::{SightRay, sight_ray};
+pub use sight_ray::{SightRay, point_at, sight_ray};
 pub use state_axis::StateAxis;
 pub use sway::{JointEllipse, SwayMarks, Swaying, joint_ellipses};
 

@@ -19,13 +19,13 @@ pub(crate) mod tracking;
 #[derive(Debug, Default)]
 pub struct Features {
     pub(crate) basin: basin::Basin,
-    pub(crate) camera_views: camera_views::CameraViewsState,
+    pub(crate) camera_views: camera_views::CameraViews,
     pub(crate) demonstration: demonstration::Demonstrating,
     pub(crate) export: export::Export,
     pub(crate) fit: fit::Fit,
     pub(crate) laboratory: laboratory::Laboratory,
     pub(crate) observability: observability::Observing,
-    pub(crate) pose: pose::drag::Posing,
+    pub(crate) pose: pose::Posing,
     pub(crate) recovery: recovery::Recovery,
     pub(crate) timeline: timeline::playing::TimeAxis,
     pub(crate) tour: Option<tour::Tour>,

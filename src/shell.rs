@@ -14,7 +14,6 @@ pub(crate) mod recent;
 pub(crate) mod right_panel;
 pub(crate) mod shortcuts;
 pub(crate) mod status_bar;
-pub(crate) mod tiles;
 pub(crate) mod toolbar;
 
 use crate::app::dropping::Hovering;

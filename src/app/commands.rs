@@ -1,29 +1,22 @@
 //! Doing what menus, buttons, keys and the palette ask for.
 
 use backlit_tracking::body::Pose;
-use backlit_tracking::track::{FitOptions, posing};
+use backlit_tracking::track::FitOptions;
 
 use super::App;
 use super::state::{DialogKind, Opening};
+use crate::context::Requests;
 use crate::context::command::{
-    Command, ConvergenceCommand, FileCommand, FitCommand, HistoryCommand, PoseCommand, TrackingCommand,
-    ViewCommand, WindowCommand,
+    Command, ConvergenceCommand, FileCommand, FitCommand, HistoryCommand, TrackingCommand, WindowCommand,
 };
 use crate::context::command_button::dragged_until_now;
-use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
-use crate::context::{PaneEvent, Requests};
 use crate::document::edit::Edit;
-use crate::drawing::{JointId, ViewMode};
-use crate::features::camera_views::zoom;
 use crate::features::observability::ObserveRequest;
-use crate::features::pose::panel::rotation_tree;
 use crate::features::scene::panel as scene;
-use crate::session::selection::Selection;
 use crate::shell::Overlay;
 use crate::shell::palette::Palette;
 use crate::take::source::TakeSource;
-use crate::widgets::Framing;
 
 impl App {
     /// The commands whose keys were pressed. While something lies over the window, or the hand holds
@@ -32,14 +25,17 @@ impl App {
         let mut requests = Requests::default();
         let is_moving = self.shell.docking.is_moving_tile(ctx, &self.state.preferences, &self.state.session);
         if self.shell.overlay.is_none()
-            && self.features.pose.held.is_none()
+            && !self.context().drag.is_dragging()
             && !is_moving
             && !egui::Popup::is_any_open(ctx)
         {
             let of_scene = scene::keys::hold_back(ctx);
             requests.commands = Command::pressed(ctx);
             scene::keys::give_back(ctx, of_scene);
-            requests.commands.extend(self.read_clipboard(ctx));
+            self.with(
+                |features| &mut features.pose,
+                |posing, context, _| posing.read_clipboard(context, &mut requests),
+            );
         }
         requests
     }
@@ -65,9 +61,15 @@ impl App {
                 |features| &mut features.export,
                 |export, context, requests| export.run(command, context, requests),
             ),
-            Command::Pose(command) => self.pose_command(command, ctx),
+            Command::Pose(command) => self.with(
+                |features| &mut features.pose,
+                |posing, context, requests| posing.run(command, context, requests),
+            ),
             Command::Window(command) => self.window_command(command),
-            Command::View(command) => self.view_command(command),
+            Command::View(command) => self.with(
+                |features| &mut features.camera_views,
+                |views, context, requests| views.run(command, context, requests),
+            ),
             Command::Scene(command) => self.scene_command(command),
             Command::Fit(command) => self.fit_command(command),
             Command::Convergence(command) => self.convergence_command(command),
@@ -91,7 +93,7 @@ impl App {
     fn put_back(&mut self, ctx: &egui::Context) -> bool {
         let Some(gesture) = dragged_until_now(ctx) else { return false };
         let before = self.state.history.revision();
-        self.state.history.put_back(gesture);
+        self.state.history.cancel(gesture);
         let is_back = self.state.history.revision() != before;
         if is_back {
             self.state.status = Some("Put back.".to_owned());
@@ -148,56 +150,6 @@ impl App {
         }
     }
 
-    fn pose_command(&mut self, command: PoseCommand, ctx: &egui::Context) {
-        let model = self.document().model.clone();
-        let limb = self.state.selection.limb(&model);
-        let rotation = model.limbs()[limb].rotation;
-        let name = model.limbs()[limb].name.clone();
-        match command {
-            PoseCommand::Copy => self.copy_pose(ctx),
-            PoseCommand::Paste => self.paste_pose(ctx),
-            PoseCommand::Mirror => {
-                let pose = mirrored(&model, self.shown_pose(), rotation);
-                self.set_pose(pose, format!("Mirror {name}"));
-            }
-            PoseCommand::MirrorAll => {
-                let pose = posing::mirror(&model, self.shown_pose());
-                self.set_pose(pose, "Mirror pose".to_owned());
-            }
-            PoseCommand::PinJoint => {
-                if let JointId::End(limb) = self.state.selection.joint {
-                    let pinned = !self.document().pins.contains(&limb);
-                    self.edit(Edit::Pin { limb, pinned }, None);
-                }
-            }
-            PoseCommand::ResetLimb => {
-                let mut pose = self.shown_pose().clone();
-                pose.rotations[rotation] = Pose::rest(&model).rotations[rotation];
-                self.set_pose(pose, format!("Reset {name}"));
-            }
-            PoseCommand::ResetBody => self.reset_body(),
-            PoseCommand::NextJoint | PoseCommand::PreviousJoint => {
-                // In the order of the tree in the Pose section.
-                let rows = rotation_tree(&model);
-                let here = rows.iter().position(|(row, _)| *row == rotation).unwrap_or(0);
-                let by = if command == PoseCommand::NextJoint { 1 } else { rows.len() - 1 };
-                let owner = model.rotation_owners()[rows[(here + by) % rows.len()].0];
-                self.state.selection.joint = Selection::joint_of(&model, owner);
-            }
-            PoseCommand::Nudge(nudge) => self.nudge(nudge.by_px()),
-        }
-    }
-
-    fn reset_body(&mut self) {
-        let start = (*self.document().start).clone();
-        let revision = self.state.history.revision();
-        self.set_pose(start, "Reset body".to_owned());
-        if self.state.history.revision() != revision {
-            let text = "The body has the start pose of the take again.";
-            self.state.notices.info(self.state.now, text, Some(Command::History(HistoryCommand::Undo)));
-        }
-    }
-
     fn window_command(&mut self, command: WindowCommand) {
         match command {
             WindowCommand::Layout(layout) => self.state.preferences.layout = layout,
@@ -214,58 +166,6 @@ impl App {
             WindowCommand::Shortcuts => self.shell.overlay = Some(Overlay::Shortcuts(String::new())),
             WindowCommand::Messages => self.shell.overlay = Some(Overlay::Messages),
             WindowCommand::About => self.shell.overlay = Some(Overlay::About),
-        }
-    }
-
-    fn view_command(&mut self, command: ViewCommand) {
-        let framing = |app: &mut Self, framing: Framing| {
-            for tile in app.tiles_mut() {
-                tile.framing = framing;
-            }
-        };
-        match command {
-            ViewCommand::FitSubject => framing(self, Framing::Subject),
-            ViewCommand::WholePicture => framing(self, Framing::Whole),
-            ViewCommand::ZoomIn => self.zoom(zoom::STEP),
-            ViewCommand::ZoomOut => self.zoom(1.0 / zoom::STEP),
-            ViewCommand::LinkZoom => {
-                self.state.preferences.linked_zoom = !self.state.preferences.linked_zoom;
-                let what = if self.state.preferences.linked_zoom { "together" } else { "each by itself" };
-                self.state.status = Some(format!("Views zoom and pan {what}."));
-            }
-            ViewCommand::CalibrationMarks => self.state.preferences.views.calibration_marks ^= true,
-            ViewCommand::PixelGrid => self.state.preferences.views.pixel_grid ^= true,
-            ViewCommand::SizeHandles => {
-                self.state.preferences.views.size_handles ^= true;
-                let what =
-                    "Drag the diamonds: at its end for the limb's length, at its outline for its radius.";
-                self.state.status = self.state.preferences.views.size_handles.then(|| what.to_owned());
-            }
-            ViewCommand::Mode(mode) => self.show_mode(mode),
-            ViewCommand::Compare(comparison) => {
-                let camera = self.state.selection.camera;
-                if let Some(tile) = self.tiles_mut().get_mut(camera) {
-                    tile.toggle(comparison);
-                }
-            }
-            ViewCommand::CameraAlone(camera) => {
-                self.pane_event(Pane::Camera(camera), PaneEvent::ToggleAlone);
-            }
-        }
-    }
-
-    /// Shows a mode in all views. The Jacobian's, chosen again, goes on to its next axis.
-    fn show_mode(&mut self, mode: ViewMode) {
-        let is_shown = self.tiles_mut().iter().all(|tile| tile.mode == mode && tile.comparison.is_none());
-        if is_shown && mode == ViewMode::JacobianColumn {
-            self.state.preferences.views.axis = self.state.preferences.views.axis.next();
-            self.state.status = Some(format!(
-                "Jacobian column: {}.",
-                self.state.preferences.views.axis.label().to_lowercase()
-            ));
-        }
-        for tile in self.tiles_mut() {
-            (tile.mode, tile.comparison) = (mode, None);
         }
     }
 
@@ -323,48 +223,5 @@ impl App {
     /// The pose on the screen.
     pub(crate) fn shown_pose(&self) -> &Pose {
         self.state.session.shown_pose(self.document(), &self.state.selection)
-    }
-
-    fn set_pose(&mut self, pose: Pose, what: String) {
-        self.interrupt_fit();
-        self.edit(Edit::SetPose { frame: self.state.selection.frame, pose, what }, None);
-    }
-}
-
-/// The pose with the other side's limb, and all that hangs from it, turned as this side's is.
-fn mirrored(model: &backlit_tracking::body::Model, pose: &Pose, rotation: usize) -> Pose {
-    let all = posing::mirror(model, pose);
-    let mut result = pose.clone();
-    for (index, &owner) in model.rotation_owners().iter().enumerate() {
-        let other = model.limbs()[model.mirrored_limb(owner)].rotation;
-        // What follows the selected rotation on this side is copied to the other.
-        if model.rotation_follows(other, rotation) && other != index {
-            result.rotations[index] = all.rotations[index];
-        }
-    }
-    result
-}
-
-#[cfg(test)]
-mod tests {
-    use backlit_tracking::body::{Parameters, builtin};
-
-    use super::*;
-
-    #[test]
-    fn mirroring_an_arm_moves_the_other_arm_only() {
-        let model = builtin::full_body();
-        let step: Vec<f64> = (0..48).map(|i| 0.3 * (f64::from(i) * 1.3).sin()).collect();
-        let pose = Pose::rest(&model).retract(Parameters::Tangent, &step);
-        let arm = model.limbs()[model.limb_index("right upper arm").unwrap()].rotation;
-        let after = mirrored(&model, &pose, arm);
-        let changed: Vec<&str> = model
-            .rotation_owners()
-            .iter()
-            .enumerate()
-            .filter(|(index, _)| after.rotations[*index] != pose.rotations[*index])
-            .map(|(_, owner)| model.limbs()[*owner].name.as_str())
-            .collect();
-        assert_eq!(changed, ["left upper arm", "left forearm"]);
     }
 }

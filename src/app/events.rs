@@ -13,8 +13,6 @@ use crate::document::history::History;
 use crate::document::run::{RunEnding, RunStep};
 use crate::document::tracking_choices::TrackingChoices;
 use crate::document::{CameraUse, Document, Estimate, Origin};
-use crate::drawing::{Comparison, ViewMode};
-use crate::features::camera_views::TileLook;
 use crate::features::fit::job::FitJob;
 use crate::features::fit::refitted::Refitted;
 use crate::session::prediction::Predicted;
@@ -169,12 +167,11 @@ impl App {
         self.shell.docking.alone = None;
         self.state.preferences.scene.viewpoint = None;
         self.shell.docking.pair = [0, 1.min(footage.cameras.len() - 1)];
-        self.features.pose.held = None;
+        self.features.pose.reset();
         self.features.fit.pending_steps = 0;
         self.features.demonstration.prepared = None;
         self.features.demonstration.explanation = None;
-        let cameras = footage.cameras.len();
-        self.features.camera_views.tiles = [vec![TileLook::default(); cameras], debug_tiles(cameras)];
+        self.features.camera_views.reset(footage.cameras.len());
         if let Some(TakeSource::Demonstration(which)) = &footage.source
             && is_new
         {
@@ -203,17 +200,4 @@ fn document_of(footage: &Footage) -> Document {
     }
     document.cameras = Arc::new(cameras);
     document
-}
-
-/// The debug layout begins with the residual, and the report's overlay wiped against the footage, by turns.
-fn debug_tiles(cameras: usize) -> Vec<TileLook> {
-    let residual = TileLook { mode: ViewMode::Residual, ..TileLook::default() };
-    let report = TileLook {
-        mode: ViewMode::ReportOverlay,
-        other: ViewMode::Footage,
-        comparison: Some(Comparison::Wipe),
-        wipe_at: 0.6,
-        ..TileLook::default()
-    };
-    (0..cameras).map(|camera| if camera % 2 == 0 { residual } else { report }).collect()
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::App;
+use crate::drawing::DragEvent;
 use crate::features::basin::{BasinSettings, FileKind};
 
 impl App {
@@ -20,6 +21,18 @@ impl App {
                 recovery.update(context, requests);
                 recovery.guard_close(context, requests);
             },
+        );
+    }
+
+    /// Something is dragged in a camera's view. What runs or plays stops for it.
+    pub(crate) fn drag(&mut self, camera: usize, event: DragEvent) {
+        if matches!(event, DragEvent::Begin(_)) {
+            self.interrupt_fit();
+            self.pause();
+        }
+        self.with(
+            |features| &mut features.pose,
+            |posing, context, requests| posing.drag(camera, event, context, requests),
         );
     }
 

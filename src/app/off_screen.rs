@@ -12,16 +12,17 @@ use crate::app::headless::rest;
 use crate::app::settings::Settings;
 use crate::app::{App, AppOptions};
 use crate::context::pane::Pane;
+use crate::context::picture_alone::PictureAlone;
 use crate::document::Document;
 use crate::document::history::History;
 use crate::features::basin::Basin;
-use crate::features::camera_views::{PictureAlone, TileLook};
+use crate::features::camera_views::CameraViews;
 use crate::features::export::choices::MAX_SIDE;
 use crate::features::export::{ExportJob, ExportOrder, Painter, PictureOf, Shot};
 use crate::features::laboratory::Laboratory;
 use crate::session::Session;
 use crate::session::selection::Selection;
-use crate::widgets::{Framing, image_canvas};
+use crate::widgets::image_canvas;
 
 /// How long a picture is waited for.
 const PATIENCE: Duration = Duration::from_secs(300);
@@ -35,7 +36,7 @@ pub(crate) struct Snapshot {
     session: Session,
     selection: Selection,
     settings: Settings,
-    tiles: [Vec<TileLook>; 2],
+    camera_views: CameraViews,
     alone: Option<Pane>,
     pair: [usize; 2],
     basin: Basin,
@@ -71,7 +72,7 @@ impl App {
             session: self.state.session.at_rest(),
             selection: self.state.selection,
             settings: self.settings(),
-            tiles: self.features.camera_views.tiles.clone(),
+            camera_views: self.features.camera_views.clone(),
             alone: self.shell.docking.alone,
             pair: self.shell.docking.pair,
             basin: self.features.basin.at_rest(),
@@ -100,8 +101,8 @@ impl Twin {
         };
         let (size, pixels_per_point) = match what {
             PictureOf::Window { size, scale } => (size, scale),
-            PictureOf::View { camera, scale, .. } => {
-                let size = footage_size(camera).unwrap_or(Vec2::splat(1.0));
+            PictureOf::View { picture, scale, .. } => {
+                let size = footage_size(picture.camera).unwrap_or(Vec2::splat(1.0));
                 let pixels_per_point = (scale / MARKS_GROW_FROM).max(1.0);
                 (size * scale / pixels_per_point, pixels_per_point)
             }
@@ -114,15 +115,15 @@ impl Twin {
         app.state.history = History::new(snapshot.document);
         app.state.session = snapshot.session;
         app.state.selection = snapshot.selection;
-        app.features.camera_views.tiles = snapshot.tiles;
+        app.features.camera_views = snapshot.camera_views;
         app.shell.docking.alone = snapshot.alone;
         app.shell.docking.pair = snapshot.pair;
         app.features.basin = snapshot.basin;
         app.features.laboratory = snapshot.laboratory;
         app.features.demonstration.explanation = snapshot.explanation;
         let mut twin = Self { window, app, frame_seconds: snapshot.frame_seconds };
-        if let PictureOf::View { camera, marks, legend, whole_frame, .. } = what {
-            twin.show_alone(PictureAlone { camera, marks, legend }, whole_frame);
+        if let PictureOf::View { picture, whole_frame, .. } = what {
+            twin.show_alone(picture, whole_frame);
         }
         Ok(twin)
     }
@@ -130,12 +131,10 @@ impl Twin {
     /// Shows one camera's picture alone, and makes room for its legend.
     fn show_alone(&mut self, picture: PictureAlone, whole_frame: bool) {
         self.app.shell.docking.alone = Some(Pane::Camera(picture.camera));
-        self.app.features.camera_views.picture_alone = Some(picture);
-        if whole_frame && let Some(tile) = self.app.tiles_mut().get_mut(picture.camera) {
-            tile.framing = Framing::Whole;
-        }
+        let layout = self.app.state.preferences.layout;
+        self.app.features.camera_views.show_alone(picture, layout, whole_frame);
         self.settle(&CancelToken::default());
-        let strip = PictureAlone::legend_height(&self.window.ctx);
+        let strip = self.app.features.camera_views.legend_height();
         self.window.resize(self.window.size() + vec2(0.0, strip));
     }
 

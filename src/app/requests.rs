@@ -78,7 +78,7 @@ impl App {
             }
             Request::Joint(joint) => self.state.selection.joint = joint,
             Request::Part(part) => self.state.selection.part = Some(part),
-            Request::Views(settings) => self.state.preferences.views = settings,
+            Request::Views(settings) => self.features.camera_views.preferences.settings = settings,
             Request::Camera(camera) => self.dock(|docking, window| docking.make_active(window, camera)),
             Request::Step(step) => {
                 if let Some(run) = self.state.session.runs.get(step.run) {
@@ -94,7 +94,12 @@ impl App {
             }
             Request::Curves(request) => self.curves_request(request),
             Request::Observe(request) => self.observe_request(request),
-            Request::Tile(camera, event) => self.tile_event(camera, event),
+            Request::SwitchCamera { from, to } => {
+                self.dock(|docking, window| docking.switch_camera(window, from, to))
+            }
+            Request::Drag(camera, event) => self.drag(camera, event),
+            Request::CancelGesture(gesture) => self.state.history.cancel(gesture),
+            Request::Segment => self.state.session.forget_measurements(),
             Request::Layout(layout) => self.state.preferences.layout = layout,
             Request::Pane(pane, event) => self.pane_event(pane, event),
             Request::Scene(look) => self.state.preferences.scene = look,

@@ -10,7 +10,6 @@ use crate::features::demonstration::explanation;
 use crate::features::laboratory::panel as laboratory;
 use crate::features::timeline;
 use crate::shell::Overlay;
-use crate::shell::tiles::TilesLook;
 use crate::shell::{about, dock, empty, messages, notice_cards, right_panel, shortcuts, status_bar, toolbar};
 use crate::style::theme::size;
 use crate::worker::Lane;
@@ -36,6 +35,8 @@ impl App {
             project: self.state.project.as_deref(),
             lacks_take: self.files.lost_take.is_some(),
             clock: &self.clock,
+            views: self.features.camera_views.preferences.settings,
+            drag: self.features.pose.marks(self.state.now),
             time: &self.features.timeline,
             observing: &self.features.observability,
             doing: self.state.status.as_deref(),
@@ -53,7 +54,7 @@ impl App {
     /// Shows all panels.
     pub(crate) fn show(&mut self, ui: &mut Ui, requests: &mut Requests) {
         if ui.input(|input| !input.events.is_empty())
-            && self.features.pose.held.is_none()
+            && !self.context().drag.is_dragging()
             && !requests.commands.is_empty()
         {
             self.state.status = None;
@@ -65,11 +66,11 @@ impl App {
         self.state.unavailable = Unavailable::find(|command| self.unavailable(command));
         let window = ui.max_rect();
         let mut centre_size = None;
-        let busy = self.context().busy;
+        let Context { busy, views, .. } = self.context();
         let mut features = self.lend();
-        let context = Context { busy, ..self.context() };
-        if self.features.camera_views.picture_alone.is_some() {
-            dock::ui(ui, &context, &mut features, &self.tiles_look(), requests);
+        let context = Context { busy, views, ..self.context() };
+        if features.camera_views.is_picture_alone() {
+            dock::ui(ui, &context, &mut features, &self.shell.docking, requests);
             return self.take_back(features);
         }
         toolbar::ui(ui, &context, requests);
@@ -93,7 +94,7 @@ impl App {
                     notices_from.y = ui.available_rect_before_wrap().bottom();
                 }
                 centre_size = Some(ui.available_rect_before_wrap().size());
-                dock::ui(ui, &context, &mut features, &self.tiles_look(), requests);
+                dock::ui(ui, &context, &mut features, &self.shell.docking, requests);
             });
         } else {
             empty::ui(ui, &context, &self.features.recovery, requests);
@@ -112,19 +113,16 @@ impl App {
 
     /// The features that are shown with their own state in hand, while the rest of the app is read.
     fn lend(&mut self) -> Features {
-        Features { basin: std::mem::take(&mut self.features.basin), ..Features::default() }
+        Features {
+            basin: std::mem::take(&mut self.features.basin),
+            camera_views: std::mem::take(&mut self.features.camera_views),
+            ..Features::default()
+        }
     }
 
     fn take_back(&mut self, features: Features) {
         self.features.basin = features.basin;
-    }
-
-    pub(crate) fn tiles_look(&self) -> TilesLook<'_> {
-        TilesLook {
-            views: self.camera_views(),
-            alone: self.shell.docking.alone,
-            pair: self.shell.docking.pair,
-        }
+        self.features.camera_views = features.camera_views;
     }
 
     fn show_overlay(&mut self, ui: &Ui, requests: &mut Requests) {

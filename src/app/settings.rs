@@ -9,6 +9,7 @@ use crate::context::arrangement::Kept;
 use crate::context::preferences::{Layout, Preferences};
 use crate::context::view_settings::ViewSettings;
 use crate::features::basin::BasinPreferences;
+use crate::features::camera_views::CameraViewPreferences;
 use crate::features::convergence::CurvesLook;
 use crate::features::export::ExportChoices;
 use crate::features::scene::SceneLook;
@@ -101,13 +102,14 @@ impl App {
     #[must_use]
     pub fn settings(&self) -> Settings {
         let preferences = self.state.preferences.clone();
+        let views = self.features.camera_views.preferences;
         Settings {
             theme: preferences.theme,
             layout: preferences.layout,
             panel: preferences.panel,
             lanes: preferences.lanes,
-            linked_zoom: preferences.linked_zoom,
-            views: preferences.views,
+            linked_zoom: views.linked_zoom,
+            views: views.settings,
             recent: preferences.recent,
             scene: preferences.scene,
             kept: preferences.kept,
@@ -127,8 +129,6 @@ impl App {
             layout: settings.layout,
             panel: settings.panel,
             lanes: settings.lanes,
-            linked_zoom: settings.linked_zoom,
-            views: settings.views,
             recent: settings.recent,
             scene: settings.scene,
             kept: settings.kept,
@@ -139,6 +139,8 @@ impl App {
         };
         self.features.export.preferences = settings.export;
         self.features.basin.preferences = settings.basin;
+        self.features.camera_views.preferences =
+            CameraViewPreferences { linked_zoom: settings.linked_zoom, settings: settings.views };
     }
 }
 

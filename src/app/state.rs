@@ -23,7 +23,6 @@ use crate::document::history::{Gesture, History};
 use crate::document::project::ProjectError;
 use crate::features::Features;
 use crate::features::basin::Basin;
-use crate::features::camera_views::TileLook;
 use crate::features::laboratory::Laboratory;
 use crate::features::laboratory::job::LiveLaboratory;
 use crate::features::recovery::Recovery;
@@ -310,11 +309,6 @@ impl App {
         // Far from those of the panels, which count from one.
         self.next_gesture += 1;
         Gesture(u64::MAX - self.next_gesture)
-    }
-
-    /// How the tiles of the layout look.
-    pub(crate) fn tiles_mut(&mut self) -> &mut Vec<TileLook> {
-        &mut self.features.camera_views.tiles[usize::from(self.state.preferences.layout == Layout::Debug)]
     }
 
     /// Hands the theme to egui when it has changed.

@@ -145,7 +145,7 @@ impl App {
             "camera": selection.camera,
             "joint": joint_name(model, selection.joint),
             "limb": model.limbs()[selection.limb(model)].name,
-            "held": self.features.pose.held.is_some(),
+            "held": self.context().drag.is_dragging(),
             "step": step,
             "pose": {"root": pose.root.to_array(), "rotations": rotations},
             "cost": session.predicted.as_ref().map(|predicted| predicted.mismatch),
@@ -201,7 +201,7 @@ impl App {
 
     fn exported_cameras(&self) -> Vec<Value> {
         let predicted = self.state.session.predicted.as_ref();
-        let tiles = self.tiles_look().views.tiles;
+        let tiles = self.features.camera_views.tiles(self.state.preferences.layout);
         let camera = |(index, camera): (usize, &crate::document::CameraUse)| {
             let overlap = predicted.and_then(|predicted| predicted.cameras.get(index)?.overlap);
             let tile = tiles.get(index);

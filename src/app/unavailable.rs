@@ -4,6 +4,8 @@ use super::App;
 use crate::context::command::Command;
 use crate::context::preferences::Layout;
 use crate::context::unavailable::{no_take, why};
+use crate::features::camera_views::CameraViews;
+use crate::features::pose::Posing;
 
 impl App {
     /// Why a command cannot be used now, in a sentence without its full stop; `None` if it can.
@@ -19,6 +21,8 @@ impl App {
             Command::Export(command) => features.export.unavailable(command, context),
             Command::Recovery(command) => features.recovery.unavailable(command),
             Command::Laboratory(_) => Some("The Demonstrate layout has the laboratory: press F3"),
+            Command::Pose(command) => Posing::unavailable(command, context),
+            Command::View(command) => CameraViews::unavailable(command, context),
             other => why(other, context),
         }
     }

@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 use crate::context::arrangement;
 use crate::context::arrangement::Kept;
 use crate::context::pane::Pane;
-use crate::context::view_settings::ViewSettings;
 use crate::features::convergence::CurvesLook;
 use crate::features::scene::SceneLook;
 use crate::style::theme::{Theme, size};
@@ -54,10 +53,6 @@ pub struct Preferences {
     pub panel: bool,
     /// Whether the timeline has its lanes.
     pub lanes: bool,
-    /// Whether zoom and pan go together in all views.
-    pub linked_zoom: bool,
-    /// How all camera views look.
-    pub views: ViewSettings,
     /// Takes that were opened last, the newest first.
     pub recent: Vec<PathBuf>,
     /// What the 3-D scene shows.
@@ -81,8 +76,6 @@ impl Default for Preferences {
             layout: Layout::Pose,
             panel: true,
             lanes: true,
-            linked_zoom: false,
-            views: ViewSettings::default(),
             recent: Vec::new(),
             scene: SceneLook::default(),
             kept: Kept::default(),

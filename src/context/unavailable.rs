@@ -6,7 +6,7 @@
 use super::Context;
 use super::command::{
     BasinCommand, Command, ConvergenceCommand, FileCommand, FitCommand, HistoryCommand, ObservabilityCommand,
-    PoseCommand, TimelineCommand, TrackingCommand, ViewCommand, WindowCommand,
+    TimelineCommand, TrackingCommand, WindowCommand,
 };
 use super::preferences::Layout;
 use crate::app::keys_around;
@@ -37,9 +37,7 @@ pub(crate) fn why(command: Command, context: &Context<'_>) -> Why {
     match command {
         Command::File(command) => file(command, context),
         Command::History(command) => history(command, context),
-        Command::Pose(command) => pose(command, context),
         Command::Window(command) => window(command, context),
-        Command::View(command) => view(command, context),
         Command::Scene(_) => no_tiles(context),
         Command::Fit(command) => fit(command, context),
         Command::Convergence(command) => convergence(command, context),
@@ -49,6 +47,8 @@ pub(crate) fn why(command: Command, context: &Context<'_>) -> Why {
         Command::Timeline(command) => timeline(command, context),
         Command::Export(_)
         | Command::Recovery(_)
+        | Command::Pose(_)
+        | Command::View(_)
         | Command::Laboratory(_)
         | Command::Demonstration(_)
         | Command::Tour => None,
@@ -98,20 +98,6 @@ fn history(command: HistoryCommand, context: &Context<'_>) -> Why {
     }
 }
 
-fn pose(command: PoseCommand, context: &Context<'_>) -> Why {
-    match command {
-        PoseCommand::Copy
-        | PoseCommand::Paste
-        | PoseCommand::Mirror
-        | PoseCommand::MirrorAll
-        | PoseCommand::PinJoint
-        | PoseCommand::ResetLimb
-        | PoseCommand::ResetBody
-        | PoseCommand::Nudge(_) => no_take(context),
-        PoseCommand::NextJoint | PoseCommand::PreviousJoint => None,
-    }
-}
-
 fn window(command: WindowCommand, context: &Context<'_>) -> Why {
     match command {
         WindowCommand::TogglePane(_) | WindowCommand::ArrangeTiles => no_tiles(context),
@@ -125,25 +111,6 @@ fn window(command: WindowCommand, context: &Context<'_>) -> Why {
         | WindowCommand::Shortcuts
         | WindowCommand::Messages
         | WindowCommand::About => None,
-    }
-}
-
-fn view(command: ViewCommand, context: &Context<'_>) -> Why {
-    match command {
-        ViewCommand::Compare(_) => no_take(context),
-        ViewCommand::CameraAlone(camera) => {
-            let is_missing = camera >= context.session.camera_count();
-            no_take(context).or(because(is_missing, "The take has fewer cameras"))
-        }
-        ViewCommand::FitSubject
-        | ViewCommand::WholePicture
-        | ViewCommand::ZoomIn
-        | ViewCommand::ZoomOut
-        | ViewCommand::LinkZoom
-        | ViewCommand::CalibrationMarks
-        | ViewCommand::PixelGrid
-        | ViewCommand::SizeHandles
-        | ViewCommand::Mode(_) => None,
     }
 }
 

@@ -1,4 +1,4 @@
-//! How all camera views look and what the hand does in them: kept from start to start with the arrangement.
+//! How all camera views look and what is dragged in them: kept from start to start.
 
 use std::ops::RangeInclusive;
 

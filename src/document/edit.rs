@@ -181,6 +181,13 @@ impl Edit {
 }
 
 impl Document {
+    /// Whether there is anything that a change would change.
+    #[must_use]
+    pub fn would_change(&self, edit: &Edit) -> bool {
+        let mut after = self.clone();
+        after.apply(edit.clone()).is_ok() && after != *self
+    }
+
     /// Makes a change.
     ///
     /// # Errors

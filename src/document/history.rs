@@ -117,7 +117,7 @@ impl History {
     }
 
     /// Undoes everything of a gesture that is still open, and forgets it: Esc in a drag.
-    pub fn put_back(&mut self, gesture: Gesture) {
+    pub fn cancel(&mut self, gesture: Gesture) {
         if self.open == Some(gesture)
             && let Some(entry) = self.undo.pop()
         {
@@ -209,11 +209,11 @@ mod tests {
     }
 
     #[test]
-    fn a_drag_that_is_put_back_leaves_nothing() {
+    fn a_drag_that_is_cancelled_leaves_nothing() {
         let mut history = History::new(Document::new(builtin::single_limb()));
         let edit = moved(history.document(), 1.0);
         history.apply(edit, Some(Gesture(1))).unwrap();
-        history.put_back(Gesture(1));
+        history.cancel(Gesture(1));
         assert_eq!((root_x(&history), history.undo_text(), history.is_dirty()), (0.0, None, false));
     }
 

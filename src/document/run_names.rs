@@ -142,16 +142,11 @@ impl Facets {
             parts.push(&self.start);
         }
         match parts.as_slice() {
-            [] if self.part.starts_with("refit") => capitalised(&self.part),
+            [] if self.part.starts_with("refit") => format::capitalised(&self.part),
             [] => self.fit.clone(),
-            parts => capitalised(&parts.join(", ")),
+            parts => format::capitalised(&parts.join(", ")),
         }
     }
-}
-
-fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 fn renderer_text(renderer: RendererKind) -> String {

@@ -6,6 +6,7 @@ use egui::{Color32, ColorImage};
 
 use super::PictureInput;
 use super::tinted::mix;
+use crate::style::format;
 use crate::style::theme::data_colours::{PICTURE_GROUND, limb_colour};
 
 pub(crate) fn compose(input: &PictureInput<'_>) -> ColorImage {
@@ -41,8 +42,7 @@ pub fn limb_chains(model: &Model) -> Vec<(String, Color32)> {
         let limb = model.limbs()[model.rotation_owners()[*rotation]].name.as_str();
         let part = NAMES.iter().find_map(|(part, chain)| Some((limb.strip_suffix(part)?, *chain)));
         let name = part.map_or_else(|| limb.to_owned(), |(side, chain)| format!("{side}{chain}"));
-        let mut letters = name.chars();
-        letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+        format::capitalised(&name)
     };
     firsts.map(|rotation| (name(rotation), limb_colour(places[*rotation].0, 0))).collect()
 }

@@ -23,6 +23,12 @@ pub struct SightRay {
     pub solid_px: Option<[DVec2; 2]>,
 }
 
+/// The point of the world that a pixel shows at a depth along the optical axis.
+pub fn point_at(camera: &Camera, px: DVec2, depth_m: f64) -> Option<DVec3> {
+    let per_depth = 1.0 / camera.ray_in_camera(px)?.z;
+    Some(camera.centre() + camera.ray_in_world(px)? * (depth_m * per_depth))
+}
+
 /// The ray through `px` of camera `from` (of index `from_index`) as camera `into` sees it; solid where its depth
 /// from `from` is within 0.3 m of `depth_m`. Both cameras have ideal lenses, so it is straight. `None` when
 /// nothing of it is in front of `into`.

@@ -1,18 +1,21 @@
-//! One camera's tile: header, picture with its marks, and a gutter where there is room.
+//! The cameras' views: a tile for each, with its picture and all that is drawn over it.
 //!
 //! | file | holds |
 //! |---|---|
+//! | [`preferences`] | [`CameraViewPreferences`]: what all views share, kept from start to start |
+//! | [`tile_view`] | [`TileView`]: which view mode or modes a tile shows, and which part of the picture |
+//! | `update` | commands, and what the user did in a tile |
+//! | `pane` | what a tile is given of the document and the session |
 //! | `alone` | the picture without header and gutter, for exports |
-//! | [`event`] | [`TileEvent`]: what the user did; [`Drag`]: how a drag moves the body |
-//! | `hand` | press, travel, modifiers, Esc: the pointer's way to those events |
-//! | `header` | badge, name, view mode, link, expand, more |
-//! | [`look`] | [`TileLook`]: which view mode or modes, and which part of the picture |
-//! | `pane` | the tiles of all cameras: what each is given |
 //! | `linked` | how linked views go along with a zoom or pan |
+//! | [`tile`] | a tile: header, picture, gutter |
+//! | [`event`] | [`TileEvent`]: what the user did in a tile |
+//! | `pointer` | press, travel, modifiers, Esc: the pointer's way to those events |
+//! | `header`, `tile_menu` | badge, name, view mode, link, expand, more |
 //! | `picture_view` | texture, outline, limbs, joints, sight ray |
 //! | `comparison` | wipe and blink between two modes |
 //! | [`observed`] | a body that sways, ellipses of joints |
-//! | `gutter` | overlap, use in the fit, what the hand does |
+//! | `gutter` | overlap, use in the fit, what a drag does |
 //! | `legend`, `legend_block` | the strip under the picture; how to read one mode in it |
 //! | `hover_card` | the numbers of the pixel under the pointer |
 
@@ -20,203 +23,133 @@ mod alone;
 mod comparison;
 pub mod event;
 mod gutter;
-mod hand;
 mod header;
 mod hover_card;
 mod legend;
 mod legend_block;
 mod linked;
-pub mod look;
 pub mod observed;
 mod pane;
 mod picture_view;
+mod pointer;
+pub mod preferences;
+pub mod tile;
 mod tile_menu;
-pub(crate) mod zoom;
+pub mod tile_view;
+mod update;
 
-use backlit_tracking::body::Model;
-use backlit_tracking::camera::Camera;
-use backlit_tracking::silhouette::Overlap;
-use egui::{Context, Id, Rect, StrokeKind, Ui, UiBuilder, pos2};
-use glam::DVec2;
+use std::collections::BTreeMap;
 
-pub(crate) use alone::PictureAlone;
-pub use event::{Drag, TileEvent};
-pub(crate) use linked::point_at;
-pub(crate) use look::CameraViewsState;
-pub use look::TileLook;
+pub use event::TileEvent;
 pub use observed::ObservedMarks;
-pub(crate) use pane::{CameraPanes, CameraViews};
+pub(crate) use pane::Place;
+pub use preferences::CameraViewPreferences;
+pub use tile::{CameraTileInput, TileResponse, camera_tile};
+pub use tile_view::TileView;
 
-use crate::context::pane::Pane;
-use crate::context::view_settings::ViewSettings;
-use crate::drawing::{JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SightRay};
-use crate::style::theme;
-use crate::style::theme::size;
+use crate::context::Context;
+use crate::context::picture_alone::PictureAlone;
+use crate::context::preferences::Layout;
+use crate::drawing::{Comparison, ViewMode};
+use crate::session::prediction::Derivatives;
 use crate::widgets::{Framing, ViewTransform};
-use hand::Hand;
 
-/// All that a tile shows. It keeps nothing but the pointer's state and its textures.
-#[derive(Clone, Copy, Debug)]
-pub struct CameraTileInput<'a> {
-    /// The camera's index, counted from zero. It tells tiles apart.
-    pub index: usize,
-    /// The camera's name as shown: "Camera 1".
-    pub name: &'a str,
-    /// It is the active tile.
-    pub is_active: bool,
-    /// It fills the window.
-    pub is_expanded: bool,
-    /// Panes that stand behind this one; the header has a badge or a name for each.
-    pub siblings: &'a [Pane],
-    /// It zooms and pans with the other linked tiles.
-    pub is_linked: bool,
-    /// There is a calibration. Without one there are pictures only.
-    pub is_calibrated: bool,
-    /// What it shows of the picture.
-    pub look: TileLook,
-    /// What all views share.
-    pub settings: ViewSettings,
-    /// Bounds of mask and body over the take, in pixel coordinates.
-    pub subject_px: Option<Rect>,
-    /// Footage, data and prediction.
-    pub picture: PictureInput<'a>,
-    /// Changes whenever anything in `picture` does. Textures are made anew only then.
-    pub generation: u64,
-    /// The calibration, for the marks of it.
-    pub camera: Option<&'a Camera>,
-    /// The camera with its lens, for the edge of what that saw.
-    pub raw_camera: Option<&'a Camera>,
-    /// The body that is posed.
-    pub body: &'a Model,
-    /// The body's outline: see [`body_outline`](crate::drawing::body_outline).
-    pub outlines: &'a [Vec<[f32; 2]>],
-    /// What is drawn instead while that is of an earlier pose: the outline of `limbs`.
-    pub quick_outline: Option<&'a [Vec<DVec2>]>,
-    /// Its limbs: see [`project_limbs`](crate::drawing::project_limbs). Empty for none.
-    pub limbs: &'a [Option<ProjectedLimb>],
-    /// Its joints: see [`project_joints`](crate::drawing::project_joints). Empty where nothing is to be dragged.
-    pub joints: &'a [JointMark],
-    /// The joint that is held; its limb is marked too.
-    pub selected: Option<JointId>,
-    /// The limb whose size has handles, where the settings want them.
-    pub sized: Option<usize>,
-    /// The ray of the joint that is dragged in another view.
-    pub sight_ray: Option<&'a SightRay>,
-    /// Limits of joints that the hand has met.
-    pub limits: &'a [LimitMark],
-    /// How prediction and mask overlap; `None` without a mask.
-    pub overlap: Option<Overlap>,
-    /// The overlap is of an earlier pose, and a new one is on its way.
-    pub is_overlap_stale: bool,
-    /// The camera is used in the fit.
-    pub is_used: bool,
-    /// Its weight in the fit.
-    pub weight: f64,
-    /// What the cameras see and do not see, drawn over the picture.
-    pub observed: ObservedMarks<'a>,
-    /// The numbers of the pixel under the pointer are shown.
-    pub shows_hover_card: bool,
+/// The feature.
+#[derive(Debug, Clone, Default)]
+pub struct CameraViews {
+    /// What all views share, kept from start to start.
+    pub preferences: CameraViewPreferences,
+    tiles: Tiles,
+    /// How each camera's picture lay on the screen when it was last shown.
+    shown: BTreeMap<usize, ViewTransform>,
+    /// One camera's picture and nothing else, for an export.
+    picture_alone: Option<PictureAlone>,
+    /// Height of the legend under that picture in the last frame of the window.
+    legend_height: f32,
 }
 
-/// What a tile remembers from frame to frame.
-#[derive(Clone, Debug, Default)]
-struct TileState {
-    hand: Hand,
-    hovered: Option<[usize; 2]>,
-    card: Option<[usize; 2]>,
+/// What the tiles show: by layout, then by camera.
+#[derive(Debug, Clone, Default)]
+struct Tiles {
+    pose: Vec<TileView>,
+    debug: Vec<TileView>,
 }
 
-/// Where the parts of a tile are.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct TileLayout {
-    header: Rect,
-    picture: Rect,
-    gutter: Option<Rect>,
-    /// What the picture leaves free at its foot for the legend.
-    reserved: f32,
-    has_legend: bool,
-}
-
-impl TileLayout {
-    /// The gutter is there when the tile is wide enough beside the whole picture, so it does not come and go
-    /// with the zoom, and is there for all cameras of one format or for none.
-    fn new(tile: Rect, size_px: [usize; 2]) -> Self {
-        let header = Rect::from_min_max(tile.min, pos2(tile.right(), tile.top() + size::TILE_HEADER));
-        let below = Rect::from_min_max(pos2(tile.left(), header.bottom()), tile.max);
-        let shown = Framing::Whole.view(below, size_px, None).picture_rect(size_px).width();
-        if below.width() - shown < size::GUTTER_FROM {
-            let reserved = legend::RESERVED;
-            return Self { header, picture: below, gutter: None, reserved, has_legend: true };
-        }
-        let (picture, gutter) = below.split_left_right_at_x(below.right() - size::GUTTER);
-        Self { header, picture, gutter: Some(gutter), reserved: 0.0, has_legend: true }
-    }
-}
-
-/// The view that a camera's tile had when it was last shown.
-pub(crate) fn stored_view(ctx: &Context, index: usize) -> Option<ViewTransform> {
-    ctx.data(|data| data.get_temp(view_id(index)))
-}
-
-fn view_id(index: usize) -> Id {
-    Id::unique(("view of camera", index))
-}
-
-/// Shows a camera's tile in all of the space that `ui` has, and says what the user did.
-pub fn camera_tile(ui: &mut Ui, input: &CameraTileInput<'_>) -> Vec<TileEvent> {
-    let tile = ui.available_rect_before_wrap();
-    let layout = TileLayout::new(tile, input.picture.size);
-    let id = ui.scope_id().with(("camera tile", input.index));
-    let builder = UiBuilder::new().id_salt(("camera tile", input.index)).max_rect(tile);
-    let mut events = Vec::new();
-    ui.scope_builder(builder, |ui| {
-        ui.set_clip_rect(tile.intersect(ui.clip_rect()));
-        tile_contents(ui, id, &layout, input, &mut events);
-        ui.advance_cursor_after_rect(tile);
-    });
-    events
-}
-
-fn tile_contents(
-    ui: &mut Ui,
-    id: Id,
-    layout: &TileLayout,
-    input: &CameraTileInput<'_>,
-    events: &mut Vec<TileEvent>,
-) {
-    let palette = theme::palette(ui);
-    let mut state = ui.data(|data| data.get_temp::<TileState>(id)).unwrap_or_default();
-    picture_view::show(ui, id, layout, input, &mut state, events);
-    if let Some(gutter) = layout.gutter {
-        ui.painter().rect_filled(gutter, 0.0, palette.well);
-        gutter::show(ui, gutter, input, &state.hand, events);
-    }
-    header::show(ui, layout, input, events);
-    if input.is_active {
-        let tile = layout.header.union(layout.picture).union(layout.gutter.unwrap_or(layout.picture));
-        ui.painter().rect_stroke(tile, 0.0, palette.active_tile(), StrokeKind::Inside);
-    }
-    ui.data_mut(|data| data.insert_temp(id, state));
-}
-
-#[cfg(test)]
-mod tests {
-    use egui::vec2;
-
-    use super::*;
-
-    #[test]
-    fn portrait_footage_in_a_wide_tile_leaves_a_gutter() {
-        let layout = |width: f32, size_px: [usize; 2]| {
-            let tile = Rect::from_min_size(pos2(5.0, 5.0), vec2(width, 400.0));
-            TileLayout::new(tile, size_px)
+impl Tiles {
+    /// The debug layout begins with the residual, and the report's overlay wiped against the footage, by turns.
+    fn new(cameras: usize) -> Self {
+        let residual = TileView { mode: ViewMode::Residual, ..TileView::default() };
+        let report = TileView {
+            mode: ViewMode::ReportOverlay,
+            other: ViewMode::Footage,
+            comparison: Some(Comparison::Wipe),
+            wipe_at: 0.6,
+            ..TileView::default()
         };
-        let wide = layout(638.0, [272, 480]);
-        let gutter = wide.gutter.unwrap();
-        assert!((gutter.width() - 196.0).abs() < 1e-3);
-        assert!((wide.picture.right() - gutter.left()).abs() < 1e-3);
-        assert!((wide.header.height() - 26.0).abs() < 1e-3);
-        assert_eq!(layout(386.0, [272, 480]).gutter, None);
-        assert_eq!(layout(638.0, [640, 480]).gutter, None);
+        let debug = (0..cameras).map(|camera| if camera % 2 == 0 { residual } else { report }).collect();
+        Self { pose: vec![TileView::default(); cameras], debug }
+    }
+
+    fn of(&self, layout: Layout) -> &[TileView] {
+        match layout {
+            Layout::Debug => &self.debug,
+            Layout::Pose | Layout::Demonstrate => &self.pose,
+        }
+    }
+
+    fn of_mut(&mut self, layout: Layout) -> &mut [TileView] {
+        match layout {
+            Layout::Debug => &mut self.debug,
+            Layout::Pose | Layout::Demonstrate => &mut self.pose,
+        }
+    }
+}
+
+impl CameraViews {
+    /// Another take is open, with so many cameras.
+    pub(crate) fn reset(&mut self, cameras: usize) {
+        *self = Self { preferences: self.preferences, tiles: Tiles::new(cameras), ..Self::default() };
+    }
+
+    /// What the tiles of a layout show, by camera.
+    pub(crate) fn tiles(&self, layout: Layout) -> &[TileView] {
+        self.tiles.of(layout)
+    }
+
+    /// Shows a mode alone in all views of a layout.
+    pub(crate) fn show_mode(&mut self, layout: Layout, mode: ViewMode) {
+        for tile in self.tiles.of_mut(layout) {
+            (tile.mode, tile.comparison) = (mode, None);
+        }
+    }
+
+    /// Shows one camera's picture and nothing else, as it is framed or whole.
+    pub(crate) fn show_alone(&mut self, picture: PictureAlone, layout: Layout, is_whole: bool) {
+        self.picture_alone = Some(picture);
+        if is_whole && let Some(tile) = self.tiles.of_mut(layout).get_mut(picture.camera) {
+            tile.framing = Framing::Whole;
+        }
+    }
+
+    /// Whether one camera's picture is all that is shown.
+    pub(crate) fn is_picture_alone(&self) -> bool {
+        self.picture_alone.is_some()
+    }
+
+    /// Height of the legend under a picture that is shown alone.
+    pub(crate) fn legend_height(&self) -> f32 {
+        self.legend_height
+    }
+
+    /// Which derivatives the tiles show. The Jacobian's column is that of the selected limb's chosen axis.
+    pub(crate) fn derivatives(&self, context: &Context<'_>) -> Derivatives {
+        let tiles = self.tiles(context.preferences.layout);
+        let shows = |mode| tiles.iter().any(|tile| tile.shows(mode));
+        let model = &context.document().model;
+        let rotation = model.limbs()[context.selection.limb(model)].rotation;
+        Derivatives {
+            gradient: shows(ViewMode::Gradient),
+            column: shows(ViewMode::JacobianColumn).then(|| self.preferences.settings.axis.column(rotation)),
+        }
     }
 }

@@ -40,9 +40,7 @@ impl App {
         let runs = which.runs();
         self.state.preferences.layout = if runs.is_empty() { Layout::Pose } else { Layout::Debug };
         self.features.demonstration.explanation = Some(which.explanation());
-        for tile in &mut self.features.camera_views.tiles[1] {
-            (tile.mode, tile.comparison) = (ViewMode::Residual, None);
-        }
+        self.features.camera_views.show_mode(Layout::Debug, ViewMode::Residual);
         self.features.demonstration.prepared =
             Some(Prepared { runs: runs.into(), gesture: self.new_gesture() });
     }

@@ -17,16 +17,14 @@ use backlit_tracking::track::{FitOptions, Preset};
 
 use crate::app::App;
 use crate::context::command::Part;
-use crate::context::preferences::Layout;
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
 use crate::document::history::Gesture;
 use crate::document::run::{Run, RunChoices};
 use crate::document::tracking_choices::TrackingChoices;
-use crate::drawing::ViewMode;
 use crate::features::fit::job::LiveFit;
 use crate::features::fit::job::{FitJob, FitStart};
-use crate::session::prediction::{Derivatives, FitInputs};
+use crate::session::prediction::FitInputs;
 use crate::session::selection::StepRef;
 use crate::worker::Lane;
 
@@ -51,22 +49,8 @@ impl App {
             uses: document.cameras.clone(),
             fit: document.fit.clone(),
             frame: self.state.session.frames.get(self.state.selection.frame).cloned(),
-            derivatives: self.derivatives(),
+            derivatives: self.features.camera_views.derivatives(&self.context()),
         })
-    }
-
-    /// Which derivatives the tiles show. The Jacobian's column is that of the held limb's chosen axis.
-    fn derivatives(&self) -> Derivatives {
-        let tiles =
-            &self.features.camera_views.tiles[usize::from(self.state.preferences.layout == Layout::Debug)];
-        let shows = |mode| tiles.iter().any(|tile| tile.shows(mode));
-        let model = &self.document().model;
-        let rotation = model.limbs()[self.state.selection.limb(model)].rotation;
-        Derivatives {
-            gradient: shows(ViewMode::Gradient),
-            column: shows(ViewMode::JacobianColumn)
-                .then(|| self.state.preferences.views.axis.column(rotation)),
-        }
     }
 
     /// One step, or all of them: of the run that is live, if the pose on the screen is its last one and

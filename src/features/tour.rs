@@ -102,8 +102,8 @@ impl App {
             Stage::Opening => {
                 if is_open && self.state.session.frames.get(self.state.selection.frame).is_some() {
                     self.go_to_frame(0);
-                    for tile in self.features.camera_views.tiles.iter_mut().flatten() {
-                        (tile.mode, tile.comparison) = (ViewMode::Tinted, None);
+                    for layout in [Layout::Pose, Layout::Debug] {
+                        self.features.camera_views.show_mode(layout, ViewMode::Tinted);
                     }
                     self.enter(&mut tour, 0);
                 } else if !is_open && self.worker.is_idle() {
@@ -114,9 +114,7 @@ impl App {
             Stage::At(_) if !is_open => return,
             Stage::At(step) => {
                 Names::keep(&self.state.egui);
-                if let Some(held) = &self.features.pose.held {
-                    tour.dragged_in = Some(held.camera);
-                }
+                tour.dragged_in = self.context().drag.camera.or(tour.dragged_in);
                 let renderer = self.document().fit.renderer.name();
                 if !tour.begun.renderers.contains(&renderer) {
                     tour.begun.renderers.push(renderer);
@@ -161,7 +159,7 @@ impl App {
     fn has_done(&self, tour: &Tour, step: usize) -> bool {
         let moved = || {
             let joints = tour.begun.joint.zip(self.toured_joint());
-            self.features.pose.held.is_none()
+            !self.context().drag.is_dragging()
                 && joints.is_some_and(|(before, now)| before.distance(now) > DRAGGED_M)
         };
         let busy = self.context().busy;

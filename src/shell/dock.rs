@@ -7,13 +7,13 @@ use egui::{
 };
 use egui_tiles::{Behavior, EditAction, ResizeState, TabState, Tabs, TileId, Tiles, UiResponse};
 
-use super::tiles::TilesLook;
+use super::docking::Docking;
 use crate::context::arrangement::{Arrangement, Centre, automatic, has_strip, panes_with, snap};
 use crate::context::command::{Command, WindowCommand};
 use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::{Context, PaneEvent, Request, Requests};
 use crate::features::Features;
-use crate::features::camera_views::CameraPanes;
+use crate::features::camera_views::Place;
 use crate::features::convergence::panel as convergence;
 use crate::features::scene::panel as scene;
 use crate::style::theme;
@@ -32,37 +32,36 @@ pub(crate) fn ui(
     ui: &mut Ui,
     context: &Context<'_>,
     features: &mut Features,
-    look: &TilesLook<'_>,
+    docking: &Docking,
     requests: &mut Requests,
 ) {
     let mut rect = ui.available_rect_before_wrap();
     ui.painter().rect_filled(rect, 0.0, theme::palette(ui).well);
-    let common = CameraPanes::new(context, look.views);
-    if let Some(pane) = look.alone {
+    if let Some(pane) = docking.alone {
         // Alone in the window, a camera has the badges of all others.
         let cameras = (0..context.session.camera_count()).map(Pane::Camera);
         let others: Vec<Pane> = match pane {
             Pane::Camera(_) => cameras.filter(|other| *other != pane).collect(),
             _ => Vec::new(),
         };
-        let input = Contents { context, look, common: &common, pane, siblings: &others };
+        let input = Contents { context, docking, pane, siblings: &others };
         contents(ui, rect, &input, features, requests);
         return;
     }
     let cameras = context.session.camera_count();
-    let centre = Centre { layout: context.preferences.layout, cameras, pair: look.pair, size: rect.size() };
+    let centre =
+        Centre { layout: context.preferences.layout, cameras, pair: docking.pair, size: rect.size() };
     let kept = context.preferences.kept.get(centre.layout, cameras);
     if kept.is_none() && has_strip(&centre) {
         let strip = Rect::from_min_max(pos2(rect.left(), rect.bottom() - STRIP), rect.max);
         rect.set_bottom(strip.top());
-        strip_of_cameras(ui, context, look.pair, strip, requests);
+        strip_of_cameras(ui, context, docking.pair, strip, requests);
     }
     let mut tree = kept.cloned().unwrap_or_else(|| automatic(&centre));
     let before = tree.clone();
     let mut behavior = Dock {
         context,
-        look,
-        common: &common,
+        docking,
         shows_siblings: kept.is_some() || !has_strip(&centre),
         features,
         requests,
@@ -91,8 +90,7 @@ pub(crate) fn ui(
 /// What stands in a tile.
 struct Contents<'a> {
     context: &'a Context<'a>,
-    look: &'a TilesLook<'a>,
-    common: &'a CameraPanes<'a>,
+    docking: &'a Docking,
     pane: Pane,
     /// Panes that stand behind this one.
     siblings: &'a [Pane],
@@ -106,7 +104,7 @@ fn contents(
     features: &mut Features,
     requests: &mut Requests,
 ) -> bool {
-    let Contents { context, look, common, pane, siblings } = *input;
+    let Contents { context, docking, pane, siblings } = *input;
     let mut dragged = false;
     ui.scope_builder(UiBuilder::new().scope_id(pane.scope()).max_rect(rect), |ui| {
         ui.set_clip_rect(rect.intersect(ui.clip_rect()));
@@ -114,15 +112,16 @@ fn contents(
             dragged = handle(ui, rect, pane, requests);
         }
         match pane {
-            Pane::Camera(index) => {
-                dragged = common.show(ui, index, siblings, requests);
+            Pane::Camera(camera) => {
+                let place = Place { camera, is_alone: docking.alone == Some(pane), siblings };
+                dragged = features.camera_views.pane(ui, context, place, requests);
             }
-            Pane::Scene => scene::ui(ui, context, look.views.dragged, siblings, requests),
+            Pane::Scene => scene::ui(ui, context, context.drag.dragged_joint(), siblings, requests),
             Pane::Convergence => convergence::ui(ui, context, siblings, requests),
             Pane::Basin => features.basin.pane(ui, context, siblings, requests),
         }
         if !matches!(pane, Pane::Camera(_)) {
-            header_buttons(ui, rect, pane, look.alone == Some(pane), requests);
+            header_buttons(ui, rect, pane, docking.alone == Some(pane), requests);
         }
     });
     dragged
@@ -204,8 +203,7 @@ fn strip_of_cameras(
 /// How the tree is shown.
 struct Dock<'a> {
     context: &'a Context<'a>,
-    look: &'a TilesLook<'a>,
-    common: &'a CameraPanes<'a>,
+    docking: &'a Docking,
     /// Whether panes that stand behind one are named in its header.
     shows_siblings: bool,
     features: &'a mut Features,
@@ -232,13 +230,8 @@ impl Dock<'_> {
 impl Behavior<Pane> for Dock<'_> {
     fn pane_ui(&mut self, ui: &mut Ui, _tile_id: TileId, pane: &mut Pane) -> UiResponse {
         let siblings = self.siblings(*pane);
-        let input = Contents {
-            context: self.context,
-            look: self.look,
-            common: self.common,
-            pane: *pane,
-            siblings: &siblings,
-        };
+        let input =
+            Contents { context: self.context, docking: self.docking, pane: *pane, siblings: &siblings };
         let dragged = contents(ui, ui.max_rect(), &input, self.features, self.requests);
         if dragged { UiResponse::DragStarted } else { UiResponse::None }
     }

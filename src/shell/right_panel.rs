@@ -7,7 +7,7 @@ use crate::context::{Context, Requests};
 use crate::features::Features;
 use crate::features::fit::{measurement, refit, renderer, solver};
 use crate::features::observability::{camera_subsets, panel as observability};
-use crate::features::pose::{joint, panel as pose, sizes};
+use crate::features::pose::Posing;
 use crate::style::theme;
 use crate::style::theme::{size, space};
 
@@ -47,10 +47,9 @@ fn sections(
 ) {
     let posing = layout == Layout::Pose;
     ui.spacing_mut().item_spacing.y = 0.0;
-    pose::ui(ui, context, requests, posing);
-    joint::ui(ui, context, requests, posing);
+    Posing::limbs(ui, context, requests, posing);
     refit::ui(ui, context, requests, posing);
-    sizes::ui(ui, context, requests, false);
+    Posing::sizes(ui, context, requests);
     measurement::ui(ui, context, requests, false);
     renderer::ui(ui, context, requests, !posing);
     solver::ui(ui, context, requests, !posing);

@@ -13,6 +13,12 @@ pub const MINUS: char = '\u{2212}';
 /// The space between groups of thousands, U+2009.
 pub const THIN_SPACE: char = '\u{2009}';
 
+/// The text with a capital letter: `Right wrist`.
+pub fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// `value` with `decimals` digits after the point: `−8.4`.
 pub fn number(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
@@ -116,6 +122,12 @@ fn with_unit(number: String, unit: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn titles_begin_with_a_capital() {
+        assert_eq!(capitalised("right wrist"), "Right wrist");
+        assert_eq!(capitalised(""), "");
+    }
 
     #[test]
     fn negative_numbers_have_a_true_minus_and_zero_has_none() {

@@ -3,11 +3,12 @@
 use crate::support;
 use backlit::context::view_settings::ViewSettings;
 use backlit::drawing::{
-    BoundedAngle, Comparison, Derivative, JointEllipse, JointId, JointMark, LimitMark, PictureInput,
-    ProjectedLimb, SightRay, ViewMode, body_outline, limb_colours, project_joints, project_limbs, sight_ray,
+    BoundedAngle, Comparison, Derivative, Drag, DragEvent, JointEllipse, JointId, JointMark, LimitMark,
+    PictureInput, ProjectedLimb, SightRay, ViewMode, body_outline, limb_colours, project_joints,
+    project_limbs, sight_ray,
 };
 use backlit::features::camera_views as camera_tile;
-use backlit::features::camera_views::{CameraTileInput, Drag, ObservedMarks, TileEvent, TileLook};
+use backlit::features::camera_views::{CameraTileInput, ObservedMarks, TileEvent, TileView};
 use backlit::style::theme::Theme;
 use backlit::widgets::Framing;
 use backlit_tracking::body::builtin::full_body;
@@ -127,7 +128,7 @@ impl Scene {
             siblings: &[],
             is_linked: true,
             is_calibrated: true,
-            look: TileLook { mode, ..TileLook::default() },
+            tile: TileView { mode, ..TileView::default() },
             settings: ViewSettings::default(),
             subject_px: Some(Rect::from_min_max(pos2(20.0, 25.0), pos2(115.0, 222.0))),
             picture: PictureInput {
@@ -210,8 +211,8 @@ impl Scene {
     }
 }
 
-fn wipe(mode: ViewMode, other: ViewMode, wipe_at: f32) -> TileLook {
-    TileLook { mode, other, comparison: Some(Comparison::Wipe), wipe_at, ..TileLook::default() }
+fn wipe(mode: ViewMode, other: ViewMode, wipe_at: f32) -> TileView {
+    TileView { mode, other, comparison: Some(Comparison::Wipe), wipe_at, ..TileView::default() }
 }
 
 /// The held wrist as the other camera sees it: pixel and depth.
@@ -228,7 +229,7 @@ type Events = Vec<TileEvent>;
 
 fn harness<'a>(input: CameraTileInput<'a>, size: [f32; 2], theme: Theme) -> Harness<'a, Events> {
     support::harness_builder(size, theme).build_ui_state(
-        move |ui, events: &mut Events| events.extend(camera_tile::camera_tile(ui, &input)),
+        move |ui, events: &mut Events| events.extend(camera_tile::camera_tile(ui, &input).events),
         Events::new(),
     )
 }
@@ -262,10 +263,10 @@ fn calibration_size_handles_and_large_pixels() {
         snapshots.picture(&harness.render().unwrap(), name);
     };
     let marks = ViewSettings { calibration_marks: true, ..ViewSettings::default() };
-    let look = TileLook { framing: Framing::Whole, mode: ViewMode::Footage, ..TileLook::default() };
+    let tile = TileView { framing: Framing::Whole, mode: ViewMode::Footage, ..TileView::default() };
     let plain = scene.input(ViewMode::Footage);
     let marked =
-        CameraTileInput { settings: marks, look, raw_camera: Some(&raw), limbs: &[], outlines: &[], ..plain };
+        CameraTileInput { settings: marks, tile, raw_camera: Some(&raw), limbs: &[], outlines: &[], ..plain };
     shot(marked, "camera_tile_calibration");
     let handles = ViewSettings { size_handles: true, ..ViewSettings::default() };
     let thigh = scene.body.limb_index("left thigh").unwrap();
@@ -274,8 +275,8 @@ fn calibration_size_handles_and_large_pixels() {
         "camera_tile_size_handles",
     );
     let framing = Framing::Free { zoom: 16.0, offset: [-0.12, -0.12] };
-    let near = TileLook { framing, ..scene.posing().look };
-    shot(CameraTileInput { look: near, ..scene.posing() }, "camera_tile_pixel_grid");
+    let near = TileView { framing, ..scene.posing().tile };
+    shot(CameraTileInput { tile: near, ..scene.posing() }, "camera_tile_pixel_grid");
 }
 
 #[test]
@@ -284,8 +285,8 @@ fn sizes_are_dragged_by_their_handles() {
     let forearm = scene.body.limb_index("left forearm").unwrap();
     let settings = ViewSettings { size_handles: true, ..ViewSettings::default() };
     let framing = Framing::Free { zoom: 3.0, offset: [0.08, 0.0] };
-    let look = TileLook { framing, ..scene.posing().look };
-    let input = CameraTileInput { settings, look, sized: Some(forearm), ..scene.posing() };
+    let tile = TileView { framing, ..scene.posing().tile };
+    let input = CameraTileInput { settings, tile, sized: Some(forearm), ..scene.posing() };
     let mut harness = harness(input, WIDE, Theme::Dark);
     harness.run();
     for (label, is_length) in
@@ -303,8 +304,8 @@ fn sizes_are_dragged_by_their_handles() {
         harness.run();
         let events = taken(&mut harness);
         let is_drag = |event: &TileEvent| match event {
-            TileEvent::DragStart(Drag::Length { limb, .. }) => is_length && *limb == forearm,
-            TileEvent::DragStart(Drag::Radius { limb, .. }) => !is_length && *limb == forearm,
+            TileEvent::Drag(DragEvent::Begin(Drag::Length { limb, .. })) => is_length && *limb == forearm,
+            TileEvent::Drag(DragEvent::Begin(Drag::Radius { limb, .. })) => !is_length && *limb == forearm,
             _ => false,
         };
         assert!(events.iter().any(is_drag), "{label}: {events:?}");
@@ -314,8 +315,8 @@ fn sizes_are_dragged_by_their_handles() {
 #[test]
 fn the_hover_card_is_held_by_a_key() {
     let scene = Scene::new();
-    let look = TileLook { mode: ViewMode::Gradient, ..TileLook::default() };
-    let input = CameraTileInput { shows_hover_card: true, look, ..scene.input(ViewMode::Gradient) };
+    let tile = TileView { mode: ViewMode::Gradient, ..TileView::default() };
+    let input = CameraTileInput { shows_hover_card: true, tile, ..scene.input(ViewMode::Gradient) };
     let mut harness = harness(input, [416.0, 276.0], Theme::Dark);
     harness.hover_at(pos2(122.0, 186.0));
     harness.run();
@@ -365,7 +366,7 @@ fn sight_ray_wipe_hover_card_and_empty_tiles() {
     let with_ray = CameraTileInput { sight_ray: Some(&ray), is_active: false, ..scene.posing() };
     shot(with_ray, WIDE, Theme::Dark, None, "camera_tile_sight_ray");
     let wiped = CameraTileInput {
-        look: wipe(ViewMode::ReportOverlay, ViewMode::Footage, 0.55),
+        tile: wipe(ViewMode::ReportOverlay, ViewMode::Footage, 0.55),
         ..scene.input(ViewMode::ReportOverlay)
     };
     shot(wiped, [316.0, 336.0], Theme::Dark, None, "camera_tile_wipe");
@@ -411,10 +412,10 @@ fn limits_ellipses_and_what_is_compared() {
         assert!(known.query_all_by_label_contains(label).next().is_some(), "{label}");
     }
 
-    let look =
-        TileLook { comparison: Some(Comparison::Blink), ..wipe(ViewMode::Residual, ViewMode::Data, 0.5) };
+    let tile =
+        TileView { comparison: Some(Comparison::Blink), ..wipe(ViewMode::Residual, ViewMode::Data, 0.5) };
     let mut blinking =
-        harness(CameraTileInput { look, ..scene.input(ViewMode::Residual) }, WIDE, Theme::Dark);
+        harness(CameraTileInput { tile, ..scene.input(ViewMode::Residual) }, WIDE, Theme::Dark);
     shot(&mut blinking, "camera_tile_blink");
     // Both are explained at once: nothing jumps.
     blinking.get_by_label_contains(
@@ -440,15 +441,14 @@ fn a_joint_is_dragged_by_its_handle() {
     harness.hover_at(wrist);
     harness.run();
     harness.get_by_label("Right wrist");
-    assert!(taken(&mut harness).iter().any(|event| matches!(event, TileEvent::Hover(Some(_)))));
     harness.drag_at(wrist);
     harness.run();
     assert_eq!(taken(&mut harness), [TileEvent::Activate, TileEvent::SelectJoint(scene.wrist)]);
     harness.hover_at(wrist + vec2(20.0, 0.0));
     harness.run();
     let events = taken(&mut harness);
-    let Some(TileEvent::DragStart(Drag::Joint { joint, target_px })) =
-        events.iter().find(|event| matches!(event, TileEvent::DragStart(_)))
+    let Some(TileEvent::Drag(DragEvent::Begin(Drag::Joint { joint, target_px }))) =
+        events.iter().find(|event| matches!(event, TileEvent::Drag(DragEvent::Begin(_))))
     else {
         panic!("{events:?}")
     };
@@ -460,7 +460,7 @@ fn a_joint_is_dragged_by_its_handle() {
     Snapshots::default().picture(&harness.render().unwrap(), "camera_tile_dragging");
     harness.drop_at(wrist + vec2(20.0, 0.0));
     harness.run();
-    assert!(taken(&mut harness).contains(&TileEvent::DragEnd));
+    assert!(taken(&mut harness).contains(&TileEvent::Drag(DragEvent::End)));
 }
 
 #[test]
@@ -477,13 +477,12 @@ fn escape_cancels_a_drag_and_shift_changes_the_depth() {
     harness.hover_at(wrist - vec2(0.0, 40.0));
     harness.run();
     let events = taken(&mut harness);
-    let deeper =
-        |event: &TileEvent| matches!(event, TileEvent::DragStart(Drag::Depth { ratio, .. }) if *ratio > 1.0);
+    let deeper = |event: &TileEvent| matches!(event, TileEvent::Drag(DragEvent::Begin(Drag::Depth { ratio, .. })) if *ratio > 1.0);
     assert!(events.iter().any(deeper), "{events:?}");
     harness.event(Event::ModifiersChanged(Modifiers::NONE));
     harness.key_press(Key::Escape);
     harness.run();
-    assert!(taken(&mut harness).contains(&TileEvent::DragCancelled));
+    assert!(taken(&mut harness).contains(&TileEvent::Drag(DragEvent::Cancel)));
 }
 
 #[test]
@@ -491,7 +490,7 @@ fn a_limb_is_turned_by_its_body() {
     let scene = Scene::new();
     let framing = Framing::Free { zoom: 3.0, offset: [0.08, 0.0] };
     let mut harness = harness(
-        CameraTileInput { look: TileLook { framing, ..scene.posing().look }, ..scene.posing() },
+        CameraTileInput { tile: TileView { framing, ..scene.posing().tile }, ..scene.posing() },
         WIDE,
         Theme::Dark,
     );
@@ -508,7 +507,7 @@ fn a_limb_is_turned_by_its_body() {
     let events = taken(&mut harness);
     let forearm = scene.body.limb_index("left forearm").unwrap();
     assert!(events.contains(&TileEvent::SelectLimb(forearm)), "{events:?}");
-    let turns = |event: &TileEvent| matches!(event, TileEvent::DragStart(Drag::Turn { limb, .. }) if *limb == forearm);
+    let turns = |event: &TileEvent| matches!(event, TileEvent::Drag(DragEvent::Begin(Drag::Turn { limb, .. })) if *limb == forearm);
     assert!(events.iter().any(turns), "{events:?}");
 }
 
@@ -589,15 +588,19 @@ fn the_wheel_zooms_and_the_right_button_pans() {
     let events = taken(&mut harness);
     let panned = |event: &TileEvent| matches!(event, TileEvent::SetFraming(Framing::Free { offset, .. }) if offset[0] < 0.0);
     assert!(events.iter().any(panned), "{events:?}");
-    assert!(!events.iter().any(|event| matches!(event, TileEvent::DragStart(_) | TileEvent::Activate)));
+    assert!(
+        !events
+            .iter()
+            .any(|event| matches!(event, TileEvent::Drag(DragEvent::Begin(_)) | TileEvent::Activate))
+    );
 }
 
 #[test]
 fn silhouettes_can_be_asked_for_and_the_wipe_moved() {
     let scene = Scene::new();
     let picture = PictureInput { mask: None, data: None, ..scene.input(ViewMode::Data).picture };
-    let look = wipe(ViewMode::Footage, ViewMode::Prediction, 0.5);
-    let input = CameraTileInput { picture, overlap: None, look, ..scene.input(ViewMode::Footage) };
+    let tile = wipe(ViewMode::Footage, ViewMode::Prediction, 0.5);
+    let input = CameraTileInput { picture, overlap: None, tile, ..scene.input(ViewMode::Footage) };
     let mut harness = harness(input, WIDE, Theme::Dark);
     harness.run();
     harness.get_by_label("Segment").click();

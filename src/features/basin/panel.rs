@@ -225,9 +225,7 @@ fn conditions(ui: &mut Ui, basin: &Basin) {
         BasinView::Map => basin.results.map.as_ref().map(|result| &result.about),
     };
     if let Some(about) = about {
-        let mut letters = about.conditions.chars();
-        let first = letters.next().map_or_else(String::new, |first| first.to_uppercase().collect());
-        let text = RichText::new(format!("{first}{}", letters.as_str())).small().color(palette.text3);
+        let text = RichText::new(format::capitalised(&about.conditions)).small().color(palette.text3);
         ui.horizontal(|ui| {
             ui.spacing_mut().interact_size.y = 0.0;
             if let Some(partial) = basin.results.partial(view).and_then(FitCount::partial_text) {

@@ -7,7 +7,7 @@ use egui::{
     pos2, vec2,
 };
 
-use super::hand::rotation_owner;
+use super::pointer::rotation_owner;
 use super::{CameraTileInput, TileEvent};
 use crate::drawing::{Comparison, JointId, ViewMode};
 use crate::style::theme::data_colours::{CASING, JOINT};
@@ -89,17 +89,17 @@ pub(crate) fn seen(
     events: &mut Vec<TileEvent>,
 ) -> Seen {
     let shown = |mode| input.picture.shown(mode);
-    let look = &input.look;
-    match look.comparison {
-        None => Seen::One(shown(look.mode)),
+    let tile = &input.tile;
+    match tile.comparison {
+        None => Seen::One(shown(tile.mode)),
         Some(Comparison::Wipe) => {
-            Seen::Wiped(shown(look.mode), shown(look.other), drag_handle(ui, id, rect, input, events))
+            Seen::Wiped(shown(tile.mode), shown(tile.other), drag_handle(ui, id, rect, input, events))
         }
         Some(Comparison::Blink) => {
             let seconds = input.settings.blink_seconds();
             let (is_other, wait) = blink(ui.input(|input| input.time), seconds);
             ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(wait));
-            Seen::Blinking([look.mode, look.other].map(shown), is_other)
+            Seen::Blinking([tile.mode, tile.other].map(shown), is_other)
         }
     }
 }
@@ -111,11 +111,11 @@ fn blink(time: f64, seconds: f64) -> (bool, f64) {
 }
 
 fn drag_handle(ui: &Ui, id: Id, rect: Rect, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) -> f32 {
-    let at = input.look.wipe_at;
+    let at = input.tile.wipe_at;
     let at = if at.is_finite() { at.clamp(0.0, 1.0) } else { 0.5 };
     let handle = Rect::from_center_size(wipe_handle(rect, at), vec2(size::BUTTON, size::BUTTON));
     let response = ui.interact(handle, id.with("wipe"), Sense::drag());
-    let label = format!("Wipe to {}", input.look.other.label().to_lowercase());
+    let label = format!("Wipe to {}", input.tile.other.label().to_lowercase());
     response.widget_info(|| WidgetInfo::slider(true, f64::from(at), label.as_str()));
     let at = match response.interact_pointer_pos().filter(|_| response.dragged()) {
         Some(pointer) => {
@@ -191,7 +191,7 @@ pub(crate) fn paint_names(ui: &Ui, painter: &Painter, rect: Rect, seen: Seen) {
 
 /// What a mode is named where two are compared, for the header: "tinted overlay on footage | footage".
 pub(crate) fn mode_text(input: &CameraTileInput<'_>, is_short: bool) -> String {
-    let look = &input.look;
+    let tile = &input.tile;
     let axis = input.settings.axis;
     let mode = |mode: ViewMode| match (mode, is_short) {
         (ViewMode::JacobianColumn, true) => format!("J, {}", axis.short_label()),
@@ -199,10 +199,10 @@ pub(crate) fn mode_text(input: &CameraTileInput<'_>, is_short: bool) -> String {
         (_, true) => mode.short_label().to_owned(),
         (_, false) => mode.label().to_owned(),
     };
-    match look.comparison {
-        Some(Comparison::Wipe) => format!("{} | {}", mode(look.mode), mode(look.other).to_lowercase()),
-        Some(Comparison::Blink) => format!("{} / {}", mode(look.mode), mode(look.other).to_lowercase()),
-        None => mode(look.mode),
+    match tile.comparison {
+        Some(Comparison::Wipe) => format!("{} | {}", mode(tile.mode), mode(tile.other).to_lowercase()),
+        Some(Comparison::Blink) => format!("{} / {}", mode(tile.mode), mode(tile.other).to_lowercase()),
+        None => mode(tile.mode),
     }
 }
 

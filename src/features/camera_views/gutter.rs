@@ -1,4 +1,4 @@
-//! Beside a portrait picture: how model and data overlap, the camera's use in the fit, and what the hand does.
+//! Beside a portrait picture: how model and data overlap, the camera's use in the fit, and what a drag does.
 
 use backlit_tracking::silhouette::Overlap;
 use egui::{
@@ -6,7 +6,7 @@ use egui::{
     Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
 
-use super::hand::{Action, Hand};
+use super::pointer::{Action, Pointer};
 use super::{CameraTileInput, TileEvent};
 use crate::context::command_button::gesture;
 use crate::drawing::{SightRay, joint_name};
@@ -41,7 +41,7 @@ pub(crate) fn show(
     ui: &mut Ui,
     rect: Rect,
     input: &CameraTileInput<'_>,
-    hand: &Hand,
+    pointer: &Pointer,
     events: &mut Vec<TileEvent>,
 ) {
     let inner = rect.shrink2(vec2(space::GUTTER_MARGIN, space::GROUP));
@@ -62,7 +62,7 @@ pub(crate) fn show(
         }
         separator(ui);
         show_fit_use(ui, input, events);
-        show_hand(ui, input, hand);
+        show_drag(ui, input, pointer);
     });
 }
 
@@ -128,11 +128,11 @@ pub(crate) fn show_fit_use(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mu
     });
 }
 
-/// What the hand holds here, or the ray of what it holds in another view.
-fn show_hand(ui: &mut Ui, input: &CameraTileInput<'_>, hand: &Hand) {
+/// What is dragged here, or the ray of what is dragged in another view.
+fn show_drag(ui: &mut Ui, input: &CameraTileInput<'_>, pointer: &Pointer) {
     let palette = theme::palette(ui);
     let limb_name = |limb: usize| input.body.limbs().get(limb).map_or("limb", |limb| limb.name.as_str());
-    let held = hand.action().map(|action| match action {
+    let held = pointer.action().map(|action| match action {
         Action::Joint(joint) => format!("Dragging {}", joint_name(input.body, joint)),
         Action::Depth(joint) => format!("Depth of {}", joint_name(input.body, joint)),
         Action::Twist(limb) => format!("Twisting {}", limb_name(limb)),
@@ -141,13 +141,13 @@ fn show_hand(ui: &mut Ui, input: &CameraTileInput<'_>, hand: &Hand) {
         Action::Length(limb) => format!("Length of {}", limb_name(limb)),
         Action::Radius(limb) => format!("Radius of {}", limb_name(limb)),
     });
-    let hovered = hand.hovered.or(hand.grip()).map(|grip| grip_name(input, grip));
+    let hovered = pointer.hovered.or(pointer.grip()).map(|grip| grip_name(input, grip));
     if let Some(title) = held.as_ref().or(hovered.as_ref()) {
         separator(ui);
         let colour = if held.is_some() { palette.accent_text } else { palette.text };
         ui.label(RichText::new(title).color(colour));
         ui.add_space(space::ROW);
-        let is_size = matches!(hand.hovered.or(hand.grip()), Some(Grip::Length(_) | Grip::Radius(_)));
+        let is_size = matches!(pointer.hovered.or(pointer.grip()), Some(Grip::Length(_) | Grip::Radius(_)));
         let keys: &[(&str, &str)] = match () {
             () if !is_size => &[("Shift", "depth"), ("Ctrl", "twist"), ("Ctrl Shift", "whole body")],
             () if input.settings.both_sides => &[("Drag", "on both sides")],
@@ -167,8 +167,8 @@ fn show_hand(ui: &mut Ui, input: &CameraTileInput<'_>, hand: &Hand) {
 pub(crate) fn grip_name(input: &CameraTileInput<'_>, grip: Grip) -> String {
     let limb_name = |limb: usize| input.body.limbs().get(limb).map_or("limb", |limb| limb.name.as_str());
     match grip {
-        Grip::Joint(joint) => capitalised(&joint_name(input.body, joint)),
-        Grip::Limb(limb) => capitalised(limb_name(limb)),
+        Grip::Joint(joint) => format::capitalised(&joint_name(input.body, joint)),
+        Grip::Limb(limb) => format::capitalised(limb_name(limb)),
         Grip::Length(limb) => format!("Length of {}", limb_name(limb)),
         Grip::Radius(limb) => format!("Radius of {}", limb_name(limb)),
     }
@@ -188,15 +188,10 @@ fn show_ray(ui: &mut Ui, input: &CameraTileInput<'_>, ray: &SightRay) {
     if let Some(joint) = selected {
         let name = joint_name(input.body, joint.id);
         let name = name.strip_prefix("right ").or(name.strip_prefix("left ")).unwrap_or(&name);
-        let label = format!("{} depth here", capitalised(name));
+        let label = format!("{} depth here", format::capitalised(name));
         let depth = format!("{} m", format::number(joint.depth_m, 2));
         number_row(ui, None, &label, &depth, TextStyle::Monospace, palette.text);
     }
-}
-
-fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 fn separator(ui: &mut Ui) {
@@ -263,16 +258,5 @@ fn bar(ui: &mut Ui, overlap: &Overlap) {
             colour,
         );
         left += part + BAR_GAP;
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn titles_begin_with_a_capital() {
-        assert_eq!(capitalised("right wrist"), "Right wrist");
-        assert_eq!(capitalised(""), "");
     }
 }

@@ -7,7 +7,8 @@ use egui::{
 };
 
 use super::comparison::mode_text;
-use super::{CameraTileInput, TileEvent, TileLayout, gutter, tile_menu};
+use super::tile::TileLayout;
+use super::{CameraTileInput, TileEvent, gutter, tile_menu};
 use crate::context::command::{Command, ViewCommand};
 use crate::context::pane_title;
 use crate::style::format;
@@ -153,7 +154,7 @@ fn mode_menu(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEven
         let radius = CornerRadius::same(size::BUTTON_RADIUS);
         ui.painter().rect_stroke(rect, radius, palette.focus_ring(), egui::StrokeKind::Outside);
     }
-    let mode = input.look.mode;
+    let mode = input.tile.mode;
     let tooltip = format!("{}: {}   {}", mode.label(), mode.tooltip(), mode.key());
     let response = response.on_hover_text(tooltip);
     Popup::menu(&response)

@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use egui::{Galley, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
 
+use super::CameraTileInput;
 use super::comparison::Seen;
 use super::legend_block::{Block, Item, ROW};
-use super::{CameraTileInput, TileLayout};
+use super::tile::TileLayout;
 use crate::drawing::{Legend, ViewMode};
 use crate::style::format;
 use crate::style::theme::data_colours::PICTURE_GROUND;

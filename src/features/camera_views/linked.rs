@@ -7,6 +7,7 @@
 use backlit_tracking::camera::Camera;
 use glam::{DVec2, DVec3};
 
+use crate::drawing::point_at;
 use crate::widgets::ViewTransform;
 
 /// A smaller relative change of magnification is a pan.
@@ -39,12 +40,6 @@ pub(crate) fn follow(
     let at =
         seen(point_at(from, fixed, depth(fixed))).map_or(view.rect.center(), |px| view.screen_from_px(px));
     view.zoomed_at(at, ratio)
-}
-
-/// The point of the world that a pixel shows at a depth along the optical axis.
-pub(crate) fn point_at(camera: &Camera, px: DVec2, depth_m: f64) -> Option<DVec3> {
-    let per_depth = 1.0 / camera.ray_in_camera(px)?.z;
-    Some(camera.centre() + camera.ray_in_world(px)? * (depth_m * per_depth))
 }
 
 #[cfg(test)]

@@ -5,10 +5,11 @@ use egui::{
 };
 
 use super::comparison::{self, Seen};
-use super::hand::{PointerInput, Scene, rotation_owner};
 use super::hover_card::HoverCard;
 use super::observed::{paint_ellipses, paint_sway};
-use super::{CameraTileInput, TileEvent, TileLayout, TileState, legend, view_id};
+use super::pointer::{Grips, PointerInput, rotation_owner};
+use super::tile::{TileLayout, TileState};
+use super::{CameraTileInput, TileEvent, legend};
 use glam::DVec2;
 
 use crate::drawing::{CalibrationMarks, JointId, ProjectedLimb, ViewMode, compose};
@@ -21,7 +22,7 @@ use crate::widgets::{
     paint_sight_ray,
 };
 
-/// Shows the picture and says how high its legend is.
+/// Shows the picture; says how it lies on the screen and how high its legend is.
 pub(crate) fn show(
     ui: &Ui,
     id: Id,
@@ -29,21 +30,20 @@ pub(crate) fn show(
     input: &CameraTileInput<'_>,
     state: &mut TileState,
     events: &mut Vec<TileEvent>,
-) -> f32 {
+) -> (ViewTransform, f32) {
     let rect = layout.picture;
     let size_px = input.picture.size;
     let free = Rect::from_min_max(rect.min, pos2(rect.right(), rect.bottom() - layout.reserved));
-    let mut view = input.look.framing.view(free, size_px, input.subject_px);
+    let mut view = input.tile.framing.view(free, size_px, input.subject_px);
     let response = ui.interact(rect, id.with("picture"), Sense::CLICK | Sense::DRAG);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("{} picture", input.name)));
-    if let Some(changed) = navigate(ui, &response, &view, state.hand.is_free()) {
+    if let Some(changed) = navigate(ui, &response, &view, state.pointer.is_free()) {
         events.push(TileEvent::SetFraming(Framing::of(&changed, size_px, input.subject_px)));
         view = changed;
     }
-    if response.double_clicked() && state.hand.hovered.is_none() {
+    if response.double_clicked() && state.pointer.hovered.is_none() {
         events.push(TileEvent::SetFraming(Framing::Subject));
     }
-    ui.data_mut(|data| data.insert_temp(view_id(input.index), view));
     let seen = comparison::seen(ui, id, rect, input, events);
 
     ui.painter().rect_filled(rect, 0.0, PICTURE_GROUND);
@@ -77,7 +77,7 @@ pub(crate) fn show(
     }
     comparison::paint_names(ui, &painter, rect, seen);
     show_card(ui, id, rect, &view, input, (state, seen, layout.gutter.is_none()));
-    if layout.has_legend { legend::show(ui, layout, input, seen) } else { 0.0 }
+    (view, if layout.has_legend { legend::show(ui, layout, input, seen) } else { 0.0 })
 }
 
 /// One view mode in one part of the picture.
@@ -105,7 +105,7 @@ fn paint_part(
     }
 }
 
-/// Lets the pointer hold joints and limbs, and says which pixel it is on.
+/// Lets the pointer hold joints and limbs, and notes which pixel it is on.
 fn follow_pointer(
     ui: &Ui,
     response: &Response,
@@ -120,7 +120,7 @@ fn follow_pointer(
     });
     let is_held = response.is_pointer_button_down_on();
     let inside = at.filter(|_| response.contains_pointer());
-    let scene = Scene { body: input.body, joints: input.joints, limbs: input.limbs, view: *view };
+    let grips = Grips { body: input.body, joints: input.joints, limbs: input.limbs, view: *view };
     // Without handles there is nothing to hold: limbs are only shown.
     let under = inside.filter(|_| !input.joints.is_empty());
     let sized = size_handles(view, input);
@@ -128,7 +128,7 @@ fn follow_pointer(
         let size = sized.and_then(|handles| handles.grip_at(at));
         size.or_else(|| grip_at(at, view, input.joints, input.limbs))
     });
-    let is_cancelled = state.hand.grip().is_some()
+    let is_cancelled = state.pointer.grip().is_some()
         && ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape));
     if let Some(at) = at {
         let pointer = PointerInput {
@@ -138,20 +138,16 @@ fn follow_pointer(
             modifiers,
             is_cancelled,
         };
-        state.hand.update(&pointer, under, &scene, events);
+        state.pointer.update(&pointer, under, &grips, events);
     }
-    if state.hand.action().is_some() {
+    if state.pointer.action().is_some() {
         ui.set_cursor_icon(CursorIcon::Grabbing);
-    } else if state.hand.hovered.is_some() {
+    } else if state.pointer.hovered.is_some() {
         ui.set_cursor_icon(CursorIcon::Grab);
-    } else if response.dragged() && state.hand.is_free() {
+    } else if response.dragged() && state.pointer.is_free() {
         ui.set_cursor_icon(CursorIcon::AllScroll);
     }
-    let hovered = inside.and_then(|at| view.pixel_at(at, input.picture.size));
-    if hovered != state.hovered {
-        state.hovered = hovered;
-        events.push(TileEvent::Hover(hovered));
-    }
+    state.hovered = inside.and_then(|at| view.pixel_at(at, input.picture.size));
 }
 
 /// Limbs under joints, rays between them.
@@ -174,7 +170,7 @@ fn paint_marks(
             .collect()
     };
     if !input.joints.is_empty() {
-        if let Some(Grip::Limb(limb)) = state.hand.hovered {
+        if let Some(Grip::Limb(limb)) = state.pointer.hovered {
             paint_limbs(painter, view, &turning_with(limb), false);
         }
         if let Some(JointId::End(limb)) = input.selected
@@ -198,8 +194,8 @@ fn paint_marks(
         let grip = Some(Grip::Joint(joint.id));
         let look = JointLook {
             is_selected: Some(joint.id) == input.selected,
-            is_hovered: state.hand.hovered == grip,
-            is_dragged: state.hand.grip() == grip,
+            is_hovered: state.pointer.hovered == grip,
+            is_dragged: state.pointer.grip() == grip,
             is_small: !input.observed.ellipses.is_empty(),
         };
         paint_joint(painter, at, joint.is_pinned, look);
@@ -238,7 +234,7 @@ fn paint_size_handles(
     state: &TileState,
 ) {
     let Some((handles, limb)) = size_handles(view, input).zip(input.sized) else { return };
-    handles.paint(painter, state.hand.grip().or(state.hand.hovered));
+    handles.paint(painter, state.pointer.grip().or(state.pointer.hovered));
     let name = input.body.limbs().get(limb).map_or("limb", |limb| limb.name.as_str());
     for (at, what) in handles.places().filter(|(at, _)| painter.clip_rect().contains(*at)) {
         let place = Rect::from_center_size(at, vec2(size::ROW, size::ROW));
@@ -258,7 +254,7 @@ fn show_card(
 ) {
     let is_frozen = ui.input(|input| input.key_down(Key::H));
     if !is_frozen {
-        state.card = state.hovered.filter(|_| state.hand.action().is_none());
+        state.card = state.hovered.filter(|_| state.pointer.action().is_none());
     }
     if let Some(pixel) = state.card.filter(|_| input.shows_hover_card) {
         let at = view.screen_from_px(DVec2::new(pixel[0] as f64, pixel[1] as f64));
@@ -266,7 +262,7 @@ fn show_card(
             pixel,
             is_frozen,
             mode: seen.mode_at(picture, at),
-            grip: state.hand.hovered.filter(|_| !is_frozen),
+            grip: state.pointer.hovered.filter(|_| !is_frozen),
             has_keys,
         };
         card.show(ui, id.with("hover card"), picture, view, input);

@@ -17,9 +17,9 @@ const WIDTH: f32 = 220.0;
 /// The view modes; below them what the mode is compared with, and the Jacobian's axis.
 pub(crate) fn modes(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) {
     ui.set_min_width(WIDTH);
-    let look = &input.look;
+    let tile = &input.tile;
     for mode in ViewMode::ALL {
-        let entry = Button::new(mode.label()).shortcut_text(mode.key()).selected(mode == look.mode);
+        let entry = Button::new(mode.label()).shortcut_text(mode.key()).selected(mode == tile.mode);
         if ui.add(entry).on_hover_text(mode.tooltip()).clicked() {
             events.push(TileEvent::SetMode(mode));
             ui.close();
@@ -30,16 +30,16 @@ pub(crate) fn modes(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<T
         (Comparison::Wipe, "Wipe", "W", "Two modes side by side; drag the handle between them"),
         (Comparison::Blink, "Blink", "B", "Two modes one after the other: what moves differs"),
     ] {
-        let is_on = look.comparison == Some(comparison);
+        let is_on = tile.comparison == Some(comparison);
         let entry = Button::new(text).shortcut_text(key).selected(is_on);
         if ui.add(entry).on_hover_text(tooltip).clicked() {
             events.push(TileEvent::SetComparison((!is_on).then_some(comparison)));
         }
     }
-    let title = format!("Compare with: {}", look.other.label().to_lowercase());
+    let title = format!("Compare with: {}", tile.other.label().to_lowercase());
     ui.menu_button(title, |ui| {
-        for mode in ViewMode::ALL.into_iter().filter(|mode| *mode != look.mode) {
-            let is_other = look.comparison.is_some() && mode == look.other;
+        for mode in ViewMode::ALL.into_iter().filter(|mode| *mode != tile.mode) {
+            let is_other = tile.comparison.is_some() && mode == tile.other;
             let entry = Button::new(format!("With {}", mode.label().to_lowercase())).selected(is_other);
             if ui.add(entry).on_hover_text(mode.tooltip()).clicked() {
                 events.push(TileEvent::CompareWith(mode));
@@ -94,7 +94,7 @@ pub(crate) fn more(ui: &mut Ui, input: &CameraTileInput<'_>, has_link: bool, eve
         ),
         ("Whole picture", "A", Framing::Whole, "All that the camera saw"),
     ] {
-        let entry = Button::new(text).shortcut_text(key).selected(input.look.framing == framing);
+        let entry = Button::new(text).shortcut_text(key).selected(input.tile.framing == framing);
         if ui.add(entry).on_hover_text(tooltip).clicked() {
             events.push(TileEvent::SetFraming(framing));
             ui.close();

@@ -8,6 +8,7 @@ use image::RgbImage;
 
 use super::{ExportChoices, Part, SeriesOptions};
 use crate::context::Context;
+use crate::context::picture_alone::PictureAlone;
 use crate::session::selection::StepRef;
 
 /// What is exported.
@@ -58,12 +59,8 @@ pub(crate) enum PictureOf {
     },
     /// A camera's picture.
     View {
-        /// Which camera.
-        camera: usize,
-        /// With joints, limbs and rays.
-        marks: bool,
-        /// With the strip that explains the colours.
-        legend: bool,
+        /// Which camera, and with what.
+        picture: PictureAlone,
         /// Pixels for a pixel of the footage.
         scale: f32,
         /// The whole frame, not what is framed in the tile.
@@ -103,9 +100,7 @@ impl ExportOrder {
                 PictureOf::Window { size: context.egui.viewport_rect().size(), scale: choices.window_scale }
             }
             Part::View => PictureOf::View {
-                camera,
-                marks: choices.marks,
-                legend: choices.legend,
+                picture: PictureAlone { camera, marks: choices.marks, legend: choices.legend },
                 scale: choices.view_pixels_per_px(context.session.camera_size(camera).unwrap_or([1, 1])),
                 whole_frame: choices.whole_frame,
             },

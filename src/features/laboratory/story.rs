@@ -31,7 +31,7 @@ pub fn tell(comparison: &Comparison, lineup: Lineup, key: PushKey) -> Story {
     if let Some(problem) = comparison.problem() {
         return Story {
             title: "Nothing to fit".to_owned(),
-            paragraphs: vec![format!("{}.", capital(problem))],
+            paragraphs: vec![format!("{}.", format::capitalised(problem))],
         };
     }
     if comparison.last() == 0 {
@@ -51,7 +51,7 @@ pub fn tell(comparison: &Comparison, lineup: Lineup, key: PushKey) -> Story {
     };
     let is_over = comparison.is_over();
     let title = match (most - least < ALIKE_PERCENT, most < ARRIVED_PERCENT) {
-        (true, true) => format!("{} arrive", capital(lineup.all_text())),
+        (true, true) => format!("{} arrive", format::capitalised(lineup.all_text())),
         (true, false) if is_over => "They end alike".to_owned(),
         (true, false) => "So far they are alike".to_owned(),
         (false, _) => why(&fits[worst], is_over, has_few(&fits[best], &fits[worst], key).is_some()),
@@ -206,7 +206,7 @@ fn ends_of(fits: &[Contestant], is_over: bool) -> String {
         })
     };
     let parts: Vec<String> = fits.iter().filter_map(one).collect();
-    format!("{}.", capital(&parts.join("; ")))
+    format!("{}.", format::capitalised(&parts.join("; ")))
 }
 
 /// A share of the start with as many figures as can be read at a glance.
@@ -218,11 +218,6 @@ pub fn percent_text(percent: f64) -> String {
         _ => 3,
     };
     format::number(percent, decimals)
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// Words of a caption, title left out.

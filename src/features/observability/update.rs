@@ -25,7 +25,7 @@ impl App {
         }
         let is_busy = [Lane::Fit, Lane::Track].into_iter().any(|lane| self.worker.is_busy(lane));
         let is_moving =
-            is_busy || self.features.pose.held.is_some() || self.features.timeline.playback.is_playing();
+            is_busy || self.context().drag.is_dragging() || self.features.timeline.playback.is_playing();
         if !is_stale || is_moving || scene.frame.is_none() || !self.features.observability.is_wanted() {
             return;
         }

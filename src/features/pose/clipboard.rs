@@ -5,8 +5,9 @@ use std::path::Path;
 use backlit_formats::pose_file::{self, Quaternions};
 use backlit_tracking::body::Pose;
 
-use crate::app::App;
+use super::Posing;
 use crate::context::command::{Command, PoseCommand};
+use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 
 /// Frames of the window within which the system gives its clipboard, or not.
@@ -14,7 +15,7 @@ const FRAMES_TO_WAIT: u8 = 3;
 
 /// What was copied here, and whether the system's clipboard was asked for.
 #[derive(Debug, Default)]
-pub(crate) struct Clipboard {
+pub(super) struct Clipboard {
     /// The pose that was copied last: what is pasted where the system gives nothing.
     own: Option<Pose>,
     /// Text that the system gave.
@@ -23,80 +24,76 @@ pub(crate) struct Clipboard {
     waits: Option<u8>,
 }
 
-impl App {
+impl Posing {
     /// Ctrl+C and Ctrl+V as a window's system tells them: not as keys. While text is typed they are the text's.
-    pub(crate) fn read_clipboard(&mut self, ctx: &egui::Context) -> Vec<Command> {
-        if ctx.text_edit_focused() {
-            return Vec::new();
+    pub(crate) fn read_clipboard(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        if context.egui.text_edit_focused() {
+            return;
         }
-        let mut commands = Vec::new();
-        ctx.input(|input| {
+        let clipboard = &mut self.clipboard;
+        let mut is_given = false;
+        context.egui.input(|input| {
             for event in &input.events {
                 match event {
-                    egui::Event::Copy => commands.push(Command::Pose(PoseCommand::Copy)),
+                    egui::Event::Copy => requests.run(Command::Pose(PoseCommand::Copy)),
                     egui::Event::Paste(text) => {
-                        self.features.pose.clipboard.text = Some(text.clone());
-                        commands.push(Command::Pose(PoseCommand::Paste));
+                        is_given = true;
+                        clipboard.text = Some(text.clone());
+                        requests.run(Command::Pose(PoseCommand::Paste));
                     }
                     _ => {}
                 }
             }
         });
-        match self.features.pose.clipboard.waits {
-            Some(_) if commands.contains(&Command::Pose(PoseCommand::Paste)) => {
-                self.features.pose.clipboard.waits = None
-            }
+        match clipboard.waits {
+            Some(_) if is_given => clipboard.waits = None,
             Some(0) => {
                 // The system gave nothing.
-                self.features.pose.clipboard.waits = None;
-                self.paste_own();
+                clipboard.waits = None;
+                self.paste_own(context, requests);
             }
             Some(left) => {
-                self.features.pose.clipboard.waits = Some(left - 1);
-                ctx.request_repaint();
+                clipboard.waits = Some(left - 1);
+                context.egui.request_repaint();
             }
             None => {}
         }
-        commands
     }
 
-    pub(crate) fn copy_pose(&mut self, ctx: &egui::Context) {
-        let pose = self.shown_pose().clone();
-        ctx.copy_text(pose_file::to_text(&self.document().model, &pose));
-        self.features.pose.clipboard.own = Some(pose);
-        self.state.status = Some("Copied the pose of this frame, also as text.".to_owned());
+    pub(super) fn copy(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        let pose = context.shown_pose().clone();
+        context.egui.copy_text(pose_file::to_text(&context.document().model, &pose));
+        self.clipboard.own = Some(pose);
+        requests.status("Copied the pose of this frame, also as text.");
     }
 
     /// Pastes the text that the system gave, or asks for it.
-    pub(crate) fn paste_pose(&mut self, ctx: &egui::Context) {
-        let Some(text) = self.features.pose.clipboard.text.take() else {
-            ctx.send_viewport_cmd(egui::ViewportCommand::RequestPaste);
-            ctx.request_repaint();
-            self.features.pose.clipboard.waits = Some(FRAMES_TO_WAIT);
+    pub(super) fn paste(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        let Some(text) = self.clipboard.text.take() else {
+            context.egui.send_viewport_cmd(egui::ViewportCommand::RequestPaste);
+            context.egui.request_repaint();
+            self.clipboard.waits = Some(FRAMES_TO_WAIT);
             return;
         };
-        let model = self.document().model.clone();
         let name = Path::new("The clipboard");
-        match pose_file::parse(name, text.as_bytes(), &model, Quaternions::Normalised) {
-            Ok(pose) => self.paste(pose),
-            Err(error) => self.state.notices.error(format!(
+        match pose_file::parse(name, text.as_bytes(), &context.document().model, Quaternions::Normalised) {
+            Ok(pose) => set_pose(pose, context, requests),
+            Err(error) => requests.complain(format!(
                 "{error}. Expected the JSON of a pose, as Copy pose makes it. The pose is as it was."
             )),
         }
     }
 
-    fn paste_own(&mut self) {
-        match self.features.pose.clipboard.own.clone() {
-            Some(pose) if pose.check(&self.document().model).is_ok() => self.paste(pose),
-            Some(_) => self.state.notices.error("The copied pose is of another body.".to_owned()),
-            None => self.state.status = Some("There is no pose on the clipboard.".to_owned()),
+    fn paste_own(&self, context: &Context<'_>, requests: &mut Requests) {
+        match self.clipboard.own.clone() {
+            Some(pose) if pose.check(&context.document().model).is_ok() => set_pose(pose, context, requests),
+            Some(_) => requests.complain("The copied pose is of another body."),
+            None => requests.status("There is no pose on the clipboard."),
         }
     }
+}
 
-    fn paste(&mut self, pose: Pose) {
-        self.interrupt_fit();
-        let edit = Edit::SetPose { frame: self.state.selection.frame, pose, what: "Paste pose".to_owned() };
-        self.edit(edit, None);
-        self.state.status = Some("Pasted the pose.".to_owned());
-    }
+fn set_pose(pose: Pose, context: &Context<'_>, requests: &mut Requests) {
+    requests.edit(Edit::SetPose { frame: context.selection.frame, pose, what: "Paste pose".to_owned() });
+    requests.status("Pasted the pose.");
 }

@@ -4,16 +4,15 @@ use backlit_tracking::body::{Kinematics, Limb, Pose};
 use backlit_tracking::track::posing::LimitedAngle;
 use egui::{Align2, RichText, TextStyle, Ui, vec2};
 
-use super::panel::capitalised;
+use super::dragged::moved;
 use crate::context::command::{Command, PoseCommand};
 use crate::context::command_button::{gesture, named_button};
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::drawing::limits::WARN_WITHIN;
 use crate::drawing::{JointId, joint_name};
-use crate::features::pose::moved;
-use crate::style::theme;
 use crate::style::theme::space;
+use crate::style::{format, theme};
 use crate::widgets::{SliderRow, named_section, number_field, row_name};
 
 /// Degrees by which a slider reaches beyond a joint's limits.
@@ -25,13 +24,13 @@ const AXIS_FROM: f32 = 78.0;
 const AXIS_AWAY: f32 = 5.0;
 
 /// The section of the selected joint.
-pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
+pub(super) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
     let model = &context.document().model;
     let index = context.selection.limb(model);
     let limb = &model.limbs()[index];
     let turns_at = limb.parent.map_or(JointId::Root, JointId::End);
     let summary = format!("turns at the {}", joint_name(model, turns_at));
-    named_section(ui, "joint", &capitalised(&limb.name), &summary, open, |ui| {
+    named_section(ui, "joint", &format::capitalised(&limb.name), &summary, open, |ui| {
         let pose = context.session.shown_pose(context.document(), context.selection);
         angles(ui, context, requests, limb, pose);
         position(ui, context, requests, pose);
@@ -111,7 +110,7 @@ fn position(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, pose: &
         let width = (ui.available_width() - 2.0 * space::ROW) / 3.0;
         for axis in 0..3 {
             let mut value = point[axis];
-            let label = format!("{} {}", capitalised(&name), ["x", "y", "z"][axis]);
+            let label = format!("{} {}", format::capitalised(&name), ["x", "y", "z"][axis]);
             let response = number_field(ui, &label, &mut value, 3, " m", 0.005, width);
             let drag = gesture(ui, ("position", axis), &response);
             if response.changed() && value.is_finite() {

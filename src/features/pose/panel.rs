@@ -22,9 +22,9 @@ const PIN: f32 = 28.0;
 const SELECTION_MARK: f32 = 3.0;
 
 /// The Pose section.
-pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
+pub(super) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
     let model = &context.document().model;
-    let held = capitalised(&model.limbs()[context.selection.limb(model)].name);
+    let held = format::capitalised(&model.limbs()[context.selection.limb(model)].name);
     section(ui, "Pose", if open { "Share of mismatch    Pin" } else { &held }, open, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         let shares = shares(context);
@@ -35,14 +35,8 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
     });
 }
 
-/// The name of a limb at the start of a line.
-pub(crate) fn capitalised(name: &str) -> String {
-    let mut letters = name.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-}
-
 /// The rotations with their depths, each followed by those that turn with it.
-pub(crate) fn rotation_tree(model: &Model) -> Vec<(usize, usize)> {
+pub(super) fn rotation_tree(model: &Model) -> Vec<(usize, usize)> {
     let children = |parent: Option<usize>| {
         let parents = model.rotation_parents().iter().enumerate();
         parents.filter(move |(_, other)| **other == parent).map(|(rotation, _)| rotation).rev()
@@ -80,7 +74,7 @@ fn row(
     let joint = Selection::joint_of(model, limb);
     let is_held = context.selection.limb(model) == limb;
     let is_root = joint == JointId::Root;
-    let name = capitalised(&model.limbs()[limb].name) + if is_root { " (root)" } else { "" };
+    let name = format::capitalised(&model.limbs()[limb].name) + if is_root { " (root)" } else { "" };
     let (rect, response) =
         ui.allocate_exact_size(vec2(ui.available_width() - PIN, size::ROW), Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::ListItem, true, is_held, &name));

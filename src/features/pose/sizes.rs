@@ -3,11 +3,10 @@
 use backlit_tracking::body::Model;
 use egui::Ui;
 
-use super::panel::capitalised;
+use super::dragged::{LENGTHS_M, RADII_M};
 use crate::context::command_button::gesture;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
-use crate::features::pose::{LENGTHS_M, RADII_M};
 use crate::style::format;
 use crate::style::theme::space;
 use crate::widgets::{SliderRow, checkbox, section};
@@ -16,14 +15,14 @@ use crate::widgets::{SliderRow, checkbox, section};
 const SCALES: std::ops::RangeInclusive<f64> = 60.0..=150.0;
 
 /// The Size section.
-pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
+pub(super) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
     let model = &context.document().model;
     let limb = context.selection.sized_limb(model);
     let (length, radius) = (model.limbs()[limb].length, model.limbs()[limb].radius);
     let summary = format!("{} long, radius {}", format::metres(length), format::metres(radius));
     section(ui, "Size", &summary, open, |ui| {
         parts(ui, context, requests, limb);
-        let mut settings = context.preferences.views;
+        let mut settings = context.views;
         let mut sizes = [length, radius];
         let rows = [
             ("Length", LENGTHS_M, "Length of the limb, joint to joint"),
@@ -79,7 +78,7 @@ fn parts(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, limb: usiz
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = egui::vec2(space::ROW, space::ROW);
         for part in parts {
-            let name = capitalised(&model.limbs()[part].name);
+            let name = format::capitalised(&model.limbs()[part].name);
             let label = ui.selectable_label(part == limb, name);
             if label.on_hover_text("These limbs turn together; each has its own size").clicked() {
                 requests.request(Request::Part(part));

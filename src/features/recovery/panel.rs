@@ -8,6 +8,7 @@ use egui::{
 use super::{Left, Recovery};
 use crate::context::clock::Clock;
 use crate::context::{Context, Decision, Request, Requests};
+use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::data_colours::PICTURE_GROUND;
 use crate::style::theme::{size, space, title};
@@ -121,7 +122,7 @@ fn words(ui: &mut Ui, rect: Rect, left: &Left, clock: &Clock) {
         let heading = RichText::new(&left.take).heading().color(palette.text);
         ui.add(Label::new(heading).truncate()).on_hover_text(left.path.display().to_string());
         for (text, colour) in [
-            (capital(&left.when(clock)), palette.text),
+            (format::capitalised(&left.when(clock)), palette.text),
             (format!("{}: {}", left.place(), lower(&left.work())), palette.text2),
         ] {
             ui.add(Label::new(RichText::new(text).color(colour)).truncate());
@@ -178,12 +179,6 @@ fn all(ui: &mut Ui, requests: &mut Requests, offer: &Offer<'_>) {
             }
         }
     });
-}
-
-/// The text with a capital letter.
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// The text without a capital letter.

@@ -8,7 +8,6 @@ use crate::context::{Context, Request, Requests, unavailable};
 use crate::document::fit_words::preset_like;
 use crate::features::fit::solver;
 use crate::features::laboratory::{LaboratoryRequest, Lineup, PushAxis, StartChoice};
-use crate::features::pose::panel::capitalised;
 use crate::shell::toolbar::FOLD_CHOICES;
 use crate::style::format;
 use crate::style::theme;
@@ -172,7 +171,7 @@ fn limb_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let names: Vec<(usize, String)> = model
         .rotation_owners()
         .iter()
-        .map(|owner| (*owner, capitalised(&model.limbs()[*owner].name)))
+        .map(|owner| (*owner, format::capitalised(&model.limbs()[*owner].name)))
         .collect();
     let choices: Vec<(usize, &str, String)> = names
         .iter()

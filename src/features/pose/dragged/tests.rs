@@ -1,4 +1,4 @@
-//! The hand's mathematics, on a full body before a camera.
+//! The mathematics of drags, on a full body before a camera.
 
 use backlit_tracking::body::builtin;
 use backlit_tracking::body::{Kinematics, Parameters};

@@ -1,14 +1,11 @@
 //! What a camera's tile shows, and how.
 
-use serde::{Deserialize, Serialize};
-
 use crate::drawing::{Comparison, ViewMode};
 use crate::widgets::Framing;
 
 /// What a tile shows and how.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct TileLook {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TileView {
     /// What the picture shows.
     pub mode: ViewMode,
     /// What it is compared with.
@@ -21,7 +18,7 @@ pub struct TileLook {
     pub framing: Framing,
 }
 
-impl Default for TileLook {
+impl Default for TileView {
     fn default() -> Self {
         Self {
             mode: ViewMode::Tinted,
@@ -33,7 +30,7 @@ impl Default for TileLook {
     }
 }
 
-impl TileLook {
+impl TileView {
     /// Whether a mode is seen, alone or in a comparison.
     #[must_use]
     pub fn shows(&self, mode: ViewMode) -> bool {
@@ -72,33 +69,24 @@ impl TileLook {
     }
 }
 
-/// How the cameras' views look.
-#[derive(Debug, Default)]
-pub(crate) struct CameraViewsState {
-    /// By layout, then by camera.
-    pub(crate) tiles: [Vec<TileLook>; 2],
-    /// One camera's picture and nothing else, for an export.
-    pub(crate) picture_alone: Option<super::PictureAlone>,
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn a_comparison_is_of_two_different_modes() {
-        let mut look = TileLook { mode: ViewMode::Footage, ..TileLook::default() };
-        look.toggle(Comparison::Blink);
-        assert_eq!((look.mode, look.other), (ViewMode::Footage, ViewMode::Tinted));
-        look.set_mode(ViewMode::Tinted);
-        assert_eq!((look.mode, look.other), (ViewMode::Tinted, ViewMode::Footage));
-        look.compare_with(ViewMode::Tinted);
-        assert_eq!((look.mode, look.other), (ViewMode::Footage, ViewMode::Tinted));
-        look.toggle(Comparison::Wipe);
-        assert_eq!(look.comparison, Some(Comparison::Wipe));
-        look.toggle(Comparison::Wipe);
-        assert!(look.comparison.is_none() && !look.shows(ViewMode::Tinted));
-        look.compare_with(ViewMode::Residual);
-        assert!(look.comparison == Some(Comparison::Wipe) && look.shows(ViewMode::Residual));
+        let mut tile = TileView { mode: ViewMode::Footage, ..TileView::default() };
+        tile.toggle(Comparison::Blink);
+        assert_eq!((tile.mode, tile.other), (ViewMode::Footage, ViewMode::Tinted));
+        tile.set_mode(ViewMode::Tinted);
+        assert_eq!((tile.mode, tile.other), (ViewMode::Tinted, ViewMode::Footage));
+        tile.compare_with(ViewMode::Tinted);
+        assert_eq!((tile.mode, tile.other), (ViewMode::Footage, ViewMode::Tinted));
+        tile.toggle(Comparison::Wipe);
+        assert_eq!(tile.comparison, Some(Comparison::Wipe));
+        tile.toggle(Comparison::Wipe);
+        assert!(tile.comparison.is_none() && !tile.shows(ViewMode::Tinted));
+        tile.compare_with(ViewMode::Residual);
+        assert!(tile.comparison == Some(Comparison::Wipe) && tile.shows(ViewMode::Residual));
     }
 }

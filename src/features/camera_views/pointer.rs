@@ -7,8 +7,8 @@ use backlit_tracking::body::Model;
 use egui::{Modifiers, Pos2};
 use glam::DVec2;
 
-use super::{Drag, TileEvent};
-use crate::drawing::{JointId, JointMark, ProjectedLimb, draggable_joints};
+use super::TileEvent;
+use crate::drawing::{Drag, DragEvent, JointId, JointMark, ProjectedLimb, draggable_joints};
 use crate::widgets::{Grip, ViewTransform};
 
 /// Travel that makes a press a drag, in points.
@@ -29,7 +29,7 @@ pub(crate) struct PointerInput {
     pub(crate) is_pressed: bool,
     /// The button that went down on the picture is still down.
     pub(crate) is_down: bool,
-    /// What the other hand holds.
+    /// Modifier keys that are down.
     pub(crate) modifiers: Modifiers,
     /// Esc was pressed.
     pub(crate) is_cancelled: bool,
@@ -37,7 +37,7 @@ pub(crate) struct PointerInput {
 
 /// What can be taken hold of.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Scene<'a> {
+pub(crate) struct Grips<'a> {
     pub(crate) body: &'a Model,
     pub(crate) joints: &'a [JointMark],
     pub(crate) limbs: &'a [Option<ProjectedLimb>],
@@ -58,14 +58,14 @@ pub(crate) enum Action {
 
 /// The pointer's state in one tile.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Hand {
-    held: Option<Held>,
+pub(crate) struct Pointer {
+    press: Option<Press>,
     /// What is under the pointer while nothing is held.
     pub(crate) hovered: Option<Grip>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Held {
+struct Press {
     grip: Grip,
     pressed_at: Pos2,
     stage: Stage,
@@ -92,20 +92,20 @@ struct Anchor {
     swept_rad: f64,
 }
 
-impl Hand {
+impl Pointer {
     /// What is pressed or dragged.
     pub(crate) fn grip(&self) -> Option<Grip> {
-        self.held.filter(|held| !matches!(held.stage, Stage::Cancelled)).map(|held| held.grip)
+        self.press.filter(|press| !matches!(press.stage, Stage::Cancelled)).map(|press| press.grip)
     }
 
     /// Whether a press has taken hold of nothing.
     pub(crate) fn is_free(&self) -> bool {
-        self.held.is_none()
+        self.press.is_none()
     }
 
     /// What the drag in progress does.
     pub(crate) fn action(&self) -> Option<Action> {
-        match self.held?.stage {
+        match self.press?.stage {
             Stage::Dragging(anchor) => Some(anchor.action),
             Stage::Pressed | Stage::Cancelled => None,
         }
@@ -116,61 +116,61 @@ impl Hand {
         &mut self,
         pointer: &PointerInput,
         under: Option<Grip>,
-        scene: &Scene<'_>,
+        grips: &Grips<'_>,
         events: &mut Vec<TileEvent>,
     ) {
         if pointer.is_pressed {
-            self.held = under.map(|grip| Held { grip, pressed_at: pointer.at, stage: Stage::Pressed });
+            self.press = under.map(|grip| Press { grip, pressed_at: pointer.at, stage: Stage::Pressed });
             events.push(TileEvent::Activate);
             events.extend(under.map(|grip| match grip {
                 Grip::Joint(joint) => TileEvent::SelectJoint(joint),
                 Grip::Limb(limb) | Grip::Length(limb) | Grip::Radius(limb) => TileEvent::SelectLimb(limb),
             }));
         }
-        self.hovered = under.filter(|_| self.held.is_none());
-        let Some(held) = &mut self.held else { return };
-        match held.stage {
-            Stage::Pressed if pointer.is_cancelled => held.stage = Stage::Cancelled,
-            Stage::Pressed if pointer.at.distance(held.pressed_at) >= TRAVEL => {
-                let action = action(held.grip, pointer.modifiers, scene.body);
-                let mut anchor = Anchor::new(action, held.grip, held.pressed_at, scene);
-                events.push(TileEvent::DragStart(anchor.drag(pointer.at, scene)));
-                held.stage = Stage::Dragging(anchor);
+        self.hovered = under.filter(|_| self.press.is_none());
+        let Some(press) = &mut self.press else { return };
+        match press.stage {
+            Stage::Pressed if pointer.is_cancelled => press.stage = Stage::Cancelled,
+            Stage::Pressed if pointer.at.distance(press.pressed_at) >= TRAVEL => {
+                let action = action(press.grip, pointer.modifiers, grips.body);
+                let mut anchor = Anchor::new(action, press.grip, press.pressed_at, grips);
+                events.push(TileEvent::Drag(DragEvent::Begin(anchor.drag(pointer.at, grips))));
+                press.stage = Stage::Dragging(anchor);
             }
             Stage::Dragging(_) if pointer.is_cancelled => {
-                events.push(TileEvent::DragCancelled);
-                held.stage = Stage::Cancelled;
+                events.push(TileEvent::Drag(DragEvent::Cancel));
+                press.stage = Stage::Cancelled;
             }
             Stage::Dragging(mut anchor) => {
-                let action = action(held.grip, pointer.modifiers, scene.body);
+                let action = action(press.grip, pointer.modifiers, grips.body);
                 if pointer.is_down && action != anchor.action {
-                    anchor = Anchor::new(action, held.grip, pointer.at, scene);
-                    events.push(TileEvent::DragStart(anchor.drag(pointer.at, scene)));
+                    anchor = Anchor::new(action, press.grip, pointer.at, grips);
+                    events.push(TileEvent::Drag(DragEvent::Begin(anchor.drag(pointer.at, grips))));
                 } else if pointer.at != anchor.last {
-                    events.push(TileEvent::Drag(anchor.drag(pointer.at, scene)));
+                    events.push(TileEvent::Drag(DragEvent::Move(anchor.drag(pointer.at, grips))));
                 }
-                held.stage = Stage::Dragging(anchor);
+                press.stage = Stage::Dragging(anchor);
             }
             Stage::Pressed | Stage::Cancelled => {}
         }
         if !pointer.is_down {
-            if matches!(held.stage, Stage::Dragging(_)) {
-                events.push(TileEvent::DragEnd);
+            if matches!(press.stage, Stage::Dragging(_)) {
+                events.push(TileEvent::Drag(DragEvent::End));
             }
-            self.held = None;
+            self.press = None;
         }
     }
 }
 
 impl Anchor {
-    fn new(action: Action, grip: Grip, origin: Pos2, scene: &Scene<'_>) -> Self {
-        let origin_px = scene.view.px_from_screen(origin);
+    fn new(action: Action, grip: Grip, origin: Pos2, grips: &Grips<'_>) -> Self {
+        let origin_px = grips.view.px_from_screen(origin);
         let joint = match (action, grip) {
             (Action::Joint(joint) | Action::Depth(joint), _) | (_, Grip::Joint(joint)) => Some(joint),
             (_, Grip::Limb(_) | Grip::Length(_) | Grip::Radius(_)) => None,
         };
-        let mark = scene.joints.iter().find(|mark| Some(mark.id) == joint);
-        let limb = |index: usize| scene.limbs.get(index).copied().flatten();
+        let mark = grips.joints.iter().find(|mark| Some(mark.id) == joint);
+        let limb = |index: usize| grips.limbs.get(index).copied().flatten();
         let held_limb = match grip {
             Grip::Limb(index) | Grip::Length(index) | Grip::Radius(index) => limb(index),
             Grip::Joint(_) => None,
@@ -202,8 +202,8 @@ impl Anchor {
     }
 
     /// The drag with the pointer at `at`.
-    fn drag(&mut self, at: Pos2, scene: &Scene<'_>) -> Drag {
-        let px = scene.view.px_from_screen(at);
+    fn drag(&mut self, at: Pos2, grips: &Grips<'_>) -> Drag {
+        let px = grips.view.px_from_screen(at);
         let travel = at - self.origin;
         let previous = std::mem::replace(&mut self.last, at);
         match self.action {
@@ -212,7 +212,7 @@ impl Anchor {
             Action::Twist(limb) => Drag::Twist { limb, angle_rad: f64::from(travel.x) * TWIST_PER_POINT },
             Action::Turn(limb) => {
                 let angle = |px: DVec2| (px - self.pivot_px).to_angle();
-                let change = angle(px) - angle(scene.view.px_from_screen(previous));
+                let change = angle(px) - angle(grips.view.px_from_screen(previous));
                 self.swept_rad += (change + PI).rem_euclid(TAU) - PI;
                 Drag::Turn { limb, pivot_px: self.pivot_px, angle_rad: self.swept_rad }
             }
@@ -276,7 +276,7 @@ mod tests {
         body: Model,
         joints: Vec<JointMark>,
         limbs: Vec<Option<ProjectedLimb>>,
-        hand: Hand,
+        pointer: Pointer,
         forearm: usize,
     }
 
@@ -305,12 +305,12 @@ mod tests {
                 end_depth_m: 3.0,
                 has_flat_ends: false,
             });
-            Self { body, joints, limbs, hand: Hand::default(), forearm }
+            Self { body, joints, limbs, pointer: Pointer::default(), forearm }
         }
 
         fn frame(&mut self, at: Pos2, button: &str, modifiers: Modifiers) -> Vec<TileEvent> {
             let view = ViewTransform { rect: RECT, points_per_px: 2.0, centre_px: pos2(50.0, 50.0) };
-            let scene = Scene { body: &self.body, joints: &self.joints, limbs: &self.limbs, view };
+            let grips = Grips { body: &self.body, joints: &self.joints, limbs: &self.limbs, view };
             let under = crate::widgets::grip_at(at, &view, &self.joints, &self.limbs);
             let pointer = PointerInput {
                 at,
@@ -320,9 +320,13 @@ mod tests {
                 is_cancelled: button == "escape",
             };
             let mut events = Vec::new();
-            self.hand.update(&pointer, under, &scene, &mut events);
+            self.pointer.update(&pointer, under, &grips, &mut events);
             events
         }
+    }
+
+    fn begin(drag: Drag) -> TileEvent {
+        TileEvent::Drag(DragEvent::Begin(drag))
     }
 
     #[test]
@@ -332,15 +336,18 @@ mod tests {
         let grabbed = WRIST + vec2(4.0, 0.0);
         let events = fixture.frame(grabbed, "press", Modifiers::NONE);
         assert_eq!(events, [TileEvent::Activate, TileEvent::SelectJoint(joint)]);
-        assert_eq!(fixture.hand.grip(), Some(Grip::Joint(joint)));
+        assert_eq!(fixture.pointer.grip(), Some(Grip::Joint(joint)));
         assert!(fixture.frame(grabbed + vec2(2.9, 0.0), "down", Modifiers::NONE).is_empty());
         let drag = |x: f64| Drag::Joint { joint, target_px: DVec2::new(x, 50.0) };
         let events = fixture.frame(grabbed + vec2(3.0, 0.0), "down", Modifiers::NONE);
-        assert_eq!(events, [TileEvent::DragStart(drag(51.5))]);
+        assert_eq!(events, [begin(drag(51.5))]);
         let far = grabbed + vec2(600.0, 0.0);
-        assert_eq!(fixture.frame(far, "down", Modifiers::NONE), [TileEvent::Drag(drag(350.0))]);
+        assert_eq!(
+            fixture.frame(far, "down", Modifiers::NONE),
+            [TileEvent::Drag(DragEvent::Move(drag(350.0)))]
+        );
         assert!(fixture.frame(far, "down", Modifiers::NONE).is_empty(), "nothing new while it rests");
-        assert_eq!(fixture.frame(far, "up", Modifiers::NONE), [TileEvent::DragEnd]);
+        assert_eq!(fixture.frame(far, "up", Modifiers::NONE), [TileEvent::Drag(DragEvent::End)]);
         assert!(fixture.frame(far, "up", Modifiers::NONE).is_empty());
     }
 
@@ -357,7 +364,7 @@ mod tests {
         fixture.frame(WRIST, "press", Modifiers::NONE);
         fixture.frame(WRIST + vec2(9.0, 0.0), "down", Modifiers::NONE);
         let events = fixture.frame(WRIST + vec2(9.0, 0.0), "escape", Modifiers::NONE);
-        assert_eq!(events, [TileEvent::DragCancelled]);
+        assert_eq!(events, [TileEvent::Drag(DragEvent::Cancel)]);
         assert!(fixture.frame(WRIST + vec2(40.0, 0.0), "down", Modifiers::NONE).is_empty());
         assert!(fixture.frame(WRIST, "up", Modifiers::NONE).is_empty());
     }
@@ -371,7 +378,7 @@ mod tests {
         for step in 1..=27 {
             last = fixture.frame(at(10.0 * step as f32), "down", Modifiers::NONE).pop();
         }
-        let Some(TileEvent::Drag(Drag::Turn { limb, pivot_px, angle_rad })) = last else {
+        let Some(TileEvent::Drag(DragEvent::Move(Drag::Turn { limb, pivot_px, angle_rad }))) = last else {
             panic!("{last:?}")
         };
         assert_eq!((limb, pivot_px), (fixture.forearm, DVec2::new(10.0, 50.0)));
@@ -385,17 +392,17 @@ mod tests {
         let up = WRIST - vec2(0.0, 50.0);
         fixture.frame(WRIST, "press", Modifiers::SHIFT);
         let events = fixture.frame(up, "down", Modifiers::SHIFT);
-        let [TileEvent::DragStart(Drag::Depth { joint: moved, ratio })] = events[..] else {
+        let [TileEvent::Drag(DragEvent::Begin(Drag::Depth { joint: moved, ratio }))] = events[..] else {
             panic!("{events:?}")
         };
         assert!(moved == joint && (ratio - 0.1_f64.exp()).abs() < 1e-6);
         let events = fixture.frame(up, "down", Modifiers::CTRL);
         let twist = Drag::Twist { limb: fixture.forearm, angle_rad: 0.0 };
-        assert_eq!(events, [TileEvent::DragStart(twist)]);
+        assert_eq!(events, [begin(twist)]);
         let events = fixture.frame(up + vec2(20.0, 0.0), "down", Modifiers::CTRL | Modifiers::SHIFT);
         let from_px = DVec2::new(60.0, 25.0);
         let body = Drag::Body { from_px, to_px: from_px, depth_m: 2.0 };
-        assert_eq!(events, [TileEvent::DragStart(body)]);
+        assert_eq!(events, [begin(body)]);
     }
 
     #[test]

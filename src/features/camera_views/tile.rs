@@ -1,0 +1,184 @@
+//! One camera's tile: header, picture with its marks, and a gutter where there is room.
+
+use backlit_tracking::body::Model;
+use backlit_tracking::camera::Camera;
+use backlit_tracking::silhouette::Overlap;
+use egui::{Id, Rect, StrokeKind, Ui, UiBuilder, pos2};
+use glam::DVec2;
+
+use super::pointer::Pointer;
+use super::{ObservedMarks, TileEvent, TileView, gutter, header, legend, picture_view};
+use crate::context::pane::Pane;
+use crate::context::view_settings::ViewSettings;
+use crate::drawing::{JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SightRay};
+use crate::style::theme;
+use crate::style::theme::size;
+use crate::widgets::{Framing, ViewTransform};
+
+/// All that a tile shows. It keeps nothing but the pointer's state and its textures.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraTileInput<'a> {
+    /// The camera's index, counted from zero. It tells tiles apart.
+    pub index: usize,
+    /// The camera's name as shown: "Camera 1".
+    pub name: &'a str,
+    /// It is the active tile.
+    pub is_active: bool,
+    /// It fills the window.
+    pub is_expanded: bool,
+    /// Panes that stand behind this one; the header has a badge or a name for each.
+    pub siblings: &'a [Pane],
+    /// It zooms and pans with the other linked tiles.
+    pub is_linked: bool,
+    /// There is a calibration. Without one there are pictures only.
+    pub is_calibrated: bool,
+    /// What it shows of the picture.
+    pub tile: TileView,
+    /// What all views share.
+    pub settings: ViewSettings,
+    /// Bounds of mask and body over the take, in pixel coordinates.
+    pub subject_px: Option<Rect>,
+    /// Footage, data and prediction.
+    pub picture: PictureInput<'a>,
+    /// Changes whenever anything in `picture` does. Textures are made anew only then.
+    pub generation: u64,
+    /// The calibration, for the marks of it.
+    pub camera: Option<&'a Camera>,
+    /// The camera with its lens, for the edge of what that saw.
+    pub raw_camera: Option<&'a Camera>,
+    /// The body that is posed.
+    pub body: &'a Model,
+    /// The body's outline: see [`body_outline`](crate::drawing::body_outline).
+    pub outlines: &'a [Vec<[f32; 2]>],
+    /// What is drawn instead while that is of an earlier pose: the outline of `limbs`.
+    pub quick_outline: Option<&'a [Vec<DVec2>]>,
+    /// Its limbs: see [`project_limbs`](crate::drawing::project_limbs). Empty for none.
+    pub limbs: &'a [Option<ProjectedLimb>],
+    /// Its joints: see [`project_joints`](crate::drawing::project_joints). Empty where nothing is to be dragged.
+    pub joints: &'a [JointMark],
+    /// The joint that is held; its limb is marked too.
+    pub selected: Option<JointId>,
+    /// The limb whose size has handles, where the settings want them.
+    pub sized: Option<usize>,
+    /// The ray of the joint that is dragged in another view.
+    pub sight_ray: Option<&'a SightRay>,
+    /// Limits of joints that a drag has met.
+    pub limits: &'a [LimitMark],
+    /// How prediction and mask overlap; `None` without a mask.
+    pub overlap: Option<Overlap>,
+    /// The overlap is of an earlier pose, and a new one is on its way.
+    pub is_overlap_stale: bool,
+    /// The camera is used in the fit.
+    pub is_used: bool,
+    /// Its weight in the fit.
+    pub weight: f64,
+    /// What the cameras see and do not see, drawn over the picture.
+    pub observed: ObservedMarks<'a>,
+    /// The numbers of the pixel under the pointer are shown.
+    pub shows_hover_card: bool,
+}
+
+/// What a tile remembers from frame to frame.
+#[derive(Clone, Debug, Default)]
+pub(super) struct TileState {
+    pub(super) pointer: Pointer,
+    pub(super) hovered: Option<[usize; 2]>,
+    pub(super) card: Option<[usize; 2]>,
+}
+
+/// Where the parts of a tile are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct TileLayout {
+    pub(super) header: Rect,
+    pub(super) picture: Rect,
+    pub(super) gutter: Option<Rect>,
+    /// What the picture leaves free at its foot for the legend.
+    pub(super) reserved: f32,
+    pub(super) has_legend: bool,
+}
+
+impl TileLayout {
+    /// The gutter is there when the tile is wide enough beside the whole picture, so it does not come and go
+    /// with the zoom, and is there for all cameras of one format or for none.
+    fn new(tile: Rect, size_px: [usize; 2]) -> Self {
+        let header = Rect::from_min_max(tile.min, pos2(tile.right(), tile.top() + size::TILE_HEADER));
+        let below = Rect::from_min_max(pos2(tile.left(), header.bottom()), tile.max);
+        let shown = Framing::Whole.view(below, size_px, None).picture_rect(size_px).width();
+        if below.width() - shown < size::GUTTER_FROM {
+            let reserved = legend::RESERVED;
+            return Self { header, picture: below, gutter: None, reserved, has_legend: true };
+        }
+        let (picture, gutter) = below.split_left_right_at_x(below.right() - size::GUTTER);
+        Self { header, picture, gutter: Some(gutter), reserved: 0.0, has_legend: true }
+    }
+}
+
+/// What came of a tile in a frame of the window.
+#[derive(Debug)]
+pub struct TileResponse {
+    /// What the user did.
+    pub events: Vec<TileEvent>,
+    /// How the picture lies on the screen.
+    pub view: ViewTransform,
+}
+
+/// Shows a camera's tile in all of the space that `ui` has.
+pub fn camera_tile(ui: &mut Ui, input: &CameraTileInput<'_>) -> TileResponse {
+    let tile = ui.available_rect_before_wrap();
+    let layout = TileLayout::new(tile, input.picture.size);
+    let id = ui.scope_id().with(("camera tile", input.index));
+    let builder = UiBuilder::new().id_salt(("camera tile", input.index)).max_rect(tile);
+    let mut events = Vec::new();
+    let scope = ui.scope_builder(builder, |ui| {
+        ui.set_clip_rect(tile.intersect(ui.clip_rect()));
+        let view = tile_contents(ui, id, &layout, input, &mut events);
+        ui.advance_cursor_after_rect(tile);
+        view
+    });
+    TileResponse { events, view: scope.inner }
+}
+
+fn tile_contents(
+    ui: &mut Ui,
+    id: Id,
+    layout: &TileLayout,
+    input: &CameraTileInput<'_>,
+    events: &mut Vec<TileEvent>,
+) -> ViewTransform {
+    let palette = theme::palette(ui);
+    let mut state = ui.data(|data| data.get_temp::<TileState>(id)).unwrap_or_default();
+    let (view, _) = picture_view::show(ui, id, layout, input, &mut state, events);
+    if let Some(gutter) = layout.gutter {
+        ui.painter().rect_filled(gutter, 0.0, palette.well);
+        gutter::show(ui, gutter, input, &state.pointer, events);
+    }
+    header::show(ui, layout, input, events);
+    if input.is_active {
+        let tile = layout.header.union(layout.picture).union(layout.gutter.unwrap_or(layout.picture));
+        ui.painter().rect_stroke(tile, 0.0, palette.active_tile(), StrokeKind::Inside);
+    }
+    ui.data_mut(|data| data.insert_temp(id, state));
+    view
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::vec2;
+
+    use super::*;
+
+    #[test]
+    fn portrait_footage_in_a_wide_tile_leaves_a_gutter() {
+        let layout = |width: f32, size_px: [usize; 2]| {
+            let tile = Rect::from_min_size(pos2(5.0, 5.0), vec2(width, 400.0));
+            TileLayout::new(tile, size_px)
+        };
+        let wide = layout(638.0, [272, 480]);
+        let gutter = wide.gutter.unwrap();
+        assert!((gutter.width() - 196.0).abs() < 1e-3);
+        assert!((wide.picture.right() - gutter.left()).abs() < 1e-3);
+        assert!((wide.header.height() - 26.0).abs() < 1e-3);
+        assert_eq!(layout(386.0, [272, 480]).gutter, None);
+        assert_eq!(layout(638.0, [640, 480]).gutter, None);
+    }
+}

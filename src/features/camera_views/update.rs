@@ -1,0 +1,178 @@
+//! The views' commands, and what the user did in a tile.
+
+use egui::Ui;
+use glam::DVec2;
+
+use super::linked::follow;
+use super::pane::{CameraPane, subject};
+use super::{CameraViews, TileEvent, TileView};
+use crate::context::command::ViewCommand;
+use crate::context::command_button::dragged_until_now;
+use crate::context::pane::Pane;
+use crate::context::unavailable::{because, no_take};
+use crate::context::{Context, PaneEvent, Request, Requests};
+use crate::document::edit::Edit;
+use crate::drawing::ViewMode;
+use crate::session::selection::Selection;
+use crate::widgets::{Framing, ViewTransform};
+
+/// What one press of a zoom's key magnifies by.
+const ZOOM_STEP: f32 = 1.25;
+
+impl CameraViews {
+    /// Does a command.
+    pub(crate) fn run(&mut self, command: ViewCommand, context: &Context<'_>, requests: &mut Requests) {
+        let layout = context.preferences.layout;
+        let settings = &mut self.preferences.settings;
+        match command {
+            ViewCommand::FitSubject | ViewCommand::WholePicture => {
+                let is_whole = command == ViewCommand::WholePicture;
+                let framing = if is_whole { Framing::Whole } else { Framing::Subject };
+                self.tiles.of_mut(layout).iter_mut().for_each(|tile| tile.framing = framing);
+            }
+            ViewCommand::ZoomIn => self.zoom(ZOOM_STEP, context),
+            ViewCommand::ZoomOut => self.zoom(1.0 / ZOOM_STEP, context),
+            ViewCommand::LinkZoom => {
+                self.preferences.linked_zoom ^= true;
+                let what = if self.preferences.linked_zoom { "together" } else { "each by itself" };
+                requests.status(format!("Views zoom and pan {what}."));
+            }
+            ViewCommand::CalibrationMarks => settings.calibration_marks ^= true,
+            ViewCommand::PixelGrid => settings.pixel_grid ^= true,
+            ViewCommand::SizeHandles => {
+                settings.size_handles ^= true;
+                let what =
+                    "Drag the diamonds: at its end for the limb's length, at its outline for its radius.";
+                requests.request(Request::Status(settings.size_handles.then(|| what.to_owned())));
+            }
+            ViewCommand::Mode(mode) => self.choose_mode(mode, context, requests),
+            ViewCommand::Compare(comparison) => {
+                self.change(context, context.selection.camera, |tile| tile.toggle(comparison));
+            }
+            ViewCommand::CameraAlone(camera) => {
+                requests.request(Request::Pane(Pane::Camera(camera), PaneEvent::ToggleAlone));
+            }
+        }
+    }
+
+    /// Why a command cannot be used now, in a sentence without its full stop.
+    pub(crate) fn unavailable(command: ViewCommand, context: &Context<'_>) -> Option<&'static str> {
+        match command {
+            ViewCommand::Compare(_) => no_take(context),
+            ViewCommand::CameraAlone(camera) => {
+                let is_missing = camera >= context.session.camera_count();
+                no_take(context).or(because(is_missing, "The take has fewer cameras"))
+            }
+            ViewCommand::FitSubject
+            | ViewCommand::WholePicture
+            | ViewCommand::ZoomIn
+            | ViewCommand::ZoomOut
+            | ViewCommand::LinkZoom
+            | ViewCommand::CalibrationMarks
+            | ViewCommand::PixelGrid
+            | ViewCommand::SizeHandles
+            | ViewCommand::Mode(_) => None,
+        }
+    }
+
+    /// Shows a mode in all views. The Jacobian's, chosen again, goes on to its next axis.
+    fn choose_mode(&mut self, mode: ViewMode, context: &Context<'_>, requests: &mut Requests) {
+        let layout = context.preferences.layout;
+        let is_shown = self.tiles(layout).iter().all(|tile| tile.mode == mode && tile.comparison.is_none());
+        if is_shown && mode == ViewMode::JacobianColumn {
+            let axis = &mut self.preferences.settings.axis;
+            *axis = axis.next();
+            requests.status(format!("Jacobian column: {}.", axis.label().to_lowercase()));
+        }
+        self.show_mode(layout, mode);
+    }
+
+    /// Magnifies the active view about its middle, and the others with it where they are linked.
+    fn zoom(&mut self, factor: f32, context: &Context<'_>) {
+        let Some(take) = &context.session.take else { return };
+        for (index, camera) in take.cameras.iter().enumerate() {
+            if !self.preferences.linked_zoom && index != context.selection.camera {
+                continue;
+            }
+            if let Some(view) = self.shown.get(&index) {
+                let view = view.zoomed_at(view.rect.center(), factor);
+                let size_px = [camera.width(), camera.height()];
+                let framing = Framing::of(&view, size_px, subject(context.session, index));
+                self.change(context, index, |tile| tile.framing = framing);
+            }
+        }
+    }
+
+    fn change(&mut self, context: &Context<'_>, camera: usize, change: impl FnOnce(&mut TileView)) {
+        if let Some(tile) = self.tiles.of_mut(context.preferences.layout).get_mut(camera) {
+            change(tile);
+        }
+    }
+
+    /// Does what the user did in a tile, whose picture lay on the screen as `before` until then.
+    pub(super) fn take_in(
+        &mut self,
+        ui: &Ui,
+        pane: &CameraPane<'_>,
+        event: TileEvent,
+        before: Option<ViewTransform>,
+        requests: &mut Requests,
+    ) {
+        let (context, camera) = (pane.context, pane.index);
+        let mut request = |request| requests.request(request);
+        match event {
+            TileEvent::Activate => request(Request::Camera(camera)),
+            TileEvent::SelectJoint(joint) => request(Request::Joint(joint)),
+            TileEvent::SelectLimb(limb) => {
+                request(Request::Joint(Selection::joint_of(&context.document().model, limb)));
+                request(Request::Part(limb));
+            }
+            TileEvent::Drag(event) => request(Request::Drag(camera, event)),
+            TileEvent::SetMode(mode) => self.change(context, camera, |tile| tile.set_mode(mode)),
+            TileEvent::CompareWith(mode) => self.change(context, camera, |tile| tile.compare_with(mode)),
+            TileEvent::SetComparison(comparison) => self.change(context, camera, |tile| match comparison {
+                Some(comparison) if tile.comparison != Some(comparison) => tile.toggle(comparison),
+                Some(_) => {}
+                None => tile.comparison = None,
+            }),
+            TileEvent::SetSettings(settings) => self.preferences.settings = settings,
+            TileEvent::SetWipe(at) => self.change(context, camera, |tile| tile.wipe_at = at),
+            TileEvent::SetUsed(used) => requests.edit(Edit::UseCamera { camera, used }),
+            TileEvent::SetWeight(weight) => {
+                requests.edits.push((Edit::WeighCamera { camera, weight }, dragged_until_now(ui.ctx())));
+            }
+            TileEvent::SetLinked(linked) => self.preferences.linked_zoom = linked,
+            TileEvent::SetFraming(framing) => self.frame(pane, framing, before),
+            TileEvent::ToggleExpanded => request(Request::Pane(Pane::Camera(camera), PaneEvent::ToggleAlone)),
+            TileEvent::Switch(Pane::Camera(other)) => {
+                request(Request::SwitchCamera { from: camera, to: other })
+            }
+            TileEvent::Switch(other) => request(Request::Pane(other, PaneEvent::Open)),
+            TileEvent::Close => request(Request::Pane(Pane::Camera(camera), PaneEvent::Close)),
+            TileEvent::Segment => request(Request::Segment),
+            // That is its caller's.
+            TileEvent::DragTile => {}
+        }
+    }
+
+    /// Frames a view, and the linked ones with it.
+    fn frame(&mut self, pane: &CameraPane<'_>, framing: Framing, before: Option<ViewTransform>) {
+        self.change(pane.context, pane.index, |tile| tile.framing = framing);
+        let session = pane.context.session;
+        let Some(take) = session.take.as_ref().filter(|_| self.preferences.linked_zoom) else { return };
+        for (other, camera) in take.cameras.iter().enumerate().filter(|(other, _)| *other != pane.index) {
+            let followed = match framing {
+                Framing::Subject | Framing::Whole => Some(framing),
+                Framing::Free { .. } => before.zip(self.shown.get(&other)).map(|(before, view)| {
+                    let after = framing.view(before.rect, pane.size_px(), subject(session, pane.index));
+                    let depth = |px: DVec2| pane.depth_at(px);
+                    let view = follow(&before, &after, pane.camera, depth, camera, view);
+                    Framing::of(&view, [camera.width(), camera.height()], subject(session, other))
+                }),
+            };
+            if let Some(framing) = followed {
+                self.change(pane.context, other, |tile| tile.framing = framing);
+            }
+        }
+    }
+}
