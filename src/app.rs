@@ -44,6 +44,7 @@ pub(crate) mod layout;
 pub(crate) mod off_screen;
 pub(crate) mod open_job;
 pub(crate) mod open_with_system;
+pub(crate) mod playing;
 pub(crate) mod refresh;
 pub(crate) mod requests;
 pub(crate) mod screen;
@@ -60,8 +61,6 @@ pub(crate) mod unavailable;
 pub mod window;
 pub(crate) mod writes;
 
-pub(crate) use crate::features::timeline::playing::TimeAxis;
-pub(crate) use crate::features::tracking::keys_around;
 pub use files::opening_of;
 pub(crate) use headless::headless_export;
 pub use headless::{PictureOptions, headless_picture};
@@ -82,7 +81,6 @@ impl App {
         self.take_in_refreshed();
         self.hear_worker();
         self.update_features();
-        self.take_in_tracked();
         self.hear_dialogs();
         self.take_dropped_files(ui.ctx());
         let mut requests = self.read_keys(ui.ctx());

@@ -53,7 +53,6 @@ impl App {
         match lane {
             Lane::Fit => self.fit_broke(),
             Lane::Laboratory | Lane::LaboratoryCheck => self.laboratory_broke(lane),
-            Lane::Track => self.tracking_ended(),
             _ => {}
         }
     }
@@ -77,7 +76,6 @@ const fn work_of(lane: Lane) -> &'static str {
         Lane::Laboratory => "The laboratory",
         Lane::LaboratoryPlot => "Saving the laboratory's plot",
         Lane::Observe => "The look at what the cameras see",
-        Lane::Track => "The tracker",
         Lane::Hull => "Carving the visual hull",
         Lane::LaboratoryCheck => "The check of the laboratory's gradients",
     }
@@ -88,18 +86,17 @@ mod tests {
     use super::*;
     use crate::app::testing::{Breaks, errors, open, settle};
     use crate::app::{AppOptions, Opening};
-    use crate::context::command::{Command, FitCommand, LaboratoryCommand, TrackingCommand};
+    use crate::context::command::{Command, FitCommand, LaboratoryCommand};
     use crate::context::notices::Severity;
     use crate::document::edit::Edit;
 
-    const ALL: [Lane; 9] = [
+    const ALL: [Lane; 8] = [
         Lane::Scene,
         Lane::LaboratoryLook,
         Lane::Fit,
         Lane::Laboratory,
         Lane::LaboratoryPlot,
         Lane::Observe,
-        Lane::Track,
         Lane::Hull,
         Lane::LaboratoryCheck,
     ];
@@ -127,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fit_and_a_tracker_that_break_down_leave_what_they_have_done() {
+    fn a_fit_that_breaks_down_leaves_what_it_has_done() {
         let (mut window, mut app) = open(Layout::Pose);
         let context = window.ctx.clone();
         app.run(Command::Fit(FitCommand::Step), &context);
@@ -142,11 +139,6 @@ mod tests {
         app.run(Command::Fit(FitCommand::Step), &context);
         settle(&mut window, &mut app);
         assert!(app.state.session.runs.last().unwrap().steps.len() > 1, "the next run is a new one");
-
-        app.run(Command::Tracking(TrackingCommand::Forward), &context);
-        app.worker.request(Lane::Track, Breaks);
-        settle(&mut window, &mut app);
-        assert!(app.state.session.tracking.is_none());
     }
 
     #[test]

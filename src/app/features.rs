@@ -10,7 +10,12 @@ impl App {
     /// Every feature takes in what its tasks have done, and asks for what it lacks.
     pub(crate) fn update_features(&mut self) {
         self.with(|features| &mut features.basin, |basin, context, requests| basin.update(context, requests));
-        self.with(|features| &mut features.export, |export, _, requests| export.update(requests));
+        self.update_feature(|features| &mut features.export, |export, _, requests| export.update(requests));
+        self.update_feature(
+            |features| &mut features.tracking,
+            |tracking, context, requests| tracking.update(context, requests),
+        );
+        self.lend_to(|features| &mut features.timeline, |timeline, context, _| timeline.update(context));
     }
 
     /// The copy of unsaved work follows what was done in this frame, and work is not left that can be kept nowhere.

@@ -12,7 +12,6 @@ use crate::app::headless::rest;
 use crate::app::settings::Settings;
 use crate::app::{App, AppOptions};
 use crate::context::pane::Pane;
-use crate::context::picture_alone::PictureAlone;
 use crate::document::Document;
 use crate::document::history::History;
 use crate::features::basin::Basin;
@@ -20,6 +19,7 @@ use crate::features::camera_views::CameraViews;
 use crate::features::export::choices::MAX_SIDE;
 use crate::features::export::{ExportJob, ExportOrder, Painter, PictureOf, Shot};
 use crate::features::laboratory::Laboratory;
+use crate::features::tracking::Tracking;
 use crate::session::Session;
 use crate::session::selection::Selection;
 use crate::widgets::image_canvas;
@@ -40,6 +40,7 @@ pub(crate) struct Snapshot {
     alone: Option<Pane>,
     pair: [usize; 2],
     basin: Basin,
+    tracking: Tracking,
     laboratory: Laboratory,
     explanation: Option<&'static str>,
     frame_seconds: f64,
@@ -76,6 +77,7 @@ impl App {
             alone: self.shell.docking.alone,
             pair: self.shell.docking.pair,
             basin: self.features.basin.at_rest(),
+            tracking: self.features.tracking.at_rest(),
             laboratory: self.features.laboratory.at_rest(),
             explanation: self.features.demonstration.explanation,
             frame_seconds: self.state.frame_seconds,
@@ -90,6 +92,8 @@ pub(crate) struct Twin {
     window: Headless,
     app: App,
     frame_seconds: f64,
+    /// Whether there is no room yet for the legend of a picture alone.
+    lacks_legend: bool,
 }
 
 impl Twin {
@@ -119,21 +123,22 @@ impl Twin {
         app.shell.docking.alone = snapshot.alone;
         app.shell.docking.pair = snapshot.pair;
         app.features.basin = snapshot.basin;
+        app.features.tracking = snapshot.tracking;
         app.features.laboratory = snapshot.laboratory;
         app.features.demonstration.explanation = snapshot.explanation;
-        let mut twin = Self { window, app, frame_seconds: snapshot.frame_seconds };
+        let mut lacks_legend = false;
         if let PictureOf::View { picture, whole_frame, .. } = what {
-            twin.show_alone(picture, whole_frame);
+            app.shell.docking.alone = Some(Pane::Camera(picture.camera));
+            let layout = app.state.preferences.layout;
+            app.features.camera_views.show_alone(picture, layout, whole_frame);
+            lacks_legend = true;
         }
-        Ok(twin)
+        Ok(Self { window, app, frame_seconds: snapshot.frame_seconds, lacks_legend })
     }
 
-    /// Shows one camera's picture alone, and makes room for its legend.
-    fn show_alone(&mut self, picture: PictureAlone, whole_frame: bool) {
-        self.app.shell.docking.alone = Some(Pane::Camera(picture.camera));
-        let layout = self.app.state.preferences.layout;
-        self.app.features.camera_views.show_alone(picture, layout, whole_frame);
-        self.settle(&CancelToken::default());
+    /// Makes room for the legend of a picture alone, which is as high as its words are long.
+    fn make_room(&mut self, cancel: &CancelToken) {
+        self.settle(cancel);
         let strip = self.app.features.camera_views.legend_height();
         self.window.resize(self.window.size() + vec2(0.0, strip));
     }
@@ -146,6 +151,9 @@ impl Twin {
 
 impl Painter for Twin {
     fn paint(&mut self, shot: Shot, cancel: &CancelToken) -> RgbImage {
+        if std::mem::take(&mut self.lacks_legend) {
+            self.make_room(cancel);
+        }
         match shot {
             Shot::AsShown => {}
             Shot::Step(step) => {

@@ -20,6 +20,8 @@ impl App {
         match command {
             Command::Export(command) => features.export.unavailable(command, context),
             Command::Recovery(command) => features.recovery.unavailable(command),
+            Command::Tracking(command) => features.tracking.unavailable(command, context),
+            Command::Timeline(command) => features.timeline.unavailable(command, context),
             Command::Laboratory(_) => Some("The Demonstrate layout has the laboratory: press F3"),
             Command::Pose(command) => Posing::unavailable(command, context),
             Command::View(command) => CameraViews::unavailable(command, context),
