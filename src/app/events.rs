@@ -41,7 +41,6 @@ impl App {
             Event::Observed(observed) => self.features.observability.hear(observed),
             Event::FitStep(step, predicted) => self.fit_step(*step, predicted),
             Event::FitEnded(ending) => self.finish_run(ending),
-            Event::Laboratory(event) => self.hear_laboratory(*event),
             Event::Failed(text) => self.state.notices.error(text),
         }
     }
@@ -107,7 +106,6 @@ impl App {
 
     fn ended(&mut self, lane: Lane) {
         match lane {
-            Lane::Laboratory => self.laboratory_ended(),
             Lane::Fit if self.features.fit.pending_steps > 0 => {
                 let steps = std::mem::take(&mut self.features.fit.pending_steps);
                 self.features.fit.run_gesture = Some(self.new_gesture());
@@ -124,7 +122,7 @@ impl App {
         self.refresh = Refresh::default();
         self.files.take_in.forget();
         self.forget_broken();
-        self.reset_laboratory(footage);
+        self.features.laboratory.reset(footage);
         self.state.session.reset(Some(footage.clone()));
         self.features.observability.forget();
         self.asked_to_observe = None;

@@ -145,7 +145,6 @@ impl App {
             Request::CloseNoticesAbout(beginning) => self.state.notices.close_about(beginning),
             Request::CloseExplanation => self.features.demonstration.explanation = None,
             Request::HoldNotice(id) => self.state.notices.hold(id, self.state.now),
-            Request::Laboratory(request) => self.laboratory_request(request),
             Request::Playback(change) => self.change_playback(change),
             Request::Recover(decision) => self.with(
                 |features| &mut features.recovery,

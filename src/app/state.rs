@@ -24,7 +24,6 @@ use crate::document::project::ProjectError;
 use crate::features::Features;
 use crate::features::basin::Basin;
 use crate::features::laboratory::Laboratory;
-use crate::features::laboratory::job::LiveLaboratory;
 use crate::features::recovery::Recovery;
 use crate::jobs::{Pool, Priority, Task};
 use crate::session::Session;
@@ -93,7 +92,6 @@ pub(crate) enum DialogKind {
     SaveAs,
     Curves,
     Plot,
-    LaboratoryPlot,
 }
 
 /// What a file dialog was asked for, and the file that was chosen.
@@ -165,7 +163,6 @@ pub struct App {
     pub(crate) broken: Broken,
     /// What figures were asked for last, whatever came of it.
     pub(crate) asked_to_observe: Option<(FitInputs, Pose)>,
-    pub(crate) live_laboratory: LiveLaboratory,
     pub(crate) state_file: Option<PathBuf>,
     /// How the window was arranged before its layout was reset.
     pub(crate) layout_before: Option<Box<Settings>>,
@@ -210,7 +207,6 @@ impl App {
             writes: Writes::default(),
             broken: Broken::default(),
             asked_to_observe: None,
-            live_laboratory: LiveLaboratory::default(),
             state_file: options.state_file,
             layout_before: None,
             settings_writer,
@@ -289,8 +285,6 @@ impl App {
     /// Whether nothing is being read, fitted or drawn anew: what is on the screen is whole.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        let is_waiting =
-            self.features.laboratory.is_waiting && self.state.preferences.layout == Layout::Demonstrate;
         // A body that sways never comes to rest, and neither does its picture.
         let is_drawn = !self.worker.is_busy(Lane::Scene) || self.features.observability.is_playing();
         self.worker.is_idle_but(Lane::Scene)
@@ -298,7 +292,7 @@ impl App {
             && self.state.pool.is_idle()
             && !(self.state.session.is_stale && !self.refresh.has_failed_to_predict())
             && self.features.demonstration.prepared.is_none()
-            && !is_waiting
+            && self.features.laboratory.is_settled(&self.context())
     }
 
     /// Goes to a frame.

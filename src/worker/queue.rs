@@ -36,29 +36,23 @@ impl Crew {
 pub enum Lane {
     /// The picture of the 3-D scene.
     Scene,
-    /// The pictures of the laboratory's step.
-    LaboratoryLook,
+    /// Writing a file.
+    Save,
     /// The fit of one frame.
     Fit,
-    /// The laboratory's fits.
-    Laboratory,
-    /// The laboratory's plot as a file.
-    LaboratoryPlot,
     /// What the cameras see of the pose on the screen.
     Observe,
     /// The visual hull of the frame on the screen.
     Hull,
-    /// The check of the laboratory's gradients.
-    LaboratoryCheck,
 }
 
 impl Lane {
     const fn crew(self) -> Crew {
         match self {
-            Self::LaboratoryLook | Self::Fit | Self::Laboratory | Self::Observe => Crew::Screen,
+            Self::Fit | Self::Observe => Crew::Screen,
             Self::Scene => Crew::Scene,
-            Self::LaboratoryPlot => Crew::Files,
-            Self::Hull | Self::LaboratoryCheck => Crew::Long,
+            Self::Save => Crew::Files,
+            Self::Hull => Crew::Long,
         }
     }
 }
@@ -387,9 +381,9 @@ mod tests {
         let mut worker = Worker::start(|| {}).unwrap();
         worker.request(Lane::Hull, Sleep);
         worker.request(Lane::Observe, Count { from: 0, to: 1 });
-        worker.request(Lane::LaboratoryPlot, Count { from: 1, to: 2 });
+        worker.request(Lane::Save, Count { from: 1, to: 2 });
         let start = Instant::now();
-        while worker.is_busy(Lane::Observe) || worker.is_busy(Lane::LaboratoryPlot) {
+        while worker.is_busy(Lane::Observe) || worker.is_busy(Lane::Save) {
             assert!(start.elapsed() < Duration::from_secs(20), "the worker hangs");
             worker.poll();
         }
