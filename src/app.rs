@@ -19,7 +19,6 @@
 //! | `dropping` | files that are dropped on the window |
 //! | `files` | takes, projects, dialogs |
 //! | `settings` | the settings file |
-//! | `observing` | what the cameras see, and the sway along a direction |
 //! | `jobs` | what the screen lacks is asked of the worker |
 //! | `exported`, `accessible` | the state as a file, for tests from outside; where the named widgets are |
 //! | `touring` | the tour: which step, and whether it was done |
@@ -88,7 +87,6 @@ impl App {
         self.play(ui.ctx());
         self.keep_work();
         self.refresh();
-        self.observe(ui.ctx());
         self.go_on_demonstrating();
         self.follow_tour();
         self.export_state();

@@ -24,7 +24,7 @@ pub struct Features {
     pub(crate) export: export::Export,
     pub(crate) fit: fit::Fit,
     pub(crate) laboratory: laboratory::Laboratory,
-    pub(crate) observability: observability::Observing,
+    pub(crate) observability: observability::Observability,
     pub(crate) pose: pose::Posing,
     pub(crate) recovery: recovery::Recovery,
     pub(crate) timeline: timeline::Timeline,

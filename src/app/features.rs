@@ -20,6 +20,11 @@ impl App {
             |features| &mut features.laboratory,
             |laboratory, context, requests| laboratory.update(context, requests),
         );
+        self.update_feature(
+            |features| &mut features.observability,
+            |observability, context, requests| observability.update(context, requests),
+        );
+        self.state.observability = self.features.observability.marks();
     }
 
     /// The copy of unsaved work follows what was done in this frame, and work is not left that can be kept nowhere.
