@@ -17,6 +17,8 @@ mod dragged;
 mod joint;
 mod panel;
 mod sizes;
+#[cfg(test)]
+mod tests;
 
 use clipboard::Clipboard;
 use drag::{Dragging, NUDGE_SECONDS, Nudging};
