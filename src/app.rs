@@ -44,6 +44,7 @@ pub(crate) mod headless;
 pub(crate) mod layout;
 pub(crate) mod open_job;
 pub(crate) mod open_with_system;
+pub(crate) mod playing;
 pub(crate) mod refresh;
 pub(crate) mod requests;
 pub(crate) mod save_job;
@@ -61,8 +62,6 @@ pub(crate) mod unavailable;
 pub mod window;
 pub(crate) mod writes;
 
-pub(crate) use crate::features::timeline::playing::TimeAxis;
-pub(crate) use crate::features::tracking::keys_around;
 pub use files::opening_of;
 pub(crate) use headless::headless_export;
 pub use headless::{PictureOptions, headless_picture};
@@ -83,7 +82,6 @@ impl App {
         self.take_in_refreshed();
         self.hear_worker();
         self.update_features();
-        self.take_in_tracked();
         self.hear_dialogs();
         self.hear_export();
         self.take_dropped_files(ui.ctx());

@@ -1,5 +1,6 @@
 //! What panels read, and what they ask for.
 
+pub mod activity;
 pub mod arrangement;
 pub mod clock;
 pub mod command;
@@ -18,8 +19,9 @@ pub mod write_advice;
 pub use unavailable::{Unavailable, unavailable};
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use crate::app::TimeAxis;
+use crate::context::activity::Activity;
 use crate::context::arrangement::Arrangement;
 use crate::context::command::Command;
 use crate::context::drag_marks::DragMarks;
@@ -36,11 +38,11 @@ use crate::features::export::dialog::ExportOrder;
 use crate::features::laboratory::{Laboratory, LaboratoryRequest};
 use crate::features::observability::{Glance, ObserveRequest, Observing};
 use crate::features::scene::{SceneLook, SceneOrder};
-use crate::features::timeline::TimelineEvent;
 use crate::jobs::{Failure, Pool};
-use crate::session::Session;
+use crate::session::playback::{Playback, PlaybackChange};
 use crate::session::prediction::{Derivatives, FitInputs};
 use crate::session::selection::{Selection, StepRef};
+use crate::session::{FrameData, Session};
 use crate::take::source::TakeSource;
 use backlit_tracking::body::Pose;
 
@@ -58,7 +60,7 @@ pub struct Context<'a> {
     /// What was said.
     pub notices: &'a Notices,
     /// Work in progress.
-    pub busy: Busy,
+    pub busy: Activity,
     /// The project file, if there is one.
     pub project: Option<&'a Path>,
     /// Whether something was exported since the start.
@@ -67,12 +69,12 @@ pub struct Context<'a> {
     pub has_discarded: bool,
     /// Whether a project was not opened since its take was not there.
     pub lacks_take: bool,
+    /// How frames are played.
+    pub playback: &'a Playback,
     /// What all camera views share.
     pub views: ViewSettings,
     /// What goes on in the camera views.
     pub(crate) drag: DragMarks<'a>,
-    /// What is played, and what of the time axis is on the screen.
-    pub(crate) time: &'a TimeAxis,
     /// What is looked at of what the cameras see.
     pub observing: &'a Observing,
     /// The sentence of the status bar about what the hand is doing.
@@ -93,34 +95,6 @@ pub struct Context<'a> {
     pub pool: &'a Pool,
     /// The window's own context.
     pub egui: &'a egui::Context,
-}
-
-/// Which lanes of the worker have work.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-#[expect(clippy::struct_excessive_bools, reason = "lanes work independently of each other")]
-pub struct Busy {
-    /// A take is being opened.
-    pub opening: bool,
-    /// The frame is being read and segmented.
-    pub loading: bool,
-    /// Whether reading the frame on the screen broke down.
-    pub load_broke: bool,
-    /// A fit is running.
-    pub fitting: bool,
-    /// The tracker is running.
-    pub tracking: bool,
-    /// A basin is being tried.
-    pub basin: bool,
-    /// Pictures of an export that are done, and all of them.
-    pub exporting: Option<(usize, usize)>,
-}
-
-impl Busy {
-    /// Whether a bar under the toolbar says that something takes its time.
-    #[must_use]
-    pub fn is_long(self) -> bool {
-        self.opening || self.fitting || self.tracking
-    }
 }
 
 impl<'a> Context<'a> {
@@ -160,14 +134,20 @@ impl<'a> Context<'a> {
 /// Something a panel asks for that is neither an edit nor a command of its own.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Request {
-    /// Go to a frame.
+    /// Go to a frame: a fit that is going on ends, and the tracker is followed no more.
     Frame(usize),
+    /// Go to a frame while a fit goes on; the tracker is followed no more.
+    Visit(usize),
+    /// Go on to the frame that the tracker has reached.
+    Follow(usize),
     /// Hold a joint.
     Joint(JointId),
     /// Make a camera's tile the active one.
     Camera(usize),
     /// Look at a step of a run.
     Step(StepRef),
+    /// Look at the document's pose again, and no step of a run.
+    LeaveStep,
     /// Show or hide a run's curve.
     ShowRun(usize, bool),
     /// A wish of the convergence panel.
@@ -211,10 +191,8 @@ pub enum Request {
     CloseExplanation,
     /// A notice is under the pointer: it stays.
     HoldNotice(u64),
-    /// What was done in the timeline.
-    Timeline(TimelineEvent),
-    /// Give the frame one of the poses that a search has found, by its place in their list.
-    ChoosePose(usize),
+    /// Change how frames are played.
+    Playback(PlaybackChange),
     /// What to do with work that an earlier start of the program left unsaved.
     Recover(Recovery),
     /// Open whatever a path is.
@@ -292,6 +270,8 @@ pub struct Requests {
     pub scene: Option<Box<SceneOrder>>,
     /// Files to be written.
     pub writes: Vec<Write>,
+    /// Frames that were read on the way, and that panels may show.
+    pub frames: Vec<Arc<FrameData>>,
 }
 
 impl Requests {

@@ -27,7 +27,7 @@ pub struct Features {
     pub(crate) observability: observability::Observing,
     pub(crate) pose: pose::Posing,
     pub(crate) recovery: recovery::unsaved::Unsaved,
-    pub(crate) timeline: timeline::playing::TimeAxis,
+    pub(crate) timeline: timeline::Timeline,
     pub(crate) tour: Option<tour::Tour>,
-    pub(crate) tracking: tracking::TrackingState,
+    pub(crate) tracking: tracking::Tracking,
 }

@@ -8,10 +8,8 @@ pub mod selection;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::Instant;
 
 use backlit_tracking::body::Pose;
-use backlit_tracking::track::{FitOptions, Hypothesis};
 
 pub(crate) use frames::load_frame;
 pub use frames::{FrameCache, FrameData};
@@ -21,7 +19,6 @@ use crate::document::run::{Run, RunStep};
 use crate::features::fit::refitted::Refitted;
 use crate::features::scene::SceneDrawing;
 use crate::features::scene::hulls::HullCache;
-use crate::session::playback::FrameRange;
 use crate::session::prediction::{FitInputs, Predicted};
 use crate::session::selection::{Selection, StepRef};
 use crate::take::footage::Footage;
@@ -68,14 +65,6 @@ pub struct Session {
     pub generation: u64,
     /// Where the subject is over the whole take, by camera.
     pub subject: Vec<Option<Extent>>,
-    /// What the tracker is doing.
-    pub tracking: Option<Tracking>,
-    /// Other poses that fit a frame, by frame, where a search has looked for them.
-    pub other_poses: BTreeMap<usize, OtherPoses>,
-    /// The frame in which other poses are being looked for.
-    pub searching: Option<usize>,
-    /// Whether the body's own sizes are being fitted, in the tracker's place.
-    pub fitting_body: bool,
     /// Time of the last step of a fit, in seconds.
     pub step_seconds: Option<f64>,
     /// Time of the last prediction, in seconds.
@@ -89,61 +78,6 @@ pub struct RemovedRuns {
     pub runs: Vec<Run>,
     /// The document's revision when that was done: a later change of the document is undone first.
     pub revision: u64,
-}
-
-/// The state of a run of the tracker.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Tracking {
-    /// Frames done.
-    pub done: usize,
-    /// Frames to do in all.
-    pub total: usize,
-    /// Whether it goes towards the first frame.
-    pub backwards: bool,
-    /// The key poses between which it goes both ways, if it does.
-    pub between: Option<(usize, usize)>,
-    /// The frames that are tracked.
-    pub range: FrameRange,
-    /// When it began.
-    pub began: Instant,
-}
-
-impl Tracking {
-    /// The frames that are still to come, as long as there are any. Between key poses every frame comes twice.
-    #[must_use]
-    pub fn to_come(&self) -> Option<FrameRange> {
-        let FrameRange { first, last } = self.range;
-        if self.done >= self.total {
-            return None;
-        }
-        let count = self.range.count();
-        let (done, backwards) = match self.between {
-            None => (self.done, self.backwards),
-            Some(_) => (self.done % count, self.done >= count),
-        };
-        let range = FrameRange { first, last };
-        Some(if backwards {
-            FrameRange { last: last.saturating_sub(done).max(first), ..range }
-        } else {
-            FrameRange { first: (first + done).min(last), ..range }
-        })
-    }
-
-    /// Frames a second so far, once there is something to tell.
-    #[must_use]
-    pub fn rate(&self) -> Option<f64> {
-        let seconds = self.began.elapsed().as_secs_f64();
-        (self.done > 2 && seconds > 0.0).then(|| self.done as f64 / seconds)
-    }
-}
-
-/// What a search has found for a frame.
-#[derive(Debug, Clone)]
-pub struct OtherPoses {
-    /// Best first.
-    pub found: Vec<Hypothesis>,
-    /// The choices of the fit by which the costs were measured.
-    pub fit: Arc<FitOptions>,
 }
 
 impl Session {
@@ -225,15 +159,7 @@ impl Session {
     /// The same without any work that is going on.
     #[must_use]
     pub fn at_rest(&self) -> Self {
-        Self {
-            live: None,
-            live_scene: None,
-            live_prediction: None,
-            is_stepping: false,
-            tracking: None,
-            fitting_body: false,
-            ..self.clone()
-        }
+        Self { live: None, live_scene: None, live_prediction: None, is_stepping: false, ..self.clone() }
     }
 
     /// Forgets what was made of another take.
@@ -251,29 +177,5 @@ impl Session {
     pub fn forget_measurements(&mut self) {
         self.frames.clear();
         self.predicted = None;
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn frames_still_come_from_the_side_to_which_the_tracker_goes() {
-        let tracking = |done: usize, backwards: bool, between: Option<(usize, usize)>| Tracking {
-            done,
-            total: if between.is_some() { 12 } else { 6 },
-            backwards,
-            between,
-            range: FrameRange { first: 4, last: 9 },
-            began: Instant::now(),
-        };
-        let to_come = |tracking: Tracking| tracking.to_come().map(|FrameRange { first, last }| (first, last));
-        assert_eq!(to_come(tracking(0, false, None)), Some((4, 9)));
-        assert_eq!(to_come(tracking(2, false, None)), Some((6, 9)));
-        assert_eq!(to_come(tracking(2, true, None)), Some((4, 7)));
-        assert_eq!(to_come(tracking(6, true, None)), None);
-        assert_eq!(to_come(tracking(5, false, Some((4, 9)))), Some((9, 9)));
-        assert_eq!(to_come(tracking(7, false, Some((4, 9)))), Some((4, 8)), "and from the other side");
     }
 }

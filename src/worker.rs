@@ -13,12 +13,9 @@ use std::sync::Arc;
 
 pub use queue::{Job, Lane, Outbox, Report, Step, Worker};
 
-use backlit_tracking::track::Hypothesis;
-use backlit_tracking::track::fit_body::BodyFit;
 use backlit_tracking::track::visual_hull::VisualHull;
 
 use crate::app::open_job::OpenedProject;
-use crate::document::Estimate;
 use crate::document::edit::Edit;
 use crate::document::run::{RunEnding, RunStep};
 use crate::features::laboratory::job::LaboratoryEvent;
@@ -43,23 +40,6 @@ pub enum Event {
     FitStep(Box<RunStep>, Arc<Predicted>),
     /// The fit has ended or was stopped; `None` if it may go on.
     FitEnded(Option<RunEnding>),
-    /// A frame was tracked.
-    FrameTracked(usize, Arc<Estimate>),
-    /// What was tracked before is now known better: smoothed by later frames, or joined with another track.
-    TrackRevised(Vec<(usize, Arc<Estimate>)>),
-    /// Two tracks were joined after this frame; so far apart were their joints there, metres.
-    TracksJoined {
-        /// The last frame of the forward track.
-        frame: usize,
-        /// Mean distance of the joints.
-        distance_m: f64,
-        /// Whether that is one movement.
-        meets: bool,
-    },
-    /// Other poses that fit a frame, best first.
-    PosesFound(usize, Vec<Hypothesis>),
-    /// The body's own sizes were found.
-    BodyFitted(Box<BodyFit>),
     /// The laboratory's news.
     Laboratory(Box<LaboratoryEvent>),
     /// The copy of unsaved work was written.

@@ -67,6 +67,20 @@ impl App {
                 |views, context, requests| views.run(command, context, requests),
             ),
             Command::Scene(command) => self.scene_command(command),
+            Command::Fit(FitCommand::SearchPoses) => {
+                self.interrupt_fit();
+                self.with(
+                    |features| &mut features.tracking,
+                    |tracking, context, _| tracking.search_poses(context),
+                );
+            }
+            Command::Fit(FitCommand::FitBody) => {
+                self.interrupt_fit();
+                self.with(
+                    |features| &mut features.tracking,
+                    |tracking, context, requests| tracking.fit_body(context, requests),
+                );
+            }
             Command::Fit(command) => self.fit_command(command),
             Command::Convergence(command) => self.convergence_command(command),
             Command::Basin(command) => self.with(
@@ -74,8 +88,19 @@ impl App {
                 |basin, context, requests| basin.run(command, context, requests),
             ),
             Command::Observability(command) => self.observability_command(command),
-            Command::Tracking(command) => self.tracking_command(command),
-            Command::Timeline(command) => self.timeline_command(command),
+            Command::Tracking(command) => {
+                if command != TrackingCommand::Clear {
+                    self.interrupt_fit();
+                }
+                self.with(
+                    |features| &mut features.tracking,
+                    |tracking, context, requests| tracking.run(command, context, requests),
+                );
+            }
+            Command::Timeline(command) => self.with(
+                |features| &mut features.timeline,
+                |timeline, context, requests| timeline.run(command, context, requests),
+            ),
             Command::Demonstration(which) => self.open(Opening::Take(TakeSource::Demonstration(which))),
             Command::Laboratory(command) => self.laboratory_command(command),
             Command::Tour => {
@@ -100,7 +125,7 @@ impl App {
     /// Esc: what runs is stopped first, then a body that sways; else a camera that fills the window goes back, else a
     /// step is left; else what is tried or written in the background is stopped.
     fn let_go(&mut self) -> bool {
-        if !self.worker.is_idle() && (self.context().busy.fitting || self.context().busy.tracking) {
+        if self.context().busy.fitting || self.context().busy.tracking {
             return false;
         }
         if self.features.observability.is_swaying() {
@@ -164,7 +189,7 @@ impl App {
                 self.state.preferences.theme = self.state.preferences.theme.toggled()
             }
             WindowCommand::TogglePanel => self.state.preferences.panel = !self.state.preferences.panel,
-            WindowCommand::ToggleTimeline => self.state.preferences.lanes = !self.state.preferences.lanes,
+            WindowCommand::ToggleTimeline => self.features.timeline.shows_lanes ^= true,
             WindowCommand::TogglePane(pane) => self.dock(|docking, window| docking.toggle_pane(window, pane)),
             WindowCommand::ArrangeTiles => self.arrange_tiles(),
             WindowCommand::ResetLayout => self.reset_layout(),
@@ -180,13 +205,16 @@ impl App {
         match command {
             FitCommand::Step => self.step(Some(1)),
             FitCommand::Run => self.step(None),
-            FitCommand::Stop => self.stop(),
+            FitCommand::Stop => {
+                self.stop();
+                self.features.tracking.stop();
+            }
             FitCommand::StepBack | FitCommand::EarlierStep => self.look_at_neighbour(false),
             FitCommand::LaterStep => self.look_at_neighbour(true),
             FitCommand::Branch => self.branch(),
             FitCommand::Refit(part) => self.refit(part),
-            FitCommand::SearchPoses => self.search_poses(),
-            FitCommand::FitBody => self.fit_body(),
+            // The tracker's.
+            FitCommand::SearchPoses | FitCommand::FitBody => {}
             FitCommand::Renderer(renderer) => self.set_renderer(renderer),
             FitCommand::Preset(preset) => {
                 // The renderer is chosen by itself.
@@ -204,27 +232,6 @@ impl App {
             ConvergenceCommand::ExportCurves => self.ask_for_file(DialogKind::Curves),
             ConvergenceCommand::ExportPlot => self.ask_for_file(DialogKind::Plot),
         }
-    }
-
-    fn tracking_command(&mut self, command: TrackingCommand) {
-        match command {
-            TrackingCommand::Forward => self.track(false),
-            TrackingCommand::Back => self.track(true),
-            TrackingCommand::Between => self.track_between_keys(),
-            TrackingCommand::Clear => self.clear_track(),
-        }
-    }
-
-    fn clear_track(&mut self) {
-        let (tracked, keys) = (self.document().estimates.len(), self.document().keys.len());
-        self.edit(Edit::ClearEstimates, None);
-        let kept = match keys {
-            0 => String::new(),
-            1 => "; 1 key pose stays".to_owned(),
-            keys => format!("; {keys} key poses stay"),
-        };
-        let text = format!("Forgot the poses of {tracked} frames{kept}.");
-        self.state.notices.info(self.state.now, text, Some(Command::History(HistoryCommand::Undo)));
     }
 
     /// The pose on the screen.

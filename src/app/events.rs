@@ -41,11 +41,6 @@ impl App {
             Event::Observed(observed) => self.features.observability.hear(observed),
             Event::FitStep(step, predicted) => self.fit_step(*step, predicted),
             Event::FitEnded(ending) => self.finish_run(ending),
-            Event::BodyFitted(fit) => self.body_fitted(&fit),
-            Event::FrameTracked(frame, estimate) => self.frame_tracked(frame, estimate),
-            Event::TrackRevised(found) => self.track_revised(found),
-            Event::TracksJoined { frame, distance_m, meets } => self.tracks_joined(frame, distance_m, meets),
-            Event::PosesFound(frame, found) => self.poses_found(frame, found),
             Event::CopySaved { revision } => self.copy_saved(revision),
             Event::CopyFailed(why) => self.copy_failed(&why),
             Event::Laboratory(event) => self.hear_laboratory(*event),
@@ -120,13 +115,12 @@ impl App {
                 self.features.fit.run_gesture = Some(self.new_gesture());
                 self.worker.request(Lane::Fit, FitJob::go_on(self.features.fit.live.clone(), Some(steps)));
             }
-            Lane::Track => self.tracking_ended(),
             _ => {}
         }
     }
 
     pub(crate) fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<OpenedProject>) {
-        for lane in [Lane::Scene, Lane::Fit, Lane::Observe, Lane::Track, Lane::Hull] {
+        for lane in [Lane::Scene, Lane::Fit, Lane::Observe, Lane::Hull] {
             self.worker.drop_lane(lane);
         }
         self.refresh = Refresh::default();
@@ -137,6 +131,7 @@ impl App {
         self.features.observability.forget();
         self.asked_to_observe = None;
         self.features.basin.reset();
+        self.features.tracking.reset();
         if let Some(TakeSource::Path(path)) = &footage.source {
             self.state.preferences.remember(path.clone());
         }

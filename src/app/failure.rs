@@ -53,7 +53,6 @@ impl App {
         match lane {
             Lane::Fit => self.fit_broke(),
             Lane::Laboratory | Lane::LaboratoryCheck => self.laboratory_broke(lane),
-            Lane::Track => self.tracking_ended(),
             Lane::Save => self.features.recovery.copy_broke(),
             _ => {}
         }
@@ -79,7 +78,6 @@ const fn work_of(lane: Lane) -> &'static str {
         Lane::Laboratory => "The laboratory",
         Lane::LaboratoryPlot => "Saving the laboratory's plot",
         Lane::Observe => "The look at what the cameras see",
-        Lane::Track => "The tracker",
         Lane::Hull => "Carving the visual hull",
         Lane::LaboratoryCheck => "The check of the laboratory's gradients",
     }
@@ -90,11 +88,11 @@ mod tests {
     use super::*;
     use crate::app::testing::{Breaks, errors, open, settle};
     use crate::app::{AppOptions, Opening};
-    use crate::context::command::{Command, FitCommand, LaboratoryCommand, TrackingCommand};
+    use crate::context::command::{Command, FitCommand, LaboratoryCommand};
     use crate::context::notices::Severity;
     use crate::document::edit::Edit;
 
-    const ALL: [Lane; 10] = [
+    const ALL: [Lane; 9] = [
         Lane::Scene,
         Lane::LaboratoryLook,
         Lane::Save,
@@ -102,7 +100,6 @@ mod tests {
         Lane::Laboratory,
         Lane::LaboratoryPlot,
         Lane::Observe,
-        Lane::Track,
         Lane::Hull,
         Lane::LaboratoryCheck,
     ];
@@ -130,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fit_and_a_tracker_that_break_down_leave_what_they_have_done() {
+    fn a_fit_that_breaks_down_leaves_what_it_has_done() {
         let (mut window, mut app) = open(Layout::Pose);
         let context = window.ctx.clone();
         app.run(Command::Fit(FitCommand::Step), &context);
@@ -145,11 +142,6 @@ mod tests {
         app.run(Command::Fit(FitCommand::Step), &context);
         settle(&mut window, &mut app);
         assert!(app.state.session.runs.last().unwrap().steps.len() > 1, "the next run is a new one");
-
-        app.run(Command::Tracking(TrackingCommand::Forward), &context);
-        app.worker.request(Lane::Track, Breaks);
-        settle(&mut window, &mut app);
-        assert!(app.state.session.tracking.is_none());
     }
 
     #[test]

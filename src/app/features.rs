@@ -10,6 +10,11 @@ impl App {
     /// Every feature takes in what its tasks have done, and asks for what it lacks.
     pub(crate) fn update_features(&mut self) {
         self.with(|features| &mut features.basin, |basin, context, requests| basin.update(context, requests));
+        self.update_feature(
+            |features| &mut features.tracking,
+            |tracking, context, requests| tracking.update(context, requests),
+        );
+        self.lend_to(|features| &mut features.timeline, |timeline, context, _| timeline.update(context));
     }
 
     /// Something is dragged in a camera's view. What runs or plays stops for it.

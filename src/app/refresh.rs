@@ -119,7 +119,10 @@ impl App {
             self.state.session.last_frame = shown;
             if !self.refresh.frame.is_busy()
                 && !self.refresh.has_failed_to_read()
-                && let Some(ahead) = self.frame_to_read_ahead()
+                && let (Some(ahead), _) = self.lend_to(
+                    |features| &mut features.timeline,
+                    |timeline, context, _| timeline.frame_to_read_ahead(context),
+                )
             {
                 self.read_frame(&take, ahead);
             }

@@ -8,17 +8,24 @@ use crate::document::history::Gesture;
 use crate::features::Features;
 
 impl App {
-    /// Applies edits, then requests, then commands.
+    /// Applies edits, then requests, then commands; what was asked for in this frame of the window is seen in the next.
     pub(crate) fn apply(&mut self, requests: Requests, ctx: &egui::Context) {
         if !(requests.edits.is_empty() && requests.others.is_empty() && requests.commands.is_empty()) {
-            // What was asked for in this frame is seen in the next.
             ctx.request_repaint();
         }
+        self.apply_before_show(requests, ctx);
+    }
+
+    /// The same before the panels are shown, which see it in this frame of the window.
+    fn apply_before_show(&mut self, requests: Requests, ctx: &egui::Context) {
         if self.features.observability.glance(requests.glance) {
             ctx.request_repaint();
         }
         if let Some(order) = requests.scene {
             self.draw_scene(*order);
+        }
+        for frame in requests.frames {
+            self.state.session.keep_frame(frame);
         }
         for (edit, gesture) in requests.edits {
             if matches!(edit, Edit::SetPose { .. }) {
@@ -40,13 +47,34 @@ impl App {
         feature: fn(&mut Features) -> &mut Feature,
         work: impl FnOnce(&mut Feature, &Context<'_>, &mut Requests) -> Answer,
     ) -> Answer {
+        let (answer, requests) = self.lend_to(feature, work);
+        let egui = self.state.egui.clone();
+        self.apply(requests, &egui);
+        answer
+    }
+
+    /// The same before the panels are shown: a tracker that is heard of needs one frame of the window, not two.
+    pub(crate) fn update_feature<Feature: Default>(
+        &mut self,
+        feature: fn(&mut Features) -> &mut Feature,
+        work: impl FnOnce(&mut Feature, &Context<'_>, &mut Requests),
+    ) {
+        let ((), requests) = self.lend_to(feature, work);
+        let egui = self.state.egui.clone();
+        self.apply_before_show(requests, &egui);
+    }
+
+    /// Lets a feature work, and says what it asked for.
+    pub(crate) fn lend_to<Feature: Default, Answer>(
+        &mut self,
+        feature: fn(&mut Features) -> &mut Feature,
+        work: impl FnOnce(&mut Feature, &Context<'_>, &mut Requests) -> Answer,
+    ) -> (Answer, Requests) {
         let mut taken = std::mem::take(feature(&mut self.features));
         let mut requests = Requests::default();
         let answer = work(&mut taken, &self.context(), &mut requests);
         *feature(&mut self.features) = taken;
-        let egui = self.state.egui.clone();
-        self.apply(requests, &egui);
-        answer
+        (answer, requests)
     }
 
     /// Makes a change, and what follows from it for the selection.
@@ -71,10 +99,15 @@ impl App {
     pub(crate) fn request(&mut self, request: Request) {
         match request {
             Request::Frame(frame) => {
-                self.features.tracking.follows_tracker = false;
                 self.interrupt_fit();
+                self.request(Request::Visit(frame));
+            }
+            Request::Visit(frame) => {
+                self.features.tracking.stop_following();
                 self.go_to_frame(frame);
             }
+            Request::Follow(frame) => self.go_to_frame(frame),
+            Request::LeaveStep => self.state.selection.step = None,
             Request::Joint(joint) => self.state.selection.joint = joint,
             Request::Part(part) => self.state.selection.part = Some(part),
             Request::ShowMode(layout, mode) => self.features.camera_views.show_mode(layout, mode),
@@ -109,8 +142,7 @@ impl App {
             Request::CloseExplanation => self.features.demonstration.explanation = None,
             Request::HoldNotice(id) => self.state.notices.hold(id, self.state.now),
             Request::Laboratory(request) => self.laboratory_request(request),
-            Request::Timeline(event) => self.timeline_event(event),
-            Request::ChoosePose(index) => self.choose_pose(index),
+            Request::Playback(change) => self.change_playback(change),
             Request::Recover(which) => self.recover(which),
             Request::OpenPath(path) => self.open_path(&path),
             Request::ForgetRecent(path) => self.state.preferences.recent.retain(|other| *other != path),

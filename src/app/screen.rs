@@ -3,12 +3,12 @@
 use egui::{CentralPanel, Frame, Ui, pos2};
 
 use super::App;
+use crate::context::activity::Activity;
 use crate::context::preferences::Layout;
-use crate::context::{Busy, Context, Request, Requests, Unavailable};
+use crate::context::{Context, Request, Requests, Unavailable};
 use crate::features::Features;
 use crate::features::demonstration::explanation;
 use crate::features::laboratory::panel as laboratory;
-use crate::features::timeline;
 use crate::shell::Overlay;
 use crate::shell::{about, dock, empty, messages, notice_cards, right_panel, shortcuts, status_bar, toolbar};
 use crate::style::theme::size;
@@ -23,12 +23,13 @@ impl App {
             selection: &self.state.selection,
             preferences: &self.state.preferences,
             notices: &self.state.notices,
-            busy: Busy {
+            busy: Activity {
                 opening: self.files.open.is_busy(),
                 loading: self.refresh.is_reading(),
                 load_broke: self.refresh.has_failed_to_read(),
                 fitting: self.worker.is_busy(Lane::Fit),
-                tracking: self.worker.is_busy(Lane::Track),
+                tracking: self.features.tracking.is_busy(),
+                track: self.features.tracking.progress(),
                 basin: self.features.basin.is_running(),
                 exporting: self.export_progress(),
             },
@@ -36,9 +37,9 @@ impl App {
             has_exported: self.features.export.exported_to.is_some(),
             has_discarded: self.has_discarded(),
             lacks_take: self.files.lost_take.is_some(),
+            playback: &self.state.playback,
             views: self.features.camera_views.preferences.settings,
             drag: self.features.pose.marks(self.state.now),
-            time: &self.features.timeline,
             observing: &self.features.observability,
             doing: self.state.status.as_deref(),
             explanation: self.features.demonstration.explanation,
@@ -91,7 +92,7 @@ impl App {
                 }
                 explanation::ui(ui, &context, requests);
                 if self.shell.docking.alone.is_none() {
-                    timeline::ui(ui, &context, requests, window.height());
+                    features.timeline.ui(ui, &context, requests, window.height());
                     notices_from.y = ui.available_rect_before_wrap().bottom();
                 }
                 centre_size = Some(ui.available_rect_before_wrap().size());
@@ -116,6 +117,8 @@ impl App {
     fn lend(&mut self) -> Features {
         Features {
             basin: std::mem::take(&mut self.features.basin),
+            timeline: std::mem::take(&mut self.features.timeline),
+            tracking: std::mem::take(&mut self.features.tracking),
             camera_views: std::mem::take(&mut self.features.camera_views),
             ..Features::default()
         }
@@ -123,6 +126,8 @@ impl App {
 
     fn take_back(&mut self, features: Features) {
         self.features.basin = features.basin;
+        self.features.timeline = features.timeline;
+        self.features.tracking = features.tracking;
         self.features.camera_views = features.camera_views;
     }
 

@@ -107,7 +107,7 @@ impl App {
             theme: preferences.theme,
             layout: preferences.layout,
             panel: preferences.panel,
-            lanes: preferences.lanes,
+            lanes: self.features.timeline.shows_lanes,
             linked_zoom: views.linked_zoom,
             views: views.settings,
             recent: preferences.recent,
@@ -128,7 +128,6 @@ impl App {
             theme: settings.theme,
             layout: settings.layout,
             panel: settings.panel,
-            lanes: settings.lanes,
             recent: settings.recent,
             scene: settings.scene,
             kept: settings.kept,
@@ -138,6 +137,7 @@ impl App {
             tour_offered: settings.tour_offered,
             generation: settings.generation,
         };
+        self.features.timeline.shows_lanes = settings.lanes;
         self.features.basin.preferences = settings.basin;
         self.features.camera_views.preferences =
             CameraViewPreferences { linked_zoom: settings.linked_zoom, settings: settings.views };

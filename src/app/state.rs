@@ -28,6 +28,7 @@ use crate::features::laboratory::job::LiveLaboratory;
 use crate::features::recovery::unsaved::Unsaved;
 use crate::jobs::{Pool, Priority, Task};
 use crate::session::Session;
+use crate::session::playback::Playback;
 use crate::session::prediction::FitInputs;
 use crate::session::selection::Selection;
 use crate::shell::Shell;
@@ -91,6 +92,8 @@ pub(crate) struct State {
     pub(crate) history: History,
     pub(crate) selection: Selection,
     pub(crate) session: Session,
+    /// How frames are played: neither saved nor undone.
+    pub(crate) playback: Playback,
     pub(crate) preferences: Preferences,
     pub(crate) notices: Notices,
     /// What cannot be used in the frame that is shown.
@@ -173,6 +176,7 @@ impl App {
             history: History::new(Document::new(builtin::full_body())),
             selection: Selection::default(),
             session: Session::default(),
+            playback: Playback::default(),
             preferences: Preferences::default(),
             notices: Notices::default(),
             unavailable: Unavailable::default(),

@@ -158,9 +158,9 @@ impl App {
             "layout": self.state.preferences.layout,
             "theme": self.state.preferences.theme,
             "panel": self.state.preferences.panel,
-            "lanes": self.state.preferences.lanes,
+            "lanes": self.features.timeline.shows_lanes,
             "alone": self.shell.docking.alone.map(|pane| pane.title()),
-            "playing": self.features.timeline.playback.is_playing(),
+            "playing": self.is_playing(),
             "track": self.exported_track(),
             "notices": self.state.notices.cards().map(notice).collect::<Vec<_>>(),
             "messages": self.state.notices.all().len(),
@@ -177,7 +177,7 @@ impl App {
             ("save", self.files.save.is_busy() || self.worker.is_busy(Lane::Save)),
             ("fit", self.worker.is_busy(Lane::Fit)),
             ("survey", self.refresh.is_surveying()),
-            ("track", self.worker.is_busy(Lane::Track)),
+            ("track", self.features.tracking.is_busy()),
         ];
         lanes.into_iter().filter(|lane| lane.1).map(|lane| lane.0).collect()
     }
@@ -222,7 +222,7 @@ impl App {
     fn exported_track(&self) -> Value {
         let document = self.document();
         let lost = document.estimates.iter().filter(|(_, found)| found.lost).map(|(frame, _)| *frame);
-        let running = self.state.session.tracking.map(
+        let running = self.features.tracking.progress().map(
             |tracking| json!({"done": tracking.done, "total": tracking.total, "backwards": tracking.backwards}),
         );
         json!({

@@ -18,6 +18,8 @@ impl App {
             return no_take(context).or(answer);
         }
         match command {
+            Command::Tracking(command) => features.tracking.unavailable(command, context),
+            Command::Timeline(command) => features.timeline.unavailable(command, context),
             Command::Laboratory(_) => Some("The Demonstrate layout has the laboratory: press F3"),
             Command::Pose(command) => Posing::unavailable(command, context),
             Command::View(command) => CameraViews::unavailable(command, context),

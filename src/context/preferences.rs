@@ -52,8 +52,6 @@ pub struct Preferences {
     pub layout: Layout,
     /// Whether the right panel is there.
     pub panel: bool,
-    /// Whether the timeline has its lanes.
-    pub lanes: bool,
     /// Takes that were opened last, the newest first.
     pub recent: Vec<PathBuf>,
     /// What the 3-D scene shows.
@@ -78,7 +76,6 @@ impl Default for Preferences {
             theme: Theme::Dark,
             layout: Layout::Pose,
             panel: true,
-            lanes: true,
             recent: Vec::new(),
             scene: SceneLook::default(),
             kept: Kept::default(),

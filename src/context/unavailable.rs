@@ -6,14 +6,13 @@
 use super::Context;
 use super::command::{
     BasinCommand, Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
-    ObservabilityCommand, RecoveryCommand, TimelineCommand, TrackingCommand, WindowCommand,
+    ObservabilityCommand, RecoveryCommand, WindowCommand,
 };
 use super::preferences::Layout;
-use crate::app::keys_around;
 use crate::session::selection::StepRef;
 
 /// A sentence without its full stop; `None` if nothing stands in the way.
-type Why = Option<&'static str>;
+pub(crate) type Why = Option<&'static str>;
 
 /// The commands that cannot be used in this frame of the window, each with why.
 #[derive(Debug, Default)]
@@ -47,9 +46,9 @@ pub(crate) fn why(command: Command, context: &Context<'_>) -> Why {
         Command::Convergence(command) => convergence(command, context),
         Command::Basin(command) => basin(command, context),
         Command::Observability(command) => observability(command, context),
-        Command::Tracking(command) => tracking(command, context),
-        Command::Timeline(command) => timeline(command, context),
-        Command::Pose(_)
+        Command::Tracking(_)
+        | Command::Timeline(_)
+        | Command::Pose(_)
         | Command::View(_)
         | Command::Laboratory(_)
         | Command::Demonstration(_)
@@ -183,67 +182,7 @@ fn observability(command: ObservabilityCommand, context: &Context<'_>) -> Why {
     }
 }
 
-fn not_tracked(context: &Context<'_>) -> Why {
+/// Why nothing can be done with what was tracked.
+pub(crate) fn not_tracked(context: &Context<'_>) -> Why {
     because(context.document().estimates.is_empty(), "No frame is tracked yet")
-}
-
-fn tracking(command: TrackingCommand, context: &Context<'_>) -> Why {
-    let (document, frame) = (context.document(), context.selection.frame);
-    let no_track = || {
-        no_take(context)
-            .or(because(document.used_cameras().next().is_none(), "No camera is used in the fit"))
-            .or(because(context.busy.tracking, "The tracker is at work"))
-    };
-    match command {
-        TrackingCommand::Forward => {
-            let is_last = frame + 1 >= context.session.frame_count();
-            no_track().or(because(is_last, "This is the last frame: Enter fits it"))
-        }
-        TrackingCommand::Back => no_track().or(because(frame == 0, "This is the first frame: Enter fits it")),
-        TrackingCommand::Between => no_track().or(match keys_around(document, frame) {
-            None => Some("Set a key pose before this frame and one after it, with K"),
-            Some((first, last)) => {
-                because(last - first < 2, "There is no frame between the key poses around this frame")
-            }
-        }),
-        TrackingCommand::Clear => not_tracked(context),
-    }
-}
-
-fn timeline(command: TimelineCommand, context: &Context<'_>) -> Why {
-    let (session, document, frame) = (context.session, context.document(), context.selection.frame);
-    match command {
-        TimelineCommand::SetKeyPose => no_take(context),
-        TimelineCommand::PreviousKey | TimelineCommand::NextKey => {
-            let is_only = document.keys.len() == 1 && document.keys.contains_key(&frame);
-            because(document.keys.is_empty(), "There is no key pose yet: K sets one")
-                .or(because(is_only, "This frame has the only key pose"))
-        }
-        TimelineCommand::NextWorst | TimelineCommand::PreviousWorst => {
-            not_tracked(context).or(because(document.estimates.len() < 2, "Only one frame is fitted"))
-        }
-        TimelineCommand::ClearRange => match context.time.playback.range {
-            None => Some("Mark frames first: drag along the timeline with Shift"),
-            Some(range) => {
-                let found = document.estimates.range(range.first..=range.last).next();
-                because(found.is_none(), "No frame of the marked ones is fitted")
-            }
-        },
-        TimelineCommand::Play
-        | TimelineCommand::ToggleLoop
-        | TimelineCommand::Slower
-        | TimelineCommand::Faster => {
-            no_take(context).or(because(session.frame_count() < 2, "The take has one frame"))
-        }
-        TimelineCommand::WholeTake => {
-            no_take(context).or(because(context.time.span.is_none(), "All frames are on the screen"))
-        }
-        TimelineCommand::PreviousFrame | TimelineCommand::TenFramesBack | TimelineCommand::FirstFrame => {
-            no_take(context).or(because(frame == 0, "This is the first frame"))
-        }
-        TimelineCommand::NextFrame | TimelineCommand::TenFramesOn | TimelineCommand::LastFrame => {
-            let is_last = frame + 1 >= session.frame_count();
-            no_take(context).or(because(is_last, "This is the last frame"))
-        }
-    }
 }

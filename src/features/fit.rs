@@ -1,11 +1,7 @@
 //! Stepping, running and refitting.
 
-pub(crate) mod body;
-pub(crate) mod body_job;
 pub(crate) mod job;
 pub(crate) mod measurement;
-pub(crate) mod other_poses;
-pub(crate) mod poses_job;
 pub(crate) mod refit;
 pub(crate) mod refitted;
 pub(crate) mod renderer;
@@ -34,7 +30,7 @@ pub(crate) struct Fit {
     pub(crate) live: LiveFit,
     /// Steps that were asked for while one was being made.
     pub(crate) pending_steps: usize,
-    /// The gesture of the run of fit or tracker that is going on.
+    /// The gesture of the run that is going on.
     pub(crate) run_gesture: Option<Gesture>,
 }
 
@@ -196,12 +192,11 @@ impl App {
         self.set_fit(options, format!("Switch to {}", words::renderer_name(renderer).to_lowercase()));
     }
 
-    /// Stops fit and tracker; what is done stays.
+    /// Stops the fit; what is done stays.
     pub(crate) fn stop(&mut self) {
         self.features.fit.pending_steps = 0;
         self.stop_demonstrating();
         self.worker.cancel(Lane::Fit);
-        self.worker.cancel(Lane::Track);
     }
 }
 

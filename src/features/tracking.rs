@@ -1,299 +1,193 @@
-//! Tracking, and looking for other poses.
+//! Work on many frames, one kind at a time: the tracker, the search for other poses that fit a frame, and the fit of the
+//! body's own sizes.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `update` | begun, stopped, what was found taken in |
+//! | `job`, [`read_ahead`] | the fit of frame after frame |
+//! | `poses_job`, `body_job` | the search, and the fit of the sizes |
+//! | `body` | which frames say something of the sizes, and what is said of them |
+//! | `keys` | the key poses around a frame |
+//! | `choices` | how it tracks, in the Solver section |
+//! | `other_poses` | what a search has found, in the Refit section |
 
+mod body;
+mod body_job;
 pub(crate) mod choices;
-pub(crate) mod job;
-pub(crate) mod read_ahead;
+mod job;
+mod keys;
+mod other_poses;
+mod poses_job;
+mod read_ahead;
+#[cfg(test)]
+mod tests;
+mod update;
 
-use std::collections::VecDeque;
+use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use backlit_tracking::body::Pose;
-use backlit_tracking::track::Hypothesis;
+use backlit_tracking::track::fit_body::BodyFit;
+use backlit_tracking::track::{FitOptions, Hypothesis};
 
-use crate::app::App;
-use crate::context::command::{Command, HistoryCommand};
-use crate::document::edit::Edit;
-use crate::document::{Document, Estimate};
-use crate::features::fit::poses_job::PosesJob;
-use crate::features::tracking::job::{Leg, TrackJob};
-use crate::session::playback::FrameRange;
-use crate::session::{OtherPoses, Tracking};
-use crate::worker::Lane;
+use crate::context::Context;
+use crate::context::activity::TrackingProgress;
+use crate::context::command::TrackingCommand;
+use crate::context::unavailable::{Why, because, no_take, not_tracked};
+use crate::document::Estimate;
+use crate::document::history::Gesture;
+use crate::jobs::{Priority, Task};
+use crate::session::FrameData;
+use crate::style::format;
+use keys::keys_around;
 
-/// While the tracker is at work, the screen goes on to its newest frame this often: drawing every one would take
-/// the tracker's time.
-const FOLLOW_EVERY: Duration = Duration::from_millis(100);
-
-/// What the tracker has found and the window has not taken in yet.
-#[derive(Debug, Default)]
-pub(crate) struct Tracked {
-    /// Frames that were heard of since the last frame of the window.
-    heard: Vec<(usize, Arc<Estimate>)>,
+/// The feature.
+#[derive(Debug)]
+pub(crate) struct Tracking {
+    task: Task<(), Found>,
+    work: Option<Work>,
+    /// All frames of a track are one undoable act.
+    gesture: Option<Gesture>,
+    other_poses: BTreeMap<usize, OtherPoses>,
+    /// Whether the screen follows the tracker.
+    follows: bool,
     /// The frame that the screen goes to next.
     newest: Option<usize>,
     /// When it went on last.
     shown: Option<Instant>,
 }
 
-/// The key poses around a frame: the last one up to it and the first one after it. At the last key pose of the
-/// take, the one before it and itself.
-pub(crate) fn keys_around(document: &Document, frame: usize) -> Option<(usize, usize)> {
-    let keys = &document.keys;
-    let before = |frame: usize| keys.range(..frame).next_back().map(|(key, _)| *key);
-    let after = keys.range(frame + 1..).next().map(|(key, _)| *key);
-    match after {
-        Some(after) => keys.range(..=frame).next_back().map(|(key, _)| (*key, after)),
-        None => keys.contains_key(&frame).then(|| before(frame).map(|first| (first, frame)))?,
+/// What is being done.
+#[derive(Debug, Clone, Copy)]
+enum Work {
+    Track(TrackingProgress),
+    /// Of other poses, for a frame.
+    Search(usize),
+    FitBody,
+}
+
+/// What the jobs say.
+#[derive(Debug)]
+enum Found {
+    /// A frame was read.
+    Loaded(Arc<FrameData>),
+    /// A frame was tracked.
+    Tracked(usize, Arc<Estimate>),
+    /// What was tracked before is now known better: smoothed by later frames, or joined with another track.
+    Revised(Vec<(usize, Arc<Estimate>)>),
+    /// Two tracks were joined after this frame; so far apart were their joints there.
+    Joined { frame: usize, distance_m: f64, meets: bool },
+    /// Poses that fit a frame, best first.
+    Poses(usize, Vec<Hypothesis>),
+    /// The body's own sizes.
+    Body(Box<BodyFit>),
+    /// It cannot go on; why.
+    Refused(String),
+}
+
+/// What a search has found for a frame.
+#[derive(Debug, Clone)]
+struct OtherPoses {
+    /// Best first.
+    found: Vec<Hypothesis>,
+    /// The choices of the fit by which the costs were measured.
+    fit: Arc<FitOptions>,
+}
+
+impl Default for Tracking {
+    fn default() -> Self {
+        Self {
+            task: Task::new(Priority::TRACK),
+            work: None,
+            gesture: None,
+            other_poses: BTreeMap::new(),
+            follows: false,
+            newest: None,
+            shown: None,
+        }
     }
 }
 
-/// The tracker.
-#[derive(Debug, Default)]
-pub(crate) struct TrackingState {
-    /// Whether the screen follows the tracker.
-    pub(crate) follows_tracker: bool,
-    pub(crate) tracked: Tracked,
-}
-
-impl App {
-    /// Tracks from the frame on the screen to the end or the beginning.
-    pub(crate) fn track(&mut self, backwards: bool) {
-        self.interrupt_fit();
-        let (here, count) = (self.state.selection.frame, self.state.session.frame_count());
-        let frames: VecDeque<usize> =
-            if backwards { (0..=here).rev().collect() } else { (here..count).collect() };
-        let start = self.shown_pose().clone();
-        let leg = self.leg(here, start, frames);
-        self.begin_tracking(vec![leg], &[here], backwards, None);
+impl Tracking {
+    /// The same without any work that is going on, for a picture of it.
+    #[must_use]
+    pub(crate) fn at_rest(&self) -> Self {
+        Self { other_poses: self.other_poses.clone(), ..Self::default() }
     }
 
-    /// Tracks from the key pose before forwards and from the one after backwards, and joins the two.
-    pub(crate) fn track_between_keys(&mut self) {
-        self.interrupt_fit();
-        let Some((first, last)) = keys_around(self.document(), self.state.selection.frame) else { return };
-        let document = self.document();
-        let leg = |key: usize, frames: VecDeque<usize>| self.leg(key, document.pose_at(key).clone(), frames);
-        let legs = vec![leg(first, (first..=last).collect()), leg(last, (first..=last).rev().collect())];
-        self.begin_tracking(legs, &[first, last], false, Some((first, last)));
+    /// Another take is open.
+    pub(crate) fn reset(&mut self) {
+        *self = Self::default();
     }
 
-    /// A way through these frames. A first frame that was fitted from this pose needs no second fit.
-    fn leg(&self, from: usize, start: Pose, mut frames: VecDeque<usize>) -> Leg {
-        let found = self.document().estimates.get(&from);
-        let is_fitted = frames.len() > 1 && found.is_some_and(|found| !found.lost && found.pose == start);
-        if is_fitted {
-            frames.pop_front();
-        }
-        Leg { start, continues: is_fitted.then_some(from), frames }
+    /// Whether there is work under way, of any kind.
+    #[must_use]
+    pub(crate) const fn is_busy(&self) -> bool {
+        self.task.is_busy()
     }
 
-    fn begin_tracking(
-        &mut self,
-        legs: Vec<Leg>,
-        begins: &[usize],
-        backwards: bool,
-        between: Option<(usize, usize)>,
-    ) {
-        let (Some(take), Some(scene)) = (self.state.session.take.clone(), self.scene()) else { return };
-        let document = self.document();
-        let mut keys = (*document.keys).clone();
-        // There a leg begins, from the pose on the screen.
-        keys.retain(|key, _| !begins.contains(key));
-        let total = legs.iter().map(|leg| leg.frames.len()).sum();
-        let asked = || legs.iter().flat_map(|leg| leg.frames.iter().copied());
-        let range = FrameRange::between(asked().min().unwrap_or(0), asked().max().unwrap_or(0));
-        let job =
-            TrackJob::new(take, document.measurement.clone(), scene, document.tracking, Arc::new(keys), legs);
-        self.pause();
-        self.features.fit.run_gesture = Some(self.new_gesture());
-        let began = Instant::now();
-        self.state.session.tracking = Some(Tracking { done: 0, total, backwards, between, range, began });
-        self.features.tracking.follows_tracker = true;
-        self.features.tracking.tracked = Tracked::default();
-        self.state.selection.step = None;
-        self.worker.request(Lane::Track, job);
+    /// How far the tracker is.
+    #[must_use]
+    pub(crate) fn progress(&self) -> Option<TrackingProgress> {
+        self.work.and_then(|work| if let Work::Track(progress) = work { Some(progress) } else { None })
     }
 
-    /// A frame was tracked: it is taken in with all others of this frame of the window.
-    pub(crate) fn frame_tracked(&mut self, frame: usize, estimate: Arc<Estimate>) {
-        self.features.tracking.tracked.heard.push((frame, estimate));
-        self.features.tracking.tracked.newest = Some(frame);
-        if let Some(tracking) = &mut self.state.session.tracking {
-            tracking.done += 1;
-        }
+    /// Asks the work to end; what it has found stays.
+    pub(crate) fn stop(&self) {
+        self.task.stop();
     }
 
-    /// Frames that were tracked before are known better now.
-    pub(crate) fn track_revised(&mut self, found: Vec<(usize, Arc<Estimate>)>) {
-        self.features.tracking.tracked.heard.extend(found);
+    /// The user has gone elsewhere: the screen follows the tracker no more.
+    pub(crate) fn stop_following(&mut self) {
+        self.follows = false;
     }
 
-    /// Takes in what was tracked since the last frame of the window, as part of one undoable act.
-    pub(crate) fn take_in_tracked(&mut self) {
-        if !self.features.tracking.tracked.heard.is_empty() {
-            let found = std::mem::take(&mut self.features.tracking.tracked.heard);
-            self.edit(Edit::AddTrack(found), self.features.fit.run_gesture);
-        }
-        self.follow_tracker();
-    }
-
-    /// Goes on to the newest frame, not more often than the screen can show it.
-    fn follow_tracker(&mut self) {
-        let Some(newest) = self.features.tracking.tracked.newest else { return };
-        let is_at_work = self.worker.is_busy(Lane::Track);
-        if !self.features.tracking.follows_tracker {
-            self.features.tracking.tracked.newest = None;
-            return;
-        }
-        let since = self.features.tracking.tracked.shown.map_or(FOLLOW_EVERY, |shown| shown.elapsed());
-        let is_drawn = !self.state.session.is_stale;
-        if !is_at_work || (since >= FOLLOW_EVERY && is_drawn) {
-            self.features.tracking.tracked.newest = None;
-            self.features.tracking.tracked.shown = Some(Instant::now());
-            self.go_to_frame(newest);
-        } else {
-            self.state.egui.request_repaint_after(FOLLOW_EVERY.saturating_sub(since));
-        }
-    }
-
-    /// The tracker has ended: what it did is said, with the way back.
-    pub(crate) fn tracking_ended(&mut self) {
-        self.state.session.fitting_body = false;
-        self.state.session.searching = None;
-        let Some(tracking) = self.state.session.tracking.take() else { return };
-        self.take_in_tracked();
-        let whole = tracking.done == tracking.total;
-        let text = match tracking.between {
-            Some((first, last)) if whole => {
-                format!("Tracked between the key poses of frames {first} and {last}, from both sides.")
+    /// What is being done, for the status bar.
+    #[must_use]
+    pub(crate) fn sentence(&self) -> Option<String> {
+        let tracking = match self.work? {
+            Work::Search(_) => {
+                return Some("Looking for other poses that fit this frame. Esc stops it.".to_owned());
             }
-            _ if whole && tracking.done == 1 => "Tracked one frame.".to_owned(),
-            _ if whole => format!("Tracked {} frames.", tracking.done),
-            Some((first, last)) => format!(
-                "Stopped after {} of {} fits between the key poses of frames {first} and {last}; the two tracks \
-                 are not joined.",
-                tracking.done, tracking.total
-            ),
-            None => format!("Stopped after {} of {} frames.", tracking.done, tracking.total),
+            Work::FitBody => {
+                let text = "Fitting the body to several frames. Esc stops it; nothing is changed then.";
+                return Some(text.to_owned());
+            }
+            Work::Track(progress) => progress,
         };
-        let undo = (tracking.done > 0).then_some(Command::History(HistoryCommand::Undo));
-        self.state.notices.info(self.state.now, text, undo);
+        let way = match tracking.between {
+            Some((first, last)) => format!(" between the key poses of {first} and {last}, from both sides"),
+            None if tracking.backwards => " back".to_owned(),
+            None => String::new(),
+        };
+        let rate = tracking.rate();
+        let rate = rate.map_or_else(String::new, |rate| format!(", {} a second", format::number(rate, 1)));
+        Some(format!("Tracking{way}, {} of {} frames{rate}.", tracking.done, tracking.total))
     }
 
-    /// Says where two tracks were joined, and what to do where they do not meet.
-    pub(crate) fn tracks_joined(&mut self, frame: usize, distance_m: f64, meets: bool) {
-        let centimetres = crate::style::format::number(100.0 * distance_m, 1);
-        if meets {
-            self.state.status =
-                Some(format!("Joined after frame {frame}, where both tracks agree to {centimetres} cm."));
-        } else {
-            let text = format!(
-                "The two tracks do not meet: they are nearest in frame {frame}, {centimetres} cm apart. \
-                 Set another key pose near there and track again."
-            );
-            self.state.notices.error(text);
+    /// Why a command cannot be used now.
+    pub(crate) fn unavailable(&self, command: TrackingCommand, context: &Context<'_>) -> Why {
+        let (document, frame) = (context.document(), context.selection.frame);
+        let no_track = || {
+            no_take(context)
+                .or(because(document.used_cameras().next().is_none(), "No camera is used in the fit"))
+                .or(because(self.is_busy(), "The tracker is at work"))
+        };
+        match command {
+            TrackingCommand::Forward => {
+                let is_last = frame + 1 >= context.session.frame_count();
+                no_track().or(because(is_last, "This is the last frame: Enter fits it"))
+            }
+            TrackingCommand::Back => {
+                no_track().or(because(frame == 0, "This is the first frame: Enter fits it"))
+            }
+            TrackingCommand::Between => no_track().or(match keys_around(document, frame) {
+                None => Some("Set a key pose before this frame and one after it, with K"),
+                Some((first, last)) => {
+                    because(last - first < 2, "There is no frame between the key poses around this frame")
+                }
+            }),
+            TrackingCommand::Clear => not_tracked(context),
         }
-    }
-
-    /// Looks for other poses that fit the frame on the screen.
-    pub(crate) fn search_poses(&mut self) {
-        self.interrupt_fit();
-        let Some(scene) = self.scene() else { return };
-        let start = self.shown_pose().clone();
-        self.state.session.searching = Some(self.state.selection.frame);
-        self.worker.request(Lane::Track, PosesJob { scene, start });
-    }
-
-    /// Other poses were found for a frame.
-    pub(crate) fn poses_found(&mut self, frame: usize, found: Vec<Hypothesis>) {
-        if self.state.session.searching == Some(frame) {
-            let others = found.len().saturating_sub(1);
-            let text = match others {
-                0 => format!("Frame {frame}: no other pose was found that fits."),
-                1 => format!("Frame {frame}: two poses fit; see Refit."),
-                _ => format!("Frame {frame}: {} poses fit; see Refit.", others + 1),
-            };
-            self.state.notices.info(self.state.now, text, None);
-        }
-        let fit = self.document().fit.clone();
-        self.state.session.other_poses.insert(frame, OtherPoses { found, fit });
-    }
-
-    /// Gives the frame on the screen one of the poses that were found for it.
-    pub(crate) fn choose_pose(&mut self, index: usize) {
-        self.interrupt_fit();
-        let frame = self.state.selection.frame;
-        let found = self.state.session.other_poses.get(&frame).and_then(|poses| poses.found.get(index));
-        if let Some(pose) = found.map(|found| found.pose.clone()) {
-            self.edit(Edit::SetPose { frame, pose, what: "Choose pose".to_owned() }, None);
-        }
-    }
-
-    /// Goes to the nearest frame on a side whose overlap is among the worst tenth.
-    pub(crate) fn go_to_worst(&mut self, later: bool) {
-        let mut found: Vec<(f64, usize)> = self
-            .document()
-            .estimates
-            .iter()
-            .map(|(frame, found)| (if found.lost { -1.0 } else { found.iou.unwrap_or(1.0) }, *frame))
-            .collect();
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        found.truncate(found.len().div_ceil(10));
-        let frames: Vec<usize> = found.into_iter().map(|(_, frame)| frame).collect();
-        if let Some(frame) = neighbour(&frames, self.state.selection.frame, later) {
-            self.features.tracking.follows_tracker = false;
-            self.go_to_frame(frame);
-        }
-    }
-
-    /// Goes to the next or the previous key pose; past the last one, to the first.
-    pub(crate) fn go_to_key(&mut self, later: bool) {
-        let keys: Vec<usize> = self.document().keys.keys().copied().collect();
-        if let Some(frame) = neighbour(&keys, self.state.selection.frame, later) {
-            self.features.tracking.follows_tracker = false;
-            self.interrupt_fit();
-            self.go_to_frame(frame);
-        }
-    }
-}
-
-/// The next of some frames on a side, or the one at the other end.
-fn neighbour(frames: &[usize], here: usize, later: bool) -> Option<usize> {
-    let all = || frames.iter().copied();
-    if later {
-        all().filter(|frame| *frame > here).min().or_else(|| all().min())
-    } else {
-        all().filter(|frame| *frame < here).max().or_else(|| all().max())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use backlit_tracking::body::builtin;
-
-    use super::*;
-
-    #[test]
-    fn neighbours_go_round() {
-        let frames = [30, 2, 11];
-        assert_eq!(neighbour(&frames, 11, true), Some(30));
-        assert_eq!(neighbour(&frames, 30, true), Some(2));
-        assert_eq!(neighbour(&frames, 2, false), Some(30));
-        assert_eq!(neighbour(&[], 2, false), None);
-    }
-
-    #[test]
-    fn keys_lie_around_a_frame() {
-        let mut document = Document::new(builtin::single_limb());
-        assert_eq!(keys_around(&document, 3), None);
-        for frame in [2, 8, 20] {
-            document.apply(Edit::SetKey { frame }).unwrap();
-        }
-        let around = |frame| keys_around(&document, frame);
-        assert_eq!(around(1), None, "none before");
-        assert_eq!((around(2), around(7)), (Some((2, 8)), Some((2, 8))));
-        assert_eq!((around(8), around(20)), (Some((8, 20)), Some((8, 20))));
-        assert_eq!(around(21), None, "none after");
     }
 }

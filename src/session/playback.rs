@@ -61,6 +61,21 @@ pub enum Cue {
     End(usize),
 }
 
+/// What is asked of the playing of frames.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PlaybackChange {
+    /// Play, or stop playing.
+    PlayOrPause,
+    /// Stop playing.
+    Pause,
+    /// Play at this multiple of the take's speed.
+    Speed(f64),
+    /// Begin again at the end, or no more.
+    ToggleLoop,
+    /// Mark these frames, or none.
+    Mark(Option<FrameRange>),
+}
+
 impl Default for Playback {
     fn default() -> Self {
         Self { speed: 1.0, loops: false, range: None, film: None }

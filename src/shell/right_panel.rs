@@ -48,7 +48,9 @@ fn sections(
     let posing = layout == Layout::Pose;
     ui.spacing_mut().item_spacing.y = 0.0;
     Posing::limbs(ui, context, requests, posing);
-    refit::ui(ui, context, requests, posing);
+    refit::ui(ui, context, requests, posing, |ui, requests| {
+        features.tracking.other_poses(ui, context, requests)
+    });
     Posing::sizes(ui, context, requests);
     measurement::ui(ui, context, requests, false);
     renderer::ui(ui, context, requests, !posing);

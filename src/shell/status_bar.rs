@@ -53,22 +53,8 @@ fn sentence(context: &Context<'_>, features: &Features) -> String {
     if let Some(doing) = context.doing {
         return doing.to_owned();
     }
-    if let Some(tracking) = session.tracking {
-        let way = match tracking.between {
-            Some((first, last)) => format!(" between the key poses of {first} and {last}, from both sides"),
-            None if tracking.backwards => " back".to_owned(),
-            None => String::new(),
-        };
-        let rate = tracking
-            .rate()
-            .map_or_else(String::new, |rate| format!(", {} a second", format::number(rate, 1)));
-        return format!("Tracking{way}, {} of {} frames{rate}.", tracking.done, tracking.total);
-    }
-    if session.searching.is_some() {
-        return "Looking for other poses that fit this frame. Esc stops it.".to_owned();
-    }
-    if session.fitting_body {
-        return "Fitting the body to several frames. Esc stops it; nothing is changed then.".to_owned();
+    if let Some(sentence) = features.tracking.sentence() {
+        return sentence;
     }
     if context.busy.opening {
         return "Opening the take…".to_owned();

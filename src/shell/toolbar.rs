@@ -52,7 +52,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         let mut bar = response.response.rect;
         bar.set_top(bar.bottom() - BUSY);
         let palette = theme::palette(ui);
-        let share = context.session.tracking.map_or(1.0, |t| t.done as f32 / t.total.max(1) as f32);
+        let share = context.busy.track.map_or(1.0, |t| t.done as f32 / t.total.max(1) as f32);
         bar.set_width(bar.width() * share.max(0.02));
         ui.painter().rect_filled(bar, 0.0, palette.accent);
     }

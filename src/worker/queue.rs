@@ -48,8 +48,6 @@ pub enum Lane {
     LaboratoryPlot,
     /// What the cameras see of the pose on the screen.
     Observe,
-    /// The fit of frame after frame.
-    Track,
     /// The visual hull of the frame on the screen.
     Hull,
     /// The check of the laboratory's gradients.
@@ -62,7 +60,7 @@ impl Lane {
             Self::LaboratoryLook | Self::Fit | Self::Laboratory | Self::Observe => Crew::Screen,
             Self::Scene => Crew::Scene,
             Self::Save | Self::LaboratoryPlot => Crew::Files,
-            Self::Track | Self::Hull | Self::LaboratoryCheck => Crew::Long,
+            Self::Hull | Self::LaboratoryCheck => Crew::Long,
         }
     }
 }
@@ -361,7 +359,7 @@ mod tests {
     #[test]
     fn new_work_supersedes_old_and_is_not_held_up_by_other_lanes() {
         let mut worker = Worker::start(|| {}).unwrap();
-        worker.request(Lane::Track, Count { from: 100, to: u32::MAX });
+        worker.request(Lane::Hull, Count { from: 100, to: u32::MAX });
         worker.request(Lane::Fit, Count { from: 20, to: u32::MAX });
         worker.request(Lane::Fit, Count { from: 0, to: 2 });
         let start = Instant::now();
@@ -371,8 +369,8 @@ mod tests {
             fit.extend(worker.poll().into_iter().filter(|r| !matches!(r, Report::Event(100..))));
         }
         assert_eq!(fit, [Report::Event(0), Report::Event(1), Report::Ended(Lane::Fit)]);
-        worker.cancel(Lane::Track);
-        assert_eq!(wait(&mut worker).last(), Some(&Report::Ended(Lane::Track)));
+        worker.cancel(Lane::Hull);
+        assert_eq!(wait(&mut worker).last(), Some(&Report::Ended(Lane::Hull)));
     }
 
     struct Sleep;
@@ -389,7 +387,7 @@ mod tests {
     #[test]
     fn a_long_step_holds_up_neither_the_screen_nor_a_file() {
         let mut worker = Worker::start(|| {}).unwrap();
-        worker.request(Lane::Track, Sleep);
+        worker.request(Lane::Hull, Sleep);
         worker.request(Lane::Observe, Count { from: 0, to: 1 });
         worker.request(Lane::Save, Count { from: 1, to: 2 });
         let start = Instant::now();
@@ -397,7 +395,7 @@ mod tests {
             assert!(start.elapsed() < Duration::from_secs(20), "the worker hangs");
             worker.poll();
         }
-        assert!(worker.is_busy(Lane::Track));
+        assert!(worker.is_busy(Lane::Hull));
     }
 
     #[test]
@@ -416,7 +414,7 @@ mod tests {
     #[test]
     fn dropping_the_worker_ends_endless_jobs() {
         let mut worker = Worker::start(|| {}).unwrap();
-        worker.request(Lane::Track, Count { from: 100, to: u32::MAX });
+        worker.request(Lane::Hull, Count { from: 100, to: u32::MAX });
         drop(worker);
     }
 }

@@ -19,6 +19,7 @@ use crate::features::basin::Basin;
 use crate::features::camera_views::CameraViews;
 use crate::features::export::choices::MAX_SIDE;
 use crate::features::laboratory::Laboratory;
+use crate::features::tracking::Tracking;
 use crate::session::Session;
 use crate::session::selection::{Selection, StepRef};
 use crate::widgets::image_canvas;
@@ -71,6 +72,7 @@ pub(crate) struct Snapshot {
     alone: Option<Pane>,
     pair: [usize; 2],
     basin: Basin,
+    tracking: Tracking,
     laboratory: Laboratory,
     explanation: Option<&'static str>,
     frame_seconds: f64,
@@ -91,6 +93,7 @@ impl App {
             alone: self.shell.docking.alone,
             pair: self.shell.docking.pair,
             basin: self.features.basin.at_rest(),
+            tracking: self.features.tracking.at_rest(),
             laboratory: self.features.laboratory.at_rest(),
             explanation: self.features.demonstration.explanation,
             frame_seconds: self.state.frame_seconds,
@@ -134,6 +137,7 @@ impl Twin {
         app.shell.docking.alone = snapshot.alone;
         app.shell.docking.pair = snapshot.pair;
         app.features.basin = snapshot.basin;
+        app.features.tracking = snapshot.tracking;
         app.features.laboratory = snapshot.laboratory;
         app.features.demonstration.explanation = snapshot.explanation;
         let mut twin = Self { window, app, frame_seconds: snapshot.frame_seconds };

@@ -2,7 +2,6 @@
 
 use egui::{RichText, Ui};
 
-use super::other_poses;
 use crate::context::command::{Command, FitCommand, Part};
 use crate::context::command_button::named_button;
 use crate::context::{Context, Requests};
@@ -10,8 +9,14 @@ use crate::style::theme;
 use crate::style::theme::space;
 use crate::widgets::section;
 
-/// The Refit section.
-pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
+/// The Refit section, with what a search for other poses has found.
+pub(crate) fn ui(
+    ui: &mut Ui,
+    context: &Context<'_>,
+    requests: &mut Requests,
+    open: bool,
+    other_poses: impl FnOnce(&mut Ui, &mut Requests),
+) {
     let last = context.session.refits.get(&context.selection.frame);
     let summary = last.map_or("the rest stays", |last| last.what.as_str());
     section(ui, "Refit", if open { "the rest stays" } else { summary }, open, |ui| {
@@ -35,6 +40,6 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
                 ui.add(small("No refit of this frame yet".to_owned(), palette.text3));
             }
         }
-        other_poses::ui(ui, context, requests);
+        other_poses(ui, requests);
     });
 }

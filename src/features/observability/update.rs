@@ -23,9 +23,8 @@ impl App {
         if self.features.observability.is_playing() {
             ctx.request_repaint();
         }
-        let is_busy = [Lane::Fit, Lane::Track].into_iter().any(|lane| self.worker.is_busy(lane));
-        let is_moving =
-            is_busy || self.context().drag.is_dragging() || self.features.timeline.playback.is_playing();
+        let is_busy = self.worker.is_busy(Lane::Fit) || self.features.tracking.is_busy();
+        let is_moving = is_busy || self.context().drag.is_dragging() || self.is_playing();
         if !is_stale || is_moving || scene.frame.is_none() || !self.features.observability.is_wanted() {
             return;
         }

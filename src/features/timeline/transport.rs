@@ -2,12 +2,11 @@
 
 use egui::{Align, Layout as Direction, RichText, Sense, Ui, vec2};
 
-use super::TimelineEvent;
 use crate::context::command::{Command, TimelineCommand, TrackingCommand};
 use crate::context::command_button::{icon, named_button, sized_button};
 use crate::context::{Context, Request, Requests};
 use crate::document::Document;
-use crate::session::playback::SPEEDS;
+use crate::session::playback::{PlaybackChange, SPEEDS};
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{size, space};
@@ -61,7 +60,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
 
 fn going(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, folded: bool) {
     icon(ui, context, requests, Command::Timeline(TimelineCommand::PreviousFrame), Icon::First);
-    let play = if context.time.playback.is_playing() { Icon::Pause } else { Icon::Play };
+    let play = if context.playback.is_playing() { Icon::Pause } else { Icon::Play };
     icon(ui, context, requests, Command::Timeline(TimelineCommand::Play), play);
     icon(ui, context, requests, Command::Timeline(TimelineCommand::NextFrame), Icon::Last);
     let last = context.session.frame_count().saturating_sub(1);
@@ -92,7 +91,7 @@ pub(crate) fn seconds(context: &Context<'_>, frame: usize) -> String {
 }
 
 fn playing(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
-    let playback = &context.time.playback;
+    let playback = context.playback;
     let texts = SPEEDS.map(speed_text);
     let tooltip = |speed: f64| {
         if speed < 1.0 { "Slower than it was filmed" } else { "Frames that come too late are left out" }
@@ -103,7 +102,7 @@ fn playing(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         .map(|(speed, text)| (*speed, text.as_str(), tooltip(*speed).to_owned()))
         .collect();
     if let Some(speed) = choice(ui, "Speed", SPEED, &speed_text(playback.speed), &choices) {
-        requests.request(Request::Timeline(TimelineEvent::Speed(speed)));
+        requests.request(Request::Playback(PlaybackChange::Speed(speed)));
     }
     let mut loops = playback.loops;
     let command = Command::Timeline(TimelineCommand::ToggleLoop);

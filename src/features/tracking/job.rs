@@ -5,40 +5,48 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use backlit_tracking::body::Pose;
+use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::track::join::{self, Source};
 use backlit_tracking::track::{FitError, FrameEstimate, Track, Tracker, motion};
 
+use super::Found;
 use super::read_ahead::ReadAhead;
 use crate::document::tracking_choices::{Following, TrackingChoices};
 use crate::document::{Estimate, Origin};
-use crate::session::FrameData;
-use crate::session::load_frame;
+use crate::jobs::{Job, Outbox, Step};
 use crate::session::prediction::FitInputs;
+use crate::session::{FrameData, load_frame};
 use crate::take::footage::Footage;
-use crate::worker::{Event, Job, Outbox, Step};
 
 /// A way through the take.
 #[derive(Debug, Clone)]
-pub struct Leg {
+pub(super) struct Leg {
     /// The pose before its first frame is fitted.
-    pub start: Pose,
+    pub(super) start: Pose,
     /// The neighbour of the first frame whose fitted pose the start is, if it is one.
-    pub continues: Option<usize>,
+    pub(super) continues: Option<usize>,
     /// The frames in their order.
-    pub frames: VecDeque<usize>,
+    pub(super) frames: VecDeque<usize>,
+}
+
+/// What a run of the tracker depends on.
+#[derive(Debug)]
+pub(super) struct TrackInputs {
+    pub(super) footage: Arc<Footage>,
+    pub(super) measurement: Arc<Vec<SegmentOptions>>,
+    pub(super) fit: FitInputs,
+    pub(super) choices: TrackingChoices,
+    /// Key poses on the way: there the fit of a frame begins.
+    pub(super) keys: BTreeMap<usize, Pose>,
+    /// Tracked one after the other. Two legs are tracks of the same frames from both sides, which are joined.
+    pub(super) legs: VecDeque<Leg>,
 }
 
 /// A run of the tracker.
 #[derive(Debug)]
-pub struct TrackJob {
-    footage: Arc<Footage>,
-    measurement: Arc<Vec<SegmentOptions>>,
-    scene: FitInputs,
-    choices: TrackingChoices,
-    keys: Arc<BTreeMap<usize, Pose>>,
-    /// The leg that is being tracked first.
-    legs: VecDeque<Leg>,
+pub(super) struct TrackJob {
+    inputs: TrackInputs,
     tracker: Option<Tracker>,
     reader: Option<ReadAhead>,
     /// Of the leg that is being tracked: what smoothing or joining still needs.
@@ -51,25 +59,10 @@ pub struct TrackJob {
 }
 
 impl TrackJob {
-    /// Tracks the legs one after the other. A key pose on the way is where its frame's fit begins. Two legs are
-    /// tracks of the same frames from both sides, which are joined.
-    #[must_use]
-    pub fn new(
-        footage: Arc<Footage>,
-        measurement: Arc<Vec<SegmentOptions>>,
-        scene: FitInputs,
-        choices: TrackingChoices,
-        keys: Arc<BTreeMap<usize, Pose>>,
-        legs: Vec<Leg>,
-    ) -> Self {
+    pub(super) fn new(inputs: TrackInputs) -> Self {
         Self {
-            footage,
-            measurement,
-            scene,
-            choices,
-            keys,
-            joins: legs.len() > 1,
-            legs: legs.into(),
+            joins: inputs.legs.len() > 1,
+            inputs,
             tracker: None,
             reader: None,
             kept: Track::default(),
@@ -79,32 +72,33 @@ impl TrackJob {
     }
 
     fn new_tracker(&self, start: Pose) -> Result<Tracker, FitError> {
-        let tracker = Tracker::new(self.scene.model.clone(), (*self.scene.fit).clone(), start)?;
-        let motion = self.choices.motion.motion();
-        Ok(tracker.with_motion(motion, self.footage.frame_rate).with_search(self.choices.search))
+        let tracker = Tracker::new(self.inputs.fit.model.clone(), (*self.inputs.fit.fit).clone(), start)?;
+        let motion = self.inputs.choices.motion.motion();
+        Ok(tracker
+            .with_motion(motion, self.inputs.footage.frame_rate)
+            .with_search(self.inputs.choices.search))
     }
 
-    /// The frame's pictures, read ahead if a thread for that was to be had.
-    fn data(&mut self, frame: usize) -> Arc<FrameData> {
-        if self.reader.is_none() {
-            let frames = self.legs.iter().flat_map(|leg| leg.frames.iter().copied());
-            let order: Vec<usize> = std::iter::once(frame).chain(frames).collect();
-            let (footage, measurement) = (self.footage.clone(), self.measurement.clone());
-            self.reader = ReadAhead::start(footage, measurement, order).ok();
-        }
-        let read = self.reader.as_ref().and_then(ReadAhead::next).filter(|data| data.frame == frame);
-        read.unwrap_or_else(|| Arc::new(load_frame(&self.footage, &self.measurement, frame)))
+    /// The frame's pictures.
+    fn data(&mut self, frame: usize, cancel: &CancelToken) -> Arc<FrameData> {
+        let (footage, measurement) = (&self.inputs.footage, &self.inputs.measurement);
+        let to_come = || self.inputs.legs.iter().flat_map(|leg| leg.frames.iter().copied());
+        let reader = self.reader.get_or_insert_with(|| {
+            let order = std::iter::once(frame).chain(to_come()).collect();
+            ReadAhead::new(footage.clone(), measurement.clone(), order, cancel.clone())
+        });
+        reader.get(frame)
     }
 
-    fn track(&mut self, frame: usize, out: &Outbox<Event>) -> Result<FrameEstimate, FitError> {
-        let data = self.data(frame);
-        self.scene.frame = Some(data.clone());
-        out.send(Event::FrameLoaded(data));
-        if let Some(key) = self.keys.get(&frame) {
+    fn track(&mut self, frame: usize, out: &Outbox<Found>) -> Result<FrameEstimate, FitError> {
+        let data = self.data(frame, out.cancel());
+        self.inputs.fit.frame = Some(data.clone());
+        out.send(Found::Loaded(data));
+        if let Some(key) = self.inputs.keys.get(&frame) {
             self.tracker = Some(self.new_tracker(key.clone())?);
         }
         if self.tracker.is_none()
-            && let Some(leg) = self.legs.front()
+            && let Some(leg) = self.inputs.legs.front()
         {
             let tracker = self.new_tracker(leg.start.clone())?;
             let continues = leg.continues;
@@ -113,7 +107,7 @@ impl TrackJob {
                 None => tracker,
             });
         }
-        let views = self.scene.views();
+        let views = self.inputs.fit.views();
         match &mut self.tracker {
             Some(tracker) => tracker.track_frame(frame, views, out.cancel()),
             None => Err(FitError::NoData { reasons: "there is no pose to begin with".to_owned() }),
@@ -121,30 +115,30 @@ impl TrackJob {
     }
 
     /// Keeps what is needed later, and sends what is known of earlier frames by now.
-    fn keep(&mut self, found: FrameEstimate, out: &Outbox<Event>) {
+    fn keep(&mut self, found: FrameEstimate, out: &Outbox<Found>) {
         if self.joins {
             self.kept.frames.insert(found.frame, found);
             return;
         }
-        let Following::Smoothed { lag } = self.choices.motion else { return };
+        let Following::Smoothed { lag } = self.inputs.choices.motion else { return };
         self.order.push_back(found.frame);
         self.kept.frames.insert(found.frame, found);
         if lag.is_some_and(|lag| self.order.len() > lag)
             && let Some(first) = self.order.pop_front()
         {
             let smoothed = motion::smoothed(&self.kept, None);
-            out.send(Event::TrackRevised(smoothed.frames.get(&first).map(revised).into_iter().collect()));
+            out.send(Found::Revised(smoothed.frames.get(&first).map(revised).into_iter().collect()));
             self.kept.frames.remove(&first);
         }
     }
 
     /// A leg is over, or the user has stopped it.
-    fn end_leg(&mut self, out: &Outbox<Event>) {
+    fn end_leg(&mut self, out: &Outbox<Found>) {
         let mut track = std::mem::take(&mut self.kept);
-        if let Following::Smoothed { lag } = self.choices.motion {
+        if let Following::Smoothed { lag } = self.inputs.choices.motion {
             track = motion::smoothed(&track, lag);
             if !track.frames.is_empty() {
-                out.send(Event::TrackRevised(track.frames.values().map(revised).collect()));
+                out.send(Found::Revised(track.frames.values().map(revised).collect()));
             }
         }
         self.order.clear();
@@ -153,10 +147,10 @@ impl TrackJob {
     }
 
     /// Joins the two legs. What lies between them is fitted again.
-    fn join(&self, out: &Outbox<Event>) {
+    fn join(&self, out: &Outbox<Found>) {
         let [forward, backward] = &self.whole[..] else { return };
-        let Some(join) = join::join(&self.scene.model, forward, backward) else { return };
-        let mut scene = self.scene.clone();
+        let Some(join) = join::join(&self.inputs.fit.model, forward, backward) else { return };
+        let mut fit = self.inputs.fit.clone();
         let mut found = Vec::with_capacity(join.sources.len());
         for (frame, source) in &join.sources {
             if out.cancel().is_cancelled() {
@@ -168,10 +162,11 @@ impl TrackJob {
                 Source::Forward => from.map(revised),
                 Source::Backward => to.map(revised),
                 Source::Blended(pose) => {
-                    scene.frame = Some(Arc::new(load_frame(&self.footage, &self.measurement, *frame)));
+                    fit.frame =
+                        Some(Arc::new(load_frame(&self.inputs.footage, &self.inputs.measurement, *frame)));
                     let again = self.new_tracker(pose.clone()).and_then(|tracker| {
                         let mut tracker = tracker.continuing_from(frame.saturating_sub(1));
-                        tracker.track_frame(*frame, scene.views(), out.cancel())
+                        tracker.track_frame(*frame, fit.views(), out.cancel())
                     });
                     match again {
                         Ok(again) if !again.is_lost() => Some(revised(&again)),
@@ -180,26 +175,26 @@ impl TrackJob {
                 }
             });
         }
-        out.send(Event::TrackRevised(found));
+        out.send(Found::Revised(found));
         let meets = join.meets();
-        out.send(Event::TracksJoined { frame: join.frame, distance_m: join.distance_m, meets });
+        out.send(Found::Joined { frame: join.frame, distance_m: join.distance_m, meets });
     }
 
     fn next_frame(&mut self) -> Option<usize> {
-        self.legs.front_mut()?.frames.pop_front()
+        self.inputs.legs.front_mut()?.frames.pop_front()
     }
 }
 
-impl Job<Event> for TrackJob {
-    fn step(&mut self, out: &Outbox<Event>) -> Step {
+impl Job<Found> for TrackJob {
+    fn step(&mut self, out: &Outbox<Found>) -> Step {
         if out.cancel().is_cancelled() {
             self.end_leg(out);
             return Step::Done;
         }
         let Some(frame) = self.next_frame() else {
             self.end_leg(out);
-            self.legs.pop_front();
-            if !self.legs.is_empty() {
+            self.inputs.legs.pop_front();
+            if !self.inputs.legs.is_empty() {
                 return Step::Again;
             }
             if self.joins {
@@ -211,14 +206,14 @@ impl Job<Event> for TrackJob {
             // What a cancelled fit leaves is half a fit.
             Ok(_) if out.cancel().is_cancelled() => {}
             Ok(found) => {
-                out.send(Event::FrameTracked(frame, estimate(&found)));
+                out.send(Found::Tracked(frame, estimate(&found)));
                 if !found.hypotheses.is_empty() {
-                    out.send(Event::PosesFound(frame, found.hypotheses.clone()));
+                    out.send(Found::Poses(frame, found.hypotheses.clone()));
                 }
                 self.keep(found, out);
             }
             Err(error) => {
-                out.send(Event::Failed(format!("The tracker stopped at frame {frame}: {error}.")));
+                out.send(Found::Refused(format!("The tracker stopped at frame {frame}: {error}.")));
                 self.end_leg(out);
                 return Step::Done;
             }

@@ -26,7 +26,7 @@ pub(crate) fn order(ui: &Ui, context: &Context<'_>, stage: &Stage, moves: bool, 
 
 fn order_of(pixels_per_point: f32, context: &Context<'_>, stage: &Stage, moves: bool) -> SceneOrder {
     let (look, busy) = (&context.preferences.scene, context.busy);
-    let goes_on = busy.fitting || busy.tracking || context.time.playback.is_playing();
+    let goes_on = busy.fitting || busy.tracking || context.playback.is_playing();
     let size = stage.picture.size() * pixels_per_point;
     let shrink = (LONGEST / size.max_elem()).min(1.0);
     let frame = context.session.shown_frame(context.selection.frame);

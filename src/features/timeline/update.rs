@@ -1,0 +1,158 @@
+//! What the timeline's commands do, why they cannot be used, and which frame is read ahead.
+
+use super::Timeline;
+use crate::context::command::TimelineCommand;
+use crate::context::unavailable::{Why, because, no_take, not_tracked};
+use crate::context::{Context, Request, Requests};
+use crate::document::Document;
+use crate::document::edit::Edit;
+use crate::session::playback::PlaybackChange;
+
+/// How long a frame takes to be read, before one was: seconds.
+const FIRST_GUESS: f64 = 0.05;
+/// Share of the newest time of reading in the one that is expected.
+const NEW_SHARE: f64 = 0.3;
+
+impl Timeline {
+    /// Does a command about frames, key poses or the time axis.
+    pub(crate) fn run(&mut self, command: TimelineCommand, context: &Context<'_>, requests: &mut Requests) {
+        let (here, document) = (context.selection.frame, context.document());
+        let last = context.session.frame_count().saturating_sub(1);
+        let mut go_to = |frame: usize| requests.request(Request::Frame(frame.min(last)));
+        match command {
+            TimelineCommand::PreviousFrame => go_to(here.saturating_sub(1)),
+            TimelineCommand::NextFrame => go_to(here + 1),
+            TimelineCommand::TenFramesBack => go_to(here.saturating_sub(10)),
+            TimelineCommand::TenFramesOn => go_to(here + 10),
+            TimelineCommand::FirstFrame => go_to(0),
+            TimelineCommand::LastFrame => go_to(last),
+            TimelineCommand::NextKey | TimelineCommand::PreviousKey => {
+                let keys: Vec<usize> = document.keys.keys().copied().collect();
+                let key = neighbour(&keys, here, command == TimelineCommand::NextKey);
+                key.into_iter().for_each(go_to);
+            }
+            TimelineCommand::NextWorst | TimelineCommand::PreviousWorst => {
+                let worst = neighbour(&worst(document), here, command == TimelineCommand::NextWorst);
+                requests.others.extend(worst.map(Request::Visit));
+            }
+            TimelineCommand::SetKeyPose => {
+                let is_key = document.keys.contains_key(&here);
+                requests.edit(if is_key {
+                    Edit::ClearKey { frame: here }
+                } else {
+                    Edit::SetKey { frame: here }
+                });
+            }
+            TimelineCommand::ClearRange => {
+                if let Some(range) = context.playback.range {
+                    requests.edit(Edit::ClearRange { first: range.first, last: range.last });
+                }
+            }
+            TimelineCommand::Play => requests.request(Request::Playback(PlaybackChange::PlayOrPause)),
+            TimelineCommand::ToggleLoop => requests.request(Request::Playback(PlaybackChange::ToggleLoop)),
+            TimelineCommand::Slower | TimelineCommand::Faster => {
+                let speed = context.playback.next_speed(command == TimelineCommand::Faster);
+                requests.request(Request::Playback(PlaybackChange::Speed(speed)));
+            }
+            TimelineCommand::WholeTake => self.span = None,
+        }
+    }
+
+    /// Why a command cannot be used now.
+    pub(crate) fn unavailable(&self, command: TimelineCommand, context: &Context<'_>) -> Why {
+        let (session, document, frame) = (context.session, context.document(), context.selection.frame);
+        match command {
+            TimelineCommand::SetKeyPose => no_take(context),
+            TimelineCommand::PreviousKey | TimelineCommand::NextKey => {
+                let is_only = document.keys.len() == 1 && document.keys.contains_key(&frame);
+                because(document.keys.is_empty(), "There is no key pose yet: K sets one")
+                    .or(because(is_only, "This frame has the only key pose"))
+            }
+            TimelineCommand::NextWorst | TimelineCommand::PreviousWorst => {
+                not_tracked(context).or(because(document.estimates.len() < 2, "Only one frame is fitted"))
+            }
+            TimelineCommand::ClearRange => match context.playback.range {
+                None => Some("Mark frames first: drag along the timeline with Shift"),
+                Some(range) => {
+                    let found = document.estimates.range(range.first..=range.last).next();
+                    because(found.is_none(), "No frame of the marked ones is fitted")
+                }
+            },
+            TimelineCommand::Play
+            | TimelineCommand::ToggleLoop
+            | TimelineCommand::Slower
+            | TimelineCommand::Faster => {
+                no_take(context).or(because(session.frame_count() < 2, "The take has one frame"))
+            }
+            TimelineCommand::WholeTake => {
+                no_take(context).or(because(self.span.is_none(), "All frames are on the screen"))
+            }
+            TimelineCommand::PreviousFrame | TimelineCommand::TenFramesBack | TimelineCommand::FirstFrame => {
+                no_take(context).or(because(frame == 0, "This is the first frame"))
+            }
+            TimelineCommand::NextFrame | TimelineCommand::TenFramesOn | TimelineCommand::LastFrame => {
+                let is_last = frame + 1 >= session.frame_count();
+                no_take(context).or(because(is_last, "This is the last frame"))
+            }
+        }
+    }
+
+    /// Sees how long the frame took that was read ahead.
+    pub(crate) fn update(&mut self, context: &Context<'_>) {
+        if let Some((frame, since)) = self.ahead
+            && context.session.frames.get(frame).is_some()
+        {
+            let taken = context.now - since;
+            let known = self.reading.unwrap_or(taken);
+            self.reading = Some(known + NEW_SHARE * (taken - known));
+            self.ahead = None;
+        }
+    }
+
+    /// The frame that a film will need next, if it is not there.
+    pub(crate) fn frame_to_read_ahead(&mut self, context: &Context<'_>) -> Option<usize> {
+        let take = context.session.take.as_ref()?;
+        let seconds = self.reading.unwrap_or(FIRST_GUESS);
+        let frame = context.playback.due_in(seconds, take.frame_count(), take.frame_rate, context.now)?;
+        if context.session.frames.get(frame).is_some() {
+            return None;
+        }
+        self.ahead = Some((frame, context.now));
+        Some(frame)
+    }
+}
+
+/// The tenth of all frames that overlaps least.
+fn worst(document: &Document) -> Vec<usize> {
+    let overlaps = document.estimates.iter();
+    let overlaps =
+        overlaps.map(|(frame, found)| (if found.lost { -1.0 } else { found.iou.unwrap_or(1.0) }, *frame));
+    let mut found: Vec<(f64, usize)> = overlaps.collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found.truncate(found.len().div_ceil(10));
+    found.into_iter().map(|(_, frame)| frame).collect()
+}
+
+/// The next of some frames on a side, or the one at the other end.
+fn neighbour(frames: &[usize], here: usize, later: bool) -> Option<usize> {
+    let all = || frames.iter().copied();
+    if later {
+        all().filter(|frame| *frame > here).min().or_else(|| all().min())
+    } else {
+        all().filter(|frame| *frame < here).max().or_else(|| all().max())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_go_round() {
+        let frames = [30, 2, 11];
+        assert_eq!(neighbour(&frames, 11, true), Some(30));
+        assert_eq!(neighbour(&frames, 30, true), Some(2));
+        assert_eq!(neighbour(&frames, 2, false), Some(30));
+        assert_eq!(neighbour(&[], 2, false), None);
+    }
+}

@@ -1,0 +1,32 @@
+//! The search for other poses that fit one frame.
+
+use backlit_tracking::body::Pose;
+use backlit_tracking::track::{HypothesisOptions, hypotheses};
+
+use super::Found;
+use crate::jobs::{Job, Outbox, Step};
+use crate::session::prediction::FitInputs;
+
+/// A search to be made.
+#[derive(Debug)]
+pub(super) struct PosesJob {
+    /// The frame's data and the choices of the fit.
+    pub(super) fit: FitInputs,
+    /// Where it begins.
+    pub(super) start: Pose,
+}
+
+impl Job<Found> for PosesJob {
+    fn step(&mut self, out: &Outbox<Found>) -> Step {
+        let fit = &self.fit;
+        let Some(frame) = fit.frame.as_ref().map(|frame| frame.frame) else { return Step::Done };
+        let (effort, views) = (HypothesisOptions::default(), fit.views());
+        match hypotheses::search(&fit.model, views, &self.start, &fit.fit, &effort, out.cancel()) {
+            // Half a search has looked at half of the body.
+            Ok(_) if out.cancel().is_cancelled() => {}
+            Ok(found) => out.send(Found::Poses(frame, found.found)),
+            Err(error) => out.send(Found::Refused(format!("Other poses cannot be looked for: {error}."))),
+        }
+        Step::Done
+    }
+}

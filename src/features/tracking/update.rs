@@ -1,0 +1,240 @@
+//! Begun, stopped, and what was found taken in.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+use backlit_tracking::body::Pose;
+use backlit_tracking::track::Hypothesis;
+
+use super::body_job::BodyJob;
+use super::job::{Leg, TrackInputs, TrackJob};
+use super::keys::keys_around;
+use super::poses_job::PosesJob;
+use super::{Found, OtherPoses, Tracking, Work, body};
+use crate::context::activity::TrackingProgress;
+use crate::context::command::{Command, HistoryCommand, TrackingCommand};
+use crate::context::command_button::next_gesture;
+use crate::context::{Context, Request, Requests};
+use crate::document::edit::Edit;
+use crate::jobs::{Job, News};
+use crate::session::playback::{FrameRange, PlaybackChange};
+use crate::style::format;
+
+/// While the tracker is at work, the screen goes on to its newest frame this often: drawing every one would take
+/// the tracker's time.
+const FOLLOW_EVERY: Duration = Duration::from_millis(100);
+
+/// Which frames are tracked.
+struct Way {
+    legs: VecDeque<Leg>,
+    backwards: bool,
+    between: Option<(usize, usize)>,
+}
+
+impl Tracking {
+    /// Does a command. A fit that was going on has ended.
+    pub(crate) fn run(&mut self, command: TrackingCommand, context: &Context<'_>, requests: &mut Requests) {
+        match command {
+            TrackingCommand::Forward => self.track(false, context, requests),
+            TrackingCommand::Back => self.track(true, context, requests),
+            TrackingCommand::Between => self.track_between_keys(context, requests),
+            TrackingCommand::Clear => clear(context, requests),
+        }
+    }
+
+    /// Tracks from the frame on the screen to the end or the beginning.
+    fn track(&mut self, backwards: bool, context: &Context<'_>, requests: &mut Requests) {
+        let (here, count) = (context.selection.frame, context.session.frame_count());
+        let frames = if backwards { (0..=here).rev().collect() } else { (here..count).collect() };
+        let legs = [leg(context, here, context.shown_pose(), frames)].into();
+        self.begin_tracking(Way { legs, backwards, between: None }, &[here], context, requests);
+    }
+
+    /// Tracks from the key pose before forwards and from the one after backwards, and joins the two.
+    fn track_between_keys(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        let document = context.document();
+        let Some((first, last)) = keys_around(document, context.selection.frame) else { return };
+        let leg = |key: usize, frames| leg(context, key, document.pose_at(key), frames);
+        let legs = [leg(first, (first..=last).collect()), leg(last, (first..=last).rev().collect())].into();
+        let way = Way { legs, backwards: false, between: Some((first, last)) };
+        self.begin_tracking(way, &[first, last], context, requests);
+    }
+
+    fn begin_tracking(&mut self, way: Way, begins: &[usize], context: &Context<'_>, requests: &mut Requests) {
+        let Some((take, fit)) = context.session.take.clone().zip(context.fit_inputs()) else { return };
+        let document = context.document();
+        let mut keys = (*document.keys).clone();
+        // There a leg begins, from the pose on the screen.
+        keys.retain(|key, _| !begins.contains(key));
+        let Way { legs, backwards, between } = way;
+        let total = legs.iter().map(|leg| leg.frames.len()).sum();
+        let asked = || legs.iter().flat_map(|leg| leg.frames.iter().copied());
+        let range = FrameRange::between(asked().min().unwrap_or(0), asked().max().unwrap_or(0));
+        let inputs = TrackInputs {
+            footage: take,
+            measurement: document.measurement.clone(),
+            fit,
+            choices: document.tracking,
+            keys,
+            legs,
+        };
+        let began = Instant::now();
+        let work = Work::Track(TrackingProgress { done: 0, total, backwards, between, range, began });
+        self.begin(work, context, TrackJob::new(inputs));
+        self.gesture = Some(next_gesture(context.egui));
+        (self.follows, self.newest, self.shown) = (true, None, None);
+        requests.request(Request::Playback(PlaybackChange::Pause));
+        requests.request(Request::LeaveStep);
+    }
+
+    /// Begins work; what was under way is superseded.
+    fn begin(&mut self, work: Work, context: &Context<'_>, job: impl Job<Found> + 'static) {
+        self.task.begin(context.pool, (), |()| job);
+        self.work = Some(work);
+    }
+
+    /// Looks for other poses that fit the frame on the screen.
+    pub(crate) fn search_poses(&mut self, context: &Context<'_>) {
+        let Some(fit) = context.fit_inputs() else { return };
+        let start = context.shown_pose().clone();
+        self.begin(Work::Search(context.selection.frame), context, PosesJob { fit, start });
+    }
+
+    /// Fits lengths and radii to the frames that have poses of their own.
+    pub(crate) fn fit_body(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        let Some((take, fit)) = context.session.take.clone().zip(context.fit_inputs()) else { return };
+        let measurement = context.document().measurement.clone();
+        let waiting = body::frames(context);
+        let job = BodyJob { footage: take, measurement, fit, waiting, read: Vec::new() };
+        self.begin(Work::FitBody, context, job);
+        requests.request(Request::LeaveStep);
+    }
+
+    /// Takes in what was found since the last frame of the window; all of a track is one undoable act.
+    pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        let (mut track, mut has_ended) = (Vec::new(), false);
+        for news in self.task.poll() {
+            match news {
+                News::Output(Found::Loaded(frame)) => requests.frames.push(frame),
+                News::Output(Found::Tracked(frame, estimate)) => {
+                    track.push((frame, estimate));
+                    self.newest = Some(frame);
+                    if let Some(Work::Track(progress)) = &mut self.work {
+                        progress.done += 1;
+                    }
+                }
+                News::Output(Found::Revised(found)) => track.extend(found),
+                News::Output(Found::Joined { frame, distance_m, meets }) => {
+                    joined(frame, distance_m, meets, requests);
+                }
+                News::Output(Found::Poses(frame, found)) => self.poses_found(frame, found, context, requests),
+                News::Output(Found::Body(fit)) => body::take_in(&fit, context, requests),
+                News::Output(Found::Refused(why)) => requests.complain(why),
+                News::Ended => has_ended = true,
+                News::Failed(failure) => {
+                    requests.failed("The tracker", &failure);
+                    has_ended = true;
+                }
+            }
+        }
+        if !track.is_empty() {
+            requests.edits.push((Edit::AddTrack(track), self.gesture));
+        }
+        self.follow(context, requests);
+        if has_ended && let Some(Work::Track(progress)) = self.work.take() {
+            let undo = (progress.done > 0).then_some(Command::History(HistoryCommand::Undo));
+            requests.inform(ending(&progress), undo);
+        }
+    }
+
+    /// Goes on to the newest frame, not more often than the screen can show it.
+    fn follow(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        let Some(newest) = self.newest else { return };
+        if !self.follows {
+            self.newest = None;
+            return;
+        }
+        let since = self.shown.map_or(FOLLOW_EVERY, |shown| shown.elapsed());
+        let is_drawn = !context.session.is_stale;
+        if !self.is_busy() || (since >= FOLLOW_EVERY && is_drawn) {
+            self.newest = None;
+            self.shown = Some(Instant::now());
+            requests.request(Request::Follow(newest));
+        } else {
+            context.egui.request_repaint_after(FOLLOW_EVERY.saturating_sub(since));
+        }
+    }
+
+    /// Other poses were found for a frame: by a search, or on the way of the tracker.
+    fn poses_found(
+        &mut self,
+        frame: usize,
+        found: Vec<Hypothesis>,
+        context: &Context<'_>,
+        requests: &mut Requests,
+    ) {
+        if matches!(self.work, Some(Work::Search(searched)) if searched == frame) {
+            let text = match found.len() {
+                0 | 1 => format!("Frame {frame}: no other pose was found that fits."),
+                2 => format!("Frame {frame}: two poses fit; see Refit."),
+                poses => format!("Frame {frame}: {poses} poses fit; see Refit."),
+            };
+            requests.inform(text, None);
+        }
+        let fit = context.document().fit.clone();
+        self.other_poses.insert(frame, OtherPoses { found, fit });
+    }
+}
+
+/// A way through these frames. A first frame that was fitted from this pose needs no second fit.
+fn leg(context: &Context<'_>, from: usize, start: &Pose, mut frames: VecDeque<usize>) -> Leg {
+    let found = context.document().estimates.get(&from);
+    let is_fitted = frames.len() > 1 && found.is_some_and(|found| !found.lost && found.pose == *start);
+    if is_fitted {
+        frames.pop_front();
+    }
+    Leg { start: start.clone(), continues: is_fitted.then_some(from), frames }
+}
+
+fn clear(context: &Context<'_>, requests: &mut Requests) {
+    let document = context.document();
+    requests.edit(Edit::ClearEstimates);
+    let kept = match document.keys.len() {
+        0 => String::new(),
+        1 => "; 1 key pose stays".to_owned(),
+        keys => format!("; {keys} key poses stay"),
+    };
+    let text = format!("Forgot the poses of {} frames{kept}.", document.estimates.len());
+    requests.inform(text, Some(Command::History(HistoryCommand::Undo)));
+}
+
+/// What the tracker did, once it has ended.
+fn ending(tracking: &TrackingProgress) -> String {
+    let TrackingProgress { done, total, between, .. } = *tracking;
+    let whole = done == total;
+    match between {
+        Some((first, last)) if whole => {
+            format!("Tracked between the key poses of frames {first} and {last}, from both sides.")
+        }
+        _ if whole && done == 1 => "Tracked one frame.".to_owned(),
+        _ if whole => format!("Tracked {done} frames."),
+        Some((first, last)) => format!(
+            "Stopped after {done} of {total} fits between the key poses of frames {first} and {last}; the two tracks \
+             are not joined."
+        ),
+        None => format!("Stopped after {done} of {total} frames."),
+    }
+}
+
+/// Says where two tracks were joined, and what to do where they do not meet.
+fn joined(frame: usize, distance_m: f64, meets: bool, requests: &mut Requests) {
+    let centimetres = format::number(100.0 * distance_m, 1);
+    if meets {
+        requests.status(format!("Joined after frame {frame}, where both tracks agree to {centimetres} cm."));
+    } else {
+        requests.complain(format!(
+            "The two tracks do not meet: they are nearest in frame {frame}, {centimetres} cm apart. \
+             Set another key pose near there and track again."
+        ));
+    }
+}
