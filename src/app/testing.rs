@@ -38,8 +38,13 @@ pub(crate) fn settle(window: &mut Headless, app: &mut App) {
 
 /// A window on the demonstration of a single limb, in a layout.
 pub(crate) fn open(layout: Layout) -> (Headless, App) {
+    open_take(Demonstration::SingleLimb, layout)
+}
+
+/// A window on a demonstration, in a layout.
+pub(crate) fn open_take(demonstration: Demonstration, layout: Layout) -> (Headless, App) {
     let mut window = Headless::new(1100.0, 700.0, 1.0);
-    let opening = Some(Opening::Take(TakeSource::Demonstration(Demonstration::SingleLimb)));
+    let opening = Some(Opening::Take(TakeSource::Demonstration(demonstration)));
     let options = AppOptions { opening, ..AppOptions::default() };
     let mut app = App::new(window.ctx.clone(), options).unwrap();
     settle(&mut window, &mut app);

@@ -1,12 +1,20 @@
 //! The tracker in the window.
 
-use crate::app::testing::{Breaks, errors, open, settle};
+use std::sync::Arc;
+
+use backlit_tracking::cancel::CancelToken;
+
+use super::read_ahead::ReadAhead;
+use crate::app::testing::{Breaks, errors, open_take, settle};
 use crate::context::command::{Command, FitCommand, TrackingCommand};
 use crate::context::preferences::Layout;
+use crate::session::load_frame;
+use crate::take::demonstration::Demonstration;
+use crate::take::footage::Footage;
 
 #[test]
 fn a_tracker_or_a_search_that_breaks_down_is_said_once_and_nothing_waits_for_it() {
-    let (mut window, mut app) = open(Layout::Pose);
+    let (mut window, mut app) = open_take(Demonstration::TinySequence, Layout::Pose);
     let commands = [
         Command::Tracking(TrackingCommand::Forward),
         Command::Fit(FitCommand::SearchPoses),
@@ -21,5 +29,23 @@ fn a_tracker_or_a_search_that_breaks_down_is_said_once_and_nothing_waits_for_it(
         assert!(!app.features.tracking.is_busy() && app.features.tracking.sentence().is_none());
         assert_eq!(errors(&app).len(), said + 1, "{command:?}");
         assert_eq!(errors(&app)[said], "The tracker broke down: thirteen. Your work is unharmed.");
+    }
+}
+
+#[test]
+fn frames_that_are_read_ahead_are_those_that_are_asked_for() {
+    let footage = Arc::new(Footage::new(Demonstration::TinySequence.take().unwrap(), None));
+    let measurement = Arc::new(footage.measurement().to_vec());
+    let order = [3, 2, 1, 0, 5, 4];
+    let cancel = CancelToken::new();
+    let mut reader = ReadAhead::new(footage.clone(), measurement.clone(), order.into(), cancel.clone());
+    let mask = |frame: usize| load_frame(&footage, &measurement, frame).cameras[0].mask.clone();
+    // The fourth is left out by whoever asks: those that are read ahead do not fit any more.
+    for frame in [3, 2, 1, 5, 4] {
+        if frame == 4 {
+            cancel.cancel();
+        }
+        let read = reader.get(frame);
+        assert_eq!((read.frame, &read.cameras[0].mask), (frame, &mask(frame)));
     }
 }
