@@ -17,7 +17,6 @@
 //! | `body` | fitting the body's own sizes |
 //! | `demonstrating` | demonstrations and their runs, one after the other |
 //! | `dropping` | files that are dropped on the window |
-//! | `laboratory` | several fits from one start |
 //! | `files` | takes, projects, dialogs |
 //! | `settings` | the settings file |
 //! | `unsaved` | the copy of unsaved work, and what was left |
@@ -96,7 +95,6 @@ impl App {
         self.go_on_demonstrating();
         self.follow_tour();
         self.export_state();
-        self.go_on_with_laboratory();
         self.state.frame_seconds = began.elapsed().as_secs_f64();
     }
 }

@@ -12,6 +12,7 @@ pub mod pane;
 pub(crate) mod pane_title;
 pub(crate) mod picture_alone;
 pub mod preferences;
+pub(crate) mod preset_box;
 pub(crate) mod unavailable;
 pub mod view_settings;
 pub mod write_advice;
@@ -35,7 +36,6 @@ use crate::document::history::{Gesture, History};
 use crate::drawing::{DragEvent, JointId, ViewMode};
 use crate::features::convergence::CurvesRequest;
 use crate::features::export::dialog::ExportOrder;
-use crate::features::laboratory::{Laboratory, LaboratoryRequest};
 use crate::features::observability::{Glance, ObserveRequest, Observing};
 use crate::features::scene::{SceneLook, SceneOrder};
 use crate::jobs::{Failure, Pool};
@@ -85,8 +85,6 @@ pub struct Context<'a> {
     pub unavailable: &'a Unavailable,
     /// Whether a change of the layout can be taken back.
     pub can_restore_layout: bool,
-    /// The laboratory.
-    pub laboratory: &'a Laboratory,
     /// Time that the last frame of the window took, in seconds.
     pub frame_seconds: f64,
     /// Seconds since the window was opened.
@@ -183,8 +181,6 @@ pub enum Request {
     Arrange(Box<Arrangement>),
     /// Open a take.
     Open(TakeSource),
-    /// What is asked of the laboratory.
-    Laboratory(LaboratoryRequest),
     /// Close a notice.
     CloseNotice(u64),
     /// Close the explanation of a demonstration.

@@ -18,7 +18,6 @@ use backlit_tracking::track::visual_hull::VisualHull;
 use crate::app::open_job::OpenedProject;
 use crate::document::edit::Edit;
 use crate::document::run::{RunEnding, RunStep};
-use crate::features::laboratory::job::LaboratoryEvent;
 use crate::features::observability::observed::Observed;
 use crate::features::scene::SceneDrawing;
 use crate::session::prediction::Predicted;
@@ -40,8 +39,6 @@ pub enum Event {
     FitStep(Box<RunStep>, Arc<Predicted>),
     /// The fit has ended or was stopped; `None` if it may go on.
     FitEnded(Option<RunEnding>),
-    /// The laboratory's news.
-    Laboratory(Box<LaboratoryEvent>),
     /// The copy of unsaved work was written.
     CopySaved {
         /// The document's revision.

@@ -45,11 +45,14 @@ impl App {
     /// Does a command, if it can be used now. In the laboratory's layout some mean what they mean there.
     pub(crate) fn run(&mut self, command: Command, ctx: &egui::Context) {
         let is_free =
-            !self.features.laboratory.is_running || self.state.preferences.layout != Layout::Demonstrate;
+            !self.features.laboratory.is_running() || self.state.preferences.layout != Layout::Demonstrate;
         if command == Command::Fit(FitCommand::Stop) && is_free && (self.put_back(ctx) || self.let_go()) {
             return;
         }
-        if self.unavailable(command).is_some() || self.laboratory_takes(command) {
+        if self.unavailable(command).is_some() {
+            return;
+        }
+        if self.with(|all| &mut all.laboratory, |laboratory, context, _| laboratory.takes(command, context)) {
             return;
         }
         match command {
@@ -102,7 +105,7 @@ impl App {
                 |timeline, context, requests| timeline.run(command, context, requests),
             ),
             Command::Demonstration(which) => self.open(Opening::Take(TakeSource::Demonstration(which))),
-            Command::Laboratory(command) => self.laboratory_command(command),
+            Command::Laboratory(command) => self.features.laboratory.run(command),
             Command::Tour => {
                 self.begin_tour();
                 self.shell.overlay = None;

@@ -43,7 +43,6 @@ impl App {
             Event::FitEnded(ending) => self.finish_run(ending),
             Event::CopySaved { revision } => self.copy_saved(revision),
             Event::CopyFailed(why) => self.copy_failed(&why),
-            Event::Laboratory(event) => self.hear_laboratory(*event),
             Event::Failed(text) => self.state.notices.error(text),
         }
     }
@@ -109,7 +108,6 @@ impl App {
 
     fn ended(&mut self, lane: Lane) {
         match lane {
-            Lane::Laboratory => self.laboratory_ended(),
             Lane::Fit if self.features.fit.pending_steps > 0 => {
                 let steps = std::mem::take(&mut self.features.fit.pending_steps);
                 self.features.fit.run_gesture = Some(self.new_gesture());
@@ -126,7 +124,7 @@ impl App {
         self.refresh = Refresh::default();
         self.files.take_in.forget();
         self.forget_broken();
-        self.reset_laboratory(footage);
+        self.features.laboratory.reset(footage);
         self.state.session.reset(Some(footage.clone()));
         self.features.observability.forget();
         self.asked_to_observe = None;

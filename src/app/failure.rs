@@ -20,18 +20,14 @@ struct Circumstances {
     revision: u64,
     selection: Selection,
     layout: Layout,
-    /// Comparison of the laboratory, its step and its camera.
-    laboratory: (Option<(u64, usize)>, usize),
 }
 
 impl App {
     fn circumstances(&self) -> Circumstances {
-        let comparison = self.features.laboratory.comparison.as_ref();
         Circumstances {
             revision: self.state.history.revision(),
             selection: self.state.selection,
             layout: self.state.preferences.layout,
-            laboratory: (comparison.map(|it| (it.id, it.cursor)), self.features.laboratory.camera),
         }
     }
 
@@ -52,7 +48,6 @@ impl App {
         self.state.notices.error(format!("{} broke down: {why}. Your work is unharmed.", work_of(lane)));
         match lane {
             Lane::Fit => self.fit_broke(),
-            Lane::Laboratory | Lane::LaboratoryCheck => self.laboratory_broke(lane),
             Lane::Save => self.features.recovery.copy_broke(),
             _ => {}
         }
@@ -71,15 +66,11 @@ impl App {
 /// What a lane does, at the beginning of a sentence.
 const fn work_of(lane: Lane) -> &'static str {
     match lane {
-        Lane::LaboratoryLook => "Drawing the laboratory's pictures",
         Lane::Scene => "Drawing the 3-D scene",
         Lane::Save => "Writing a file",
         Lane::Fit => "The fit",
-        Lane::Laboratory => "The laboratory",
-        Lane::LaboratoryPlot => "Saving the laboratory's plot",
         Lane::Observe => "The look at what the cameras see",
         Lane::Hull => "Carving the visual hull",
-        Lane::LaboratoryCheck => "The check of the laboratory's gradients",
     }
 }
 
@@ -88,29 +79,17 @@ mod tests {
     use super::*;
     use crate::app::testing::{Breaks, errors, open, settle};
     use crate::app::{AppOptions, Opening};
-    use crate::context::command::{Command, FitCommand, LaboratoryCommand};
+    use crate::context::command::{Command, FitCommand};
     use crate::context::notices::Severity;
     use crate::document::edit::Edit;
 
-    const ALL: [Lane; 9] = [
-        Lane::Scene,
-        Lane::LaboratoryLook,
-        Lane::Save,
-        Lane::Fit,
-        Lane::Laboratory,
-        Lane::LaboratoryPlot,
-        Lane::Observe,
-        Lane::Hull,
-        Lane::LaboratoryCheck,
-    ];
+    const ALL: [Lane; 5] = [Lane::Scene, Lane::Save, Lane::Fit, Lane::Observe, Lane::Hull];
 
     #[test]
     fn whatever_breaks_down_is_said_once_and_nothing_waits_for_it() {
         for layout in [Layout::Pose, Layout::Demonstrate] {
             let (mut window, mut app) = open(layout);
-            // A check that nobody sees is dropped, not waited for.
-            let is_seen = |lane: &Lane| *lane != Lane::LaboratoryCheck || layout == Layout::Demonstrate;
-            for lane in ALL.into_iter().filter(is_seen) {
+            for lane in ALL {
                 let before = errors(&app).len();
                 app.worker.request(lane, Breaks);
                 settle(&mut window, &mut app);
@@ -142,26 +121,5 @@ mod tests {
         app.run(Command::Fit(FitCommand::Step), &context);
         settle(&mut window, &mut app);
         assert!(app.state.session.runs.last().unwrap().steps.len() > 1, "the next run is a new one");
-    }
-
-    #[test]
-    fn a_laboratory_that_breaks_down_says_so_and_begins_again() {
-        let (mut window, mut app) = open(Layout::Demonstrate);
-        app.features.laboratory.comparison = None;
-        app.go_on_with_laboratory();
-        app.worker.request(Lane::Laboratory, Breaks);
-        settle(&mut window, &mut app);
-        let comparison = app.features.laboratory.comparison.as_ref().unwrap();
-        assert!(comparison.has_begun() && comparison.problem().unwrap().contains("broke down"));
-        let context = window.ctx.clone();
-        app.run(Command::Laboratory(LaboratoryCommand::Restart), &context);
-        settle(&mut window, &mut app);
-        let comparison = app.features.laboratory.comparison.as_ref().unwrap();
-        assert!(
-            comparison.problem().is_none() && comparison.contestants.iter().all(|fit| !fit.steps.is_empty())
-        );
-        app.worker.request(Lane::LaboratoryCheck, Breaks);
-        settle(&mut window, &mut app);
-        assert!(app.features.laboratory.check_broke);
     }
 }

@@ -15,6 +15,10 @@ impl App {
             |tracking, context, requests| tracking.update(context, requests),
         );
         self.lend_to(|features| &mut features.timeline, |timeline, context, _| timeline.update(context));
+        self.update_feature(
+            |features| &mut features.laboratory,
+            |laboratory, context, requests| laboratory.update(context, requests),
+        );
     }
 
     /// Something is dragged in a camera's view. What runs or plays stops for it.
@@ -32,6 +36,16 @@ impl App {
     /// Other settings of the basin.
     pub fn set_basin(&mut self, settings: BasinSettings) {
         self.features.basin.set(settings);
+    }
+
+    /// Writes the laboratory's plot to a file.
+    pub fn save_laboratory_plot(&mut self, path: &Path) {
+        self.with(
+            |all| &mut all.laboratory,
+            |laboratory, context, requests| {
+                laboratory.save_plot(path, context, requests);
+            },
+        );
     }
 
     /// Writes what the basin's pane shows to a file.

@@ -137,9 +137,6 @@ impl App {
                 }
                 DialogKind::Curves => export_dialog(dialog, "Export curves", &name, "csv"),
                 DialogKind::Plot => export_dialog(dialog, "Export plot", &name, "png"),
-                DialogKind::LaboratoryPlot => {
-                    dialog.set_title("Save plot").set_file_name("laboratory.png").save_file()
-                }
             };
             if let Some(path) = path {
                 // The window may be gone by now.
@@ -174,7 +171,6 @@ impl App {
                 }
                 DialogKind::Curves => self.export_curves_to(&path),
                 DialogKind::Plot => self.export_plot_to(&path),
-                DialogKind::LaboratoryPlot => self.save_laboratory_plot(&path),
             }
         }
     }

@@ -141,7 +141,6 @@ impl App {
             Request::CloseNotice(id) => self.state.notices.close(id),
             Request::CloseExplanation => self.features.demonstration.explanation = None,
             Request::HoldNotice(id) => self.state.notices.hold(id, self.state.now),
-            Request::Laboratory(request) => self.laboratory_request(request),
             Request::Playback(change) => self.change_playback(change),
             Request::Recover(which) => self.recover(which),
             Request::OpenPath(path) => self.open_path(&path),

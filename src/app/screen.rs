@@ -8,7 +8,6 @@ use crate::context::preferences::Layout;
 use crate::context::{Context, Request, Requests, Unavailable};
 use crate::features::Features;
 use crate::features::demonstration::explanation;
-use crate::features::laboratory::panel as laboratory;
 use crate::shell::Overlay;
 use crate::shell::{about, dock, empty, messages, notice_cards, right_panel, shortcuts, status_bar, toolbar};
 use crate::style::theme::size;
@@ -45,7 +44,6 @@ impl App {
             explanation: self.features.demonstration.explanation,
             unavailable: &self.state.unavailable,
             can_restore_layout: self.layout_before.is_some(),
-            laboratory: &self.features.laboratory,
             frame_seconds: self.state.frame_seconds,
             now: self.state.now,
             pool: &self.state.pool,
@@ -75,7 +73,7 @@ impl App {
             dock::ui(ui, &context, &mut features, &self.shell.docking, requests);
             return self.take_back(features);
         }
-        toolbar::ui(ui, &context, requests);
+        toolbar::ui(ui, &context, &mut features, requests);
         status_bar::ui(ui, &context, &features, requests);
         let mut notices_from = pos2(window.right(), window.bottom() - size::STATUS_BAR);
         if context.session.take.is_some() {
@@ -88,7 +86,7 @@ impl App {
             CentralPanel::default().frame(frame).show(ui, |ui| {
                 notices_from = pos2(centre.right(), centre.bottom());
                 if demonstrates {
-                    return laboratory::ui(ui, &context, requests);
+                    return features.laboratory.ui(ui, &context, requests);
                 }
                 explanation::ui(ui, &context, requests);
                 if self.shell.docking.alone.is_none() {
@@ -120,6 +118,7 @@ impl App {
             timeline: std::mem::take(&mut self.features.timeline),
             tracking: std::mem::take(&mut self.features.tracking),
             camera_views: std::mem::take(&mut self.features.camera_views),
+            laboratory: std::mem::take(&mut self.features.laboratory),
             ..Features::default()
         }
     }
@@ -129,6 +128,7 @@ impl App {
         self.features.timeline = features.timeline;
         self.features.tracking = features.tracking;
         self.features.camera_views = features.camera_views;
+        self.features.laboratory = features.laboratory;
     }
 
     fn show_overlay(&mut self, ui: &Ui, requests: &mut Requests) {

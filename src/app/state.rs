@@ -24,7 +24,6 @@ use crate::document::project::ProjectError;
 use crate::features::Features;
 use crate::features::basin::Basin;
 use crate::features::laboratory::Laboratory;
-use crate::features::laboratory::job::LiveLaboratory;
 use crate::features::recovery::unsaved::Unsaved;
 use crate::jobs::{Pool, Priority, Task};
 use crate::session::Session;
@@ -80,7 +79,6 @@ pub(crate) enum DialogKind {
     Export,
     Curves,
     Plot,
-    LaboratoryPlot,
 }
 
 /// What a file dialog was asked for, and the file that was chosen.
@@ -152,7 +150,6 @@ pub struct App {
     pub(crate) broken: Broken,
     /// What figures were asked for last, whatever came of it.
     pub(crate) asked_to_observe: Option<(FitInputs, Pose)>,
-    pub(crate) live_laboratory: LiveLaboratory,
     pub(crate) state_file: Option<PathBuf>,
     /// How the window was arranged before its layout was reset.
     pub(crate) layout_before: Option<Box<Settings>>,
@@ -197,7 +194,6 @@ impl App {
             writes: Writes::default(),
             broken: Broken::default(),
             asked_to_observe: None,
-            live_laboratory: LiveLaboratory::default(),
             state_file: options.state_file,
             layout_before: None,
             settings_writer,
@@ -273,8 +269,6 @@ impl App {
     /// Whether nothing is being read, fitted or drawn anew: what is on the screen is whole.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        let is_waiting =
-            self.features.laboratory.is_waiting && self.state.preferences.layout == Layout::Demonstrate;
         // A body that sways never comes to rest, and neither does its picture.
         let is_drawn = !self.worker.is_busy(Lane::Scene) || self.features.observability.is_playing();
         self.worker.is_idle_but(Lane::Scene)
@@ -283,7 +277,7 @@ impl App {
             && !(self.state.session.is_stale && !self.refresh.has_failed_to_predict())
             && self.features.demonstration.prepared.is_none()
             && self.features.export.exporting.is_none()
-            && !is_waiting
+            && self.features.laboratory.is_settled(&self.context())
     }
 
     /// Goes to a frame.

@@ -2,8 +2,7 @@
 
 use super::App;
 use crate::context::command::Command;
-use crate::context::preferences::Layout;
-use crate::context::unavailable::{no_take, why};
+use crate::context::unavailable::why;
 use crate::features::camera_views::CameraViews;
 use crate::features::pose::Posing;
 
@@ -12,15 +11,12 @@ impl App {
     pub(crate) fn unavailable(&self, command: Command) -> Option<&'static str> {
         let (context, features) = (&self.context(), &self.features);
         // In its layout some commands of others are the laboratory's.
-        if context.preferences.layout == Layout::Demonstrate
-            && let Some(answer) = features.laboratory.unavailable(command)
-        {
-            return no_take(context).or(answer);
+        if let Some(answer) = features.laboratory.unavailable(command, context) {
+            return answer;
         }
         match command {
             Command::Tracking(command) => features.tracking.unavailable(command, context),
             Command::Timeline(command) => features.timeline.unavailable(command, context),
-            Command::Laboratory(_) => Some("The Demonstrate layout has the laboratory: press F3"),
             Command::Pose(command) => Posing::unavailable(command, context),
             Command::View(command) => CameraViews::unavailable(command, context),
             other => why(other, context),

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use backlit_tracking::body::Pose;
+use backlit_tracking::optimize::Termination;
 use backlit_tracking::track::FitOptions;
 
 use crate::document::CameraUse;
@@ -69,6 +70,20 @@ pub enum RunEnding {
     Solver(String),
     /// The user stopped it; it may go on.
     Stopped,
+}
+
+impl RunEnding {
+    /// The end of a fit whose solver has ended; an annealed one has several stages.
+    #[must_use]
+    pub fn of(termination: Termination, is_annealed: bool) -> Self {
+        match termination {
+            Termination::StepLimit { steps } if is_annealed => {
+                Self::Solver(format!("the {steps} steps of the last stage are done"))
+            }
+            Termination::Cancelled => Self::Stopped,
+            other => Self::Solver(other.to_string()),
+        }
+    }
 }
 
 /// What a run depends on besides its frame and its start: what its name may be made of.

@@ -35,7 +35,7 @@ impl App {
         if which == Demonstration::SingleLimb {
             self.features.demonstration.explanation = Some(which.explanation());
             self.state.preferences.layout = Layout::Demonstrate;
-            self.features.laboratory.wants_run = true;
+            self.features.laboratory.run_when_begun();
             return;
         }
         let runs = which.runs();

@@ -1,5 +1,4 @@
-//! The laboratory: several ways to fit, from one start, side by side. What it compares and what came of it, without
-//! a window; nothing here is saved or undone.
+//! The laboratory: several ways to fit, from one start, side by side. Nothing here is saved or undone.
 //!
 //! | file | holds |
 //! |---|---|
@@ -8,25 +7,172 @@
 //! | [`push`] | a direction of the body, and how hard every pixel pushes along it |
 //! | [`check`] | the analytic Jacobian against differences, column by column |
 //! | [`comparison`] | the curves of one comparison, and the step that is looked at |
-//! | [`state`] | [`Laboratory`]: the choices, and the comparison that they make |
+//! | `commands` | what commands mean in its layout |
+//! | `update` | begun anew, stepped, what its pictures lack |
+//! | `job` | the steps, the pictures, the checks |
+//! | `panel` | the centre of its layout |
 //! | [`story`] | the caption: told from the numbers |
 //! | [`table`] | the curves as text and as a figure |
 
 pub mod check;
+mod commands;
 pub mod comparison;
-pub(crate) mod job;
+mod job;
 pub mod lineup;
-pub(crate) mod panel;
+mod panel;
 pub mod push;
 pub mod start;
-pub mod state;
 pub mod story;
 pub mod table;
-pub(crate) mod update;
+#[cfg(test)]
+mod tests;
+mod update;
+
+use backlit_tracking::body::{Model, Pose};
 
 pub use check::{CheckProgress, ColumnCheck, Worst};
 pub use comparison::{Basis, Comparison, Contestant};
+use job::{Lacking, Look, Racing, Stepped};
 pub use lineup::{Entrant, Lineup};
 pub use push::{Push, PushAxis, Pushed};
 pub use start::StartChoice;
-pub use state::{Laboratory, LaboratoryRequest};
+
+use crate::context::file_dialog::FileDialogs;
+use crate::document::run::RunStep;
+use crate::jobs::{Priority, Task};
+use crate::take::footage::Footage;
+
+/// The feature.
+#[derive(Debug)]
+pub struct Laboratory {
+    /// What is compared.
+    pub lineup: Lineup,
+    /// Where all begin.
+    pub start: StartChoice,
+    /// Along which motion pushes are shown; what suits the body until it is chosen.
+    pub axis: Option<PushAxis>,
+    /// The camera whose pictures are shown.
+    pub camera: usize,
+    /// Whether the plot's heights are logarithmic.
+    pub is_log: bool,
+    /// The fit whose worst pixel is marked.
+    pub marked: Option<usize>,
+    /// The comparison, once it has begun.
+    pub comparison: Option<Comparison>,
+    /// Time of the last step of every fit, in seconds.
+    pub step_seconds: Option<f64>,
+    /// How many comparisons there have been.
+    comparisons: u64,
+    /// Whether the comparison is to run as soon as it has begun.
+    wants_run: bool,
+    /// Steps that were asked for while one was being made.
+    pending_steps: usize,
+    /// The fits, between two steps.
+    fits: Vec<Racing>,
+    steps: Task<(), Stepped>,
+    looks: Task<Lacking, Look>,
+    /// Known by the fits and poses whose gradients are checked.
+    checks: Task<Vec<(usize, Pose)>, job::Found>,
+    dialogs: FileDialogs<()>,
+}
+
+impl Default for Laboratory {
+    fn default() -> Self {
+        Self {
+            lineup: Lineup::default(),
+            start: StartChoice::default(),
+            axis: None,
+            camera: 0,
+            is_log: false,
+            marked: None,
+            comparison: None,
+            step_seconds: None,
+            comparisons: 0,
+            wants_run: false,
+            pending_steps: 0,
+            fits: Vec::new(),
+            steps: Task::new(Priority::LABORATORY),
+            looks: Task::new(Priority::LABORATORY_LOOK),
+            checks: Task::new(Priority::LABORATORY_CHECK),
+            dialogs: FileDialogs::default(),
+        }
+    }
+}
+
+impl Laboratory {
+    /// The same without any work that is going on, for a picture of it.
+    #[must_use]
+    pub(crate) fn at_rest(&self) -> Self {
+        Self {
+            lineup: self.lineup,
+            start: self.start,
+            axis: self.axis,
+            camera: self.camera,
+            is_log: self.is_log,
+            marked: self.marked,
+            comparison: self.comparison.clone(),
+            step_seconds: self.step_seconds,
+            comparisons: self.comparisons,
+            ..Self::default()
+        }
+    }
+
+    /// Another take is open: its comparison is another.
+    pub(crate) fn reset(&mut self, footage: &Footage) {
+        let start = StartChoice::of(footage.demonstration());
+        *self = Self { is_log: self.is_log, comparisons: self.comparisons, start, ..Self::default() };
+    }
+
+    /// Runs the fits as soon as they have begun.
+    pub(crate) fn run_when_begun(&mut self) {
+        self.wants_run = true;
+    }
+
+    /// Whether fits are being stepped.
+    #[must_use]
+    pub(crate) fn is_running(&self) -> bool {
+        self.steps.is_busy()
+    }
+
+    /// Whether the last check of gradients broke down.
+    fn check_broke_down(&self) -> bool {
+        self.checks.failure().is_some()
+    }
+
+    /// The comparison, where there is something of it to be seen.
+    fn begun(&self) -> Option<&Comparison> {
+        self.comparison.as_ref().filter(|comparison| comparison.has_begun())
+    }
+
+    /// The motion along which pushes are shown.
+    fn axis_for(&self, model: &Model) -> PushAxis {
+        self.axis.unwrap_or_else(|| PushAxis::of(model))
+    }
+
+    /// The time of one step of all fits together, from their newest ones.
+    fn measure_steps(&mut self) {
+        let newest = |steps: &Vec<RunStep>| steps.iter().skip(1).next_back().map(|step| step.seconds);
+        let seconds = self.comparison.iter().flat_map(|comparison| &comparison.contestants);
+        let seconds: Vec<f64> = seconds.filter_map(|fit| newest(&fit.steps)).collect();
+        self.step_seconds = (!seconds.is_empty()).then(|| seconds.iter().sum());
+    }
+
+    /// What it does, for the status bar.
+    #[must_use]
+    pub(crate) fn sentence(&self) -> String {
+        let all = self.lineup.all_text();
+        let Some(comparison) = self.begun() else { return "Preparing the laboratory…".to_owned() };
+        let step = comparison.cursor;
+        if self.is_running() {
+            return format!("Step {step} in {all}. They are running; Esc stops them.");
+        }
+        let last = comparison.last();
+        if comparison.is_over() && step == last {
+            return format!("Step {step} in {all}: they have ended. The arrow keys go through their steps.");
+        }
+        if step < last {
+            return format!("Step {step} of {last} in {all}. The arrow keys go through them.");
+        }
+        format!("Step {step} in {all}. Space steps them together, Enter runs them; the arrow keys step.")
+    }
+}

@@ -62,10 +62,8 @@ impl Priority {
     pub const SAVE: Self = Self::of(Crew::Files, 0);
     /// Writing the settings.
     pub const SETTINGS: Self = Self::of(Crew::Files, 1);
-    /// The laboratory's plot as a file.
-    pub const LABORATORY_PLOT: Self = Self::of(Crew::Files, 2);
     /// Writing a table, a plot or numbers.
-    pub const WRITE: Self = Self::of(Crew::Files, 3);
+    pub const WRITE: Self = Self::of(Crew::Files, 2);
 
     /// A look at the take as a whole.
     pub const SURVEY: Self = Self::of(Crew::Long, 0);

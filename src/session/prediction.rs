@@ -8,11 +8,12 @@ use backlit_tracking::camera::Camera;
 use backlit_tracking::render::jacobian::Motion;
 use backlit_tracking::render::{Prediction, View, Wanted, draw};
 use backlit_tracking::silhouette::{Measurement, Overlap};
-use backlit_tracking::track::{FitOptions, FitView};
+use backlit_tracking::track::{Fit, FitOptions, FitView, IterationRecord};
 
 use rayon::prelude::*;
 
 use crate::document::CameraUse;
+use crate::document::run::RunStep;
 use crate::drawing::{Derivative, body_outline};
 use crate::session::FrameData;
 
@@ -176,6 +177,44 @@ impl Predicted {
     pub fn iou(&self) -> Option<f64> {
         let used = self.cameras.iter().zip(self.scene.uses.iter()).filter(|(_, used)| used.used);
         used.filter_map(|(camera, _)| camera.overlap).reduce(Overlap::merge)?.iou()
+    }
+
+    /// The start of a fit, which predicts this.
+    #[must_use]
+    pub fn start_of(&self, fit: &Fit) -> RunStep {
+        RunStep {
+            pose: self.pose.clone(),
+            mismatch: self.mismatch,
+            rms: self.rms.unwrap_or_default(),
+            cost: fit.cost(),
+            trial_cost: fit.cost(),
+            foretold: 0.0,
+            fell: 0.0,
+            damping: self.scene.fit.damping,
+            step_norm: 0.0,
+            seconds: 0.0,
+            stage: 0,
+            accepted: true,
+        }
+    }
+
+    /// A step of a fit that ends at what predicts this.
+    #[must_use]
+    pub fn step_of(&self, record: &IterationRecord, seconds: f64) -> RunStep {
+        RunStep {
+            pose: record.pose.clone(),
+            mismatch: self.mismatch,
+            rms: self.rms.unwrap_or_default(),
+            cost: record.cost,
+            trial_cost: record.trial_cost,
+            foretold: record.predicted_decrease,
+            fell: record.actual_decrease,
+            damping: record.damping,
+            step_norm: record.step_norm,
+            seconds,
+            stage: record.stage,
+            accepted: record.accepted,
+        }
     }
 
     /// Whether it is of this pose and these parts.

@@ -19,7 +19,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &Features, reques
     let frame = Frame::NONE.fill(palette.raised).inner_margin(Margin::symmetric(8, 0));
     Panel::bottom("status bar").exact_size(size::STATUS_BAR).resizable(false).frame(frame).show(ui, |ui| {
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-            numbers(ui, context);
+            numbers(ui, context, features);
             ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
                 let (rect, _) = ui.allocate_exact_size(vec2(size::ICON, size::ICON), Sense::hover());
                 Icon::Info.paint_scaled(ui.painter(), rect, palette.text3, 0.85);
@@ -69,7 +69,7 @@ fn sentence(context: &Context<'_>, features: &Features) -> String {
         return format!("Trying the basin: {progress}. Esc stops it; what is done stays.");
     }
     if context.preferences.layout == Layout::Demonstrate {
-        return laboratory_sentence(context);
+        return features.laboratory.sentence();
     }
     if let Some(step) = context.selection.step {
         let steps = session.runs.get(step.run).map_or(0, |run| run.steps.len().saturating_sub(1));
@@ -90,28 +90,7 @@ fn sentence(context: &Context<'_>, features: &Features) -> String {
     format!("Drag the {joint} in any view, or press Space for one step of the fit.")
 }
 
-/// What the laboratory does.
-fn laboratory_sentence(context: &Context<'_>) -> String {
-    let laboratory = context.laboratory;
-    let all = laboratory.lineup.all_text();
-    let Some(comparison) = laboratory.comparison.as_ref().filter(|comparison| comparison.has_begun()) else {
-        return "Preparing the laboratory…".to_owned();
-    };
-    let step = comparison.cursor;
-    if laboratory.is_running {
-        return format!("Step {step} in {all}. They are running; Esc stops them.");
-    }
-    let last = comparison.last();
-    if comparison.is_over() && step == last {
-        return format!("Step {step} in {all}: they have ended. The arrow keys go through their steps.");
-    }
-    if step < last {
-        return format!("Step {step} of {last} in {all}. The arrow keys go through them.");
-    }
-    format!("Step {step} in {all}. Space steps them together, Enter runs them; the arrow keys step.")
-}
-
-fn numbers(ui: &mut Ui, context: &Context<'_>) {
+fn numbers(ui: &mut Ui, context: &Context<'_>, features: &Features) {
     let session = context.session;
     let rms = session.predicted.as_ref().and_then(|predicted| predicted.rms);
     ui.spacing_mut().item_spacing.x = space::GROUP;
@@ -139,7 +118,7 @@ fn numbers(ui: &mut Ui, context: &Context<'_>) {
     ];
     let all_fits = (
         "all fits, a step",
-        seconds(context.laboratory.step_seconds),
+        seconds(features.laboratory.step_seconds),
         188.0,
         "Time of the last step of all the laboratory's fits together",
     );

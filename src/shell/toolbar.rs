@@ -10,9 +10,9 @@ use crate::context::command::{
 };
 use crate::context::command_button::{icon, primary};
 use crate::context::preferences::Layout;
-use crate::context::{Context, Request, Requests};
-use crate::features::fit::{renderer, solver};
-use crate::features::laboratory::panel as laboratory;
+use crate::context::{Context, Request, Requests, preset_box};
+use crate::features::Features;
+use crate::features::fit::renderer;
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{size, space};
@@ -20,15 +20,13 @@ use crate::widgets::{Icon, segmented};
 
 /// Below this width the take's second line and the menus' labels fold.
 const FOLD_MENUS: f32 = 1440.0;
-/// Below this width the renderer and the preset are in the panel only.
-pub(crate) const FOLD_CHOICES: f32 = 1280.0;
 /// Width of the layout switch.
 const SWITCH: f32 = 318.0;
 /// Height of the bar that says that something takes its time.
 const BUSY: f32 = 2.0;
 
 /// The toolbar.
-pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &mut Features, requests: &mut Requests) {
     let palette = theme::palette(ui);
     let frame = Frame::NONE.fill(palette.raised).inner_margin(Margin::symmetric(8, 0));
     let panel = Panel::top("toolbar").exact_size(size::TOOLBAR).resizable(false).frame(frame);
@@ -39,7 +37,9 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
             ui.scope_builder(UiBuilder::new().max_rect(rect).layout(direction), |ui| add(ui));
         };
         side(ui, Direction::left_to_right(Align::Center), &mut |ui| left(ui, context, requests, width));
-        side(ui, Direction::right_to_left(Align::Center), &mut |ui| right(ui, context, requests, width));
+        side(ui, Direction::right_to_left(Align::Center), &mut |ui| {
+            right(ui, context, features, requests, width)
+        });
         let middle = egui::Rect::from_center_size(rect.center(), vec2(SWITCH, size::BUTTON));
         ui.scope_builder(UiBuilder::new().max_rect(middle), |ui| {
             let mut layout = context.preferences.layout;
@@ -103,15 +103,15 @@ fn take(ui: &mut Ui, context: &Context<'_>, folded: bool) {
     }
 }
 
-fn right(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32) {
+fn right(ui: &mut Ui, context: &Context<'_>, features: &mut Features, requests: &mut Requests, width: f32) {
     ui.spacing_mut().item_spacing.x = space::ROW;
-    find(ui, requests, width < FOLD_CHOICES);
+    find(ui, requests, width < size::FOLD_CHOICES);
     ui.add_space(space::ROW);
     if context.preferences.layout == Layout::Demonstrate && context.session.take.is_some() {
         // The laboratory has buttons of its own.
-        if width >= FOLD_CHOICES {
-            solver::preset_box(ui, context, requests, 92.0);
-            laboratory::lineup_box(ui, context, requests);
+        if width >= size::FOLD_CHOICES {
+            preset_box::show(ui, context, requests, 92.0);
+            features.laboratory.lineup_box(ui);
         }
         return;
     }
@@ -121,9 +121,9 @@ fn right(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32
     icon(ui, context, requests, Command::Fit(FitCommand::Run), Icon::Run);
     icon(ui, context, requests, Command::Fit(FitCommand::Step), Icon::Step);
     icon(ui, context, requests, Command::Fit(FitCommand::StepBack), Icon::StepBack);
-    if width >= FOLD_CHOICES && context.session.take.is_some() {
+    if width >= size::FOLD_CHOICES && context.session.take.is_some() {
         ui.add_space(space::WIDGET);
-        solver::preset_box(ui, context, requests, 92.0);
+        preset_box::show(ui, context, requests, 92.0);
         ui.add_space(space::ROW);
         renderer::kind_box(ui, context, requests, 100.0);
     }

@@ -223,6 +223,8 @@ pub mod space {
 
 /// Sizes of things, in points.
 pub mod size {
+    /// Below this width of the toolbar, renderer and preset are chosen elsewhere only.
+    pub const FOLD_CHOICES: f32 = 1280.0;
     /// Corner radius of fields and swatches.
     pub const FIELD_RADIUS: u8 = 3;
     /// Corner radius of buttons, combos and cards.

@@ -13,6 +13,7 @@ use backlit_tracking::silhouette::{Label, Mask, Measurement, SignedDistance};
 use backlit_tracking::track::{DataView, Evidence, start};
 use image::{DynamicImage, RgbImage};
 
+use crate::take::demonstration::Demonstration;
 use crate::take::replacement::{Calibration, MaskFiles, read_mask};
 use crate::take::source::TakeSource;
 
@@ -95,6 +96,15 @@ impl CameraFrame {
 }
 
 impl Footage {
+    /// The demonstration that it is.
+    #[must_use]
+    pub fn demonstration(&self) -> Option<Demonstration> {
+        match self.source {
+            Some(TakeSource::Demonstration(which)) => Some(which),
+            _ => None,
+        }
+    }
+
     /// Prepares a take.
     #[must_use]
     pub fn new(take: Take, source: Option<TakeSource>) -> Self {

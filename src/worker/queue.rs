@@ -36,31 +36,23 @@ impl Crew {
 pub enum Lane {
     /// The picture of the 3-D scene.
     Scene,
-    /// The pictures of the laboratory's step.
-    LaboratoryLook,
     /// Writing a file.
     Save,
     /// The fit of one frame.
     Fit,
-    /// The laboratory's fits.
-    Laboratory,
-    /// The laboratory's plot as a file.
-    LaboratoryPlot,
     /// What the cameras see of the pose on the screen.
     Observe,
     /// The visual hull of the frame on the screen.
     Hull,
-    /// The check of the laboratory's gradients.
-    LaboratoryCheck,
 }
 
 impl Lane {
     const fn crew(self) -> Crew {
         match self {
-            Self::LaboratoryLook | Self::Fit | Self::Laboratory | Self::Observe => Crew::Screen,
+            Self::Fit | Self::Observe => Crew::Screen,
             Self::Scene => Crew::Scene,
-            Self::Save | Self::LaboratoryPlot => Crew::Files,
-            Self::Hull | Self::LaboratoryCheck => Crew::Long,
+            Self::Save => Crew::Files,
+            Self::Hull => Crew::Long,
         }
     }
 }

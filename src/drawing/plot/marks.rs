@@ -11,6 +11,8 @@ const DIVISION: f64 = 8.0;
 const ROOMY_DECADE: f64 = 50.0;
 /// Else only whole decades have marks, at least so many points apart.
 const LEAST_APART: f64 = 30.0;
+/// Marks of an axis of steps are so many of the plot's finest divisions apart, or their numbers are not written.
+const MARK_SPACING: f64 = 10.0;
 
 /// Marks at 1, 2 and 5 of each decade, or at whole decades where there is less room, or even ones where those are
 /// too few; the axis is of logarithms.
@@ -48,6 +50,17 @@ pub fn even_marks(input: GridInput) -> Vec<GridMark> {
     let step = step.unwrap_or(rough);
     let marks = (low / step).ceil() as i64..=(high / step).floor() as i64;
     marks.map(|k| GridMark { value: k as f64 * step, step_size: step }).collect()
+}
+
+/// Marks at whole steps.
+#[must_use]
+pub fn step_marks(input: GridInput) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    let apart = MARK_SPACING * input.base_step_size;
+    let step = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0].into_iter().find(|s| *s >= apart).unwrap_or(200.0);
+    let first = (low.max(0.0) / step).ceil() as i64;
+    let last = (high / step).floor() as i64;
+    (first..=last).map(|k| GridMark { value: k as f64 * step, step_size: step }).collect()
 }
 
 /// A mark's number with as many digits as its axis needs.

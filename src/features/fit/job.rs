@@ -4,10 +4,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use backlit_tracking::body::Pose;
-use backlit_tracking::optimize::Termination;
-use backlit_tracking::track::{Fit, FitError, FitOptions, IterationRecord};
+use backlit_tracking::track::{Fit, FitError, FitOptions};
 
-use crate::document::run::{RunEnding, RunStep};
+use crate::document::run::RunEnding;
 use crate::session::prediction::{FitInputs, Predicted};
 use crate::worker::{Event, Job, Outbox, Step};
 
@@ -66,20 +65,7 @@ impl FitJob {
             let views = start.scene.views();
             let fit = Fit::with_free_rotations(model, views, start.pose, start.options, start.free)?;
             let last = Arc::new(Predicted::new(&start.scene, fit.pose(), None));
-            let first = RunStep {
-                pose: fit.pose().clone(),
-                mismatch: last.mismatch,
-                rms: last.rms.unwrap_or_default(),
-                cost: fit.cost(),
-                trial_cost: fit.cost(),
-                foretold: 0.0,
-                fell: 0.0,
-                seconds: 0.0,
-                damping: start.scene.fit.damping,
-                step_norm: 0.0,
-                stage: 0,
-                accepted: true,
-            };
+            let first = last.start_of(&fit);
             out.send(Event::FitStep(Box::new(first), last.clone()));
             self.running = Some(Running { fit, scene: start.scene, last });
         } else {
@@ -114,43 +100,16 @@ impl Job<Event> for FitJob {
         let began = Instant::now();
         let Some(record) = running.fit.step() else {
             let is_annealed = running.scene.fit.stages.len() > 1;
-            let ending = running.fit.termination().map(|why| ending_of(why, is_annealed));
+            let ending = running.fit.termination().map(|why| RunEnding::of(why, is_annealed));
             return self.end(out, Some(ending.unwrap_or(RunEnding::Stopped)));
         };
         let seconds = began.elapsed().as_secs_f64();
         if record.accepted {
             running.last = Arc::new(Predicted::new(&running.scene, &record.pose, Some(&running.last)));
         }
-        let step = run_step(&record, &running.last, seconds);
+        let step = running.last.step_of(&record, seconds);
         out.send(Event::FitStep(Box::new(step), running.last.clone()));
         self.left = self.left.map(|left| left.saturating_sub(1));
         Step::Again
-    }
-}
-
-pub(crate) fn ending_of(termination: Termination, is_annealed: bool) -> RunEnding {
-    match termination {
-        Termination::StepLimit { steps } if is_annealed => {
-            RunEnding::Solver(format!("the {steps} steps of the last stage are done"))
-        }
-        Termination::Cancelled => RunEnding::Stopped,
-        other => RunEnding::Solver(other.to_string()),
-    }
-}
-
-pub(crate) fn run_step(record: &IterationRecord, predicted: &Predicted, seconds: f64) -> RunStep {
-    RunStep {
-        pose: record.pose.clone(),
-        mismatch: predicted.mismatch,
-        rms: predicted.rms.unwrap_or_default(),
-        cost: record.cost,
-        trial_cost: record.trial_cost,
-        foretold: record.predicted_decrease,
-        fell: record.actual_decrease,
-        damping: record.damping,
-        step_norm: record.step_norm,
-        seconds,
-        stage: record.stage,
-        accepted: record.accepted,
     }
 }

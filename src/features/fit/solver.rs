@@ -3,35 +3,22 @@
 use backlit_tracking::body::Parameters;
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::Ramp;
-use backlit_tracking::track::{FitOptions, Preset};
+use backlit_tracking::track::FitOptions;
 use egui::{RichText, Ui};
 
-use crate::context::command::{Command, FitCommand};
+use crate::context::preset_box;
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
 use crate::document::fit_words::preset_like;
 use crate::features::tracking::choices as tracking_choices;
 use crate::style::theme;
-use crate::widgets::choice;
 use crate::widgets::{hint, named_row, number_field, section, segmented};
 
 /// Width of the names in this section.
 const NAME: f32 = 78.0;
 /// Width of a field.
 const FIELD: f32 = 72.0;
-
-/// A box of the presets.
-pub(crate) fn preset_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32) {
-    let chosen = preset_like(&context.document().fit).map_or("Own", Preset::label);
-    let choices = [Preset::Robust, Preset::Report].map(|preset| {
-        let command = Command::Fit(FitCommand::Preset(preset));
-        (command, command.text(), command.tooltip())
-    });
-    if let Some(command) = choice(ui, "Preset", width, chosen, &choices) {
-        requests.run(command);
-    }
-}
 
 /// The Solver section.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
@@ -40,7 +27,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
     section(ui, "Solver", &summary, open, |ui| {
         let mut options = fit.clone();
         ui.spacing_mut().item_spacing.y = 6.0;
-        row(ui, "Preset", |ui| preset_box(ui, context, requests, ui.available_width()));
+        row(ui, "Preset", |ui| preset_box::show(ui, context, requests, ui.available_width()));
         row(ui, "Update", |ui| {
             let choices = [(Parameters::Tangent, "Tangent"), (Parameters::Raw, "Raw")];
             segmented(ui, &mut options.parameters, &choices).on_hover_text(

@@ -14,15 +14,15 @@ mod curves;
 mod header;
 mod picture;
 
-pub(crate) use header::lineup_box;
-
 use egui::{
     CentralPanel, Frame, Rect, RichText, Role, Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
 
-use crate::context::{Context, Requests};
-use crate::features::laboratory::comparison::PushKey;
-use crate::features::laboratory::{Comparison, PushAxis};
+use super::comparison::PushKey;
+use super::{Comparison, Laboratory, Lineup, PushAxis, StartChoice, table};
+use crate::context::file_dialog::Wanted;
+use crate::context::{Context, Request, Requests};
+use crate::session::selection::Selection;
 use crate::style::theme;
 use crate::style::theme::{size, space};
 
@@ -63,6 +63,7 @@ impl Room {
 #[derive(Clone, Copy)]
 struct Bench<'a> {
     context: &'a Context<'a>,
+    laboratory: &'a Laboratory,
     comparison: &'a Comparison,
     /// What is pushed, as words.
     limb: &'a str,
@@ -71,34 +72,92 @@ struct Bench<'a> {
     room: Room,
 }
 
-/// The panel.
-pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+/// What is asked for in the panel, done when it is drawn.
+enum Wish {
+    Lineup(Lineup),
+    Start(StartChoice),
+    Camera(usize),
+    Axis(PushAxis),
+    /// Hold another limb.
+    Limb(usize),
+    /// Look at a step.
+    Step(usize),
+    /// Logarithmic heights, or percent.
+    Log(bool),
+    /// Mark the worst pixel of a fit, or of none.
+    Mark(Option<usize>),
+    /// Copy the curves as text.
+    CopyTable,
+    /// Save the plot as a picture.
+    SavePlot,
+}
+
+impl Laboratory {
+    /// The centre of its layout.
+    pub(crate) fn ui(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+        let mut wishes = Vec::new();
+        contents(ui, self, context, requests, &mut wishes);
+        for wish in wishes {
+            self.grant(wish, context, requests);
+        }
+    }
+
+    /// The box of what is compared.
+    pub(crate) fn lineup_box(&mut self, ui: &mut Ui) {
+        if let Some(lineup) = header::lineup_box(ui, self.lineup) {
+            self.lineup = lineup;
+        }
+    }
+
+    fn grant(&mut self, wish: Wish, context: &Context<'_>, requests: &mut Requests) {
+        match (wish, &mut self.comparison) {
+            (Wish::Lineup(lineup), _) => self.lineup = lineup,
+            (Wish::Start(start), _) => self.start = start,
+            (Wish::Camera(camera), _) => self.camera = camera,
+            (Wish::Axis(axis), _) => self.axis = Some(axis),
+            (Wish::Limb(limb), _) => {
+                requests.request(Request::Joint(Selection::joint_of(&context.document().model, limb)));
+            }
+            (Wish::Log(is_log), _) => self.is_log = is_log,
+            (Wish::Mark(fit), _) => self.mark_worst(fit),
+            (Wish::Step(step), Some(comparison)) => comparison.go_to(step),
+            (Wish::CopyTable, Some(comparison)) => {
+                context.egui.copy_text(table::csv(comparison));
+                requests.status("Copied the curves as comma-separated values.");
+            }
+            (Wish::Step(_) | Wish::CopyTable, None) => {}
+            (Wish::SavePlot, _) => {
+                let wanted = Wanted::NewFile("laboratory.png".to_owned(), &[]);
+                if let Err(why) = self.dialogs.ask(context.egui, (), "Save plot", wanted) {
+                    requests.complain(why);
+                }
+            }
+        }
+    }
+}
+
+fn contents(
+    ui: &mut Ui,
+    laboratory: &Laboratory,
+    context: &Context<'_>,
+    requests: &mut Requests,
+    wishes: &mut Vec<Wish>,
+) {
     let palette = theme::palette(ui);
     let room = Room::of(ui.available_rect_before_wrap());
-    header::ui(ui, context, requests, room.margin);
+    header::ui(ui, laboratory, context, requests, wishes, room.margin);
     CentralPanel::default().frame(Frame::NONE.fill(palette.well)).show(ui, |ui| {
         let rect = ui.max_rect();
-        let laboratory = context.laboratory;
-        let Some(comparison) = laboratory.comparison.as_ref().filter(|comparison| comparison.has_begun())
-        else {
-            return waiting(ui, rect, context);
-        };
+        let Some(comparison) = laboratory.begun() else { return waiting(ui, rect, context) };
         let model = &context.document().model;
-        let limb = context.selection.limb(model);
-        let axis = laboratory.axis_for(model);
-        let bench = Bench {
-            context,
-            comparison,
-            limb: &model.limbs()[limb].name,
-            axis,
-            key: (laboratory.camera, axis, limb),
-            room,
-        };
-        page(ui, rect, &bench, requests);
+        let key = laboratory.push_key(context);
+        let (_, axis, limb) = key;
+        let limb = &model.limbs()[limb].name;
+        page(ui, rect, &Bench { context, laboratory, comparison, limb, axis, key, room }, wishes);
     });
 }
 
-fn page(ui: &mut Ui, rect: Rect, bench: &Bench<'_>, requests: &mut Requests) {
+fn page(ui: &mut Ui, rect: Rect, bench: &Bench<'_>, wishes: &mut Vec<Wish>) {
     let Room { margin, gap, .. } = bench.room;
     let top_gap = margin.min(16.0);
     let inner = Rect::from_min_max(
@@ -117,17 +176,17 @@ fn page(ui: &mut Ui, rect: Rect, bench: &Bench<'_>, requests: &mut Requests) {
         let left = above.left() + (width + gap) * index as f32;
         let column = Rect::from_min_size(pos2(left, above.top()), vec2(width, above.height()));
         card(ui, column);
-        inside(ui, column, ("column", index), |ui| column::ui(ui, column, bench, index, fit, requests));
+        inside(ui, column, ("column", index), |ui| column::ui(ui, column, bench, index, fit, wishes));
     }
     let share = if is_compact { COMPACT_CAPTION_SHARE } else { CAPTION_SHARE };
     let caption_width = (share * below.width()).max(330.0);
     let (plot, caption) = below.split_left_right_at_x(below.right() - caption_width - gap);
     let caption = caption.with_min_x(caption.left() + gap);
     card(ui, plot);
-    inside(ui, plot.shrink2(vec2(14.0, 8.0)), "plot", |ui| curves::ui(ui, bench, requests));
+    inside(ui, plot.shrink2(vec2(14.0, 8.0)), "plot", |ui| curves::ui(ui, bench, wishes));
     card(ui, caption);
     let margin = if is_compact { vec2(14.0, 8.0) } else { vec2(18.0, 12.0) };
-    inside(ui, caption.shrink2(margin), "caption", |ui| caption::ui(ui, bench, requests));
+    inside(ui, caption.shrink2(margin), "caption", |ui| caption::ui(ui, bench, wishes));
 }
 
 /// The ground of a part of the page.

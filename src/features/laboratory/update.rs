@@ -1,347 +1,269 @@
-//! The laboratory: it begins anew when what it compares changes, steps its fits, and asks for what its pictures
-//! lack. Nothing of it goes into the document.
+//! The laboratory in every frame of the window: it begins anew when what it compares changes, steps its fits, and asks
+//! for what its pictures lack.
 
+use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
 
 use backlit_tracking::body::Pose;
+use image::{DynamicImage, ImageFormat};
 
-use crate::app::App;
-use crate::app::state::DialogKind;
-use crate::context::Request;
-use crate::context::command::{Command, FitCommand, LaboratoryCommand, TimelineCommand, ViewCommand};
+use super::comparison::PushKey;
+use super::job::{CheckJob, FitCheck, Lacking, Look, LookJob, StepJob, Stepped};
+use super::start::StartParts;
+use super::{Basis, ColumnCheck, Comparison, Contestant, Laboratory, table};
 use crate::context::preferences::Layout;
-use crate::features::laboratory::comparison::{Checked, PushKey};
-use crate::features::laboratory::job::{
-    FitCheck, LaboratoryCheckJob, LaboratoryEvent, LaboratoryJob, LaboratoryLookJob, LaboratoryPlotJob,
-    LiveLaboratory,
-};
-use crate::features::laboratory::start::StartParts;
-use crate::features::laboratory::{
-    Basis, ColumnCheck, Comparison, Contestant, Laboratory, LaboratoryRequest, StartChoice, table,
-};
-use crate::session::selection::Selection;
-use crate::take::demonstration::Demonstration;
-use crate::take::footage::Footage;
-use crate::take::source::TakeSource;
-use crate::worker::Lane;
+use crate::context::{Context, Requests};
+use crate::jobs::{News, Pool};
 
-/// Steps of the keys for ten frames.
-const MANY_STEPS: usize = 10;
-
-impl App {
-    /// Forgets the comparison: another take was opened.
-    pub(crate) fn reset_laboratory(&mut self, footage: &Footage) {
-        for lane in [Lane::Laboratory, Lane::LaboratoryLook, Lane::LaboratoryCheck] {
-            self.worker.drop_lane(lane);
+impl Laboratory {
+    /// Takes in what was made, and keeps the comparison going while its layout is on the screen.
+    pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        self.take_in_steps(context.pool, requests);
+        self.take_in_looks(requests);
+        self.take_in_checks(requests);
+        for ((), path) in self.dialogs.answers() {
+            self.save_plot(&path, context, requests);
         }
-        let start = StartChoice::of(demonstration_of(footage));
-        self.features.laboratory = Laboratory {
-            is_log: self.features.laboratory.is_log,
-            comparisons: self.features.laboratory.comparisons,
-            start,
-            ..Laboratory::default()
-        };
+        if context.preferences.layout == Layout::Demonstrate {
+            self.go_on(context);
+        } else {
+            // What nobody sees need not be checked.
+            self.checks.forget();
+        }
+    }
+
+    fn take_in_steps(&mut self, pool: &Pool, requests: &mut Requests) {
+        for news in self.steps.poll() {
+            match (news, &mut self.comparison) {
+                (News::Output(Stepped::Step(index, step, predicted)), Some(comparison)) => {
+                    comparison.add_step(index, *step, predicted);
+                    self.measure_steps();
+                }
+                (News::Output(Stepped::Extents(extents)), Some(comparison)) => {
+                    comparison.add_extents(&extents);
+                }
+                (News::Output(Stepped::Ended(index, ending)), Some(comparison)) => {
+                    comparison.end(index, ending);
+                }
+                (News::Output(Stepped::Waiting(fits)), _) => self.fits = fits,
+                (News::Output(_), None) => {}
+                (News::Ended, _) => {
+                    let steps = std::mem::take(&mut self.pending_steps);
+                    if steps > 0 {
+                        self.run_fits(Some(steps), pool);
+                    }
+                }
+                (News::Failed(failure), comparison) => {
+                    requests.failed("The laboratory", &failure);
+                    if let Some(comparison) = comparison {
+                        comparison.break_down("the work on the fits broke down; Restart begins again");
+                    }
+                    (self.pending_steps, self.wants_run) = (0, false);
+                }
+            }
+        }
+    }
+
+    fn take_in_looks(&mut self, requests: &mut Requests) {
+        for news in self.looks.poll() {
+            let fits = self.comparison.iter_mut().flat_map(|comparison| &mut comparison.contestants);
+            match news {
+                News::Output(Look::Step(index, predicted)) => {
+                    fits.skip(index).take(1).for_each(|fit| fit.shown = Some(predicted.clone()));
+                }
+                News::Output(Look::Pushes(key, pushed)) => {
+                    fits.zip(pushed).for_each(|(fit, pushed)| fit.pushed = Some((key, Arc::new(pushed))));
+                }
+                News::Ended => {}
+                News::Failed(failure) => requests.failed("Drawing the laboratory's pictures", &failure),
+            }
+        }
+    }
+
+    fn take_in_checks(&mut self, requests: &mut Requests) {
+        for news in self.checks.poll() {
+            match news {
+                News::Output(found) => {
+                    let fits = self.comparison.as_mut().map(|comparison| &mut comparison.contestants);
+                    if let Some(fit) = fits.and_then(|fits| fits.get_mut(found.index)) {
+                        fit.checked = Some(found.checked);
+                    }
+                }
+                News::Ended => {}
+                News::Failed(failure) => requests.failed("The check of the laboratory's gradients", &failure),
+            }
+        }
     }
 
     /// What is compared as things are now; `None` as long as the frame is not there.
-    fn basis(&self) -> Option<Basis> {
-        let scene = self.scene()?;
+    fn basis(&self, context: &Context<'_>) -> Option<Basis> {
+        let scene = context.fit_inputs()?;
         scene.frame.as_ref()?;
-        let document = self.document();
-        let take = self.state.session.take.as_ref()?;
-        let frame = self.state.selection.frame;
+        let document = context.document();
+        let take = context.session.take.as_ref()?;
         let parts = StartParts {
             model: &document.model,
-            shown: self.shown_pose(),
+            shown: context.shown_pose(),
             take: &document.start,
-            demonstration: demonstration_of(take).map(|which| (which, frame)),
+            demonstration: take.demonstration().map(|which| (which, context.selection.frame)),
         };
         Some(Basis {
-            start: self.features.laboratory.start.pose(&parts).normalized(),
-            entrants: self.features.laboratory.lineup.entrants(&document.fit, &document.model),
+            start: self.start.pose(&parts).normalized(),
+            entrants: self.lineup.entrants(&document.fit, &document.model),
             scene,
         })
     }
 
-    /// Keeps the laboratory going while its layout is on the screen.
-    pub(crate) fn go_on_with_laboratory(&mut self) {
-        self.features.laboratory.is_running = self.worker.is_busy(Lane::Laboratory);
-        self.features.laboratory.is_checking = self.worker.is_busy(Lane::LaboratoryCheck);
-        if self.state.preferences.layout != Layout::Demonstrate {
-            // What nobody sees need not be checked.
-            self.worker.drop_lane(Lane::LaboratoryCheck);
+    fn go_on(&mut self, context: &Context<'_>) {
+        let Some(basis) = self.basis(context) else { return };
+        if !self.comparison.as_ref().is_some_and(|old| old.basis.is(&basis)) {
+            self.begin(basis, context.pool);
+        }
+        self.camera = self.camera.min(context.session.camera_count().saturating_sub(1));
+        if self.begun().is_none() {
             return;
         }
-        let Some(basis) = self.basis() else {
-            self.features.laboratory.is_waiting =
-                self.state.session.take.is_some() && !self.refresh.has_failed_to_read();
-            return;
-        };
-        let is_same = self.features.laboratory.comparison.as_ref().is_some_and(|old| old.basis.is(&basis));
-        if !is_same {
-            self.begin_comparison(basis);
+        if self.wants_run && !self.is_running() {
+            self.wants_run = false;
+            self.step(None, context.pool);
         }
-        let camera_count = self.state.session.camera_count();
-        self.features.laboratory.camera = self.features.laboratory.camera.min(camera_count.saturating_sub(1));
-        let has_begun = self.features.laboratory.comparison.as_ref().is_some_and(Comparison::has_begun);
-        if has_begun && self.features.laboratory.wants_run && !self.features.laboratory.is_running {
-            self.features.laboratory.wants_run = false;
-            self.step_laboratory(None);
+        // Fits and pictures go before checks: while they come, the pose to check changes with every step.
+        match self.lacking(context) {
+            Some(lacking) => self.ask_for_looks(lacking, context.pool),
+            None if self.is_running() => {}
+            None => self.ask_for_checks(context.pool),
         }
-        self.features.laboratory.is_waiting =
-            !has_begun || self.features.laboratory.wants_run || self.look_in_laboratory();
     }
 
-    fn begin_comparison(&mut self, basis: Basis) {
-        self.worker.drop_lane(Lane::LaboratoryLook);
-        self.worker.drop_lane(Lane::LaboratoryCheck);
-        self.features.laboratory.pending_steps = 0;
-        self.features.laboratory.marked = None;
-        self.features.laboratory.comparisons += 1;
-        self.live_laboratory = LiveLaboratory::default();
+    fn begin(&mut self, basis: Basis, pool: &Pool) {
+        self.looks.forget();
+        self.checks.forget();
+        (self.pending_steps, self.marked) = (0, None);
+        self.comparisons += 1;
+        self.fits.clear();
         let starts = basis.entrants.iter().map(|entrant| (basis.scene_of(entrant), basis.start.clone()));
-        let job = LaboratoryJob::begin(starts.collect(), self.live_laboratory.clone());
-        self.worker.request(Lane::Laboratory, job);
-        self.features.laboratory.comparison =
-            Some(Comparison::new(basis, self.features.laboratory.comparisons));
-        self.features.laboratory.is_running = true;
+        self.steps.begin(pool, (), |()| StepJob::begin(starts.collect()));
+        self.comparison = Some(Comparison::new(basis, self.comparisons));
     }
 
-    /// Asks for pictures and checks that the screen lacks. Whether any is still to come.
-    fn look_in_laboratory(&mut self) -> bool {
-        let key = self.push_key();
-        let Some(comparison) = &self.features.laboratory.comparison else { return false };
-        let has_pushes = comparison
-            .contestants
-            .iter()
-            .all(|fit| fit.pushed.as_ref().is_some_and(|(of, _)| *of == key) || fit.steps.is_empty());
-        let looks: Vec<_> = comparison
-            .stale()
-            .map(|(index, fit, pose)| (index, fit.scene.clone(), pose.clone(), fit.shown.clone()))
-            .collect();
-        let lacks = (!looks.is_empty() || !has_pushes) && self.may_ask(Lane::LaboratoryLook);
-        if lacks && !self.worker.is_busy(Lane::LaboratoryLook) {
-            let starts = || {
-                let one = |fit: &Contestant| (fit.scene.clone(), comparison.basis.start.clone());
-                comparison.contestants.iter().map(one).collect()
-            };
-            let push = (!has_pushes).then(|| (key, starts()));
-            self.worker.request(Lane::LaboratoryLook, LaboratoryLookJob { looks, push });
-        }
-        // Fits first: while they run, the pose to check changes with every step.
-        lacks || (!self.features.laboratory.is_running && self.check_in_laboratory())
-    }
-
-    /// Asks for the check of the gradients at the step that is looked at, in all cameras, the one that is shown first.
-    /// Whether one is still to come.
-    fn check_in_laboratory(&mut self) -> bool {
-        let Some(comparison) = &self.features.laboratory.comparison else { return false };
-        let (wanted, cameras) = (unchecked(comparison), comparison.basis.scene.cameras.len());
-        if wanted.is_empty() || cameras == 0 || !self.may_ask(Lane::LaboratoryCheck) {
-            return false;
-        }
-        let is_asked = self.worker.is_busy(Lane::LaboratoryCheck)
-            && (self.features.laboratory.check_wanted.as_ref())
-                .is_some_and(|asked| wanted.iter().all(|one| asked.contains(one)));
-        if !is_asked {
-            let shown = self.features.laboratory.camera;
-            let order: Vec<usize> =
-                std::iter::once(shown).chain((0..cameras).filter(|camera| *camera != shown)).collect();
-            let checks =
-                wanted.iter().map(|(index, pose)| check_of(comparison, *index, pose, &order)).collect();
-            self.features.laboratory.check_wanted = Some(wanted);
-            self.features.laboratory.check_broke = false;
-            self.worker.request(Lane::LaboratoryCheck, LaboratoryCheckJob::new(checks));
-        }
-        true
-    }
-
-    /// A job of the laboratory broke down.
-    pub(crate) fn laboratory_broke(&mut self, lane: Lane) {
-        match lane {
-            Lane::Laboratory => {
-                self.features.laboratory.pending_steps = 0;
-                self.features.laboratory.wants_run = false;
-                self.live_laboratory = LiveLaboratory::default();
-                if let Some(comparison) = &mut self.features.laboratory.comparison {
-                    comparison.break_down("the work on the fits broke down; Restart begins again");
-                }
-            }
-            Lane::LaboratoryCheck => self.features.laboratory.check_broke = true,
-            _ => {}
-        }
-    }
-
-    /// Which pushes are shown.
-    fn push_key(&self) -> PushKey {
-        let model = &self.document().model;
-        (
-            self.features.laboratory.camera,
-            self.features.laboratory.axis_for(model),
-            self.state.selection.limb(model),
-        )
-    }
-
-    /// What the laboratory's jobs said.
-    pub(crate) fn hear_laboratory(&mut self, event: LaboratoryEvent) {
-        if let LaboratoryEvent::Written(path) = &event {
-            let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-            return self.state.notices.info(self.state.now, format!("Saved the plot to {name}."), None);
-        }
-        let Some(comparison) = &mut self.features.laboratory.comparison else { return };
-        match event {
-            LaboratoryEvent::Step(index, step, predicted) => {
-                comparison.add_step(index, *step, predicted);
-                self.features.laboratory.measure_steps();
-            }
-            LaboratoryEvent::Extents(extents) => comparison.add_extents(&extents),
-            LaboratoryEvent::Ended(index, ending) => comparison.end(index, ending),
-            LaboratoryEvent::Looked(index, predicted) => {
-                if let Some(fit) = comparison.contestants.get_mut(index) {
-                    fit.shown = Some(predicted);
-                }
-            }
-            LaboratoryEvent::Pushed(key, pushed) => {
-                for (fit, pushed) in comparison.contestants.iter_mut().zip(pushed) {
-                    fit.pushed = Some((key, Arc::new(pushed)));
-                }
-            }
-            LaboratoryEvent::Checked { index, pose, progress } => {
-                if let Some(fit) = comparison.contestants.get_mut(index) {
-                    fit.checked = Some(Checked { pose, progress });
-                }
-            }
-            LaboratoryEvent::Written(_) => {}
-        }
-    }
-
-    /// The steps that were asked for are done.
-    pub(crate) fn laboratory_ended(&mut self) {
-        let steps = std::mem::take(&mut self.features.laboratory.pending_steps);
-        if steps > 0 {
-            self.run_fits(Some(steps));
-        }
-    }
-
-    fn run_fits(&mut self, steps: Option<usize>) {
-        let job = LaboratoryJob::go_on(self.live_laboratory.clone(), steps);
-        self.worker.request(Lane::Laboratory, job);
-        self.features.laboratory.is_running = true;
+    fn run_fits(&mut self, steps: Option<usize>, pool: &Pool) {
+        let fits = std::mem::take(&mut self.fits);
+        self.steps.begin(pool, (), |()| StepJob::go_on(fits, steps));
     }
 
     /// A step of all fits, or all of their steps. Steps that are there already are only looked at.
-    fn step_laboratory(&mut self, steps: Option<usize>) {
-        let is_busy = self.worker.is_busy(Lane::Laboratory);
-        let Some(comparison) = &mut self.features.laboratory.comparison else { return };
+    pub(super) fn step(&mut self, steps: Option<usize>, pool: &Pool) {
+        let is_running = self.is_running();
+        let Some(comparison) = &mut self.comparison else { return };
         if steps.is_some() && comparison.cursor < comparison.last() {
             comparison.go_to(comparison.cursor + 1);
             return;
         }
         comparison.go_to(comparison.last());
         comparison.follows = true;
-        if is_busy {
-            self.features.laboratory.pending_steps += steps.unwrap_or(0);
+        if is_running {
+            self.pending_steps += steps.unwrap_or(0);
         } else if !comparison.is_over() {
-            self.run_fits(steps);
+            self.run_fits(steps, pool);
         }
     }
 
-    /// Does what a command of another feature means in the laboratory's layout. `false` for those that mean there
-    /// what they mean everywhere.
-    pub(crate) fn laboratory_takes(&mut self, command: Command) -> bool {
-        if self.state.preferences.layout != Layout::Demonstrate {
-            return false;
-        }
-        if let Command::View(ViewCommand::CameraAlone(camera)) = command {
-            self.features.laboratory.camera = camera;
+    /// Whether nothing that its layout shows is still to be made.
+    #[must_use]
+    pub(crate) fn is_settled(&self, context: &Context<'_>) -> bool {
+        if context.preferences.layout != Layout::Demonstrate || context.session.take.is_none() {
             return true;
         }
-        let Some(comparison) = &mut self.features.laboratory.comparison else { return false };
-        let here = comparison.cursor;
-        match command {
-            Command::Fit(FitCommand::Step | FitCommand::LaterStep)
-            | Command::Timeline(TimelineCommand::NextFrame) => self.step_laboratory(Some(1)),
-            Command::Fit(FitCommand::Run) => self.step_laboratory(None),
-            Command::Fit(FitCommand::StepBack | FitCommand::EarlierStep)
-            | Command::Timeline(TimelineCommand::PreviousFrame) => {
-                comparison.go_to(here.saturating_sub(1));
-            }
-            Command::Timeline(TimelineCommand::TenFramesBack) => {
-                comparison.go_to(here.saturating_sub(MANY_STEPS));
-            }
-            Command::Timeline(TimelineCommand::TenFramesOn) => comparison.go_to(here + MANY_STEPS),
-            Command::Timeline(TimelineCommand::FirstFrame) => comparison.go_to(0),
-            Command::Timeline(TimelineCommand::LastFrame) => comparison.go_to(usize::MAX),
-            Command::Fit(FitCommand::Stop) if self.features.laboratory.is_running => {
-                self.features.laboratory.pending_steps = 0;
-                self.worker.cancel(Lane::Laboratory);
-            }
-            _ => return false,
+        let Some(basis) = self.basis(context) else { return context.busy.load_broke };
+        if !self.begun().is_some_and(|comparison| comparison.basis.is(&basis)) || self.wants_run {
+            return false;
         }
-        true
+        self.lacking(context).is_none() && (self.is_running() || self.to_check().is_none())
     }
 
-    pub(crate) fn laboratory_command(&mut self, command: LaboratoryCommand) {
-        match command {
-            LaboratoryCommand::Restart => self.features.laboratory.comparison = None,
+    /// Which pushes are shown.
+    pub(super) fn push_key(&self, context: &Context<'_>) -> PushKey {
+        let model = &context.document().model;
+        (self.camera, self.axis_for(model), context.selection.limb(model))
+    }
+
+    /// The pictures that the screen lacks and that can be made.
+    fn lacking(&self, context: &Context<'_>) -> Option<Lacking> {
+        let comparison = self.comparison.as_ref()?;
+        let key = self.push_key(context);
+        let has_push =
+            |fit: &Contestant| fit.pushed.as_ref().is_some_and(|(of, _)| *of == key) || fit.steps.is_empty();
+        let push = (!comparison.contestants.iter().all(has_push)).then_some(key);
+        let steps: Vec<_> = comparison.stale().map(|(index, _, pose)| (index, pose.clone())).collect();
+        let lacking = (push.is_some() || !steps.is_empty()).then_some(Lacking { steps, push });
+        lacking.filter(|lacking| self.looks.failure().is_none() || self.looks.inputs() != Some(lacking))
+    }
+
+    fn ask_for_looks(&mut self, lacking: Lacking, pool: &Pool) {
+        // What is being drawn is shown too while one goes through the steps.
+        if let Some(comparison) = self.comparison.as_ref().filter(|_| !self.looks.is_busy()) {
+            self.looks.need(pool, lacking, |lacking| LookJob::new(comparison, lacking));
         }
     }
 
-    pub(crate) fn laboratory_request(&mut self, request: LaboratoryRequest) {
-        match request {
-            LaboratoryRequest::Lineup(lineup) => self.features.laboratory.lineup = lineup,
-            LaboratoryRequest::Start(start) => self.features.laboratory.start = start,
-            LaboratoryRequest::Camera(camera) => self.features.laboratory.camera = camera,
-            LaboratoryRequest::Axis(axis) => self.features.laboratory.axis = Some(axis),
-            LaboratoryRequest::Limb(limb) => {
-                let joint = Selection::joint_of(&self.document().model, limb);
-                self.request(Request::Joint(joint));
-            }
-            LaboratoryRequest::Log(is_log) => self.features.laboratory.is_log = is_log,
-            LaboratoryRequest::Mark(fit) => self.mark_worst(fit),
-            LaboratoryRequest::Step(step) => {
-                if let Some(comparison) = &mut self.features.laboratory.comparison {
-                    comparison.go_to(step);
-                }
-            }
-            LaboratoryRequest::CopyTable => {
-                if let Some(comparison) = &self.features.laboratory.comparison {
-                    self.state.egui.copy_text(table::csv(comparison));
-                    self.state.status = Some("Copied the curves as comma-separated values.".to_owned());
-                }
-            }
-            LaboratoryRequest::SavePlot => self.ask_for_file(DialogKind::LaboratoryPlot),
+    /// The gradients that are still to be checked at the step that is looked at.
+    fn to_check(&self) -> Option<Vec<(usize, Pose)>> {
+        let comparison = self.comparison.as_ref()?;
+        let wanted = unchecked(comparison);
+        let has_failed = self.checks.failure().is_some() && is_asked(self.checks.inputs(), &wanted);
+        let is_wanted = !wanted.is_empty() && !comparison.basis.scene.cameras.is_empty() && !has_failed;
+        is_wanted.then_some(wanted)
+    }
+
+    /// Asks for the check of the gradients in all cameras, the one that is shown first.
+    fn ask_for_checks(&mut self, pool: &Pool) {
+        let Some((wanted, comparison)) = self.to_check().zip(self.comparison.as_ref()) else { return };
+        if self.checks.is_busy() && is_asked(self.checks.inputs(), &wanted) {
+            return;
         }
+        let (shown, cameras) = (self.camera, comparison.basis.scene.cameras.len());
+        let order: Vec<usize> =
+            std::iter::once(shown).chain((0..cameras).filter(|camera| *camera != shown)).collect();
+        self.checks.begin(pool, wanted, |wanted| {
+            let check = |(index, pose): &(usize, Pose)| check_of(comparison, *index, pose, &order);
+            CheckJob::new(wanted.iter().map(check).collect())
+        });
     }
 
     /// Marks the worst pixel of a fit, and shows the camera that it is in.
-    fn mark_worst(&mut self, fit: Option<usize>) {
-        self.features.laboratory.marked = fit;
-        let comparison = self.features.laboratory.comparison.as_ref();
+    pub(super) fn mark_worst(&mut self, fit: Option<usize>) {
+        self.marked = fit;
+        let comparison = self.comparison.as_ref();
         let marked = fit.and_then(|fit| comparison?.contestants.get(fit)?.checked.as_ref());
         if let Some(worst) = marked.and_then(|checked| checked.progress.worst.as_ref()) {
-            self.features.laboratory.camera = worst.camera;
+            self.camera = worst.camera;
         }
     }
 
-    /// Writes the laboratory's plot as a PNG.
-    pub fn save_laboratory_plot(&mut self, path: &Path) {
-        let Some(comparison) = &self.features.laboratory.comparison else { return };
-        let title = self.features.laboratory.lineup.title();
-        let take = self.state.session.take.as_ref().map_or("", |take| take.name.as_str());
-        let subtitle = format!("{take}. {}", self.features.laboratory.lineup.sentence());
-        let figure = table::figure(comparison, title, &subtitle, self.features.laboratory.is_log);
+    /// Writes the plot as a PNG.
+    pub(crate) fn save_plot(&self, path: &Path, context: &Context<'_>, requests: &mut Requests) {
+        let Some(comparison) = &self.comparison else { return };
+        let take = context.session.take.as_ref().map_or("", |take| take.name.as_str());
+        let subtitle = format!("{take}. {}", self.lineup.sentence());
+        let figure = table::figure(comparison, self.lineup.title(), &subtitle, self.is_log);
+        let theme = context.preferences.theme;
         let path = if path.extension().is_none() { path.with_extension("png") } else { path.to_owned() };
-        self.worker.request(
-            Lane::LaboratoryPlot,
-            LaboratoryPlotJob { figure, theme: self.state.preferences.theme, path },
-        );
+        requests.write(&path, move || {
+            let mut bytes = Cursor::new(Vec::new());
+            DynamicImage::ImageRgba8(figure.picture(theme)).write_to(&mut bytes, ImageFormat::Png)?;
+            Ok(bytes.into_inner())
+        });
     }
 }
 
+/// Whether all that is wanted was asked for.
+fn is_asked(asked: Option<&Vec<(usize, Pose)>>, wanted: &[(usize, Pose)]) -> bool {
+    asked.is_some_and(|asked| wanted.iter().all(|one| asked.contains(one)))
+}
+
 /// Fits whose gradient was not wholly checked at the step that is looked at, with their poses.
-fn unchecked(comparison: &Comparison) -> Vec<(usize, Pose)> {
+pub(super) fn unchecked(comparison: &Comparison) -> Vec<(usize, Pose)> {
     let pose = |(index, fit): (usize, &Contestant)| {
         let pose = fit.pose(comparison.cursor)?;
         let known = fit.checked.as_ref().filter(|old| old.pose == *pose);
@@ -365,12 +287,4 @@ fn check_of(comparison: &Comparison, index: usize, pose: &Pose, order: &[usize])
         Some((*camera, check))
     };
     FitCheck::new(index, order.iter().filter_map(check).collect())
-}
-
-/// The demonstration that a take is.
-fn demonstration_of(take: &Footage) -> Option<Demonstration> {
-    match take.source {
-        Some(TakeSource::Demonstration(which)) => Some(which),
-        _ => None,
-    }
 }

@@ -8,7 +8,7 @@ use egui_plot::{
 use super::read_out;
 use crate::context::{Context, Request, Requests};
 use crate::document::run::Run;
-use crate::drawing::plot::marks::{decade_marks, even_marks};
+use crate::drawing::plot::marks::{decade_marks, even_marks, step_marks};
 use crate::features::convergence::{CurvePoint, CurvesLook, Quantity, axis, picture, points, quantity};
 use crate::session::selection::StepRef;
 use crate::style::format;
@@ -28,8 +28,6 @@ const LABEL_SPACING: f32 = 14.0;
 /// Room around the curves, as a part of the axis of heights; it holds the ×.
 const BELOW: f64 = 0.05;
 const ABOVE: f64 = 0.09;
-/// Marks of the axis of steps are so many of the plot's finest divisions apart, or their numbers are not written.
-const MARK_SPACING: f64 = 10.0;
 /// A step is read out when the pointer is so near to its dot.
 const REACH: f32 = 40.0;
 
@@ -150,15 +148,6 @@ fn empty(ui: &mut Ui, context: &Context<'_>, area: Vec2) {
 fn newest(context: &Context<'_>) -> Option<StepRef> {
     let run = context.session.run_of(context.selection)?;
     Some(StepRef { run, step: context.session.runs.get(run)?.steps.len().checked_sub(1)? })
-}
-
-pub(crate) fn step_marks(input: egui_plot::GridInput) -> Vec<GridMark> {
-    let (low, high) = input.bounds;
-    let apart = MARK_SPACING * input.base_step_size;
-    let step = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0].into_iter().find(|s| *s >= apart).unwrap_or(200.0);
-    let first = (low.max(0.0) / step).ceil() as i64;
-    let last = (high / step).floor() as i64;
-    (first..=last).map(|k| GridMark { value: k as f64 * step, step_size: step }).collect()
 }
 
 fn draw(plot: &mut PlotUi<'_>, curve: &Curve<'_>, scale: Scale, is_current: bool) {

@@ -4,16 +4,14 @@ use egui::{
     Color32, Rect, RichText, ScrollArea, Sense, Separator, StrokeKind, TextFormat, Ui, text::LayoutJob, vec2,
 };
 
-use super::Bench;
-use crate::context::{Request, Requests};
+use super::{Bench, Wish};
 use crate::features::laboratory::story::tell;
-use crate::features::laboratory::{LaboratoryRequest, Lineup, StartChoice};
+use crate::features::laboratory::{Lineup, StartChoice};
 use crate::style::theme;
 use crate::style::theme::data_colours::{
     NO_GRADIENT, PICTURE_GROUND, REPORT_BOTH, REPORT_DATA, REPORT_MODEL,
 };
 use crate::style::theme::residual_colour;
-use crate::take::source::TakeSource;
 
 /// Size of a swatch.
 const SWATCH: egui::Vec2 = vec2(40.0, 11.0);
@@ -23,9 +21,9 @@ const COMPACT_LINE: f32 = 17.0;
 const COMPACT_ROW: f32 = 21.0;
 
 /// The caption and the legend; what has no room is scrolled to.
-pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, requests: &mut Requests) {
+pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, wishes: &mut Vec<Wish>) {
     let palette = theme::palette(ui);
-    let laboratory = bench.context.laboratory;
+    let laboratory = bench.laboratory;
     let story = tell(bench.comparison, laboratory.lineup, bench.key);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = if bench.room.is_compact { 4.0 } else { 8.0 };
@@ -40,7 +38,7 @@ pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, requests: &mut Requests) {
             ui.spacing_mut().item_spacing.y = 2.0;
         }
         legend(ui, bench);
-        next(ui, bench, requests);
+        next(ui, bench, wishes);
     });
 }
 
@@ -113,12 +111,9 @@ fn row(ui: &mut Ui, words: &str, paint: impl FnOnce(&Ui, Rect)) {
 }
 
 /// What to try next, as a link.
-fn next(ui: &mut Ui, bench: &Bench<'_>, requests: &mut Requests) {
-    let laboratory = bench.context.laboratory;
-    let demonstration = match bench.context.session.take.as_ref().and_then(|take| take.source.as_ref()) {
-        Some(TakeSource::Demonstration(which)) => Some(*which),
-        _ => None,
-    };
+fn next(ui: &mut Ui, bench: &Bench<'_>, wishes: &mut Vec<Wish>) {
+    let laboratory = bench.laboratory;
+    let demonstration = bench.context.session.take.as_ref().and_then(|take| take.demonstration());
     let offered = StartChoice::offered(demonstration);
     let at = offered.iter().position(|start| *start == laboratory.start).unwrap_or(0);
     let other = offered[(at + offered.len() - 1) % offered.len()];
@@ -133,11 +128,11 @@ fn next(ui: &mut Ui, bench: &Bench<'_>, requests: &mut Requests) {
             |ui: &mut Ui, text: String| ui.link(RichText::new(text).color(palette.accent_text)).clicked();
         let text = other.text();
         if link(ui, text[..1].to_lowercase() + &text[1..]) {
-            requests.request(Request::Laboratory(LaboratoryRequest::Start(other)));
+            wishes.push(Wish::Start(other));
         }
         ui.label(RichText::new("or").color(palette.accent_text));
         if link(ui, format!("compare {}", lineup.1.to_lowercase())) {
-            requests.request(Request::Laboratory(LaboratoryRequest::Lineup(lineup.0)));
+            wishes.push(Wish::Lineup(lineup.0));
         }
     });
 }

@@ -5,11 +5,10 @@ use egui::{
     vec2,
 };
 
-use super::{Bench, picture};
-use crate::context::{Request, Requests};
+use super::{Bench, Wish, picture};
 use crate::document::run::RunEnding;
 use crate::features::laboratory::story::percent_text;
-use crate::features::laboratory::{CheckProgress, Contestant, LaboratoryRequest, Worst};
+use crate::features::laboratory::{CheckProgress, Contestant, Worst};
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{Palette, run_style, size, space};
@@ -33,7 +32,7 @@ pub(crate) fn ui(
     bench: &Bench<'_>,
     index: usize,
     fit: &Contestant,
-    requests: &mut Requests,
+    wishes: &mut Vec<Wish>,
 ) {
     let head_height = if bench.room.is_compact { HEAD_COMPACT } else { HEAD };
     let rows = if bench.room.is_compact { 2.0 } else { 3.0 };
@@ -44,7 +43,7 @@ pub(crate) fn ui(
     part(ui, head.shrink2(vec2(14.0, 0.0)), Direction::left_to_right(Align::Center), |ui| {
         header(ui, bench, index, fit, rect.width());
     });
-    let marked = (bench.context.laboratory.marked == Some(index)).then(|| checked(bench, fit)).flatten();
+    let marked = (bench.laboratory.marked == Some(index)).then(|| checked(bench, fit)).flatten();
     let worst = marked.and_then(|checked| checked.progress.worst.as_ref());
     let worst = worst.filter(|worst| worst.camera == bench.key.0);
     let (upper, lower) = if picture::is_stacked(bench, pictures) {
@@ -62,7 +61,7 @@ pub(crate) fn ui(
     part(ui, inner, Direction::top_down(Align::Min), |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         pushes(ui, bench, fit);
-        gradient(ui, bench, index, fit, requests);
+        gradient(ui, bench, index, fit, wishes);
         if !bench.room.is_compact {
             ending(ui, bench, fit);
         }
@@ -143,19 +142,19 @@ fn checked<'a>(
     fit.checked.as_ref().filter(|checked| checked.pose == *pose)
 }
 
-fn gradient(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, requests: &mut Requests) {
+fn gradient(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, wishes: &mut Vec<Wish>) {
     let palette = theme::palette(ui);
     let fresh = checked(bench, fit);
     let progress = fresh.or(fit.checked.as_ref()).map(|checked| &checked.progress);
     let is_whole = fresh.is_some_and(|checked| checked.progress.is_whole());
     let cameras = bench.comparison.basis.scene.cameras.len();
     let name = match fresh {
-        None if bench.context.laboratory.check_broke => "Gradient check, broke down".to_owned(),
-        Some(checked) if !is_whole && bench.context.laboratory.check_broke => {
+        None if bench.laboratory.check_broke_down() => "Gradient check, broke down".to_owned(),
+        Some(checked) if !is_whole && bench.laboratory.check_broke_down() => {
             format!("Gradient check, broke down at {} %", done_percent(&checked.progress))
         }
         Some(checked) if !is_whole => format!("Gradient check, {} % done", done_percent(&checked.progress)),
-        None if bench.context.laboratory.is_running => "Gradient check, after the run".to_owned(),
+        None if bench.laboratory.is_running() => "Gradient check, after the run".to_owned(),
         None => "Gradient check, computing".to_owned(),
         Some(checked) => match &checked.progress.worst {
             Some(worst) if cameras > 1 => format!("Gradient check, worst in camera {}", worst.camera + 1),
@@ -169,7 +168,7 @@ fn gradient(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, requ
     let text = if fails { format!("fails  {value}") } else { value.clone() };
     let row = line(ui, &name, RichText::new(text).color(colour));
     let response = ui.interact(row.rect, ui.scope_id().with("gradient check"), Sense::click());
-    let is_marked = bench.context.laboratory.marked == Some(index);
+    let is_marked = bench.laboratory.marked == Some(index);
     let label = format!("Gradient check of {}: {value}", fit.entrant.subject);
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_marked, label.clone()));
     if response.hovered() || is_marked || response.has_focus() {
@@ -189,7 +188,7 @@ fn gradient(ui: &mut Ui, bench: &Bench<'_>, index: usize, fit: &Contestant, requ
             .and_then(|checked| checked.progress.worst.as_ref())
             .is_none_or(|worst| worst.camera == bench.key.0);
         let mark = (!is_marked || !is_seen).then_some(index);
-        requests.request(Request::Laboratory(LaboratoryRequest::Mark(mark)));
+        wishes.push(Wish::Mark(mark));
     }
 }
 
@@ -259,7 +258,7 @@ fn ending(ui: &mut Ui, bench: &Bench<'_>, fit: &Contestant) {
         None => format!("{} steps so far", fit.last()),
     };
     let is_marked = bench.comparison.contestants.iter().position(|other| std::ptr::eq(other, fit))
-        == bench.context.laboratory.marked;
+        == bench.laboratory.marked;
     let worst = checked(bench, fit).and_then(|checked| checked.progress.worst.as_ref()).filter(|_| is_marked);
     let (text, colour) = match worst {
         Some(worst) => (pixel_words(worst), palette.accent_text),

@@ -3,13 +3,11 @@
 use egui::{Align, Align2, Layout as Direction, Pos2, Rect, RichText, Role, Stroke, Ui, pos2, vec2};
 use egui_plot::{Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotTransform, PlotUi, Points, VLine};
 
-use super::{Bench, named};
-use crate::context::{Request, Requests};
-use crate::drawing::plot::marks::{decade_marks, even_marks};
-use crate::features::convergence::panel::plot::step_marks;
+use super::{Bench, Wish, named};
+use crate::drawing::plot::marks::{decade_marks, even_marks, step_marks};
+use crate::features::laboratory::Contestant;
 use crate::features::laboratory::story::percent_text;
 use crate::features::laboratory::table::LEAST_PERCENT;
-use crate::features::laboratory::{Contestant, LaboratoryRequest};
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::data_colours::mark;
@@ -31,30 +29,29 @@ const AXIS: f64 = 52.0;
 const LEAST_CURVES: f64 = 120.0;
 
 /// The plot with its head.
-pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, requests: &mut Requests) {
-    let is_log = head(ui, bench, requests);
+pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, wishes: &mut Vec<Wish>) {
+    let is_log = head(ui, bench, wishes);
     let area = ui.available_size();
-    plot(ui, bench, requests, is_log, area);
+    plot(ui, bench, wishes, is_log, area);
 }
 
-fn head(ui: &mut Ui, bench: &Bench<'_>, requests: &mut Requests) -> bool {
+fn head(ui: &mut Ui, bench: &Bench<'_>, wishes: &mut Vec<Wish>) -> bool {
     let palette = theme::palette(ui);
-    let mut is_log = bench.context.laboratory.is_log;
-    let ask = |requests: &mut Requests, request| requests.request(Request::Laboratory(request));
+    let mut is_log = bench.laboratory.is_log;
     ui.allocate_ui_with_layout(
         vec2(ui.available_width(), HEAD),
         Direction::right_to_left(Align::Center),
         |ui| {
             let save = ui.button("Save PNG").on_hover_text("Save the plot as a picture…");
             if save.clicked() {
-                ask(requests, LaboratoryRequest::SavePlot);
+                wishes.push(Wish::SavePlot);
             }
             let copy = ui.button("Copy CSV").on_hover_text("Copy all curves as comma-separated values");
             if copy.clicked() {
-                ask(requests, LaboratoryRequest::CopyTable);
+                wishes.push(Wish::CopyTable);
             }
             if segmented(ui, &mut is_log, &[(false, "Percent"), (true, "Log")]).changed() {
-                ask(requests, LaboratoryRequest::Log(is_log));
+                wishes.push(Wish::Log(is_log));
             }
             ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
                 let title = RichText::new("Cost, percent of start").text_style(theme::column_heading());
@@ -90,7 +87,7 @@ fn bounds(bench: &Bench<'_>, is_log: bool, width: f64) -> [(f64, f64); 2] {
     [(-0.25, last), heights]
 }
 
-fn plot(ui: &mut Ui, bench: &Bench<'_>, requests: &mut Requests, is_log: bool, area: egui::Vec2) {
+fn plot(ui: &mut Ui, bench: &Bench<'_>, wishes: &mut Vec<Wish>, is_log: bool, area: egui::Vec2) {
     let palette = theme::palette(ui);
     let [across, up] = bounds(bench, is_log, f64::from(area.x));
     let percent = move |value: f64| {
@@ -123,7 +120,7 @@ fn plot(ui: &mut Ui, bench: &Bench<'_>, requests: &mut Requests, is_log: bool, a
         let step = response.transform.value_from_position(pointer).x.round().max(0.0) as usize;
         let step = step.min(bench.comparison.last());
         if step != bench.comparison.cursor {
-            requests.request(Request::Laboratory(LaboratoryRequest::Step(step)));
+            wishes.push(Wish::Step(step));
         }
     }
 }

@@ -2,17 +2,15 @@
 
 use egui::{Align, Button, Frame, Label, Layout as Direction, Margin, Panel, RichText, Ui, vec2};
 
+use super::Wish;
 use crate::context::command::{Command, FitCommand, LaboratoryCommand};
 use crate::context::command_button as command;
-use crate::context::{Context, Request, Requests, unavailable};
+use crate::context::{Context, Requests, preset_box, unavailable};
 use crate::document::fit_words::preset_like;
-use crate::features::fit::solver;
-use crate::features::laboratory::{LaboratoryRequest, Lineup, PushAxis, StartChoice};
-use crate::shell::toolbar::FOLD_CHOICES;
+use crate::features::laboratory::{Laboratory, Lineup, PushAxis, StartChoice};
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{size, space};
-use crate::take::source::TakeSource;
 use crate::widgets::choice;
 use crate::widgets::{Icon, icon_button, primary_button};
 
@@ -25,23 +23,30 @@ const TOOLBAR_MARGINS: f32 = 16.0;
 const PREFIX_FROM: f32 = 620.0;
 
 /// Two rows: title and step; what it is of, and what is looked at.
-pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, margin: f32) {
+pub(super) fn ui(
+    ui: &mut Ui,
+    laboratory: &Laboratory,
+    context: &Context<'_>,
+    requests: &mut Requests,
+    wishes: &mut Vec<Wish>,
+    margin: f32,
+) {
     let palette = theme::palette(ui);
     let frame = Frame::NONE.fill(palette.panel).inner_margin(Margin::symmetric(margin as i8, 5));
     Panel::top("laboratory header").exact_size(HEIGHT).resizable(false).frame(frame).show(ui, |ui| {
         ui.spacing_mut().item_spacing = vec2(space::WIDGET, 0.0);
         row(ui, |ui| {
-            controls(ui, context, requests);
+            controls(ui, laboratory, context, requests, wishes);
             left(ui, |ui| {
-                let title = context.laboratory.lineup.title();
+                let title = laboratory.lineup.title();
                 let text = RichText::new(title).text_style(theme::title()).color(palette.text);
                 ui.add(Label::new(text).truncate());
             });
         });
         row(ui, |ui| {
-            choices(ui, context, requests);
+            choices(ui, laboratory, context, requests, wishes);
             left(ui, |ui| {
-                let text = sentence(context);
+                let text = sentence(laboratory, context);
                 let label = Label::new(RichText::new(&text).color(palette.text2)).truncate();
                 ui.add(label).on_hover_text(text);
             });
@@ -59,7 +64,7 @@ fn left(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
 }
 
 /// What it is of.
-fn sentence(context: &Context<'_>) -> String {
+fn sentence(laboratory: &Laboratory, context: &Context<'_>) -> String {
     let Some(take) = &context.session.take else { return String::new() };
     let frames = take.frame_count();
     let frame = if frames > 1 {
@@ -67,7 +72,7 @@ fn sentence(context: &Context<'_>) -> String {
     } else {
         String::new()
     };
-    let lineup = context.laboratory.lineup;
+    let lineup = laboratory.lineup;
     let solver = match (lineup, preset_like(&context.document().fit)) {
         (Lineup::Presets, _) | (_, None) => String::new(),
         (_, Some(preset)) => format!(" Solver: {}.", preset.label()),
@@ -76,11 +81,17 @@ fn sentence(context: &Context<'_>) -> String {
 }
 
 /// From right to left: start, stop, run, step, back, restart.
-fn controls(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+fn controls(
+    ui: &mut Ui,
+    laboratory: &Laboratory,
+    context: &Context<'_>,
+    requests: &mut Requests,
+    wishes: &mut Vec<Wish>,
+) {
     ui.spacing_mut().item_spacing.x = space::ROW + 2.0;
-    start_box(ui, context, requests);
+    start_box(ui, laboratory, context, wishes);
     command::icon(ui, context, requests, Command::Fit(FitCommand::Stop), Icon::Stop);
-    let run = format!("Run {}", context.laboratory.lineup.all_text());
+    let run = format!("Run {}", laboratory.lineup.all_text());
     act(ui, context, requests, Command::Fit(FitCommand::Run), |ui| {
         ui.add(Button::new(run).min_size(vec2(0.0, size::BUTTON)))
     });
@@ -114,51 +125,50 @@ fn act(
     }
 }
 
-fn ask(requests: &mut Requests, request: LaboratoryRequest) {
-    requests.request(Request::Laboratory(request));
-}
-
-fn start_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
-    let demonstration = match context.session.take.as_ref().and_then(|take| take.source.as_ref()) {
-        Some(TakeSource::Demonstration(which)) => Some(*which),
-        _ => None,
-    };
+fn start_box(ui: &mut Ui, laboratory: &Laboratory, context: &Context<'_>, wishes: &mut Vec<Wish>) {
+    let demonstration = context.session.take.as_ref().and_then(|take| take.demonstration());
     let texts: Vec<(StartChoice, String)> =
         StartChoice::offered(demonstration).into_iter().map(|start| (start, start.text())).collect();
     let choices: Vec<(StartChoice, &str, String)> =
         texts.iter().map(|(start, text)| (*start, text.as_str(), start.tooltip())).collect();
-    let chosen = context.laboratory.start.text();
+    let chosen = laboratory.start.text();
     if let Some(start) = choice(ui, "Start", 126.0, &chosen, &choices) {
-        ask(requests, LaboratoryRequest::Start(start));
+        wishes.push(Wish::Start(start));
     }
 }
 
 /// From right to left: axis, limb, camera, and what is compared where the toolbar has no room for it.
-fn choices(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+fn choices(
+    ui: &mut Ui,
+    laboratory: &Laboratory,
+    context: &Context<'_>,
+    requests: &mut Requests,
+    wishes: &mut Vec<Wish>,
+) {
     ui.spacing_mut().item_spacing.x = space::ROW + 2.0;
     let model = &context.document().model;
-    let axis = context.laboratory.axis_for(model);
+    let axis = laboratory.axis_for(model);
     let axes: Vec<(PushAxis, &str, String)> = PushAxis::ALL
         .iter()
         .map(|(axis, text)| (*axis, *text, format!("Show which pixels change as the {}", whose(*axis, text))))
         .collect();
     if let Some(axis) = choice(ui, "Motion", 136.0, axis.text(), &axes) {
-        ask(requests, LaboratoryRequest::Axis(axis));
+        wishes.push(Wish::Axis(axis));
     }
     let has_limbs = model.rotation_count() > 1;
     if has_limbs {
-        limb_box(ui, context, requests);
+        limb_box(ui, context, wishes);
     }
     if ui.available_width() > PREFIX_FROM {
         let text = if has_limbs { "Pushes as the" } else { "Pushes as the limb" };
         ui.label(RichText::new(text).color(theme::palette(ui).text3));
     }
     if context.session.camera_count() > 1 {
-        camera_box(ui, context, requests);
+        camera_box(ui, laboratory, context, wishes);
     }
-    if ui.ctx().content_rect().width() - TOOLBAR_MARGINS < FOLD_CHOICES {
-        solver::preset_box(ui, context, requests, 92.0);
-        lineup_box(ui, context, requests);
+    if ui.ctx().content_rect().width() - TOOLBAR_MARGINS < size::FOLD_CHOICES {
+        preset_box::show(ui, context, requests, 92.0);
+        wishes.extend(lineup_box(ui, laboratory.lineup).map(Wish::Lineup));
     }
 }
 
@@ -166,7 +176,7 @@ fn whose(axis: PushAxis, text: &str) -> String {
     if matches!(axis, PushAxis::Move(_)) { text.to_owned() } else { format!("limb {text}") }
 }
 
-fn limb_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+fn limb_box(ui: &mut Ui, context: &Context<'_>, wishes: &mut Vec<Wish>) {
     let model = &context.document().model;
     let names: Vec<(usize, String)> = model
         .rotation_owners()
@@ -182,28 +192,26 @@ fn limb_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let held = context.selection.limb(model);
     let chosen = names.iter().find(|(limb, _)| *limb == held).map_or("", |(_, name)| name.as_str());
     if let Some(limb) = choice(ui, "Limb", 126.0, chosen, &choices) {
-        ask(requests, LaboratoryRequest::Limb(limb));
+        wishes.push(Wish::Limb(limb));
     }
 }
 
-fn camera_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+fn camera_box(ui: &mut Ui, laboratory: &Laboratory, context: &Context<'_>, wishes: &mut Vec<Wish>) {
     let Some(take) = &context.session.take else { return };
     let name = |index: usize| format!("Camera {}", index + 1);
     let names: Vec<(usize, String, String)> =
         take.cameras.iter().enumerate().map(|(i, camera)| (i, name(i), camera.name().to_owned())).collect();
     let choices: Vec<(usize, &str, String)> =
         names.iter().map(|(index, name, tooltip)| (*index, name.as_str(), tooltip.clone())).collect();
-    let chosen = name(context.laboratory.camera);
+    let chosen = name(laboratory.camera);
     if let Some(camera) = choice(ui, "Camera", 84.0, &chosen, &choices) {
-        ask(requests, LaboratoryRequest::Camera(camera));
+        wishes.push(Wish::Camera(camera));
     }
 }
 
-/// What is compared.
-pub(crate) fn lineup_box(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+/// What is to be compared instead.
+pub(super) fn lineup_box(ui: &mut Ui, lineup: Lineup) -> Option<Lineup> {
     let choices = Lineup::ALL.map(|(lineup, text)| (lineup, text, lineup.tooltip().to_owned()));
-    let chosen = Lineup::ALL.iter().find(|(lineup, _)| *lineup == context.laboratory.lineup);
-    if let Some(lineup) = choice(ui, "Compare", 92.0, chosen.map_or("", |(_, text)| text), &choices) {
-        ask(requests, LaboratoryRequest::Lineup(lineup));
-    }
+    let chosen = Lineup::ALL.iter().find(|(other, _)| *other == lineup);
+    choice(ui, "Compare", 92.0, chosen.map_or("", |(_, text)| text), &choices)
 }

@@ -1,0 +1,21 @@
+//! The presets of the fit as a box, for all who have room for it.
+
+use backlit_tracking::track::Preset;
+use egui::Ui;
+
+use crate::context::command::{Command, FitCommand};
+use crate::context::{Context, Requests};
+use crate::document::fit_words::preset_like;
+use crate::widgets::choice;
+
+/// A box of the presets.
+pub(crate) fn show(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32) {
+    let chosen = preset_like(&context.document().fit).map_or("Own", Preset::label);
+    let choices = [Preset::Robust, Preset::Report].map(|preset| {
+        let command = Command::Fit(FitCommand::Preset(preset));
+        (command, command.text(), command.tooltip())
+    });
+    if let Some(command) = choice(ui, "Preset", width, chosen, &choices) {
+        requests.run(command);
+    }
+}
