@@ -20,7 +20,6 @@
 //! | `files` | takes, projects, dialogs |
 //! | `settings` | the settings file |
 //! | `unsaved` | the copy of unsaved work, and what was left |
-//! | `observing` | what the cameras see, and the sway along a direction |
 //! | `jobs` | what the screen lacks is asked of the worker |
 //! | `exported`, `accessible` | the state as a file, for tests from outside; where the named widgets are |
 //! | `touring` | the tour: which step, and whether it was done |
@@ -91,7 +90,6 @@ impl App {
         self.autosave();
         self.guard_close(ui.ctx());
         self.refresh();
-        self.observe(ui.ctx());
         self.go_on_demonstrating();
         self.follow_tour();
         self.export_state();

@@ -19,6 +19,11 @@ impl App {
             |features| &mut features.laboratory,
             |laboratory, context, requests| laboratory.update(context, requests),
         );
+        self.update_feature(
+            |features| &mut features.observability,
+            |observability, context, requests| observability.update(context, requests),
+        );
+        self.state.observability = self.features.observability.marks();
     }
 
     /// Something is dragged in a camera's view. What runs or plays stops for it.
