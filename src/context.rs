@@ -36,7 +36,7 @@ use crate::context::view_settings::ViewSettings;
 use crate::document::Document;
 use crate::document::edit::Edit;
 use crate::document::history::{Gesture, History};
-use crate::drawing::{DragEvent, JointId};
+use crate::drawing::{DragEvent, JointId, ViewMode};
 use crate::features::convergence::CurvesRequest;
 use crate::features::scene::{SceneLook, SceneOrder};
 use crate::jobs::{Failure, Pool};
@@ -166,6 +166,8 @@ pub enum Request {
     Part(usize),
     /// What all camera views share.
     Views(ViewSettings),
+    /// Show a mode alone in all views of a layout.
+    ShowMode(Layout, ViewMode),
     /// How the window is arranged.
     Layout(Layout),
     /// What the user did with a tile.

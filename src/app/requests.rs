@@ -111,6 +111,7 @@ impl App {
             Request::LeaveStep => self.state.selection.step = None,
             Request::Joint(joint) => self.state.selection.joint = joint,
             Request::Part(part) => self.state.selection.part = Some(part),
+            Request::ShowMode(layout, mode) => self.features.camera_views.show_mode(layout, mode),
             Request::Views(settings) => self.features.camera_views.preferences.settings = settings,
             Request::Camera(camera) => self.dock(|docking, window| docking.make_active(window, camera)),
             Request::Step(step) => {
