@@ -57,6 +57,13 @@ impl Session {
         self.take.as_ref().map_or(0, |take| take.cameras.len())
     }
 
+    /// Pixels of a camera's pictures, across and down.
+    #[must_use]
+    pub fn camera_size(&self, camera: usize) -> Option<[usize; 2]> {
+        let camera = self.take.as_ref()?.cameras.get(camera)?;
+        Some([camera.width(), camera.height()])
+    }
+
     /// A frame, or the one that was shown last as long as it is not there.
     #[must_use]
     pub fn shown_frame(&self, frame: usize) -> Option<&Arc<FrameData>> {

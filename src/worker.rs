@@ -26,13 +26,6 @@ pub enum Event {
     SceneDrawn(Arc<SceneDrawing>),
     /// A frame was read and segmented.
     FrameLoaded(Arc<FrameData>),
-    /// The copy of unsaved work was written.
-    CopySaved {
-        /// The document's revision.
-        revision: u64,
-    },
-    /// The copy of unsaved work was not written; why.
-    CopyFailed(String),
     /// Something did not work; what it was.
     Failed(String),
 }

@@ -45,7 +45,6 @@ impl App {
         self.broken.0.insert(lane, circumstances);
         self.state.notices.error(format!("{} broke down: {why}. Your work is unharmed.", work_of(lane)));
         match lane {
-            Lane::Save => self.features.recovery.copy_broke(),
             _ => {}
         }
     }

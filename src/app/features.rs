@@ -15,6 +15,7 @@ impl App {
             |fit, context, requests| fit.update(context, requests),
         );
         self.with(|features| &mut features.basin, |basin, context, requests| basin.update(context, requests));
+        self.update_feature(|features| &mut features.export, |export, _, requests| export.update(requests));
         self.update_feature(
             |features| &mut features.convergence,
             |convergence, context, requests| convergence.update(context, requests),
@@ -39,6 +40,17 @@ impl App {
     pub(crate) fn interrupt_fit(&mut self) {
         self.stop_demonstrating();
         self.with(|features| &mut features.fit, |fit, _, requests| fit.interrupt(requests));
+    }
+
+    /// The copy of unsaved work follows what was done in this frame, and work is not left that can be kept nowhere.
+    pub(crate) fn keep_work(&mut self) {
+        self.with(
+            |features| &mut features.recovery,
+            |recovery, context, requests| {
+                recovery.update(context, requests);
+                recovery.guard_close(context, requests);
+            },
+        );
     }
 
     /// Writes every step of all runs as CSV.

@@ -16,7 +16,6 @@ use crate::drawing::{Comparison, joint_name};
 use crate::shell::Overlay;
 use crate::take::source::TakeSource;
 use crate::widgets::accessible::{Named, named};
-use crate::worker::Lane;
 
 /// Name and version of the file's format.
 const FORMAT: &str = "backlit-state 1";
@@ -141,7 +140,7 @@ impl App {
             "take": self.exported_take(),
             "project": self.state.project,
             "unsaved": self.state.history.is_dirty(),
-            "recovery": self.features.recovery.offered.iter().map(|left| format!("{}, {}", left.take, left.work())).collect::<Vec<_>>(),
+            "recovery": self.features.recovery.offered().iter().map(|left| format!("{}, {}", left.take, left.work())).collect::<Vec<_>>(),
             "undo": self.state.history.undo_text(),
             "redo": self.state.history.redo_text(),
             "frame": selection.frame,
@@ -177,7 +176,7 @@ impl App {
             ("predict", self.refresh.is_predicting()),
             ("open", self.files.open.is_busy()),
             ("load", self.refresh.is_reading()),
-            ("save", self.files.save.is_busy() || self.worker.is_busy(Lane::Save)),
+            ("save", self.files.save.is_busy()),
             ("fit", self.features.fit.is_running()),
             ("survey", self.refresh.is_surveying()),
             ("track", self.features.tracking.is_busy()),
@@ -266,6 +265,6 @@ fn overlay_name(overlay: &Overlay) -> &'static str {
         Overlay::Shortcuts(_) => "keys",
         Overlay::Messages => "messages",
         Overlay::About => "about",
-        Overlay::Export(_) => "export",
+        Overlay::Export => "export",
     }
 }

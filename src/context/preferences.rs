@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 use crate::context::arrangement;
 use crate::context::arrangement::Kept;
 use crate::context::pane::Pane;
-use crate::features::export::ExportChoices;
 use crate::features::scene::SceneLook;
 use crate::style::theme::{Theme, size};
 
@@ -57,8 +56,6 @@ pub struct Preferences {
     pub scene: SceneLook,
     /// How the user has arranged the tiles.
     pub kept: Kept,
-    /// What was chosen for the last export.
-    pub export: ExportChoices,
     /// Names of the commands that were chosen last in the palette, the newest first.
     pub used_commands: Vec<String>,
     /// Whether the tour was offered.
@@ -76,7 +73,6 @@ impl Default for Preferences {
             recent: Vec::new(),
             scene: SceneLook::default(),
             kept: Kept::default(),
-            export: ExportChoices::default(),
             used_commands: Vec::new(),
             tour_offered: false,
             generation: 0,

@@ -40,7 +40,7 @@ impl App {
         let runs = which.runs();
         self.state.preferences.layout = if runs.is_empty() { Layout::Pose } else { Layout::Debug };
         self.features.demonstration.explanation = Some(which.explanation());
-        self.features.camera_views.show_mode(Layout::Debug, ViewMode::Residual);
+        self.request(Request::ShowMode(Layout::Debug, ViewMode::Residual));
         self.features.demonstration.prepared =
             Some(Prepared { runs: runs.into(), gesture: self.new_gesture() });
     }

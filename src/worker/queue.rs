@@ -21,11 +21,8 @@ enum Crew {
 }
 
 impl Crew {
-    const ALL: [(Self, &'static str); 3] = [
-        (Self::Scene, "backlit scene"),
-        (Self::Files, "backlit files"),
-        (Self::Long, "backlit long work"),
-    ];
+    const ALL: [(Self, &'static str); 3] =
+        [(Self::Scene, "backlit scene"), (Self::Files, "backlit files"), (Self::Long, "backlit long work")];
 }
 
 /// A kind of work, the most urgent first. At most one job of a lane is alive.
