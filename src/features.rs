@@ -27,6 +27,7 @@ pub struct Features {
     pub(crate) observability: observability::Observability,
     pub(crate) pose: pose::Posing,
     pub(crate) recovery: recovery::unsaved::Unsaved,
+    pub(crate) scene: scene::Scene,
     pub(crate) timeline: timeline::Timeline,
     pub(crate) tour: Option<tour::Tour>,
     pub(crate) tracking: tracking::Tracking,

@@ -24,6 +24,10 @@ impl App {
             |observability, context, requests| observability.update(context, requests),
         );
         self.state.observability = self.features.observability.marks();
+        self.update_feature(
+            |features| &mut features.scene,
+            |scene, context, requests| scene.update(context, requests),
+        );
     }
 
     /// Something is dragged in a camera's view. What runs or plays stops for it.

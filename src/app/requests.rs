@@ -18,9 +18,6 @@ impl App {
 
     /// The same before the panels are shown, which see it in this frame of the window.
     fn apply_before_show(&mut self, requests: Requests, ctx: &egui::Context) {
-        if let Some(order) = requests.scene {
-            self.draw_scene(*order);
-        }
         for frame in requests.frames {
             self.state.session.keep_frame(frame);
         }
@@ -130,7 +127,6 @@ impl App {
             Request::Segment => self.state.session.forget_measurements(),
             Request::Layout(layout) => self.state.preferences.layout = layout,
             Request::Pane(pane, event) => self.pane_event(pane, event),
-            Request::Scene(look) => self.state.preferences.scene = look,
             Request::Arrange(tree) => self.dock(|_, window| window.arrange(*tree)),
             Request::Open(source) => self.open(Opening::Take(source)),
             Request::CloseNotice(id) => self.state.notices.close(id),

@@ -9,7 +9,6 @@ use crate::context::arrangement::Kept;
 use crate::context::pane::Pane;
 use crate::features::convergence::CurvesLook;
 use crate::features::export::ExportChoices;
-use crate::features::scene::SceneLook;
 use crate::style::theme::{Theme, size};
 
 /// What the window is arranged for.
@@ -54,8 +53,6 @@ pub struct Preferences {
     pub panel: bool,
     /// Takes that were opened last, the newest first.
     pub recent: Vec<PathBuf>,
-    /// What the 3-D scene shows.
-    pub scene: SceneLook,
     /// How the user has arranged the tiles.
     pub kept: Kept,
     /// What was chosen for the last export.
@@ -77,7 +74,6 @@ impl Default for Preferences {
             layout: Layout::Pose,
             panel: true,
             recent: Vec::new(),
-            scene: SceneLook::default(),
             kept: Kept::default(),
             export: ExportChoices::default(),
             curves: CurvesLook::default(),

@@ -41,11 +41,11 @@ pub(crate) fn why(command: Command, context: &Context<'_>) -> Why {
         }
         Command::Export(command) => export(command, context),
         Command::Window(command) => window(command, context),
-        Command::Scene(_) => no_tiles(context),
         Command::Fit(command) => fit(command, context),
         Command::Convergence(command) => convergence(command, context),
         Command::Basin(command) => basin(command, context),
-        Command::Observability(_)
+        Command::Scene(_)
+        | Command::Observability(_)
         | Command::Tracking(_)
         | Command::Timeline(_)
         | Command::Pose(_)

@@ -19,6 +19,7 @@ use crate::features::basin::Basin;
 use crate::features::camera_views::CameraViews;
 use crate::features::export::choices::MAX_SIDE;
 use crate::features::laboratory::Laboratory;
+use crate::features::scene::Scene;
 use crate::features::tracking::Tracking;
 use crate::session::Session;
 use crate::session::selection::{Selection, StepRef};
@@ -72,6 +73,7 @@ pub(crate) struct Snapshot {
     alone: Option<Pane>,
     pair: [usize; 2],
     basin: Basin,
+    scene: Scene,
     tracking: Tracking,
     laboratory: Laboratory,
     explanation: Option<&'static str>,
@@ -93,6 +95,7 @@ impl App {
             alone: self.shell.docking.alone,
             pair: self.shell.docking.pair,
             basin: self.features.basin.at_rest(),
+            scene: self.features.scene.at_rest(),
             tracking: self.features.tracking.at_rest(),
             laboratory: self.features.laboratory.at_rest(),
             explanation: self.features.demonstration.explanation,
@@ -137,6 +140,7 @@ impl Twin {
         app.shell.docking.alone = snapshot.alone;
         app.shell.docking.pair = snapshot.pair;
         app.features.basin = snapshot.basin;
+        app.features.scene = snapshot.scene;
         app.features.tracking = snapshot.tracking;
         app.features.laboratory = snapshot.laboratory;
         app.features.demonstration.explanation = snapshot.explanation;
