@@ -113,7 +113,7 @@ impl App {
             recent: preferences.recent,
             scene: self.features.scene.preferences,
             kept: preferences.kept,
-            export: preferences.export,
+            export: self.features.export.preferences.clone(),
             curves: preferences.curves,
             basin: self.features.basin.preferences.clone(),
             used_commands: preferences.used_commands,
@@ -130,12 +130,12 @@ impl App {
             panel: settings.panel,
             recent: settings.recent,
             kept: settings.kept,
-            export: settings.export,
             curves: settings.curves,
             used_commands: settings.used_commands,
             tour_offered: settings.tour_offered,
             generation: settings.generation,
         };
+        self.features.export.preferences = settings.export;
         self.features.timeline.shows_lanes = settings.lanes;
         self.features.scene.preferences = settings.scene;
         self.features.basin.preferences = settings.basin;

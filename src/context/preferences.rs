@@ -8,7 +8,6 @@ use crate::context::arrangement;
 use crate::context::arrangement::Kept;
 use crate::context::pane::Pane;
 use crate::features::convergence::CurvesLook;
-use crate::features::export::ExportChoices;
 use crate::style::theme::{Theme, size};
 
 /// What the window is arranged for.
@@ -55,8 +54,6 @@ pub struct Preferences {
     pub recent: Vec<PathBuf>,
     /// How the user has arranged the tiles.
     pub kept: Kept,
-    /// What was chosen for the last export.
-    pub export: ExportChoices,
     /// What the convergence plot shows.
     pub curves: CurvesLook,
     /// Names of the commands that were chosen last in the palette, the newest first.
@@ -75,7 +72,6 @@ impl Default for Preferences {
             panel: true,
             recent: Vec::new(),
             kept: Kept::default(),
-            export: ExportChoices::default(),
             curves: CurvesLook::default(),
             used_commands: Vec::new(),
             tour_offered: false,

@@ -5,6 +5,7 @@ pub(crate) mod explanation;
 use std::collections::VecDeque;
 
 use crate::app::App;
+use crate::context::Request;
 use crate::context::preferences::Layout;
 use crate::document::edit::Edit;
 use crate::document::history::{Gesture, History};
@@ -40,7 +41,7 @@ impl App {
         let runs = which.runs();
         self.state.preferences.layout = if runs.is_empty() { Layout::Pose } else { Layout::Debug };
         self.features.demonstration.explanation = Some(which.explanation());
-        self.features.camera_views.show_mode(Layout::Debug, ViewMode::Residual);
+        self.request(Request::ShowMode(Layout::Debug, ViewMode::Residual));
         self.features.demonstration.prepared =
             Some(Prepared { runs: runs.into(), gesture: self.new_gesture() });
     }

@@ -8,6 +8,7 @@ use egui::accesskit::Role;
 use glam::DVec3;
 
 use crate::app::{App, Opening};
+use crate::context::Request;
 use crate::context::preferences::Layout;
 use crate::document::Origin;
 use crate::drawing::{JointId, ViewMode, draggable_joints, joint_name};
@@ -89,7 +90,7 @@ impl App {
     fn can_offer(&self) -> bool {
         let is_nowhere = self.state.session.take.is_none()
             && self.worker.is_idle()
-            && self.features.recovery.offered.is_empty();
+            && !self.features.recovery.is_offered();
         self.shell.overlay.is_none() && (self.shows_built_in() || is_nowhere)
     }
 
@@ -103,7 +104,7 @@ impl App {
                 if is_open && self.state.session.frames.get(self.state.selection.frame).is_some() {
                     self.go_to_frame(0);
                     for layout in [Layout::Pose, Layout::Debug] {
-                        self.features.camera_views.show_mode(layout, ViewMode::Tinted);
+                        self.request(Request::ShowMode(layout, ViewMode::Tinted));
                     }
                     self.enter(&mut tour, 0);
                 } else if !is_open && self.worker.is_idle() {
