@@ -15,7 +15,6 @@
 //! | `playing` | playing frames, and the time axis |
 //! | `tracking` | tracking, and looking for other poses |
 //! | `body` | fitting the body's own sizes |
-//! | `demonstrating` | demonstrations and their runs, one after the other |
 //! | `dropping` | files that are dropped on the window |
 //! | `files` | takes, projects, dialogs |
 //! | `settings` | the settings file |
@@ -23,7 +22,6 @@
 //! | `observing` | what the cameras see, and the sway along a direction |
 //! | `jobs` | what the screen lacks is asked of the worker |
 //! | `exported`, `accessible` | the state as a file, for tests from outside; where the named widgets are |
-//! | `touring` | the tour: which step, and whether it was done |
 //! | `exporting`, `twin` | exports, and the second inspector that is painted for them |
 //! | `outside` | folders and pages in other programs |
 //! | `scene_view` | where the 3-D scene is seen from, and its hull |
@@ -92,8 +90,6 @@ impl App {
         self.guard_close(ui.ctx());
         self.refresh();
         self.observe(ui.ctx());
-        self.go_on_demonstrating();
-        self.follow_tour();
         self.export_state();
         self.state.frame_seconds = began.elapsed().as_secs_f64();
     }

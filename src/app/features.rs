@@ -19,6 +19,15 @@ impl App {
             |features| &mut features.laboratory,
             |laboratory, context, requests| laboratory.update(context, requests),
         );
+        // After the fit, which it waits for.
+        self.update_feature(
+            |features| &mut features.demonstrations,
+            |demonstrations, context, requests| demonstrations.update(context, requests),
+        );
+        self.update_feature(
+            |features| &mut features.tour,
+            |tour, context, requests| tour.update(context, requests),
+        );
     }
 
     /// Something is dragged in a camera's view. What runs or plays stops for it.

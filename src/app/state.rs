@@ -202,7 +202,7 @@ impl App {
         };
         app.apply_settings(options.settings);
         if options.offers_tour {
-            app.offer_tour();
+            app.features.tour.offer();
         }
         app.look_for_unsaved_work();
         match options.opening {
@@ -275,7 +275,7 @@ impl App {
             && is_drawn
             && self.state.pool.is_idle()
             && !(self.state.session.is_stale && !self.refresh.has_failed_to_predict())
-            && self.features.demonstration.prepared.is_none()
+            && !self.features.demonstrations.is_running()
             && self.features.export.exporting.is_none()
             && self.features.laboratory.is_settled(&self.context())
     }

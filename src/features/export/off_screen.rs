@@ -17,6 +17,7 @@ use crate::document::Document;
 use crate::document::history::History;
 use crate::features::basin::Basin;
 use crate::features::camera_views::CameraViews;
+use crate::features::demonstrations::Demonstrations;
 use crate::features::export::choices::MAX_SIDE;
 use crate::features::laboratory::Laboratory;
 use crate::features::tracking::Tracking;
@@ -74,7 +75,7 @@ pub(crate) struct Snapshot {
     basin: Basin,
     tracking: Tracking,
     laboratory: Laboratory,
-    explanation: Option<&'static str>,
+    demonstrations: Demonstrations,
     frame_seconds: f64,
     memory: Memory,
 }
@@ -95,7 +96,7 @@ impl App {
             basin: self.features.basin.at_rest(),
             tracking: self.features.tracking.at_rest(),
             laboratory: self.features.laboratory.at_rest(),
-            explanation: self.features.demonstration.explanation,
+            demonstrations: self.features.demonstrations.at_rest(),
             frame_seconds: self.state.frame_seconds,
             memory: self.state.egui.memory(Memory::clone),
         }
@@ -139,7 +140,7 @@ impl Twin {
         app.features.basin = snapshot.basin;
         app.features.tracking = snapshot.tracking;
         app.features.laboratory = snapshot.laboratory;
-        app.features.demonstration.explanation = snapshot.explanation;
+        app.features.demonstrations = snapshot.demonstrations;
         let mut twin = Self { window, app, frame_seconds: snapshot.frame_seconds };
         if let PictureOf::View { picture, whole_frame, .. } = what {
             twin.show_alone(picture, whole_frame);
