@@ -19,7 +19,6 @@
 //! | `files` | takes, projects, dialogs |
 //! | `settings` | the settings file |
 //! | `unsaved` | the copy of unsaved work, and what was left |
-//! | `observing` | what the cameras see, and the sway along a direction |
 //! | `jobs` | what the screen lacks is asked of the worker |
 //! | `exported`, `accessible` | the state as a file, for tests from outside; where the named widgets are |
 //! | `exporting`, `twin` | exports, and the second inspector that is painted for them |
@@ -89,7 +88,6 @@ impl App {
         self.autosave();
         self.guard_close(ui.ctx());
         self.refresh();
-        self.observe(ui.ctx());
         self.export_state();
         self.state.frame_seconds = began.elapsed().as_secs_f64();
     }

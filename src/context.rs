@@ -8,6 +8,7 @@ pub(crate) mod command_button;
 pub(crate) mod drag_marks;
 pub(crate) mod file_dialog;
 pub mod notices;
+pub mod observability;
 pub mod pane;
 pub(crate) mod pane_title;
 pub(crate) mod picture_alone;
@@ -27,6 +28,7 @@ use crate::context::arrangement::Arrangement;
 use crate::context::command::Command;
 use crate::context::drag_marks::DragMarks;
 use crate::context::notices::Notices;
+use crate::context::observability::ObservabilityMarks;
 use crate::context::pane::Pane;
 use crate::context::preferences::{Layout, Preferences};
 use crate::context::view_settings::ViewSettings;
@@ -36,7 +38,6 @@ use crate::document::history::{Gesture, History};
 use crate::drawing::{DragEvent, JointId, ViewMode};
 use crate::features::convergence::CurvesRequest;
 use crate::features::export::dialog::ExportOrder;
-use crate::features::observability::{Glance, ObserveRequest, Observing};
 use crate::features::scene::{SceneLook, SceneOrder};
 use crate::jobs::{Failure, Pool};
 use crate::session::playback::{Playback, PlaybackChange};
@@ -75,8 +76,8 @@ pub struct Context<'a> {
     pub views: ViewSettings,
     /// What goes on in the camera views.
     pub(crate) drag: DragMarks<'a>,
-    /// What is looked at of what the cameras see.
-    pub observing: &'a Observing,
+    /// What views and scene draw of what the cameras see.
+    pub observability: &'a ObservabilityMarks,
     /// The sentence of the status bar about what the hand is doing.
     pub doing: Option<&'a str>,
     /// Whether something lies over the window: the palette, a dialog.
@@ -152,8 +153,6 @@ pub enum Request {
     ShowRun(usize, bool),
     /// A wish of the convergence panel.
     Curves(CurvesRequest),
-    /// Something about what the cameras see.
-    Observe(ObserveRequest),
     /// Show another camera in the tile of one.
     SwitchCamera {
         /// The camera whose tile it is.
@@ -275,8 +274,6 @@ pub struct Requests {
     pub commands: Vec<Command>,
     /// Everything else.
     pub others: Vec<Request>,
-    /// What is looked at of what the cameras see, in this frame: nothing that is asked for.
-    pub glance: Glance,
     /// What the 3-D scene is to show, where its picture shows something else.
     pub scene: Option<Box<SceneOrder>>,
     /// Files to be written.

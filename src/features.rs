@@ -24,7 +24,7 @@ pub struct Features {
     pub(crate) export: export::ExportState,
     pub(crate) fit: fit::Fit,
     pub(crate) laboratory: laboratory::Laboratory,
-    pub(crate) observability: observability::Observing,
+    pub(crate) observability: observability::Observability,
     pub(crate) pose: pose::Posing,
     pub(crate) recovery: recovery::unsaved::Unsaved,
     pub(crate) timeline: timeline::Timeline,

@@ -18,7 +18,6 @@ use backlit_tracking::track::visual_hull::VisualHull;
 use crate::app::open_job::OpenedProject;
 use crate::document::edit::Edit;
 use crate::document::run::{RunEnding, RunStep};
-use crate::features::observability::observed::Observed;
 use crate::features::scene::SceneDrawing;
 use crate::session::prediction::Predicted;
 use crate::session::{Extent, FrameData};
@@ -33,8 +32,6 @@ pub enum Event {
     SceneDrawn(Arc<SceneDrawing>),
     /// A frame was read and segmented.
     FrameLoaded(Arc<FrameData>),
-    /// What the cameras see of a pose, and what they do not.
-    Observed(Arc<Observed>),
     /// A step of the fit; the first is the start.
     FitStep(Box<RunStep>, Arc<Predicted>),
     /// The fit has ended or was stopped; `None` if it may go on.

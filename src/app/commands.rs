@@ -15,7 +15,6 @@ use crate::context::preferences::Layout;
 use crate::document::edit::Edit;
 use crate::features::demonstrations::Demonstrations;
 use crate::features::export::dialog::Subject;
-use crate::features::observability::ObserveRequest;
 use crate::features::scene::panel as scene;
 use crate::shell::Overlay;
 use crate::shell::palette::Palette;
@@ -91,7 +90,7 @@ impl App {
                 |features| &mut features.basin,
                 |basin, context, requests| basin.run(command, context, requests),
             ),
-            Command::Observability(command) => self.observability_command(command),
+            Command::Observability(command) => self.features.observability.run(command),
             Command::Tracking(command) => {
                 if command != TrackingCommand::Clear {
                     self.interrupt_fit();
@@ -141,7 +140,7 @@ impl App {
             return false;
         }
         if self.features.observability.is_swaying() {
-            self.observe_request(ObserveRequest::StopSway);
+            self.features.observability.stop_sway();
             return true;
         }
         let alone = self.shell.docking.alone.take().is_some();

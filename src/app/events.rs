@@ -39,7 +39,6 @@ impl App {
             Event::FrameLoaded(frame) => self.state.session.keep_frame(frame),
             Event::HullCarved(frame, hull) => self.state.session.hulls.insert(frame, hull),
             Event::SceneDrawn(drawing) => self.state.session.scene_drawing = Some(drawing),
-            Event::Observed(observed) => self.features.observability.hear(observed),
             Event::FitStep(step, predicted) => self.fit_step(*step, predicted),
             Event::FitEnded(ending) => self.finish_run(ending),
             Event::CopySaved { revision } => self.copy_saved(revision),
@@ -119,7 +118,7 @@ impl App {
     }
 
     pub(crate) fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<OpenedProject>) {
-        for lane in [Lane::Scene, Lane::Fit, Lane::Observe, Lane::Hull] {
+        for lane in [Lane::Scene, Lane::Fit, Lane::Hull] {
             self.worker.drop_lane(lane);
         }
         self.refresh = Refresh::default();
@@ -127,8 +126,7 @@ impl App {
         self.forget_broken();
         self.features.laboratory.reset(footage);
         self.state.session.reset(Some(footage.clone()));
-        self.features.observability.forget();
-        self.asked_to_observe = None;
+        self.features.observability.reset();
         self.features.basin.reset();
         self.features.tracking.reset();
         if let Some(TakeSource::Path(path)) = &footage.source {

@@ -69,7 +69,6 @@ const fn work_of(lane: Lane) -> &'static str {
         Lane::Scene => "Drawing the 3-D scene",
         Lane::Save => "Writing a file",
         Lane::Fit => "The fit",
-        Lane::Observe => "The look at what the cameras see",
         Lane::Hull => "Carving the visual hull",
     }
 }
@@ -83,7 +82,7 @@ mod tests {
     use crate::context::notices::Severity;
     use crate::document::edit::Edit;
 
-    const ALL: [Lane; 5] = [Lane::Scene, Lane::Save, Lane::Fit, Lane::Observe, Lane::Hull];
+    const ALL: [Lane; 4] = [Lane::Scene, Lane::Save, Lane::Fit, Lane::Hull];
 
     #[test]
     fn whatever_breaks_down_is_said_once_and_nothing_waits_for_it() {

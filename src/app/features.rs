@@ -19,6 +19,11 @@ impl App {
             |features| &mut features.laboratory,
             |laboratory, context, requests| laboratory.update(context, requests),
         );
+        self.update_feature(
+            |features| &mut features.observability,
+            |observability, context, requests| observability.update(context, requests),
+        );
+        self.state.observability = self.features.observability.marks();
         // After the fit, which it waits for.
         self.update_feature(
             |features| &mut features.demonstrations,

@@ -18,9 +18,6 @@ impl App {
 
     /// The same before the panels are shown, which see it in this frame of the window.
     fn apply_before_show(&mut self, requests: Requests, ctx: &egui::Context) {
-        if self.features.observability.glance(requests.glance) {
-            ctx.request_repaint();
-        }
         if let Some(order) = requests.scene {
             self.draw_scene(*order);
         }
@@ -125,7 +122,6 @@ impl App {
                 }
             }
             Request::Curves(request) => self.curves_request(request),
-            Request::Observe(request) => self.observe_request(request),
             Request::SwitchCamera { from, to } => {
                 self.dock(|docking, window| docking.switch_camera(window, from, to))
             }

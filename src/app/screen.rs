@@ -38,7 +38,7 @@ impl App {
             playback: &self.state.playback,
             views: self.features.camera_views.preferences.settings,
             drag: self.features.pose.marks(self.state.now),
-            observing: &self.features.observability,
+            observability: &self.state.observability,
             doing: self.state.status.as_deref(),
             is_covered: self.shell.overlay.is_some(),
             offers_unsaved_work: !self.features.recovery.offered.is_empty(),
@@ -115,6 +115,7 @@ impl App {
     fn lend(&mut self) -> Features {
         Features {
             basin: std::mem::take(&mut self.features.basin),
+            observability: std::mem::take(&mut self.features.observability),
             timeline: std::mem::take(&mut self.features.timeline),
             tracking: std::mem::take(&mut self.features.tracking),
             camera_views: std::mem::take(&mut self.features.camera_views),
@@ -127,6 +128,7 @@ impl App {
 
     fn take_back(&mut self, features: Features) {
         self.features.basin = features.basin;
+        self.features.observability = features.observability;
         self.features.timeline = features.timeline;
         self.features.tracking = features.tracking;
         self.features.camera_views = features.camera_views;

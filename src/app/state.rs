@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use backlit_formats::Take;
-use backlit_tracking::body::{Pose, builtin};
+use backlit_tracking::body::builtin;
 
 use super::failure::Broken;
 use super::refresh::Refresh;
@@ -15,6 +15,7 @@ use crate::app::writes::Writes;
 use crate::context::Unavailable;
 use crate::context::clock::Clock;
 use crate::context::notices::Notices;
+use crate::context::observability::ObservabilityMarks;
 use crate::context::pane::Pane;
 use crate::context::preferences::{Layout, Preferences};
 use crate::document::Document;
@@ -24,11 +25,11 @@ use crate::document::project::ProjectError;
 use crate::features::Features;
 use crate::features::basin::Basin;
 use crate::features::laboratory::Laboratory;
+use crate::features::observability::Observability;
 use crate::features::recovery::unsaved::Unsaved;
 use crate::jobs::{Pool, Priority, Task};
 use crate::session::Session;
 use crate::session::playback::Playback;
-use crate::session::prediction::FitInputs;
 use crate::session::selection::Selection;
 use crate::shell::Shell;
 use crate::take::source::TakeSource;
@@ -94,6 +95,8 @@ pub(crate) struct State {
     pub(crate) playback: Playback,
     pub(crate) preferences: Preferences,
     pub(crate) notices: Notices,
+    /// What views and scene draw of what the cameras see.
+    pub(crate) observability: ObservabilityMarks,
     /// What cannot be used in the frame that is shown.
     pub(crate) unavailable: Unavailable,
     /// The sentence of the status bar about what was just done.
@@ -148,8 +151,6 @@ pub struct App {
     pub(crate) worker: Worker<Event>,
     pub(crate) writes: Writes,
     pub(crate) broken: Broken,
-    /// What figures were asked for last, whatever came of it.
-    pub(crate) asked_to_observe: Option<(FitInputs, Pose)>,
     pub(crate) state_file: Option<PathBuf>,
     /// How the window was arranged before its layout was reset.
     pub(crate) layout_before: Option<Box<Settings>>,
@@ -176,6 +177,7 @@ impl App {
             playback: Playback::default(),
             preferences: Preferences::default(),
             notices: Notices::default(),
+            observability: ObservabilityMarks::default(),
             unavailable: Unavailable::default(),
             status: None,
             project: None,
@@ -193,7 +195,6 @@ impl App {
             worker: Worker::start(wake(&egui))?,
             writes: Writes::default(),
             broken: Broken::default(),
-            asked_to_observe: None,
             state_file: options.state_file,
             layout_before: None,
             settings_writer,
@@ -259,6 +260,12 @@ impl App {
     #[must_use]
     pub fn basin(&self) -> &Basin {
         &self.features.basin
+    }
+
+    /// What the cameras see of the pose.
+    #[must_use]
+    pub fn observability(&self) -> &Observability {
+        &self.features.observability
     }
 
     /// Closes the cards of notices; they stay among the messages.

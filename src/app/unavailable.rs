@@ -17,6 +17,7 @@ impl App {
         match command {
             Command::Tracking(command) => features.tracking.unavailable(command, context),
             Command::Timeline(command) => features.timeline.unavailable(command, context),
+            Command::Observability(command) => features.observability.unavailable(command, context),
             Command::Pose(command) => Posing::unavailable(command, context),
             Command::View(command) => CameraViews::unavailable(command, context),
             other => why(other, context),

@@ -14,7 +14,8 @@ use super::fit_options::SolverArguments;
 use super::output;
 use super::table::Table;
 use super::take_options::{self, StartArguments};
-use crate::features::observability::panel::{length, name_of};
+use crate::drawing::joint_name;
+use crate::style::format;
 
 const NOTES: &str = "\
 Singular values of JᵀJ are of the silhouettes alone, without priors, at every pixel, by the last stage's ramp.
@@ -95,9 +96,9 @@ fn known(shown: &Observability, direction: &Direction) -> String {
     }
     let (limb, moved) = direction.largest_move();
     if direction.moves_no_joint() {
-        return crate::style::format::degrees(direction.deviation * direction.largest_turn());
+        return format::degrees(direction.deviation * direction.largest_turn());
     }
-    format!("{}, {}", length(direction.deviation * moved), name_of(shown, limb))
+    format!("{}, {}", format::length(direction.deviation * moved), joint_name(&shown.model, limb.into()))
 }
 
 fn text(shown: &Observability, subsets: &[SubsetFigures]) -> String {
@@ -122,8 +123,8 @@ fn text(shown: &Observability, subsets: &[SubsetFigures]) -> String {
     for set in subsets {
         let names: Vec<String> = set.cameras.iter().map(|camera| (camera + 1).to_string()).collect();
         let seen = format!("{}/{}", set.columns - set.null_count, set.columns);
-        let worst = name_of(shown, set.worst.0);
-        table.row([names.join(" "), seen, worst, length(set.worst.1), length(set.median_m)]);
+        let worst = joint_name(&shown.model, set.worst.0.into());
+        table.row([names.join(" "), seen, worst, format::length(set.worst.1), format::length(set.median_m)]);
     }
     out.push_str(&table.to_text());
     out
@@ -192,12 +193,12 @@ impl Answer {
             cameras: set.cameras.iter().map(|camera| camera + 1).collect(),
             null: set.null_count,
             smallest: set.smallest,
-            worst_joint: name_of(shown, set.worst.0),
+            worst_joint: joint_name(&shown.model, set.worst.0.into()),
             worst_m: bounded(set.worst.1),
             middle_m: bounded(set.median_m),
         };
         let joints = shown.joints.iter().map(|joint| AnswerJoint {
-            joint: name_of(shown, joint.limb),
+            joint: joint_name(&shown.model, joint.limb.into()),
             deviation_m: bounded(joint.worst_deviation_m()),
             covariance: joint.covariance.as_slice().to_vec(),
         });

@@ -6,7 +6,7 @@
 use super::Context;
 use super::command::{
     BasinCommand, Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
-    ObservabilityCommand, RecoveryCommand, WindowCommand,
+    RecoveryCommand, WindowCommand,
 };
 use super::preferences::Layout;
 use crate::session::selection::StepRef;
@@ -45,8 +45,8 @@ pub(crate) fn why(command: Command, context: &Context<'_>) -> Why {
         Command::Fit(command) => fit(command, context),
         Command::Convergence(command) => convergence(command, context),
         Command::Basin(command) => basin(command, context),
-        Command::Observability(command) => observability(command, context),
-        Command::Tracking(_)
+        Command::Observability(_)
+        | Command::Tracking(_)
         | Command::Timeline(_)
         | Command::Pose(_)
         | Command::View(_)
@@ -169,16 +169,6 @@ fn basin(command: BasinCommand, context: &Context<'_>) -> Why {
     match command {
         BasinCommand::Run(_) => no_fit(context).or(because(context.busy.basin, "A basin is being tried")),
         BasinCommand::Cancel => because(!context.busy.basin, "No basin is being tried"),
-    }
-}
-
-fn observability(command: ObservabilityCommand, context: &Context<'_>) -> Why {
-    match command {
-        ObservabilityCommand::Ellipses | ObservabilityCommand::Sway => no_take(context),
-        ObservabilityCommand::WeakerDirection | ObservabilityCommand::StrongerDirection => {
-            let is_closed = context.observing.found().is_none();
-            no_take(context).or(because(is_closed, "Open the Observability section first"))
-        }
     }
 }
 

@@ -19,6 +19,13 @@ pub enum JointId {
     End(usize),
 }
 
+impl From<Option<usize>> for JointId {
+    /// The joint at the end of a limb; `None` is the root.
+    fn from(limb: Option<usize>) -> Self {
+        limb.map_or(Self::Root, Self::End)
+    }
+}
+
 /// A joint as one camera sees it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointMark {

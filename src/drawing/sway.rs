@@ -6,7 +6,8 @@ use backlit_tracking::render::RendererKind;
 use backlit_tracking::track::observability::{ImageEllipse, JointUncertainty};
 use glam::{DVec2, DVec3};
 
-use super::{JointId, ProjectedLimb, draggable_joints, joined_outline, project_limbs};
+use super::{JointId, ProjectedLimb, draggable_joints, joined_outline, joint_name, project_limbs};
+use crate::style::format;
 
 /// Seams on a limb that turns about its own length: lines along it, which show the turn.
 const SEAMS: u32 = 3;
@@ -93,17 +94,13 @@ pub struct JointEllipse {
     pub text: String,
 }
 
-/// Ellipses of joints before a camera; `text` says what a joint's deviations across the camera's sight ray and along it
-/// mean.
-pub fn joint_ellipses(
-    joints: &[JointUncertainty],
-    camera: &Camera,
-    text: impl Fn(&JointUncertainty, [f64; 2]) -> String,
-) -> Vec<JointEllipse> {
+/// Ellipses of a body's joints before a camera.
+pub fn joint_ellipses(model: &Model, joints: &[JointUncertainty], camera: &Camera) -> Vec<JointEllipse> {
     let one = |joint: &JointUncertainty| {
-        let id = joint.limb.map_or(JointId::Root, JointId::End);
+        let id = joint.limb.into();
         let deviations_m = joint.deviations_from(camera);
-        let text = text(joint, deviations_m);
+        let [across, depth] = deviations_m.map(format::deviation);
+        let text = format!("{}: {across} across, {depth} in depth (1σ)", joint_name(model, id));
         Some(JointEllipse { joint: id, ellipse: joint.ellipse(camera)?, deviations_m, text })
     };
     joints.iter().filter_map(one).collect()

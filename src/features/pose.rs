@@ -18,6 +18,7 @@ mod joint;
 mod panel;
 mod sizes;
 
+use backlit_tracking::track::posing::LimitedAngle;
 use clipboard::Clipboard;
 use drag::{Dragging, NUDGE_SECONDS, Nudging};
 use egui::Ui;
@@ -49,10 +50,16 @@ impl Posing {
         }
     }
 
-    /// The sections of limbs, joint and sizes; the first two are open at first where posing is what the layout is for.
-    pub(crate) fn limbs(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
+    /// The sections of limbs and joint, open at first where posing is what the layout is for; the joint's angle that is
+    /// looked at.
+    pub(crate) fn limbs(
+        ui: &mut Ui,
+        context: &Context<'_>,
+        requests: &mut Requests,
+        open: bool,
+    ) -> Option<LimitedAngle> {
         panel::ui(ui, context, requests, open);
-        joint::ui(ui, context, requests, open);
+        joint::ui(ui, context, requests, open)
     }
 
     /// The section of the selected limb's size.

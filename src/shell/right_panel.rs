@@ -6,7 +6,6 @@ use crate::context::preferences::Layout;
 use crate::context::{Context, Requests};
 use crate::features::Features;
 use crate::features::fit::{measurement, refit, renderer, solver};
-use crate::features::observability::{camera_subsets, panel as observability};
 use crate::features::pose::Posing;
 use crate::style::theme;
 use crate::style::theme::{size, space};
@@ -47,7 +46,7 @@ fn sections(
 ) {
     let posing = layout == Layout::Pose;
     ui.spacing_mut().item_spacing.y = 0.0;
-    Posing::limbs(ui, context, requests, posing);
+    features.observability.look_at_angle(Posing::limbs(ui, context, requests, posing));
     refit::ui(ui, context, requests, posing, |ui, requests| {
         features.tracking.other_poses(ui, context, requests)
     });
@@ -55,7 +54,8 @@ fn sections(
     measurement::ui(ui, context, requests, false);
     renderer::ui(ui, context, requests, !posing);
     solver::ui(ui, context, requests, !posing);
-    observability::ui(ui, context, requests, layout == Layout::Debug);
-    camera_subsets::ui(ui, context, requests, layout == Layout::Debug);
+    let debugging = layout == Layout::Debug;
+    features.observability.section(ui, context, requests, debugging);
+    features.observability.subsets_section(ui, context, requests, debugging);
     features.basin.section(ui, context, requests, false);
 }

@@ -1,8 +1,8 @@
 //! Numbers as they are written on the screen.
 //!
 //! A true minus (U+2212) for negative numbers, a thin space (U+2009) between thousands, angles in degrees
-//! with one decimal, lengths in metres with three, costs as `1.8e8`. Every function returns [`MISSING`] for
-//! a number that is not finite, and never writes a negative zero.
+//! with one decimal, lengths in metres with three, costs as `1.8e8`. Every function but [`length`] and [`deviation`] returns
+//! [`MISSING`] for a number that is not finite, and none writes a negative zero.
 
 /// What is written for a number that is not finite.
 pub const MISSING: &str = "–";
@@ -119,6 +119,23 @@ fn with_unit(number: String, unit: &str) -> String {
     if number == MISSING { number } else { number + unit }
 }
 
+/// A length in the unit that leaves one to three figures before the point; not finite is without bound.
+pub fn length(metres: f64) -> String {
+    let mm = 1e3 * metres;
+    if !mm.is_finite() {
+        "no bound".to_owned()
+    } else if mm >= 1000.0 {
+        format!("{} m", number(metres, 1))
+    } else {
+        format!("{} mm", number(mm, usize::from(mm < 9.95)))
+    }
+}
+
+/// "±2.3 mm", or that nothing bounds it.
+pub fn deviation(metres: f64) -> String {
+    if metres.is_finite() { format!("±{}", length(metres)) } else { length(metres) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -196,5 +213,13 @@ mod tests {
         assert_eq!(parse("inf"), None);
         assert_eq!(parse("arm"), None);
         assert_eq!(parse(""), None);
+    }
+
+    #[test]
+    fn lengths_have_a_unit_that_suits_them() {
+        assert_eq!(length(0.0004), "0.4 mm");
+        assert_eq!(length(0.031), "31 mm");
+        assert_eq!(length(1.23), "1.2 m");
+        assert_eq!(length(f64::INFINITY), "no bound");
     }
 }

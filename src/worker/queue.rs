@@ -40,8 +40,6 @@ pub enum Lane {
     Save,
     /// The fit of one frame.
     Fit,
-    /// What the cameras see of the pose on the screen.
-    Observe,
     /// The visual hull of the frame on the screen.
     Hull,
 }
@@ -49,7 +47,7 @@ pub enum Lane {
 impl Lane {
     const fn crew(self) -> Crew {
         match self {
-            Self::Fit | Self::Observe => Crew::Screen,
+            Self::Fit => Crew::Screen,
             Self::Scene => Crew::Scene,
             Self::Save => Crew::Files,
             Self::Hull => Crew::Long,
@@ -380,10 +378,10 @@ mod tests {
     fn a_long_step_holds_up_neither_the_screen_nor_a_file() {
         let mut worker = Worker::start(|| {}).unwrap();
         worker.request(Lane::Hull, Sleep);
-        worker.request(Lane::Observe, Count { from: 0, to: 1 });
+        worker.request(Lane::Fit, Count { from: 0, to: 1 });
         worker.request(Lane::Save, Count { from: 1, to: 2 });
         let start = Instant::now();
-        while worker.is_busy(Lane::Observe) || worker.is_busy(Lane::Save) {
+        while worker.is_busy(Lane::Fit) || worker.is_busy(Lane::Save) {
             assert!(start.elapsed() < Duration::from_secs(20), "the worker hangs");
             worker.poll();
         }

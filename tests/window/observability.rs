@@ -34,21 +34,21 @@ fn chart<'a>(harness: &'a Harness<'_, App>) -> egui_kittest::Node<'a> {
 #[test]
 fn a_picked_direction_sways_until_the_pose_is_edited() {
     let mut harness = open(Theme::Dark);
-    let found = harness.state().observing().found().unwrap();
+    let found = harness.state().observability().found().unwrap();
     assert_eq!(found.shown.directions.len(), 9);
     assert_eq!(found.shown.null_count(), 2, "the twists of both limbs");
-    assert!(harness.state().observing().swaying().is_none(), "still until asked");
+    assert!(harness.state().observability().swaying().is_none(), "still until asked");
     let document = harness.state().document().clone();
 
     // The middle of the chart is a direction that is seen.
     chart(&harness).click();
     harness.run_steps(3);
-    let (_, direction) = harness.state().observing().direction().unwrap();
-    assert!(!direction.is_null && harness.state().observing().is_playing());
+    let (_, direction) = harness.state().observability().direction().unwrap();
+    assert!(!direction.is_null && harness.state().observability().is_playing());
     harness.run_steps(12);
-    let swayed = harness.state().observing().swayed_pose().unwrap();
+    let swayed = harness.state().observability().swayed_pose().unwrap();
     assert_ne!(swayed, *document.pose_at(0), "it has moved");
-    let shown = &harness.state().observing().found().unwrap().shown;
+    let shown = &harness.state().observability().found().unwrap().shown;
     let kinematics = |pose| backlit_tracking::body::Kinematics::new(&shown.model, pose);
     let (here, there) = (kinematics(&shown.pose), kinematics(&swayed));
     let farthest = here.ends().iter().zip(there.ends()).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
@@ -56,48 +56,48 @@ fn a_picked_direction_sways_until_the_pose_is_edited() {
     assert_eq!(*harness.state().document(), document, "the document is not touched");
 
     click(&mut harness, "Hold");
-    let held = harness.state().observing().swayed_pose().unwrap();
+    let held = harness.state().observability().swayed_pose().unwrap();
     harness.run_steps(6);
-    assert_eq!(harness.state().observing().swayed_pose().unwrap(), held);
+    assert_eq!(harness.state().observability().swayed_pose().unwrap(), held);
     click(&mut harness, "Put back");
-    assert!(!harness.state().observing().is_swaying());
+    assert!(!harness.state().observability().is_swaying());
 
     click(&mut harness, "Sway");
     harness.run_steps(3);
-    assert!(harness.state().observing().is_playing());
+    assert!(harness.state().observability().is_playing());
     press(&mut harness, Modifiers::NONE, Key::X);
     press(&mut harness, Modifiers::SHIFT, Key::Backspace);
     assert_ne!(harness.state().document(), &document);
-    assert!(!harness.state().observing().is_swaying(), "an edited pose stops it");
-    assert!(!harness.state().observing().is_stale(), "and is looked at anew");
+    assert!(!harness.state().observability().is_swaying(), "an edited pose stops it");
+    assert!(!harness.state().observability().is_stale(), "and is looked at anew");
 }
 
 #[test]
 fn directions_are_picked_by_keys_and_esc_puts_the_body_back() {
     let mut harness = open(Theme::Dark);
-    let weakest = harness.state().observing().picked().unwrap();
+    let weakest = harness.state().observability().picked().unwrap();
     assert_eq!(weakest, 6, "at first the weakest that is seen");
     press(&mut harness, Modifiers::NONE, Key::PageDown);
     press(&mut harness, Modifiers::NONE, Key::PageDown);
-    assert_eq!(harness.state().observing().picked(), Some(8));
+    assert_eq!(harness.state().observability().picked(), Some(8));
     harness.get_by_label_contains("Direction 9 of 9: right forearm twist");
     harness.get_by_label_contains("No camera sees this.");
     harness.get_by_label_contains("No joint moves");
     press(&mut harness, Modifiers::SHIFT, Key::U);
     harness.run_steps(3);
-    let swaying = harness.state().observing().swaying().unwrap();
+    let swaying = harness.state().observability().swaying().unwrap();
     assert_eq!(swaying.twisted, [1], "seams show what no outline does");
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    assert!(!harness.state().observing().is_swaying());
+    assert!(!harness.state().observability().is_swaying());
 
     chart(&harness).focus();
     harness.run_steps(2);
     press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
-    assert_eq!(harness.state().observing().picked(), Some(7));
+    assert_eq!(harness.state().observability().picked(), Some(7));
     assert_eq!(harness.state().selection().frame, 0, "the arrow is the chart's");
     let steps = harness.state().session().runs[0].steps.len();
     press(&mut harness, Modifiers::NONE, Key::Space);
-    assert!(harness.state().observing().is_playing());
+    assert!(harness.state().observability().is_playing());
     assert_eq!(harness.state().session().runs[0].steps.len(), steps, "and so is Space");
 }
 
@@ -106,22 +106,22 @@ fn ellipses_and_sets_of_cameras() {
     let mut harness = open(Theme::Dark);
     harness.get_by_role_and_label(Role::CheckBox, "Uncertainty in the views").click();
     settle(&mut harness);
-    let (joints, others) = harness.state().observing().ellipses().unwrap();
+    let (joints, others) = harness.state().observability().ellipses().unwrap();
     assert_eq!((joints.len(), others), (3, None));
     let two = joints[2].worst_deviation_m();
     assert!(two > 0.0 && two.is_finite());
     // What is drawn says by how much it is larger than life, and the user may choose.
-    let drawn = harness.state().observing().ellipse_factor();
+    let drawn = harness.state().observability().ellipse_factor();
     harness.get_by_role_and_label(Role::ComboBox, &format!("Ellipses drawn Automatic, ×{drawn}")).click();
     settle(&mut harness);
     harness.get_by_role_and_label(Role::Button, "×5").click();
     settle(&mut harness);
     assert!(harness.query_all_by_label_contains("σ, drawn ×5").next().is_some());
-    assert_eq!(harness.state().observing().ellipse_factor(), 5);
+    assert_eq!(harness.state().observability().ellipse_factor(), 5);
 
     harness.get_by_role_and_label(Role::ListItem, "Cameras 2").hover();
     harness.run_steps(3);
-    let (joints, others) = harness.state().observing().ellipses().unwrap();
+    let (joints, others) = harness.state().observability().ellipses().unwrap();
     assert_eq!(others, Some(&[1][..]));
     assert!(joints[2].worst_deviation_m() > two, "one camera knows less");
 
@@ -129,7 +129,7 @@ fn ellipses_and_sets_of_cameras() {
     harness.get_by_role_and_label(Role::ListItem, "Cameras 2").click();
     settle(&mut harness);
     assert_eq!(harness.state().document().used_cameras().collect::<Vec<_>>(), [1]);
-    assert_eq!(harness.state().observing().found().unwrap().shown.cameras, [1], "looked at anew");
+    assert_eq!(harness.state().observability().found().unwrap().shown.cameras, [1], "looked at anew");
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert_eq!(*harness.state().document(), before, "undone as one");
 }
@@ -138,9 +138,9 @@ fn ellipses_and_sets_of_cameras() {
 fn figures_are_not_made_where_nobody_looks() {
     let opening = Some(Opening::Ready(Box::new(take::take())));
     let mut harness = open_sized(AppOptions { opening, ..AppOptions::default() }, vec2(WIDTH, 900.0));
-    assert!(harness.state().observing().found().is_none());
+    assert!(harness.state().observability().found().is_none());
     press(&mut harness, Modifiers::NONE, Key::U);
-    assert!(harness.state().observing().ellipses().is_some());
+    assert!(harness.state().observability().ellipses().is_some());
 }
 
 #[test]

@@ -9,7 +9,6 @@ use glam::DVec2;
 use super::CameraTileInput;
 use super::gutter::grip_name;
 use crate::drawing::{Sample, ViewMode};
-use crate::features::observability::panel::deviation;
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::data_colours::{CASING, JOINT};
@@ -100,7 +99,7 @@ impl HoverCard {
             rows.push((grip_name(input, grip), drag.to_owned()));
         }
         if let Some(known) = known {
-            let [across, depth] = known.deviations_m.map(deviation);
+            let [across, depth] = known.deviations_m.map(format::deviation);
             rows.push(("Across, 1σ".to_owned(), across));
             rows.push(("In depth, 1σ".to_owned(), depth));
         }

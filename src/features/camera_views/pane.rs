@@ -17,9 +17,8 @@ use crate::context::pane::Pane;
 use crate::context::{Context, Requests};
 use crate::drawing::{
     BoundedAngle, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SightRay,
-    SwayMarks, joined_outline, limb_colours, project_joints, project_limbs, sight_ray,
+    SwayMarks, Swaying, joined_outline, limb_colours, project_joints, project_limbs, sight_ray,
 };
-use crate::features::observability::panel as observability;
 use crate::session::Session;
 use crate::style::theme;
 use crate::style::theme::size;
@@ -94,8 +93,6 @@ pub(super) struct CameraPane<'a> {
     quick_outline: Option<Vec<Vec<DVec2>>>,
     sway: Option<SwayMarks>,
     ellipses: Vec<JointEllipse>,
-    /// Whether the ellipses are of other cameras than those in use.
-    are_of_others: bool,
 }
 
 impl<'a> CameraPane<'a> {
@@ -108,8 +105,8 @@ impl<'a> CameraPane<'a> {
         let is_pinned = |joint: JointId| matches!(joint, JointId::End(limb) if document.pins.contains(&limb));
         let limbs = project_limbs(model, &kinematics, camera, renderer);
         let limit = |bounded| LimitMark::new(model, pose, &kinematics, camera, &bounded);
-        let swaying = context.observing.swaying();
-        let (ellipses, are_of_others) = observability::ellipses(context.observing, camera);
+        let seen = context.observability;
+        let marks = |body: &Swaying| SwayMarks::new(model, body, camera, renderer);
         Some(Self {
             context,
             index,
@@ -122,9 +119,8 @@ impl<'a> CameraPane<'a> {
             sight_ray: ray_in(context, &kinematics, pose, index, camera),
             quick_outline: quick_outline(context, pose, &limbs),
             limbs,
-            sway: swaying.map(|body| SwayMarks::new(model, &body, camera, renderer)),
-            ellipses,
-            are_of_others,
+            sway: seen.swaying.as_ref().map(marks),
+            ellipses: seen.uncertainty.as_ref().map_or_else(Vec::new, |known| known.ellipses(camera)),
         })
     }
 
@@ -169,9 +165,9 @@ impl<'a> CameraPane<'a> {
             observed: ObservedMarks {
                 sway: self.sway.as_ref(),
                 ellipses: &self.ellipses,
-                factor: context.observing.ellipse_factor(),
-                is_stale: context.observing.is_stale(),
-                are_of_others: self.are_of_others,
+                factor: context.observability.factor,
+                is_stale: context.observability.is_stale,
+                are_of_others: context.observability.uncertainty.as_ref().is_some_and(|it| it.is_of_others),
             },
             shows_hover_card: true,
         }
@@ -260,7 +256,7 @@ fn quick_outline(
 /// The limits that are shown: those of the angle that a panel looks at, or those that a drag has met.
 fn limits(context: &Context<'_>, pose: &Pose) -> Vec<BoundedAngle> {
     let model = &context.document().model;
-    if let Some(angle) = context.observing.angle() {
+    if let Some(angle) = context.observability.angle {
         let limb = context.selection.limb(model);
         return BoundedAngle::new(model, pose, limb, angle).into_iter().collect();
     }

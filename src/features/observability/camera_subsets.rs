@@ -1,12 +1,12 @@
 //! The Camera subsets section: what each set of cameras would see of this pose, the best first.
 
 use backlit_tracking::track::observability::SubsetFigures;
-use egui::{Align2, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align2, Rect, Response, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
-use super::panel::{length, name_of};
+use super::{Observability, Observed};
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
-use crate::features::observability::observed::Observed;
+use crate::drawing::joint_name;
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{size, space};
@@ -22,28 +22,43 @@ const BAR_HEIGHT: f32 = 5.0;
 /// A bar is full at this standard deviation, metres, and empty at the other.
 const BARS_M: [f64; 2] = [1.0, 0.0005];
 
-/// The Camera subsets section.
-pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
-    let used: Vec<usize> = context.document().used_cameras().collect();
-    let summary = format!("{} of {} cameras", used.len(), context.session.camera_count());
-    section(ui, "Camera subsets", &summary, open, |ui| {
-        requests.glance.at_figures = true;
-        let palette = theme::palette(ui);
-        let Some(found) = context.observing.found().filter(|found| !found.subsets.is_empty()) else {
-            ui.label(RichText::new("No camera has a silhouette yet").small().color(palette.text3));
-            return;
-        };
-        ui.spacing_mut().item_spacing.y = 0.0;
-        head(ui);
-        for (place, figures) in found.subsets.iter().enumerate() {
-            row(ui, context, found, place, figures, figures.cameras == used, requests);
-        }
-        ui.add_space(space::ROW);
-        let text = RichText::new(about(found)).small().color(palette.text3);
-        ui.add(egui::Label::new(text).wrap()).on_hover_text(
-            "From sums of each camera by itself, with the noise of the cameras in use: only what they see differs",
-        );
-    });
+impl Observability {
+    /// The Camera subsets section.
+    pub(crate) fn subsets_section(
+        &mut self,
+        ui: &mut Ui,
+        context: &Context<'_>,
+        requests: &mut Requests,
+        open: bool,
+    ) {
+        let used: Vec<usize> = context.document().used_cameras().collect();
+        let summary = format!("{} of {} cameras", used.len(), context.session.camera_count());
+        section(ui, "Camera subsets", &summary, open, |ui| {
+            self.showing.figures = true;
+            let palette = theme::palette(ui);
+            let Some(found) = self.found.clone().filter(|found| !found.subsets.is_empty()) else {
+                ui.label(RichText::new("No camera has a silhouette yet").small().color(palette.text3));
+                return;
+            };
+            ui.spacing_mut().item_spacing.y = 0.0;
+            head(ui);
+            for (place, figures) in found.subsets.iter().enumerate() {
+                let response = row(ui, &found, self.is_stale, figures, figures.cameras == used);
+                if response.hovered() || response.has_focus() {
+                    self.showing.subset = Some(place);
+                }
+                if response.clicked() && figures.cameras != used {
+                    requests.edit(Edit::UseOnly { cameras: figures.cameras.clone() });
+                }
+            }
+            ui.add_space(space::ROW);
+            let text = RichText::new(about(&found)).small().color(palette.text3);
+            ui.add(egui::Label::new(text).wrap()).on_hover_text(
+                "From sums of each camera by itself, with the noise of the cameras in use: only what they see \
+                 differs",
+            );
+        });
+    }
 }
 
 /// Which sets there are, and what the best of few cameras is worth.
@@ -77,15 +92,7 @@ fn head(ui: &mut Ui) {
     text(row.right_center(), Align2::RIGHT_CENTER, "Worst joint, 1σ");
 }
 
-fn row(
-    ui: &mut Ui,
-    context: &Context<'_>,
-    found: &Observed,
-    place: usize,
-    figures: &SubsetFigures,
-    is_current: bool,
-    requests: &mut Requests,
-) {
+fn row(ui: &mut Ui, found: &Observed, is_stale: bool, figures: &SubsetFigures, is_current: bool) -> Response {
     let palette = theme::palette(ui);
     let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), size::ROW), Sense::click());
     let names: Vec<String> = figures.cameras.iter().map(|camera| (camera + 1).to_string()).collect();
@@ -107,26 +114,20 @@ fn row(
         let at = pos2(left, row.center().y - 0.5 * size::BADGE);
         paint_camera_badge(ui.painter(), Rect::from_min_size(at, vec2(size::BADGE, size::BADGE)), camera);
     }
-    numbers(ui, row, context.observing.is_stale(), figures);
+    numbers(ui, row, is_stale, figures);
     if response.has_focus() {
         ui.painter().rect_stroke(row, size::FIELD_RADIUS, palette.focus_ring(), egui::StrokeKind::Outside);
     }
-    if response.hovered() || response.has_focus() {
-        requests.glance.subset = Some(place);
-    }
-    if response.clicked() && !is_current {
-        requests.edit(Edit::UseOnly { cameras: figures.cameras.clone() });
-    }
-    response.on_hover_text(tooltip(found, figures, is_current));
+    response.on_hover_text(tooltip(found, figures, is_current))
 }
 
 fn tooltip(found: &Observed, figures: &SubsetFigures, is_current: bool) -> String {
-    let worst = name_of(&found.shown, figures.worst.0);
+    let worst = joint_name(&found.shown.model, figures.worst.0.into());
     let click = if is_current { "These are in use" } else { "Click to use these and no others" };
     format!(
         "Worst joint: {worst}, {}\nJoint in the middle: {}\nWeakest direction that is seen: {} grey²/rad²\n{click}",
-        length(figures.worst.1),
-        length(figures.median_m),
+        format::length(figures.worst.1),
+        format::length(figures.median_m),
         format::cost(figures.smallest),
     )
 }
@@ -141,7 +142,7 @@ fn numbers(ui: &Ui, row: Rect, is_stale: bool, figures: &SubsetFigures) {
     let bar_right = row.right() - FIGURE;
     painter.text(pos2(bar_right - BAR - 14.0, y), Align2::RIGHT_CENTER, seen, mono.clone(), colour);
     let deviation = figures.worst.1;
-    let value = if deviation.is_finite() { length(deviation) } else { "unseen".to_owned() };
+    let value = if deviation.is_finite() { format::length(deviation) } else { "unseen".to_owned() };
     painter.text(row.right_center(), Align2::RIGHT_CENTER, value, mono, colour);
     let [full, empty] = BARS_M.map(f64::log10);
     let share = ((deviation.log10() - empty) / (full - empty)).clamp(0.0, 1.0) as f32;

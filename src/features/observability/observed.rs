@@ -1,6 +1,5 @@
 //! What the cameras see of a pose, and what they do not.
 
-use std::sync::Arc;
 use std::time::Instant;
 
 use backlit_tracking::body::Pose;
@@ -8,13 +7,12 @@ use backlit_tracking::track::observability::{FrameInformation, Observability, Su
 use backlit_tracking::track::{Evidence, FitError, FitView};
 
 use crate::session::prediction::FitInputs;
-use crate::worker::{Event, Job, Outbox, Step};
 
 /// What the cameras see of a pose.
 #[derive(Debug)]
 pub struct Observed {
     /// What it depends on besides the pose.
-    pub scene: FitInputs,
+    pub inputs: FitInputs,
     /// The pose.
     pub pose: Pose,
     /// Of the cameras that count.
@@ -30,46 +28,21 @@ impl Observed {
     ///
     /// # Errors
     /// See [`FrameInformation::new`].
-    pub fn new(scene: &FitInputs, pose: &Pose) -> Result<Self, FitError> {
+    pub fn new(inputs: FitInputs, pose: Pose) -> Result<Self, FitError> {
         let start = Instant::now();
         let view = |camera: usize| {
-            let weight = scene.uses.get(camera).map_or(1.0, |used| used.weight);
-            let evidence = Evidence::Measurement(scene.data(camera)?);
-            Some(FitView { camera: scene.cameras[camera].clone(), evidence, weight })
+            let weight = inputs.uses.get(camera).map_or(1.0, |used| used.weight);
+            let evidence = Evidence::Measurement(inputs.data(camera)?);
+            Some(FitView { camera: inputs.cameras[camera].clone(), evidence, weight })
         };
-        let views: Vec<Option<FitView>> = (0..scene.cameras.len()).map(view).collect();
-        let information = FrameInformation::new(&scene.model, &views, &scene.fit, pose)?;
+        let views: Vec<Option<FitView>> = (0..inputs.cameras.len()).map(view).collect();
+        let information = FrameInformation::new(&inputs.model, &views, &inputs.fit, &pose)?;
         let counts =
-            |camera: &usize| scene.uses.get(*camera).is_some_and(|used| used.used && used.weight > 0.0);
+            |camera: &usize| inputs.uses.get(*camera).is_some_and(|used| used.used && used.weight > 0.0);
         let used: Vec<usize> = (0..views.len()).filter(counts).collect();
         let shown = information.observe(&used);
         let subsets = information.compare_subsets(shown.noise);
         let seconds = start.elapsed().as_secs_f64();
-        Ok(Self { scene: scene.clone(), pose: pose.clone(), shown, subsets, seconds })
-    }
-
-    /// Whether it is of this pose and these parts.
-    #[must_use]
-    pub fn is_of(&self, scene: &FitInputs, pose: &Pose) -> bool {
-        self.pose == *pose && self.scene.is(scene)
-    }
-}
-
-/// The same for the window.
-#[derive(Debug)]
-pub struct ObserveJob {
-    /// What it depends on.
-    pub scene: FitInputs,
-    /// The pose.
-    pub pose: Pose,
-}
-
-impl Job<Event> for ObserveJob {
-    fn step(&mut self, out: &Outbox<Event>) -> Step {
-        match Observed::new(&self.scene, &self.pose) {
-            Ok(observed) => out.send(Event::Observed(Arc::new(observed))),
-            Err(error) => out.send(Event::Failed(format!("What the cameras see cannot be told: {error}."))),
-        }
-        Step::Done
+        Ok(Self { inputs, pose, shown, subsets, seconds })
     }
 }

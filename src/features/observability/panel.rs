@@ -2,16 +2,16 @@
 
 mod chart;
 
-use backlit_tracking::camera::Camera;
-use backlit_tracking::track::observability::{Direction, JointUncertainty, Observability};
+use backlit_tracking::track::observability::{Direction, Observability as Figures};
 use egui::{Align, ComboBox, Layout, Rect, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 
+use super::Observability;
+use super::sway::{AMPLITUDES_MM, SPEEDS};
 use crate::context::command::{Command, ObservabilityCommand};
 use crate::context::command_button::named_button;
-use crate::context::{Context, Request, Requests, unavailable};
+use crate::context::{Context, Requests, unavailable};
 use crate::drawing::ellipse_factor::FACTORS;
-use crate::drawing::{JointEllipse, JointId, joint_ellipses, joint_name};
-use crate::features::observability::{AMPLITUDES_MM, ObserveRequest, Observing, SPEEDS};
+use crate::drawing::joint_name;
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{size, space};
@@ -24,68 +24,40 @@ const LISTED: usize = 3;
 /// A joint that sways by less than this share of the one that sways most is not listed.
 const WORTH_LISTING: f64 = 0.1;
 
-/// The Observability section.
-pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
-    let observing = context.observing;
-    let summary = summary(observing);
-    section(ui, "Observability", &summary, open, |ui| {
-        requests.glance.at_figures = true;
-        let Some(found) = observing.found() else {
-            hint(ui, waiting_for(context));
-            return;
-        };
-        if found.shown.cameras.is_empty() {
-            hint(ui, "No camera in the fit has a silhouette of this frame: nothing is seen.");
-            return;
-        }
-        chart::ui(ui, observing, requests);
-        if let Some((shown, direction)) = observing.direction() {
-            title_row(ui, observing, shown, direction, requests);
-            words(ui, observing, shown, direction);
-            movers(ui, context, shown, direction);
-            sway(ui, context, direction, requests);
-        }
-        uncertainty(ui, context, &found.shown, requests);
-    });
-}
-
-/// A length in the unit that leaves one to three figures before the point; not finite is without bound.
-pub(crate) fn length(metres: f64) -> String {
-    let mm = 1e3 * metres;
-    if !mm.is_finite() {
-        "no bound".to_owned()
-    } else if mm >= 1000.0 {
-        format!("{} m", format::number(metres, 1))
-    } else {
-        format!("{} mm", format::number(mm, usize::from(mm < 9.95)))
+impl Observability {
+    /// The Observability section.
+    pub(crate) fn section(
+        &mut self,
+        ui: &mut Ui,
+        context: &Context<'_>,
+        requests: &mut Requests,
+        open: bool,
+    ) {
+        section(ui, "Observability", &summary(self), open, |ui| {
+            self.showing.figures = true;
+            let Some(found) = self.found.clone() else {
+                hint(ui, waiting_for(context));
+                return;
+            };
+            let shown = &found.shown;
+            if shown.cameras.is_empty() {
+                hint(ui, "No camera in the fit has a silhouette of this frame: nothing is seen.");
+                return;
+            }
+            chart::ui(ui, self, shown);
+            if let Some(direction) = self.picked().and_then(|picked| shown.directions.get(picked)) {
+                title_row(ui, self, shown, direction, requests);
+                words(ui, self.is_stale, shown, direction);
+                movers(ui, self, shown, direction);
+                sway(ui, context, self, direction, requests);
+            }
+            uncertainty(ui, context, self, shown);
+        });
     }
 }
 
-/// "±2.3 mm", or that nothing bounds it.
-pub(crate) fn deviation(metres: f64) -> String {
-    if metres.is_finite() { format!("±{}", length(metres)) } else { length(metres) }
-}
-
-/// What people call the joint at the end of a limb; `None` is the root.
-pub(crate) fn name_of(shown: &Observability, limb: Option<usize>) -> String {
-    joint_name(&shown.model, limb.map_or(JointId::Root, JointId::End))
-}
-
-/// Ellipses of the joints in a camera's view, and whether they are of other cameras than those in use.
-pub(crate) fn ellipses(observing: &Observing, camera: &Camera) -> (Vec<JointEllipse>, bool) {
-    let Some((shown, (joints, others))) = observing.found().map(|f| &f.shown).zip(observing.ellipses())
-    else {
-        return (Vec::new(), false);
-    };
-    let text = |joint: &JointUncertainty, deviations_m: [f64; 2]| {
-        let [across, depth] = deviations_m.map(deviation);
-        format!("{}: {across} across, {depth} in depth (1σ)", name_of(shown, joint.limb))
-    };
-    (joint_ellipses(joints, camera, text), others.is_some())
-}
-
-fn summary(observing: &Observing) -> String {
-    observing.found().map_or_else(String::new, |found| {
+fn summary(observability: &Observability) -> String {
+    observability.found().map_or_else(String::new, |found| {
         let count = found.shown.directions.len();
         format!("{} of {count} seen", count - found.shown.null_count())
     })
@@ -108,13 +80,13 @@ fn hint(ui: &mut Ui, text: &str) {
 /// Which direction is looked at, and buttons to its neighbours.
 fn title_row(
     ui: &mut Ui,
-    observing: &Observing,
-    shown: &Observability,
+    observability: &Observability,
+    shown: &Figures,
     direction: &Direction,
     requests: &mut Requests,
 ) {
     let palette = theme::palette(ui);
-    let (at, count) = (observing.picked().unwrap_or_default(), shown.directions.len());
+    let (at, count) = (observability.picked().unwrap_or_default(), shown.directions.len());
     let (row, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), size::SLIDER_ROW), Sense::hover());
     let text = format!("{} of {count}: {}", at + 1, shown.title(direction));
@@ -124,7 +96,7 @@ fn title_row(
     let bar = Rect::from_min_size(band.min, vec2(3.0, band.height()));
     ui.painter().rect_filled(bar, 0.0, palette.accent);
     let buttons = Rect::from_min_max(egui::pos2(row.right() - 2.0 * size::BUTTON, row.top()), row.max);
-    let colour = if observing.is_stale() { palette.text3 } else { palette.accent_text };
+    let colour = if observability.is_stale() { palette.text3 } else { palette.accent_text };
     let font = egui::TextStyle::Body.resolve(ui.style());
     let mut job = egui::text::LayoutJob::simple_singleline(text.clone(), font, colour);
     job.wrap = egui::text::TextWrapping::truncate_at_width(buttons.left() - row.left() - space::ROW);
@@ -153,9 +125,9 @@ fn title_row(
 }
 
 /// Why it is weak, what would help, and by how much it is known.
-fn words(ui: &mut Ui, observing: &Observing, shown: &Observability, direction: &Direction) {
+fn words(ui: &mut Ui, is_stale: bool, shown: &Figures, direction: &Direction) {
     let palette = theme::palette(ui);
-    let colour = if observing.is_stale() { palette.text3 } else { palette.text };
+    let colour = if is_stale { palette.text3 } else { palette.text };
     ui.add(egui::Label::new(RichText::new(shown.why(direction)).color(colour)).wrap());
     let remedy = shown.remedy(direction);
     let known = known(shown, direction);
@@ -167,7 +139,7 @@ fn words(ui: &mut Ui, observing: &Observing, shown: &Observability, direction: &
 }
 
 /// One standard deviation in plain numbers.
-fn known(shown: &Observability, direction: &Direction) -> String {
+fn known(shown: &Figures, direction: &Direction) -> String {
     if direction.is_null {
         return String::new();
     }
@@ -177,23 +149,28 @@ fn known(shown: &Observability, direction: &Direction) -> String {
     if direction.moves_no_joint() {
         format!("Known to ±{}.", format::degrees(turned))
     } else {
-        format!("Known to ±{} at the {}.", length(moved), name_of(shown, limb))
+        format!("Known to ±{} at the {}.", format::length(moved), joint_name(&shown.model, limb.into()))
     }
 }
 
 /// The joints that sway most, and how far.
-fn movers(ui: &mut Ui, context: &Context<'_>, shown: &Observability, direction: &Direction) {
+fn movers(ui: &mut Ui, observability: &Observability, shown: &Figures, direction: &Direction) {
     let palette = theme::palette(ui);
+    let amount = observability.largest_amount(direction);
     if direction.moves_no_joint() {
-        let turned = context.observing.largest_amount(direction) * direction.largest_turn();
+        let turned = amount * direction.largest_turn();
         mover_row(ui, "No joint moves; turns by", &format!("±{}", format::degrees(turned)), palette.text2);
         return;
     }
-    let amount = context.observing.largest_amount(direction);
     let movers = direction.movers();
     let most = movers.first().map_or(0.0, |first| first.1);
     for (limb, by) in movers.iter().take(LISTED).filter(|(_, by)| *by >= WORTH_LISTING * most) {
-        mover_row(ui, &name_of(shown, *limb), &format!("±{}", length(by * amount)), palette.text2);
+        mover_row(
+            ui,
+            &joint_name(&shown.model, (*limb).into()),
+            &format!("±{}", format::length(by * amount)),
+            palette.text2,
+        );
     }
 }
 
@@ -208,9 +185,15 @@ fn mover_row(ui: &mut Ui, name: &str, value: &str, colour: egui::Color32) {
 }
 
 /// How far and how fast the body sways, and whether it does.
-fn sway(ui: &mut Ui, context: &Context<'_>, direction: &Direction, requests: &mut Requests) {
-    let observing = context.observing;
-    let mut amplitude = observing.amplitude_mm();
+fn sway(
+    ui: &mut Ui,
+    context: &Context<'_>,
+    observability: &mut Observability,
+    direction: &Direction,
+    requests: &mut Requests,
+) {
+    let is_swaying = observability.is_swaying();
+    let choices = &mut observability.choices;
     let row = SliderRow {
         name: "Sway",
         unit: " mm",
@@ -218,17 +201,16 @@ fn sway(ui: &mut Ui, context: &Context<'_>, direction: &Direction, requests: &mu
         range: AMPLITUDES_MM[0]..=AMPLITUDES_MM[1],
         limits: None,
         origin: AMPLITUDES_MM[0],
-        is_held: observing.is_swaying(),
+        is_held: is_swaying,
         tooltip: if direction.moves_no_joint() {
             "How far the body sways; 60 mm stand for a third of a right angle where no joint moves"
         } else {
             "How far the joint that moves most sways to each side"
         },
     };
-    if row.show(ui, &mut amplitude).changed() {
-        requests.request(Request::Observe(ObserveRequest::Amplitude(amplitude)));
+    if row.show(ui, &mut choices.amplitude_mm).changed() {
+        choices.amplitude_mm = choices.amplitude_mm.clamp(AMPLITUDES_MM[0], AMPLITUDES_MM[1]);
     }
-    let mut speed = observing.speed();
     let row = SliderRow {
         name: "Speed",
         unit: " Hz",
@@ -239,53 +221,51 @@ fn sway(ui: &mut Ui, context: &Context<'_>, direction: &Direction, requests: &mu
         is_held: false,
         tooltip: "Sways a second",
     };
-    if row.show(ui, &mut speed).changed() {
-        requests.request(Request::Observe(ObserveRequest::Speed(speed)));
+    if row.show(ui, &mut choices.speed).changed() {
+        choices.speed = choices.speed.clamp(SPEEDS[0], SPEEDS[1]);
     }
     ui.horizontal(|ui| {
-        let text = if observing.is_playing() { "Hold" } else { "Sway" };
+        let text = if observability.is_playing() { "Hold" } else { "Sway" };
         named_button(ui, context, requests, Command::Observability(ObservabilityCommand::Sway), text);
-        ui.add_enabled_ui(observing.is_swaying(), |ui| {
+        ui.add_enabled_ui(is_swaying, |ui| {
             let tooltip = "The body goes back to where it is (Esc)";
             if ui.button("Put back").on_hover_text(tooltip).on_disabled_hover_text(tooltip).clicked() {
-                requests.request(Request::Observe(ObserveRequest::StopSway));
+                observability.stop_sway();
             }
         });
     });
 }
 
 /// Ellipses in the views, and the joint that is known worst.
-fn uncertainty(ui: &mut Ui, context: &Context<'_>, shown: &Observability, requests: &mut Requests) {
-    let observing = context.observing;
-    let mut shows = observing.shows_ellipses();
+fn uncertainty(ui: &mut Ui, context: &Context<'_>, observability: &mut Observability, shown: &Figures) {
     let noise = shown.noise;
+    let command = Command::Observability(ObservabilityCommand::Ellipses);
     let tooltip = format!(
         "Ellipses of two standard deviations: pixels on the outline err by {} grey levels, and {} times as much \
          together as by themselves. From the data alone, without priors. {}",
         format::number(noise.pixel_deviation, 0),
         format::number(noise.together.sqrt(), 1),
-        Command::Observability(ObservabilityCommand::Ellipses).keys_text().unwrap_or_default(),
+        command.keys_text().unwrap_or_default(),
     );
-    let is_possible = unavailable(Command::Observability(ObservabilityCommand::Ellipses), context).is_none();
-    let response = ui.add_enabled_ui(is_possible, |ui| checkbox(ui, &mut shows, "Uncertainty in the views"));
-    if response.inner.on_hover_text(tooltip).changed() {
-        requests.request(Request::Observe(ObserveRequest::Ellipses(shows)));
-    }
-    if observing.shows_ellipses() {
-        factor_row(ui, observing, requests);
+    let is_possible = unavailable(command, context).is_none();
+    let ellipses = &mut observability.choices.ellipses;
+    let response = ui.add_enabled_ui(is_possible, |ui| checkbox(ui, ellipses, "Uncertainty in the views"));
+    response.inner.on_hover_text(tooltip);
+    if observability.choices.ellipses {
+        factor_row(ui, observability);
     }
     if let Some((limb, deviation)) = shown.worst_joint() {
         let palette = theme::palette(ui);
-        let colour = if observing.is_stale() { palette.text3 } else { palette.text2 };
-        let name = format!("Known worst: {}", name_of(shown, limb));
-        mover_row(ui, &name, &format!("{} (1σ)", self::deviation(deviation)), colour);
+        let colour = if observability.is_stale { palette.text3 } else { palette.text2 };
+        let name = format!("Known worst: {}", joint_name(&shown.model, limb.into()));
+        mover_row(ui, &name, &format!("{} (1σ)", format::deviation(deviation)), colour);
     }
 }
 
 /// How much larger than life the ellipses are drawn.
-fn factor_row(ui: &mut Ui, observing: &Observing, requests: &mut Requests) {
-    let automatic = format!("Automatic, ×{}", observing.automatic_factor());
-    let chosen = observing.chosen_factor();
+fn factor_row(ui: &mut Ui, observability: &mut Observability) {
+    let automatic = format!("Automatic, ×{}", observability.automatic_factor());
+    let chosen = observability.choices.factor;
     let text = chosen.map_or_else(|| automatic.clone(), |factor| format!("×{factor}"));
     named_row(ui, "Drawn", FACTOR_NAME, |ui| {
         let combo = ComboBox::from_id_salt("ellipse factor").selected_text(text.as_str());
@@ -294,7 +274,7 @@ fn factor_row(ui: &mut Ui, observing: &Observing, requests: &mut Requests) {
                 .chain(FACTORS.into_iter().map(|factor| (Some(factor), format!("×{factor}"))));
             for (factor, text) in choices {
                 if ui.selectable_label(chosen == factor, text).clicked() {
-                    requests.request(Request::Observe(ObserveRequest::EllipseFactor(factor)));
+                    observability.choices.factor = factor;
                 }
             }
         });
@@ -305,17 +285,4 @@ fn factor_row(ui: &mut Ui, observing: &Observing, requests: &mut Requests) {
              factor. The legend under each picture says by how much; hovering a joint says the true size.",
         );
     });
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lengths_have_a_unit_that_suits_them() {
-        assert_eq!(length(0.0004), "0.4 mm");
-        assert_eq!(length(0.031), "31 mm");
-        assert_eq!(length(1.23), "1.2 m");
-        assert_eq!(length(f64::INFINITY), "no bound");
-    }
 }

@@ -1,56 +1,70 @@
-//! Figures of what the cameras see, the sway along a direction, and sets of cameras.
+//! Figures of what the cameras see are asked for where they are wanted and old.
 
-use crate::app::App;
+use std::sync::Arc;
+
+use super::{Observability, Observed};
 use crate::context::command::ObservabilityCommand;
-use crate::features::observability::observed::ObserveJob;
-use crate::features::observability::{ObserveRequest, Observing};
-use crate::worker::Lane;
+use crate::context::unavailable::{because, no_take};
+use crate::context::{Context, Requests};
+use crate::jobs::{News, once};
+use crate::session::prediction::PosedInputs;
 
-impl App {
-    /// What is looked at of what the cameras see.
-    #[must_use]
-    pub fn observing(&self) -> &Observing {
-        &self.features.observability
-    }
-
-    /// Asks for figures where they are wanted and old, once nothing more urgent is in hand, and lets the body sway.
-    pub(crate) fn observe(&mut self, ctx: &egui::Context) {
-        let Some(scene) = self.scene() else { return };
-        let pose = self.shown_pose().clone();
-        let is_stale = !self.features.observability.found().is_some_and(|found| found.is_of(&scene, &pose));
-        let document = self.state.history.document();
-        self.features.observability.advance(self.state.now, &pose, document, is_stale);
-        if self.features.observability.is_playing() {
-            ctx.request_repaint();
-        }
-        let is_busy = self.worker.is_busy(Lane::Fit) || self.features.tracking.is_busy();
-        let is_moving = is_busy || self.context().drag.is_dragging() || self.is_playing();
-        if !is_stale || is_moving || scene.frame.is_none() || !self.features.observability.is_wanted() {
-            return;
-        }
-        let asked = self.asked_to_observe.as_ref();
-        let is_known = asked.is_some_and(|(other, other_pose)| *other_pose == pose && other.is(&scene));
-        if !is_known {
-            self.asked_to_observe = Some((scene.clone(), pose.clone()));
-            self.worker.request(Lane::Observe, ObserveJob { scene, pose });
-        }
-    }
-
-    /// Does what a panel asked for.
-    pub(crate) fn observe_request(&mut self, request: ObserveRequest) {
-        self.features.observability.apply(request);
-    }
-
-    pub(crate) fn observability_command(&mut self, command: ObservabilityCommand) {
+impl Observability {
+    /// Does a command.
+    pub(crate) fn run(&mut self, command: ObservabilityCommand) {
         match command {
-            ObservabilityCommand::Ellipses => {
-                self.observe_request(ObserveRequest::Ellipses(!self.features.observability.shows_ellipses()));
+            ObservabilityCommand::Ellipses => self.choices.ellipses ^= true,
+            ObservabilityCommand::Sway => self.toggle_sway(),
+            ObservabilityCommand::WeakerDirection => self.pick_next(1),
+            ObservabilityCommand::StrongerDirection => self.pick_next(-1),
+        }
+    }
+
+    /// Why a command cannot be used now.
+    pub(crate) fn unavailable(
+        &self,
+        command: ObservabilityCommand,
+        context: &Context<'_>,
+    ) -> Option<&'static str> {
+        no_take(context).or(match command {
+            ObservabilityCommand::Ellipses | ObservabilityCommand::Sway => None,
+            ObservabilityCommand::WeakerDirection | ObservabilityCommand::StrongerDirection => {
+                because(self.found.is_none(), "Open the Observability section first")
             }
-            ObservabilityCommand::Sway => {
-                self.observe_request(ObserveRequest::Play(!self.features.observability.is_playing()));
+        })
+    }
+
+    /// Takes figures in, lets the body sway, and asks for newer figures where somebody looks at them, once nothing moves
+    /// that they would be of.
+    pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        self.shown = std::mem::take(&mut self.showing);
+        for news in self.task.poll() {
+            match news {
+                News::Output(Ok(found)) => self.found = Some(found),
+                News::Output(Err(error)) => {
+                    requests.complain(format!("What the cameras see cannot be told: {error}."));
+                }
+                News::Failed(failure) => requests.failed("The look at what the cameras see", &failure),
+                News::Ended => {}
             }
-            ObservabilityCommand::WeakerDirection => self.features.observability.pick_next(1),
-            ObservabilityCommand::StrongerDirection => self.features.observability.pick_next(-1),
+        }
+        let Some(inputs) = context.fit_inputs() else { return };
+        let pose = context.shown_pose();
+        self.is_stale = !self.found().is_some_and(|found| found.pose == *pose && found.inputs.is(&inputs));
+        self.advance(context);
+        if self.is_playing() {
+            context.egui.request_repaint();
+        }
+        let is_wanted = self.shown.figures || self.choices.ellipses || self.sway.is_some();
+        let busy = context.busy;
+        let is_moving =
+            busy.fitting || busy.tracking || context.drag.is_dragging() || context.playback.is_playing();
+        if self.is_stale && is_wanted && !is_moving && inputs.frame.is_some() {
+            let observe = |posed: &PosedInputs| {
+                let PosedInputs { inputs, pose } = posed.clone();
+                once(move |_| Observed::new(inputs, pose).map(Arc::new))
+            };
+            self.task.ask(context.pool, PosedInputs { inputs, pose: pose.clone() }, observe);
         }
     }
 }

@@ -23,8 +23,14 @@ const AXIS_FROM: f32 = 78.0;
 /// From a field's edge to the letter of its axis.
 const AXIS_AWAY: f32 = 5.0;
 
-/// The section of the selected joint.
-pub(super) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
+/// The section of the selected joint; the angle under the pointer, or held by it.
+pub(super) fn ui(
+    ui: &mut Ui,
+    context: &Context<'_>,
+    requests: &mut Requests,
+    open: bool,
+) -> Option<LimitedAngle> {
+    let mut looked_at = None;
     let model = &context.document().model;
     let index = context.selection.limb(model);
     let limb = &model.limbs()[index];
@@ -32,7 +38,7 @@ pub(super) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
     let summary = format!("turns at the {}", joint_name(model, turns_at));
     named_section(ui, "joint", &format::capitalised(&limb.name), &summary, open, |ui| {
         let pose = context.session.shown_pose(context.document(), context.selection);
-        angles(ui, context, requests, limb, pose);
+        looked_at = angles(ui, context, requests, limb, pose);
         position(ui, context, requests, pose);
         ui.add_space(space::ROW);
         ui.horizontal(|ui| {
@@ -45,9 +51,17 @@ pub(super) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
             named_button(ui, context, requests, Command::Pose(PoseCommand::Paste), "Paste");
         });
     });
+    looked_at
 }
 
-fn angles(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, limb: &Limb, pose: &Pose) {
+fn angles(
+    ui: &mut Ui,
+    context: &Context<'_>,
+    requests: &mut Requests,
+    limb: &Limb,
+    pose: &Pose,
+) -> Option<LimitedAngle> {
+    let mut looked_at = None;
     let now = limb.angles(pose.rotations[limb.rotation]);
     let limits = limb.limits;
     let rows = [
@@ -79,7 +93,7 @@ fn angles(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, limb: &Li
         let response = row.show(ui, &mut degrees);
         if response.hovered() || response.dragged() || response.has_focus() {
             let angles = [LimitedAngle::Flexion, LimitedAngle::Sideways, LimitedAngle::Twist];
-            requests.glance.angle = Some(angles[index]);
+            looked_at = Some(angles[index]);
         }
         if response.changed() && degrees.is_finite() {
             let mut angles = now;
@@ -93,6 +107,7 @@ fn angles(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, limb: &Li
             gesture(ui, ("angle", index), &response);
         }
     }
+    looked_at
 }
 
 fn position(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, pose: &Pose) {

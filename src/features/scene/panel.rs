@@ -83,8 +83,8 @@ impl Stage {
             Viewpoint::Orbit(Orbit::around(&upright, middle, &eyes, aspect))
         });
         // A body that sways is shown on its way.
-        let swayed = context.observing.swayed_pose();
-        let pose = swayed.as_ref().unwrap_or(context.session.shown_pose(document, context.selection));
+        let swayed = context.observability.swayed_pose.as_ref();
+        let pose = swayed.unwrap_or(context.session.shown_pose(document, context.selection));
         let mut stage = Self {
             picture,
             upright,

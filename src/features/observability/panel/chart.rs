@@ -1,15 +1,14 @@
 //! Singular values of JᵀJ, relative to the largest, on a logarithmic scale: one bar a direction, null ones hatched below the
 //! line of what is nothing but rounding.
 
-use backlit_tracking::track::observability::Observability;
+use backlit_tracking::track::observability::Observability as Figures;
 use egui::text::{LayoutJob, TextFormat};
 use egui::{
     Align, Align2, Color32, EventFilter, FontId, Key, Painter, Rect, Response, Role, Sense, Shape, Stroke,
     TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
 
-use crate::context::{Request, Requests};
-use crate::features::observability::{ObserveRequest, Observing};
+use crate::features::observability::Observability;
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{size, space};
@@ -45,7 +44,7 @@ struct Places {
 }
 
 impl Places {
-    fn new(area: Rect, shown: &Observability) -> Self {
+    fn new(area: Rect, shown: &Figures) -> Self {
         let bars = Rect::from_min_max(
             pos2(area.left() + AXIS, area.top() + INSET),
             pos2(area.right() - INSET, area.bottom() - 2.0),
@@ -83,13 +82,11 @@ impl Places {
 }
 
 /// The chart with its caption. A click on a bar, or the arrow keys, look at a direction; the body sways along it.
-pub(crate) fn ui(ui: &mut Ui, observing: &Observing, requests: &mut Requests) {
-    let Some(found) = observing.found() else { return };
-    let shown = &found.shown;
+pub(super) fn ui(ui: &mut Ui, observability: &mut Observability, shown: &Figures) {
     let (area, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::click());
     let places = Places::new(area, shown);
     let count = shown.directions.len();
-    let picked = observing.picked().unwrap_or_default();
+    let picked = observability.picked().unwrap_or_default();
     let label = format!("Singular values, direction {} of {count}", picked + 1);
     response.widget_info(|| WidgetInfo::labeled(Role::ListBox, ui.is_enabled(), &label));
     let hovered = response.hover_pos().map(|at| places.index_at(at.x, count));
@@ -97,10 +94,10 @@ pub(crate) fn ui(ui: &mut Ui, observing: &Observing, requests: &mut Requests) {
         && let Some(at) = response.interact_pointer_pos()
     {
         response.request_focus();
-        requests.request(Request::Observe(ObserveRequest::SwayAlong(places.index_at(at.x, count))));
+        observability.sway_along(places.index_at(at.x, count));
     }
-    keys(ui, &response, observing, count, requests);
-    paint(ui, &places, observing, shown, hovered);
+    keys(ui, &response, observability, count);
+    paint(ui, &places, observability, shown, hovered);
     if response.has_focus() {
         let ring = theme::palette(ui).focus_ring();
         ui.painter().rect_stroke(area.expand(1.0), size::FIELD_RADIUS, ring, egui::StrokeKind::Outside);
@@ -118,30 +115,30 @@ pub(crate) fn ui(ui: &mut Ui, observing: &Observing, requests: &mut Requests) {
 }
 
 /// With the focus: arrows go from bar to bar, Enter and Space play and hold.
-fn keys(ui: &Ui, response: &Response, observing: &Observing, count: usize, requests: &mut Requests) {
+fn keys(ui: &Ui, response: &Response, observability: &mut Observability, count: usize) {
     if !response.has_focus() {
         return;
     }
     let arrows = EventFilter { horizontal_arrows: true, ..EventFilter::default() };
     ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
     let presses = |key| ui.input(|input| input.num_presses(key)) as isize;
-    let picked = observing.picked().unwrap_or_default();
+    let picked = observability.picked().unwrap_or_default();
     let by = presses(Key::ArrowRight) - presses(Key::ArrowLeft);
     let to = picked.saturating_add_signed(by).min(count.saturating_sub(1));
     if to != picked {
-        requests.request(Request::Observe(ObserveRequest::Pick(to)));
+        observability.pick(to);
     }
     if presses(Key::Space) + presses(Key::Enter) > 0 {
-        requests.request(Request::Observe(ObserveRequest::Play(!observing.is_playing())));
+        observability.toggle_sway();
     }
 }
 
-fn paint(ui: &Ui, places: &Places, observing: &Observing, shown: &Observability, hovered: Option<usize>) {
+fn paint(ui: &Ui, places: &Places, observability: &Observability, shown: &Figures, hovered: Option<usize>) {
     let palette = theme::palette(ui);
     let painter = ui.painter();
     painter.rect_filled(places.area, size::FIELD_RADIUS, palette.plot);
     ticks(painter, places, palette.grid, palette.text2);
-    let plain = if observing.is_stale() { palette.active } else { palette.line2 };
+    let plain = if observability.is_stale() { palette.active } else { palette.line2 };
     let nulls = shown.null_count();
     let count = shown.directions.len();
     if nulls > 0 {
@@ -151,7 +148,7 @@ fn paint(ui: &Ui, places: &Places, observing: &Observing, shown: &Observability,
     }
     for (index, direction) in shown.directions.iter().enumerate() {
         let bar = places.bar(index, direction.relative, direction.is_null);
-        let is_picked = observing.picked() == Some(index);
+        let is_picked = observability.picked() == Some(index);
         if hovered == Some(index) && !is_picked {
             painter.rect_filled(places.column(index).shrink2(vec2(0.0, 2.0)), 0.0, palette.grid);
         }
@@ -202,7 +199,7 @@ fn hatch(painter: &Painter, area: Rect, colour: Color32) {
 }
 
 /// What the bars are. The raised T is in neither font: it is set small and high.
-fn caption(ui: &mut Ui, shown: &Observability) {
+fn caption(ui: &mut Ui, shown: &Figures) {
     let palette = theme::palette(ui);
     let font = TextStyle::Small.resolve(ui.style());
     let plain = TextFormat { font_id: font.clone(), color: palette.text3, ..TextFormat::default() };

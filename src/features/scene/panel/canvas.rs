@@ -35,7 +35,7 @@ fn order_of(pixels_per_point: f32, context: &Context<'_>, stage: &Stage, moves: 
     let contents = contents(&input);
     SceneOrder {
         size_px: [size.x, size.y].map(|side| (side * shrink).round().max(1.0) as u32),
-        is_draft: moves || goes_on || stage.ray.is_some() || context.observing.is_playing(),
+        is_draft: moves || goes_on || stage.ray.is_some() || context.observability.is_playing,
         eye: stage.eye,
         scene: contents.scene,
         pictures: frame.filter(|_| look.pictures && !contents.frusta.is_empty()).cloned(),
