@@ -16,6 +16,7 @@ use crate::document::Document;
 use crate::document::history::History;
 use crate::features::basin::Basin;
 use crate::features::camera_views::CameraViews;
+use crate::features::demonstrations::Demonstrations;
 use crate::features::export::choices::MAX_SIDE;
 use crate::features::export::{ExportJob, ExportOrder, Painter, PictureOf, Shot};
 use crate::features::laboratory::Laboratory;
@@ -44,7 +45,7 @@ pub(crate) struct Snapshot {
     scene: Scene,
     tracking: Tracking,
     laboratory: Laboratory,
-    explanation: Option<&'static str>,
+    demonstrations: Demonstrations,
     frame_seconds: f64,
     memory: Memory,
 }
@@ -82,7 +83,7 @@ impl App {
             scene: self.features.scene.at_rest(),
             tracking: self.features.tracking.at_rest(),
             laboratory: self.features.laboratory.at_rest(),
-            explanation: self.features.demonstration.explanation,
+            demonstrations: self.features.demonstrations.at_rest(),
             frame_seconds: self.state.frame_seconds,
             memory: self.state.egui.memory(Memory::clone),
         }
@@ -129,7 +130,7 @@ impl Twin {
         app.features.scene = snapshot.scene;
         app.features.tracking = snapshot.tracking;
         app.features.laboratory = snapshot.laboratory;
-        app.features.demonstration.explanation = snapshot.explanation;
+        app.features.demonstrations = snapshot.demonstrations;
         let mut lacks_legend = false;
         if let PictureOf::View { picture, whole_frame, .. } = what {
             app.shell.docking.alone = Some(Pane::Camera(picture.camera));

@@ -217,7 +217,7 @@ impl App {
         };
         app.apply_settings(options.settings);
         if options.offers_tour {
-            app.offer_tour();
+            app.features.tour.offer();
         }
         app.with(|features| &mut features.recovery, |recovery, _, requests| recovery.look(requests));
         match options.opening {
@@ -307,7 +307,7 @@ impl App {
         self.worker.is_idle()
             && is_at_rest
             && !(self.state.session.is_stale && !self.refresh.has_failed_to_predict())
-            && self.features.demonstration.prepared.is_none()
+            && !self.features.demonstrations.is_running()
             && self.features.laboratory.is_settled(&self.context())
     }
 
