@@ -15,13 +15,11 @@
 //! | `playing` | playing frames, and the time axis |
 //! | `tracking` | tracking, and looking for other poses |
 //! | `body` | fitting the body's own sizes |
-//! | `demonstrating` | demonstrations and their runs, one after the other |
 //! | `dropping` | files that are dropped on the window |
 //! | `files` | takes, projects, dialogs |
 //! | `settings` | the settings file |
 //! | `jobs` | what the screen lacks is asked of the worker |
 //! | `exported`, `accessible` | the state as a file, for tests from outside; where the named widgets are |
-//! | `touring` | the tour: which step, and whether it was done |
 //! | `off_screen` | the second inspector, which is painted for exports |
 //! | `outside` | folders and pages in other programs |
 //! | `scene_view` | where the 3-D scene is seen from, and its hull |
@@ -34,7 +32,6 @@ pub(crate) mod commands;
 pub mod dropped;
 pub(crate) mod dropping;
 pub(crate) mod events;
-pub(crate) mod failure;
 pub(crate) mod features;
 pub(crate) mod files;
 pub(crate) mod headless;
@@ -77,7 +74,6 @@ impl App {
         self.take_in_settings();
         self.take_in_written();
         self.take_in_refreshed();
-        self.hear_worker();
         self.update_features();
         self.hear_dialogs();
         self.take_dropped_files(ui.ctx());
@@ -87,8 +83,6 @@ impl App {
         self.play(ui.ctx());
         self.keep_work();
         self.refresh();
-        self.go_on_demonstrating();
-        self.follow_tour();
         self.export_state();
         self.state.frame_seconds = began.elapsed().as_secs_f64();
     }

@@ -12,4 +12,3 @@ pub mod shell;
 pub mod style;
 pub mod take;
 pub mod widgets;
-pub mod worker;

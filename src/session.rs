@@ -11,8 +11,6 @@ use std::sync::Arc;
 pub(crate) use frames::load_frame;
 pub use frames::{FrameCache, FrameData};
 
-use crate::features::scene::SceneDrawing;
-use crate::features::scene::hulls::HullCache;
 use crate::session::prediction::Predicted;
 use crate::take::footage::Footage;
 
@@ -30,10 +28,6 @@ pub struct Session {
     pub predicted: Option<Arc<Predicted>>,
     /// Whether [`predicted`](Self::predicted) is of an older pose than the one on the screen.
     pub is_stale: bool,
-    /// Visual hulls of frames.
-    pub hulls: HullCache,
-    /// The picture of the 3-D scene. While a newer one is drawn, the old stays.
-    pub scene_drawing: Option<Arc<SceneDrawing>>,
     /// The frame that was shown last: it stays until the next one is there.
     pub last_frame: Option<Arc<FrameData>>,
     /// Changes with the pictures on the screen.

@@ -1,4 +1,4 @@
-//! What the worker said.
+//! A take is open.
 
 use std::sync::Arc;
 
@@ -10,54 +10,25 @@ use crate::app::refresh::Refresh;
 use crate::document::history::History;
 use crate::document::tracking_choices::TrackingChoices;
 use crate::document::{CameraUse, Document};
+use crate::features::demonstrations::Demonstrations;
 use crate::session::prediction::Predicted;
 use crate::session::selection::Selection;
 use crate::take::footage::Footage;
 use crate::take::source::TakeSource;
-use crate::worker::{Event, Lane, Report};
 
 impl App {
-    /// Takes in all that has happened since the last frame.
-    pub(crate) fn hear_worker(&mut self) {
-        for report in self.worker.poll() {
-            match report {
-                Report::Event(event) => self.hear(event),
-                Report::Panicked(lane, why) => self.broke(lane, &why),
-                Report::Ended(lane) => self.ended(lane),
-            }
-        }
-    }
-
-    fn hear(&mut self, event: Event) {
-        match event {
-            Event::FrameLoaded(frame) => self.state.session.keep_frame(frame),
-            Event::HullCarved(frame, hull) => self.state.session.hulls.insert(frame, hull),
-            Event::SceneDrawn(drawing) => self.state.session.scene_drawing = Some(drawing),
-            Event::Failed(text) => self.state.notices.error(text),
-        }
-    }
-
     pub(crate) fn show_prediction(&mut self, predicted: Arc<Predicted>) {
         self.state.session.predicted = Some(predicted);
         self.state.session.generation += 1;
     }
 
-    fn ended(&mut self, lane: Lane) {
-        match lane {
-            _ => {}
-        }
-    }
-
     pub(crate) fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<OpenedProject>) {
-        for lane in [Lane::Scene, Lane::Hull] {
-            self.worker.drop_lane(lane);
-        }
         self.refresh = Refresh::default();
         self.files.take_in.forget();
-        self.forget_broken();
         self.features.laboratory.reset(footage);
         self.state.session.reset(Some(footage.clone()));
         self.features.observability.reset();
+        self.features.scene.reset();
         self.features.basin.reset();
         self.features.fit.reset();
         self.features.convergence.reset();
@@ -92,16 +63,17 @@ impl App {
         self.state.history = history;
         self.state.project = path;
         self.shell.docking.alone = None;
-        self.state.preferences.scene.viewpoint = None;
         self.shell.docking.pair = [0, 1.min(footage.cameras.len() - 1)];
         self.features.pose.reset();
-        self.features.demonstration.prepared = None;
-        self.features.demonstration.explanation = None;
+        self.features.demonstrations = Demonstrations::default();
         self.features.camera_views.reset(footage.cameras.len());
         if let Some(TakeSource::Demonstration(which)) = &footage.source
             && is_new
         {
-            self.demonstrate(*which);
+            self.with(
+                |features| &mut features.demonstrations,
+                |demonstrations, context, requests| demonstrations.begin(*which, context, requests),
+            );
         }
     }
 }

@@ -19,9 +19,6 @@ impl App {
 
     /// The same before the panels are shown, which see it in this frame of the window.
     fn apply_before_show(&mut self, requests: Requests, ctx: &egui::Context) {
-        if let Some(order) = requests.scene {
-            self.draw_scene(*order);
-        }
         if let Some(predicted) = requests.predicted {
             self.show_prediction(predicted);
         }
@@ -128,13 +125,6 @@ impl App {
                 let runs = self.state.history.runs();
                 self.state.selection.step.take_if(|step| runs.get(step.run).is_none());
             }
-            Request::BeginRun(name, gesture) => {
-                self.pause();
-                self.with(
-                    |features| &mut features.fit,
-                    |fit, context, requests| fit.begin_named(name, gesture, context, requests),
-                );
-            }
             Request::InterruptFit => self.interrupt_fit(),
             Request::SwitchCamera { from, to } => {
                 self.dock(|docking, window| docking.switch_camera(window, from, to))
@@ -142,14 +132,23 @@ impl App {
             Request::Drag(camera, event) => self.drag(camera, event),
             Request::CancelGesture(gesture) => self.state.history.cancel(gesture),
             Request::Segment => self.state.session.forget_measurements(),
+            Request::RunLaboratory => self.features.laboratory.run_when_begun(),
+            Request::BeginRun { name, gesture } => {
+                self.pause();
+                self.with(
+                    |features| &mut features.fit,
+                    |fit, context, requests| fit.begin_named(name, gesture, context, requests),
+                );
+            }
+            Request::ForgetPast => self.state.history = self.state.history.without_past(),
+            Request::ShowAllTiles => self.shell.docking.alone = None,
             Request::Layout(layout) => self.state.preferences.layout = layout,
             Request::Pane(pane, event) => self.pane_event(pane, event),
-            Request::Scene(look) => self.state.preferences.scene = look,
             Request::Arrange(tree) => self.dock(|_, window| window.arrange(*tree)),
             Request::Open(source) => self.open(Opening::Take(source)),
+            Request::CloseNotices => self.state.notices.close_all(),
             Request::CloseNotice(id) => self.state.notices.close(id),
             Request::CloseNoticesAbout(beginning) => self.state.notices.close_about(beginning),
-            Request::CloseExplanation => self.features.demonstration.explanation = None,
             Request::HoldNotice(id) => self.state.notices.hold(id, self.state.now),
             Request::Playback(change) => self.change_playback(change),
             Request::Recover(decision) => self.with(

@@ -6,7 +6,6 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use backlit_formats::Take;
 use backlit_tracking::body::builtin;
 
-use super::failure::Broken;
 use super::refresh::Refresh;
 use super::settings::Settings;
 use super::settings_writer::SettingsWriter;
@@ -20,7 +19,7 @@ use crate::context::pane::Pane;
 use crate::context::preferences::Preferences;
 use crate::document::Document;
 use crate::document::edit::Edit;
-use crate::document::history::{Gesture, History};
+use crate::document::history::History;
 use crate::document::project::ProjectError;
 use crate::document::run::Run;
 use crate::features::Features;
@@ -28,13 +27,13 @@ use crate::features::basin::Basin;
 use crate::features::laboratory::Laboratory;
 use crate::features::observability::Observability;
 use crate::features::recovery::Recovery;
+use crate::features::scene::Scene;
 use crate::jobs::{Pool, Priority, Task};
 use crate::session::Session;
 use crate::session::playback::Playback;
 use crate::session::selection::Selection;
 use crate::shell::Shell;
 use crate::take::source::TakeSource;
-use crate::worker::{Event, Lane, Worker};
 
 /// What the window begins with.
 #[derive(Debug, Default)]
@@ -160,15 +159,12 @@ pub struct App {
     pub(crate) shell: Shell,
     pub(crate) files: Files,
     pub(crate) refresh: Refresh,
-    pub(crate) worker: Worker<Event>,
     pub(crate) writes: Writes,
-    pub(crate) broken: Broken,
     pub(crate) state_file: Option<PathBuf>,
     /// How the window was arranged before its layout was reset.
     pub(crate) layout_before: Option<Box<Settings>>,
     pub(crate) settings_writer: SettingsWriter,
     pub(crate) clock: Clock,
-    pub(crate) next_gesture: u64,
 }
 
 impl App {
@@ -204,18 +200,15 @@ impl App {
             shell: Shell::default(),
             files: Files::default(),
             refresh: Refresh::default(),
-            worker: Worker::start(wake(&egui))?,
             writes: Writes::default(),
-            broken: Broken::default(),
             state_file: options.state_file,
             layout_before: None,
             settings_writer,
             clock: options.clock,
-            next_gesture: 1,
         };
         app.apply_settings(options.settings);
         if options.offers_tour {
-            app.offer_tour();
+            app.features.tour.offer();
         }
         app.with(|features| &mut features.recovery, |recovery, _, requests| recovery.look(requests));
         match options.opening {
@@ -289,6 +282,12 @@ impl App {
         &self.features.observability
     }
 
+    /// The 3-D scene.
+    #[must_use]
+    pub fn shown_scene(&self) -> &Scene {
+        &self.features.scene
+    }
+
     /// Closes the cards of notices; they stay among the messages.
     pub fn close_notices(&mut self) {
         self.state.notices.close_all();
@@ -298,12 +297,13 @@ impl App {
     #[must_use]
     pub fn is_idle(&self) -> bool {
         // A body that sways never comes to rest, and neither does its picture.
-        let is_drawn = !self.worker.is_busy(Lane::Scene) || self.features.observability.is_playing();
-        self.worker.is_idle_but(Lane::Scene)
-            && is_drawn
-            && self.state.pool.is_idle()
+        let is_at_rest = match self.features.observability.is_playing() {
+            true => self.features.scene.is_all_that_works(&self.state.pool),
+            false => self.state.pool.is_idle(),
+        };
+        is_at_rest
             && !(self.state.session.is_stale && !self.refresh.has_failed_to_predict())
-            && self.features.demonstration.prepared.is_none()
+            && !self.features.demonstrations.is_running()
             && self.features.laboratory.is_settled(&self.context())
     }
 
@@ -312,13 +312,6 @@ impl App {
         if self.state.selection.frame != frame {
             self.state.selection.go_to_frame(frame, self.state.session.frame_count());
         }
-    }
-
-    /// A gesture that was not used before.
-    pub(crate) fn new_gesture(&mut self) -> Gesture {
-        // Far from those of the panels, which count from one.
-        self.next_gesture += 1;
-        Gesture(u64::MAX - self.next_gesture)
     }
 
     /// Hands the theme to egui when it has changed.

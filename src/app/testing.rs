@@ -19,12 +19,6 @@ impl<O> crate::jobs::Job<O> for Breaks {
     }
 }
 
-impl<E> crate::worker::Job<E> for Breaks {
-    fn step(&mut self, _: &crate::worker::Outbox<E>) -> crate::worker::Step {
-        panic!("thirteen");
-    }
-}
-
 /// Runs frames until nothing is being worked on.
 pub(crate) fn settle(window: &mut Headless, app: &mut App) {
     let began = Instant::now();
