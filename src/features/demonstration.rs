@@ -4,7 +4,7 @@ pub(crate) mod explanation;
 
 use std::collections::VecDeque;
 
-use crate::app::App;
+use crate::app::Inspector;
 use crate::context::Request;
 use crate::context::preferences::Layout;
 use crate::document::edit::Edit;
@@ -28,7 +28,7 @@ pub(crate) struct Demonstrating {
     pub(crate) explanation: Option<&'static str>,
 }
 
-impl App {
+impl Inspector {
     /// Arranges the window for a demonstration that has just been opened.
     pub(crate) fn demonstrate(&mut self, which: Demonstration) {
         self.state.notices.close_all();

@@ -7,7 +7,7 @@ use egui::Rect;
 use egui::accesskit::Role;
 use glam::DVec3;
 
-use crate::app::{App, Opening};
+use crate::app::{Inspector, Opening};
 use crate::context::Request;
 use crate::context::preferences::Layout;
 use crate::document::Origin;
@@ -55,7 +55,7 @@ struct Begun {
     renderers: Vec<&'static str>,
 }
 
-impl App {
+impl Inspector {
     /// Offers the tour, once.
     pub(crate) fn offer_tour(&mut self) {
         if !self.state.preferences.tour_offered {
@@ -89,7 +89,7 @@ impl App {
     /// Who has opened something else, or has lost work to look at first, is left in peace.
     fn can_offer(&self) -> bool {
         let is_nowhere = self.state.session.take.is_none()
-            && self.worker.is_idle()
+            && !self.state.is_opening
             && !self.features.recovery.is_offered();
         self.shell.overlay.is_none() && (self.shows_built_in() || is_nowhere)
     }
@@ -107,7 +107,7 @@ impl App {
                         self.request(Request::ShowMode(layout, ViewMode::Tinted));
                     }
                     self.enter(&mut tour, 0);
-                } else if !is_open && self.worker.is_idle() {
+                } else if !is_open && !self.state.is_opening {
                     // It could not be opened; that was said.
                     return;
                 }

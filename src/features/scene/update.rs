@@ -3,7 +3,7 @@
 use backlit_tracking::body::Kinematics;
 use glam::DVec3;
 
-use crate::app::App;
+use crate::app::Inspector;
 use crate::context::command::SceneCommand;
 use crate::context::pane::Pane;
 use crate::features::scene::draw_job::DrawSceneJob;
@@ -14,7 +14,7 @@ use crate::worker::Lane;
 /// Views of a side of the body are from so far away, metres.
 const BODY_FROM: f64 = 4.5;
 
-impl App {
+impl Inspector {
     /// Whether the scene is on the screen.
     fn shows_scene(&self) -> bool {
         match self.shell.docking.alone {
