@@ -83,7 +83,8 @@ pub(crate) fn headless_export(
         app.state.selection.camera = camera;
     }
     if let Some(mode) = mode {
-        app.features.camera_views.show_mode(app.state.preferences.layout, mode);
+        let layout = app.state.preferences.layout;
+        app.features.camera_views.show_mode(layout, mode);
     }
     let frames = app.state.session.frame_count();
     ensure!(order.frames[0] < frames, "there is no frame {}; the take has {frames}", order.frames[0]);

@@ -6,6 +6,10 @@ use std::time::Instant;
 use backlit_tracking::body::builtin;
 use egui::Ui;
 
+use super::failure::Broken;
+use super::refresh::Refresh;
+use super::settings::Settings;
+use super::state::{DialogKind, Opening, State};
 use crate::context::Unavailable;
 use crate::context::clock::Clock;
 use crate::context::command::FileCommand;
@@ -26,10 +30,6 @@ use crate::session::playback::Playback;
 use crate::session::selection::Selection;
 use crate::shell::Shell;
 use crate::worker::{Event, Lane, Worker};
-use super::failure::Broken;
-use super::refresh::Refresh;
-use super::settings::Settings;
-use super::state::{DialogKind, Opening, State};
 
 /// What the inspector leaves to who has a desktop.
 #[derive(Debug)]

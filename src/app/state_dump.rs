@@ -72,7 +72,7 @@ impl egui::Plugin for StateWriter {
         let Some(update) = &output.platform_output.accesskit_update else { return };
         let exported = Exported {
             pixels_per_point: output.pixels_per_point,
-            state: self.inspector.state.clone(),
+            state: self.state.clone(),
             widgets: named(update).into_iter().map(Widget::from).collect(),
         };
         if self.written.as_ref() != Some(&exported) {
