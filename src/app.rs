@@ -16,13 +16,11 @@
 //! | `playing` | playing frames, and the time axis |
 //! | `tracking` | tracking, and looking for other poses |
 //! | `body` | fitting the body's own sizes |
-//! | `demonstrating` | demonstrations and their runs, one after the other |
 //! | `dropping` | files that are dropped on the window |
 //! | `files` | takes, projects, dialogs |
 //! | `settings` | the settings file |
 //! | `jobs` | what the screen lacks is asked of the worker |
 //! | `exported`, `accessible` | the state as a file, for tests from outside; where the named widgets are |
-//! | `touring` | the tour: which step, and whether it was done |
 //! | `off_screen` | an inspector that nobody sees, painted for exports |
 //! | `outside` | folders and pages in other programs |
 //! | `scene_view` | where the 3-D scene is seen from, and its hull |

@@ -78,8 +78,10 @@ pub struct Context<'a> {
     pub clock: &'a Clock,
     /// The sentence of the status bar about what the hand is doing.
     pub doing: Option<&'a str>,
-    /// What the open demonstration shows, until that is closed.
-    pub explanation: Option<&'a str>,
+    /// Whether something lies over the window: the palette, a dialog.
+    pub is_covered: bool,
+    /// Whether work is offered that an earlier start of the program left unsaved.
+    pub offers_unsaved_work: bool,
     /// What cannot be used in this frame.
     pub unavailable: &'a Unavailable,
     /// Whether a change of the layout can be taken back.
@@ -170,6 +172,19 @@ pub enum Request {
     ShowMode(Layout, ViewMode),
     /// How the window is arranged.
     Layout(Layout),
+    /// Show all tiles again, if one fills the window.
+    ShowAllTiles,
+    /// Run the laboratory's fits as soon as they have begun.
+    RunLaboratory,
+    /// Fit the frame from the pose on the screen to the end, as a run of this name.
+    BeginRun {
+        /// The name.
+        name: String,
+        /// The gesture that its result belongs to.
+        gesture: Gesture,
+    },
+    /// Begin a new past of the document: there is nothing to undo and nothing to save.
+    ForgetPast,
     /// What the user did with a tile.
     Pane(Pane, PaneEvent),
     /// What the 3-D scene shows, and from where.
@@ -178,10 +193,10 @@ pub enum Request {
     Arrange(Box<Arrangement>),
     /// Open a take.
     Open(TakeSource),
+    /// Close all notices.
+    CloseNotices,
     /// Close a notice.
     CloseNotice(u64),
-    /// Close the explanation of a demonstration.
-    CloseExplanation,
     /// Close the notices that begin so: that is over.
     CloseNoticesAbout(&'static str),
     /// A notice is under the pointer: it stays.

@@ -13,6 +13,7 @@ use crate::document::history::History;
 use crate::document::run::{RunEnding, RunStep};
 use crate::document::tracking_choices::TrackingChoices;
 use crate::document::{CameraUse, Document, Estimate, Origin};
+use crate::features::demonstrations::Demonstrations;
 use crate::features::fit::job::FitJob;
 use crate::features::fit::refitted::Refitted;
 use crate::session::prediction::Predicted;
@@ -159,13 +160,15 @@ impl Inspector {
         self.shell.docking.pair = [0, 1.min(footage.cameras.len() - 1)];
         self.features.pose.reset();
         self.features.fit.pending_steps = 0;
-        self.features.demonstration.prepared = None;
-        self.features.demonstration.explanation = None;
+        self.features.demonstrations = Demonstrations::default();
         self.features.camera_views.reset(footage.cameras.len());
         if let Some(TakeSource::Demonstration(which)) = &footage.source
             && is_new
         {
-            self.demonstrate(*which);
+            self.with(
+                |features| &mut features.demonstrations,
+                |demonstrations, context, requests| demonstrations.begin(*which, context, requests),
+            );
         }
     }
 }

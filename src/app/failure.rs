@@ -55,7 +55,7 @@ impl Inspector {
     /// The steps that were made stay; the fit that made them is lost.
     fn fit_broke(&mut self) {
         self.features.fit.pending_steps = 0;
-        self.stop_demonstrating();
+        self.features.demonstrations.stop();
         self.finish_run(Some(RunEnding::Solver("a step broke down".to_owned())));
         self.state.session.live = None;
         self.features.fit.live = LiveFit::default();

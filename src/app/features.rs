@@ -25,6 +25,15 @@ impl Inspector {
             |observability, context, requests| observability.update(context, requests),
         );
         self.state.observability = self.features.observability.marks();
+        // After the fit, which it waits for.
+        self.update_feature(
+            |features| &mut features.demonstrations,
+            |demonstrations, context, requests| demonstrations.update(context, requests),
+        );
+        self.update_feature(
+            |features| &mut features.tour,
+            |tour, context, requests| tour.update(context, requests),
+        );
     }
 
     /// The copy of unsaved work follows what was done in this frame, and work is not left that can be kept nowhere.

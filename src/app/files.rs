@@ -92,10 +92,7 @@ impl App {
                 News::Output(Opened::TakeMissing { project, why }) => self.take_missing(project, &why),
                 News::Output(Opened::Nothing(why)) => self.inspector.state.notices.error(why),
                 News::Ended => {}
-                News::Failed(failure) => {
-                    self.inspector.features.demonstration.prepared = None;
-                    self.failed("Opening the take", &failure);
-                }
+                News::Failed(failure) => self.failed("Opening the take", &failure),
             }
         }
         self.inspector.state.is_opening = self.files.open.is_busy();

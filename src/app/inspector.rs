@@ -116,8 +116,6 @@ impl Inspector {
         self.play(ui.ctx());
         self.keep_work();
         self.refresh();
-        self.go_on_demonstrating();
-        self.follow_tour();
         self.state.frame_seconds = began.elapsed().as_secs_f64();
     }
 
@@ -206,7 +204,7 @@ impl Inspector {
             && self.errands.is_empty()
             && self.state.pool.is_idle()
             && !(self.state.session.is_stale && !self.refresh.has_failed_to_predict())
-            && self.features.demonstration.prepared.is_none()
+            && !self.features.demonstrations.is_running()
             && self.features.laboratory.is_settled(&self.context())
     }
 

@@ -59,7 +59,7 @@ impl Inspector {
         copy.features.basin = features.basin.at_rest();
         copy.features.tracking = features.tracking.at_rest();
         copy.features.laboratory = features.laboratory.at_rest();
-        copy.features.demonstration.explanation = features.demonstration.explanation;
+        copy.features.demonstrations = features.demonstrations.at_rest();
         Ok(copy)
     }
 }

@@ -67,11 +67,7 @@ impl Inspector {
             match news {
                 News::Output(frame) => self.state.session.keep_frame(frame),
                 News::Ended => {}
-                News::Failed(failure) => {
-                    // Without its frame a demonstration cannot go on.
-                    self.features.demonstration.prepared = None;
-                    self.failed("Reading the frame", &failure);
-                }
+                News::Failed(failure) => self.failed("Reading the frame", &failure),
             }
         }
         for news in self.refresh.prediction.poll() {

@@ -5,7 +5,7 @@ use super::inspector::Errand;
 use super::state::Opening;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
-use crate::document::history::Gesture;
+use crate::document::history::{Gesture, History};
 use crate::features::Features;
 use crate::shell::Overlay;
 
@@ -134,14 +134,21 @@ impl Inspector {
             Request::Drag(camera, event) => self.drag(camera, event),
             Request::CancelGesture(gesture) => self.state.history.cancel(gesture),
             Request::Segment => self.state.session.forget_measurements(),
+            Request::RunLaboratory => self.features.laboratory.run_when_begun(),
+            Request::BeginRun { name, gesture } => {
+                self.features.fit.run_gesture = Some(gesture);
+                self.begin(Some(name), None, None);
+            }
+            Request::ForgetPast => self.state.history = History::new(self.document().clone()),
+            Request::ShowAllTiles => self.shell.docking.alone = None,
             Request::Layout(layout) => self.state.preferences.layout = layout,
             Request::Pane(pane, event) => self.pane_event(pane, event),
             Request::Scene(look) => self.state.preferences.scene = look,
             Request::Arrange(tree) => self.dock(|_, window| window.arrange(*tree)),
             Request::Open(source) => self.open(Opening::Take(source)),
+            Request::CloseNotices => self.state.notices.close_all(),
             Request::CloseNotice(id) => self.state.notices.close(id),
             Request::CloseNoticesAbout(beginning) => self.state.notices.close_about(beginning),
-            Request::CloseExplanation => self.features.demonstration.explanation = None,
             Request::HoldNotice(id) => self.state.notices.hold(id, self.state.now),
             Request::Playback(change) => self.change_playback(change),
             Request::Recover(decision) => self.with(

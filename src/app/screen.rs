@@ -7,7 +7,6 @@ use crate::context::activity::Activity;
 use crate::context::preferences::Layout;
 use crate::context::{Context, Request, Requests, Unavailable};
 use crate::features::Features;
-use crate::features::demonstration::explanation;
 use crate::shell::Overlay;
 use crate::shell::{about, dock, empty, messages, notice_cards, right_panel, shortcuts, status_bar, toolbar};
 use crate::style::theme::size;
@@ -40,7 +39,8 @@ impl Inspector {
             drag: self.features.pose.marks(self.state.now),
             observability: &self.state.observability,
             doing: self.state.status.as_deref(),
-            explanation: self.features.demonstration.explanation,
+            is_covered: self.shell.overlay.is_some(),
+            offers_unsaved_work: self.features.recovery.is_offered(),
             unavailable: &self.state.unavailable,
             can_restore_layout: self.layout_before.is_some(),
             frame_seconds: self.state.frame_seconds,
@@ -87,7 +87,7 @@ impl Inspector {
                 if demonstrates {
                     return features.laboratory.ui(ui, &context, requests);
                 }
-                explanation::ui(ui, &context, requests);
+                features.demonstrations.ui(ui);
                 if self.shell.docking.alone.is_none() {
                     features.timeline.ui(ui, &context, requests, window.height());
                     notices_from.y = ui.available_rect_before_wrap().bottom();
@@ -101,12 +101,12 @@ impl Inspector {
         for id in notice_cards::ui(ui, &context, requests, notices_from) {
             requests.request(Request::HoldNotice(id));
         }
+        features.tour.ui(ui, &context, notices_from.y, requests);
         self.take_back(features);
         if let Some(size) = centre_size.filter(|_| self.shell.docking.alone.is_none()) {
             self.shell.docking.size = size;
         }
         self.show_overlay(ui, requests);
-        self.show_tour(ui, notices_from.y);
         self.show_drop(ui);
     }
 
@@ -119,6 +119,8 @@ impl Inspector {
             tracking: std::mem::take(&mut self.features.tracking),
             camera_views: std::mem::take(&mut self.features.camera_views),
             laboratory: std::mem::take(&mut self.features.laboratory),
+            demonstrations: std::mem::take(&mut self.features.demonstrations),
+            tour: std::mem::take(&mut self.features.tour),
             ..Features::default()
         }
     }
@@ -130,6 +132,8 @@ impl Inspector {
         self.features.tracking = features.tracking;
         self.features.camera_views = features.camera_views;
         self.features.laboratory = features.laboratory;
+        self.features.demonstrations = features.demonstrations;
+        self.features.tour = features.tour;
     }
 
     fn show_overlay(&mut self, ui: &Ui, requests: &mut Requests) {

@@ -117,7 +117,7 @@ impl Inspector {
             curves: preferences.curves,
             basin: self.features.basin.preferences.clone(),
             used_commands: preferences.used_commands,
-            tour_offered: preferences.tour_offered,
+            tour_offered: self.features.tour.was_offered,
             generation: preferences.generation,
         }
     }
@@ -133,12 +133,12 @@ impl Inspector {
             kept: settings.kept,
             curves: settings.curves,
             used_commands: settings.used_commands,
-            tour_offered: settings.tour_offered,
             generation: settings.generation,
         };
         self.features.export.preferences = settings.export;
         self.features.timeline.shows_lanes = settings.lanes;
         self.features.basin.preferences = settings.basin;
+        self.features.tour.was_offered = settings.tour_offered;
         self.features.camera_views.preferences =
             CameraViewPreferences { linked_zoom: settings.linked_zoom, settings: settings.views };
     }

@@ -184,7 +184,7 @@ impl App {
         inspector.features.recovery = Recovery::new(options.data_folder);
         inspector.apply_settings(options.settings);
         if options.offers_tour {
-            inspector.offer_tour();
+            inspector.features.tour.offer();
         }
         inspector.with(|features| &mut features.recovery, |recovery, _, requests| recovery.look(requests));
         let mut app = Self {

@@ -165,7 +165,7 @@ impl App {
             "track": self.exported_track(),
             "notices": self.inspector.state.notices.cards().map(notice).collect::<Vec<_>>(),
             "messages": self.inspector.state.notices.all().len(),
-            "tour": self.tour_step(),
+            "tour": self.inspector.features.tour.step(&self.context()),
             "over": self.inspector.shell.overlay.as_ref().map(overlay_name),
         })
     }

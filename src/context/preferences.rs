@@ -61,8 +61,6 @@ pub struct Preferences {
     pub curves: CurvesLook,
     /// Names of the commands that were chosen last in the palette, the newest first.
     pub used_commands: Vec<String>,
-    /// Whether the tour was offered.
-    pub tour_offered: bool,
     /// Changes with *Reset layout*, so that egui forgets sizes and open sections.
     pub generation: u32,
 }
@@ -78,7 +76,6 @@ impl Default for Preferences {
             kept: Kept::default(),
             curves: CurvesLook::default(),
             used_commands: Vec::new(),
-            tour_offered: false,
             generation: 0,
         }
     }
