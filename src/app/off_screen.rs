@@ -57,6 +57,7 @@ impl Inspector {
         let features = &self.features;
         copy.features.camera_views = features.camera_views.clone();
         copy.features.basin = features.basin.at_rest();
+        copy.features.scene = features.scene.at_rest();
         copy.features.tracking = features.tracking.at_rest();
         copy.features.laboratory = features.laboratory.at_rest();
         copy.features.demonstrations = features.demonstrations.at_rest();
