@@ -29,9 +29,9 @@ pub mod renderer;
 pub mod view;
 pub mod wrench;
 
-pub use drawing::{Drawing, Wanted, draw};
+pub use drawing::{Drawing, Wanted, draw, predict};
 pub use jacobian::dense_jacobian;
-pub use prediction::{Prediction, predict};
+pub use prediction::Prediction;
 pub use ramp::Ramp;
 pub use renderer::RendererKind;
 pub use view::{Sight, View};

@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
+use backlit_formats::export::ending_text;
 use backlit_tracking::body::Pose;
 use backlit_tracking::optimize::Termination;
 use backlit_tracking::track::{Fit, FitError, FitOptions, IterationRecord};
@@ -134,7 +135,7 @@ pub(crate) fn ending_of(termination: Termination, is_annealed: bool) -> RunEndin
             RunEnding::Solver(format!("the {steps} steps of the last stage are done"))
         }
         Termination::Cancelled => RunEnding::Stopped,
-        other => RunEnding::Solver(other.to_string()),
+        other => RunEnding::Solver(ending_text(other)),
     }
 }
 

@@ -10,7 +10,6 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::View;
 use super::jacobian::Motion;
 use super::kernels::lanes::{self, Lanes};
 use super::kernels::scalar::RowWinners;
@@ -18,6 +17,9 @@ use super::prediction::{NO_OWNER, Prediction};
 use super::primitive::Primitive;
 use super::ramp::BACKGROUND;
 use super::wrench::Wrench;
+use super::{Ramp, RendererKind, View};
+use crate::body::{Kinematics, Model};
+use crate::camera::Camera;
 
 /// λ/255 of a drawing is at most this far from the oracle's.
 pub const MOST_ERROR: f32 = 1e-4;
@@ -43,6 +45,27 @@ pub struct Drawing {
     pub gradient: Vec<f32>,
     /// J v of every pixel. Empty if it was not wanted.
     pub change: Vec<f32>,
+}
+
+/// Draws the model's soft silhouette in one camera.
+#[must_use]
+pub fn predict(
+    model: &Model,
+    kinematics: &Kinematics,
+    camera: &Camera,
+    renderer: RendererKind,
+    ramp: Ramp,
+) -> Prediction {
+    Prediction::of(&View::new(model, kinematics, camera, renderer, ramp))
+}
+
+impl Prediction {
+    /// Draws a prepared view by the reference kernel, in f64. For the screen [`draw`] does the
+    /// same many times faster.
+    #[must_use]
+    pub fn of(view: &View) -> Self {
+        draw_plainly(view, Wanted::default()).prediction
+    }
 }
 
 /// Draws a view as fast as may be.
