@@ -8,8 +8,7 @@ use std::time::Duration;
 use anyhow::{Context, bail};
 use backlit_formats::pose_file::{self, Quaternions};
 use backlit_formats::{Footage, Take, model_file};
-use backlit_tracking::body::sizes::SizeChoice;
-use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::body::{Model, Pose, SizeChoice};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::track::fit_body::{
     Approach, BodyFit, BodyFitOptions, CLOTHED, approach, fit_body, frames, scale,

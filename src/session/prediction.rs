@@ -5,8 +5,7 @@ use std::time::Instant;
 
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::render::jacobian::Motion;
-use backlit_tracking::render::{Prediction, View, Wanted, draw};
+use backlit_tracking::render::{BodyMotion, Prediction, View, Wanted, draw};
 use backlit_tracking::silhouette::{Measurement, Overlap};
 use backlit_tracking::track::{FitOptions, FitView};
 
@@ -180,7 +179,7 @@ impl CameraPrediction {
         let motion = column.map(|column| {
             let mut direction = vec![0.0; columns];
             direction[column] = 1.0;
-            Motion::along(kinematics, camera, Parameters::Tangent, &direction)
+            BodyMotion::along(kinematics, camera, Parameters::Tangent, &direction)
         });
         let gradient = scene.derivatives.gradient;
         let drawing = draw(&view, Wanted { gradient, motion: motion.as_ref() });

@@ -10,7 +10,7 @@ use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraError, CameraFromWorld};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::geometry::rotation::exp;
-use backlit_tracking::residual::loss::Loss;
+use backlit_tracking::residual::Loss;
 use backlit_tracking::silhouette::{Label, Mask, Overlap};
 use backlit_tracking::track::metrics::Statistics;
 use backlit_tracking::track::start::perturb;

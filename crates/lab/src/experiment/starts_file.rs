@@ -13,8 +13,7 @@ use std::sync::Arc;
 
 use backlit_formats::FileError;
 use backlit_formats::files::{DiskFiles, MAX_TEXT_BYTES, TakeFiles};
-use backlit_tracking::body::model::{self, LimbSpec};
-use backlit_tracking::body::{Model, ModelError, ModelSpec, Pose, PoseError};
+use backlit_tracking::body::{self, LimbSpec, Model, ModelError, ModelSpec, Pose, PoseError};
 use backlit_tracking::camera::{Camera, CameraError, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::silhouette::{Label, Mask, MaskError};
 use backlit_tracking::track::{Evidence, FitView};
@@ -142,7 +141,7 @@ impl ModelJson {
                 spheres: Vec::new(),
             });
         }
-        let spec = ModelSpec { format: model::FORMAT.to_owned(), name: "starts".to_owned(), limbs };
+        let spec = ModelSpec { format: body::FORMAT.to_owned(), name: "starts".to_owned(), limbs };
         Model::new(&spec).map_err(|error| StartsFileError::Model { path: path.to_owned(), error })
     }
 }

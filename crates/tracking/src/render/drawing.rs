@@ -10,8 +10,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::jacobian::Motion;
-use super::kernels::lanes::{self, Lanes};
+use super::jacobian::BodyMotion;
+use super::kernels::lanes;
 use super::kernels::scalar::RowWinners;
 use super::prediction::{NO_OWNER, Prediction};
 use super::primitive::Primitive;
@@ -32,7 +32,7 @@ pub struct Wanted<'a> {
     /// How strongly each pixel pulls.
     pub gradient: bool,
     /// How each pixel changes along this motion.
-    pub motion: Option<&'a Motion>,
+    pub motion: Option<&'a BodyMotion>,
 }
 
 /// One camera's pictures, row-major, height × width.
@@ -72,7 +72,7 @@ impl Prediction {
 #[must_use]
 pub fn draw(view: &View, wanted: Wanted<'_>) -> Drawing {
     let mut drawing = Drawing::empty(view, wanted);
-    if Lanes::can_take(view) {
+    if view.suits_lanes() {
         lanes::draw(view, wanted, &mut drawing);
     } else {
         fill_plainly(view, wanted, &mut drawing);

@@ -42,7 +42,7 @@ pub fn covered(view: &View) -> Vec<bool> {
     // On the rim of a flat cap λ jumps, and f32 may jump elsewhere.
     let has_caps =
         view.primitives().iter().any(|primitive| matches!(primitive.solid, Solid::Cylinder { .. }));
-    if has_caps || !Lanes::can_take(view) {
+    if has_caps || !view.suits_lanes() {
         return levels(view).into_iter().map(|level| level < BACKGROUND / 2.0).collect();
     }
     let mut covered = vec![false; width * view.height()];

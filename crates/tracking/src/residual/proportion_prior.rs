@@ -91,7 +91,7 @@ impl BodySizes {
 
 /// Adds the prior. The columns of θ stand from `first` on, g and b after them. `weight` is in squared grey levels;
 /// `slack` multiplies the standard deviations of proportions, not those of size and girth.
-pub fn add(
+pub(crate) fn add(
     equations: &mut NormalEquations,
     sizes: &Sizes,
     body: &BodySizes,
@@ -160,8 +160,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::body::builtin;
-    use crate::body::sizes::SizeChoice;
+    use crate::body::{SizeChoice, builtin};
 
     #[test]
     fn a_body_scaled_as_a_whole_costs_only_its_size() {

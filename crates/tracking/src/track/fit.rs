@@ -11,7 +11,7 @@ use super::sketch::Sketch;
 use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
 use crate::optimize::{NormalEquations, Solver, SolverOptions, Termination};
-use crate::residual::loss::Loss;
+use crate::residual::Loss;
 use crate::residual::motion_prior::MotionPrior;
 use crate::silhouette::SignedDistance;
 

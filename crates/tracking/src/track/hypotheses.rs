@@ -30,7 +30,7 @@ use super::start;
 use crate::body::{Kinematics, Model, Pose};
 use crate::cancel::CancelToken;
 use crate::optimize::{Solver, SolverOptions};
-use crate::render::ramp::BACKGROUND;
+use crate::render::BACKGROUND;
 use crate::silhouette::Label;
 
 /// Hypotheses whose joints all lie this near to each other are one, metres.

@@ -7,15 +7,12 @@ use rayon::prelude::*;
 
 use super::evidence::FitView;
 use super::options::{FitOptions, Stage};
-use crate::body::kinematics::MovingColumn;
-use crate::body::{Kinematics, Model, Parameters, Pose};
+use crate::body::{Kinematics, Model, MovingColumn, Parameters, Pose};
 use crate::optimize::{LeastSquares, NormalEquations};
-use crate::render::View;
-use crate::render::primitive::PixelBox;
-use crate::render::ramp::BACKGROUND;
 use crate::render::wrench::WrenchBlock;
+use crate::render::{BACKGROUND, Footprint, View};
+use crate::residual::Loss;
 use crate::residual::interpenetration::{self, LimbPairs};
-use crate::residual::loss::Loss;
 use crate::residual::motion_prior::{self, MotionPrior};
 use crate::residual::silhouette::{KernelMemory, SampledData, WorldBlocks};
 use crate::residual::{joint_limit, proximal_prior, rest_prior};
@@ -63,7 +60,7 @@ struct CameraTerm {
 impl CameraTerm {
     /// Sampled pixels in the boxes of all solids at the last evaluated pose: how much work it is, roughly.
     fn area_px(&self) -> usize {
-        let area = |bounds: &PixelBox| (bounds.x1 - bounds.x0) * (bounds.y1 - bounds.y0);
+        let area = |bounds: &Footprint| (bounds.x1 - bounds.x0) * (bounds.y1 - bounds.y0);
         let stride = self.data.stride();
         self.view.primitives().iter().map(|primitive| area(&primitive.bounds)).sum::<usize>()
             / (stride * stride)

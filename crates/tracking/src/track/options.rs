@@ -9,7 +9,7 @@ use thiserror::Error;
 use crate::body::Parameters;
 use crate::optimize::Method;
 use crate::render::{Ramp, RendererKind};
-use crate::residual::loss::Loss;
+use crate::residual::Loss;
 
 /// How the mask is looked at. The mask is the evidence; these are views of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

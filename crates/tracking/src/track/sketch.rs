@@ -11,7 +11,7 @@ use pulp::Arch;
 use super::evidence::{Evidence, FitView};
 use crate::body::{Model, Pose};
 use crate::geometry::rotation::raw_matrix;
-use crate::render::ramp::BACKGROUND;
+use crate::render::BACKGROUND;
 use crate::silhouette::{Label, SignedDistance};
 
 /// Widths of the sketch's ramp inside and outside a limb's surface, coarse pixels. The outer one forgives

@@ -58,7 +58,7 @@ fn the_darkest_limb_wins_not_the_nearest() {
     let views = [alone(0), alone(1)];
     let each = [Prediction::of(&views[0]), Prediction::of(&views[1])];
     let metres = |limb: usize, pixel: usize| {
-        let sight = views[limb].sight(pixel % both.width, pixel / both.width);
+        let sight = views[limb].seen_limb(pixel % both.width, pixel / both.width);
         sight.map_or(f64::INFINITY, |sight| sight.distance_over_radius * model.limbs()[limb].radius)
     };
     let mut told_apart = 0;

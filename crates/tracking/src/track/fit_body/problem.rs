@@ -8,9 +8,7 @@ use super::options::{BodyFitOptions, BodyStage};
 use crate::body::sizes::bounded;
 use crate::body::{Kinematics, Model, Parameters, Pose, Sizes};
 use crate::optimize::{LeastSquares, NormalEquations};
-use crate::render::kernels::scalar::RowWinners;
-use crate::render::ramp::BACKGROUND;
-use crate::render::{RendererKind, View};
+use crate::render::{BACKGROUND, RendererKind, RowWinners, View};
 use crate::residual::body_size::{self, ColumnPlaces, SizeBlock, SizeData};
 use crate::residual::proportion_prior::{self, BodySizes};
 use crate::residual::{joint_limit, proximal_prior, rest_prior};
@@ -233,8 +231,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::body::builtin;
-    use crate::body::sizes::SizeChoice;
+    use crate::body::{SizeChoice, builtin};
     use crate::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
     use crate::optimize::gradient_check::{DifferenceOptions, check_gradient};
     use crate::silhouette::Measurement;
