@@ -75,20 +75,34 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # The modules
+//! # The modules, in the order of the data
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`body`] | the articulated body: limbs, poses, kinematics, the models that come with the program |
-//! | [`camera`] | calibrated cameras: pinhole, lens, place, rectification |
-//! | [`cancel`] | stopping long work |
-//! | [`geometry`] | rotations and distances of rays, with their derivatives |
-//! | [`optimize`] | least squares: normal equations, Gauss-Newton, Levenberg-Marquardt, derivative checks |
-//! | [`render`] | the soft silhouette Λ of a pose in a camera, and ∂Λ/∂X |
-//! | [`residual`] | what pulls on a pose: silhouettes, priors, limits, points |
-//! | [`segment`] | from footage to masks |
-//! | [`silhouette`] | masks, measurements D, distance fields, overlap and outlines |
+//! | [`segment`] | from footage of a camera that stands still to masks: a background, and what differs from it |
+//! | [`silhouette`] | masks, and views of them: measurements D, distance fields, overlap, outlines |
+//! | [`body`] | the articulated body: limbs, poses, kinematics; [`body::builtin`] has those that come with the program |
+//! | [`camera`] | calibrated cameras: pinhole, lens, place; pictures freed of the lens |
+//! | [`render`] | the soft silhouette Λ of a pose in a camera, and ∂Λ/∂X; [`render::prediction`] for λ alone, [`render::wrench`] for a pixel's gradient |
+//! | [`residual`] | what pulls on a pose: silhouettes, priors, limits, points, one module each |
+//! | [`optimize`] | least squares: normal equations, Gauss-Newton, Levenberg-Marquardt; [`optimize::gradient_check`] compares derivatives with differences |
+//! | [`filter`] | poses over time: constant velocity, the iterated Kalman update, the smoother |
 //! | [`track`] | fitting a frame, following frames, posing by hand |
+//! | [`geometry`] | rotations and distances of rays, with their derivatives |
+//! | [`cancel`] | stopping long work from outside |
+//!
+//! # Examples to run
+//!
+//! `cargo run -p backlit-tracking --example NAME`; each takes a second and needs neither files nor a window.
+//!
+//! | name | shows |
+//! |---|---|
+//! | `fit_masks` | a body fitted to the masks of two cameras, before and after |
+//! | `track_frames` | a swinging arm followed through twelve frames |
+//! | `prediction_and_jacobian` | Λ and a column of ∂Λ/∂X as pictures, checked against differences |
+//! | `own_cameras_and_body` | a body from a model file's text, cameras from a calibration's numbers |
+//!
+//! # Rules
 //!
 //! Data flow one way: footage → [`segment`] → [`silhouette`] (D); [`body`] + [`camera`] → [`render`] (Λ) →
 //! [`residual`] → [`optimize`] → pose; [`track`] runs frames. A test holds the table of who may use whom.
