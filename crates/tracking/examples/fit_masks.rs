@@ -27,7 +27,6 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let mut views = Vec::new();
     for (name, at) in [("front", DVec3::new(0.0, 0.0, 2.4)), ("side", DVec3::new(2.4, 0.0, 0.3))] {
-        // The built-in upper body hangs head down in y: up is towards its head.
         let camera_from_world = CameraFromWorld::looking_at(at, DVec3::new(0.0, 0.25, 0.0), DVec3::Y);
         let pinhole = Intrinsics { fx: 140.0, fy: 140.0, cx: 47.5, cy: 35.5 };
         let camera = Camera::new(name, [96, 72], pinhole, Distortion::None, camera_from_world)?;
@@ -45,10 +44,15 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Robust: wide ramps first, then narrow ones; joint limits and priors keep what no camera sees.
     let mut fit = Fit::new(Arc::clone(&model), views, start.clone(), FitOptions::preset(Preset::Robust))?;
-    let summary = fit.run(&CancelToken::new(), |iteration| {
-        let verdict = if iteration.accepted { "kept" } else { "taken back" };
-        println!("stage {}: {:6.2} grey levels a pixel, {verdict}", iteration.stage + 1, iteration.rms);
-    });
+    let summary = fit.run(&CancelToken::new(), |_| {});
+    for stage in summary.iterations.chunk_by(|a, b| a.stage == b.stage) {
+        let rejected = stage.iter().filter(|iteration| !iteration.accepted).count();
+        let (number, rms) = stage.last().map_or((0, 0.0), |last| (last.stage + 1, last.rms));
+        let steps = stage.len();
+        println!(
+            "Stage {number}: {steps} steps, {rejected} taken back; {rms:.2} grey levels a pixel by its ramp"
+        );
+    }
 
     println!("After:");
     print_overlay(&seen, &silhouette(&model, &summary.pose, &front)?);

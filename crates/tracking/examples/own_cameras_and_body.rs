@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // OpenCV's conventions: x right, y down, z forward; x_camera = rotation · x_world + translation. The rows of the
     // rotation are the camera's axes in the world: this camera looks along +y, its own y points down in the world.
     let rotation = DMat3::from_cols(DVec3::X, -DVec3::Z, DVec3::Y).transpose();
-    let camera_from_world = CameraFromWorld { rotation, translation: rotation * -DVec3::new(0.0, -1.6, 0.4) };
+    let camera_from_world = CameraFromWorld { rotation, translation: rotation * -DVec3::new(0.1, -1.6, 0.4) };
     let pinhole = Intrinsics { fx: 95.0, fy: 95.0, cx: 39.5, cy: 29.5 };
     let lens = Distortion::OpenCv { k1: -0.12, k2: 0.01, p1: 0.0, p2: 0.0, k3: 0.0 };
     let camera = Camera::new("from the front", [80, 60], pinhole, lens, camera_from_world)?;
