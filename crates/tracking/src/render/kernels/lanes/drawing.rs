@@ -27,7 +27,7 @@ use crate::render::ramp::BACKGROUND;
 /// Bands that a thread takes at once.
 const LEAST_BANDS: usize = 4;
 
-/// Fills the pictures of a drawing that come in background. [`Lanes::can_take`](super::Lanes::can_take) must hold.
+/// Fills the pictures of a drawing that come in background. [`View::suits_lanes`] must hold.
 pub(in crate::render) fn draw(view: &View, wanted: Wanted<'_>, drawing: &mut Drawing) {
     let grid = PixelGrid::without_data([view.width(), view.height()]);
     let mut ground = Ground::default();
