@@ -39,9 +39,9 @@
 //! use backlit_tracking::body::{Kinematics, Parameters, Pose, builtin};
 //! use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 //! use backlit_tracking::cancel::CancelToken;
+//! use backlit_tracking::fit::{Evidence, Fit, FitOptions, FitView, Preset};
 //! use backlit_tracking::render::{Ramp, RendererKind, predict};
 //! use backlit_tracking::silhouette::{Label, Mask};
-//! use backlit_tracking::track::{Evidence, Fit, FitOptions, FitView, Preset};
 //! use glam::DVec3;
 //!
 //! let model = Arc::new(builtin::upper_body());
@@ -80,29 +80,44 @@
 //! | module | holds |
 //! |---|---|
 //! | [`body`] | the articulated body: limbs, poses, kinematics, the models that come with the program |
+//! | [`body_fit`] | the person's own lengths and radii, with the poses of several frames |
 //! | [`camera`] | calibrated cameras: pinhole, lens, place, rectification |
 //! | [`cancel`] | stopping long work |
+//! | [`filter`] | poses over time: constant velocity, the Kalman filter's update, smoothing |
+//! | [`fit`] | one frame's fit: evidence, options, cost, iterations |
 //! | [`geometry`] | rotations and distances of rays, with their derivatives |
+//! | [`metrics`] | joint errors against a reference |
+//! | [`observability`] | what the cameras see of a pose and what not: directions, covariances, sets of cameras |
 //! | [`optimize`] | least squares: normal equations, Gauss-Newton, Levenberg-Marquardt, derivative checks |
+//! | [`posing`] | moving a body by hand: chains follow through the same optimiser |
 //! | [`render`] | the soft silhouette Λ of a pose in a camera, and ∂Λ/∂X |
 //! | [`residual`] | what pulls on a pose: silhouettes, priors, limits, points |
+//! | [`search`] | other poses that the silhouettes allow, ranked; where a fit begins |
 //! | [`segment`] | from footage to masks |
 //! | [`silhouette`] | masks, measurements D, distance fields, overlap and outlines |
-//! | [`track`] | fitting a frame, following frames, posing by hand |
+//! | [`track`] | following frames: motion, lost frames, smoothing |
+//! | [`visual_hull`] | what all silhouettes leave of space |
 //!
 //! Data flow one way: footage → [`segment`] → [`silhouette`] (D); [`body`] + [`camera`] → [`render`] (Λ) →
-//! [`residual`] → [`optimize`] → pose; [`track`] runs frames. A test holds the table of who may use whom.
+//! [`residual`] → [`optimize`] → pose; [`fit`] runs a frame, [`track`] all. A test holds the table of who may use whom.
 //! Not converging is an answer ([`optimize::Termination`]), not an error; results are the same to the bit in
 //! every run, whatever the number of threads.
 
 pub mod body;
+pub mod body_fit;
 pub mod camera;
 pub mod cancel;
 pub mod filter;
+pub mod fit;
 pub mod geometry;
+pub mod metrics;
+pub mod observability;
 pub mod optimize;
+pub mod posing;
 pub mod render;
 pub mod residual;
+pub mod search;
 pub mod segment;
 pub mod silhouette;
 pub mod track;
+pub mod visual_hull;

@@ -6,8 +6,8 @@ use backlit_lab::experiment::basin::{self, Basin, Options, Report};
 use backlit_lab::experiment::starts::{Draw, LEVELS, Level, Start};
 use backlit_lab::experiment::starts_file;
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::track::Preset;
 use clap::Args;
 use serde::Serialize;
 

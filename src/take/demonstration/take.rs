@@ -13,8 +13,8 @@ use backlit_lab::experiment::{Simulation, fig51, fig52, fig55, scene, upper_body
 use backlit_tracking::body::{Model, Pose, builtin};
 use backlit_tracking::camera::{Camera, Rig};
 use backlit_tracking::render::{Ramp, RendererKind};
+use backlit_tracking::search::start::perturb;
 use backlit_tracking::silhouette::Label;
-use backlit_tracking::track::start::perturb;
 use image::{GrayImage, ImageFormat, Luma};
 
 use super::Demonstration;

@@ -8,10 +8,10 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Parameters, builtin};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::track::start::perturb;
-use backlit_tracking::track::{FitOptions, Preset};
+use backlit_tracking::search::start::perturb;
 use serde::Serialize;
 
 use super::curve::Curve;

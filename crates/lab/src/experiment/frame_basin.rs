@@ -9,9 +9,9 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::track::FitView;
-use backlit_tracking::track::metrics::Statistics;
-use backlit_tracking::track::start::perturb;
+use backlit_tracking::fit::FitView;
+use backlit_tracking::metrics::Statistics;
+use backlit_tracking::search::start::perturb;
 use serde::Serialize;
 
 use super::basin::leaf_error_mm;
@@ -294,7 +294,7 @@ pub fn run(
 #[cfg(test)]
 pub(super) mod tests {
     use backlit_tracking::body::builtin;
-    use backlit_tracking::track::{Evidence, FitOptions, Preset};
+    use backlit_tracking::fit::{Evidence, FitOptions, Preset};
 
     use super::*;
     use crate::experiment::{scene, upper_body};

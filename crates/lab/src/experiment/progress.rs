@@ -1,10 +1,10 @@
 //! How far an experiment is, and why one cannot run.
 
 use backlit_tracking::body::ModelError;
+use backlit_tracking::body_fit::BodyFitError;
 use backlit_tracking::camera::CameraError;
+use backlit_tracking::fit::FitError;
 use backlit_tracking::silhouette::{MaskError, MeasurementError};
-use backlit_tracking::track::FitError;
-use backlit_tracking::track::fit_body::BodyFitError;
 use thiserror::Error;
 
 /// How far an experiment is: units of work done, of all.

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Model, Pose};
 use backlit_tracking::camera::Camera;
+use backlit_tracking::fit::{Evidence, FitView};
 use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
 use backlit_tracking::silhouette::{Label, Mask, MaskError, Measurement, MeasurementError, Overlap};
-use backlit_tracking::track::{Evidence, FitView};
 use serde::{Deserialize, Serialize};
 
 use super::ExperimentError;

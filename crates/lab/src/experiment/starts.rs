@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Model, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::fit::{Evidence, FitView};
 use backlit_tracking::geometry::rotation::exp;
-use backlit_tracking::track::start::perturb;
-use backlit_tracking::track::{Evidence, FitView};
+use backlit_tracking::search::start::perturb;
 use glam::DVec3;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;

@@ -6,7 +6,7 @@ use backlit_tracking::render::drawing::{MOST_ERROR, draw_plainly};
 use backlit_tracking::render::jacobian::{Motion, for_each_gradient, jacobian_along};
 use backlit_tracking::render::kernels::lanes::Lanes;
 use backlit_tracking::render::{Drawing, Prediction, Ramp, RendererKind, View, Wanted, draw};
-use backlit_tracking::track::start;
+use backlit_tracking::search::start;
 use glam::DVec3;
 
 use crate::bodies::with_own_spheres;

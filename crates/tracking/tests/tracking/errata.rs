@@ -7,7 +7,7 @@ use backlit_tracking::body::{Kinematics, Model, ModelSpec, Parameters, Pose, bui
 use backlit_tracking::camera::Camera;
 use backlit_tracking::optimize::NormalEquations;
 use backlit_tracking::render::{Prediction, Ramp, RendererKind, View, dense_jacobian, predict};
-use backlit_tracking::track::start::perturb;
+use backlit_tracking::search::start::perturb;
 use nalgebra::{DMatrix, DVector};
 
 const SIZE: [u64; 2] = [96, 72];

@@ -5,7 +5,7 @@
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
-use backlit_tracking::track::start;
+use backlit_tracking::search::start;
 use glam::DVec3;
 
 const NO_BEND: Distortion = Distortion::OpenCv { k1: 0.0, k2: 0.0, p1: 0.0, p2: 0.0, k3: 0.0 };

@@ -12,11 +12,10 @@
 use glam::{DVec2, DVec3};
 use nalgebra::{DMatrix, Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 
-use super::directions::Spectrum;
 use super::information::FrameInformation;
-use crate::body::{Kinematics, Model, Parameters};
+use super::spectrum::Spectrum;
+use crate::body::{Model, Parameters};
 use crate::camera::Camera;
-use crate::track::motion::FrameBelief;
 
 /// A joint that null directions move by less than this for a unit step, metres, is not moved by them: rounding.
 const MOVED_BY_NULL_M: f64 = 1e-6;
@@ -94,18 +93,6 @@ impl JointUncertainty {
             half_axes: [long, short],
             unseen: unseen.map(DVec2::normalize).collect(),
         })
-    }
-
-    /// The joint as a Kalman filter believes it: everything is bounded by the motion so far.
-    #[must_use]
-    pub fn of_belief(belief: &FrameBelief, model: &Model, kinematics: &Kinematics) -> Vec<Self> {
-        let one = |limb| Self {
-            limb: Some(limb),
-            at: kinematics.ends()[limb],
-            covariance: belief.joint_covariance(kinematics, limb),
-            unseen: Matrix3::zeros(),
-        };
-        articulated_joints(model).into_iter().map(one).collect()
     }
 }
 

@@ -7,12 +7,12 @@ use crate::silhouette::SignedDistance;
 
 /// Views that have data, their distance fields, and a start of unit quaternions.
 #[derive(Debug)]
-pub(super) struct Prepared {
-    pub(super) views: Vec<FitView>,
-    pub(super) distances: Vec<Option<SignedDistance>>,
-    pub(super) start: Pose,
+pub(crate) struct Prepared {
+    pub(crate) views: Vec<FitView>,
+    pub(crate) distances: Vec<Option<SignedDistance>>,
+    pub(crate) start: Pose,
     /// Cameras that had nothing to say, by name.
-    pub(super) empty_cameras: Vec<String>,
+    pub(crate) empty_cameras: Vec<String>,
 }
 
 impl Prepared {
@@ -22,7 +22,7 @@ impl Prepared {
     /// # Errors
     /// A pose that is not the model's, data that are not the camera's, options that make no sense, or no
     /// camera with a silhouette.
-    pub(super) fn new(
+    pub(crate) fn new(
         model: &Model,
         views: Vec<FitView>,
         start: &Pose,

@@ -3,10 +3,11 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::fit::BodyFrame;
+use super::frames::BodyFrame;
 use super::options::{BodyFitOptions, BodyStage};
 use crate::body::sizes::bounded;
 use crate::body::{Kinematics, Model, Parameters, Pose, Sizes};
+use crate::fit::FitView;
 use crate::optimize::{LeastSquares, NormalEquations};
 use crate::render::kernels::scalar::RowWinners;
 use crate::render::ramp::BACKGROUND;
@@ -15,20 +16,19 @@ use crate::residual::body_size::{self, ColumnPlaces, SizeBlock, SizeData};
 use crate::residual::proportion_prior::{self, BodySizes};
 use crate::residual::{joint_limit, proximal_prior, rest_prior};
 use crate::silhouette::SignedDistance;
-use crate::track::evidence::FitView;
 
 /// Poses of all frames, and the sizes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BodyState {
+pub(super) struct BodyState {
     /// One pose a frame.
-    pub poses: Vec<Pose>,
+    pub(super) poses: Vec<Pose>,
     /// The body's sizes.
-    pub body: BodySizes,
+    pub(super) body: BodySizes,
 }
 
 /// One stage's cost of poses and sizes.
 #[derive(Debug)]
-pub struct BodyProblem<'a> {
+pub(super) struct BodyProblem<'a> {
     sizes: &'a Sizes,
     options: &'a BodyFitOptions,
     frames: &'a [BodyFrame],
@@ -50,7 +50,7 @@ struct Term<'a> {
 impl<'a> BodyProblem<'a> {
     /// Prepares a stage. `distances` are the distance fields of every frame's views, in their order.
     #[must_use]
-    pub fn new(
+    pub(super) fn new(
         sizes: &'a Sizes,
         frames: &'a [BodyFrame],
         distances: &[Vec<Option<SignedDistance>>],
@@ -76,19 +76,19 @@ impl<'a> BodyProblem<'a> {
 
     /// First column of the sizes.
     #[must_use]
-    pub fn first_size(&self) -> usize {
+    pub(super) fn first_size(&self) -> usize {
         self.references.len() * self.pose_columns()
     }
 
     /// Squared grey levels of a prior weight of 1 at this stage's stride.
     #[must_use]
-    pub fn prior_unit(&self) -> f64 {
+    pub(super) fn prior_unit(&self) -> f64 {
         BACKGROUND * BACKGROUND / (self.stage.stage.stride * self.stage.stage.stride) as f64
     }
 
     /// Squared grey levels of a variance of 1 in the prior of proportions.
     #[must_use]
-    pub fn shape_unit(&self) -> f64 {
+    pub(super) fn shape_unit(&self) -> f64 {
         self.prior_unit() * self.options.shape_weight * self.pictures()
     }
 
@@ -98,7 +98,7 @@ impl<'a> BodyProblem<'a> {
 
     /// Root of the mean squared residual per pixel that has weight, grey levels, where it was evaluated last.
     #[must_use]
-    pub fn rms(&self) -> f64 {
+    pub(super) fn rms(&self) -> f64 {
         let pixels: f64 = self.terms.iter().map(|term| term.data.total_weight() * term.view.weight).sum();
         if pixels > 0.0 { (self.silhouette_cost / pixels).sqrt() } else { 0.0 }
     }
@@ -236,9 +236,9 @@ mod tests {
     use crate::body::builtin;
     use crate::body::sizes::SizeChoice;
     use crate::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+    use crate::fit::Evidence;
     use crate::optimize::gradient_check::{DifferenceOptions, check_gradient};
     use crate::silhouette::Measurement;
-    use crate::track::Evidence;
 
     #[test]
     fn the_gradient_is_that_of_the_cost() {

@@ -2,16 +2,17 @@
 
 use std::sync::Arc;
 
-use super::fit::{BodyFitError, BodyFrame, fit_body};
+use super::fit::{BodyFitError, fit_body};
+use super::frames::BodyFrame;
 use super::options::BodyFitOptions;
 use super::scale;
 use crate::body::sizes::SizeChoice;
 use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
-use crate::track::evidence::FitView;
-use crate::track::metrics::ReferenceJoints;
-use crate::track::options::FitOptions;
-use crate::track::tracker::Tracker;
+use crate::fit::FitOptions;
+use crate::fit::FitView;
+use crate::metrics::ReferenceJoints;
+use crate::track::Tracker;
 
 /// How many of a fit's stages the first frame's goes through: as far as a body of other proportions can be near.
 const FIRST_STAGES: usize = 3;

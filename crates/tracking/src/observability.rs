@@ -31,22 +31,22 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`information`] | [`FrameInformation`]: each camera's JᵀJ, and which limbs it sees |
-//! | [`directions`] | [`Observability`] of a set of cameras: [`Direction`]s, null ones in a basis that can be named |
-//! | [`cause`] | why a direction is weak: shares of its motion, by mechanism |
-//! | [`words`] | the same in sentences |
-//! | [`uncertainty`] | [`JointUncertainty`]: covariance of joints, and its ellipse in a picture |
-//! | [`subsets`] | all sets of cameras compared |
+//! | `information` | [`FrameInformation`]: each camera's JᵀJ, and which limbs it sees |
+//! | `spectrum` | the singular values, and which are null |
+//! | `directions` | [`Observability`] of a set of cameras: [`Direction`]s, null ones in a basis that can be named |
+//! | `cause` | [`Cause`]: why a direction is weak: shares of its motion, by mechanism |
+//! | `uncertainty` | [`JointUncertainty`]: covariance of joints, and its ellipse in a picture |
+//! | `subsets` | [`camera_subsets`]: all sets of cameras compared |
 
-pub mod cause;
-pub mod directions;
-pub mod information;
-pub mod subsets;
-pub mod uncertainty;
-pub mod words;
+mod cause;
+mod directions;
+mod information;
+mod spectrum;
+mod subsets;
+mod uncertainty;
 
-pub use cause::{Cause, Share};
-pub use directions::{Direction, Noise, Observability};
+pub use cause::{Cause, Share, UNSEEN};
+pub use directions::{Direction, Noise, Observability, Visibility};
 pub use information::{CameraInformation, FrameInformation, LimbSight};
 pub use subsets::{SubsetFigures, camera_subsets};
-pub use uncertainty::{ImageEllipse, JointUncertainty};
+pub use uncertainty::{ImageEllipse, JointUncertainty, articulated_joints};

@@ -32,7 +32,7 @@ const ARRIVED_M: f64 = 1e-4;
 /// An angle so near to its limit is at it, radians.
 const AT_LIMIT_RAD: f64 = 1e-3;
 
-struct Chain<'a> {
+struct Reach<'a> {
     model: &'a Model,
     reference: &'a Pose,
     targets: &'a [PointTarget],
@@ -41,7 +41,7 @@ struct Chain<'a> {
     kinematics: Kinematics,
 }
 
-impl LeastSquares for Chain<'_> {
+impl LeastSquares for Reach<'_> {
     type Point = Pose;
 
     fn evaluate(&mut self, pose: &Pose, equations: &mut NormalEquations) {
@@ -79,7 +79,7 @@ fn reach_from(
     stiffness: &[f64],
 ) -> Pose {
     let kinematics = Kinematics::new(model, reference);
-    let mut chain = Chain { model, reference, targets, stiffness, kinematics };
+    let mut chain = Reach { model, reference, targets, stiffness, kinematics };
     let options = SolverOptions {
         method: Method::LevenbergMarquardt,
         damping: 1e-3,

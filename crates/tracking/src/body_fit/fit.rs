@@ -4,32 +4,19 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use super::frames::BodyFrame;
 use super::options::BodyFitOptions;
 use super::problem::{BodyProblem, BodyState};
 use super::report::{self, BodyFit};
 use super::scale;
-use crate::body::{Kinematics, Model, ModelError, Pose, PoseError, Sizes};
+use crate::body::{Kinematics, Model, ModelError, PoseError, Sizes};
 use crate::cancel::CancelToken;
+use crate::fit::Stage;
+use crate::fit::{Evidence, FitError, FitView};
 use crate::optimize::{Method, Solver, SolverOptions, Termination};
 use crate::render::{Ramp, RendererKind, View, prediction};
 use crate::residual::proportion_prior::BodySizes;
 use crate::silhouette::{Overlap, SignedDistance};
-use crate::track::evidence::{Evidence, FitError, FitView};
-use crate::track::metrics::ReferenceJoints;
-use crate::track::options::Stage;
-
-/// What one frame contributes.
-#[derive(Debug, Clone)]
-pub struct BodyFrame {
-    /// Its number, for the report.
-    pub frame: usize,
-    /// Its cameras.
-    pub views: Vec<FitView>,
-    /// A pose near its own.
-    pub start: Pose,
-    /// Joints that are known from elsewhere, a few centimetres accurate (keypoints); none is fine.
-    pub joints: ReferenceJoints,
-}
 
 /// How far a fit is.
 #[derive(Debug, Clone, Copy, PartialEq)]

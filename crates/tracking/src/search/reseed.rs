@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3};
 
 use super::chains::{Chain, Chains};
-use super::hypotheses::HypothesisOptions;
+use super::options::SearchOptions;
 use super::sketch::{Canvas, Skeleton, Sketch};
 use crate::body::{Model, Pose};
 use crate::geometry::rotation::{exp, log};
@@ -51,7 +51,7 @@ pub(super) struct Reseeder<'a> {
     pub(super) sketch: Sketch,
     /// Where the fit began.
     pub(super) reference: &'a Pose,
-    pub(super) effort: &'a HypothesisOptions,
+    pub(super) effort: &'a SearchOptions,
 }
 
 /// A candidate place of one rotation.

@@ -8,23 +8,24 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`options`] | every choice: stages, proportions, which sizes are free |
+//! | `options` | [`BodyFitOptions`]: every choice: stages, proportions, which sizes are free |
 //! | [`scale`] | a first guess of the body's size: from known joints, or from silhouettes' places and areas |
-//! | [`problem`] | poses and sizes as one least-squares problem |
-//! | [`fit`] | [`fit_body`]: stage after stage |
-//! | [`approach`](mod@approach) | from one frame's start to the poses of several frames, by tracking |
-//! | [`frames`] | which frames to look at |
-//! | [`report`] | what was found, and how well each size is seen |
+//! | `problem` | poses and sizes as one least-squares problem |
+//! | `fit` | [`fit_body`]: stage after stage |
+//! | `approach` | [`approach()`]: from one frame's start to the poses of several frames, by tracking |
+//! | [`frames`] | [`BodyFrame`]: what a frame contributes; which frames to look at |
+//! | `report` | [`BodyFit`]: what was found, and how well each size is seen |
 
-pub mod approach;
-pub mod fit;
+mod approach;
+mod fit;
 pub mod frames;
-pub mod options;
-pub mod problem;
-pub mod report;
+mod options;
+mod problem;
+mod report;
 pub mod scale;
 
 pub use approach::{Approach, approach};
-pub use fit::{BodyFitError, BodyFrame, BodyProgress, fit_body};
+pub use fit::{BodyFitError, BodyProgress, fit_body};
+pub use frames::BodyFrame;
 pub use options::{BodyFitOptions, BodyStage, CLOTHED};
-pub use report::{BodyFit, SizeEstimate};
+pub use report::{BodyFit, HELD_ABOVE, SizeEstimate};

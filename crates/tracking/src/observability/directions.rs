@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::cause::{Share, shares};
 use super::information::FrameInformation;
+use super::spectrum::Spectrum;
 use super::uncertainty::{JointUncertainty, articulated_joints, joint_uncertainties};
 use crate::body::{Kinematics, Model, Parameters, Pose};
 
@@ -14,6 +15,13 @@ use crate::body::{Kinematics, Model, Parameters, Pose};
 const OUTSIDE_NULL: f64 = 1e-4;
 /// A candidate is new if at least this much of its unit length is not in the span of those before.
 const NEW_IN_SPAN: f64 = 0.1;
+
+/// One standard deviation moves no joint farther, metres, and turns none farther, radians: seen well.
+const SEEN_WELL: [f64; 2] = [0.005, 0.05];
+/// One standard deviation moves a joint at least so far, metres, or turns it, radians: hardly seen.
+const HARDLY_SEEN: [f64; 2] = [0.03, 0.35];
+/// A direction that moves no joint by this much for a radian moves none, metres.
+const MOVES_NOTHING: f64 = 1e-6;
 
 /// How the pixels err.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,6 +44,19 @@ impl Noise {
     pub fn deviation(&self) -> f64 {
         self.pixel_deviation * self.together.sqrt()
     }
+}
+
+/// How well a direction is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Visibility {
+    /// Not at all.
+    Null,
+    /// So little that a pose may be far off along it.
+    Hardly,
+    /// Somewhat.
+    Somewhat,
+    /// Well.
+    Well,
 }
 
 /// A direction of the state.
@@ -82,6 +103,28 @@ impl Direction {
     pub fn largest_turn(&self) -> f64 {
         let turns = self.step.as_slice()[3..].chunks_exact(3);
         turns.map(|turn| DVec3::from_slice(turn).length()).fold(0.0, f64::max)
+    }
+
+    /// How well it is seen, by what one standard deviation moves and turns.
+    #[must_use]
+    pub fn visibility(&self) -> Visibility {
+        if self.is_null {
+            return Visibility::Null;
+        }
+        let one = [self.deviation * self.largest_move().1, self.deviation * self.largest_turn()];
+        if one[0] >= HARDLY_SEEN[0] || one[1] >= HARDLY_SEEN[1] {
+            Visibility::Hardly
+        } else if one[0] > SEEN_WELL[0] || one[1] > SEEN_WELL[1] {
+            Visibility::Somewhat
+        } else {
+            Visibility::Well
+        }
+    }
+
+    /// Whether no joint moves with it.
+    #[must_use]
+    pub fn moves_no_joint(&self) -> bool {
+        self.largest_move().1 < MOVES_NOTHING
     }
 
     /// How much of it moves no joint farther than `move_m` metres and turns none farther than `turn` radians.
@@ -135,14 +178,6 @@ impl Observability {
         let joints = self.joints.iter().map(|joint| (joint.limb, joint.worst_deviation_m()));
         joints.reduce(|worst, next| if next.1 > worst.1 { next } else { worst })
     }
-}
-
-/// Eigenvalues of the scaled JᵀJ, largest first, with their vectors as columns, and how many are not null.
-pub(super) struct Spectrum {
-    pub(super) values: Vec<f64>,
-    pub(super) vectors: DMatrix<f64>,
-    pub(super) rank: usize,
-    pub(super) null_below: f64,
 }
 
 impl FrameInformation {
@@ -201,24 +236,6 @@ impl FrameInformation {
         let shares = shares(self, cameras, &step);
         let root_move = DVec3::from_slice(&step.as_slice()[..3]);
         Direction { value, relative, is_null: false, step, root_move, joint_moves, deviation, shares }
-    }
-
-    /// The scaled JᵀJ's eigenvalues and what of them is null.
-    pub(super) fn spectrum(&self, cameras: &[usize]) -> Spectrum {
-        let mut scaled = self.equations(cameras).jtj;
-        for axis in 0..3 {
-            scaled.row_mut(axis).scale_mut(self.lever);
-            scaled.column_mut(axis).scale_mut(self.lever);
-        }
-        let columns = scaled.nrows();
-        let pixels: usize = self.parts(cameras).map(|part| part.ramp_pixels).sum();
-        let eigen = scaled.symmetric_eigen();
-        let mut order: Vec<usize> = (0..columns).collect();
-        order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
-        let values: Vec<f64> = order.iter().map(|&index| eigen.eigenvalues[index].max(0.0)).collect();
-        let null_below = f64::EPSILON * (columns + pixels) as f64;
-        let rank = values.iter().take_while(|value| **value > null_below * values[0]).count();
-        Spectrum { vectors: eigen.eigenvectors.select_columns(&order), values, rank, null_below }
     }
 
     /// σ and κ of the module's header.

@@ -7,10 +7,10 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 
-use super::metrics::ReferenceJoints;
-use super::posing;
 use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::geometry::rotation::exp;
+use crate::metrics::ReferenceJoints;
+use crate::posing;
 use crate::residual::point::PointTarget;
 
 /// Headings tried about each axis, since a chain cannot find its way round from behind.

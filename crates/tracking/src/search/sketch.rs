@@ -8,8 +8,8 @@
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use pulp::Arch;
 
-use super::evidence::{Evidence, FitView};
 use crate::body::{Model, Pose};
+use crate::fit::{Evidence, FitView};
 use crate::geometry::rotation::raw_matrix;
 use crate::render::ramp::BACKGROUND;
 use crate::silhouette::{Label, SignedDistance};

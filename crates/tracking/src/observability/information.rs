@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use crate::body::kinematics::MovingColumn;
 use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::camera::Camera;
+use crate::fit::{FitError, FitOptions, FitView, Stage};
 use crate::geometry::rotation::skew;
 use crate::optimize::NormalEquations;
 use crate::render::View;
@@ -17,8 +18,6 @@ use crate::render::ramp::BACKGROUND;
 use crate::render::wrench::WrenchBlock;
 use crate::residual::loss::Loss;
 use crate::residual::silhouette::WorldBlocks;
-use crate::track::evidence::{FitError, FitView};
-use crate::track::options::{FitOptions, Stage};
 
 /// Side of the cells within which pixels err together, pixels: longer than the steps of a silhouette's edge, shorter than
 /// most limbs.

@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::body::sizes::SizeChoice;
+use crate::fit::{DataView, FitOptions, Stage};
 use crate::render::Ramp;
 use crate::residual::proportion_prior::Proportions;
-use crate::track::options::{DataView, FitOptions, Stage};
 
 /// One stage: what the data look like, and how freely proportions may change in it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -3,11 +3,9 @@
 use std::sync::Arc;
 
 use super::evidence::{FitError, FitView};
-use super::hypotheses::{Hypothesis, HypothesisOptions, Search};
 use super::objective::{Constraints, Objective};
 use super::options::FitOptions;
 use super::prepared::Prepared;
-use super::sketch::Sketch;
 use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
 use crate::optimize::{NormalEquations, Solver, SolverOptions, Termination};
@@ -62,8 +60,6 @@ pub struct SolverSummary {
     pub iterations: Vec<IterationRecord>,
     /// Cameras that had nothing to say, by name.
     pub empty_cameras: Vec<String>,
-    /// What a search found before the fit, best first; empty if there was none.
-    pub hypotheses: Vec<Hypothesis>,
 }
 
 /// A fit that is stepped from outside.
@@ -84,7 +80,6 @@ pub struct Fit {
     iterations: Vec<IterationRecord>,
     empty_cameras: Vec<String>,
     termination: Option<Termination>,
-    hypotheses: Vec<Hypothesis>,
 }
 
 impl Fit {
@@ -125,29 +120,18 @@ impl Fit {
         let prepared = Prepared::new(&model, views, &start, &options, |_, _, _| 0.0)?;
         let pose = prepared.start.clone();
         let constraints = Constraints { free, motion: None };
-        Ok(Self::begin(model, prepared, options, constraints, 0, &pose, Vec::new()))
+        Ok(Self::begin(model, prepared, options, constraints, 0, &pose))
     }
 
-    /// A fit that begins with a search for the best of many hypotheses ([`search`](super::hypotheses::search)) and goes
-    /// on from there with the last stage. The others are kept in the summary.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new).
-    pub fn with_hypotheses(
+    /// A fit that goes on from a pose with the last stage alone.
+    pub(crate) fn at_last_stage(
         model: Arc<Model>,
-        views: Vec<FitView>,
-        start: &Pose,
+        prepared: Prepared,
         options: FitOptions,
-        effort: &HypothesisOptions,
-        cancel: &CancelToken,
-    ) -> Result<Self, FitError> {
-        effort.check()?;
-        let options = options.at_scale(&model, &views, start);
-        let prepared = Prepared::new(&model, views, start, &options, Sketch::reach_px)?;
-        let found = Search::run(&model, &prepared, &options, effort, cancel).found;
-        let pose = found[0].pose.clone();
+        pose: &Pose,
+    ) -> Self {
         let last = options.stages.len() - 1;
-        Ok(Self::begin(model, prepared, options, Constraints::default(), last, &pose, found))
+        Self::begin(model, prepared, options, Constraints::default(), last, pose)
     }
 
     /// A fit whose start is what the motion so far foretells: the prior takes the place of the proximal one.
@@ -164,7 +148,7 @@ impl Fit {
         let prepared = Prepared::new(&model, views, &prior.mean, &options, |_, _, _| 0.0)?;
         let pose = prepared.start.clone();
         let constraints = Constraints { free: None, motion: Some(Arc::new(prior)) };
-        Ok(Self::begin(model, prepared, options, constraints, 0, &pose, Vec::new()))
+        Ok(Self::begin(model, prepared, options, constraints, 0, &pose))
     }
 
     fn begin(
@@ -174,7 +158,6 @@ impl Fit {
         constraints: Constraints,
         stage: usize,
         pose: &Pose,
-        hypotheses: Vec<Hypothesis>,
     ) -> Self {
         let Prepared { views, distances, start, empty_cameras } = prepared;
         let (objective, solver) =
@@ -197,7 +180,6 @@ impl Fit {
             options,
             views,
             distances,
-            hypotheses,
         }
     }
 
@@ -368,7 +350,6 @@ impl Fit {
             final_rms: self.rms,
             iterations: self.iterations.clone(),
             empty_cameras: self.empty_cameras.clone(),
-            hypotheses: self.hypotheses.clone(),
         }
     }
 }

@@ -2,14 +2,14 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-use super::fit::BodyFrame;
+use super::frames::BodyFrame;
 use crate::body::{Kinematics, Model, Pose};
 use crate::camera::Camera;
+use crate::fit::{Evidence, FitView};
+use crate::metrics::ReferenceJoints;
 use crate::render::kernels::scalar::RowWinners;
 use crate::render::{Ramp, RendererKind, View};
 use crate::silhouette::{Label, Mask};
-use crate::track::evidence::{Evidence, FitView};
-use crate::track::metrics::ReferenceJoints;
 
 /// Rounds of matching places and areas.
 const ROUNDS: usize = 6;

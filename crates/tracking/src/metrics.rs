@@ -102,6 +102,14 @@ impl JointErrors {
     }
 }
 
+/// Mean distance between the limbs' ends of two poses, millimetres. Twists that no joint shows do not count.
+#[must_use]
+pub fn mean_joint_error_mm(model: &Model, pose: &Pose, truth: &Pose) -> f64 {
+    let (found, truth) = (Kinematics::new(model, pose), Kinematics::new(model, truth));
+    let sum: f64 = found.ends().iter().zip(truth.ends()).map(|(a, b)| a.distance(*b)).sum();
+    1000.0 * sum / found.ends().len().max(1) as f64
+}
+
 /// How much a track trembles: mean length of the joints' second differences from frame to frame, millimetres.
 ///
 /// `poses` are consecutive frames in their order; `None` for fewer than three.

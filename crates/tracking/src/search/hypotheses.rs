@@ -20,15 +20,13 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::chains::Chains;
-use super::evidence::{Evidence, FitError, FitView};
-use super::objective::Objective;
-use super::options::{FitOptions, Stage};
-use super::prepared::Prepared;
+use super::options::SearchOptions;
 use super::reseed::Reseeder;
 use super::sketch::Sketch;
 use super::start;
 use crate::body::{Kinematics, Model, Pose};
 use crate::cancel::CancelToken;
+use crate::fit::{Evidence, Fit, FitError, FitOptions, FitView, Objective, Prepared, Stage};
 use crate::optimize::{Solver, SolverOptions};
 use crate::render::ramp::BACKGROUND;
 use crate::silhouette::Label;
@@ -39,77 +37,6 @@ const SAME_M: f64 = 0.05;
 const LEAST_GAIN: f64 = 1e-3;
 /// Proposals are first refined by the stage this many before the last, the best of them by the ones after it.
 const REFINING_STAGES: usize = 3;
-
-/// How hard to look.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct HypothesisOptions {
-    /// Directions tried of every long limb of a chain, evenly over the sphere.
-    pub directions: usize,
-    /// Fraction of them that is drawn, after a look at a few points of each.
-    pub sieve: f64,
-    /// Partial chains that go on to the next limb.
-    pub beam: usize,
-    /// Places of a chain that are refined.
-    pub proposals: usize,
-    /// Most sweeps over all chains.
-    pub sweeps: usize,
-    /// Trunks that are tried besides the one found from the start.
-    pub trunks: usize,
-    /// Samples that these are the best of.
-    pub trunk_samples: usize,
-    /// Farthest that a sample's rotations are turned, radians.
-    pub trunk_angle: f64,
-    /// Farthest that a sample's root is moved, metres.
-    pub trunk_distance: f64,
-    /// Places of a pair of chains that are refined; 0 leaves pairs out.
-    pub pairs: usize,
-    /// Pairs are tried where the cost is above this fraction of the subject's pixels.
-    pub pairs_above: f64,
-    /// Most hypotheses that are kept.
-    pub kept: usize,
-    /// Seed of the samples.
-    pub seed: u64,
-}
-
-impl Default for HypothesisOptions {
-    fn default() -> Self {
-        Self {
-            directions: 80,
-            sieve: 0.35,
-            beam: 24,
-            proposals: 5,
-            sweeps: 2,
-            trunks: 3,
-            trunk_samples: 200,
-            trunk_angle: 0.5,
-            trunk_distance: 0.15,
-            pairs: 3,
-            pairs_above: 0.04,
-            kept: 8,
-            seed: 1,
-        }
-    }
-}
-
-impl HypothesisOptions {
-    /// First thing wrong with the numbers, by field.
-    ///
-    /// # Errors
-    /// A fraction, angle or distance that is negative or not finite.
-    pub fn check(&self) -> Result<(), super::options::OptionsError> {
-        let numbers = [
-            ("sieve", self.sieve),
-            ("trunk_angle", self.trunk_angle),
-            ("trunk_distance", self.trunk_distance),
-            ("pairs_above", self.pairs_above),
-        ];
-        match numbers.iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0)) {
-            Some(&(field, value)) => Err(super::options::OptionsError::Number { field, value }),
-            None => Ok(()),
-        }
-    }
-}
 
 /// Where a hypothesis comes from.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -166,13 +93,13 @@ pub struct Hypotheses {
 /// has.
 ///
 /// # Errors
-/// As [`Fit::new`](super::Fit::new).
+/// As [`Fit::new`].
 pub fn search(
     model: &Arc<Model>,
     views: Vec<FitView>,
     start: &Pose,
     options: &FitOptions,
-    effort: &HypothesisOptions,
+    effort: &SearchOptions,
     cancel: &CancelToken,
 ) -> Result<Hypotheses, FitError> {
     effort.check()?;
@@ -180,12 +107,33 @@ pub fn search(
     Ok(Search::run(model, &prepared, options, effort, cancel))
 }
 
+/// A fit that begins with a search for the best of many hypotheses ([`search`]) and goes on from there with the last
+/// stage; and all that were found, best first.
+///
+/// # Errors
+/// As [`Fit::new`].
+pub fn fit_best(
+    model: Arc<Model>,
+    views: Vec<FitView>,
+    start: &Pose,
+    options: FitOptions,
+    effort: &SearchOptions,
+    cancel: &CancelToken,
+) -> Result<(Fit, Vec<Hypothesis>), FitError> {
+    effort.check()?;
+    let options = options.at_scale(&model, &views, start);
+    let prepared = Prepared::new(&model, views, start, &options, Sketch::reach_px)?;
+    let found = Search::run(&model, &prepared, &options, effort, cancel).found;
+    let fit = Fit::at_last_stage(model, prepared, options, &found[0].pose);
+    Ok((fit, found))
+}
+
 /// A search in progress.
 #[derive(Debug)]
-pub(super) struct Search<'a> {
+struct Search<'a> {
     model: &'a Arc<Model>,
     options: &'a FitOptions,
-    effort: &'a HypothesisOptions,
+    effort: &'a SearchOptions,
     cancel: &'a CancelToken,
     reseeder: Reseeder<'a>,
     objectives: Vec<(Stage, Objective)>,
@@ -194,11 +142,11 @@ pub(super) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    pub(super) fn run(
+    fn run(
         model: &'a Arc<Model>,
         prepared: &'a Prepared,
         options: &'a FitOptions,
-        effort: &'a HypothesisOptions,
+        effort: &'a SearchOptions,
         cancel: &'a CancelToken,
     ) -> Hypotheses {
         let Prepared { views, distances, start, .. } = prepared;

@@ -1,4 +1,21 @@
-//! Which frames to look at.
+//! What a frame contributes, and which frames to look at.
+
+use crate::body::Pose;
+use crate::fit::FitView;
+use crate::metrics::ReferenceJoints;
+
+/// What one frame contributes.
+#[derive(Debug, Clone)]
+pub struct BodyFrame {
+    /// Its number, for the report.
+    pub frame: usize,
+    /// Its cameras.
+    pub views: Vec<FitView>,
+    /// A pose near its own.
+    pub start: Pose,
+    /// Joints that are known from elsewhere, a few centimetres accurate (keypoints); none is fine.
+    pub joints: ReferenceJoints,
+}
 
 /// `count` of these frames, evenly spread with the first and the last among them; all, if there are no more.
 #[must_use]
