@@ -5,6 +5,7 @@ pub(crate) mod body_job;
 pub(crate) mod job;
 pub(crate) mod measurement;
 pub(crate) mod other_poses;
+pub(crate) mod pose_words;
 pub(crate) mod poses_job;
 pub(crate) mod refit;
 pub(crate) mod refitted;

@@ -20,8 +20,7 @@
 //! | [`starts`], [`starts_file`] | starts of known distance from their truth, drawn or read |
 //! | [`curve`] | one fit, iteration by iteration, against its truth |
 //! | [`sizes`] | the sizes of people of several builds, from silhouettes |
-//! | [`scene`] | simulated data: grey levels and masks of a pose |
-//! | [`upper_body`] | the upper body before its cameras: poses, a movement |
+//! | [`scene`] | simulated data of a pose as a fit takes them |
 //! | [`progress`] | how far an experiment is, and why one cannot run |
 
 pub mod basin;
@@ -41,7 +40,6 @@ pub mod sizes;
 pub mod starts;
 pub mod starts_file;
 pub mod track;
-pub mod upper_body;
 
 pub use curve::Curve;
 pub use fit_choice::FitChoice;

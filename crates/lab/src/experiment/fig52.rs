@@ -15,7 +15,8 @@ use backlit_tracking::search::start::perturb;
 use serde::Serialize;
 
 use super::curve::Curve;
-use super::{ExperimentError, Progress, Simulation, scene, upper_body};
+use super::{ExperimentError, Progress, Simulation, scene};
+use crate::synthetic::upper_body;
 
 /// A fit ends well when its mean joint error is below this, millimetres.
 pub const GOOD_MM: f64 = 20.0;

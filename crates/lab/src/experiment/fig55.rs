@@ -19,7 +19,8 @@ use backlit_tracking::track::{LOST_BELOW_IOU, Tracker};
 use serde::Serialize;
 
 use super::fig52::medians;
-use super::{ExperimentError, Progress, Simulation, scene, upper_body};
+use super::{ExperimentError, Progress, Simulation, scene};
+use crate::synthetic::{capsules, upper_body};
 
 /// Most iterations of a frame, as in the report.
 pub const ITERATIONS: usize = 25;
@@ -200,7 +201,7 @@ struct Moment {
 
 impl Moment {
     fn new(model: &Model, cameras: &[Arc<Camera>], truth: Pose) -> Result<Self, ExperimentError> {
-        let masks = cameras.iter().map(|camera| scene::hard_mask(model, &truth, camera));
+        let masks = cameras.iter().map(|camera| capsules::hard_mask(model, &truth, camera));
         let masks = masks.collect::<Result<Vec<_>, _>>()?;
         Ok(Self { truth, masks })
     }

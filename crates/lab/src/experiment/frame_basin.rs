@@ -297,7 +297,7 @@ pub(super) mod tests {
     use backlit_tracking::fit::{Evidence, FitOptions, Preset};
 
     use super::*;
-    use crate::experiment::{scene, upper_body};
+    use crate::synthetic::{capsules, upper_body};
 
     /// The upper body before two small cameras.
     pub(in crate::experiment) fn frame() -> Frame {
@@ -306,7 +306,7 @@ pub(super) mod tests {
         let cameras = upper_body::cameras(2, [48, 36]).unwrap();
         let view = |camera: &Arc<backlit_tracking::camera::Camera>| FitView {
             camera: Arc::clone(camera),
-            evidence: Evidence::Mask(Arc::new(scene::hard_mask(&model, &reference, camera).unwrap())),
+            evidence: Evidence::Mask(Arc::new(capsules::hard_mask(&model, &reference, camera).unwrap())),
             weight: 1.0,
         };
         let views = cameras.iter().map(view).collect();

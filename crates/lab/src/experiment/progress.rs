@@ -7,6 +7,8 @@ use backlit_tracking::fit::FitError;
 use backlit_tracking::silhouette::{MaskError, MeasurementError};
 use thiserror::Error;
 
+use crate::synthetic::upper_body::CamerasError;
+
 /// How far an experiment is: units of work done, of all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
@@ -26,6 +28,8 @@ pub enum ExperimentError {
     Cancelled,
     #[error(transparent)]
     Camera(#[from] CameraError),
+    #[error(transparent)]
+    Cameras(#[from] CamerasError),
     #[error(transparent)]
     Fit(#[from] FitError),
     #[error("{person}: {error}")]

@@ -23,6 +23,7 @@ use serde::Serialize;
 
 use super::track::noisy;
 use super::{ExperimentError, Progress, scene};
+use crate::synthetic::capsules;
 use crate::synthetic::{motion, studio};
 
 /// Ellipses in every picture.
@@ -238,7 +239,7 @@ fn scenes(options: &Options, trouble: Trouble) -> Result<Vec<Scene>, ExperimentE
             let mut masks = Vec::new();
             let mut believed_cameras = Vec::new();
             for camera in &cameras {
-                let mask = scene::hard_mask(&body, &truth, camera)?;
+                let mask = capsules::hard_mask(&body, &truth, camera)?;
                 masks.push(troubled(mask, trouble, &mut random)?);
                 believed_cameras.push(match trouble {
                     Trouble::Turned(angle) => Arc::new(turned(camera, angle, &mut random)?),

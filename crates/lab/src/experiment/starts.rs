@@ -14,7 +14,8 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 use serde::Serialize;
 
-use super::{ExperimentError, scene};
+use super::ExperimentError;
+use crate::synthetic::capsules;
 
 /// Metres from the cameras to the body, and what they look at above its root.
 const DISTANCE: f64 = 2.7;
@@ -117,7 +118,7 @@ impl Draw {
         for &count in &self.cameras {
             let cameras = self.arc(count, middle, &mut random)?;
             let view = |camera: Arc<Camera>| -> Result<FitView, ExperimentError> {
-                let evidence = Evidence::Mask(Arc::new(scene::hard_mask(model, &truth, &camera)?));
+                let evidence = Evidence::Mask(Arc::new(capsules::hard_mask(model, &truth, &camera)?));
                 Ok(FitView { camera, evidence, weight: 1.0 })
             };
             views.insert(count, cameras.into_iter().map(view).collect::<Result<Vec<_>, _>>()?);

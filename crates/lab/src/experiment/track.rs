@@ -19,7 +19,8 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 use serde::Serialize;
 
-use super::{ExperimentError, Progress, scene, upper_body};
+use super::{ExperimentError, Progress};
+use crate::synthetic::{capsules, upper_body};
 
 /// What to vary.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -193,7 +194,7 @@ fn follow(
     for (frame, truth) in truths.iter().enumerate() {
         let mut views = Vec::new();
         for camera in cameras {
-            let mask = scene::hard_mask(model, truth, camera)?;
+            let mask = capsules::hard_mask(model, truth, camera)?;
             let mask = noisy(&mask, options.border_noise, options.speckle, &mut random);
             views.push(FitView {
                 camera: Arc::clone(camera),

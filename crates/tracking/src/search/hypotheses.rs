@@ -14,7 +14,6 @@
 //! refined by the fit's last stages. Hypotheses are ranked by the last stage's cost, priors included. All of
 //! it is the same in every run with the same seed.
 
-use std::fmt;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -56,17 +55,6 @@ pub enum Origin {
         /// The chains' first limbs.
         limbs: [String; 2],
     },
-}
-
-impl fmt::Display for Origin {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Start => write!(f, "the start"),
-            Self::Trunk => write!(f, "another trunk"),
-            Self::Chain { limb } => write!(f, "{limb} anew"),
-            Self::Pair { limbs: [one, other] } => write!(f, "{one} and {other} anew"),
-        }
-    }
 }
 
 /// A pose that the silhouettes allow.

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use backlit_lab::experiment::{fig51, upper_body};
+use backlit_lab::experiment::fig51;
+use backlit_lab::synthetic::upper_body;
 use backlit_tracking::body::{Kinematics, Model, ModelSpec, Parameters, Pose, builtin};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::optimize::NormalEquations;

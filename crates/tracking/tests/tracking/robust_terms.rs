@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use backlit_lab::experiment::{scene, upper_body};
+use backlit_lab::synthetic::{capsules, upper_body};
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Evidence, Fit, FitOptions, FitView};
@@ -110,7 +110,7 @@ fn doubted_pixels_pull_less() {
     let views: Vec<FitView> = cameras
         .iter()
         .map(|camera| {
-            let mut mask = scene::hard_mask(&model, &truth, camera).unwrap();
+            let mut mask = capsules::hard_mask(&model, &truth, camera).unwrap();
             let bounds = mask.bounds().unwrap();
             let width = mask.width();
             let (middle, bottom) = ((bounds.x_min + bounds.x_max) / 2, bounds.y_max);

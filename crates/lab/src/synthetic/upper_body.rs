@@ -4,11 +4,10 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use backlit_tracking::body::{Model, Pose};
-use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::camera::{Camera, CameraError, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::geometry::rotation::exp;
 use glam::DVec3;
-
-use super::ExperimentError;
+use thiserror::Error;
 
 /// Most cameras of [`cameras`].
 pub const MOST_CAMERAS: usize = 4;
@@ -24,6 +23,16 @@ const DISTANCE: f64 = 2.8;
 const FOCAL: f64 = 1.25;
 /// What the cameras look at, metres above the root.
 const TARGET: DVec3 = DVec3::new(0.0, 0.3, 0.0);
+
+/// Why there are no cameras around the body.
+#[derive(Debug, Error, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the messages say what each variant is")]
+pub enum CamerasError {
+    #[error("`cameras` is {0}; expected 1 to {MOST_CAMERAS}")]
+    Count(usize),
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+}
 
 /// How a joint moves: rotation vector at rest and the vectors that go with the sine and the cosine of the
 /// movement's phase, radians; and how many times it swings in two seconds.
@@ -75,10 +84,9 @@ pub fn motion(model: &Model, frame: usize) -> Pose {
 ///
 /// # Errors
 /// A count of none or of more than [`MOST_CAMERAS`], or a size that no camera can have.
-pub fn cameras(count: usize, size_px: [u64; 2]) -> Result<Vec<Arc<Camera>>, ExperimentError> {
+pub fn cameras(count: usize, size_px: [u64; 2]) -> Result<Vec<Arc<Camera>>, CamerasError> {
     if !(1..=MOST_CAMERAS).contains(&count) {
-        let value = count as f64;
-        return Err(ExperimentError::Option { option: "cameras", value, expected: "1 to 4" });
+        return Err(CamerasError::Count(count));
     }
     let focal = FOCAL * size_px[0] as f64;
     let [cx, cy] = size_px.map(|side| 0.5 * (side as f64 - 1.0));
@@ -99,7 +107,7 @@ mod tests {
     use backlit_tracking::silhouette::Label;
 
     use super::*;
-    use crate::experiment::scene::hard_mask;
+    use crate::synthetic::capsules::hard_mask;
 
     #[test]
     fn no_camera_cuts_the_body_off_and_the_movement_is_smooth() {
