@@ -17,7 +17,7 @@
 //! | [`interval`] | how sure a share of successes is |
 //! | [`track`] | the upper body followed at several speeds through noise: what carrying motion on is worth |
 //! | [`robustness`] | the full body with one thing wrong at a time: masks, cameras, sizes |
-//! | [`starts`], [`starts_file`] | starts of known distance from their truth, drawn or read |
+//! | [`starts`] | starts of known distance from their truth |
 //! | [`curve`] | one fit, iteration by iteration, against its truth |
 //! | [`sizes`] | the sizes of people of several builds, from silhouettes |
 //! | [`scene`] | simulated data of a pose as a fit takes them |
@@ -38,7 +38,6 @@ pub mod robustness;
 pub mod scene;
 pub mod sizes;
 pub mod starts;
-pub mod starts_file;
 pub mod track;
 
 pub use curve::Curve;

@@ -28,4 +28,4 @@ pub use approach::{Approach, approach};
 pub use fit::{BodyFitError, BodyProgress, fit_body};
 pub use frames::BodyFrame;
 pub use options::{BodyFitOptions, BodyStage, CLOTHED};
-pub use report::{BodyFit, HELD_ABOVE, SizeEstimate};
+pub use report::{BodyFit, SizeEstimate};

@@ -45,7 +45,7 @@ mod spectrum;
 mod subsets;
 mod uncertainty;
 
-pub use cause::{Cause, Share, UNSEEN};
+pub use cause::{Cause, Share};
 pub use directions::{Direction, Noise, Observability, Visibility};
 pub use information::{CameraInformation, FrameInformation, LimbSight};
 pub use subsets::{SubsetFigures, camera_subsets};

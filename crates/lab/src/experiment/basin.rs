@@ -13,8 +13,8 @@ use backlit_tracking::render::RendererKind;
 use backlit_tracking::search::SearchOptions;
 use serde::Serialize;
 
-use super::starts::Start;
 use super::{ExperimentError, FitChoice, Progress};
+use backlit_formats::starts_file::Start;
 
 /// Below this mean distance a fit has found its truth, millimetres.
 pub const SUCCESS_MM: f64 = 20.0;

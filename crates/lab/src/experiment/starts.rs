@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use backlit_formats::starts_file::Start;
 use backlit_tracking::body::{Model, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::fit::{Evidence, FitView};
@@ -53,21 +54,6 @@ pub const LEVELS: [Level; 5] = [
     Level { degrees: 30, metres: 0.15 },
     Level { degrees: 45, metres: 0.20 },
 ];
-
-/// A start, its truth, and what the cameras see of the truth.
-#[derive(Debug, Clone)]
-pub struct Start {
-    /// The body.
-    pub model: Arc<Model>,
-    /// Degrees that every joint is off.
-    pub degrees: u32,
-    /// Where it is.
-    pub truth: Pose,
-    /// Where the fit begins.
-    pub start: Pose,
-    /// By number of cameras, what each sees.
-    pub views: BTreeMap<usize, Vec<FitView>>,
-}
 
 /// What starts to draw.
 #[derive(Debug, Clone, PartialEq, Serialize)]

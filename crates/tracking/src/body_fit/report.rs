@@ -11,7 +11,7 @@ use crate::body::{Model, ModelError, Pose, SizeKind, Sizes};
 use crate::optimize::{NormalEquations, Termination};
 
 /// A size whose posterior deviation is above this share of its prior's is held by the prior.
-pub const HELD_ABOVE: f64 = 0.7;
+const HELD_ABOVE: f64 = 0.7;
 
 /// One size.
 #[derive(Debug, Clone, PartialEq)]

@@ -48,7 +48,7 @@ pub fn from_joints(model: &Model, joints: &[ReferenceJoints]) -> Option<f64> {
 ///
 /// `model` is scaled by exp(`size`) at the start. Poses keep their rotations. Frames without masks keep their place.
 #[must_use]
-pub fn from_silhouettes(model: &Model, frames: &[BodyFrame], mut size: f64) -> (f64, Vec<Pose>) {
+pub(super) fn from_silhouettes(model: &Model, frames: &[BodyFrame], mut size: f64) -> (f64, Vec<Pose>) {
     let mut poses: Vec<Pose> = frames.iter().map(|frame| frame.start.clone()).collect();
     for _ in 0..ROUNDS {
         let Ok(body) = model.scaled(size.exp()) else { break };

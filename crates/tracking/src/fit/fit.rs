@@ -138,7 +138,7 @@ impl Fit {
     ///
     /// # Errors
     /// As [`new`](Self::new).
-    pub fn with_motion_prior(
+    pub(crate) fn with_motion_prior(
         model: Arc<Model>,
         views: Vec<FitView>,
         prior: MotionPrior,

@@ -43,11 +43,11 @@ pub struct Objective {
 
 /// What a fit holds and what pulls at it besides its options.
 #[derive(Debug, Clone, Default)]
-pub struct Constraints {
+pub(super) struct Constraints {
     /// Rotations that may move; all when `None`. The root's position moves only when all rotations do.
-    pub free: Option<Vec<bool>>,
+    pub(super) free: Option<Vec<bool>>,
     /// What the motion so far says of the pose. It takes the place of the proximal prior.
-    pub motion: Option<Arc<MotionPrior>>,
+    pub(super) motion: Option<Arc<MotionPrior>>,
 }
 
 #[derive(Debug)]
@@ -112,7 +112,7 @@ impl Objective {
     }
 
     /// Doubts pixels whose residual at a pose is too large to be believed.
-    pub fn doubt_pixels(&mut self, pose: &Pose, loss: Loss) {
+    pub(super) fn doubt_pixels(&mut self, pose: &Pose, loss: Loss) {
         self.kinematics.update(&self.model, pose);
         for term in &mut self.cameras {
             let camera = &term.fit_view.camera;
@@ -122,7 +122,7 @@ impl Objective {
     }
 
     /// Constrains the pose.
-    pub fn constrain(&mut self, constraints: Constraints) {
+    pub(super) fn constrain(&mut self, constraints: Constraints) {
         self.constraints = constraints;
     }
 
@@ -141,15 +141,9 @@ impl Objective {
         equations
     }
 
-    /// Cost of the silhouettes alone at the last evaluated pose, cameras weighted.
-    #[must_use]
-    pub fn silhouette_cost(&self) -> f64 {
-        self.silhouette_cost
-    }
-
     /// Whether no pixel had a gradient at the last evaluated pose: the cameras do not see the body.
     #[must_use]
-    pub fn is_blind(&self) -> bool {
+    pub(super) fn is_blind(&self) -> bool {
         self.world.is_empty()
     }
 

@@ -74,7 +74,7 @@ impl Scale {
 
     /// Whether the person is but a few dozen pixels tall.
     #[must_use]
-    pub fn is_tiny(&self) -> bool {
+    fn is_tiny(&self) -> bool {
         self.person_px < TINY_PX
     }
 
@@ -128,7 +128,7 @@ impl FitOptions {
     /// The same for a frame whose start is the pose of the one before, or what the motion foretells: without the widest
     /// stages, and with priors that hold a tiny person's limbs.
     #[must_use]
-    pub fn near_at_scale(self, model: &Model, views: &[FitView], start: &Pose) -> Self {
+    pub(crate) fn near_at_scale(self, model: &Model, views: &[FitView], start: &Pose) -> Self {
         let is_tiny = self.to_scale && Scale::of(model, views, start).is_tiny();
         let mut options = self.at_scale(model, views, start);
         let skipped = options.skip_when_tracking.min(options.stages.len().saturating_sub(1));
@@ -155,7 +155,7 @@ impl FitOptions {
 
     /// The same with the annealing and the priors that suit a scale.
     #[must_use]
-    pub fn scaled_to(mut self, scale: &Scale) -> Self {
+    fn scaled_to(mut self, scale: &Scale) -> Self {
         self.stages = scale.stages();
         self.skip_when_tracking = self.skip_when_tracking.min(self.stages.len() - 1);
         [self.proximal_weight, self.rest_weight] = WIDE[usize::from(scale.cameras > 1)];

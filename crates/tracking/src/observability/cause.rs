@@ -21,7 +21,7 @@ use super::information::{FrameInformation, LimbSight};
 use crate::body::Parameters;
 
 /// A limb's motion of which its pixels say less than this share of what they say of its best seen motion is unseen.
-pub const UNSEEN: f64 = 0.02;
+const UNSEEN: f64 = 0.02;
 /// A camera with less than this share of what all say of a limb does not see it.
 const SEES_SHARE: f64 = 0.02;
 /// With fewer pixels on a ramp than this a limb is not seen.

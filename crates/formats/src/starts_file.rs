@@ -11,8 +11,6 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use backlit_formats::FileError;
-use backlit_formats::files::{DiskFiles, MAX_TEXT_BYTES, TakeFiles};
 use backlit_tracking::body::model::{self, LimbSpec};
 use backlit_tracking::body::{Model, ModelError, ModelSpec, Pose, PoseError};
 use backlit_tracking::camera::{Camera, CameraError, CameraFromWorld, Distortion, Intrinsics};
@@ -22,7 +20,23 @@ use glam::{DMat3, DVec3};
 use serde::Deserialize;
 use thiserror::Error;
 
-use super::starts::Start;
+use crate::FileError;
+use crate::files::{DiskFiles, MAX_TEXT_BYTES, TakeFiles};
+
+/// A start, its truth, and what the cameras see of the truth.
+#[derive(Debug, Clone)]
+pub struct Start {
+    /// The body.
+    pub model: Arc<Model>,
+    /// Degrees that every joint is off.
+    pub degrees: u32,
+    /// Where it is.
+    pub truth: Pose,
+    /// Where the fit begins.
+    pub start: Pose,
+    /// By number of cameras, what each sees.
+    pub views: BTreeMap<usize, Vec<FitView>>,
+}
 
 /// Why a file of starts could not be read.
 #[derive(Debug, Error)]
