@@ -93,7 +93,7 @@ pub(super) fn shares(
             }
         };
         add(Cause::Twist, limb.length * (limb.radius * turn.dot(unit)).powi(2));
-        let motion = Motion { of_ends: [v0, v0 + turn.cross(axis)], axis: unit };
+        let motion = AxisMotion { of_ends: [v0, v0 + turn.cross(axis)], axis: unit };
         for (cause, energy) in motion.causes(information, cameras, index) {
             add(cause, 0.5 * limb.length * energy);
         }
@@ -110,13 +110,13 @@ pub(super) fn shares(
 }
 
 /// How a limb's axis moves.
-struct Motion {
+struct AxisMotion {
     of_ends: [DVec3; 2],
     /// Unit length.
     axis: DVec3,
 }
 
-impl Motion {
+impl AxisMotion {
     /// What is seen and what is not, with energies in m².
     fn causes(&self, information: &FrameInformation, cameras: &[usize], limb: usize) -> Vec<(Cause, f64)> {
         let [a, b] = self.of_ends;
