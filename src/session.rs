@@ -11,7 +11,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use backlit_tracking::body::Pose;
-use backlit_tracking::track::{FitOptions, Hypothesis};
+use backlit_tracking::fit::FitOptions;
+use backlit_tracking::search::Hypothesis;
 
 pub use frames::{FrameCache, FrameData};
 

@@ -15,9 +15,9 @@ pub use queue::{Job, Lane, Outbox, Report, Step, Worker};
 
 use backlit_lab::experiment::basin_map::Cell;
 use backlit_lab::experiment::frame_basin::Trial;
-use backlit_tracking::track::Hypothesis;
-use backlit_tracking::track::fit_body::BodyFit;
-use backlit_tracking::track::visual_hull::VisualHull;
+use backlit_tracking::body_fit::BodyFit;
+use backlit_tracking::search::Hypothesis;
+use backlit_tracking::visual_hull::VisualHull;
 
 use crate::app::open_job::OpenedProject;
 use crate::document::Estimate;

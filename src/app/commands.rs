@@ -1,7 +1,8 @@
 //! Doing what menus, buttons, keys and the palette ask for.
 
 use backlit_tracking::body::Pose;
-use backlit_tracking::track::{FitOptions, posing};
+use backlit_tracking::fit::FitOptions;
+use backlit_tracking::posing;
 
 use super::App;
 use super::state::{DialogKind, Opening};

@@ -10,10 +10,10 @@ use backlit_formats::export::ending_text;
 use backlit_formats::model_file;
 use backlit_formats::pose_file;
 use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::fit::{Fit, FitView, Preset, SolverSummary};
+use backlit_tracking::metrics::Statistics;
 use backlit_tracking::optimize::Termination;
 use backlit_tracking::render::Ramp;
-use backlit_tracking::track::metrics::Statistics;
-use backlit_tracking::track::{Fit, FitView, Preset, SolverSummary};
 use clap::Args;
 use serde::Serialize;
 

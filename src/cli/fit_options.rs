@@ -3,9 +3,9 @@
 use std::str::FromStr;
 
 use backlit_tracking::body::Parameters;
+use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::{MAX_SPHERES, Ramp, RendererKind};
-use backlit_tracking::track::{FitOptions, Preset};
 use clap::error::ErrorKind;
 use clap::{Args, ValueEnum};
 

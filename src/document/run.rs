@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use backlit_tracking::body::Pose;
-use backlit_tracking::track::FitOptions;
+use backlit_tracking::fit::FitOptions;
 
 use crate::document::CameraUse;
 use crate::style::format;

@@ -5,6 +5,7 @@ pub(crate) mod body_job;
 pub(crate) mod job;
 pub(crate) mod measurement;
 pub(crate) mod other_poses;
+pub(crate) mod pose_words;
 pub(crate) mod poses_job;
 pub(crate) mod refit;
 pub(crate) mod refitted;
@@ -12,8 +13,8 @@ pub(crate) mod renderer;
 pub(crate) mod solver;
 
 use backlit_tracking::body::Model;
+use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::track::{FitOptions, Preset};
 
 use crate::app::App;
 use crate::context::preferences::Layout;

@@ -5,13 +5,14 @@ pub(crate) mod camera_subsets;
 pub(crate) mod observed;
 pub(crate) mod panel;
 pub(crate) mod update;
+pub(crate) mod words;
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Pose};
-use backlit_tracking::track::observability::{Cause, Direction, JointUncertainty, Observability};
-use backlit_tracking::track::posing::LimitedAngle;
+use backlit_tracking::observability::{Cause, Direction, JointUncertainty, Observability};
+use backlit_tracking::posing::LimitedAngle;
 
 use crate::document::Document;
 use crate::drawing::Swaying;

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use backlit_tracking::body::Pose;
-use backlit_tracking::track::Hypothesis;
+use backlit_tracking::search::Hypothesis;
 
 use crate::app::App;
 use crate::context::action::Action;

@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::Camera;
+use backlit_tracking::fit::{FitOptions, FitView};
 use backlit_tracking::render::{BodyMotion, Prediction, View, Wanted, draw};
 use backlit_tracking::silhouette::{Measurement, Overlap};
-use backlit_tracking::track::{FitOptions, FitView};
 
 use rayon::prelude::*;
 

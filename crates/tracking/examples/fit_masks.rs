@@ -11,9 +11,9 @@ use std::sync::Arc;
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::{Evidence, Fit, FitOptions, FitView, Preset};
 use backlit_tracking::render::{Ramp, RendererKind, predict};
 use backlit_tracking::silhouette::{Label, Mask};
-use backlit_tracking::track::{Evidence, Fit, FitOptions, FitView, Preset};
 use glam::DVec3;
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -11,10 +11,11 @@ use std::sync::Arc;
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::{Evidence, FitOptions, FitView, Preset};
 use backlit_tracking::geometry::rotation::exp;
 use backlit_tracking::render::{Ramp, RendererKind, predict};
 use backlit_tracking::silhouette::{Label, Mask};
-use backlit_tracking::track::{Evidence, FitOptions, FitView, Preset, Track, Tracker};
+use backlit_tracking::track::{Track, Tracker};
 use glam::DVec3;
 
 const FRAMES: usize = 12;

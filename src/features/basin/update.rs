@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use backlit_lab::experiment::basin_map::Cell;
 use backlit_lab::experiment::frame_basin::{Frame, Report, Trial};
-use backlit_tracking::track::start;
+use backlit_tracking::search::start;
 
 use crate::app::App;
 use crate::app::state::DialogKind;

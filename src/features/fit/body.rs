@@ -1,7 +1,7 @@
 //! Fitting the body's own sizes, and what is said of them.
 
 use backlit_tracking::body::{Pose, SizeKind};
-use backlit_tracking::track::fit_body::{BodyFit, frames};
+use backlit_tracking::body_fit::{BodyFit, frames};
 
 use crate::app::App;
 use crate::context::action::Action;

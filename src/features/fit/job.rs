@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use backlit_formats::export::ending_text;
 use backlit_tracking::body::Pose;
+use backlit_tracking::fit::{Fit, FitError, FitOptions, IterationRecord};
 use backlit_tracking::optimize::Termination;
-use backlit_tracking::track::{Fit, FitError, FitOptions, IterationRecord};
 
 use crate::document::run::{RunEnding, RunStep};
 use crate::session::prediction::{FitInputs, Predicted};

@@ -5,6 +5,7 @@ use egui::{RichText, TextStyle, Ui};
 use crate::context::action::Action;
 use crate::context::command_button::button;
 use crate::context::{Context, Request, Requests};
+use crate::features::fit::pose_words;
 use crate::style::format;
 use crate::style::theme;
 
@@ -37,7 +38,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         } else {
             format!("+{}", format::percent(found.cost / best - 1.0))
         };
-        let name = format!("Pose {}: {}, {cost}, {more}", index + 1, found.origin);
+        let name = format!("Pose {}: {}, {cost}, {more}", index + 1, pose_words::origin(&found.origin));
         let row = egui::Button::selectable(is_shown, (name, egui::Atom::grow())).truncate();
         let response = ui.add_sized([ui.available_width(), theme::size::ROW], row);
         let hover =

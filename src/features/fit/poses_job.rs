@@ -1,7 +1,7 @@
 //! The search for other poses that fit one frame.
 
 use backlit_tracking::body::Pose;
-use backlit_tracking::track::{HypothesisOptions, hypotheses};
+use backlit_tracking::search::{self, SearchOptions};
 
 use crate::session::prediction::FitInputs;
 use crate::worker::{Event, Job, Outbox, Step};
@@ -19,8 +19,8 @@ impl Job<Event> for PosesJob {
     fn step(&mut self, out: &Outbox<Event>) -> Step {
         let scene = &self.scene;
         let Some(frame) = scene.frame.as_ref().map(|frame| frame.frame) else { return Step::Done };
-        let (effort, views) = (HypothesisOptions::default(), scene.views());
-        match hypotheses::search(&scene.model, views, &self.start, &scene.fit, &effort, out.cancel()) {
+        let (effort, views) = (SearchOptions::default(), scene.views());
+        match search::search(&scene.model, views, &self.start, &scene.fit, &effort, out.cancel()) {
             // Half a search has looked at half of the body.
             Ok(_) if out.cancel().is_cancelled() => {}
             Ok(found) => out.send(Event::PosesFound(frame, found.found)),

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use backlit_formats::images;
 use backlit_tracking::body::Pose;
-use backlit_tracking::track::Fit;
+use backlit_tracking::fit::Fit;
 use image::DynamicImage;
 use rayon::prelude::*;
 

@@ -3,7 +3,7 @@
 mod chart;
 
 use backlit_tracking::camera::Camera;
-use backlit_tracking::track::observability::{Direction, JointUncertainty, Observability};
+use backlit_tracking::observability::{Direction, JointUncertainty, Observability};
 use egui::{Align, ComboBox, Layout, Rect, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 
 use crate::context::action::Action;
@@ -11,6 +11,7 @@ use crate::context::command_button::named_button;
 use crate::context::{Context, Request, Requests, unavailable};
 use crate::drawing::ellipse_factor::FACTORS;
 use crate::drawing::{JointEllipse, JointId, joint_ellipses, joint_name};
+use crate::features::observability::words;
 use crate::features::observability::{AMPLITUDES_MM, ObserveRequest, Observing, SPEEDS};
 use crate::style::format;
 use crate::style::theme;
@@ -117,7 +118,7 @@ fn title_row(
     let (at, count) = (observing.picked().unwrap_or_default(), shown.directions.len());
     let (row, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), size::SLIDER_ROW), Sense::hover());
-    let text = format!("{} of {count}: {}", at + 1, shown.title(direction));
+    let text = format!("{} of {count}: {}", at + 1, words::title(shown, direction));
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("Direction {text}")));
     let band = row.expand2(vec2(space::PANEL_MARGIN, 0.0));
     ui.painter().rect_filled(band, 0.0, palette.select);
@@ -156,8 +157,8 @@ fn title_row(
 fn words(ui: &mut Ui, observing: &Observing, shown: &Observability, direction: &Direction) {
     let palette = theme::palette(ui);
     let colour = if observing.is_stale() { palette.text3 } else { palette.text };
-    ui.add(egui::Label::new(RichText::new(shown.why(direction)).color(colour)).wrap());
-    let remedy = shown.remedy(direction);
+    ui.add(egui::Label::new(RichText::new(words::why(shown, direction)).color(colour)).wrap());
+    let remedy = words::remedy(direction);
     let known = known(shown, direction);
     let rest = [remedy, &known].into_iter().filter(|text| !text.is_empty());
     let rest = rest.collect::<Vec<_>>().join(" ");

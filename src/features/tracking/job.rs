@@ -5,9 +5,10 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use backlit_tracking::body::Pose;
+use backlit_tracking::fit::FitError;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::track::join::{self, Source};
-use backlit_tracking::track::{FitError, FrameEstimate, Track, Tracker, motion};
+use backlit_tracking::track::{FrameEstimate, Track, Tracker, smoothed};
 
 use super::read_ahead::ReadAhead;
 use crate::app::load_job::load_frame;
@@ -132,7 +133,7 @@ impl TrackJob {
         if lag.is_some_and(|lag| self.order.len() > lag)
             && let Some(first) = self.order.pop_front()
         {
-            let smoothed = motion::smoothed(&self.kept, None);
+            let smoothed = smoothed(&self.kept, None);
             out.send(Event::TrackRevised(smoothed.frames.get(&first).map(revised).into_iter().collect()));
             self.kept.frames.remove(&first);
         }
@@ -142,7 +143,7 @@ impl TrackJob {
     fn end_leg(&mut self, out: &Outbox<Event>) {
         let mut track = std::mem::take(&mut self.kept);
         if let Following::Smoothed { lag } = self.choices.motion {
-            track = motion::smoothed(&track, lag);
+            track = smoothed(&track, lag);
             if !track.frames.is_empty() {
                 out.send(Event::TrackRevised(track.frames.values().map(revised).collect()));
             }

@@ -72,7 +72,7 @@ fn is_between(model: &Model, limb: usize) -> bool {
 
 /// A body's unknown sizes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BodySizes {
+pub(crate) struct BodySizes {
     /// θ, one a parameter.
     pub log_ratios: Vec<f64>,
     /// g.
@@ -84,7 +84,7 @@ pub struct BodySizes {
 impl BodySizes {
     /// A body scaled as a whole by exp(`size`).
     #[must_use]
-    pub fn scaled(sizes: &Sizes, size: f64) -> Self {
+    pub(crate) fn scaled(sizes: &Sizes, size: f64) -> Self {
         Self { log_ratios: vec![size; sizes.count()], size, girth: 0.0 }
     }
 }

@@ -2,11 +2,9 @@
 
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
-use backlit_tracking::render::{
-    BodyMotion, Drawing, MOST_ERROR, Prediction, Ramp, RendererKind, View, Wanted, draw, draw_plainly,
-    jacobian_along,
-};
-use backlit_tracking::track::start;
+use backlit_tracking::render::{BodyMotion, MOST_ERROR, draw_plainly, jacobian_along};
+use backlit_tracking::render::{Drawing, Prediction, Ramp, RendererKind, View, Wanted, draw};
+use backlit_tracking::search::start;
 use glam::DVec3;
 
 use crate::bodies::with_own_spheres;

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use backlit_lab::experiment::{fig51, upper_body};
+use backlit_lab::experiment::fig51;
+use backlit_lab::synthetic::upper_body;
 use backlit_tracking::body::{Kinematics, Model, ModelSpec, Parameters, Pose, builtin};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::optimize::NormalEquations;
 use backlit_tracking::render::{Prediction, Ramp, RendererKind, View, dense_jacobian, predict};
-use backlit_tracking::track::start::perturb;
+use backlit_tracking::search::start::perturb;
 use nalgebra::{DMatrix, DVector};
 
 const SIZE: [u64; 2] = [96, 72];

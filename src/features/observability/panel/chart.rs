@@ -1,7 +1,7 @@
 //! Singular values of JᵀJ, relative to the largest, on a logarithmic scale: one bar a direction, null ones hatched below the
 //! line of what is nothing but rounding.
 
-use backlit_tracking::track::observability::Observability;
+use backlit_tracking::observability::Observability;
 use egui::text::{LayoutJob, TextFormat};
 use egui::{
     Align, Align2, Color32, EventFilter, FontId, Key, Painter, Rect, Response, Role, Sense, Shape, Stroke,
@@ -9,6 +9,7 @@ use egui::{
 };
 
 use crate::context::{Request, Requests};
+use crate::features::observability::words;
 use crate::features::observability::{ObserveRequest, Observing};
 use crate::style::format;
 use crate::style::theme;
@@ -110,7 +111,7 @@ pub(crate) fn ui(ui: &mut Ui, observing: &Observing, requests: &mut Requests) {
         let index = hovered.unwrap_or_default() + 1;
         let text = format!(
             "Direction {index} of {count}: {}\n{value}. Click to sway along it.",
-            shown.title(direction)
+            words::title(shown, direction)
         );
         response.on_hover_text_at_pointer(text);
     }
