@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 pub use queue::{Job, Lane, Outbox, Report, Step, Worker};
 
-use backlit_tracking::track::visual_hull::VisualHull;
+use backlit_tracking::visual_hull::VisualHull;
 
 use crate::app::open_job::OpenedProject;
 use crate::document::edit::Edit;

@@ -1,7 +1,7 @@
 //! Doing what menus, buttons, keys and the palette ask for.
 
 use backlit_tracking::body::Pose;
-use backlit_tracking::track::FitOptions;
+use backlit_tracking::fit::FitOptions;
 
 use super::App;
 use super::state::{DialogKind, Opening};

@@ -18,7 +18,7 @@ mod joint;
 mod panel;
 mod sizes;
 
-use backlit_tracking::track::posing::LimitedAngle;
+use backlit_tracking::posing::LimitedAngle;
 use clipboard::Clipboard;
 use drag::{Dragging, NUDGE_SECONDS, Nudging};
 use egui::Ui;

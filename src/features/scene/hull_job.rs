@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use backlit_tracking::camera::Camera;
-use backlit_tracking::track::visual_hull::{HullOptions, HullView, VisualHull};
+use backlit_tracking::visual_hull::{HullOptions, HullView, VisualHull};
 
 use crate::session::FrameData;
 use crate::worker::{Event, Job, Outbox, Step};
