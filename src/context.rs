@@ -25,6 +25,7 @@ use std::sync::Arc;
 
 use crate::context::activity::Activity;
 use crate::context::arrangement::Arrangement;
+use crate::context::clock::Clock;
 use crate::context::command::Command;
 use crate::context::drag_marks::DragMarks;
 use crate::context::notices::Notices;
@@ -35,10 +36,8 @@ use crate::context::view_settings::ViewSettings;
 use crate::document::Document;
 use crate::document::edit::Edit;
 use crate::document::history::{Gesture, History};
-use crate::drawing::{DragEvent, JointId};
+use crate::drawing::{DragEvent, JointId, ViewMode};
 use crate::features::convergence::CurvesRequest;
-use crate::features::export::dialog::ExportOrder;
-use crate::features::scene::{SceneLook, SceneOrder};
 use crate::jobs::{Failure, Pool};
 use crate::session::playback::{Playback, PlaybackChange};
 use crate::session::prediction::{Derivatives, FitInputs};
@@ -64,12 +63,10 @@ pub struct Context<'a> {
     pub busy: Activity,
     /// The project file, if there is one.
     pub project: Option<&'a Path>,
-    /// Whether something was exported since the start.
-    pub has_exported: bool,
-    /// Whether unsaved work was discarded that can be brought back.
-    pub has_discarded: bool,
     /// Whether a project was not opened since its take was not there.
     pub lacks_take: bool,
+    /// The pane that fills the centre.
+    pub alone: Option<Pane>,
     /// How frames are played.
     pub playback: &'a Playback,
     /// What all camera views share.
@@ -78,10 +75,14 @@ pub struct Context<'a> {
     pub(crate) drag: DragMarks<'a>,
     /// What views and scene draw of what the cameras see.
     pub observability: &'a ObservabilityMarks,
+    /// What time it is.
+    pub clock: &'a Clock,
     /// The sentence of the status bar about what the hand is doing.
     pub doing: Option<&'a str>,
-    /// What the open demonstration shows, until that is closed.
-    pub explanation: Option<&'a str>,
+    /// Whether something lies over the window: the palette, a dialog.
+    pub is_covered: bool,
+    /// Whether work is offered that an earlier start of the program left unsaved.
+    pub offers_unsaved_work: bool,
     /// What cannot be used in this frame.
     pub unavailable: &'a Unavailable,
     /// Whether a change of the layout can be taken back.
@@ -107,6 +108,13 @@ impl<'a> Context<'a> {
     #[must_use]
     pub fn shown_pose(&self) -> &'a Pose {
         self.session.shown_pose(self.document(), self.selection)
+    }
+
+    /// Whether a pane is on the screen.
+    #[must_use]
+    pub fn shows(&self, pane: Pane) -> bool {
+        let is_open = || self.preferences.is_open(pane, self.session.camera_count());
+        self.alone.map_or_else(is_open, |alone| alone == pane)
     }
 
     /// The name of the take, for files that are made of it.
@@ -168,40 +176,57 @@ pub enum Request {
     Part(usize),
     /// What all camera views share.
     Views(ViewSettings),
+    /// Show a mode alone in all views of a layout.
+    ShowMode(Layout, ViewMode),
     /// How the window is arranged.
     Layout(Layout),
+    /// Show all tiles again, if one fills the window.
+    ShowAllTiles,
+    /// Run the laboratory's fits as soon as they have begun.
+    RunLaboratory,
+    /// Fit the frame from the pose on the screen to the end, as a run of this name.
+    BeginRun {
+        /// The name.
+        name: String,
+        /// The gesture that its result belongs to.
+        gesture: Gesture,
+    },
+    /// Begin a new past of the document: there is nothing to undo and nothing to save.
+    ForgetPast,
     /// What the user did with a tile.
     Pane(Pane, PaneEvent),
-    /// What the 3-D scene shows, and from where.
-    Scene(SceneLook),
     /// The user has arranged the tiles.
     Arrange(Box<Arrangement>),
     /// Open a take.
     Open(TakeSource),
+    /// Close all notices.
+    CloseNotices,
     /// Close a notice.
     CloseNotice(u64),
-    /// Close the explanation of a demonstration.
-    CloseExplanation,
+    /// Close the notices that begin so: that is over.
+    CloseNoticesAbout(&'static str),
     /// A notice is under the pointer: it stays.
     HoldNotice(u64),
     /// Change how frames are played.
     Playback(PlaybackChange),
     /// What to do with work that an earlier start of the program left unsaved.
-    Recover(Recovery),
+    Recover(Decision),
+    /// Open what waits until the user has decided about that work.
+    OpenPostponed,
     /// Open whatever a path is.
     OpenPath(PathBuf),
     /// Take a path off the list of recent takes.
     ForgetRecent(PathBuf),
     /// Copy a text, and say what it was.
     Copy(&'static str, String),
-    /// Open a page of the web outside.
-    OpenPage(&'static str),
+    /// Open a page or a folder in another program.
+    OpenOutside(String),
     /// A command was chosen in the palette.
     Used(Command),
-    /// Export pictures.
-    Export(Box<ExportOrder>),
-    /// Ask in a dialog of the desktop's where an export goes.
-    ChooseExportFile,
+    /// Lay the card of the export over the window.
+    ExportCard,
+    /// Begin the export that was put together on its card.
+    Export,
     /// Say in the status bar what was just done, or nothing any more.
     Status(Option<String>),
     /// Say something on a card, with a command that goes on from there.
@@ -226,7 +251,7 @@ impl std::fmt::Debug for Write {
 
 /// What the user decides about work that was left, by its place in the list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Recovery {
+pub enum Decision {
     /// Go on with it.
     Restore(usize),
     /// Offer it no more.
@@ -257,8 +282,6 @@ pub struct Requests {
     pub commands: Vec<Command>,
     /// Everything else.
     pub others: Vec<Request>,
-    /// What the 3-D scene is to show, where its picture shows something else.
-    pub scene: Option<Box<SceneOrder>>,
     /// Files to be written.
     pub writes: Vec<Write>,
     /// Frames that were read on the way, and that panels may show.

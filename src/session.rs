@@ -17,8 +17,6 @@ pub use frames::{FrameCache, FrameData};
 use crate::document::Document;
 use crate::document::run::{Run, RunStep};
 use crate::features::fit::refitted::Refitted;
-use crate::features::scene::SceneDrawing;
-use crate::features::scene::hulls::HullCache;
 use crate::session::prediction::{FitInputs, Predicted};
 use crate::session::selection::{Selection, StepRef};
 use crate::take::footage::Footage;
@@ -55,10 +53,6 @@ pub struct Session {
     pub refits: BTreeMap<usize, Refitted>,
     /// Whether that run is being stepped right now.
     pub is_stepping: bool,
-    /// Visual hulls of frames.
-    pub hulls: HullCache,
-    /// The picture of the 3-D scene. While a newer one is drawn, the old stays.
-    pub scene_drawing: Option<Arc<SceneDrawing>>,
     /// The frame that was shown last: it stays until the next one is there.
     pub last_frame: Option<Arc<FrameData>>,
     /// Changes with the pictures on the screen.
@@ -91,6 +85,13 @@ impl Session {
     #[must_use]
     pub fn camera_count(&self) -> usize {
         self.take.as_ref().map_or(0, |take| take.cameras.len())
+    }
+
+    /// Pixels of a camera's pictures, across and down.
+    #[must_use]
+    pub fn camera_size(&self, camera: usize) -> Option<[usize; 2]> {
+        let camera = self.take.as_ref()?.cameras.get(camera)?;
+        Some([camera.width(), camera.height()])
     }
 
     /// The pose on the screen: that of the step that is looked at, or of the run that is going on, or the

@@ -13,12 +13,9 @@ use std::sync::Arc;
 
 pub use queue::{Job, Lane, Outbox, Report, Step, Worker};
 
-use backlit_tracking::visual_hull::VisualHull;
-
 use crate::app::open_job::OpenedProject;
 use crate::document::edit::Edit;
 use crate::document::run::{RunEnding, RunStep};
-use crate::features::scene::SceneDrawing;
 use crate::session::prediction::Predicted;
 use crate::session::{Extent, FrameData};
 use crate::take::footage::Footage;
@@ -26,23 +23,12 @@ use crate::take::footage::Footage;
 /// What the jobs say.
 #[derive(Debug)]
 pub enum Event {
-    /// The visual hull of a frame, if its silhouettes leave one.
-    HullCarved(Arc<FrameData>, Option<Arc<VisualHull>>),
-    /// The 3-D scene as it was ordered.
-    SceneDrawn(Arc<SceneDrawing>),
     /// A frame was read and segmented.
     FrameLoaded(Arc<FrameData>),
     /// A step of the fit; the first is the start.
     FitStep(Box<RunStep>, Arc<Predicted>),
     /// The fit has ended or was stopped; `None` if it may go on.
     FitEnded(Option<RunEnding>),
-    /// The copy of unsaved work was written.
-    CopySaved {
-        /// The document's revision.
-        revision: u64,
-    },
-    /// The copy of unsaved work was not written; why.
-    CopyFailed(String),
     /// Something did not work; what it was.
     Failed(String),
 }

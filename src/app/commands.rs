@@ -7,13 +7,12 @@ use super::App;
 use super::state::{DialogKind, Opening};
 use crate::context::Requests;
 use crate::context::command::{
-    Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand, RecoveryCommand,
-    TrackingCommand, WindowCommand,
+    Command, ConvergenceCommand, FileCommand, FitCommand, HistoryCommand, TrackingCommand, WindowCommand,
 };
 use crate::context::command_button::dragged_until_now;
 use crate::context::preferences::Layout;
 use crate::document::edit::Edit;
-use crate::features::export::dialog::Subject;
+use crate::features::demonstrations::Demonstrations;
 use crate::features::scene::panel as scene;
 use crate::shell::Overlay;
 use crate::shell::palette::Palette;
@@ -57,8 +56,14 @@ impl App {
         match command {
             Command::File(command) => self.file_command(command, ctx),
             Command::History(command) => self.history_command(command),
-            Command::Recovery(RecoveryCommand::UndoDiscard) => self.undo_discard(),
-            Command::Export(command) => self.export_command(command),
+            Command::Recovery(command) => self.with(
+                |features| &mut features.recovery,
+                |recovery, context, requests| recovery.run(command, context, requests),
+            ),
+            Command::Export(command) => self.with(
+                |features| &mut features.export,
+                |export, context, requests| export.run(command, context, requests),
+            ),
             Command::Pose(command) => self.with(
                 |features| &mut features.pose,
                 |posing, context, requests| posing.run(command, context, requests),
@@ -68,7 +73,10 @@ impl App {
                 |features| &mut features.camera_views,
                 |views, context, requests| views.run(command, context, requests),
             ),
-            Command::Scene(command) => self.scene_command(command),
+            Command::Scene(command) => self.with(
+                |features| &mut features.scene,
+                |scene, context, requests| scene.run(command, context, requests),
+            ),
             Command::Fit(FitCommand::SearchPoses) => {
                 self.interrupt_fit();
                 self.with(
@@ -103,10 +111,18 @@ impl App {
                 |features| &mut features.timeline,
                 |timeline, context, requests| timeline.run(command, context, requests),
             ),
-            Command::Demonstration(which) => self.open(Opening::Take(TakeSource::Demonstration(which))),
+            Command::Demonstration(which) => {
+                self.with(
+                    |features| &mut features.demonstrations,
+                    |_, _, requests| Demonstrations::run(which, requests),
+                );
+            }
             Command::Laboratory(command) => self.features.laboratory.run(command),
             Command::Tour => {
-                self.begin_tour();
+                self.with(
+                    |features| &mut features.tour,
+                    |tour, context, requests| tour.begin(context, requests),
+                );
                 self.shell.overlay = None;
             }
         }
@@ -140,7 +156,7 @@ impl App {
             if self.features.basin.is_running() {
                 self.features.basin.cancel();
             } else {
-                self.stop_export();
+                self.features.export.stop();
             }
         }
         true
@@ -170,17 +186,6 @@ impl App {
         };
         if let Some(what) = what {
             self.state.status = Some(format!("{verb}: {what}."));
-        }
-    }
-
-    fn export_command(&mut self, command: ExportCommand) {
-        match command {
-            ExportCommand::View => self.ask_for_export(Subject::View),
-            ExportCommand::Window => self.ask_for_export(Subject::Window),
-            ExportCommand::Steps => self.ask_for_export(Subject::Steps),
-            ExportCommand::Frames => self.ask_for_export(Subject::Frames),
-            ExportCommand::Stop => self.stop_export(),
-            ExportCommand::ShowExported => self.show_exported(),
         }
     }
 

@@ -26,14 +26,15 @@ use crate::features::Features;
 use crate::features::basin::Basin;
 use crate::features::laboratory::Laboratory;
 use crate::features::observability::Observability;
-use crate::features::recovery::unsaved::Unsaved;
+use crate::features::recovery::Recovery;
+use crate::features::scene::Scene;
 use crate::jobs::{Pool, Priority, Task};
 use crate::session::Session;
 use crate::session::playback::Playback;
 use crate::session::selection::Selection;
 use crate::shell::Shell;
 use crate::take::source::TakeSource;
-use crate::worker::{Event, Lane, Worker};
+use crate::worker::{Event, Worker};
 
 /// What the window begins with.
 #[derive(Debug, Default)]
@@ -70,6 +71,20 @@ pub enum Opening {
     },
 }
 
+impl Opening {
+    /// What it is called, in a sentence.
+    fn name(&self) -> String {
+        match self {
+            Self::Take(TakeSource::Path(path)) | Self::Project(path) | Self::Moved { project: path, .. } => {
+                path.file_name().map_or_else(|| "the take".into(), |name| name.to_string_lossy().into_owned())
+            }
+            Self::Take(TakeSource::Demonstration(_)) => "the demonstration".to_owned(),
+            Self::Take(TakeSource::BuiltIn) => "the built-in take".to_owned(),
+            Self::Ready(take) => take.name().to_owned(),
+        }
+    }
+}
+
 /// What a file dialog was asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum DialogKind {
@@ -77,7 +92,6 @@ pub(crate) enum DialogKind {
     FindTake,
     Project,
     SaveAs,
-    Export,
     Curves,
     Plot,
 }
@@ -188,7 +202,7 @@ impl App {
         };
         let mut app = Self {
             state,
-            features: Features { recovery: Unsaved::new(options.data_folder), ..Features::default() },
+            features: Features { recovery: Recovery::new(options.data_folder), ..Features::default() },
             shell: Shell::default(),
             files: Files::default(),
             refresh: Refresh::default(),
@@ -203,13 +217,16 @@ impl App {
         };
         app.apply_settings(options.settings);
         if options.offers_tour {
-            app.offer_tour();
+            app.features.tour.offer();
         }
-        app.look_for_unsaved_work();
+        app.with(|features| &mut features.recovery, |recovery, _, requests| recovery.look(requests));
         match options.opening {
-            Some(opening) if app.features.recovery.offered.is_empty() => app.open(opening),
+            Some(opening) if !app.features.recovery.is_offered() => app.open(opening),
             // First the unsaved work: once something else is open, its own copy would take that one's place.
-            opening => app.files.postponed = opening,
+            opening => {
+                app.features.recovery.let_wait(opening.as_ref().map(Opening::name));
+                app.files.postponed = opening;
+            }
         }
         Ok(app)
     }
@@ -268,6 +285,12 @@ impl App {
         &self.features.observability
     }
 
+    /// The 3-D scene.
+    #[must_use]
+    pub fn shown_scene(&self) -> &Scene {
+        &self.features.scene
+    }
+
     /// Closes the cards of notices; they stay among the messages.
     pub fn close_notices(&mut self) {
         self.state.notices.close_all();
@@ -277,13 +300,14 @@ impl App {
     #[must_use]
     pub fn is_idle(&self) -> bool {
         // A body that sways never comes to rest, and neither does its picture.
-        let is_drawn = !self.worker.is_busy(Lane::Scene) || self.features.observability.is_playing();
-        self.worker.is_idle_but(Lane::Scene)
-            && is_drawn
-            && self.state.pool.is_idle()
+        let is_at_rest = match self.features.observability.is_playing() {
+            true => self.features.scene.is_all_that_works(&self.state.pool),
+            false => self.state.pool.is_idle(),
+        };
+        self.worker.is_idle()
+            && is_at_rest
             && !(self.state.session.is_stale && !self.refresh.has_failed_to_predict())
-            && self.features.demonstration.prepared.is_none()
-            && self.features.export.exporting.is_none()
+            && !self.features.demonstrations.is_running()
             && self.features.laboratory.is_settled(&self.context())
     }
 

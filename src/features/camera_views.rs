@@ -33,6 +33,8 @@ mod pane;
 mod picture_view;
 mod pointer;
 pub mod preferences;
+#[cfg(test)]
+mod tests;
 pub mod tile;
 mod tile_menu;
 pub mod tile_view;

@@ -17,6 +17,8 @@ mod dragged;
 mod joint;
 mod panel;
 mod sizes;
+#[cfg(test)]
+mod tests;
 
 use backlit_tracking::posing::LimitedAngle;
 use clipboard::Clipboard;

@@ -544,7 +544,7 @@ fn header_and_gutter_say_what_was_clicked() {
     harness.drop_at(slider.right_center() - vec2(7.0, 0.0));
     harness.run();
     let events = taken(&mut harness);
-    assert!(matches!(events[..], [.., TileEvent::SetWeight(weight)] if weight > 1.8), "{events:?}");
+    assert!(matches!(events[..], [.., TileEvent::SetWeight(weight, _)] if weight > 1.8), "{events:?}");
     harness.get_by_label("More for Camera 1").click();
     harness.run();
     harness.get_by_label_contains("Whole picture").click();

@@ -2,6 +2,7 @@
 
 use crate::context::pane::Pane;
 use crate::context::view_settings::ViewSettings;
+use crate::document::history::Gesture;
 use crate::drawing::{Comparison, DragEvent, JointId, ViewMode};
 use crate::widgets::Framing;
 
@@ -28,8 +29,8 @@ pub enum TileEvent {
     SetWipe(f32),
     /// Ticked or unticked the camera's use in the fit.
     SetUsed(bool),
-    /// Set the camera's weight in the fit.
-    SetWeight(f64),
+    /// Set the camera's weight in the fit, with the gesture of the slider.
+    SetWeight(f64, Option<Gesture>),
     /// Linked or unlinked zoom and pan. Linked tiles share one [`Framing`].
     SetLinked(bool),
     /// Zoomed, panned or fitted.

@@ -114,9 +114,9 @@ pub(crate) fn show_fit_use(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mu
             let label = format!("Weight of {}", input.name);
             let slider = ValueSlider::new(&mut weight, 0.0..=MAX_WEIGHT, &label).width(WEIGHT_SLIDER);
             let slider = ui.add(slider);
-            gesture(ui, "weight", &slider);
+            let drag = gesture(ui, "weight", &slider);
             if slider.changed() {
-                events.push(TileEvent::SetWeight(weight));
+                events.push(TileEvent::SetWeight(weight, drag));
             }
             slider.on_hover_text(
                 "How much each pixel of this camera counts in the fit, next to those of the others",

@@ -65,7 +65,7 @@ impl CameraViews {
             ui.ctx().request_repaint();
         }
         for event in &response.events {
-            self.take_in(ui, &pane, *event, before, requests);
+            self.take_in(&pane, *event, before, requests);
         }
         let frame = context.session.shown_frame(context.selection.frame);
         let frame = frame.and_then(|frame| frame.cameras.get(place.camera));

@@ -1,13 +1,11 @@
 //! The views' commands, and what the user did in a tile.
 
-use egui::Ui;
 use glam::DVec2;
 
 use super::linked::follow;
 use super::pane::{CameraPane, subject};
 use super::{CameraViews, TileEvent, TileView};
 use crate::context::command::ViewCommand;
-use crate::context::command_button::dragged_until_now;
 use crate::context::pane::Pane;
 use crate::context::unavailable::{because, no_take};
 use crate::context::{Context, PaneEvent, Request, Requests};
@@ -112,7 +110,6 @@ impl CameraViews {
     /// Does what the user did in a tile, whose picture lay on the screen as `before` until then.
     pub(super) fn take_in(
         &mut self,
-        ui: &Ui,
         pane: &CameraPane<'_>,
         event: TileEvent,
         before: Option<ViewTransform>,
@@ -138,8 +135,8 @@ impl CameraViews {
             TileEvent::SetSettings(settings) => self.preferences.settings = settings,
             TileEvent::SetWipe(at) => self.change(context, camera, |tile| tile.wipe_at = at),
             TileEvent::SetUsed(used) => requests.edit(Edit::UseCamera { camera, used }),
-            TileEvent::SetWeight(weight) => {
-                requests.edits.push((Edit::WeighCamera { camera, weight }, dragged_until_now(ui.ctx())));
+            TileEvent::SetWeight(weight, drag) => {
+                requests.edits.push((Edit::WeighCamera { camera, weight }, drag));
             }
             TileEvent::SetLinked(linked) => self.preferences.linked_zoom = linked,
             TileEvent::SetFraming(framing) => self.frame(pane, framing, before),
