@@ -127,7 +127,9 @@ impl App {
                 self.dock(|docking, window| docking.switch_camera(window, from, to))
             }
             Request::Drag(camera, event) => self.drag(camera, event),
-            Request::CancelGesture(gesture) => self.state.history.cancel(gesture),
+            Request::CancelGesture(gesture) => {
+                self.state.history.cancel(gesture);
+            }
             Request::Segment => self.state.session.forget_measurements(),
             Request::Layout(layout) => self.state.preferences.layout = layout,
             Request::Pane(pane, event) => self.pane_event(pane, event),
