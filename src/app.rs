@@ -19,11 +19,10 @@
 //! | `dropping` | files that are dropped on the window |
 //! | `files` | takes, projects, dialogs |
 //! | `settings` | the settings file |
-//! | `unsaved` | the copy of unsaved work, and what was left |
 //! | `jobs` | what the screen lacks is asked of the worker |
 //! | `exported`, `accessible` | the state as a file, for tests from outside; where the named widgets are |
 //! | `touring` | the tour: which step, and whether it was done |
-//! | `exporting`, `twin` | exports, and the second inspector that is painted for them |
+//! | `off_screen` | the second inspector, which is painted for exports |
 //! | `outside` | folders and pages in other programs |
 //! | `scene_view` | where the 3-D scene is seen from, and its hull |
 //! | `screen` | which panels there are, and where |
@@ -40,12 +39,12 @@ pub(crate) mod features;
 pub(crate) mod files;
 pub(crate) mod headless;
 pub(crate) mod layout;
+pub(crate) mod off_screen;
 pub(crate) mod open_job;
 pub(crate) mod open_with_system;
 pub(crate) mod playing;
 pub(crate) mod refresh;
 pub(crate) mod requests;
-pub(crate) mod save_job;
 pub(crate) mod screen;
 pub mod settings;
 pub mod settings_file;
@@ -81,14 +80,12 @@ impl App {
         self.hear_worker();
         self.update_features();
         self.hear_dialogs();
-        self.hear_export();
         self.take_dropped_files(ui.ctx());
         let mut requests = self.read_keys(ui.ctx());
         self.show(ui, &mut requests);
         self.apply(requests, ui.ctx());
         self.play(ui.ctx());
-        self.autosave();
-        self.guard_close(ui.ctx());
+        self.keep_work();
         self.refresh();
         self.go_on_demonstrating();
         self.follow_tour();
@@ -109,6 +106,7 @@ impl eframe::App for App {
 
     fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
         // What goes wrong was said when the window was asked to close.
-        let _ = self.keep_unsaved_work();
+        let _ = self
+            .with(|features| &mut features.recovery, |recovery, context, all| recovery.keep(context, all));
     }
 }

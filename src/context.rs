@@ -25,6 +25,7 @@ use std::sync::Arc;
 
 use crate::context::activity::Activity;
 use crate::context::arrangement::Arrangement;
+use crate::context::clock::Clock;
 use crate::context::command::Command;
 use crate::context::drag_marks::DragMarks;
 use crate::context::notices::Notices;
@@ -37,7 +38,6 @@ use crate::document::edit::Edit;
 use crate::document::history::{Gesture, History};
 use crate::drawing::{DragEvent, JointId, ViewMode};
 use crate::features::convergence::CurvesRequest;
-use crate::features::export::dialog::ExportOrder;
 use crate::features::scene::{SceneLook, SceneOrder};
 use crate::jobs::{Failure, Pool};
 use crate::session::playback::{Playback, PlaybackChange};
@@ -64,10 +64,6 @@ pub struct Context<'a> {
     pub busy: Activity,
     /// The project file, if there is one.
     pub project: Option<&'a Path>,
-    /// Whether something was exported since the start.
-    pub has_exported: bool,
-    /// Whether unsaved work was discarded that can be brought back.
-    pub has_discarded: bool,
     /// Whether a project was not opened since its take was not there.
     pub lacks_take: bool,
     /// How frames are played.
@@ -78,6 +74,8 @@ pub struct Context<'a> {
     pub(crate) drag: DragMarks<'a>,
     /// What views and scene draw of what the cameras see.
     pub observability: &'a ObservabilityMarks,
+    /// What time it is.
+    pub clock: &'a Clock,
     /// The sentence of the status bar about what the hand is doing.
     pub doing: Option<&'a str>,
     /// What the open demonstration shows, until that is closed.
@@ -184,26 +182,30 @@ pub enum Request {
     CloseNotice(u64),
     /// Close the explanation of a demonstration.
     CloseExplanation,
+    /// Close the notices that begin so: that is over.
+    CloseNoticesAbout(&'static str),
     /// A notice is under the pointer: it stays.
     HoldNotice(u64),
     /// Change how frames are played.
     Playback(PlaybackChange),
     /// What to do with work that an earlier start of the program left unsaved.
-    Recover(Recovery),
+    Recover(Decision),
+    /// Open what waits until the user has decided about that work.
+    OpenPostponed,
     /// Open whatever a path is.
     OpenPath(PathBuf),
     /// Take a path off the list of recent takes.
     ForgetRecent(PathBuf),
     /// Copy a text, and say what it was.
     Copy(&'static str, String),
-    /// Open a page of the web outside.
-    OpenPage(&'static str),
+    /// Open a page or a folder in another program.
+    OpenOutside(String),
     /// A command was chosen in the palette.
     Used(Command),
-    /// Export pictures.
-    Export(Box<ExportOrder>),
-    /// Ask in a dialog of the desktop's where an export goes.
-    ChooseExportFile,
+    /// Lay the card of the export over the window.
+    ExportCard,
+    /// Begin the export that was put together on its card.
+    Export,
     /// Say in the status bar what was just done, or nothing any more.
     Status(Option<String>),
     /// Say something on a card, with a command that goes on from there.
@@ -228,7 +230,7 @@ impl std::fmt::Debug for Write {
 
 /// What the user decides about work that was left, by its place in the list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Recovery {
+pub enum Decision {
     /// Go on with it.
     Restore(usize),
     /// Offer it no more.

@@ -93,6 +93,13 @@ impl Session {
         self.take.as_ref().map_or(0, |take| take.cameras.len())
     }
 
+    /// Pixels of a camera's pictures, across and down.
+    #[must_use]
+    pub fn camera_size(&self, camera: usize) -> Option<[usize; 2]> {
+        let camera = self.take.as_ref()?.cameras.get(camera)?;
+        Some([camera.width(), camera.height()])
+    }
+
     /// The pose on the screen: that of the step that is looked at, or of the run that is going on, or the
     /// document's.
     #[must_use]

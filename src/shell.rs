@@ -17,7 +17,6 @@ pub(crate) mod status_bar;
 pub(crate) mod toolbar;
 
 use crate::app::dropping::Hovering;
-use crate::features::export::dialog::ExportDialog;
 use crate::style::theme::Theme;
 
 /// The state of what stands around the features.
@@ -38,5 +37,5 @@ pub(crate) enum Overlay {
     Shortcuts(String),
     Messages,
     About,
-    Export(Box<ExportDialog>),
+    Export,
 }

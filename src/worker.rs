@@ -36,13 +36,6 @@ pub enum Event {
     FitStep(Box<RunStep>, Arc<Predicted>),
     /// The fit has ended or was stopped; `None` if it may go on.
     FitEnded(Option<RunEnding>),
-    /// The copy of unsaved work was written.
-    CopySaved {
-        /// The document's revision.
-        revision: u64,
-    },
-    /// The copy of unsaved work was not written; why.
-    CopyFailed(String),
     /// Something did not work; what it was.
     Failed(String),
 }

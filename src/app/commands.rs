@@ -7,13 +7,11 @@ use super::App;
 use super::state::{DialogKind, Opening};
 use crate::context::Requests;
 use crate::context::command::{
-    Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand, RecoveryCommand,
-    TrackingCommand, WindowCommand,
+    Command, ConvergenceCommand, FileCommand, FitCommand, HistoryCommand, TrackingCommand, WindowCommand,
 };
 use crate::context::command_button::dragged_until_now;
 use crate::context::preferences::Layout;
 use crate::document::edit::Edit;
-use crate::features::export::dialog::Subject;
 use crate::features::scene::panel as scene;
 use crate::shell::Overlay;
 use crate::shell::palette::Palette;
@@ -57,8 +55,14 @@ impl App {
         match command {
             Command::File(command) => self.file_command(command, ctx),
             Command::History(command) => self.history_command(command),
-            Command::Recovery(RecoveryCommand::UndoDiscard) => self.undo_discard(),
-            Command::Export(command) => self.export_command(command),
+            Command::Recovery(command) => self.with(
+                |features| &mut features.recovery,
+                |recovery, context, requests| recovery.run(command, context, requests),
+            ),
+            Command::Export(command) => self.with(
+                |features| &mut features.export,
+                |export, context, requests| export.run(command, context, requests),
+            ),
             Command::Pose(command) => self.with(
                 |features| &mut features.pose,
                 |posing, context, requests| posing.run(command, context, requests),
@@ -137,7 +141,7 @@ impl App {
             if self.features.basin.is_running() {
                 self.features.basin.cancel();
             } else {
-                self.stop_export();
+                self.features.export.stop();
             }
         }
         true
@@ -167,17 +171,6 @@ impl App {
         };
         if let Some(what) = what {
             self.state.status = Some(format!("{verb}: {what}."));
-        }
-    }
-
-    fn export_command(&mut self, command: ExportCommand) {
-        match command {
-            ExportCommand::View => self.ask_for_export(Subject::View),
-            ExportCommand::Window => self.ask_for_export(Subject::Window),
-            ExportCommand::Steps => self.ask_for_export(Subject::Steps),
-            ExportCommand::Frames => self.ask_for_export(Subject::Frames),
-            ExportCommand::Stop => self.stop_export(),
-            ExportCommand::ShowExported => self.show_exported(),
         }
     }
 

@@ -40,8 +40,6 @@ impl App {
             Event::SceneDrawn(drawing) => self.state.session.scene_drawing = Some(drawing),
             Event::FitStep(step, predicted) => self.fit_step(*step, predicted),
             Event::FitEnded(ending) => self.finish_run(ending),
-            Event::CopySaved { revision } => self.copy_saved(revision),
-            Event::CopyFailed(why) => self.copy_failed(&why),
             Event::Failed(text) => self.state.notices.error(text),
         }
     }
@@ -131,7 +129,7 @@ impl App {
         if let Some(TakeSource::Path(path)) = &footage.source {
             self.state.preferences.remember(path.clone());
         }
-        let left = self.begin_copy(project.as_ref().map(|project| project.path.as_path()));
+        let left = self.features.recovery.begin(project.as_ref().map(|project| project.path.as_path()));
         self.files.lost_take = None;
         if let Some(note) = project.as_ref().and_then(|project| project.note.clone()) {
             self.state.notices.info(self.state.now, note, None);

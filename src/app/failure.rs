@@ -48,7 +48,6 @@ impl App {
         self.state.notices.error(format!("{} broke down: {why}. Your work is unharmed.", work_of(lane)));
         match lane {
             Lane::Fit => self.fit_broke(),
-            Lane::Save => self.features.recovery.copy_broke(),
             _ => {}
         }
     }

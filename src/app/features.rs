@@ -10,6 +10,7 @@ impl App {
     /// Every feature takes in what its tasks have done, and asks for what it lacks.
     pub(crate) fn update_features(&mut self) {
         self.with(|features| &mut features.basin, |basin, context, requests| basin.update(context, requests));
+        self.update_feature(|features| &mut features.export, |export, _, requests| export.update(requests));
         self.update_feature(
             |features| &mut features.tracking,
             |tracking, context, requests| tracking.update(context, requests),
@@ -24,6 +25,17 @@ impl App {
             |observability, context, requests| observability.update(context, requests),
         );
         self.state.observability = self.features.observability.marks();
+    }
+
+    /// The copy of unsaved work follows what was done in this frame, and work is not left that can be kept nowhere.
+    pub(crate) fn keep_work(&mut self) {
+        self.with(
+            |features| &mut features.recovery,
+            |recovery, context, requests| {
+                recovery.update(context, requests);
+                recovery.guard_close(context, requests);
+            },
+        );
     }
 
     /// Something is dragged in a camera's view. What runs or plays stops for it.

@@ -5,13 +5,10 @@ use std::path::{Path, PathBuf};
 use super::App;
 use super::state::{DialogKind, Opening};
 use crate::app::open_job::{OpenJob, Opened};
-use crate::app::save_job::SaveJob;
 use crate::context::command::{Command, FileCommand};
 use crate::context::write_advice::remedy;
 use crate::document::project::write_project;
-use crate::features::recovery::{About, Picture};
 use crate::jobs::{News, once};
-use crate::shell::Overlay;
 use crate::take::source::TakeSource;
 
 /// Ending of project files.
@@ -20,7 +17,11 @@ const PROJECT_EXTENSION: &str = "backlit";
 impl App {
     /// Opens a take or a project. What is not saved is kept as a copy.
     pub(crate) fn open(&mut self, opening: Opening) {
-        if !self.may_leave("Not opened", "open it") {
+        let may_leave = self.with(
+            |features| &mut features.recovery,
+            |recovery, context, requests| recovery.may_leave("Not opened", "open it", context, requests),
+        );
+        if !may_leave {
             return;
         }
         let job = match opening {
@@ -65,11 +66,6 @@ impl App {
             Some(path) => self.save_to(&path),
             None => self.ask_for_file(DialogKind::SaveAs),
         }
-    }
-
-    /// Writes the document to the copy of unsaved work.
-    pub(crate) fn save_job(&self, path: PathBuf, beside: (About, Option<Picture>)) -> SaveJob {
-        SaveJob { document: self.document().clone(), revision: self.state.history.revision(), path, beside }
     }
 
     /// Takes in what was opened and saved.
@@ -117,10 +113,6 @@ impl App {
         let context = self.state.egui.clone();
         let name =
             self.state.session.take.as_ref().map_or_else(|| "project".to_owned(), |take| take.name.clone());
-        let export = match &self.shell.overlay {
-            Some(Overlay::Export(dialog)) => dialog.wanted_name(),
-            _ => (false, String::new()),
-        };
         let thread = std::thread::Builder::new().name("backlit file dialog".to_owned()).spawn(move || {
             let dialog = rfd::FileDialog::new();
             let path = match kind {
@@ -129,8 +121,6 @@ impl App {
                 DialogKind::Project => {
                     dialog.set_title("Open project").add_filter("Backlit", &[PROJECT_EXTENSION]).pick_file()
                 }
-                DialogKind::Export if export.0 => dialog.set_title("Export to folder").pick_folder(),
-                DialogKind::Export => dialog.set_title("Export").set_file_name(&export.1).save_file(),
                 DialogKind::SaveAs => {
                     let name = format!("{name}.{PROJECT_EXTENSION}");
                     dialog.set_title("Save project").set_file_name(name).save_file()
@@ -156,11 +146,6 @@ impl App {
             match kind {
                 DialogKind::Take | DialogKind::Project => self.open_path(&path),
                 DialogKind::FindTake => self.find_take(&path),
-                DialogKind::Export => {
-                    if let Some(Overlay::Export(dialog)) = &mut self.shell.overlay {
-                        dialog.set_path(&path);
-                    }
-                }
                 DialogKind::SaveAs => {
                     let path = if path.extension().is_none() {
                         path.with_extension(PROJECT_EXTENSION)

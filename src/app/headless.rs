@@ -13,7 +13,7 @@ use crate::app::settings::Settings;
 use crate::context::command::{Command, FitCommand, TimelineCommand, TrackingCommand};
 use crate::context::preferences::Layout;
 use crate::drawing::ViewMode;
-use crate::features::export::dialog::ExportOrder;
+use crate::features::export::ExportOrder;
 use crate::style::theme::Theme;
 
 /// What has come to rest so often is at rest; what plays never is.
@@ -88,9 +88,9 @@ pub(crate) fn headless_export(
     let frames = app.state.session.frame_count();
     ensure!(order.frames[0] < frames, "there is no frame {}; the take has {frames}", order.frames[0]);
     settle(&mut window, &mut app, options.patience);
-    let export = app.export_of(order);
-    ensure!(!export.shots.is_empty(), "there is no step: say with --iteration how many to do");
-    export.run(&CancelToken::default(), &|_| {})
+    let export = app.export_job(order)?;
+    ensure!(export.len() > 0, "there is no step: say with --iteration how many to do");
+    Ok(export.finish()?)
 }
 
 /// The app in its window, when all is done that the options ask for.
@@ -153,6 +153,7 @@ pub(crate) fn rest(window: &mut Headless, app: &mut App, patience: Duration, can
             if app.is_idle() || cancel.is_cancelled() || start.elapsed() > patience {
                 break;
             }
+            app.state.pool.turn();
             std::thread::sleep(Duration::from_millis(1));
         }
         // Sizes settle over two frames, and may ask for more.

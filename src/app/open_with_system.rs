@@ -14,13 +14,6 @@ const OPENER: &str = if cfg!(target_os = "macos") {
 };
 
 impl App {
-    /// Opens the folder of the last export.
-    pub(crate) fn show_exported(&mut self) {
-        if let Some(folder) = &self.features.export.exported_to {
-            self.open_outside(folder.display().to_string());
-        }
-    }
-
     /// Opens a folder or a page outside; where that cannot be done, the address goes to the clipboard.
     pub(crate) fn open_outside(&mut self, address: String) {
         let child = Command::new(OPENER)

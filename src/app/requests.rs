@@ -1,11 +1,12 @@
 //! Applying what the panels asked for.
 
 use super::App;
-use super::state::{DialogKind, Opening};
+use super::state::Opening;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
 use crate::document::history::Gesture;
 use crate::features::Features;
+use crate::shell::Overlay;
 
 impl App {
     /// Applies edits, then requests, then commands; what was asked for in this frame of the window is seen in the next.
@@ -23,6 +24,9 @@ impl App {
         }
         for frame in requests.frames {
             self.state.session.keep_frame(frame);
+        }
+        for write in requests.writes {
+            self.write(write);
         }
         for (edit, gesture) in requests.edits {
             if matches!(edit, Edit::SetPose { .. }) {
@@ -137,24 +141,33 @@ impl App {
             Request::Arrange(tree) => self.dock(|_, window| window.arrange(*tree)),
             Request::Open(source) => self.open(Opening::Take(source)),
             Request::CloseNotice(id) => self.state.notices.close(id),
+            Request::CloseNoticesAbout(beginning) => self.state.notices.close_about(beginning),
             Request::CloseExplanation => self.features.demonstration.explanation = None,
             Request::HoldNotice(id) => self.state.notices.hold(id, self.state.now),
             Request::Playback(change) => self.change_playback(change),
-            Request::Recover(which) => self.recover(which),
+            Request::Recover(decision) => self.with(
+                |features| &mut features.recovery,
+                |recovery, _, requests| recovery.decide(decision, requests),
+            ),
+            Request::OpenPostponed => {
+                if let Some(opening) = self.files.postponed.take() {
+                    self.open(opening);
+                }
+            }
             Request::OpenPath(path) => self.open_path(&path),
             Request::ForgetRecent(path) => self.state.preferences.recent.retain(|other| *other != path),
             Request::Copy(what, text) => {
                 self.state.egui.copy_text(text);
                 self.state.notices.info(self.state.now, format!("Copied the {what}."), None);
             }
-            Request::OpenPage(address) => self.open_outside(address.to_owned()),
+            Request::OpenOutside(address) => self.open_outside(address),
             Request::Used(command) => self.state.preferences.use_command(command.text()),
-            Request::Export(order) => self.begin_export(*order),
+            Request::ExportCard => self.shell.overlay = Some(Overlay::Export),
+            Request::Export => self.begin_export(),
             Request::Status(text) => self.state.status = text,
             Request::Inform(text, next) => self.state.notices.info(self.state.now, text, next),
             Request::Complain(text, None) => self.state.notices.error(text),
             Request::Complain(text, Some(helps)) => self.state.notices.error_with(text, helps),
-            Request::ChooseExportFile => self.ask_for_file(DialogKind::Export),
         }
     }
 }

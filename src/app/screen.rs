@@ -30,12 +30,11 @@ impl App {
                 tracking: self.features.tracking.is_busy(),
                 track: self.features.tracking.progress(),
                 basin: self.features.basin.is_running(),
-                exporting: self.export_progress(),
+                exporting: self.features.export.progress(),
             },
             project: self.state.project.as_deref(),
-            has_exported: self.features.export.exported_to.is_some(),
-            has_discarded: self.has_discarded(),
             lacks_take: self.files.lost_take.is_some(),
+            clock: &self.clock,
             playback: &self.state.playback,
             views: self.features.camera_views.preferences.settings,
             drag: self.features.pose.marks(self.state.now),
@@ -97,7 +96,7 @@ impl App {
                 dock::ui(ui, &context, &mut features, &self.shell.docking, requests);
             });
         } else {
-            empty::ui(ui, &context, requests, &self.offer());
+            empty::ui(ui, &context, &self.features.recovery, requests);
         }
         for id in notice_cards::ui(ui, &context, requests, notices_from) {
             requests.request(Request::HoldNotice(id));
@@ -140,7 +139,12 @@ impl App {
             Overlay::Shortcuts(search) => shortcuts::ui(ui, search),
             Overlay::Messages => messages::messages(ui, &self.state.notices, self.state.now, requests),
             Overlay::About => about::about(ui, requests),
-            Overlay::Export(dialog) => dialog.ui(ui, &self.context(), requests),
+            Overlay::Export => {
+                let mut export = std::mem::take(&mut self.features.export);
+                let stays = export.card(ui, &self.context(), requests);
+                self.features.export = export;
+                stays
+            }
         };
         if stays {
             self.shell.overlay = Some(overlay);

@@ -26,7 +26,7 @@ use crate::features::Features;
 use crate::features::basin::Basin;
 use crate::features::laboratory::Laboratory;
 use crate::features::observability::Observability;
-use crate::features::recovery::unsaved::Unsaved;
+use crate::features::recovery::Recovery;
 use crate::jobs::{Pool, Priority, Task};
 use crate::session::Session;
 use crate::session::playback::Playback;
@@ -70,6 +70,20 @@ pub enum Opening {
     },
 }
 
+impl Opening {
+    /// What it is called, in a sentence.
+    fn name(&self) -> String {
+        match self {
+            Self::Take(TakeSource::Path(path)) | Self::Project(path) | Self::Moved { project: path, .. } => {
+                path.file_name().map_or_else(|| "the take".into(), |name| name.to_string_lossy().into_owned())
+            }
+            Self::Take(TakeSource::Demonstration(_)) => "the demonstration".to_owned(),
+            Self::Take(TakeSource::BuiltIn) => "the built-in take".to_owned(),
+            Self::Ready(take) => take.name().to_owned(),
+        }
+    }
+}
+
 /// What a file dialog was asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum DialogKind {
@@ -77,7 +91,6 @@ pub(crate) enum DialogKind {
     FindTake,
     Project,
     SaveAs,
-    Export,
     Curves,
     Plot,
 }
@@ -188,7 +201,7 @@ impl App {
         };
         let mut app = Self {
             state,
-            features: Features { recovery: Unsaved::new(options.data_folder), ..Features::default() },
+            features: Features { recovery: Recovery::new(options.data_folder), ..Features::default() },
             shell: Shell::default(),
             files: Files::default(),
             refresh: Refresh::default(),
@@ -205,11 +218,14 @@ impl App {
         if options.offers_tour {
             app.offer_tour();
         }
-        app.look_for_unsaved_work();
+        app.with(|features| &mut features.recovery, |recovery, _, requests| recovery.look(requests));
         match options.opening {
-            Some(opening) if app.features.recovery.offered.is_empty() => app.open(opening),
+            Some(opening) if !app.features.recovery.is_offered() => app.open(opening),
             // First the unsaved work: once something else is open, its own copy would take that one's place.
-            opening => app.files.postponed = opening,
+            opening => {
+                app.features.recovery.let_wait(opening.as_ref().map(Opening::name));
+                app.files.postponed = opening;
+            }
         }
         Ok(app)
     }
@@ -283,7 +299,6 @@ impl App {
             && self.state.pool.is_idle()
             && !(self.state.session.is_stale && !self.refresh.has_failed_to_predict())
             && self.features.demonstration.prepared.is_none()
-            && self.features.export.exporting.is_none()
             && self.features.laboratory.is_settled(&self.context())
     }
 

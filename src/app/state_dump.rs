@@ -138,7 +138,7 @@ impl App {
             "take": self.exported_take(),
             "project": self.state.project,
             "unsaved": self.state.history.is_dirty(),
-            "recovery": self.features.recovery.offered.iter().map(|left| format!("{}, {}", left.take, left.work())).collect::<Vec<_>>(),
+            "recovery": self.features.recovery.offered().iter().map(|left| format!("{}, {}", left.take, left.work())).collect::<Vec<_>>(),
             "undo": self.state.history.undo_text(),
             "redo": self.state.history.redo_text(),
             "frame": selection.frame,
@@ -174,7 +174,7 @@ impl App {
             ("predict", self.refresh.is_predicting()),
             ("open", self.files.open.is_busy()),
             ("load", self.refresh.is_reading()),
-            ("save", self.files.save.is_busy() || self.worker.is_busy(Lane::Save)),
+            ("save", self.files.save.is_busy()),
             ("fit", self.worker.is_busy(Lane::Fit)),
             ("survey", self.refresh.is_surveying()),
             ("track", self.features.tracking.is_busy()),
@@ -263,6 +263,6 @@ fn overlay_name(overlay: &Overlay) -> &'static str {
         Overlay::Shortcuts(_) => "keys",
         Overlay::Messages => "messages",
         Overlay::About => "about",
-        Overlay::Export(_) => "export",
+        Overlay::Export => "export",
     }
 }

@@ -15,6 +15,8 @@ impl App {
             return answer;
         }
         match command {
+            Command::Export(command) => features.export.unavailable(command, context),
+            Command::Recovery(command) => features.recovery.unavailable(command),
             Command::Tracking(command) => features.tracking.unavailable(command, context),
             Command::Timeline(command) => features.timeline.unavailable(command, context),
             Command::Observability(command) => features.observability.unavailable(command, context),

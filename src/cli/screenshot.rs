@@ -14,8 +14,8 @@ use crate::app::{Opening, PictureOptions, headless_export, headless_picture, ope
 use crate::context::preferences::Layout;
 use crate::drawing::ViewMode;
 use crate::features::export::choices::{DELAYS_MS, MAX_SIDE};
-use crate::features::export::dialog::{ExportOrder, Subject};
 use crate::features::export::{ExportChoices, Part, SeriesFormat};
+use crate::features::export::{ExportOrder, Subject};
 use crate::style::theme::Theme;
 use crate::take::demonstration::Demonstration;
 use crate::take::source::TakeSource;

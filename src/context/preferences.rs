@@ -8,7 +8,6 @@ use crate::context::arrangement;
 use crate::context::arrangement::Kept;
 use crate::context::pane::Pane;
 use crate::features::convergence::CurvesLook;
-use crate::features::export::ExportChoices;
 use crate::features::scene::SceneLook;
 use crate::style::theme::{Theme, size};
 
@@ -58,8 +57,6 @@ pub struct Preferences {
     pub scene: SceneLook,
     /// How the user has arranged the tiles.
     pub kept: Kept,
-    /// What was chosen for the last export.
-    pub export: ExportChoices,
     /// What the convergence plot shows.
     pub curves: CurvesLook,
     /// Names of the commands that were chosen last in the palette, the newest first.
@@ -79,7 +76,6 @@ impl Default for Preferences {
             recent: Vec::new(),
             scene: SceneLook::default(),
             kept: Kept::default(),
-            export: ExportChoices::default(),
             curves: CurvesLook::default(),
             used_commands: Vec::new(),
             tour_offered: false,

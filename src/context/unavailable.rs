@@ -5,8 +5,7 @@
 
 use super::Context;
 use super::command::{
-    BasinCommand, Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
-    RecoveryCommand, WindowCommand,
+    BasinCommand, Command, ConvergenceCommand, FileCommand, FitCommand, HistoryCommand, WindowCommand,
 };
 use super::preferences::Layout;
 use crate::session::selection::StepRef;
@@ -36,10 +35,6 @@ pub(crate) fn why(command: Command, context: &Context<'_>) -> Why {
     match command {
         Command::File(command) => file(command, context),
         Command::History(command) => history(command, context),
-        Command::Recovery(RecoveryCommand::UndoDiscard) => {
-            because(!context.has_discarded, "Nothing was discarded")
-        }
-        Command::Export(command) => export(command, context),
         Command::Window(command) => window(command, context),
         Command::Scene(_) => no_tiles(context),
         Command::Fit(command) => fit(command, context),
@@ -48,6 +43,8 @@ pub(crate) fn why(command: Command, context: &Context<'_>) -> Why {
         Command::Observability(_)
         | Command::Tracking(_)
         | Command::Timeline(_)
+        | Command::Export(_)
+        | Command::Recovery(_)
         | Command::Pose(_)
         | Command::View(_)
         | Command::Laboratory(_)
@@ -96,21 +93,6 @@ fn history(command: HistoryCommand, context: &Context<'_>) -> Why {
             because(nothing, "There is nothing to undo")
         }
         HistoryCommand::Redo => because(context.history.redo_text().is_none(), "There is nothing to redo"),
-    }
-}
-
-fn export(command: ExportCommand, context: &Context<'_>) -> Why {
-    let is_exporting = because(context.busy.exporting.is_some(), "An export is under way");
-    match command {
-        ExportCommand::ShowExported => because(!context.has_exported, "Nothing was exported since the start"),
-        ExportCommand::Stop => because(context.busy.exporting.is_none(), "Nothing is being exported"),
-        ExportCommand::Window => is_exporting,
-        ExportCommand::View | ExportCommand::Frames => is_exporting.or(no_take(context)),
-        ExportCommand::Steps => {
-            let has_run = context.session.run_of(context.selection).is_some();
-            let no_run = because(!has_run, "This frame has no run yet: press Space to step");
-            is_exporting.or(no_take(context)).or(no_run)
-        }
     }
 }
 

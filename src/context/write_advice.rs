@@ -6,7 +6,6 @@ use std::io::{self, ErrorKind};
 use backlit_formats::FileError;
 
 use crate::document::project::ProjectError;
-use crate::features::export::ExportError;
 
 /// A sentence for the user about what to do next; `error` or one of its causes is what the disk said.
 #[must_use]
@@ -37,11 +36,7 @@ fn said_by_disk<'a>(error: &'a (dyn Error + 'static)) -> Option<&'a io::Error> {
         ProjectError::File(file) => Some(file),
         _ => None,
     });
-    match (file, error.downcast_ref::<ExportError>()) {
-        (Some(file), _) | (None, Some(ExportError::File(file))) => file.write_error(),
-        (None, Some(ExportError::Folder { source, .. })) => Some(source),
-        _ => None,
-    }
+    file?.write_error()
 }
 
 #[cfg(test)]
@@ -56,21 +51,14 @@ mod tests {
     fn a_remedy_is_found_through_every_wrapping() {
         let full = || io::Error::from(ErrorKind::StorageFull);
         let file = || FileError::new(Path::new("a.png"), FileProblem::Write { error: full() });
-        let folder = ExportError::Folder { path: "a".into(), source: full() };
         let wrapped = anyhow::Error::new(file()).context("the plot");
-        let all: [&(dyn Error + 'static); 6] = [
-            &full(),
-            &file(),
-            &ProjectError::from(file()),
-            &ExportError::from(file()),
-            &folder,
-            wrapped.as_ref(),
-        ];
+        let all: [&(dyn Error + 'static); 4] =
+            [&full(), &file(), &ProjectError::from(file()), wrapped.as_ref()];
         for error in all {
             assert!(remedy(error).starts_with("Free some space"), "{error}");
         }
         assert!(file().to_string().ends_with("a.png: cannot be written: the disk is full"));
         assert!(remedy(&io::Error::from(ErrorKind::NotADirectory)).contains("another folder"));
-        assert!(remedy(&ExportError::Empty).contains("another place"));
+        assert!(remedy(&std::fmt::Error).contains("another place"));
     }
 }

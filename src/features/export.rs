@@ -1,25 +1,76 @@
-//! Pictures for other people: what of the window is painted, how large, and the files it goes to. No window here.
+//! Pictures for other people: what of the window is painted, how large, and the files it goes to. Who paints is the app's
+//! business.
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`choices`] | [`ExportChoices`]: what the dialog and the command line choose, kept from start to start |
+//! | [`choices`] | [`ExportChoices`]: what the card and the command line choose, kept from start to start |
+//! | `dialog` | the card on which an export is put together |
+//! | `order` | what is to be exported, and what paints it |
+//! | `update` | asked for, begun, stopped, told |
+//! | `job` | painting and writing, one picture a step |
 //! | [`series`] | numbered PNGs, an animated PNG or a GIF from one picture after another |
 
 pub mod choices;
-pub(crate) mod dialog;
-pub(crate) mod exporting;
-pub(crate) mod off_screen;
+mod dialog;
+mod job;
+mod order;
 pub mod series;
+#[cfg(test)]
+mod tests;
+mod update;
 
 pub use choices::{ExportChoices, Part, SeriesFormat};
-pub use series::{ExportError, SeriesOptions, write_series};
+pub(crate) use job::ExportJob;
+pub(crate) use order::{ExportOrder, Painter, PictureOf, Shot, Subject};
+pub use series::{ExportError, SeriesOptions, SeriesWriter};
 
 use std::path::PathBuf;
 
-/// What is being exported.
-#[derive(Debug, Default)]
-pub(crate) struct ExportState {
-    pub(crate) exporting: Option<exporting::Exporting>,
+use crate::context::file_dialog::FileDialogs;
+use crate::jobs::{Priority, Task};
+
+/// The feature.
+#[derive(Debug)]
+pub(crate) struct Export {
+    /// What was chosen last, kept from start to start.
+    pub(crate) preferences: ExportChoices,
+    /// The card, while it lies over the window.
+    dialog: Option<Box<dialog::ExportDialog>>,
+    order: Option<ExportOrder>,
+    running: Option<Running>,
     /// Folder of the last export.
-    pub(crate) exported_to: Option<PathBuf>,
+    folder: Option<PathBuf>,
+    task: Task<(), job::Exported>,
+    dialogs: FileDialogs<()>,
+}
+
+/// An export that is under way.
+#[derive(Debug)]
+struct Running {
+    path: PathBuf,
+    done: usize,
+    total: usize,
+    /// How it ends, once that is known.
+    outcome: job::Exported,
+}
+
+impl Default for Export {
+    fn default() -> Self {
+        Self {
+            preferences: ExportChoices::default(),
+            dialog: None,
+            order: None,
+            running: None,
+            folder: None,
+            task: Task::new(Priority::EXPORT),
+            dialogs: FileDialogs::default(),
+        }
+    }
+}
+
+impl Export {
+    /// How far an export is: pictures done, and in all.
+    pub(crate) fn progress(&self) -> Option<(usize, usize)> {
+        self.running.as_ref().map(|running| (running.done, running.total))
+    }
 }

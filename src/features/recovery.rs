@@ -6,15 +6,95 @@
 //! | `about` | [`About`]: what is written beside a copy |
 //! | `left` | [`Left`]: a copy that a window has left, in words |
 //! | `picture` | [`Picture`]: what a camera showed, small |
+//! | `update` | the copy written after every change; what the user decides about what was left |
+//! | `panel` | a card for each of what was left |
 
 mod about;
 mod copies;
 mod left;
-pub(crate) mod panel;
+mod panel;
 mod picture;
-pub(crate) mod unsaved;
+#[cfg(test)]
+mod tests;
+mod update;
 
 pub use about::About;
 pub use copies::Copies;
 pub use left::Left;
 pub use picture::Picture;
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
+use std::time::Instant;
+
+use crate::document::project::ProjectError;
+use crate::jobs::{Priority, Task};
+
+/// The feature.
+#[derive(Debug)]
+pub(crate) struct Recovery {
+    /// `None` without a folder for them.
+    copies: Option<Copies>,
+    /// What earlier windows have left and the user has not decided about.
+    offered: Vec<Left>,
+    /// The name of what is opened once the user has decided.
+    waiting: Option<String>,
+    /// Writes a revision to the copy.
+    task: Task<u64, Result<(), ProjectError>>,
+    /// Held while the copy is being written.
+    writing: Arc<Mutex<()>>,
+    /// The revision that is in the copy.
+    written: Option<u64>,
+    /// Whether the picture beside the copy is of an older pose.
+    is_picture_old: bool,
+    /// When the copy was begun to be written last, and whether that failed.
+    begun: Option<Instant>,
+    failed: bool,
+    /// Whether the window was told not to close, since its work could not be kept.
+    has_stayed_open: bool,
+    /// The copy that is being opened.
+    adopted: Option<Left>,
+    /// The copies that were discarded last: where they are now.
+    discarded: Vec<PathBuf>,
+}
+
+impl Default for Recovery {
+    fn default() -> Self {
+        Self {
+            copies: None,
+            offered: Vec::new(),
+            waiting: None,
+            task: Task::new(Priority::SAVE),
+            writing: Arc::default(),
+            written: None,
+            is_picture_old: false,
+            begun: None,
+            failed: false,
+            has_stayed_open: false,
+            adopted: None,
+            discarded: Vec::new(),
+        }
+    }
+}
+
+impl Recovery {
+    /// Copies in a folder; without one nothing is kept.
+    pub(crate) fn new(folder: Option<PathBuf>) -> Self {
+        Self { copies: folder.map(Copies::new), ..Self::default() }
+    }
+
+    /// What earlier windows have left and the user has not decided about.
+    pub(crate) fn offered(&self) -> &[Left] {
+        &self.offered
+    }
+
+    /// Whether there is any.
+    pub(crate) const fn is_offered(&self) -> bool {
+        !self.offered.is_empty()
+    }
+
+    /// What is opened once the user has decided.
+    pub(crate) fn let_wait(&mut self, name: Option<String>) {
+        self.waiting = name;
+    }
+}

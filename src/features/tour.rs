@@ -90,7 +90,7 @@ impl App {
     fn can_offer(&self) -> bool {
         let is_nowhere = self.state.session.take.is_none()
             && self.worker.is_idle()
-            && self.features.recovery.offered.is_empty();
+            && !self.features.recovery.is_offered();
         self.shell.overlay.is_none() && (self.shows_built_in() || is_nowhere)
     }
 

@@ -53,7 +53,7 @@ pub(crate) fn about(ui: &Ui, requests: &mut Requests) -> bool {
         ui.add_space(space::ROW);
         for (text, address) in LINKS {
             if ui.link(text).on_hover_text(address).clicked() {
-                requests.request(Request::OpenPage(address));
+                requests.request(Request::OpenOutside(address.to_owned()));
             }
         }
         ui.add_space(space::GROUP);

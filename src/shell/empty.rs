@@ -6,25 +6,24 @@ use super::recent;
 use crate::context::command::{Command, FileCommand};
 use crate::context::command_button::{button, named_button, primary};
 use crate::context::{Context, Requests};
-use crate::features::recovery::panel as recovery;
-use crate::features::recovery::panel::Offer;
+use crate::features::recovery::Recovery;
 use crate::style::theme;
 use crate::style::theme::title;
 
 /// The empty state, or work that an earlier start left unsaved, if there is any.
-pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, offer: &Offer<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, recovery: &Recovery, requests: &mut Requests) {
     let palette = theme::palette(ui);
+    let is_offered = recovery.is_offered();
     CentralPanel::default().frame(Frame::NONE.fill(palette.panel)).show(ui, |ui| {
         ui.with_layout(Direction::top_down(Align::Center), |ui| {
-            let above = if offer.left.is_empty() { 0.30 } else { 0.06 };
+            let above = if is_offered { 0.06 } else { 0.30 };
             ui.add_space((ui.available_height() * above).max(16.0));
             if context.busy.opening {
                 ui.label(RichText::new("Opening the take…").text_style(title()).color(palette.text));
                 return;
             }
-            let is_offered = !offer.left.is_empty();
             if is_offered {
-                recovery::ui(ui, requests, offer);
+                recovery.ui(ui, context, requests);
             }
             let text = "Open a take, or look around in the built-in one";
             if is_offered {

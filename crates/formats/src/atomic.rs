@@ -1,8 +1,11 @@
 //! Writing a file so that it is whole or not there: a temporary file beside it, then a rename.
 
 use std::fs::File;
-use std::io::{BufWriter, ErrorKind, Write};
-use std::path::Path;
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use tempfile::TempPath;
 
 use super::{FileError, FileProblem};
 
@@ -12,9 +15,13 @@ use super::{FileError, FileProblem};
 /// The folder is missing or not writable, or the closure failed. The error names the file.
 pub fn write_with(
     path: &Path,
-    write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), FileError> {
-    replace(path, write).map_err(|error| FileError::new(path, FileProblem::Write { error }))
+    let file = NewFile::create(path)?;
+    let mut out = BufWriter::new(file.writer());
+    let written = write(&mut out).and_then(|()| out.flush());
+    written.map_err(|error| file.error(error))?;
+    file.finish()
 }
 
 /// Writes these bytes as [`write_with`] does.
@@ -25,41 +32,79 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     write_with(path, |out| out.write_all(bytes))
 }
 
-fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> std::io::Result<()> {
-    // A link stays a link: the file it points to is replaced.
-    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    match std::fs::metadata(&target) {
-        Ok(old) if old.is_dir() => return Err(ErrorKind::IsADirectory.into()),
-        Ok(old) if !old.is_file() => return write_through(&target, write),
-        _ => {}
-    }
-    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".backlit-").suffix(".part");
-    // Temporary files are private by custom; this one is going to be an ordinary file.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    // Of its error, only the kind: the rest names the temporary file, which says nothing to anybody.
-    let file = builder.tempfile_in(folder).map_err(|error| std::io::Error::from(error.kind()))?;
-    let mut out = BufWriter::new(file);
-    write(&mut out)?;
-    let file = out.into_inner().map_err(std::io::IntoInnerError::into_error)?;
-    if let Ok(old) = std::fs::metadata(&target) {
-        file.as_file().set_permissions(old.permissions())?;
-    }
-    file.as_file().sync_all()?;
-    file.persist(&target).map_err(|error| error.error)?;
-    Ok(())
+/// A file that is written little by little, beside the one whose place it is going to take. If it is dropped before it is
+/// finished, the old file is as it was before.
+#[derive(Debug)]
+pub struct NewFile {
+    path: PathBuf,
+    /// What the path points to, if it is a link: that is replaced.
+    target: PathBuf,
+    file: Arc<File>,
+    /// A device or a pipe has none: it is written to, since a file is not to take its place.
+    temporary: Option<TempPath>,
 }
 
-/// A device or a pipe is written to: a file is not to take its place.
-fn write_through(
-    device: &Path,
-    write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
-) -> std::io::Result<()> {
-    let mut out = BufWriter::new(File::options().write(true).open(device)?);
-    write(&mut out)?;
-    out.flush()
+impl NewFile {
+    /// Begins a file.
+    ///
+    /// # Errors
+    /// The folder is missing or not writable. The error names the file.
+    pub fn create(path: &Path) -> Result<Self, FileError> {
+        Self::begin(path).map_err(|error| FileError::new(path, FileProblem::Write { error }))
+    }
+
+    fn begin(path: &Path) -> io::Result<Self> {
+        let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let path = path.to_owned();
+        match std::fs::metadata(&target) {
+            Ok(old) if old.is_dir() => return Err(ErrorKind::IsADirectory.into()),
+            Ok(old) if !old.is_file() => {
+                let file = Arc::new(File::options().write(true).open(&target)?);
+                return Ok(Self { path, target, file, temporary: None });
+            }
+            _ => {}
+        }
+        let folder =
+            target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".backlit-").suffix(".part");
+        // Temporary files are private by custom; this one is going to be an ordinary file.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        // Of its error, only the kind: the rest names the temporary file, which says nothing to anybody.
+        let file = builder.tempfile_in(folder).map_err(|error| std::io::Error::from(error.kind()))?;
+        let (file, temporary) = file.into_parts();
+        Ok(Self { path, target, file: Arc::new(file), temporary: Some(temporary) })
+    }
+
+    /// Where its bytes go. Whoever keeps some back has to flush them before it is finished.
+    #[must_use]
+    pub fn writer(&self) -> Arc<File> {
+        self.file.clone()
+    }
+
+    /// What went wrong while it was written, with its name.
+    #[must_use]
+    pub fn error(&self, error: std::io::Error) -> FileError {
+        FileError::new(&self.path, FileProblem::Write { error })
+    }
+
+    /// It is whole: it takes its place.
+    ///
+    /// # Errors
+    /// The file system says no. The error names the file.
+    pub fn finish(mut self) -> Result<(), FileError> {
+        let Some(temporary) = self.temporary.take() else { return Ok(()) };
+        self.replace(temporary).map_err(|error| self.error(error))
+    }
+
+    fn replace(&self, temporary: TempPath) -> io::Result<()> {
+        if let Ok(old) = std::fs::metadata(&self.target) {
+            self.file.set_permissions(old.permissions())?;
+        }
+        self.file.sync_all()?;
+        temporary.persist(&self.target).map_err(|error| error.error)
+    }
 }
 
 #[cfg(test)]

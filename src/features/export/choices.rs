@@ -36,6 +36,10 @@ pub enum SeriesFormat {
 }
 
 impl SeriesFormat {
+    /// The formats with their names.
+    pub(crate) const ALL: [(Self, &'static str); 3] =
+        [(Self::Pngs, "PNGs"), (Self::AnimatedPng, "Animated PNG"), (Self::Gif, "GIF")];
+
     /// The format that a path asks for by its ending: a folder where there is none.
     #[must_use]
     pub fn of_path(path: &std::path::Path) -> Option<Self> {

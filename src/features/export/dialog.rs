@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use egui::{Align, Button, Layout as Direction, RichText, Ui, vec2};
 
-use crate::context::{Context, Request, Requests};
-use crate::features::export::choices::{DELAYS_MS, MAX_SIDE, SCALES};
-use crate::features::export::{ExportChoices, Part, SeriesFormat};
+use super::choices::{DELAYS_MS, MAX_SIDE, SCALES};
+use super::{ExportChoices, ExportOrder, Part, SeriesFormat, Subject};
+use crate::context::Context;
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{size, space};
@@ -18,42 +18,6 @@ const NAMES: f32 = 92.0;
 /// Scales that are offered.
 const VIEW_SCALES: [(f32, &str); 4] = [(1.0, "1×"), (2.0, "2×"), (3.0, "3×"), (4.0, "4×")];
 
-/// What is exported.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Subject {
-    /// The active camera's picture.
-    View,
-    /// The window.
-    Window,
-    /// All steps of the shown run.
-    Steps,
-    /// A range of frames with their poses.
-    Frames,
-}
-
-impl Subject {
-    const ALL: [(Self, &'static str); 4] = [
-        (Self::View, "View"),
-        (Self::Window, "Window"),
-        (Self::Steps, "Iterations"),
-        (Self::Frames, "Frames"),
-    ];
-
-    const fn is_series(self) -> bool {
-        matches!(self, Self::Steps | Self::Frames)
-    }
-}
-
-/// What is to be exported.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ExportOrder {
-    pub(crate) subject: Subject,
-    pub(crate) choices: ExportChoices,
-    /// First and last frame.
-    pub(crate) frames: [usize; 2],
-    pub(crate) path: PathBuf,
-}
-
 /// The card's state.
 #[derive(Debug)]
 pub(crate) struct ExportDialog {
@@ -63,6 +27,17 @@ pub(crate) struct ExportDialog {
     path: String,
     /// The name that was made up; another one is the user's and stays.
     proposed: String,
+}
+
+/// What becomes of the card.
+#[derive(Debug, Default)]
+pub(crate) struct Answer {
+    /// It is closed.
+    pub(crate) closes: bool,
+    /// The file or the folder is to be chosen in a dialog of the desktop's.
+    pub(crate) asks_for_path: bool,
+    /// What is to be exported.
+    pub(crate) order: Option<ExportOrder>,
 }
 
 /// What the dialog knows of the inspector.
@@ -78,13 +53,9 @@ struct Facts {
 impl Facts {
     fn new(ui: &egui::Context, context: &Context<'_>) -> Self {
         let (session, camera) = (context.session, context.selection.camera);
-        let take = session.take.as_ref();
-        let camera_of = |take: &std::sync::Arc<crate::take::footage::Footage>| {
-            take.cameras.get(camera).map(|camera| [camera.width(), camera.height()])
-        };
         let run = session.run_of(context.selection).and_then(|run| session.runs.get(run));
         Self {
-            footage: take.and_then(camera_of).unwrap_or([1, 1]),
+            footage: session.camera_size(camera).unwrap_or([1, 1]),
             camera,
             window: ui.viewport_rect().size(),
             frame_count: session.frame_count(),
@@ -162,10 +133,10 @@ impl ExportDialog {
         }
     }
 
-    /// Shows the card and says whether it stays.
-    pub(crate) fn ui(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
+    /// Shows the card.
+    pub(crate) fn ui(&mut self, ui: &Ui, context: &Context<'_>) -> Answer {
         let facts = Facts::new(ui.ctx(), context);
-        let mut close = false;
+        let mut answer = Answer::default();
         let modal = card(ui.ctx(), "export").show(ui.ctx(), |ui| {
             ui.set_width(WIDTH);
             ui.spacing_mut().item_spacing.y = 6.0;
@@ -184,7 +155,7 @@ impl ExportDialog {
                 self.propose(context);
             }
             ui.add_space(space::ROW);
-            self.target(ui, requests);
+            answer.asks_for_path = self.target(ui);
             let problem = self.problem(&facts);
             self.summary(ui, &facts, problem.as_deref());
             ui.add_space(space::WIDGET);
@@ -195,14 +166,14 @@ impl ExportDialog {
                     let mut choices = self.choices.clone();
                     choices.folder = Path::new(&self.path).parent().map(Path::to_owned);
                     let (subject, path) = (self.subject, PathBuf::from(&self.path));
-                    let order = ExportOrder { subject, choices, frames: self.frames, path };
-                    requests.request(Request::Export(Box::new(order)));
-                    close = true;
+                    answer.order = Some(ExportOrder { subject, choices, frames: self.frames, path });
+                    answer.closes = true;
                 }
-                close |= ui.add(Button::new("Cancel").min_size(vec2(0.0, size::BUTTON))).clicked();
+                answer.closes |= ui.add(Button::new("Cancel").min_size(vec2(0.0, size::BUTTON))).clicked();
             });
         });
-        !(close || modal.should_close())
+        answer.closes |= modal.should_close();
+        answer
     }
 
     fn part(&self) -> Part {
@@ -288,16 +259,17 @@ impl ExportDialog {
         });
     }
 
-    fn target(&mut self, ui: &mut Ui, requests: &mut Requests) {
+    /// Where to; whether that is to be chosen in a dialog of the desktop's.
+    fn target(&mut self, ui: &mut Ui) -> bool {
         let name = if self.wants_folder() { "Folder" } else { "File" };
+        let mut asks = false;
         row(ui, name, |ui| {
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-                if ui.add(Button::new("Choose…").min_size(vec2(0.0, size::BUTTON))).clicked() {
-                    requests.request(Request::ChooseExportFile);
-                }
+                asks = ui.add(Button::new("Choose…").min_size(vec2(0.0, size::BUTTON))).clicked();
                 text_field(ui, name, "", &mut self.path);
             });
         });
+        asks
     }
 
     /// How many pictures there will be, and how large.

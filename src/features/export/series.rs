@@ -1,11 +1,14 @@
 //! Numbered PNGs, an animated PNG or a GIF from one picture after another. Files are written whole or not at all; of
 //! a folder of PNGs, those stay that were written before something went wrong.
 
-use std::io::Write;
+use std::error::Error;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use backlit_formats::{FileError, atomic, images, reason};
-use backlit_tracking::cancel::CancelToken;
+use backlit_formats::atomic::NewFile;
+use backlit_formats::{FileError, images, reason};
 use image::{DynamicImage, RgbImage};
 use thiserror::Error;
 
@@ -34,7 +37,7 @@ pub enum ExportError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error("{}: the folder cannot be made: {}", path.display(), reason(.source))]
-    Folder { path: PathBuf, source: std::io::Error },
+    Folder { path: PathBuf, source: io::Error },
     #[error("{}: picture {number} is {found:?} pixels; the first one is {expected:?}", path.display())]
     Size { path: PathBuf, number: usize, found: (u32, u32), expected: (u32, u32) },
     #[error("{}: a GIF has at most 65535 pixels a side; this is {size:?}", path.display())]
@@ -45,69 +48,103 @@ pub enum ExportError {
     Stopped,
 }
 
-/// Writes the pictures that `paint` gives, one for each of `numbers`, to a file or to a folder of files
-/// `NAME_0007.png`. `done` hears how many are written.
-///
-/// # Errors
-/// The file system says no, or it was stopped; the error names the file.
-pub fn write_series(
-    path: &Path,
-    name: &str,
+impl ExportError {
+    /// What lies behind it: where a file cannot be written, what the disk said.
+    #[must_use]
+    pub fn cause(&self) -> &(dyn Error + 'static) {
+        match self {
+            Self::File(error) => error,
+            Self::Folder { source, .. } => source,
+            other => other,
+        }
+    }
+}
+
+/// Writes one picture after another to a file or to a folder of files `NAME_0007.png`.
+#[derive(Debug)]
+pub struct SeriesWriter {
+    path: PathBuf,
+    name: &'static str,
     options: SeriesOptions,
-    numbers: &[usize],
-    cancel: &CancelToken,
-    paint: &mut dyn FnMut(usize) -> RgbImage,
-    done: &dyn Fn(usize),
-) -> Result<(), ExportError> {
-    let mut next = |index: usize| {
-        if cancel.is_cancelled() {
-            return Err(ExportError::Stopped);
+    count: usize,
+    written: usize,
+    film: Option<Film>,
+}
+
+/// A file that moves.
+#[derive(Debug)]
+struct Film {
+    /// Known from the first picture on, with its size.
+    encoder: Option<((u32, u32), Encoder)>,
+    file: NewFile,
+}
+
+type Out = BufWriter<Arc<File>>;
+
+enum Encoder {
+    Png(png::Writer<Out>),
+    Gif(Box<gif::Encoder<Out>>),
+}
+
+impl SeriesWriter {
+    /// Begins a series of so many pictures.
+    ///
+    /// # Errors
+    /// The file or the folder cannot be made, or there are no pictures.
+    pub fn new(
+        path: &Path,
+        name: &'static str,
+        options: SeriesOptions,
+        count: usize,
+    ) -> Result<Self, ExportError> {
+        if count == 0 {
+            return Err(ExportError::Empty);
         }
-        let picture = paint(index);
-        if cancel.is_cancelled() { Err(ExportError::Stopped) } else { Ok(picture) }
-    };
-    if numbers.is_empty() {
-        return Err(ExportError::Empty);
-    }
-    if options.format == SeriesFormat::Pngs {
-        std::fs::create_dir_all(path)
-            .map_err(|source| ExportError::Folder { path: path.to_owned(), source })?;
-        for (index, number) in numbers.iter().enumerate() {
-            let picture = DynamicImage::ImageRgb8(next(index)?);
-            images::write_png(&path.join(numbered(name, *number)), &picture)?;
-            done(index + 1);
-        }
-        return Ok(());
-    }
-    // The encoder is asked by the writer of whole files, whose errors are those of the file system.
-    let mut problem = None;
-    let result = atomic::write_with(path, |out| {
-        let first = next(0).map_err(|error| set_aside(&mut problem, error))?;
-        let size = first.dimensions();
-        let mut checked = |index: usize| {
-            let picture = next(index)?;
-            let found = picture.dimensions();
-            if found == size {
-                Ok(picture)
-            } else {
-                let path = path.to_owned();
-                Err(ExportError::Size { path, number: index, found, expected: size })
-            }
-        };
-        let pictures = Pictures { first, count: numbers.len(), next: &mut checked, done };
-        let written = if options.format == SeriesFormat::Gif {
-            write_gif(out, path, options, pictures)
+        let film = if options.format == SeriesFormat::Pngs {
+            std::fs::create_dir_all(path)
+                .map_err(|source| ExportError::Folder { path: path.to_owned(), source })?;
+            None
         } else {
-            write_animated_png(out, options, pictures)
+            Some(Film { encoder: None, file: NewFile::create(path)? })
         };
-        written.map_err(|failure| match failure {
-            Failure::Export(error) => set_aside(&mut problem, error),
-            Failure::Io(error) => error,
-        })
-    });
-    match problem {
-        Some(problem) => Err(problem),
-        None => Ok(result?),
+        Ok(Self { path: path.to_owned(), name, options, count, written: 0, film })
+    }
+
+    /// Writes the next picture; the number is for its name.
+    ///
+    /// # Errors
+    /// The file system says no, or the picture does not go with the first.
+    pub fn add(&mut self, number: usize, picture: RgbImage) -> Result<(), ExportError> {
+        if let Some(film) = &mut self.film {
+            let size = picture.dimensions();
+            let (expected, mut encoder) = match film.encoder.take() {
+                Some(begun) => begun,
+                None => (size, Encoder::begin(&self.path, &film.file, size, self.options, self.count)?),
+            };
+            if size != expected {
+                let (path, number) = (self.path.clone(), self.written);
+                return Err(ExportError::Size { path, number, found: size, expected });
+            }
+            encoder.add(&picture, self.options).map_err(|error| film.file.error(error))?;
+            film.encoder = Some((expected, encoder));
+        } else {
+            let path = self.path.join(numbered(self.name, number));
+            images::write_png(&path, &DynamicImage::ImageRgb8(picture))?;
+        }
+        self.written += 1;
+        Ok(())
+    }
+
+    /// All pictures are written: a file takes its place.
+    ///
+    /// # Errors
+    /// The file system says no.
+    pub fn finish(self) -> Result<(), ExportError> {
+        let Some(Film { encoder, file }) = self.film else { return Ok(()) };
+        if let Some((_, encoder)) = encoder {
+            encoder.finish().map_err(|error| file.error(error))?;
+        }
+        Ok(file.finish()?)
     }
 }
 
@@ -116,82 +153,88 @@ fn numbered(name: &str, number: usize) -> String {
     format!("{name}_{number:04}.png")
 }
 
-fn set_aside(problem: &mut Option<ExportError>, error: ExportError) -> std::io::Error {
-    *problem = Some(error);
-    std::io::Error::other("not written")
-}
-
-/// The pictures of a file that moves.
-struct Pictures<'a> {
-    first: RgbImage,
-    count: usize,
-    next: &'a mut dyn FnMut(usize) -> Result<RgbImage, ExportError>,
-    done: &'a dyn Fn(usize),
-}
-
-impl Pictures<'_> {
-    fn each(self, mut write: impl FnMut(RgbImage) -> std::io::Result<()>) -> Result<(), Failure> {
-        write(self.first).map_err(Failure::Io)?;
-        (self.done)(1);
-        for index in 1..self.count {
-            write((self.next)(index).map_err(Failure::Export)?).map_err(Failure::Io)?;
-            (self.done)(index + 1);
+impl Encoder {
+    fn begin(
+        path: &Path,
+        file: &NewFile,
+        size: (u32, u32),
+        options: SeriesOptions,
+        count: usize,
+    ) -> Result<Self, ExportError> {
+        let out = BufWriter::new(file.writer());
+        if options.format == SeriesFormat::AnimatedPng {
+            let begun = begin_animated_png(out, size, options, count);
+            return begun.map(Self::Png).map_err(|error| file.error(error.into()).into());
         }
-        Ok(())
+        let (Ok(width), Ok(height)) = (u16::try_from(size.0), u16::try_from(size.1)) else {
+            return Err(ExportError::TooLarge { path: path.to_owned(), size });
+        };
+        let begun = begin_gif(out, width, height, options.repeats);
+        begun.map(|encoder| Self::Gif(Box::new(encoder))).map_err(|error| file.error(of_gif(error)).into())
+    }
+
+    fn add(&mut self, picture: &RgbImage, options: SeriesOptions) -> io::Result<()> {
+        match self {
+            Self::Png(writer) => Ok(writer.write_image_data(picture.as_raw())?),
+            Self::Gif(encoder) => encoder.write_frame(&gif_frame(picture, options)).map_err(of_gif),
+        }
+    }
+
+    fn finish(self) -> io::Result<()> {
+        match self {
+            Self::Png(writer) => Ok(writer.finish()?),
+            Self::Gif(encoder) => encoder.into_inner().map_err(of_gif)?.flush(),
+        }
     }
 }
 
-enum Failure {
-    Export(ExportError),
-    Io(std::io::Error),
+impl std::fmt::Debug for Encoder {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Encoder").finish_non_exhaustive()
+    }
 }
 
-fn write_animated_png(
-    out: &mut dyn Write,
+fn begin_animated_png(
+    out: Out,
+    (width, height): (u32, u32),
     options: SeriesOptions,
-    pictures: Pictures<'_>,
-) -> Result<(), Failure> {
-    let (width, height) = pictures.first.dimensions();
-    let count = u32::try_from(pictures.count).unwrap_or(u32::MAX);
+    count: usize,
+) -> Result<png::Writer<Out>, png::EncodingError> {
     let delay_ms = u16::try_from(options.delay_ms).unwrap_or(u16::MAX);
-    let io = |error: png::EncodingError| Failure::Io(error.into());
     let mut encoder = png::Encoder::new(out, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_animated(count, u32::from(!options.repeats)).map_err(io)?;
-    encoder.set_frame_delay(delay_ms, 1000).map_err(io)?;
-    let mut writer = encoder.write_header().map_err(io)?;
-    pictures.each(|picture| Ok(writer.write_image_data(picture.as_raw())?))?;
-    writer.finish().map_err(io)
+    encoder.set_animated(u32::try_from(count).unwrap_or(u32::MAX), u32::from(!options.repeats))?;
+    encoder.set_frame_delay(delay_ms, 1000)?;
+    encoder.write_header()
 }
 
-fn write_gif(
-    out: &mut dyn Write,
-    path: &Path,
-    options: SeriesOptions,
-    pictures: Pictures<'_>,
-) -> Result<(), Failure> {
-    let size = pictures.first.dimensions();
-    let (Ok(width), Ok(height)) = (u16::try_from(size.0), u16::try_from(size.1)) else {
-        return Err(Failure::Export(ExportError::TooLarge { path: path.to_owned(), size }));
-    };
-    let io = |error: gif::EncodingError| match error {
+fn begin_gif(
+    out: Out,
+    width: u16,
+    height: u16,
+    repeats: bool,
+) -> Result<gif::Encoder<Out>, gif::EncodingError> {
+    let mut encoder = gif::Encoder::new(out, width, height, &[])?;
+    encoder.set_repeat(if repeats { gif::Repeat::Infinite } else { gif::Repeat::Finite(0) })?;
+    Ok(encoder)
+}
+
+fn of_gif(error: gif::EncodingError) -> io::Error {
+    match error {
         gif::EncodingError::Io(error) => error,
-        other => std::io::Error::other(other),
-    };
-    let mut encoder = gif::Encoder::new(out, width, height, &[]).map_err(|error| Failure::Io(io(error)))?;
-    let repeat = if options.repeats { gif::Repeat::Infinite } else { gif::Repeat::Finite(0) };
-    encoder.set_repeat(repeat).map_err(|error| Failure::Io(io(error)))?;
+        other => io::Error::other(other),
+    }
+}
+
+fn gif_frame(picture: &RgbImage, options: SeriesOptions) -> gif::Frame<'static> {
+    let (width, height) = (picture.width() as u16, picture.height() as u16);
     let delay = u16::try_from(options.delay_ms.div_ceil(10)).unwrap_or(u16::MAX).max(GIF_LEAST_DELAY);
-    pictures.each(|picture| {
-        let frame = match exact_palette(&picture) {
-            Some((palette, indices)) => {
-                gif::Frame::from_palette_pixels(width, height, indices, palette, None)
-            }
-            None => gif::Frame::from_rgb_speed(width, height, picture.as_raw(), GIF_SPEED),
-        };
-        encoder.write_frame(&gif::Frame { delay, ..frame }).map_err(io)
-    })
+    let frame = match exact_palette(picture) {
+        Some((palette, indices)) => gif::Frame::from_palette_pixels(width, height, indices, palette, None),
+        None => gif::Frame::from_rgb_speed(width, height, picture.as_raw(), GIF_SPEED),
+    };
+    gif::Frame { delay, ..frame }
 }
 
 /// The colours of a picture that has no more than a GIF can hold, and the index of each pixel's.
@@ -217,13 +260,13 @@ fn exact_palette(picture: &RgbImage) -> Option<(Vec<u8>, Vec<u8>)> {
 
 #[cfg(test)]
 mod tests {
-    use std::cell::Cell;
-    use std::fs::File;
     use std::io::BufReader;
 
+    use backlit_formats::FileProblem;
     use image::Rgb;
 
     use super::*;
+    use crate::context::write_advice::remedy;
 
     const NUMBERS: [usize; 3] = [0, 5, 17];
 
@@ -231,21 +274,20 @@ mod tests {
         RgbImage::from_fn(9, 6, |x, y| Rgb([(x * 20) as u8, (y * 30) as u8, index as u8 * 100]))
     }
 
-    fn write(path: &Path, format: SeriesFormat, cancel: &CancelToken) -> (Result<(), ExportError>, usize) {
+    fn write(path: &Path, format: SeriesFormat) -> Result<(), ExportError> {
         let options = SeriesOptions { format, delay_ms: 80, repeats: true };
-        let done = Cell::new(0);
-        let hear = |count| done.set(count);
-        let result = write_series(path, "step", options, &NUMBERS, cancel, &mut picture, &hear);
-        (result, done.get())
+        let mut writer = SeriesWriter::new(path, "step", options, NUMBERS.len())?;
+        for (index, number) in NUMBERS.into_iter().enumerate() {
+            writer.add(number, picture(index))?;
+        }
+        writer.finish()
     }
 
     #[test]
     fn numbered_pictures_have_their_own_numbers() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("new/steps");
-        let (result, done) = write(&path, SeriesFormat::Pngs, &CancelToken::default());
-        result.unwrap();
-        assert_eq!(done, 3);
+        write(&path, SeriesFormat::Pngs).unwrap();
         let mut names: Vec<_> = std::fs::read_dir(&path).unwrap().map(|e| e.unwrap().file_name()).collect();
         names.sort();
         assert_eq!(names, ["step_0000.png", "step_0005.png", "step_0017.png"]);
@@ -256,7 +298,7 @@ mod tests {
     fn an_animated_png_has_all_pictures_bit_by_bit() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
-        write(&path, SeriesFormat::AnimatedPng, &CancelToken::default()).0.unwrap();
+        write(&path, SeriesFormat::AnimatedPng).unwrap();
         let decoder = png::Decoder::new(BufReader::new(File::open(&path).unwrap()));
         let mut reader = decoder.read_info().unwrap();
         let control = *reader.info().animation_control().unwrap();
@@ -276,7 +318,7 @@ mod tests {
     fn a_gif_of_few_colours_keeps_them() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.gif");
-        write(&path, SeriesFormat::Gif, &CancelToken::default()).0.unwrap();
+        write(&path, SeriesFormat::Gif).unwrap();
         let mut options = gif::DecodeOptions::new();
         options.set_color_output(gif::ColorOutput::RGBA);
         let mut decoder = options.read_info(File::open(&path).unwrap()).unwrap();
@@ -291,24 +333,30 @@ mod tests {
     }
 
     #[test]
-    fn what_is_stopped_leaves_no_half_file() {
+    fn what_is_dropped_or_does_not_go_together_leaves_no_half_file() {
         let folder = tempfile::tempdir().unwrap();
         for (name, format) in [("a.png", SeriesFormat::AnimatedPng), ("a.gif", SeriesFormat::Gif)] {
-            let cancel = CancelToken::default();
             let options = SeriesOptions { format, delay_ms: 80, repeats: true };
-            let mut paint = |index| {
-                if index == 1 {
-                    cancel.cancel();
-                }
-                picture(index)
-            };
-            let path = folder.path().join(name);
-            let result = write_series(&path, "a", options, &NUMBERS, &cancel, &mut paint, &|_| {});
-            assert!(matches!(result, Err(ExportError::Stopped)), "{result:?}");
+            let mut writer = SeriesWriter::new(&folder.path().join(name), "a", options, 2).unwrap();
+            writer.add(0, picture(0)).unwrap();
+            let other = writer.add(1, RgbImage::new(9, 7));
+            assert!(matches!(other, Err(ExportError::Size { number: 1, .. })), "{other:?}");
         }
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
-        let message = write(&folder.path().join("no/a.gif"), SeriesFormat::Gif, &CancelToken::default());
-        let message = message.0.unwrap_err().to_string();
+        let message = write(&folder.path().join("no/a.gif"), SeriesFormat::Gif).unwrap_err().to_string();
         assert!(message.contains("no/a.gif"), "{message}");
+        let none = SeriesOptions { format: SeriesFormat::Gif, delay_ms: 80, repeats: true };
+        let none = SeriesWriter::new(&folder.path().join("a.gif"), "a", none, 0);
+        assert!(matches!(none, Err(ExportError::Empty)));
+    }
+
+    #[test]
+    fn what_the_disk_says_of_an_export_has_a_remedy() {
+        let full = || io::Error::from(io::ErrorKind::StorageFull);
+        let file = FileError::new(Path::new("a.png"), FileProblem::Write { error: full() });
+        for error in [file.into(), ExportError::Folder { path: "a".into(), source: full() }] {
+            assert!(remedy(error.cause()).starts_with("Free some space"), "{error}");
+        }
+        assert!(remedy(ExportError::Empty.cause()).contains("another place"));
     }
 }

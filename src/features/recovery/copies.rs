@@ -47,6 +47,8 @@ impl Copies {
     /// The copies in a folder, which is made when the first is written.
     #[must_use]
     pub fn new(folder: PathBuf) -> Self {
+        // What is opened is known by its whole path.
+        let folder = std::path::absolute(&folder).unwrap_or(folder);
         Self { folder, own: None }
     }
 

@@ -5,9 +5,9 @@ use egui::{
     Role, ScrollArea, Sense, Stroke, Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
 
+use super::{Left, Recovery};
 use crate::context::clock::Clock;
-use crate::context::{Recovery, Request, Requests};
-use crate::features::recovery::Left;
+use crate::context::{Context, Decision, Request, Requests};
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::data_colours::PICTURE_GROUND;
@@ -24,17 +24,24 @@ const BELOW: f32 = 150.0;
 
 /// What is offered.
 #[derive(Debug)]
-pub(crate) struct Offer<'a> {
+struct Offer<'a> {
     /// The copies, the newest first.
-    pub(crate) left: &'a [Left],
+    left: &'a [Left],
     /// What time it is.
-    pub(crate) clock: &'a Clock,
+    clock: &'a Clock,
     /// What was to be opened, and waits.
-    pub(crate) waiting: Option<String>,
+    waiting: Option<&'a str>,
 }
 
-/// The cards, and what may be done with all of them.
-pub(crate) fn ui(ui: &mut Ui, requests: &mut Requests, offer: &Offer<'_>) {
+impl Recovery {
+    /// The cards, and what may be done with all of them.
+    pub(crate) fn ui(&self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+        let offer = Offer { left: &self.offered, clock: context.clock, waiting: self.waiting.as_deref() };
+        cards(ui, requests, &offer);
+    }
+}
+
+fn cards(ui: &mut Ui, requests: &mut Requests, offer: &Offer<'_>) {
     let palette = theme::palette(ui);
     ui.label(RichText::new("Backlit ended with unsaved work").text_style(title()).color(palette.text));
     ui.add_space(space::WIDGET);
@@ -145,17 +152,17 @@ fn buttons(ui: &mut Ui, requests: &mut Requests, offer: &Offer<'_>, index: usize
         }
     }
     if restore.on_hover_text(hover).clicked() {
-        requests.request(Request::Recover(Recovery::Restore(index)));
+        requests.request(Request::Recover(Decision::Restore(index)));
     }
     let hover = "It is put aside: it is offered no more, and can be opened as a project later";
     if discard.on_hover_text(hover).clicked() {
-        requests.request(Request::Recover(Recovery::Discard(index)));
+        requests.request(Request::Recover(Decision::Discard(index)));
     }
 }
 
 /// What may be done with all copies at once.
 fn all(ui: &mut Ui, requests: &mut Requests, offer: &Offer<'_>) {
-    let later = match &offer.waiting {
+    let later = match offer.waiting {
         Some(name) => format!("Decide later, open {name}"),
         None => "Decide later".to_owned(),
     };
@@ -163,12 +170,12 @@ fn all(ui: &mut Ui, requests: &mut Requests, offer: &Offer<'_>) {
     ui.allocate_ui_with_layout(row, Direction::right_to_left(Align::Center), |ui| {
         let later = ui.add(Button::new(later).min_size(vec2(0.0, size::BUTTON)));
         if later.on_hover_text("All of it is offered again at the next start").clicked() {
-            requests.request(Request::Recover(Recovery::Later));
+            requests.request(Request::Recover(Decision::Later));
         }
         if offer.left.len() > 1 {
             let all = ui.add(Button::new("Discard all").min_size(vec2(0.0, size::BUTTON)));
             if all.on_hover_text("Put all of them aside; they can be opened as projects later").clicked() {
-                requests.request(Request::Recover(Recovery::DiscardAll));
+                requests.request(Request::Recover(Decision::DiscardAll));
             }
         }
     });

@@ -12,54 +12,22 @@ use crate::app::headless::rest;
 use crate::app::settings::Settings;
 use crate::app::{App, AppOptions};
 use crate::context::pane::Pane;
-use crate::context::picture_alone::PictureAlone;
 use crate::document::Document;
 use crate::document::history::History;
 use crate::features::basin::Basin;
 use crate::features::camera_views::CameraViews;
 use crate::features::export::choices::MAX_SIDE;
+use crate::features::export::{ExportJob, ExportOrder, Painter, PictureOf, Shot};
 use crate::features::laboratory::Laboratory;
 use crate::features::tracking::Tracking;
 use crate::session::Session;
-use crate::session::selection::{Selection, StepRef};
+use crate::session::selection::Selection;
 use crate::widgets::image_canvas;
 
 /// How long a picture is waited for.
 const PATIENCE: Duration = Duration::from_secs(300);
 /// From this many pixels for a pixel of the footage on, marks grow with the picture.
 const MARKS_GROW_FROM: f32 = 2.0;
-
-/// What is painted, and how large.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum PictureOf {
-    /// The window, of its own size in points.
-    Window {
-        /// Points.
-        size: Vec2,
-        /// Pixels for a point.
-        scale: f32,
-    },
-    /// A camera's picture.
-    View {
-        /// Which camera, and with what.
-        picture: PictureAlone,
-        /// Pixels for a pixel of the footage.
-        scale: f32,
-        /// The whole frame, not what is framed in the tile.
-        whole_frame: bool,
-    },
-}
-
-/// What is to be seen in a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Shot {
-    /// What is selected.
-    AsShown,
-    /// A step of a run.
-    Step(StepRef),
-    /// A frame with its pose.
-    Frame(usize),
-}
 
 /// All of an inspector that its twin needs. It can be sent to another thread.
 #[derive(Debug)]
@@ -80,6 +48,22 @@ pub(crate) struct Snapshot {
 }
 
 impl App {
+    /// Begins the export that was put together on its card.
+    pub(crate) fn begin_export(&mut self) {
+        let Some(order) = self.features.export.take_order() else { return };
+        match self.export_job(&order) {
+            Ok(job) => self.features.export.begin(job, order, &self.state.pool),
+            Err(error) => self.state.notices.error(format!("Nothing was exported: {error}.")),
+        }
+    }
+
+    /// What an order asks for.
+    pub(crate) fn export_job(&self, order: &ExportOrder) -> anyhow::Result<ExportJob> {
+        let context = self.context();
+        let painter = Twin::new(self.snapshot(), order.picture(&context))?;
+        Ok(ExportJob::new(order, &context, Box::new(painter)))
+    }
+
     /// What a twin needs to show the same.
     pub(crate) fn snapshot(&self) -> Snapshot {
         // Textures are the first window's: its twin makes its own.
@@ -108,6 +92,8 @@ pub(crate) struct Twin {
     window: Headless,
     app: App,
     frame_seconds: f64,
+    /// Whether there is no room yet for the legend of a picture alone.
+    lacks_legend: bool,
 }
 
 impl Twin {
@@ -140,25 +126,34 @@ impl Twin {
         app.features.tracking = snapshot.tracking;
         app.features.laboratory = snapshot.laboratory;
         app.features.demonstration.explanation = snapshot.explanation;
-        let mut twin = Self { window, app, frame_seconds: snapshot.frame_seconds };
+        let mut lacks_legend = false;
         if let PictureOf::View { picture, whole_frame, .. } = what {
-            twin.show_alone(picture, whole_frame);
+            app.shell.docking.alone = Some(Pane::Camera(picture.camera));
+            let layout = app.state.preferences.layout;
+            app.features.camera_views.show_alone(picture, layout, whole_frame);
+            lacks_legend = true;
         }
-        Ok(twin)
+        Ok(Self { window, app, frame_seconds: snapshot.frame_seconds, lacks_legend })
     }
 
-    /// Shows one camera's picture alone, and makes room for its legend.
-    fn show_alone(&mut self, picture: PictureAlone, whole_frame: bool) {
-        self.app.shell.docking.alone = Some(Pane::Camera(picture.camera));
-        let layout = self.app.state.preferences.layout;
-        self.app.features.camera_views.show_alone(picture, layout, whole_frame);
-        self.settle(&CancelToken::default());
+    /// Makes room for the legend of a picture alone, which is as high as its words are long.
+    fn make_room(&mut self, cancel: &CancelToken) {
+        self.settle(cancel);
         let strip = self.app.features.camera_views.legend_height();
         self.window.resize(self.window.size() + vec2(0.0, strip));
     }
 
-    /// The picture of a shot.
-    pub(crate) fn paint(&mut self, shot: Shot, cancel: &CancelToken) -> RgbImage {
+    /// Runs frames until nothing is being worked on any more.
+    fn settle(&mut self, cancel: &CancelToken) {
+        rest(&mut self.window, &mut self.app, PATIENCE, cancel);
+    }
+}
+
+impl Painter for Twin {
+    fn paint(&mut self, shot: Shot, cancel: &CancelToken) -> RgbImage {
+        if std::mem::take(&mut self.lacks_legend) {
+            self.make_room(cancel);
+        }
         match shot {
             Shot::AsShown => {}
             Shot::Step(step) => {
@@ -176,10 +171,5 @@ impl Twin {
             app.frame(ui);
         });
         DynamicImage::ImageRgba8(picture).into_rgb8()
-    }
-
-    /// Runs frames until nothing is being worked on any more.
-    fn settle(&mut self, cancel: &CancelToken) {
-        rest(&mut self.window, &mut self.app, PATIENCE, cancel);
     }
 }

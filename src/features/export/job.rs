@@ -1,0 +1,104 @@
+//! Painting and writing, one picture a step.
+
+use std::path::PathBuf;
+
+use backlit_formats::images;
+use backlit_tracking::cancel::CancelToken;
+use image::DynamicImage;
+
+use super::order::{Painter, Shot};
+use super::{ExportError, ExportOrder, SeriesOptions, SeriesWriter};
+use crate::context::Context;
+use crate::jobs::{Job, Outbox, Step};
+
+/// What an export says.
+#[derive(Debug)]
+pub(super) enum Exported {
+    /// So many pictures are done.
+    Pictures(usize),
+    /// All are.
+    Whole,
+    /// It was stopped.
+    Stopped,
+    /// It could not be written.
+    Failed(ExportError),
+}
+
+/// Pictures to be painted and written.
+pub(crate) struct ExportJob {
+    painter: Box<dyn Painter>,
+    shots: Vec<(usize, Shot)>,
+    done: usize,
+    path: PathBuf,
+    /// One picture has none.
+    series: Option<(SeriesOptions, &'static str)>,
+    /// There is one from the first picture of a series on.
+    writer: Option<SeriesWriter>,
+}
+
+impl ExportJob {
+    /// What an order asks for, painted by `painter`.
+    pub(crate) fn new(order: &ExportOrder, context: &Context<'_>, painter: Box<dyn Painter>) -> Self {
+        Self {
+            painter,
+            shots: order.shots(context),
+            done: 0,
+            path: order.path.clone(),
+            series: order.series(),
+            writer: None,
+        }
+    }
+
+    /// How many pictures there will be.
+    pub(crate) const fn len(&self) -> usize {
+        self.shots.len()
+    }
+
+    /// Paints and writes all.
+    ///
+    /// # Errors
+    /// What cannot be written, with the file's name.
+    pub(crate) fn finish(mut self) -> Result<(), ExportError> {
+        while self.next(&CancelToken::default())? {}
+        Ok(())
+    }
+
+    /// Paints and writes the next picture; whether there was one.
+    fn next(&mut self, cancel: &CancelToken) -> Result<bool, ExportError> {
+        if self.writer.is_none()
+            && let Some((options, name)) = self.series
+        {
+            self.writer = Some(SeriesWriter::new(&self.path, name, options, self.shots.len())?);
+        }
+        let Some((number, shot)) = self.shots.get(self.done).copied() else {
+            self.writer.take().map_or(Ok(()), SeriesWriter::finish)?;
+            return Ok(false);
+        };
+        if cancel.is_cancelled() {
+            return Err(ExportError::Stopped);
+        }
+        let picture = self.painter.paint(shot, cancel);
+        if cancel.is_cancelled() {
+            return Err(ExportError::Stopped);
+        }
+        match &mut self.writer {
+            Some(writer) => writer.add(number, picture)?,
+            None => images::write_png(&self.path, &DynamicImage::ImageRgb8(picture))?,
+        }
+        self.done += 1;
+        Ok(true)
+    }
+}
+
+impl Job<Exported> for ExportJob {
+    fn step(&mut self, out: &Outbox<Exported>) -> Step {
+        let (said, step) = match self.next(out.cancel()) {
+            Ok(true) => (Exported::Pictures(self.done), Step::Again),
+            Ok(false) => (Exported::Whole, Step::Done),
+            Err(_) if out.cancel().is_cancelled() => (Exported::Stopped, Step::Done),
+            Err(error) => (Exported::Failed(error), Step::Done),
+        };
+        out.send(said);
+        step
+    }
+}

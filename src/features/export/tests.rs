@@ -1,0 +1,18 @@
+//! Exports in the window.
+
+use super::Running;
+use super::job::Exported;
+use crate::app::testing::{Breaks, errors, open, settle};
+use crate::context::preferences::Layout;
+
+#[test]
+fn an_export_that_breaks_down_is_said_once_and_is_over() {
+    let (mut window, mut app) = open(Layout::Pose);
+    let pool = app.state.pool.clone();
+    let export = &mut app.features.export;
+    export.running = Some(Running { path: "a.png".into(), done: 0, total: 1, outcome: Exported::Stopped });
+    export.task.begin(&pool, (), |()| Breaks);
+    settle(&mut window, &mut app);
+    assert_eq!(app.features.export.progress(), None);
+    assert_eq!(errors(&app), ["The export broke down: thirteen. Your work is unharmed."]);
+}

@@ -1,0 +1,156 @@
+//! Exports: asked for, begun, stopped; what was written is said.
+
+use std::path::Path;
+
+use egui::Ui;
+
+use super::dialog::{Answer, ExportDialog};
+use super::job::{ExportJob, Exported};
+use super::{Export, ExportOrder, Running, Subject};
+use crate::context::command::{Command, ExportCommand};
+use crate::context::file_dialog::Wanted;
+use crate::context::unavailable::{because, no_take};
+use crate::context::write_advice::remedy;
+use crate::context::{Context, Request, Requests};
+use crate::jobs::{News, Pool};
+
+impl Export {
+    /// Does a command.
+    pub(crate) fn run(&mut self, command: ExportCommand, context: &Context<'_>, requests: &mut Requests) {
+        match command {
+            ExportCommand::View => self.open_card(Subject::View, context, requests),
+            ExportCommand::Window => self.open_card(Subject::Window, context, requests),
+            ExportCommand::Steps => self.open_card(Subject::Steps, context, requests),
+            ExportCommand::Frames => self.open_card(Subject::Frames, context, requests),
+            ExportCommand::Stop => self.stop(),
+            ExportCommand::ShowExported => {
+                if let Some(folder) = &self.folder {
+                    requests.request(Request::OpenOutside(folder.display().to_string()));
+                }
+            }
+        }
+    }
+
+    /// Why a command cannot be used now.
+    pub(crate) fn unavailable(&self, command: ExportCommand, context: &Context<'_>) -> Option<&'static str> {
+        let is_exporting = because(self.running.is_some(), "An export is under way");
+        match command {
+            ExportCommand::ShowExported => {
+                because(self.folder.is_none(), "Nothing was exported since the start")
+            }
+            ExportCommand::Stop => because(self.running.is_none(), "Nothing is being exported"),
+            ExportCommand::Window => is_exporting,
+            ExportCommand::View | ExportCommand::Frames => is_exporting.or(no_take(context)),
+            ExportCommand::Steps => {
+                let has_run = context.session.run_of(context.selection).is_some();
+                let no_run = because(!has_run, "This frame has no run yet: press Space to step");
+                is_exporting.or(no_take(context)).or(no_run)
+            }
+        }
+    }
+
+    /// Asks what is to be exported, and where to.
+    fn open_card(&mut self, subject: Subject, context: &Context<'_>, requests: &mut Requests) {
+        self.dialog = Some(Box::new(ExportDialog::new(subject, self.preferences.clone(), context)));
+        requests.request(Request::ExportCard);
+    }
+
+    /// Shows the card, and says whether it stays.
+    pub(crate) fn card(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
+        let Some(dialog) = &mut self.dialog else { return false };
+        let Answer { closes, asks_for_path, order } = dialog.ui(ui, context);
+        if asks_for_path {
+            let (is_folder, name) = dialog.wanted_name();
+            let (title, wanted) = if is_folder {
+                ("Export to folder", Wanted::Folder)
+            } else {
+                ("Export", Wanted::NewFile(name, &[]))
+            };
+            if let Err(why) = self.dialogs.ask(context.egui, (), title, wanted) {
+                requests.complain(why);
+            }
+        }
+        if let Some(order) = order {
+            self.preferences = order.choices.clone();
+            self.order = Some(order);
+            requests.request(Request::Export);
+        }
+        if closes {
+            self.dialog = None;
+        }
+        !closes
+    }
+
+    /// What was put together on the card and is to be begun.
+    pub(crate) const fn take_order(&mut self) -> Option<ExportOrder> {
+        self.order.take()
+    }
+
+    /// Begins an export.
+    pub(crate) fn begin(&mut self, job: ExportJob, order: ExportOrder, pool: &Pool) {
+        self.running =
+            Some(Running { path: order.path, done: 0, total: job.len(), outcome: Exported::Stopped });
+        self.task.begin(pool, (), |()| job);
+    }
+
+    /// Ends the export; what is written of a folder of pictures stays.
+    pub(crate) fn stop(&self) {
+        self.task.stop();
+    }
+
+    /// Takes in what was painted, and the file that was chosen.
+    pub(crate) fn update(&mut self, requests: &mut Requests) {
+        for ((), path) in self.dialogs.answers() {
+            if let Some(dialog) = &mut self.dialog {
+                dialog.set_path(&path);
+            }
+        }
+        for news in self.task.poll() {
+            match news {
+                News::Output(said) => {
+                    let Some(running) = &mut self.running else { continue };
+                    match said {
+                        Exported::Pictures(count) => running.done = count,
+                        outcome => running.outcome = outcome,
+                    }
+                }
+                News::Ended => self.ended(requests),
+                News::Failed(failure) => {
+                    requests.failed("The export", &failure);
+                    self.running = None;
+                }
+            }
+        }
+    }
+
+    fn ended(&mut self, requests: &mut Requests) {
+        let Some(Running { path, done, total, outcome }) = self.running.take() else { return };
+        let (name, is_folder) = (name_of(&path), path.is_dir());
+        self.folder = if is_folder { Some(path) } else { path.parent().map(Path::to_owned) };
+        let pictures =
+            |count: usize| if count == 1 { "1 picture".to_owned() } else { format!("{count} pictures") };
+        match outcome {
+            Exported::Whole | Exported::Pictures(_) => {
+                let text = match total {
+                    1 if !is_folder => format!("Exported {name}."),
+                    _ => format!("Exported {} to {name}.", pictures(total)),
+                };
+                requests.inform(text, Some(Command::Export(ExportCommand::ShowExported)));
+            }
+            Exported::Stopped => {
+                let kept =
+                    if is_folder { format!("; {} stay in {name}", pictures(done)) } else { String::new() };
+                requests.inform(format!("Stopped the export{kept}."), None);
+            }
+            Exported::Failed(error) => {
+                let remedy = remedy(error.cause());
+                requests.complain(format!("Not exported: {:#}. {remedy}", anyhow::Error::from(error)));
+            }
+        }
+    }
+}
+
+/// The last part of a path.
+fn name_of(path: &Path) -> String {
+    path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+}
