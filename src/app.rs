@@ -15,13 +15,11 @@
 //! | `playing` | playing frames, and the time axis |
 //! | `tracking` | tracking, and looking for other poses |
 //! | `body` | fitting the body's own sizes |
-//! | `demonstrating` | demonstrations and their runs, one after the other |
 //! | `dropping` | files that are dropped on the window |
 //! | `files` | takes, projects, dialogs |
 //! | `settings` | the settings file |
 //! | `jobs` | what the screen lacks is asked of the worker |
 //! | `exported`, `accessible` | the state as a file, for tests from outside; where the named widgets are |
-//! | `touring` | the tour: which step, and whether it was done |
 //! | `off_screen` | the second inspector, which is painted for exports |
 //! | `outside` | folders and pages in other programs |
 //! | `scene_view` | where the 3-D scene is seen from, and its hull |
@@ -87,8 +85,6 @@ impl App {
         self.play(ui.ctx());
         self.keep_work();
         self.refresh();
-        self.go_on_demonstrating();
-        self.follow_tour();
         self.export_state();
         self.state.frame_seconds = began.elapsed().as_secs_f64();
     }

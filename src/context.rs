@@ -38,7 +38,6 @@ use crate::document::edit::Edit;
 use crate::document::history::{Gesture, History};
 use crate::drawing::{DragEvent, JointId, ViewMode};
 use crate::features::convergence::CurvesRequest;
-use crate::features::scene::{SceneLook, SceneOrder};
 use crate::jobs::{Failure, Pool};
 use crate::session::playback::{Playback, PlaybackChange};
 use crate::session::prediction::{Derivatives, FitInputs};
@@ -66,6 +65,8 @@ pub struct Context<'a> {
     pub project: Option<&'a Path>,
     /// Whether a project was not opened since its take was not there.
     pub lacks_take: bool,
+    /// The pane that fills the centre.
+    pub alone: Option<Pane>,
     /// How frames are played.
     pub playback: &'a Playback,
     /// What all camera views share.
@@ -78,8 +79,10 @@ pub struct Context<'a> {
     pub clock: &'a Clock,
     /// The sentence of the status bar about what the hand is doing.
     pub doing: Option<&'a str>,
-    /// What the open demonstration shows, until that is closed.
-    pub explanation: Option<&'a str>,
+    /// Whether something lies over the window: the palette, a dialog.
+    pub is_covered: bool,
+    /// Whether work is offered that an earlier start of the program left unsaved.
+    pub offers_unsaved_work: bool,
     /// What cannot be used in this frame.
     pub unavailable: &'a Unavailable,
     /// Whether a change of the layout can be taken back.
@@ -105,6 +108,13 @@ impl<'a> Context<'a> {
     #[must_use]
     pub fn shown_pose(&self) -> &'a Pose {
         self.session.shown_pose(self.document(), self.selection)
+    }
+
+    /// Whether a pane is on the screen.
+    #[must_use]
+    pub fn shows(&self, pane: Pane) -> bool {
+        let is_open = || self.preferences.is_open(pane, self.session.camera_count());
+        self.alone.map_or_else(is_open, |alone| alone == pane)
     }
 
     /// The name of the take, for files that are made of it.
@@ -170,18 +180,29 @@ pub enum Request {
     ShowMode(Layout, ViewMode),
     /// How the window is arranged.
     Layout(Layout),
+    /// Show all tiles again, if one fills the window.
+    ShowAllTiles,
+    /// Run the laboratory's fits as soon as they have begun.
+    RunLaboratory,
+    /// Fit the frame from the pose on the screen to the end, as a run of this name.
+    BeginRun {
+        /// The name.
+        name: String,
+        /// The gesture that its result belongs to.
+        gesture: Gesture,
+    },
+    /// Begin a new past of the document: there is nothing to undo and nothing to save.
+    ForgetPast,
     /// What the user did with a tile.
     Pane(Pane, PaneEvent),
-    /// What the 3-D scene shows, and from where.
-    Scene(SceneLook),
     /// The user has arranged the tiles.
     Arrange(Box<Arrangement>),
     /// Open a take.
     Open(TakeSource),
+    /// Close all notices.
+    CloseNotices,
     /// Close a notice.
     CloseNotice(u64),
-    /// Close the explanation of a demonstration.
-    CloseExplanation,
     /// Close the notices that begin so: that is over.
     CloseNoticesAbout(&'static str),
     /// A notice is under the pointer: it stays.
@@ -261,8 +282,6 @@ pub struct Requests {
     pub commands: Vec<Command>,
     /// Everything else.
     pub others: Vec<Request>,
-    /// What the 3-D scene is to show, where its picture shows something else.
-    pub scene: Option<Box<SceneOrder>>,
     /// Files to be written.
     pub writes: Vec<Write>,
     /// Frames that were read on the way, and that panels may show.

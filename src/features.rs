@@ -3,7 +3,7 @@
 pub mod basin;
 pub mod camera_views;
 pub mod convergence;
-pub(crate) mod demonstration;
+pub(crate) mod demonstrations;
 pub mod export;
 pub(crate) mod fit;
 pub mod laboratory;
@@ -20,14 +20,15 @@ pub(crate) mod tracking;
 pub struct Features {
     pub(crate) basin: basin::Basin,
     pub(crate) camera_views: camera_views::CameraViews,
-    pub(crate) demonstration: demonstration::Demonstrating,
+    pub(crate) demonstrations: demonstrations::Demonstrations,
     pub(crate) export: export::Export,
     pub(crate) fit: fit::Fit,
     pub(crate) laboratory: laboratory::Laboratory,
     pub(crate) observability: observability::Observability,
     pub(crate) pose: pose::Posing,
     pub(crate) recovery: recovery::Recovery,
+    pub(crate) scene: scene::Scene,
     pub(crate) timeline: timeline::Timeline,
-    pub(crate) tour: Option<tour::Tour>,
+    pub(crate) tour: tour::Tour,
     pub(crate) tracking: tracking::Tracking,
 }

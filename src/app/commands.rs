@@ -12,6 +12,7 @@ use crate::context::command::{
 use crate::context::command_button::dragged_until_now;
 use crate::context::preferences::Layout;
 use crate::document::edit::Edit;
+use crate::features::demonstrations::Demonstrations;
 use crate::features::scene::panel as scene;
 use crate::shell::Overlay;
 use crate::shell::palette::Palette;
@@ -72,7 +73,10 @@ impl App {
                 |features| &mut features.camera_views,
                 |views, context, requests| views.run(command, context, requests),
             ),
-            Command::Scene(command) => self.scene_command(command),
+            Command::Scene(command) => self.with(
+                |features| &mut features.scene,
+                |scene, context, requests| scene.run(command, context, requests),
+            ),
             Command::Fit(FitCommand::SearchPoses) => {
                 self.interrupt_fit();
                 self.with(
@@ -107,10 +111,18 @@ impl App {
                 |features| &mut features.timeline,
                 |timeline, context, requests| timeline.run(command, context, requests),
             ),
-            Command::Demonstration(which) => self.open(Opening::Take(TakeSource::Demonstration(which))),
+            Command::Demonstration(which) => {
+                self.with(
+                    |features| &mut features.demonstrations,
+                    |_, _, requests| Demonstrations::run(which, requests),
+                );
+            }
             Command::Laboratory(command) => self.features.laboratory.run(command),
             Command::Tour => {
-                self.begin_tour();
+                self.with(
+                    |features| &mut features.tour,
+                    |tour, context, requests| tour.begin(context, requests),
+                );
                 self.shell.overlay = None;
             }
         }

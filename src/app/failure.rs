@@ -55,7 +55,7 @@ impl App {
     /// The steps that were made stay; the fit that made them is lost.
     fn fit_broke(&mut self) {
         self.features.fit.pending_steps = 0;
-        self.stop_demonstrating();
+        self.features.demonstrations.stop();
         self.finish_run(Some(RunEnding::Solver("a step broke down".to_owned())));
         self.state.session.live = None;
         self.features.fit.live = LiveFit::default();
@@ -65,10 +65,8 @@ impl App {
 /// What a lane does, at the beginning of a sentence.
 const fn work_of(lane: Lane) -> &'static str {
     match lane {
-        Lane::Scene => "Drawing the 3-D scene",
         Lane::Save => "Writing a file",
         Lane::Fit => "The fit",
-        Lane::Hull => "Carving the visual hull",
     }
 }
 
@@ -81,7 +79,7 @@ mod tests {
     use crate::context::notices::Severity;
     use crate::document::edit::Edit;
 
-    const ALL: [Lane; 4] = [Lane::Scene, Lane::Save, Lane::Fit, Lane::Hull];
+    const ALL: [Lane; 2] = [Lane::Save, Lane::Fit];
 
     #[test]
     fn whatever_breaks_down_is_said_once_and_nothing_waits_for_it() {

@@ -25,6 +25,19 @@ impl App {
             |observability, context, requests| observability.update(context, requests),
         );
         self.state.observability = self.features.observability.marks();
+        self.update_feature(
+            |features| &mut features.scene,
+            |scene, context, requests| scene.update(context, requests),
+        );
+        // After the fit, which it waits for.
+        self.update_feature(
+            |features| &mut features.demonstrations,
+            |demonstrations, context, requests| demonstrations.update(context, requests),
+        );
+        self.update_feature(
+            |features| &mut features.tour,
+            |tour, context, requests| tour.update(context, requests),
+        );
     }
 
     /// The copy of unsaved work follows what was done in this frame, and work is not left that can be kept nowhere.

@@ -76,10 +76,7 @@ impl App {
                 News::Output(Opened::TakeMissing { project, why }) => self.take_missing(project, &why),
                 News::Output(Opened::Nothing(why)) => self.state.notices.error(why),
                 News::Ended => {}
-                News::Failed(failure) => {
-                    self.features.demonstration.prepared = None;
-                    self.failed("Opening the take", &failure);
-                }
+                News::Failed(failure) => self.failed("Opening the take", &failure),
             }
         }
         for news in self.files.save.poll() {

@@ -16,9 +16,11 @@ use crate::document::Document;
 use crate::document::history::History;
 use crate::features::basin::Basin;
 use crate::features::camera_views::CameraViews;
+use crate::features::demonstrations::Demonstrations;
 use crate::features::export::choices::MAX_SIDE;
 use crate::features::export::{ExportJob, ExportOrder, Painter, PictureOf, Shot};
 use crate::features::laboratory::Laboratory;
+use crate::features::scene::Scene;
 use crate::features::tracking::Tracking;
 use crate::session::Session;
 use crate::session::selection::Selection;
@@ -40,9 +42,10 @@ pub(crate) struct Snapshot {
     alone: Option<Pane>,
     pair: [usize; 2],
     basin: Basin,
+    scene: Scene,
     tracking: Tracking,
     laboratory: Laboratory,
-    explanation: Option<&'static str>,
+    demonstrations: Demonstrations,
     frame_seconds: f64,
     memory: Memory,
 }
@@ -77,9 +80,10 @@ impl App {
             alone: self.shell.docking.alone,
             pair: self.shell.docking.pair,
             basin: self.features.basin.at_rest(),
+            scene: self.features.scene.at_rest(),
             tracking: self.features.tracking.at_rest(),
             laboratory: self.features.laboratory.at_rest(),
-            explanation: self.features.demonstration.explanation,
+            demonstrations: self.features.demonstrations.at_rest(),
             frame_seconds: self.state.frame_seconds,
             memory: self.state.egui.memory(Memory::clone),
         }
@@ -123,9 +127,10 @@ impl Twin {
         app.shell.docking.alone = snapshot.alone;
         app.shell.docking.pair = snapshot.pair;
         app.features.basin = snapshot.basin;
+        app.features.scene = snapshot.scene;
         app.features.tracking = snapshot.tracking;
         app.features.laboratory = snapshot.laboratory;
-        app.features.demonstration.explanation = snapshot.explanation;
+        app.features.demonstrations = snapshot.demonstrations;
         let mut lacks_legend = false;
         if let PictureOf::View { picture, whole_frame, .. } = what {
             app.shell.docking.alone = Some(Pane::Camera(picture.camera));

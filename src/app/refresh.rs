@@ -67,11 +67,7 @@ impl App {
             match news {
                 News::Output(frame) => self.state.session.keep_frame(frame),
                 News::Ended => {}
-                News::Failed(failure) => {
-                    // Without its frame a demonstration cannot go on.
-                    self.features.demonstration.prepared = None;
-                    self.failed("Reading the frame", &failure);
-                }
+                News::Failed(failure) => self.failed("Reading the frame", &failure),
             }
         }
         for news in self.refresh.prediction.poll() {
@@ -135,7 +131,6 @@ impl App {
             }
         }
         self.refresh_prediction();
-        self.request_hull();
     }
 
     fn read_frame(&mut self, take: &Arc<Footage>, frame: usize) {

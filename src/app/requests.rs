@@ -4,7 +4,7 @@ use super::App;
 use super::state::Opening;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
-use crate::document::history::Gesture;
+use crate::document::history::{Gesture, History};
 use crate::features::Features;
 use crate::shell::Overlay;
 
@@ -19,9 +19,6 @@ impl App {
 
     /// The same before the panels are shown, which see it in this frame of the window.
     fn apply_before_show(&mut self, requests: Requests, ctx: &egui::Context) {
-        if let Some(order) = requests.scene {
-            self.draw_scene(*order);
-        }
         for frame in requests.frames {
             self.state.session.keep_frame(frame);
         }
@@ -135,14 +132,20 @@ impl App {
                 self.state.history.cancel(gesture);
             }
             Request::Segment => self.state.session.forget_measurements(),
+            Request::RunLaboratory => self.features.laboratory.run_when_begun(),
+            Request::BeginRun { name, gesture } => {
+                self.features.fit.run_gesture = Some(gesture);
+                self.begin(Some(name), None, None);
+            }
+            Request::ForgetPast => self.state.history = History::new(self.document().clone()),
+            Request::ShowAllTiles => self.shell.docking.alone = None,
             Request::Layout(layout) => self.state.preferences.layout = layout,
             Request::Pane(pane, event) => self.pane_event(pane, event),
-            Request::Scene(look) => self.state.preferences.scene = look,
             Request::Arrange(tree) => self.dock(|_, window| window.arrange(*tree)),
             Request::Open(source) => self.open(Opening::Take(source)),
+            Request::CloseNotices => self.state.notices.close_all(),
             Request::CloseNotice(id) => self.state.notices.close(id),
             Request::CloseNoticesAbout(beginning) => self.state.notices.close_about(beginning),
-            Request::CloseExplanation => self.features.demonstration.explanation = None,
             Request::HoldNotice(id) => self.state.notices.hold(id, self.state.now),
             Request::Playback(change) => self.change_playback(change),
             Request::Recover(decision) => self.with(

@@ -7,7 +7,6 @@ use crate::context::activity::Activity;
 use crate::context::preferences::Layout;
 use crate::context::{Context, Request, Requests, Unavailable};
 use crate::features::Features;
-use crate::features::demonstration::explanation;
 use crate::shell::Overlay;
 use crate::shell::{about, dock, empty, messages, notice_cards, right_panel, shortcuts, status_bar, toolbar};
 use crate::style::theme::size;
@@ -34,13 +33,15 @@ impl App {
             },
             project: self.state.project.as_deref(),
             lacks_take: self.files.lost_take.is_some(),
+            alone: self.shell.docking.alone,
             clock: &self.clock,
             playback: &self.state.playback,
             views: self.features.camera_views.preferences.settings,
             drag: self.features.pose.marks(self.state.now),
             observability: &self.state.observability,
             doing: self.state.status.as_deref(),
-            explanation: self.features.demonstration.explanation,
+            is_covered: self.shell.overlay.is_some(),
+            offers_unsaved_work: self.features.recovery.is_offered(),
             unavailable: &self.state.unavailable,
             can_restore_layout: self.layout_before.is_some(),
             frame_seconds: self.state.frame_seconds,
@@ -87,7 +88,7 @@ impl App {
                 if demonstrates {
                     return features.laboratory.ui(ui, &context, requests);
                 }
-                explanation::ui(ui, &context, requests);
+                features.demonstrations.ui(ui);
                 if self.shell.docking.alone.is_none() {
                     features.timeline.ui(ui, &context, requests, window.height());
                     notices_from.y = ui.available_rect_before_wrap().bottom();
@@ -101,12 +102,12 @@ impl App {
         for id in notice_cards::ui(ui, &context, requests, notices_from) {
             requests.request(Request::HoldNotice(id));
         }
+        features.tour.ui(ui, &context, notices_from.y, requests);
         self.take_back(features);
         if let Some(size) = centre_size.filter(|_| self.shell.docking.alone.is_none()) {
             self.shell.docking.size = size;
         }
         self.show_overlay(ui, requests);
-        self.show_tour(ui, notices_from.y);
         self.show_drop(ui);
     }
 
@@ -115,10 +116,13 @@ impl App {
         Features {
             basin: std::mem::take(&mut self.features.basin),
             observability: std::mem::take(&mut self.features.observability),
+            scene: std::mem::take(&mut self.features.scene),
             timeline: std::mem::take(&mut self.features.timeline),
             tracking: std::mem::take(&mut self.features.tracking),
             camera_views: std::mem::take(&mut self.features.camera_views),
             laboratory: std::mem::take(&mut self.features.laboratory),
+            demonstrations: std::mem::take(&mut self.features.demonstrations),
+            tour: std::mem::take(&mut self.features.tour),
             ..Features::default()
         }
     }
@@ -126,10 +130,13 @@ impl App {
     fn take_back(&mut self, features: Features) {
         self.features.basin = features.basin;
         self.features.observability = features.observability;
+        self.features.scene = features.scene;
         self.features.timeline = features.timeline;
         self.features.tracking = features.tracking;
         self.features.camera_views = features.camera_views;
         self.features.laboratory = features.laboratory;
+        self.features.demonstrations = features.demonstrations;
+        self.features.tour = features.tour;
     }
 
     fn show_overlay(&mut self, ui: &Ui, requests: &mut Requests) {

@@ -164,7 +164,7 @@ impl App {
             "track": self.exported_track(),
             "notices": self.state.notices.cards().map(notice).collect::<Vec<_>>(),
             "messages": self.state.notices.all().len(),
-            "tour": self.tour_step(),
+            "tour": self.features.tour.step(&self.context()),
             "over": self.shell.overlay.as_ref().map(overlay_name),
         })
     }

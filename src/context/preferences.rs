@@ -8,7 +8,6 @@ use crate::context::arrangement;
 use crate::context::arrangement::Kept;
 use crate::context::pane::Pane;
 use crate::features::convergence::CurvesLook;
-use crate::features::scene::SceneLook;
 use crate::style::theme::{Theme, size};
 
 /// What the window is arranged for.
@@ -53,16 +52,12 @@ pub struct Preferences {
     pub panel: bool,
     /// Takes that were opened last, the newest first.
     pub recent: Vec<PathBuf>,
-    /// What the 3-D scene shows.
-    pub scene: SceneLook,
     /// How the user has arranged the tiles.
     pub kept: Kept,
     /// What the convergence plot shows.
     pub curves: CurvesLook,
     /// Names of the commands that were chosen last in the palette, the newest first.
     pub used_commands: Vec<String>,
-    /// Whether the tour was offered.
-    pub tour_offered: bool,
     /// Changes with *Reset layout*, so that egui forgets sizes and open sections.
     pub generation: u32,
 }
@@ -74,11 +69,9 @@ impl Default for Preferences {
             layout: Layout::Pose,
             panel: true,
             recent: Vec::new(),
-            scene: SceneLook::default(),
             kept: Kept::default(),
             curves: CurvesLook::default(),
             used_commands: Vec::new(),
-            tour_offered: false,
             generation: 0,
         }
     }

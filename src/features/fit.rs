@@ -136,7 +136,7 @@ impl App {
 
     /// Ends a fit that is going on, because its pose is about to change: what it has done stays as a run.
     pub(crate) fn interrupt_fit(&mut self) {
-        self.stop_demonstrating();
+        self.features.demonstrations.stop();
         if !self.worker.is_busy(Lane::Fit) {
             return;
         }
@@ -195,7 +195,7 @@ impl App {
     /// Stops the fit; what is done stays.
     pub(crate) fn stop(&mut self) {
         self.features.fit.pending_steps = 0;
-        self.stop_demonstrating();
+        self.features.demonstrations.stop();
         self.worker.cancel(Lane::Fit);
     }
 }

@@ -1,19 +1,18 @@
 //! The tour: seven steps on the built-in take. Each waits until the state of the inspector says that it was done.
 
-pub(crate) mod panel;
+mod card;
 
 use backlit_tracking::body::Kinematics;
-use egui::Rect;
 use egui::accesskit::Role;
+use egui::{Rect, Ui};
 use glam::DVec3;
 
-use crate::app::{App, Opening};
-use crate::context::Request;
+use card::{Card, STEPS, Wish};
+
 use crate::context::preferences::Layout;
+use crate::context::{Context, Request, Requests};
 use crate::document::Origin;
 use crate::drawing::{JointId, ViewMode, draggable_joints, joint_name};
-use crate::features::tour::panel as tour;
-use crate::features::tour::panel::{STEPS, TourCard, TourEvent};
 use crate::take::source::TakeSource;
 use crate::widgets::accessible::Names;
 
@@ -22,9 +21,11 @@ const JOINT: &str = "right wrist";
 /// It was dragged when it is this far from where it was, metres.
 const DRAGGED_M: f64 = 0.02;
 
-/// Where the tour is.
-#[derive(Debug)]
+/// The feature.
+#[derive(Debug, Default)]
 pub(crate) struct Tour {
+    /// Whether it was offered, kept from start to start.
+    pub(crate) was_offered: bool,
     stage: Stage,
     /// The last step that was reached: up to there one may go on without doing it again.
     furthest: usize,
@@ -35,8 +36,11 @@ pub(crate) struct Tour {
     begun: Begun,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 enum Stage {
+    /// It is over, or was not begun.
+    #[default]
+    Over,
     /// It is offered.
     Offered,
     /// The built-in take is being opened.
@@ -55,198 +59,154 @@ struct Begun {
     renderers: Vec<&'static str>,
 }
 
-impl App {
-    /// Offers the tour, once.
-    pub(crate) fn offer_tour(&mut self) {
-        if !self.state.preferences.tour_offered {
-            self.features.tour = Some(Tour::new(Stage::Offered));
+impl Tour {
+    /// Offers it, once.
+    pub(crate) fn offer(&mut self) {
+        if !self.was_offered {
+            self.stage = Stage::Offered;
         }
     }
 
-    /// Begins the tour; the built-in take is opened if it is not open.
-    pub(crate) fn begin_tour(&mut self) {
-        self.state.preferences.tour_offered = true;
-        self.features.tour = Some(Tour::new(Stage::Opening));
-        if !self.shows_built_in() {
-            self.open(Opening::Take(TakeSource::BuiltIn));
+    /// Begins it; the built-in take is opened if it is not open.
+    pub(crate) fn begin(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        *self = Self { was_offered: true, stage: Stage::Opening, ..Self::default() };
+        if !shows_built_in(context) {
+            requests.request(Request::Open(TakeSource::BuiltIn));
         }
     }
 
     /// The step on the screen, counted from one; zero while the tour is offered.
-    pub(crate) fn tour_step(&self) -> Option<usize> {
-        match self.features.tour.as_ref()?.stage {
-            Stage::Offered => self.can_offer().then_some(0),
-            Stage::Opening => None,
+    #[must_use]
+    pub(crate) fn step(&self, context: &Context<'_>) -> Option<usize> {
+        match self.stage {
+            Stage::Offered => can_offer(context).then_some(0),
+            Stage::Over | Stage::Opening => None,
             Stage::At(step) => Some(step + 1),
         }
     }
 
-    fn shows_built_in(&self) -> bool {
-        let take = self.state.session.take.as_ref();
-        take.is_some_and(|take| take.source == Some(TakeSource::BuiltIn))
-    }
-
-    /// Who has opened something else, or has lost work to look at first, is left in peace.
-    fn can_offer(&self) -> bool {
-        let is_nowhere = self.state.session.take.is_none()
-            && self.worker.is_idle()
-            && !self.features.recovery.is_offered();
-        self.shell.overlay.is_none() && (self.shows_built_in() || is_nowhere)
-    }
-
     /// Looks whether the step on the screen was done.
-    pub(crate) fn follow_tour(&mut self) {
-        let Some(mut tour) = self.features.tour.take() else { return };
-        let is_open = self.shows_built_in();
-        match tour.stage {
-            Stage::Offered => {}
-            Stage::Opening => {
-                if is_open && self.state.session.frames.get(self.state.selection.frame).is_some() {
-                    self.go_to_frame(0);
+    pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        let is_open = shows_built_in(context);
+        match self.stage {
+            Stage::Over | Stage::Offered => {}
+            Stage::Opening if is_open && context.selection.frame != 0 => {
+                requests.request(Request::Visit(0));
+                context.egui.request_repaint();
+            }
+            Stage::Opening if is_open => {
+                if context.session.frames.get(0).is_some() {
                     for layout in [Layout::Pose, Layout::Debug] {
-                        self.request(Request::ShowMode(layout, ViewMode::Tinted));
+                        requests.request(Request::ShowMode(layout, ViewMode::Tinted));
                     }
-                    self.enter(&mut tour, 0);
-                } else if !is_open && self.worker.is_idle() {
-                    // It could not be opened; that was said.
-                    return;
+                    self.enter(0, context, requests);
                 }
             }
-            Stage::At(_) if !is_open => return,
-            Stage::At(step) => {
-                Names::keep(&self.state.egui);
-                tour.dragged_in = self.context().drag.camera.or(tour.dragged_in);
-                let renderer = self.document().fit.renderer.name();
-                if !tour.begun.renderers.contains(&renderer) {
-                    tour.begun.renderers.push(renderer);
-                }
-                if self.has_done(&tour, step) {
-                    if step + 1 == STEPS.len() {
-                        let text = "That was the tour. Help › Tour shows it again.";
-                        self.state.notices.info(self.state.now, text, None);
-                        return;
-                    }
-                    self.enter(&mut tour, step + 1);
-                }
-            }
+            // Where it could not be opened that was said.
+            Stage::Opening if context.busy.opening => {}
+            Stage::Opening => self.stage = Stage::Over,
+            Stage::At(_) if !is_open => self.stage = Stage::Over,
+            Stage::At(step) => self.follow(step, context, requests),
         }
-        self.features.tour = Some(tour);
+    }
+
+    fn follow(&mut self, step: usize, context: &Context<'_>, requests: &mut Requests) {
+        Names::keep(context.egui);
+        self.dragged_in = context.drag.camera.or(self.dragged_in);
+        let renderer = context.document().fit.renderer.name();
+        if !self.begun.renderers.contains(&renderer) {
+            self.begun.renderers.push(renderer);
+        }
+        if !self.has_done(step, context) {
+            return;
+        }
+        if step + 1 == STEPS.len() {
+            requests.inform("That was the tour. Help › Tour shows it again.", None);
+            self.stage = Stage::Over;
+        } else {
+            self.enter(step + 1, context, requests);
+        }
     }
 
     /// Goes to a step and arranges the window so that what it is about can be seen.
-    fn enter(&mut self, tour: &mut Tour, step: usize) {
-        Names::keep(&self.state.egui);
+    fn enter(&mut self, step: usize, context: &Context<'_>, requests: &mut Requests) {
+        Names::keep(context.egui);
         if step == 2 {
-            tour.first_camera = tour.dragged_in.unwrap_or(0);
+            self.first_camera = self.dragged_in.unwrap_or(0);
         }
-        self.state.preferences.layout = if matches!(step, 4 | 5) { Layout::Debug } else { Layout::Pose };
-        self.shell.docking.alone = None;
+        let layout = if matches!(step, 4 | 5) { Layout::Debug } else { Layout::Pose };
+        requests.request(Request::Layout(layout));
+        requests.request(Request::ShowAllTiles);
         if step == 5 {
             // The step that was looked at is left: the renderers are compared on the pose of the frame.
-            self.state.selection.step = None;
+            requests.request(Request::LeaveStep);
         }
-        tour.stage = Stage::At(step);
-        tour.furthest = tour.furthest.max(step);
-        tour.dragged_in = None;
-        tour.begun = Begun {
-            joint: self.toured_joint(),
-            steps: self.steps_done(),
-            tracked: self.frames_tracked(),
-            renderers: vec![self.document().fit.renderer.name()],
+        self.stage = Stage::At(step);
+        self.furthest = self.furthest.max(step);
+        self.dragged_in = None;
+        self.begun = Begun {
+            joint: toured_joint(context),
+            steps: steps_done(context),
+            tracked: frames_tracked(context),
+            renderers: vec![context.document().fit.renderer.name()],
         };
-        self.state.egui.request_repaint();
+        context.egui.request_repaint();
     }
 
-    fn has_done(&self, tour: &Tour, step: usize) -> bool {
+    fn has_done(&self, step: usize, context: &Context<'_>) -> bool {
         let moved = || {
-            let joints = tour.begun.joint.zip(self.toured_joint());
-            !self.context().drag.is_dragging()
+            let joints = self.begun.joint.zip(toured_joint(context));
+            !context.drag.is_dragging()
                 && joints.is_some_and(|(before, now)| before.distance(now) > DRAGGED_M)
         };
-        let busy = self.context().busy;
         match step {
-            1 => moved() && tour.dragged_in.is_some(),
-            2 => moved() && tour.dragged_in.is_some_and(|camera| camera != tour.first_camera),
-            3 => self.steps_done() > tour.begun.steps,
-            4 => self.run_has_ended() && self.state.selection.step.is_some(),
-            5 => tour.begun.renderers.len() > 2,
-            6 => self.frames_tracked() > tour.begun.tracked && !busy.tracking,
+            1 => moved() && self.dragged_in.is_some(),
+            2 => moved() && self.dragged_in.is_some_and(|camera| camera != self.first_camera),
+            3 => steps_done(context) > self.begun.steps,
+            4 => run_has_ended(context) && context.selection.step.is_some(),
+            5 => self.begun.renderers.len() > 2,
+            6 => frames_tracked(context) > self.begun.tracked && !context.busy.tracking,
             // The first is for looking: nobody can tell when that is done.
             _ => false,
         }
     }
 
-    /// Where the joint is that is dragged.
-    fn toured_joint(&self) -> Option<DVec3> {
-        let model = &self.document().model;
-        let joint = draggable_joints(model).into_iter().find(|joint| joint_name(model, *joint) == JOINT)?;
-        let pose = self.document().pose_at(self.state.selection.frame);
-        match joint {
-            JointId::Root => Some(pose.root),
-            JointId::End(limb) => Kinematics::new(model, pose).ends().get(limb).copied(),
-        }
-    }
-
-    fn steps_done(&self) -> usize {
-        self.state.session.runs.iter().map(|run| run.steps.len().saturating_sub(1)).sum()
-    }
-
-    fn frames_tracked(&self) -> usize {
-        self.document().estimates.values().filter(|found| found.origin == Origin::Track).count()
-    }
-
-    fn run_has_ended(&self) -> bool {
-        let run =
-            self.state.session.run_of(&self.state.selection).and_then(|run| self.state.session.runs.get(run));
-        run.is_some_and(|run| run.ending.is_some())
-    }
-
-    /// Shows the card, and does what is asked on it.
-    pub(crate) fn show_tour(&mut self, ui: &egui::Ui, bottom: f32) {
-        let Some(tour) = &self.features.tour else { return };
-        let event = match tour.stage {
-            Stage::Opening => None,
-            Stage::Offered if self.can_offer() => tour::offer(ui, bottom),
-            Stage::Offered => None,
-            Stage::At(_) if self.shell.overlay.is_some() => None,
-            Stage::At(step) => {
-                let (target, camera) = self.target(tour, step);
-                let can_go_on = step == 0 || step < tour.furthest;
-                tour::card(ui, &TourCard { step, target, camera, can_go_on })
+    /// Shows the card, and does what is asked on it. The offer lies above `bottom`.
+    pub(crate) fn ui(&mut self, ui: &Ui, context: &Context<'_>, bottom: f32, requests: &mut Requests) {
+        let wish = match self.stage {
+            Stage::Offered if can_offer(context) => card::offer(ui, bottom),
+            Stage::At(step) if !context.is_covered => {
+                let (target, camera) = self.target(step, context);
+                let can_go_on = step == 0 || step < self.furthest;
+                card::card(ui, &Card { step, target, camera, can_go_on })
             }
+            Stage::Over | Stage::Offered | Stage::Opening | Stage::At(_) => None,
         };
-        match event {
-            Some(TourEvent::Begin) => self.begin_tour(),
-            Some(TourEvent::Skip) => {
-                self.features.tour = None;
-                self.state.preferences.tour_offered = true;
-            }
-            Some(TourEvent::Back) => self.go_in_tour(-1),
-            Some(TourEvent::Next) => self.go_in_tour(1),
+        match wish {
+            Some(Wish::Begin) => self.begin(context, requests),
+            Some(Wish::Skip) => *self = Self { was_offered: true, ..Self::default() },
+            Some(Wish::Back) => self.go(-1, context, requests),
+            Some(Wish::Next) => self.go(1, context, requests),
             None => {}
         }
     }
 
-    fn go_in_tour(&mut self, by: isize) {
-        if let Some(mut tour) = self.features.tour.take() {
-            if let Stage::At(step) = tour.stage {
-                self.enter(&mut tour, step.saturating_add_signed(by).min(STEPS.len() - 1));
-            }
-            self.features.tour = Some(tour);
+    fn go(&mut self, by: isize, context: &Context<'_>, requests: &mut Requests) {
+        if let Stage::At(step) = self.stage {
+            self.enter(step.saturating_add_signed(by).min(STEPS.len() - 1), context, requests);
         }
     }
 
     /// What a step points at, and the camera that it is about, counted from one.
-    fn target(&self, tour: &Tour, step: usize) -> (Option<Rect>, usize) {
-        let named = |name: &str| Names::find(&self.state.egui, |named| named.name == name);
-        let button = |name: &str| {
-            Names::find(&self.state.egui, |named| named.name == name && named.role == Role::Button)
-        };
+    fn target(&self, step: usize, context: &Context<'_>) -> (Option<Rect>, usize) {
+        let named = |name: &str| Names::find(context.egui, |named| named.name == name);
+        let button =
+            |name: &str| Names::find(context.egui, |named| named.name == name && named.role == Role::Button);
         let joint = |camera: usize| named(&format!("{JOINT}, Camera {camera}"));
-        let count = self.state.session.camera_count();
+        let count = context.session.camera_count();
         match step {
             0 => {
-                let bar = || Names::find(&self.state.egui, |named| named.name.starts_with("Missing"));
+                let bar = || Names::find(context.egui, |named| named.name.starts_with("Missing"));
                 (bar().or_else(|| named("Camera 1 header")), 1)
             }
             1 => {
@@ -256,15 +216,15 @@ impl App {
             2 => {
                 // Rather one that looks from the side than the neighbour of the first.
                 let mut others: Vec<usize> =
-                    (1..=count).filter(|camera| *camera != tour.first_camera + 1).collect();
+                    (1..=count).filter(|camera| *camera != self.first_camera + 1).collect();
                 others.sort_by_key(|camera| *camera != 3);
                 let camera = others.iter().find(|camera| joint(**camera).is_some()).or(others.first());
                 let camera = camera.copied().unwrap_or(2);
                 (joint(camera), camera)
             }
             3 => (button("Step"), 1),
-            4 if self.run_has_ended() => {
-                (Names::find(&self.state.egui, |named| named.name == "Step" && named.role == Role::Slider), 1)
+            4 if run_has_ended(context) => {
+                (Names::find(context.egui, |named| named.name == "Step" && named.role == Role::Slider), 1)
             }
             4 => (button("Run"), 1),
             5 => (named("Renderer").or_else(|| button("Renderer")), 1),
@@ -273,8 +233,37 @@ impl App {
     }
 }
 
-impl Tour {
-    fn new(stage: Stage) -> Self {
-        Self { stage, furthest: 0, dragged_in: None, first_camera: 0, begun: Begun::default() }
+fn shows_built_in(context: &Context<'_>) -> bool {
+    let take = context.session.take.as_ref();
+    take.is_some_and(|take| take.source == Some(TakeSource::BuiltIn))
+}
+
+/// Who has opened something else, or has lost work to look at first, is left in peace.
+fn can_offer(context: &Context<'_>) -> bool {
+    let is_nowhere = context.session.take.is_none() && !context.busy.opening && !context.offers_unsaved_work;
+    !context.is_covered && (shows_built_in(context) || is_nowhere)
+}
+
+/// Where the joint is that is dragged.
+fn toured_joint(context: &Context<'_>) -> Option<DVec3> {
+    let model = &context.document().model;
+    let joint = draggable_joints(model).into_iter().find(|joint| joint_name(model, *joint) == JOINT)?;
+    let pose = context.document().pose_at(context.selection.frame);
+    match joint {
+        JointId::Root => Some(pose.root),
+        JointId::End(limb) => Kinematics::new(model, pose).ends().get(limb).copied(),
     }
+}
+
+fn steps_done(context: &Context<'_>) -> usize {
+    context.session.runs.iter().map(|run| run.steps.len().saturating_sub(1)).sum()
+}
+
+fn frames_tracked(context: &Context<'_>) -> usize {
+    context.document().estimates.values().filter(|found| found.origin == Origin::Track).count()
+}
+
+fn run_has_ended(context: &Context<'_>) -> bool {
+    let run = context.session.run_of(context.selection).and_then(|run| context.session.runs.get(run));
+    run.is_some_and(|run| run.ending.is_some())
 }

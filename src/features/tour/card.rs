@@ -10,7 +10,7 @@ use crate::style::theme::{Palette, size, space};
 use crate::widgets::primary_button;
 
 /// What the cards say: what is to be done, and what is to be seen.
-pub(crate) const STEPS: [(&str, &str); 7] = [
+pub(super) const STEPS: [(&str, &str); 7] = [
     (
         "Orange is body the model misses, blue is model without body",
         "The bar beside camera 1 counts the pixels of both, and those that agree.",
@@ -48,20 +48,20 @@ const EDGE: f32 = 12.0;
 
 /// A step on the screen.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct TourCard {
+pub(super) struct Card {
     /// Counted from zero.
-    pub(crate) step: usize,
+    pub(super) step: usize,
     /// What it points at.
-    pub(crate) target: Option<Rect>,
+    pub(super) target: Option<Rect>,
     /// The camera that it is about, counted from one.
-    pub(crate) camera: usize,
+    pub(super) camera: usize,
     /// Whether one may go on without doing it.
-    pub(crate) can_go_on: bool,
+    pub(super) can_go_on: bool,
 }
 
 /// What was asked for on a card.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum TourEvent {
+pub(super) enum Wish {
     Begin,
     Skip,
     Back,
@@ -69,7 +69,7 @@ pub(crate) enum TourEvent {
 }
 
 /// The offer at the first start, above `bottom`.
-pub(crate) fn offer(ui: &Ui, bottom: f32) -> Option<TourEvent> {
+pub(super) fn offer(ui: &Ui, bottom: f32) -> Option<Wish> {
     let mut event = None;
     let window = ui.ctx().content_rect();
     let area = Area::new(Id::unique("tour offer")).order(Order::Foreground).pivot(egui::Align2::LEFT_BOTTOM);
@@ -82,10 +82,10 @@ pub(crate) fn offer(ui: &Ui, bottom: f32) -> Option<TourEvent> {
             ui.add_space(space::ROW);
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
                 if primary_button(ui, "Take the tour").clicked() {
-                    event = Some(TourEvent::Begin);
+                    event = Some(Wish::Begin);
                 }
                 if small_button(ui, "Not now", "Help › Tour begins it at any time") {
-                    event = Some(TourEvent::Skip);
+                    event = Some(Wish::Skip);
                 }
             });
         });
@@ -94,7 +94,7 @@ pub(crate) fn offer(ui: &Ui, bottom: f32) -> Option<TourEvent> {
 }
 
 /// A step's card.
-pub(crate) fn card(ui: &Ui, input: &TourCard) -> Option<TourEvent> {
+pub(super) fn card(ui: &Ui, input: &Card) -> Option<Wish> {
     let mut event = None;
     let ctx = ui.ctx();
     let id = Id::unique("tour card");
@@ -117,14 +117,14 @@ pub(crate) fn card(ui: &Ui, input: &TourCard) -> Option<TourEvent> {
                 ui.label(RichText::new(count).monospace().color(palette.text3));
                 ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
                     if input.can_go_on && primary_button(ui, "Next").clicked() {
-                        event = Some(TourEvent::Next);
+                        event = Some(Wish::Next);
                     }
                     let back = |ui: &mut Ui| small_button(ui, "Back", "To the step before");
                     if ui.add_enabled_ui(input.step > 0, back).inner {
-                        event = Some(TourEvent::Back);
+                        event = Some(Wish::Back);
                     }
                     if small_button(ui, "Skip", "End the tour; Help › Tour begins it again") {
-                        event = Some(TourEvent::Skip);
+                        event = Some(Wish::Skip);
                     }
                 });
             });
