@@ -2,12 +2,10 @@
 
 use backlit_tracking::body::Pose;
 
-use super::App;
-use super::state::{DialogKind, Opening};
+use super::Inspector;
+use super::inspector::Errand;
 use crate::context::Requests;
-use crate::context::command::{
-    Command, FileCommand, FitCommand, HistoryCommand, TrackingCommand, WindowCommand,
-};
+use crate::context::command::{Command, FitCommand, HistoryCommand, TrackingCommand, WindowCommand};
 use crate::context::command_button::dragged_until_now;
 use crate::context::preferences::Layout;
 use crate::document::history::Undone;
@@ -16,9 +14,8 @@ use crate::features::demonstrations::Demonstrations;
 use crate::features::scene::panel as scene;
 use crate::shell::Overlay;
 use crate::shell::palette::Palette;
-use crate::take::source::TakeSource;
 
-impl App {
+impl Inspector {
     /// The commands whose keys were pressed. While something lies over the window, or the hand holds
     /// something, keys are theirs.
     pub(crate) fn read_keys(&mut self, ctx: &egui::Context) -> Requests {
@@ -44,7 +41,7 @@ impl App {
     pub(crate) fn run(&mut self, command: Command, ctx: &egui::Context) {
         let is_free =
             !self.features.laboratory.is_running() || self.state.preferences.layout != Layout::Demonstrate;
-        if command == Command::Fit(FitCommand::Stop) && is_free && (self.put_back(ctx) || self.let_go()) {
+        if command == Command::Fit(FitCommand::Stop) && is_free && (self.cancel_drag(ctx) || self.escape()) {
             return;
         }
         if self.unavailable(command).is_some() {
@@ -54,7 +51,7 @@ impl App {
             return;
         }
         match command {
-            Command::File(command) => self.file_command(command, ctx),
+            Command::File(command) => self.errands.push(Errand::Command(command)),
             Command::History(command) => self.history_command(command),
             Command::Recovery(command) => self.with(
                 |features| &mut features.recovery,
@@ -132,11 +129,8 @@ impl App {
     }
 
     /// Esc while a slider or a field is dragged: what that has changed is as it was.
-    fn put_back(&mut self, ctx: &egui::Context) -> bool {
-        let Some(gesture) = dragged_until_now(ctx) else { return false };
-        let before = self.state.history.revision();
-        self.state.history.cancel(gesture);
-        let is_back = self.state.history.revision() != before;
+    fn cancel_drag(&mut self, ctx: &egui::Context) -> bool {
+        let is_back = dragged_until_now(ctx).is_some_and(|gesture| self.state.history.cancel(gesture));
         if is_back {
             self.state.status = Some("Put back.".to_owned());
         }
@@ -145,7 +139,7 @@ impl App {
 
     /// Esc: what runs is stopped first, then a body that sways; else a camera that fills the window goes back, else a
     /// step is left; else what is tried or written in the background is stopped.
-    fn let_go(&mut self) -> bool {
+    fn escape(&mut self) -> bool {
         if self.context().busy.fitting || self.context().busy.tracking {
             return false;
         }
@@ -163,18 +157,6 @@ impl App {
             }
         }
         true
-    }
-
-    fn file_command(&mut self, command: FileCommand, ctx: &egui::Context) {
-        match command {
-            FileCommand::OpenTake => self.ask_for_file(DialogKind::Take),
-            FileCommand::OpenBuiltIn => self.open(Opening::Take(TakeSource::BuiltIn)),
-            FileCommand::OpenProject => self.ask_for_file(DialogKind::Project),
-            FileCommand::FindTake => self.ask_for_file(DialogKind::FindTake),
-            FileCommand::Save => self.save_project(),
-            FileCommand::SaveAs => self.ask_for_file(DialogKind::SaveAs),
-            FileCommand::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
-        }
     }
 
     fn history_command(&mut self, command: HistoryCommand) {

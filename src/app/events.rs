@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use backlit_tracking::track::Preset;
+use backlit_tracking::fit::Preset;
 
-use super::App;
+use super::Inspector;
 use crate::app::open_job::OpenedProject;
 use crate::app::refresh::Refresh;
 use crate::document::history::History;
@@ -16,7 +16,7 @@ use crate::session::selection::Selection;
 use crate::take::footage::Footage;
 use crate::take::source::TakeSource;
 
-impl App {
+impl Inspector {
     pub(crate) fn show_prediction(&mut self, predicted: Arc<Predicted>) {
         self.state.session.predicted = Some(predicted);
         self.state.session.generation += 1;
@@ -24,7 +24,6 @@ impl App {
 
     pub(crate) fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<OpenedProject>) {
         self.refresh = Refresh::default();
-        self.files.take_in.forget();
         self.features.laboratory.reset(footage);
         self.state.session.reset(Some(footage.clone()));
         self.features.observability.reset();
@@ -37,7 +36,7 @@ impl App {
             self.state.preferences.remember(path.clone());
         }
         let left = self.features.recovery.begin(project.as_ref().map(|project| project.path.as_path()));
-        self.files.lost_take = None;
+        self.state.lost_take = None;
         if let Some(note) = project.as_ref().and_then(|project| project.note.clone()) {
             self.state.notices.info(self.state.now, note, None);
         }

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use super::App;
+use super::Inspector;
 use crate::drawing::DragEvent;
 use crate::features::basin::{BasinSettings, FileKind};
 use crate::features::convergence::CurvesFile;
 
-impl App {
+impl Inspector {
     /// Every feature takes in what its tasks have done, and asks for what it lacks.
     pub(crate) fn update_features(&mut self) {
         self.update_feature(

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use backlit_tracking::track::{FitOptions, Preset};
+use backlit_tracking::fit::{FitOptions, Preset};
 
 use super::job::{FitJob, FitStart, Fitted};
 use super::part::free_rotations;
