@@ -203,12 +203,6 @@ impl<E: Send + 'static> Worker<E> {
         self.alive.is_empty()
     }
 
-    /// Whether no other lane has work.
-    #[must_use]
-    pub fn is_idle_but(&self, lane: Lane) -> bool {
-        self.alive.keys().all(|other| *other == lane)
-    }
-
     /// What has happened since the last call, in order, without events of superseded jobs.
     pub fn poll(&mut self) -> Vec<Report<E>> {
         let mut reports = Vec::new();
