@@ -8,7 +8,6 @@ use crate::context::command_button::button;
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::features::tracking::pose_words;
-use crate::features::tracking::pose_words;
 use crate::style::format;
 use crate::style::theme;
 
