@@ -195,7 +195,7 @@ impl Window {
             if let Some(Viewpoint::Orbit(orbit)) = self.app.settings().scene.viewpoint {
                 eyes.push(orbit.camera(&upright).position);
             }
-            let drawn = session.scene_drawing.as_ref().unwrap().order.eye.position;
+            let drawn = self.app.shown_scene().drawing.as_ref().unwrap().order.eye.position;
             if let Some(turned) = eyes.iter().rposition(|eye| *eye == drawn) {
                 behind.push((eyes.len() - 1 - turned) as f64);
             }

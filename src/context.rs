@@ -38,7 +38,6 @@ use crate::document::edit::Edit;
 use crate::document::history::{Gesture, History};
 use crate::drawing::{DragEvent, JointId, ViewMode};
 use crate::features::convergence::CurvesRequest;
-use crate::features::scene::{SceneLook, SceneOrder};
 use crate::jobs::{Failure, Pool};
 use crate::session::playback::{Playback, PlaybackChange};
 use crate::session::prediction::{Derivatives, FitInputs};
@@ -66,6 +65,8 @@ pub struct Context<'a> {
     pub project: Option<&'a Path>,
     /// Whether a project was not opened since its take was not there.
     pub lacks_take: bool,
+    /// The pane that fills the centre.
+    pub alone: Option<Pane>,
     /// How frames are played.
     pub playback: &'a Playback,
     /// What all camera views share.
@@ -107,6 +108,13 @@ impl<'a> Context<'a> {
     #[must_use]
     pub fn shown_pose(&self) -> &'a Pose {
         self.session.shown_pose(self.document(), self.selection)
+    }
+
+    /// Whether a pane is on the screen.
+    #[must_use]
+    pub fn shows(&self, pane: Pane) -> bool {
+        let is_open = || self.preferences.is_open(pane, self.session.camera_count());
+        self.alone.map_or_else(is_open, |alone| alone == pane)
     }
 
     /// The name of the take, for files that are made of it.
@@ -187,8 +195,6 @@ pub enum Request {
     ForgetPast,
     /// What the user did with a tile.
     Pane(Pane, PaneEvent),
-    /// What the 3-D scene shows, and from where.
-    Scene(SceneLook),
     /// The user has arranged the tiles.
     Arrange(Box<Arrangement>),
     /// Open a take.
@@ -276,8 +282,6 @@ pub struct Requests {
     pub commands: Vec<Command>,
     /// Everything else.
     pub others: Vec<Request>,
-    /// What the 3-D scene is to show, where its picture shows something else.
-    pub scene: Option<Box<SceneOrder>>,
     /// Files to be written.
     pub writes: Vec<Write>,
     /// Frames that were read on the way, and that panels may show.

@@ -27,6 +27,7 @@ pub struct Features {
     pub(crate) observability: observability::Observability,
     pub(crate) pose: pose::Posing,
     pub(crate) recovery: recovery::Recovery,
+    pub(crate) scene: scene::Scene,
     pub(crate) timeline: timeline::Timeline,
     pub(crate) tour: tour::Tour,
     pub(crate) tracking: tracking::Tracking,

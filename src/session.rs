@@ -17,8 +17,6 @@ pub use frames::{FrameCache, FrameData};
 use crate::document::Document;
 use crate::document::run::{Run, RunStep};
 use crate::features::fit::refitted::Refitted;
-use crate::features::scene::SceneDrawing;
-use crate::features::scene::hulls::HullCache;
 use crate::session::prediction::{FitInputs, Predicted};
 use crate::session::selection::{Selection, StepRef};
 use crate::take::footage::Footage;
@@ -55,10 +53,6 @@ pub struct Session {
     pub refits: BTreeMap<usize, Refitted>,
     /// Whether that run is being stepped right now.
     pub is_stepping: bool,
-    /// Visual hulls of frames.
-    pub hulls: HullCache,
-    /// The picture of the 3-D scene. While a newer one is drawn, the old stays.
-    pub scene_drawing: Option<Arc<SceneDrawing>>,
     /// The frame that was shown last: it stays until the next one is there.
     pub last_frame: Option<Arc<FrameData>>,
     /// Changes with the pictures on the screen.

@@ -13,12 +13,9 @@ use std::sync::Arc;
 
 pub use queue::{Job, Lane, Outbox, Report, Step, Worker};
 
-use backlit_tracking::track::visual_hull::VisualHull;
-
 use crate::app::open_job::OpenedProject;
 use crate::document::edit::Edit;
 use crate::document::run::{RunEnding, RunStep};
-use crate::features::scene::SceneDrawing;
 use crate::session::prediction::Predicted;
 use crate::session::{Extent, FrameData};
 use crate::take::footage::Footage;
@@ -26,10 +23,6 @@ use crate::take::footage::Footage;
 /// What the jobs say.
 #[derive(Debug)]
 pub enum Event {
-    /// The visual hull of a frame, if its silhouettes leave one.
-    HullCarved(Arc<FrameData>, Option<Arc<VisualHull>>),
-    /// The 3-D scene as it was ordered.
-    SceneDrawn(Arc<SceneDrawing>),
     /// A frame was read and segmented.
     FrameLoaded(Arc<FrameData>),
     /// A step of the fit; the first is the start.

@@ -73,7 +73,10 @@ impl App {
                 |features| &mut features.camera_views,
                 |views, context, requests| views.run(command, context, requests),
             ),
-            Command::Scene(command) => self.scene_command(command),
+            Command::Scene(command) => self.with(
+                |features| &mut features.scene,
+                |scene, context, requests| scene.run(command, context, requests),
+            ),
             Command::Fit(FitCommand::SearchPoses) => {
                 self.interrupt_fit();
                 self.with(

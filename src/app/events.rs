@@ -37,8 +37,6 @@ impl App {
     fn hear(&mut self, event: Event) {
         match event {
             Event::FrameLoaded(frame) => self.state.session.keep_frame(frame),
-            Event::HullCarved(frame, hull) => self.state.session.hulls.insert(frame, hull),
-            Event::SceneDrawn(drawing) => self.state.session.scene_drawing = Some(drawing),
             Event::FitStep(step, predicted) => self.fit_step(*step, predicted),
             Event::FitEnded(ending) => self.finish_run(ending),
             Event::Failed(text) => self.state.notices.error(text),
@@ -116,15 +114,14 @@ impl App {
     }
 
     pub(crate) fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<OpenedProject>) {
-        for lane in [Lane::Scene, Lane::Fit, Lane::Hull] {
-            self.worker.drop_lane(lane);
-        }
+        self.worker.drop_lane(Lane::Fit);
         self.refresh = Refresh::default();
         self.files.take_in.forget();
         self.forget_broken();
         self.features.laboratory.reset(footage);
         self.state.session.reset(Some(footage.clone()));
         self.features.observability.reset();
+        self.features.scene.reset();
         self.features.basin.reset();
         self.features.tracking.reset();
         if let Some(TakeSource::Path(path)) = &footage.source {
@@ -157,7 +154,6 @@ impl App {
         self.state.history = history;
         self.state.project = path;
         self.shell.docking.alone = None;
-        self.state.preferences.scene.viewpoint = None;
         self.shell.docking.pair = [0, 1.min(footage.cameras.len() - 1)];
         self.features.pose.reset();
         self.features.fit.pending_steps = 0;

@@ -65,10 +65,8 @@ impl App {
 /// What a lane does, at the beginning of a sentence.
 const fn work_of(lane: Lane) -> &'static str {
     match lane {
-        Lane::Scene => "Drawing the 3-D scene",
         Lane::Save => "Writing a file",
         Lane::Fit => "The fit",
-        Lane::Hull => "Carving the visual hull",
     }
 }
 
@@ -81,7 +79,7 @@ mod tests {
     use crate::context::notices::Severity;
     use crate::document::edit::Edit;
 
-    const ALL: [Lane; 4] = [Lane::Scene, Lane::Save, Lane::Fit, Lane::Hull];
+    const ALL: [Lane; 2] = [Lane::Save, Lane::Fit];
 
     #[test]
     fn whatever_breaks_down_is_said_once_and_nothing_waits_for_it() {

@@ -25,6 +25,10 @@ impl App {
             |observability, context, requests| observability.update(context, requests),
         );
         self.state.observability = self.features.observability.marks();
+        self.update_feature(
+            |features| &mut features.scene,
+            |scene, context, requests| scene.update(context, requests),
+        );
         // After the fit, which it waits for.
         self.update_feature(
             |features| &mut features.demonstrations,

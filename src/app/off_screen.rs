@@ -20,6 +20,7 @@ use crate::features::demonstrations::Demonstrations;
 use crate::features::export::choices::MAX_SIDE;
 use crate::features::export::{ExportJob, ExportOrder, Painter, PictureOf, Shot};
 use crate::features::laboratory::Laboratory;
+use crate::features::scene::Scene;
 use crate::features::tracking::Tracking;
 use crate::session::Session;
 use crate::session::selection::Selection;
@@ -41,6 +42,7 @@ pub(crate) struct Snapshot {
     alone: Option<Pane>,
     pair: [usize; 2],
     basin: Basin,
+    scene: Scene,
     tracking: Tracking,
     laboratory: Laboratory,
     demonstrations: Demonstrations,
@@ -78,6 +80,7 @@ impl App {
             alone: self.shell.docking.alone,
             pair: self.shell.docking.pair,
             basin: self.features.basin.at_rest(),
+            scene: self.features.scene.at_rest(),
             tracking: self.features.tracking.at_rest(),
             laboratory: self.features.laboratory.at_rest(),
             demonstrations: self.features.demonstrations.at_rest(),
@@ -124,6 +127,7 @@ impl Twin {
         app.shell.docking.alone = snapshot.alone;
         app.shell.docking.pair = snapshot.pair;
         app.features.basin = snapshot.basin;
+        app.features.scene = snapshot.scene;
         app.features.tracking = snapshot.tracking;
         app.features.laboratory = snapshot.laboratory;
         app.features.demonstrations = snapshot.demonstrations;

@@ -131,7 +131,6 @@ impl App {
             }
         }
         self.refresh_prediction();
-        self.request_hull();
     }
 
     fn read_frame(&mut self, take: &Arc<Footage>, frame: usize) {

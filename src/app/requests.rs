@@ -19,9 +19,6 @@ impl App {
 
     /// The same before the panels are shown, which see it in this frame of the window.
     fn apply_before_show(&mut self, requests: Requests, ctx: &egui::Context) {
-        if let Some(order) = requests.scene {
-            self.draw_scene(*order);
-        }
         for frame in requests.frames {
             self.state.session.keep_frame(frame);
         }
@@ -142,7 +139,6 @@ impl App {
             Request::ShowAllTiles => self.shell.docking.alone = None,
             Request::Layout(layout) => self.state.preferences.layout = layout,
             Request::Pane(pane, event) => self.pane_event(pane, event),
-            Request::Scene(look) => self.state.preferences.scene = look,
             Request::Arrange(tree) => self.dock(|_, window| window.arrange(*tree)),
             Request::Open(source) => self.open(Opening::Take(source)),
             Request::CloseNotices => self.state.notices.close_all(),

@@ -33,6 +33,7 @@ impl App {
             },
             project: self.state.project.as_deref(),
             lacks_take: self.files.lost_take.is_some(),
+            alone: self.shell.docking.alone,
             clock: &self.clock,
             playback: &self.state.playback,
             views: self.features.camera_views.preferences.settings,
@@ -115,6 +116,7 @@ impl App {
         Features {
             basin: std::mem::take(&mut self.features.basin),
             observability: std::mem::take(&mut self.features.observability),
+            scene: std::mem::take(&mut self.features.scene),
             timeline: std::mem::take(&mut self.features.timeline),
             tracking: std::mem::take(&mut self.features.tracking),
             camera_views: std::mem::take(&mut self.features.camera_views),
@@ -128,6 +130,7 @@ impl App {
     fn take_back(&mut self, features: Features) {
         self.features.basin = features.basin;
         self.features.observability = features.observability;
+        self.features.scene = features.scene;
         self.features.timeline = features.timeline;
         self.features.tracking = features.tracking;
         self.features.camera_views = features.camera_views;

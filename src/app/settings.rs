@@ -12,7 +12,7 @@ use crate::features::basin::BasinPreferences;
 use crate::features::camera_views::CameraViewPreferences;
 use crate::features::convergence::CurvesLook;
 use crate::features::export::ExportChoices;
-use crate::features::scene::SceneLook;
+use crate::features::scene::ScenePreferences;
 use crate::style::theme::Theme;
 
 /// All that is kept. It is in the settings file as it is here.
@@ -34,7 +34,7 @@ pub struct Settings {
     /// Takes that were opened last, the newest first.
     pub recent: Vec<PathBuf>,
     /// What the 3-D scene shows.
-    pub scene: SceneLook,
+    pub scene: ScenePreferences,
     /// How the user has arranged the tiles.
     pub kept: Kept,
     /// What was chosen for the last export.
@@ -61,7 +61,7 @@ impl Default for Settings {
             linked_zoom: false,
             views: ViewSettings::default(),
             recent: Vec::new(),
-            scene: SceneLook::default(),
+            scene: ScenePreferences::default(),
             kept: Kept::default(),
             export: ExportChoices::default(),
             curves: CurvesLook::default(),
@@ -111,7 +111,7 @@ impl App {
             linked_zoom: views.linked_zoom,
             views: views.settings,
             recent: preferences.recent,
-            scene: preferences.scene,
+            scene: self.features.scene.preferences,
             kept: preferences.kept,
             export: self.features.export.preferences.clone(),
             curves: preferences.curves,
@@ -129,7 +129,6 @@ impl App {
             layout: settings.layout,
             panel: settings.panel,
             recent: settings.recent,
-            scene: settings.scene,
             kept: settings.kept,
             curves: settings.curves,
             used_commands: settings.used_commands,
@@ -137,6 +136,7 @@ impl App {
         };
         self.features.export.preferences = settings.export;
         self.features.timeline.shows_lanes = settings.lanes;
+        self.features.scene.preferences = settings.scene;
         self.features.basin.preferences = settings.basin;
         self.features.tour.was_offered = settings.tour_offered;
         self.features.camera_views.preferences =

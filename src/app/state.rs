@@ -27,13 +27,14 @@ use crate::features::basin::Basin;
 use crate::features::laboratory::Laboratory;
 use crate::features::observability::Observability;
 use crate::features::recovery::Recovery;
+use crate::features::scene::Scene;
 use crate::jobs::{Pool, Priority, Task};
 use crate::session::Session;
 use crate::session::playback::Playback;
 use crate::session::selection::Selection;
 use crate::shell::Shell;
 use crate::take::source::TakeSource;
-use crate::worker::{Event, Lane, Worker};
+use crate::worker::{Event, Worker};
 
 /// What the window begins with.
 #[derive(Debug, Default)]
@@ -284,6 +285,12 @@ impl App {
         &self.features.observability
     }
 
+    /// The 3-D scene.
+    #[must_use]
+    pub fn shown_scene(&self) -> &Scene {
+        &self.features.scene
+    }
+
     /// Closes the cards of notices; they stay among the messages.
     pub fn close_notices(&mut self) {
         self.state.notices.close_all();
@@ -293,10 +300,12 @@ impl App {
     #[must_use]
     pub fn is_idle(&self) -> bool {
         // A body that sways never comes to rest, and neither does its picture.
-        let is_drawn = !self.worker.is_busy(Lane::Scene) || self.features.observability.is_playing();
-        self.worker.is_idle_but(Lane::Scene)
-            && is_drawn
-            && self.state.pool.is_idle()
+        let is_at_rest = match self.features.observability.is_playing() {
+            true => self.features.scene.is_all_that_works(&self.state.pool),
+            false => self.state.pool.is_idle(),
+        };
+        self.worker.is_idle()
+            && is_at_rest
             && !(self.state.session.is_stale && !self.refresh.has_failed_to_predict())
             && !self.features.demonstrations.is_running()
             && self.features.laboratory.is_settled(&self.context())

@@ -5,6 +5,7 @@ use crate::context::command::Command;
 use crate::context::unavailable::why;
 use crate::features::camera_views::CameraViews;
 use crate::features::pose::Posing;
+use crate::features::scene::Scene;
 
 impl App {
     /// Why a command cannot be used now, in a sentence without its full stop; `None` if it can.
@@ -20,6 +21,7 @@ impl App {
             Command::Tracking(command) => features.tracking.unavailable(command, context),
             Command::Timeline(command) => features.timeline.unavailable(command, context),
             Command::Observability(command) => features.observability.unavailable(command, context),
+            Command::Scene(_) => Scene::unavailable(context),
             Command::Pose(command) => Posing::unavailable(command, context),
             Command::View(command) => CameraViews::unavailable(command, context),
             other => why(other, context),

@@ -8,7 +8,6 @@ use crate::context::arrangement;
 use crate::context::arrangement::Kept;
 use crate::context::pane::Pane;
 use crate::features::convergence::CurvesLook;
-use crate::features::scene::SceneLook;
 use crate::style::theme::{Theme, size};
 
 /// What the window is arranged for.
@@ -53,8 +52,6 @@ pub struct Preferences {
     pub panel: bool,
     /// Takes that were opened last, the newest first.
     pub recent: Vec<PathBuf>,
-    /// What the 3-D scene shows.
-    pub scene: SceneLook,
     /// How the user has arranged the tiles.
     pub kept: Kept,
     /// What the convergence plot shows.
@@ -72,7 +69,6 @@ impl Default for Preferences {
             layout: Layout::Pose,
             panel: true,
             recent: Vec::new(),
-            scene: SceneLook::default(),
             kept: Kept::default(),
             curves: CurvesLook::default(),
             used_commands: Vec::new(),

@@ -36,11 +36,11 @@ pub(crate) fn why(command: Command, context: &Context<'_>) -> Why {
         Command::File(command) => file(command, context),
         Command::History(command) => history(command, context),
         Command::Window(command) => window(command, context),
-        Command::Scene(_) => no_tiles(context),
         Command::Fit(command) => fit(command, context),
         Command::Convergence(command) => convergence(command, context),
         Command::Basin(command) => basin(command, context),
-        Command::Observability(_)
+        Command::Scene(_)
+        | Command::Observability(_)
         | Command::Tracking(_)
         | Command::Timeline(_)
         | Command::Export(_)

@@ -1,71 +1,88 @@
-//! What the 3-D scene shows and where it is seen from. Lengths are metres, in world axes.
+//! The 3-D scene: what it shows and where it is seen from. Lengths are metres, in world axes.
 //!
 //! | file | holds |
 //! |---|---|
+//! | `preferences` | what is shown |
 //! | `upright` | which way is up, and where the floor is |
 //! | `viewpoint` | the orbit view, and a camera's own place |
 //! | `contents` | body, cameras, floor, hull and sight ray as things to draw |
 //! | `order` | all that a picture of the scene shows |
 //! | `drawing` | the picture made of that, and the cameras' pictures small |
+//! | `hulls` | visual hulls of the frames that were looked at last |
+//! | `update` | commands; pictures and hulls are taken in, hulls asked for |
+//! | `panel` | the pane |
 
 mod contents;
-pub(crate) mod draw_job;
 mod drawing;
-pub(crate) mod hull_job;
-pub(crate) mod hulls;
+mod hulls;
 mod order;
 pub(crate) mod panel;
+mod preferences;
 pub mod raster;
-pub(crate) mod update;
+#[cfg(test)]
+mod tests;
+mod update;
 mod upright;
 mod viewpoint;
 
-use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+use backlit_tracking::track::visual_hull::VisualHull;
 
 pub use contents::{Contents, ContentsInput, Frustum, contents};
 pub use drawing::{SceneDrawing, Thumbnails};
+pub use hulls::HullCache;
+use hulls::HullInputs;
 pub use order::SceneOrder;
+pub use preferences::{ScenePreferences, ShownHull};
 pub use upright::Upright;
 pub use viewpoint::{Orbit, Viewpoint};
 
-/// What is shown of the visual hull.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum HullLook {
-    /// Nothing; it is not carved.
-    Hidden,
-    /// The box that holds it.
-    #[default]
-    Bounds,
-    /// The box, and the cubes at its surface.
-    Shell,
+use crate::jobs::{Pool, Priority, Task};
+
+/// The feature.
+#[derive(Debug)]
+pub struct Scene {
+    /// What is shown.
+    pub preferences: ScenePreferences,
+    /// Visual hulls of frames.
+    pub hulls: HullCache,
+    /// The picture. While a newer one is drawn, the old stays.
+    pub drawing: Option<Arc<SceneDrawing>>,
+    /// Makes the picture of the order with this key.
+    draw: Task<u64, Arc<SceneDrawing>>,
+    carve: Task<HullInputs, Option<Arc<VisualHull>>>,
 }
 
-impl HullLook {
-    /// All of them with their names.
-    pub const ALL: [(Self, &'static str); 3] =
-        [(Self::Hidden, "No visual hull"), (Self::Bounds, "Hull bounds"), (Self::Shell, "Hull voxels")];
-}
-
-/// What the scene shows.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct SceneLook {
-    /// Where it is seen from; `None` from where all cameras are seen.
-    #[serde(skip)]
-    pub viewpoint: Option<Viewpoint>,
-    /// Cameras with their frusta.
-    pub cameras: bool,
-    /// The pictures on the frusta.
-    pub pictures: bool,
-    /// Floor and axes.
-    pub floor: bool,
-    /// The visual hull.
-    pub hull: HullLook,
-}
-
-impl Default for SceneLook {
+impl Default for Scene {
     fn default() -> Self {
-        Self { viewpoint: None, cameras: true, pictures: true, floor: true, hull: HullLook::Bounds }
+        Self {
+            preferences: ScenePreferences::default(),
+            hulls: HullCache::default(),
+            drawing: None,
+            draw: Task::new(Priority::SCENE),
+            carve: Task::new(Priority::HULL),
+        }
+    }
+}
+
+impl Scene {
+    /// The same without any work that is going on, for a picture of it.
+    #[must_use]
+    pub(crate) fn at_rest(&self) -> Self {
+        let (hulls, drawing) = (self.hulls.clone(), self.drawing.clone());
+        Self { preferences: self.preferences, hulls, drawing, ..Self::default() }
+    }
+
+    /// Another take is open: it is seen from where all its cameras are seen.
+    pub(crate) fn reset(&mut self) {
+        let preferences = ScenePreferences { viewpoint: None, ..self.preferences };
+        *self = Self { preferences, ..Self::default() };
+    }
+
+    /// Whether nothing but the picture of the scene is being worked on.
+    #[must_use]
+    pub(crate) fn is_all_that_works(&self, pool: &Pool) -> bool {
+        pool.is_idle_but(&self.draw)
     }
 }

@@ -6,8 +6,8 @@ use std::thread::JoinHandle;
 
 use backlit_tracking::cancel::CancelToken;
 
-use super::Step;
 use super::priority::{Crew, Priority};
+use super::{Step, Task};
 
 /// What is called for every message, on the thread of its job.
 pub(super) type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -52,6 +52,12 @@ impl Pool {
     #[must_use]
     pub fn is_idle(&self) -> bool {
         Arc::strong_count(&self.0.shared.open) == 1
+    }
+
+    /// Whether no other task has; what is written counts as another's.
+    #[must_use]
+    pub fn is_idle_but<Inputs, Output>(&self, task: &Task<Inputs, Output>) -> bool {
+        Arc::strong_count(&self.0.shared.open) == 1 + usize::from(task.is_busy())
     }
 
     pub(super) fn shared(&self) -> &Arc<Shared> {

@@ -15,7 +15,6 @@ use crate::context::{Context, PaneEvent, Request, Requests};
 use crate::features::Features;
 use crate::features::camera_views::Place;
 use crate::features::convergence::panel as convergence;
-use crate::features::scene::panel as scene;
 use crate::style::theme;
 use crate::style::theme::{Palette, size, space};
 use crate::widgets::{Icon, camera_badge, icon_button};
@@ -116,7 +115,7 @@ fn contents(
                 let place = Place { camera, is_alone: docking.alone == Some(pane), siblings };
                 dragged = features.camera_views.pane(ui, context, place, requests);
             }
-            Pane::Scene => scene::ui(ui, context, context.drag.dragged_joint(), siblings, requests),
+            Pane::Scene => features.scene.pane(ui, context, siblings, requests),
             Pane::Convergence => convergence::ui(ui, context, siblings, requests),
             Pane::Basin => features.basin.pane(ui, context, siblings, requests),
         }

@@ -14,43 +14,28 @@ use backlit_tracking::cancel::CancelToken;
 enum Crew {
     /// What the screen waits for.
     Screen,
-    /// The picture of the 3-D scene.
-    Scene,
     /// What is written.
     Files,
-    /// What takes its time.
-    Long,
 }
 
 impl Crew {
-    const ALL: [(Self, &'static str); 4] = [
-        (Self::Screen, "backlit worker"),
-        (Self::Scene, "backlit scene"),
-        (Self::Files, "backlit files"),
-        (Self::Long, "backlit long work"),
-    ];
+    const ALL: [(Self, &'static str); 2] = [(Self::Screen, "backlit worker"), (Self::Files, "backlit files")];
 }
 
 /// A kind of work, the most urgent first. At most one job of a lane is alive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Lane {
-    /// The picture of the 3-D scene.
-    Scene,
     /// Writing a file.
     Save,
     /// The fit of one frame.
     Fit,
-    /// The visual hull of the frame on the screen.
-    Hull,
 }
 
 impl Lane {
     const fn crew(self) -> Crew {
         match self {
             Self::Fit => Crew::Screen,
-            Self::Scene => Crew::Scene,
             Self::Save => Crew::Files,
-            Self::Hull => Crew::Long,
         }
     }
 }
@@ -349,7 +334,7 @@ mod tests {
     #[test]
     fn new_work_supersedes_old_and_is_not_held_up_by_other_lanes() {
         let mut worker = Worker::start(|| {}).unwrap();
-        worker.request(Lane::Hull, Count { from: 100, to: u32::MAX });
+        worker.request(Lane::Save, Count { from: 100, to: u32::MAX });
         worker.request(Lane::Fit, Count { from: 20, to: u32::MAX });
         worker.request(Lane::Fit, Count { from: 0, to: 2 });
         let start = Instant::now();
@@ -359,8 +344,8 @@ mod tests {
             fit.extend(worker.poll().into_iter().filter(|r| !matches!(r, Report::Event(100..))));
         }
         assert_eq!(fit, [Report::Event(0), Report::Event(1), Report::Ended(Lane::Fit)]);
-        worker.cancel(Lane::Hull);
-        assert_eq!(wait(&mut worker).last(), Some(&Report::Ended(Lane::Hull)));
+        worker.cancel(Lane::Save);
+        assert_eq!(wait(&mut worker).last(), Some(&Report::Ended(Lane::Save)));
     }
 
     struct Sleep;
@@ -375,36 +360,35 @@ mod tests {
     }
 
     #[test]
-    fn a_long_step_holds_up_neither_the_screen_nor_a_file() {
+    fn a_long_step_holds_up_no_file() {
         let mut worker = Worker::start(|| {}).unwrap();
-        worker.request(Lane::Hull, Sleep);
-        worker.request(Lane::Fit, Count { from: 0, to: 1 });
+        worker.request(Lane::Fit, Sleep);
         worker.request(Lane::Save, Count { from: 1, to: 2 });
         let start = Instant::now();
-        while worker.is_busy(Lane::Fit) || worker.is_busy(Lane::Save) {
+        while worker.is_busy(Lane::Save) {
             assert!(start.elapsed() < Duration::from_secs(20), "the worker hangs");
             worker.poll();
         }
-        assert!(worker.is_busy(Lane::Hull));
+        assert!(worker.is_busy(Lane::Fit));
     }
 
     #[test]
     fn a_panic_is_a_message_and_the_thread_lives_on() {
         let mut worker = Worker::start(|| {}).unwrap();
-        worker.request(Lane::Hull, Count { from: 13, to: 20 });
+        worker.request(Lane::Fit, Count { from: 13, to: 20 });
         let reports = wait(&mut worker);
         assert!(
-            matches!(&reports[..], [Report::Panicked(Lane::Hull, text)] if text == "thirteen"),
+            matches!(&reports[..], [Report::Panicked(Lane::Fit, text)] if text == "thirteen"),
             "{reports:?}"
         );
-        worker.request(Lane::Hull, Count { from: 1, to: 2 });
-        assert_eq!(wait(&mut worker), [Report::Event(1), Report::Ended(Lane::Hull)]);
+        worker.request(Lane::Fit, Count { from: 1, to: 2 });
+        assert_eq!(wait(&mut worker), [Report::Event(1), Report::Ended(Lane::Fit)]);
     }
 
     #[test]
     fn dropping_the_worker_ends_endless_jobs() {
         let mut worker = Worker::start(|| {}).unwrap();
-        worker.request(Lane::Hull, Count { from: 100, to: u32::MAX });
+        worker.request(Lane::Fit, Count { from: 100, to: u32::MAX });
         drop(worker);
     }
 }

@@ -7,7 +7,7 @@ use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, Opening};
 use backlit::context::pane::Pane;
 use backlit::context::preferences::Layout;
-use backlit::features::scene::{HullLook, SceneLook, Viewpoint};
+use backlit::features::scene::{ScenePreferences, ShownHull, Viewpoint};
 use backlit::style::theme::{Theme, size};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2, pos2, vec2};
@@ -250,7 +250,7 @@ fn the_hull_is_carved_for_the_scene() {
     let harness = debug();
     let session = harness.state().session();
     let frame = session.shown_frame(0).unwrap();
-    let hull = session.hulls.get(frame).unwrap().unwrap();
+    let hull = harness.state().shown_scene().hulls.get(frame).unwrap().unwrap();
     let model = &harness.state().document().model;
     let truth = backlit_tracking::body::Kinematics::new(model, &take::truth(model, 0));
     for (start, end) in truth.starts().iter().zip(truth.ends()) {
@@ -262,17 +262,18 @@ fn the_hull_is_carved_for_the_scene() {
     // The arm is 0.58 m long and 0.12 m thick.
     assert!(hull.size().max_element() < 0.95, "{}", hull.size());
     harness.get_by_label_contains("Visual hull ");
-    let hidden = SceneLook { hull: HullLook::Hidden, ..SceneLook::default() };
+    let hidden = ScenePreferences { hull: ShownHull::Hidden, ..ScenePreferences::default() };
     let harness = open(Settings { layout: Layout::Debug, scene: hidden, ..Settings::default() });
     let session = harness.state().session();
-    assert!(session.hulls.get(session.shown_frame(0).unwrap()).is_none(), "what is not shown is not made");
+    let hulls = &harness.state().shown_scene().hulls;
+    assert!(hulls.get(session.shown_frame(0).unwrap()).is_none(), "what is not shown is not made");
 }
 
 #[test]
 fn the_scene_in_both_themes() {
     let mut snapshots = Snapshots::default();
     for theme in Theme::ALL {
-        let scene = SceneLook { hull: HullLook::Shell, ..SceneLook::default() };
+        let scene = ScenePreferences { hull: ShownHull::Shell, ..ScenePreferences::default() };
         let mut harness = open(Settings { theme, layout: Layout::Debug, scene, ..Settings::default() });
         for _ in 0..3 {
             harness.state_mut().freeze_times();

@@ -23,7 +23,7 @@ fn open() -> Harness<'static, App> {
 }
 
 fn drawing(harness: &Harness<'_, App>) -> Arc<SceneDrawing> {
-    harness.state().session().scene_drawing.clone().expect("the scene was drawn")
+    harness.state().shown_scene().drawing.clone().expect("the scene was drawn")
 }
 
 fn middle(harness: &Harness<'_, App>) -> Pos2 {

@@ -9,7 +9,7 @@ use backlit_tracking::track::visual_hull::VisualHull;
 use egui::Color32;
 use glam::{DVec2, DVec3};
 
-use super::{HullLook, SceneLook, Upright, Viewpoint};
+use super::{ScenePreferences, ShownHull, Upright, Viewpoint};
 use crate::document::CameraUse;
 use crate::features::scene::raster::{Dot, Ends, Floor, Limb, Line, Scene};
 use crate::style::theme::camera_colours;
@@ -40,7 +40,7 @@ const RAY_WIDTH: f64 = 1.75;
 #[derive(Debug, Clone, Copy)]
 pub struct ContentsInput<'a> {
     /// What is shown.
-    pub look: &'a SceneLook,
+    pub look: &'a ScenePreferences,
     /// The body.
     pub model: &'a Model,
     /// Where its limbs are.
@@ -102,7 +102,7 @@ pub fn contents(input: &ContentsInput<'_>) -> Contents {
     for frustum in &frusta {
         scene.lines.extend(frustum_lines(input, frustum));
     }
-    if let Some(hull) = input.hull.filter(|_| input.look.hull != HullLook::Hidden) {
+    if let Some(hull) = input.hull.filter(|_| input.look.hull != ShownHull::Hidden) {
         scene.lines.extend(box_lines(hull, input.scale));
     }
     if let Some((camera, joint)) = input.ray
@@ -241,7 +241,7 @@ mod tests {
         Arc::new(Camera::new("c", [272, 480], intrinsics, Distortion::None, place).unwrap())
     }
 
-    fn with<T>(change: impl FnOnce(&mut ContentsInput<'_>) -> T, look: SceneLook) -> (Contents, T) {
+    fn with<T>(change: impl FnOnce(&mut ContentsInput<'_>) -> T, look: ScenePreferences) -> (Contents, T) {
         let model = builtin::full_body();
         let kinematics = Kinematics::new(&model, &Pose::rest(&model));
         let cameras = [camera()];
@@ -269,7 +269,7 @@ mod tests {
 
     #[test]
     fn a_frustum_lies_on_the_rays_of_its_picture() {
-        let (contents, ()) = with(|_| (), SceneLook::default());
+        let (contents, ()) = with(|_| (), ScenePreferences::default());
         let [frustum] = &contents.frusta[..] else { panic!("{:?}", contents.frusta) };
         let camera = camera();
         let expected = [(-0.5, -0.5), (271.5, -0.5), (271.5, 479.5), (-0.5, 479.5)];
@@ -278,13 +278,13 @@ mod tests {
             assert!((camera.depth(*corner) - camera.depth(frustum.corners[0])).abs() < 1e-9);
         }
         assert_eq!(contents.scene.lines.len(), 8);
-        let own = SceneLook { viewpoint: Some(Viewpoint::Camera(0)), ..SceneLook::default() };
+        let own = ScenePreferences { viewpoint: Some(Viewpoint::Camera(0)), ..ScenePreferences::default() };
         assert!(with(|_| (), own).0.frusta.is_empty(), "a camera does not see its own picture");
     }
 
     #[test]
     fn limbs_have_the_renderers_shape_and_the_held_one_its_colour() {
-        let look = SceneLook { cameras: false, floor: false, ..SceneLook::default() };
+        let look = ScenePreferences { cameras: false, floor: false, ..ScenePreferences::default() };
         let (contents, rotation) = with(
             |input| {
                 let limb = input.model.limb_index("right forearm").unwrap();

@@ -3,12 +3,28 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use backlit_tracking::camera::Camera;
 use backlit_tracking::track::visual_hull::VisualHull;
 
 use crate::session::FrameData;
 
 /// Hulls that are kept.
 const CAPACITY: usize = 32;
+
+/// What a hull is carved from: the same where cameras and frame are the very same.
+#[derive(Debug, Clone)]
+pub(super) struct HullInputs {
+    /// The cameras without distortion.
+    pub(super) cameras: Arc<Vec<Arc<Camera>>>,
+    /// The frame, with the silhouettes of all of them.
+    pub(super) frame: Arc<FrameData>,
+}
+
+impl PartialEq for HullInputs {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.cameras, &other.cameras) && Arc::ptr_eq(&self.frame, &other.frame)
+    }
+}
 
 /// Hulls by the frame that they were carved from.
 #[derive(Debug, Clone, Default)]

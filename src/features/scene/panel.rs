@@ -3,12 +3,12 @@
 //! | file | holds |
 //! |---|---|
 //! | `header` | title and the menu of views and of what is shown |
-//! | `hand`, `keys` | orbit, pan, zoom, click on a camera |
+//! | `drag`, `keys` | orbit, pan, zoom, click on a camera |
 //! | `canvas` | the picture, ordered anew only when something in it has changed |
 //! | `marks` | badges, the held joint, axes and words, over the picture |
 
 mod canvas;
-mod hand;
+mod drag;
 mod header;
 pub(crate) mod keys;
 mod marks;
@@ -22,35 +22,43 @@ use crate::context::pane::Pane;
 use crate::context::{Context, Requests};
 use crate::drawing::JointId;
 use crate::features::scene::raster::SceneCamera;
-use crate::features::scene::{ContentsInput, Frustum, Orbit, SceneDrawing, Upright, Viewpoint};
+use crate::features::scene::{
+    ContentsInput, Frustum, Orbit, Scene, SceneDrawing, ScenePreferences, Upright, Viewpoint,
+};
 use crate::style::theme::size;
 
-/// The tile, in all of the space that is left. `dragged` is the camera in whose view a joint is dragged, and the
-/// joint.
-pub(crate) fn ui(
-    ui: &mut Ui,
-    context: &Context<'_>,
-    dragged: Option<(usize, JointId)>,
-    siblings: &[Pane],
-    requests: &mut Requests,
-) {
-    let tile = ui.available_rect_before_wrap();
-    let header = Rect::from_min_max(tile.min, pos2(tile.right(), tile.top() + size::TILE_HEADER));
-    let picture = Rect::from_min_max(pos2(tile.left(), header.bottom()), tile.max);
-    let Some(stage) = Stage::new(context, dragged, picture) else { return };
-    header::show(ui, header, context, siblings, requests);
-    if !picture.is_positive() {
-        return;
+impl Scene {
+    /// The tile, in all of the space that is left.
+    pub(crate) fn pane(
+        &mut self,
+        ui: &mut Ui,
+        context: &Context<'_>,
+        siblings: &[Pane],
+        requests: &mut Requests,
+    ) {
+        if context.session.take.is_none() {
+            return;
+        }
+        let tile = ui.available_rect_before_wrap();
+        let header = Rect::from_min_max(tile.min, pos2(tile.right(), tile.top() + size::TILE_HEADER));
+        let picture = Rect::from_min_max(pos2(tile.left(), header.bottom()), tile.max);
+        header::show(ui, header, &mut self.preferences, context, siblings, requests);
+        let viewpoint = &mut self.preferences.viewpoint;
+        let Some(stage) = Stage::new(context, *viewpoint, picture).filter(|_| picture.is_positive()) else {
+            return;
+        };
+        let (seen_from, moves) = drag::navigate(ui, &stage, viewpoint);
+        let stage = stage.seen_from(context, seen_from);
+        let order = canvas::order(ui.pixels_per_point(), context, self, &stage, moves);
+        self.order(context.pool, order);
+        canvas::ground(ui, picture);
+        let Some(drawing) = &self.drawing else { return };
+        canvas::show(ui, picture, drawing);
+        let seen = Seen::new(drawing, picture);
+        drag::pick_camera(ui, context, &seen, requests);
+        marks::show(ui, context, self, &seen);
+        keys::show_focus(ui, picture);
     }
-    let (viewpoint, moves) = hand::navigate(ui, context, &stage, requests);
-    canvas::order(ui, context, &stage.seen_from(context, viewpoint), moves, requests);
-    canvas::ground(ui, picture);
-    let Some(drawing) = &context.session.scene_drawing else { return };
-    canvas::show(ui, picture, drawing);
-    let seen = Seen::new(drawing, picture);
-    hand::pick_camera(ui, context, &seen, requests);
-    marks::show(ui, context, &seen);
-    keys::show_focus(ui, picture);
 }
 
 /// The scene as it is to be seen.
@@ -72,13 +80,13 @@ struct Stage {
 }
 
 impl Stage {
-    fn new(context: &Context<'_>, dragged: Option<(usize, JointId)>, picture: Rect) -> Option<Self> {
+    fn new(context: &Context<'_>, viewpoint: Option<Viewpoint>, picture: Rect) -> Option<Self> {
         let take = context.session.take.as_ref()?;
         let document = context.document();
         let upright = Upright::of(&take.cameras);
         let middle = document.start.root;
         let aspect = f64::from(picture.width() / picture.height().max(1.0));
-        let viewpoint = context.preferences.scene.viewpoint.unwrap_or_else(|| {
+        let viewpoint = viewpoint.unwrap_or_else(|| {
             let eyes: Vec<DVec3> = take.cameras.iter().map(|camera| camera.centre()).collect();
             Viewpoint::Orbit(Orbit::around(&upright, middle, &eyes, aspect))
         });
@@ -96,6 +104,7 @@ impl Stage {
             root: pose.root,
             ray: None,
         };
+        let dragged = context.drag.dragged_joint();
         stage.ray = dragged.and_then(|(camera, joint)| Some((camera, stage.position(joint)?)));
         Some(stage)
     }
@@ -113,6 +122,7 @@ impl Stage {
     fn contents_input<'a>(
         &'a self,
         context: &Context<'a>,
+        look: &'a ScenePreferences,
         hull: Option<&'a VisualHull>,
         scale: f32,
     ) -> ContentsInput<'a> {
@@ -126,7 +136,7 @@ impl Stage {
             }
         };
         ContentsInput {
-            look: &context.preferences.scene,
+            look,
             model: &document.model,
             kinematics: &self.kinematics,
             renderer: document.fit.renderer,

@@ -1,75 +1,108 @@
-//! Where the 3-D scene is seen from, and its visual hull.
+//! Where the 3-D scene is seen from, its picture, and its visual hull.
+
+use std::sync::Arc;
 
 use backlit_tracking::body::Kinematics;
+use backlit_tracking::track::visual_hull::{HullOptions, HullView, VisualHull};
 use glam::DVec3;
 
-use crate::app::App;
+use super::hulls::HullInputs;
+use super::{Orbit, Scene, SceneDrawing, SceneOrder, ShownHull, Upright, Viewpoint};
 use crate::context::command::SceneCommand;
 use crate::context::pane::Pane;
-use crate::features::scene::draw_job::DrawSceneJob;
-use crate::features::scene::hull_job::HullJob;
-use crate::features::scene::{HullLook, Orbit, SceneOrder, Upright, Viewpoint};
-use crate::worker::Lane;
+use crate::context::preferences::Layout;
+use crate::context::unavailable::{because, no_take};
+use crate::context::{Context, PaneEvent, Request, Requests};
+use crate::jobs::{News, Pool, once};
 
 /// Views of a side of the body are from so far away, metres.
 const BODY_FROM: f64 = 4.5;
 
-impl App {
-    /// Whether the scene is on the screen.
-    fn shows_scene(&self) -> bool {
-        match self.shell.docking.alone {
-            Some(alone) => alone == Pane::Scene,
-            None => self.state.preferences.is_open(Pane::Scene, self.state.session.camera_count()),
+impl Scene {
+    /// Turns the scene to a side of the body. Opens it where it is closed.
+    pub(crate) fn run(&mut self, command: SceneCommand, context: &Context<'_>, requests: &mut Requests) {
+        self.preferences.viewpoint = match command {
+            SceneCommand::Reset => None,
+            SceneCommand::FromCamera => Some(Viewpoint::Camera(context.selection.camera)),
+            SceneCommand::Front => self.side_of_body(context, |facing, _| facing),
+            SceneCommand::Side => self.side_of_body(context, DVec3::cross),
+            // Nearly: the front stays below.
+            SceneCommand::Top => self.side_of_body(context, |facing, up| up * 1e3 + facing),
+        };
+        if !context.shows(Pane::Scene) {
+            requests.request(Request::Pane(Pane::Scene, PaneEvent::Open));
         }
     }
 
-    /// Has the scene drawn, if it is not being drawn. What changes meanwhile is ordered when that picture is there: the
-    /// newest order follows, and a scene that never rests gets its pictures too.
-    pub(crate) fn draw_scene(&mut self, order: SceneOrder) {
-        if self.may_ask(Lane::Scene) && !self.worker.is_busy(Lane::Scene) {
-            let earlier = self.state.session.scene_drawing.clone();
-            self.worker.request(Lane::Scene, DrawSceneJob::new(order, earlier));
+    /// Why its commands cannot be used now.
+    pub(crate) fn unavailable(context: &Context<'_>) -> Option<&'static str> {
+        let has_no_tiles = context.preferences.layout == Layout::Demonstrate;
+        no_take(context).or(because(has_no_tiles, "This layout has no tiles"))
+    }
+
+    /// Takes in what was drawn and carved, and asks for the hull of the frame on the screen, where it is to be seen and
+    /// not carved yet.
+    pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        for news in self.draw.poll() {
+            match news {
+                News::Output(drawing) => self.drawing = Some(drawing),
+                News::Failed(failure) => requests.failed("Drawing the 3-D scene", &failure),
+                News::Ended => {}
+            }
+        }
+        for news in self.carve.poll() {
+            match (news, self.carve.inputs()) {
+                (News::Output(hull), Some(inputs)) => self.hulls.insert(inputs.frame.clone(), hull),
+                (News::Failed(failure), _) => requests.failed("Carving the visual hull", &failure),
+                (News::Output(_) | News::Ended, _) => {}
+            }
+        }
+        let (session, is_hidden) = (context.session, self.preferences.hull == ShownHull::Hidden);
+        if let Some((take, frame)) = session.take.as_ref().zip(session.frames.get(context.selection.frame))
+            && context.shows(Pane::Scene)
+            && !(is_hidden || self.carve.is_busy())
+            && self.hulls.get(frame).is_none()
+        {
+            let inputs = HullInputs { cameras: take.cameras.clone(), frame: frame.clone() };
+            self.carve.ask(context.pool, inputs, |inputs| {
+                let inputs = inputs.clone();
+                once(move |cancel| {
+                    let pairs = inputs.cameras.iter().zip(&inputs.frame.cameras);
+                    let views: Vec<_> = pairs
+                        .filter_map(|(camera, data)| {
+                            Some(HullView { camera: camera.as_ref(), silhouette: data.mask.as_deref()? })
+                        })
+                        .collect();
+                    VisualHull::carve(&views, &HullOptions::default(), cancel).map(Arc::new)
+                })
+            });
         }
     }
 
-    /// Asks for the hull of the frame on the screen, where it is to be seen and not carved yet.
-    pub(crate) fn request_hull(&mut self) {
-        let may_carve = self.may_ask(Lane::Hull) && !self.worker.is_busy(Lane::Hull);
-        if !self.shows_scene() || self.state.preferences.scene.hull == HullLook::Hidden || !may_carve {
+    /// Has the scene drawn, unless its picture shows just that or another one is being drawn. What changes meanwhile is
+    /// ordered when that picture is there: the newest order follows, and a scene that never rests gets its pictures too.
+    pub(super) fn order(&mut self, pool: &Pool, order: SceneOrder) {
+        let key = order.key();
+        if self.draw.is_busy() || self.drawing.as_ref().is_some_and(|drawing| drawing.key == key) {
             return;
         }
-        let Some(take) = &self.state.session.take else { return };
-        let Some(frame) = self.state.session.frames.get(self.state.selection.frame) else { return };
-        if self.state.session.hulls.get(frame).is_none() {
-            let job = HullJob { cameras: take.cameras.clone(), frame: frame.clone() };
-            self.worker.request(Lane::Hull, job);
-        }
-    }
-
-    /// Turns the scene to a side of the body. Opens it where it is closed.
-    pub(crate) fn scene_command(&mut self, command: SceneCommand) {
-        self.state.preferences.scene.viewpoint = match command {
-            SceneCommand::Reset => None,
-            SceneCommand::FromCamera => Some(Viewpoint::Camera(self.state.selection.camera)),
-            SceneCommand::Front => self.side_of_body(|facing, _| facing),
-            SceneCommand::Side => self.side_of_body(DVec3::cross),
-            // Nearly: the front stays below.
-            SceneCommand::Top => self.side_of_body(|facing, up| up * 1e3 + facing),
-        };
-        if !self.shows_scene() {
-            self.pane_event(Pane::Scene, crate::context::PaneEvent::Open);
-        }
+        let earlier = self.drawing.clone();
+        let draw = |_: &u64| once(move |_| Arc::new(SceneDrawing::new(order, earlier.as_deref())));
+        self.draw.ask(pool, key, draw);
     }
 
     /// The body from a direction, made of where it faces and where up is.
-    fn side_of_body(&self, direction: impl Fn(DVec3, DVec3) -> DVec3) -> Option<Viewpoint> {
-        let take = self.state.session.take.as_ref()?;
+    fn side_of_body(
+        &self,
+        context: &Context<'_>,
+        direction: impl Fn(DVec3, DVec3) -> DVec3,
+    ) -> Option<Viewpoint> {
+        let take = context.session.take.as_ref()?;
         let upright = Upright::of(&take.cameras);
-        let pose = self.shown_pose();
-        let kinematics = Kinematics::new(&self.document().model, pose);
-        let facing = upright.facing(&self.document().model, &kinematics).unwrap_or(upright.ahead);
+        let (model, pose) = (&context.document().model, context.shown_pose());
+        let facing = upright.facing(model, &Kinematics::new(model, pose)).unwrap_or(upright.ahead);
         let near = Orbit { target: pose.root, azimuth: 0.0, elevation: 0.0, distance: BODY_FROM };
-        let orbit = match self.state.preferences.scene.viewpoint {
+        let orbit = match self.preferences.viewpoint {
             Some(Viewpoint::Orbit(orbit)) => Orbit { target: pose.root, ..orbit },
             _ => near,
         };

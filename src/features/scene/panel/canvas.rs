@@ -1,12 +1,12 @@
-//! The scene's picture: ordered from the worker whenever something in it has changed, and shown until the next is there.
+//! The scene's picture: what it is to show, and the one that there is, until the next is there.
 
 use std::sync::Arc;
 
 use egui::{Color32, Rect, Ui, pos2, vec2};
 
 use super::Stage;
-use crate::context::{Context, Requests};
-use crate::features::scene::{HullLook, SceneDrawing, SceneOrder, contents};
+use crate::context::Context;
+use crate::features::scene::{Scene, SceneDrawing, SceneOrder, ShownHull, contents};
 use crate::style::theme::data_colours::PICTURE_GROUND;
 use crate::widgets::image_canvas::cached_texture;
 
@@ -15,23 +15,21 @@ const PICTURE_SIDE: f32 = 120.0;
 /// Longest side of the scene's picture, in pixels: beyond that it is stretched.
 const LONGEST: f32 = 1400.0;
 
-/// Orders the scene as it is now, unless the picture on the screen shows just that. `moves` says that the view does.
-pub(crate) fn order(ui: &Ui, context: &Context<'_>, stage: &Stage, moves: bool, requests: &mut Requests) {
-    let order = order_of(ui.pixels_per_point(), context, stage, moves);
-    let drawing = context.session.scene_drawing.as_ref();
-    if drawing.is_none_or(|drawing| drawing.key != order.key()) {
-        requests.scene = Some(Box::new(order));
-    }
-}
-
-fn order_of(pixels_per_point: f32, context: &Context<'_>, stage: &Stage, moves: bool) -> SceneOrder {
-    let (look, busy) = (&context.preferences.scene, context.busy);
+/// The scene as it is now. `moves` says that the view does.
+pub(super) fn order(
+    pixels_per_point: f32,
+    context: &Context<'_>,
+    scene: &Scene,
+    stage: &Stage,
+    moves: bool,
+) -> SceneOrder {
+    let (look, busy) = (&scene.preferences, context.busy);
     let goes_on = busy.fitting || busy.tracking || context.playback.is_playing();
     let size = stage.picture.size() * pixels_per_point;
     let shrink = (LONGEST / size.max_elem()).min(1.0);
     let frame = context.session.shown_frame(context.selection.frame);
-    let hull = frame.and_then(|frame| context.session.hulls.get(frame)).flatten();
-    let input = stage.contents_input(context, hull.map(Arc::as_ref), pixels_per_point * shrink);
+    let hull = frame.and_then(|frame| scene.hulls.get(frame)).flatten();
+    let input = stage.contents_input(context, look, hull.map(Arc::as_ref), pixels_per_point * shrink);
     let contents = contents(&input);
     SceneOrder {
         size_px: [size.x, size.y].map(|side| (side * shrink).round().max(1.0) as u32),
@@ -41,7 +39,7 @@ fn order_of(pixels_per_point: f32, context: &Context<'_>, stage: &Stage, moves: 
         pictures: frame.filter(|_| look.pictures && !contents.frusta.is_empty()).cloned(),
         frusta: contents.frusta,
         picture_side: (PICTURE_SIDE * pixels_per_point).round() as u32,
-        shell: hull.filter(|_| look.hull == HullLook::Shell).cloned(),
+        shell: hull.filter(|_| look.hull == ShownHull::Shell).cloned(),
         held: stage.position(context.selection.joint),
     }
 }

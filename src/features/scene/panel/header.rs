@@ -5,8 +5,8 @@ use egui::{Align, Button, Layout, Popup, Rect, Role, Sense, Ui, UiBuilder, Widge
 use crate::context::command::{Command, SceneCommand};
 use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::pane_title;
-use crate::context::{Context, Request, Requests};
-use crate::features::scene::{HullLook, SceneLook, Viewpoint};
+use crate::context::{Context, Requests};
+use crate::features::scene::{ScenePreferences, ShownHull, Viewpoint};
 use crate::style::theme;
 use crate::style::theme::{size, space};
 use crate::widgets::{Icon, checkbox};
@@ -14,9 +14,10 @@ use crate::widgets::{Icon, checkbox};
 /// Space for the chevron behind the menu's name.
 const CHEVRON: f32 = 18.0;
 
-pub(crate) fn show(
+pub(super) fn show(
     ui: &mut Ui,
     rect: Rect,
+    preferences: &mut ScenePreferences,
     context: &Context<'_>,
     siblings: &[Pane],
     requests: &mut Requests,
@@ -27,13 +28,13 @@ pub(crate) fn show(
     let builder = UiBuilder::new().max_rect(left).layout(Layout::left_to_right(Align::Center));
     ui.scope_builder(builder, |ui| {
         pane_title::show(ui, Pane::Scene, siblings, requests);
-        menu(ui, context, requests);
+        menu(ui, preferences, context, requests);
     });
 }
 
-fn menu(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+fn menu(ui: &mut Ui, preferences: &mut ScenePreferences, context: &Context<'_>, requests: &mut Requests) {
     let palette = theme::palette(ui);
-    let text = title(&context.preferences.scene);
+    let text = title(preferences);
     let font = egui::TextStyle::Button.resolve(ui.style());
     let mut job = egui::text::LayoutJob::simple_singleline(text.clone(), font, egui::Color32::PLACEHOLDER);
     job.wrap = egui::text::TextWrapping::truncate_at_width((ui.available_width() - CHEVRON).max(0.0));
@@ -48,22 +49,22 @@ fn menu(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let response = response.on_hover_text("Views, and what is shown");
     Popup::menu(&response).close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
         ui.set_min_width(190.0);
-        views(ui, context, requests);
+        views(ui, preferences, context, requests);
         ui.separator();
-        shown(ui, context, requests);
+        shown(ui, preferences);
     });
 }
 
 /// From where it is seen, or what is shown.
-fn title(look: &SceneLook) -> String {
-    match look.viewpoint {
+fn title(preferences: &ScenePreferences) -> String {
+    match preferences.viewpoint {
         Some(Viewpoint::Camera(index)) => format!("From camera {}", index + 1),
-        _ if look.cameras => "Body and cameras".to_owned(),
+        _ if preferences.cameras => "Body and cameras".to_owned(),
         _ => "Body".to_owned(),
     }
 }
 
-fn views(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+fn views(ui: &mut Ui, preferences: &mut ScenePreferences, context: &Context<'_>, requests: &mut Requests) {
     let presets = [
         ("Whole scene", Command::Scene(SceneCommand::Reset)),
         ("Front", Command::Scene(SceneCommand::Front)),
@@ -78,27 +79,24 @@ fn views(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     }
     for camera in 0..context.session.camera_count() {
         let viewpoint = Some(Viewpoint::Camera(camera));
-        let is_chosen = context.preferences.scene.viewpoint == viewpoint;
+        let is_chosen = preferences.viewpoint == viewpoint;
         if ui.add(Button::new(format!("From camera {}", camera + 1)).selected(is_chosen)).clicked() {
-            requests.request(Request::Scene(SceneLook { viewpoint, ..context.preferences.scene }));
+            preferences.viewpoint = viewpoint;
             ui.close();
         }
     }
 }
 
-fn shown(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
-    let mut look = context.preferences.scene;
-    checkbox(ui, &mut look.cameras, "Cameras");
-    ui.add_enabled_ui(look.cameras, |ui| checkbox(ui, &mut look.pictures, "Their pictures"));
-    checkbox(ui, &mut look.floor, "Floor and axes");
+fn shown(ui: &mut Ui, preferences: &mut ScenePreferences) {
+    checkbox(ui, &mut preferences.cameras, "Cameras");
+    let pictures = &mut preferences.pictures;
+    ui.add_enabled_ui(preferences.cameras, |ui| checkbox(ui, pictures, "Their pictures"));
+    checkbox(ui, &mut preferences.floor, "Floor and axes");
     ui.separator();
-    for (hull, text) in HullLook::ALL {
+    for (hull, text) in ShownHull::ALL {
         let tooltip = "What all silhouettes leave of space";
-        if ui.add(Button::new(text).selected(look.hull == hull)).on_hover_text(tooltip).clicked() {
-            look.hull = hull;
+        if ui.add(Button::new(text).selected(preferences.hull == hull)).on_hover_text(tooltip).clicked() {
+            preferences.hull = hull;
         }
-    }
-    if look != context.preferences.scene {
-        requests.request(Request::Scene(look));
     }
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::Seen;
 use crate::context::Context;
-use crate::features::scene::{Frustum, HullLook, Viewpoint};
+use crate::features::scene::{Frustum, Scene, ShownHull, Viewpoint};
 use crate::style::format;
 use crate::style::theme::data_colours::{CASING, SELECTED};
 use crate::style::theme::{Palette, Theme, run_style, size};
@@ -51,7 +51,7 @@ fn beside(badge: Rect, text: Vec2, picture: Rect) -> Option<Pos2> {
     [right, left].into_iter().find(fits).map(|from| pos2(from, top))
 }
 
-pub(crate) fn show(ui: &Ui, context: &Context<'_>, seen: &Seen<'_>) {
+pub(super) fn show(ui: &Ui, context: &Context<'_>, scene: &Scene, seen: &Seen<'_>) {
     let painter = ui.painter().with_clip_rect(seen.picture.intersect(ui.clip_rect()));
     let small = TextStyle::Small.resolve(ui.style());
     for frustum in seen.frusta {
@@ -69,10 +69,10 @@ pub(crate) fn show(ui: &Ui, context: &Context<'_>, seen: &Seen<'_>) {
         painter.circle_filled(at, JOINT_RADIUS + size::CASING, CASING);
         painter.circle_filled(at, JOINT_RADIUS, SELECTED);
     }
-    if context.preferences.scene.floor {
+    if scene.preferences.floor {
         axes(&painter, seen);
     }
-    if let Some(text) = words(context) {
+    if let Some(text) = words(context, scene) {
         let at = seen.picture.right_bottom() + WORDS_AT;
         let rect = painter.text(at, Align2::RIGHT_BOTTOM, &text, small, palette().text2);
         let response = ui.interact(rect, ui.scope_id().with("hull words"), Sense::hover());
@@ -99,13 +99,13 @@ fn axes(painter: &egui::Painter, seen: &Seen<'_>) {
 }
 
 /// What is to be said about the hull.
-fn words(context: &Context<'_>) -> Option<String> {
-    let (session, look) = (context.session, context.preferences.scene);
-    if look.hull == HullLook::Hidden || matches!(look.viewpoint, Some(Viewpoint::Camera(_))) {
+fn words(context: &Context<'_>, scene: &Scene) -> Option<String> {
+    let preferences = scene.preferences;
+    if preferences.hull == ShownHull::Hidden || matches!(preferences.viewpoint, Some(Viewpoint::Camera(_))) {
         return None;
     }
-    let frame = session.shown_frame(context.selection.frame)?;
-    Some(match session.hulls.get(frame) {
+    let frame = context.session.shown_frame(context.selection.frame)?;
+    Some(match scene.hulls.get(frame) {
         None => "Carving the visual hull…".to_owned(),
         Some(None) => "No visual hull: it takes two silhouettes that meet".to_owned(),
         Some(Some(hull)) => {

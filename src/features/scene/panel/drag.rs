@@ -5,7 +5,7 @@ use egui::{CursorIcon, Id, PointerButton, Pos2, Response, Role, Sense, Ui, Vec2,
 use super::marks::badge_rect;
 use super::{Seen, Stage, keys};
 use crate::context::{Context, Request, Requests};
-use crate::features::scene::{Frustum, Orbit, SceneLook, Viewpoint};
+use crate::features::scene::{Frustum, Orbit, Viewpoint};
 
 /// Points of wheel travel that magnify e-fold.
 const WHEEL_POINTS: f32 = 240.0;
@@ -16,22 +16,13 @@ fn canvas_id(ui: &Ui) -> Id {
     keys::canvas_id(ui.scope_id())
 }
 
-/// Asks for another view where the pointer or the keys want one: from where the scene is to be seen, and whether it moves
-/// now.
-pub(crate) fn navigate(
-    ui: &Ui,
-    context: &Context<'_>,
-    stage: &Stage,
-    requests: &mut Requests,
-) -> (Viewpoint, bool) {
+/// Turns the view where the pointer or the keys want it: from where the scene is to be seen, and whether it moves now.
+pub(super) fn navigate(ui: &Ui, stage: &Stage, kept: &mut Option<Viewpoint>) -> (Viewpoint, bool) {
     let response = ui.interact(stage.picture, canvas_id(ui), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Scene"));
-    let ask = |requests: &mut Requests, viewpoint: Option<Viewpoint>| {
-        requests.request(Request::Scene(SceneLook { viewpoint, ..context.preferences.scene }));
-    };
     let pressed = keys::take(ui, &response);
     if response.double_clicked() || pressed.resets {
-        ask(requests, None);
+        *kept = None;
         return (stage.viewpoint, false);
     }
     let before = orbit(stage);
@@ -57,7 +48,7 @@ pub(crate) fn navigate(
         return (stage.viewpoint, response.dragged());
     }
     let viewpoint = Viewpoint::Orbit(after);
-    ask(requests, Some(viewpoint));
+    *kept = Some(viewpoint);
     if !response.dragged() {
         // Wheels do not say when they end: the next frame is drawn well.
         ui.request_repaint();
