@@ -16,8 +16,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::fit::FitOptions;
 use backlit_tracking::segment::SegmentOptions;
-use backlit_tracking::track::FitOptions;
 
 use crate::document::tracking_choices::TrackingChoices;
 use crate::take::replacement::{Calibration, MaskFiles};

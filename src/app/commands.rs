@@ -1,7 +1,7 @@
 //! Doing what menus, buttons, keys and the palette ask for.
 
 use backlit_tracking::body::Pose;
-use backlit_tracking::track::FitOptions;
+use backlit_tracking::fit::FitOptions;
 
 use super::App;
 use super::state::{DialogKind, Opening};
@@ -44,7 +44,7 @@ impl App {
     pub(crate) fn run(&mut self, command: Command, ctx: &egui::Context) {
         let is_free =
             !self.features.laboratory.is_running() || self.state.preferences.layout != Layout::Demonstrate;
-        if command == Command::Fit(FitCommand::Stop) && is_free && (self.put_back(ctx) || self.let_go()) {
+        if command == Command::Fit(FitCommand::Stop) && is_free && (self.cancel_drag(ctx) || self.escape()) {
             return;
         }
         if self.unavailable(command).is_some() {
@@ -129,11 +129,8 @@ impl App {
     }
 
     /// Esc while a slider or a field is dragged: what that has changed is as it was.
-    fn put_back(&mut self, ctx: &egui::Context) -> bool {
-        let Some(gesture) = dragged_until_now(ctx) else { return false };
-        let before = self.state.history.revision();
-        self.state.history.cancel(gesture);
-        let is_back = self.state.history.revision() != before;
+    fn cancel_drag(&mut self, ctx: &egui::Context) -> bool {
+        let is_back = dragged_until_now(ctx).is_some_and(|gesture| self.state.history.cancel(gesture));
         if is_back {
             self.state.status = Some("Put back.".to_owned());
         }
@@ -142,7 +139,7 @@ impl App {
 
     /// Esc: what runs is stopped first, then a body that sways; else a camera that fills the window goes back, else a
     /// step is left; else what is tried or written in the background is stopped.
-    fn let_go(&mut self) -> bool {
+    fn escape(&mut self) -> bool {
         if self.context().busy.fitting || self.context().busy.tracking {
             return false;
         }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use backlit_tracking::track::Preset;
+use backlit_tracking::fit::Preset;
 
 use super::App;
 use crate::app::open_job::OpenedProject;

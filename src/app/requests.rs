@@ -128,7 +128,9 @@ impl App {
                 self.dock(|docking, window| docking.switch_camera(window, from, to))
             }
             Request::Drag(camera, event) => self.drag(camera, event),
-            Request::CancelGesture(gesture) => self.state.history.cancel(gesture),
+            Request::CancelGesture(gesture) => {
+                self.state.history.cancel(gesture);
+            }
             Request::Segment => self.state.session.forget_measurements(),
             Request::RunLaboratory => self.features.laboratory.run_when_begun(),
             Request::BeginRun { name, gesture } => {

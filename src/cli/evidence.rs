@@ -6,8 +6,8 @@ use std::sync::Arc;
 use anyhow::{Context, bail};
 use backlit_formats::images;
 use backlit_tracking::camera::{Camera, Rectification, Rig};
+use backlit_tracking::fit::{Evidence, FitView};
 use backlit_tracking::silhouette::{Label, Mask, Measurement};
-use backlit_tracking::track::{Evidence, FitView};
 use image::{DynamicImage, GrayImage};
 
 /// What the pictures of a folder are.

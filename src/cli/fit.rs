@@ -6,13 +6,14 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 use backlit_formats::calibration::{self, CalibrationOptions};
+use backlit_formats::export::ending_text;
 use backlit_formats::model_file;
 use backlit_formats::pose_file;
 use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::fit::{Fit, FitView, Preset, SolverSummary};
+use backlit_tracking::metrics::Statistics;
 use backlit_tracking::optimize::Termination;
 use backlit_tracking::render::Ramp;
-use backlit_tracking::track::metrics::Statistics;
-use backlit_tracking::track::{Fit, FitView, Preset, SolverSummary};
 use clap::Args;
 use serde::Serialize;
 
@@ -201,7 +202,7 @@ struct AnswerTermination {
 
 impl From<Termination> for AnswerTermination {
     fn from(termination: Termination) -> Self {
-        Self { reason: termination.name(), words: termination.to_string() }
+        Self { reason: termination.name(), words: ending_text(termination) }
     }
 }
 
@@ -255,7 +256,7 @@ fn text(summary: &SolverSummary, start_cost: f64, start_rms: f64, times: Option<
     }
     let mut out = table.to_text();
     out.push_str("cost in squared grey levels, rms in grey levels a pixel; each stage has its own measure\n");
-    out.push_str(&format!("Stopped: {}.\n", summary.termination));
+    out.push_str(&format!("Stopped: {}.\n", ending_text(summary.termination)));
     if !summary.empty_cameras.is_empty() {
         out.push_str(&format!("Left out, for they see no subject: {}.\n", summary.empty_cameras.join(", ")));
     }

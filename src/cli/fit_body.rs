@@ -8,14 +8,13 @@ use std::time::Duration;
 use anyhow::{Context, bail};
 use backlit_formats::pose_file::{self, Quaternions};
 use backlit_formats::{Footage, Take, model_file};
-use backlit_tracking::body::sizes::SizeChoice;
-use backlit_tracking::body::{Model, Pose};
-use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::track::fit_body::{
+use backlit_tracking::body::{Model, Pose, SizeChoice};
+use backlit_tracking::body_fit::{
     Approach, BodyFit, BodyFitOptions, CLOTHED, approach, fit_body, frames, scale,
 };
-use backlit_tracking::track::metrics::ReferenceJoints;
-use backlit_tracking::track::start;
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::metrics::ReferenceJoints;
+use backlit_tracking::search::start;
 use clap::{Args, ValueEnum};
 use indicatif::ProgressBar;
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use backlit_tracking::body::SizeKind;
-use backlit_tracking::track::fit_body::{BodyFit, SizeEstimate};
+use backlit_tracking::body_fit::{BodyFit, SizeEstimate};
 use serde::Serialize;
 
 use super::table::Table;

@@ -3,10 +3,9 @@
 use std::str::FromStr;
 
 use backlit_tracking::body::Parameters;
+use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::optimize::Method;
-use backlit_tracking::render::renderer::MAX_SPHERES;
-use backlit_tracking::render::{Ramp, RendererKind};
-use backlit_tracking::track::{FitOptions, Preset};
+use backlit_tracking::render::{MAX_SPHERES, Ramp, RendererKind};
 use clap::error::ErrorKind;
 use clap::{Args, ValueEnum};
 

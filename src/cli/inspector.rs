@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use anyhow::anyhow;
 use backlit_formats::{Footage, images};
-use backlit_tracking::track::{FitOptions, Tracker};
+use backlit_tracking::fit::FitOptions;
+use backlit_tracking::track::Tracker;
 use image::DynamicImage;
 
 use super::command::no_such_command;

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::track::observability::{Direction, FrameInformation, Observability, SubsetFigures};
-use backlit_tracking::track::{Fit, FitView};
+use backlit_tracking::fit::{Fit, FitView};
+use backlit_tracking::observability::{Direction, FrameInformation, Observability, SubsetFigures};
 use clap::Args;
 use serde::Serialize;
 
@@ -15,6 +15,7 @@ use super::output;
 use super::table::Table;
 use super::take_options::{self, StartArguments};
 use crate::drawing::joint_name;
+use crate::features::observability::words;
 use crate::style::format;
 
 const NOTES: &str = "\
@@ -106,7 +107,7 @@ fn text(shown: &Observability, subsets: &[SubsetFigures]) -> String {
     for (index, direction) in shown.directions.iter().enumerate() {
         let value = if direction.is_null { "null".to_owned() } else { format!("{:.1e}", direction.relative) };
         let number = (index + 1).to_string();
-        table.row([number, value, known(shown, direction), shown.title(direction)]);
+        table.row([number, value, known(shown, direction), words::title(shown, direction)]);
     }
     let count = shown.directions.len();
     let seen = count - shown.null_count();
@@ -184,8 +185,8 @@ impl Answer {
             value: direction.value,
             relative: direction.relative,
             null: direction.is_null,
-            title: shown.title(direction),
-            why: shown.why(direction),
+            title: words::title(shown, direction),
+            why: words::why(shown, direction),
             deviation: bounded(direction.deviation),
             step: direction.step.as_slice().to_vec(),
         };

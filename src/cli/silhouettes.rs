@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use backlit_formats::calibration;
 use backlit_formats::images;
 use backlit_tracking::camera::Rig;
-use backlit_tracking::track::Evidence;
+use backlit_tracking::fit::Evidence;
 use clap::Args;
 use image::DynamicImage;
 

@@ -9,7 +9,8 @@ use anyhow::{Context, bail};
 use backlit_formats::{Footage, Take};
 use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::track::{FitView, KalmanOptions, Motion, Preset, Search, Tracker};
+use backlit_tracking::fit::{FitView, Preset};
+use backlit_tracking::track::{KalmanOptions, Motion, Tracker, WhenToSearch};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -120,7 +121,7 @@ pub enum SearchWord {
     Always,
 }
 
-impl From<SearchWord> for Search {
+impl From<SearchWord> for WhenToSearch {
     fn from(word: SearchWord) -> Self {
         match word {
             SearchWord::Never => Self::Never,

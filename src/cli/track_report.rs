@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use backlit_formats::Take;
-use backlit_tracking::track::metrics::{self, JointErrors, Statistics};
-use backlit_tracking::track::{FrameEstimate, Track, motion};
+use backlit_tracking::metrics::{self, JointErrors, Statistics};
+use backlit_tracking::track::{FrameEstimate, Track, smoothed};
 use serde::Serialize;
 
 use super::table::Table;
@@ -137,7 +137,7 @@ impl TrackReport {
     /// Overlaps and costs stay those of the poses before smoothing.
     pub fn finish(&mut self, take: &Take, smoothing: Option<Smoothing>) {
         if let Some(Smoothing { lag }) = smoothing {
-            self.track = motion::smoothed(&self.track, lag);
+            self.track = smoothed(&self.track, lag);
             self.errors = JointErrors::default();
             for estimate in self.track.frames.values() {
                 self.errors.add(take.model(), &estimate.pose, &reference_joints(take, estimate.frame));

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::track::observability::JointUncertainty;
-use backlit_tracking::track::posing::LimitedAngle;
+use backlit_tracking::observability::JointUncertainty;
+use backlit_tracking::posing::LimitedAngle;
 
 use crate::drawing::{JointEllipse, Swaying, joint_ellipses};
 

@@ -1,6 +1,6 @@
 //! The presets of the fit as a box, for all who have room for it.
 
-use backlit_tracking::track::Preset;
+use backlit_tracking::fit::Preset;
 use egui::Ui;
 
 use crate::context::command::{Command, FitCommand};

@@ -5,9 +5,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use backlit_tracking::body::{Model, ModelError, Pose, PoseError};
+use backlit_tracking::fit::{FitOptions, OptionsError};
 use backlit_tracking::segment::SegmentOptions;
-use backlit_tracking::track::FitOptions;
-use backlit_tracking::track::options::OptionsError;
 use thiserror::Error;
 
 use crate::document::tracking_choices::TrackingChoices;

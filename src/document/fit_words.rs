@@ -1,8 +1,8 @@
 //! How choices of the fit are said.
 
+use backlit_tracking::fit::{DataView, FitOptions, Preset};
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::{Ramp, RendererKind};
-use backlit_tracking::track::{DataView, FitOptions, Preset};
 
 use crate::style::format;
 

@@ -116,15 +116,13 @@ impl History {
         self.redo.last().map(|entry| entry.what.as_str())
     }
 
-    /// Undoes everything of a gesture that is still open, and forgets it: Esc in a drag.
-    pub fn cancel(&mut self, gesture: Gesture) {
-        if self.open == Some(gesture)
-            && let Some(entry) = self.undo.pop()
-        {
-            self.document = entry.document;
-            self.revision = entry.revision;
-        }
-        self.open = None;
+    /// Undoes everything of a gesture that is still open, and forgets it: Esc in a drag. Whether there was anything.
+    pub fn cancel(&mut self, gesture: Gesture) -> bool {
+        let is_open = self.open.take() == Some(gesture);
+        let Some(entry) = self.undo.pop_if(|_| is_open) else { return false };
+        self.document = entry.document;
+        self.revision = entry.revision;
+        true
     }
 
     /// Says that the document of this revision is in its file.
@@ -213,7 +211,7 @@ mod tests {
         let mut history = History::new(Document::new(builtin::single_limb()));
         let edit = moved(history.document(), 1.0);
         history.apply(edit, Some(Gesture(1))).unwrap();
-        history.cancel(Gesture(1));
+        assert!(history.cancel(Gesture(1)) && !history.cancel(Gesture(1)));
         assert_eq!((root_x(&history), history.undo_text(), history.is_dirty()), (0.0, None, false));
     }
 

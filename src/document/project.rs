@@ -94,7 +94,7 @@ mod tests {
 
     use backlit_tracking::body::{Parameters, builtin};
     use backlit_tracking::segment::SegmentOptions;
-    use backlit_tracking::track::Search;
+    use backlit_tracking::track::WhenToSearch;
     use glam::DVec3;
 
     use super::*;
@@ -127,7 +127,7 @@ mod tests {
             Edit::UseCamera { camera: 0, used: false },
             Edit::SetTracking(TrackingChoices {
                 motion: Following::Smoothed { lag: Some(3) },
-                search: Search::Never,
+                search: WhenToSearch::Never,
             }),
             Edit::Pin { limb: 5, pinned: true },
             Edit::SetSize { limb: 2, length: 0.2, radius: 0.05, both_sides: true },
@@ -170,7 +170,7 @@ mod tests {
         assert!(json.as_object_mut().unwrap().remove("tracking").is_some());
         std::fs::write(&path, json.to_string()).unwrap();
         let tracking = read_project(&path).unwrap().tracking;
-        assert_eq!(tracking, TrackingChoices { motion: Following::Velocity, search: Search::WhenPoor });
+        assert_eq!(tracking, TrackingChoices { motion: Following::Velocity, search: WhenToSearch::WhenPoor });
     }
 
     #[test]

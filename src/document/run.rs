@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use backlit_formats::export::ending_text;
 use backlit_tracking::body::Pose;
+use backlit_tracking::fit::FitOptions;
 use backlit_tracking::optimize::Termination;
-use backlit_tracking::track::FitOptions;
 
 use crate::document::CameraUse;
 use crate::style::format;
@@ -81,7 +82,7 @@ impl RunEnding {
                 Self::Solver(format!("the {steps} steps of the last stage are done"))
             }
             Termination::Cancelled => Self::Stopped,
-            other => Self::Solver(other.to_string()),
+            other => Self::Solver(ending_text(other)),
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Names of runs: what differs between those that are shown, and nothing else.
 
 use backlit_tracking::body::{Parameters, Pose};
+use backlit_tracking::fit::FitOptions;
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::track::FitOptions;
 
 use crate::document::fit_words as words;
 use crate::document::run::Run;
@@ -209,7 +209,7 @@ fn cameras_text(run: &Run) -> String {
 mod tests {
     use std::sync::Arc;
 
-    use backlit_tracking::track::Preset;
+    use backlit_tracking::fit::Preset;
 
     use super::*;
     use crate::document::CameraUse;

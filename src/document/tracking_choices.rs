@@ -1,6 +1,7 @@
 //! How frames are followed: how motion is carried on, and when other poses are looked for.
 
-use backlit_tracking::track::{KalmanOptions, Motion, Preset, Search};
+use backlit_tracking::fit::Preset;
+use backlit_tracking::track::{KalmanOptions, Motion, WhenToSearch};
 use serde::{Deserialize, Serialize};
 
 /// How motion is carried from frame to frame.
@@ -40,14 +41,15 @@ pub struct TrackingChoices {
     /// How motion is carried on.
     pub motion: Following,
     /// When other poses than the one downhill are looked for.
-    pub search: Search,
+    pub search: WhenToSearch,
 }
 
 impl TrackingChoices {
     /// What goes with a preset: the report never looks for other poses, everything else does where a fit is poor.
     #[must_use]
     pub fn of_preset(preset: Option<Preset>) -> Self {
-        let search = if preset == Some(Preset::Report) { Search::Never } else { Search::WhenPoor };
+        let search =
+            if preset == Some(Preset::Report) { WhenToSearch::Never } else { WhenToSearch::WhenPoor };
         Self { motion: Following::default(), search }
     }
 }
@@ -64,7 +66,7 @@ mod tests {
             Following::Smoothed { lag: None },
             Following::Smoothed { lag: Some(7) },
         ] {
-            let choices = TrackingChoices { motion, search: Search::Always };
+            let choices = TrackingChoices { motion, search: WhenToSearch::Always };
             let text = serde_json::to_string(&choices).unwrap();
             assert_eq!(serde_json::from_str::<TrackingChoices>(&text).unwrap(), choices, "{text}");
         }

@@ -104,7 +104,7 @@ impl<'a> PictureInput<'a> {
         let data = input.level(index);
         let prediction = input.prediction.and_then(|p| finite(p.lambda[index]));
         let owner = input.prediction.map(|p| p.owner[index]).filter(|owner| *owner != NO_OWNER);
-        let sight = input.view.filter(|_| owner.is_some()).and_then(|view| view.sight(x, y));
+        let sight = input.view.filter(|_| owner.is_some()).and_then(|view| view.seen_limb(x, y));
         let is_unknown =
             (input.mask.is_some() || input.data.is_some()) && input.label(index) == Label::Unknown;
         Some(Sample {

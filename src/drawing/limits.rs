@@ -5,7 +5,7 @@
 
 use backlit_tracking::body::{JointAngles, Kinematics, Limb, Model, Pose, Range};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::track::posing::LimitedAngle;
+use backlit_tracking::posing::LimitedAngle;
 use glam::{DVec2, DVec3};
 
 use super::{JointId, joint_name};

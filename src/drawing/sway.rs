@@ -2,8 +2,8 @@
 
 use backlit_tracking::body::{Kinematics, Model};
 use backlit_tracking::camera::Camera;
+use backlit_tracking::observability::{ImageEllipse, JointUncertainty};
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::track::observability::{ImageEllipse, JointUncertainty};
 use glam::{DVec2, DVec3};
 
 use super::{JointId, ProjectedLimb, draggable_joints, joined_outline, joint_name, project_limbs};
@@ -110,7 +110,7 @@ pub fn joint_ellipses(model: &Model, joints: &[JointUncertainty], camera: &Camer
 mod tests {
     use backlit_tracking::body::{Pose, builtin};
     use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
-    use backlit_tracking::track::observability::uncertainty::articulated_joints;
+    use backlit_tracking::observability::articulated_joints;
     use glam::DQuat;
 
     use super::*;

@@ -8,8 +8,8 @@ pub(crate) mod renderer;
 pub(crate) mod solver;
 
 use backlit_tracking::body::Model;
+use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::track::{FitOptions, Preset};
 
 use crate::app::App;
 use crate::context::command::Part;

@@ -16,12 +16,13 @@ mod sway;
 #[cfg(test)]
 mod tests;
 mod update;
+pub(crate) mod words;
 
 use std::sync::Arc;
 
-use backlit_tracking::track::FitError;
-use backlit_tracking::track::observability::{Direction, JointUncertainty, Observability as Figures};
-use backlit_tracking::track::posing::LimitedAngle;
+use backlit_tracking::fit::FitError;
+use backlit_tracking::observability::{Direction, JointUncertainty, Observability as Figures};
+use backlit_tracking::posing::LimitedAngle;
 
 pub use observed::Observed;
 use sway::Sway;

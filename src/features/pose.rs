@@ -20,7 +20,7 @@ mod sizes;
 #[cfg(test)]
 mod tests;
 
-use backlit_tracking::track::posing::LimitedAngle;
+use backlit_tracking::posing::LimitedAngle;
 use clipboard::Clipboard;
 use drag::{Dragging, NUDGE_SECONDS, Nudging};
 use egui::Ui;

@@ -27,7 +27,7 @@ mod viewpoint;
 
 use std::sync::Arc;
 
-use backlit_tracking::track::visual_hull::VisualHull;
+use backlit_tracking::visual_hull::VisualHull;
 
 pub use contents::{Contents, ContentsInput, Frustum, contents};
 pub use drawing::{SceneDrawing, Thumbnails};

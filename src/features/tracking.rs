@@ -17,6 +17,7 @@ pub(crate) mod choices;
 mod job;
 mod keys;
 mod other_poses;
+mod pose_words;
 mod poses_job;
 mod read_ahead;
 #[cfg(test)]
@@ -27,8 +28,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-use backlit_tracking::track::fit_body::BodyFit;
-use backlit_tracking::track::{FitOptions, Hypothesis};
+use backlit_tracking::body_fit::BodyFit;
+use backlit_tracking::fit::FitOptions;
+use backlit_tracking::search::Hypothesis;
 
 use crate::context::Context;
 use crate::context::activity::TrackingProgress;

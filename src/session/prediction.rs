@@ -5,10 +5,9 @@ use std::time::Instant;
 
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::render::jacobian::Motion;
-use backlit_tracking::render::{Prediction, View, Wanted, draw};
+use backlit_tracking::fit::{Fit, FitOptions, FitView, IterationRecord};
+use backlit_tracking::render::{BodyMotion, Prediction, View, Wanted, draw};
 use backlit_tracking::silhouette::{Measurement, Overlap};
-use backlit_tracking::track::{Fit, FitOptions, FitView, IterationRecord};
 
 use rayon::prelude::*;
 
@@ -233,7 +232,7 @@ impl CameraPrediction {
         let motion = column.map(|column| {
             let mut direction = vec![0.0; columns];
             direction[column] = 1.0;
-            Motion::along(kinematics, camera, Parameters::Tangent, &direction)
+            BodyMotion::along(kinematics, camera, Parameters::Tangent, &direction)
         });
         let gradient = scene.derivatives.gradient;
         let drawing = draw(&view, Wanted { gradient, motion: motion.as_ref() });

@@ -1,7 +1,7 @@
 //! The menus: every command stands in one of them.
 
+use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::track::Preset;
 use egui::Ui;
 
 use crate::context::command::{

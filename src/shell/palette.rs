@@ -146,7 +146,7 @@ fn matching(text: &str, used: &[String]) -> Vec<Found> {
 
 #[cfg(test)]
 mod tests {
-    use backlit_tracking::track::Preset;
+    use backlit_tracking::fit::Preset;
 
     use super::*;
     use crate::context::command::{ExportCommand, FitCommand, HistoryCommand, TrackingCommand, ViewCommand};

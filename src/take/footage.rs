@@ -8,9 +8,10 @@ use backlit_formats::Take;
 use backlit_lab::experiment::Simulation;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::Camera;
+use backlit_tracking::fit::{DataView, Evidence};
+use backlit_tracking::search::start;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::silhouette::{Label, Mask, Measurement, SignedDistance};
-use backlit_tracking::track::{DataView, Evidence, start};
 use image::{DynamicImage, RgbImage};
 
 use crate::take::demonstration::Demonstration;

@@ -15,8 +15,8 @@ use backlit_formats::calibration::{self, CalibrationOptions};
 use backlit_formats::pose_file::{self, Quaternions};
 use backlit_formats::{MemoryFiles, Take, model_file};
 use backlit_tracking::body::{Model, builtin};
+use backlit_tracking::fit::FitOptions;
 use backlit_tracking::segment::SegmentOptions;
-use backlit_tracking::track::FitOptions;
 use image::{DynamicImage, ImageFormat};
 use serde_json::Value;
 

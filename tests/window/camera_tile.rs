@@ -14,11 +14,10 @@ use backlit::widgets::Framing;
 use backlit_tracking::body::builtin::full_body;
 use backlit_tracking::body::{JointAngles, Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
-use backlit_tracking::render::jacobian::Motion;
-use backlit_tracking::render::{Prediction, Ramp, RendererKind, View, Wanted, predict};
+use backlit_tracking::observability::ImageEllipse;
+use backlit_tracking::posing::LimitedAngle;
+use backlit_tracking::render::{BodyMotion, Prediction, Ramp, RendererKind, View, Wanted, predict};
 use backlit_tracking::silhouette::{Label, Mask, Measurement, Overlap, SignedDistance};
-use backlit_tracking::track::observability::ImageEllipse;
-use backlit_tracking::track::posing::LimitedAngle;
 use egui::{Color32, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Role, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -93,7 +92,7 @@ impl Scene {
         let column = Parameters::Tangent.first_column(thigh) + 1;
         let mut direction = vec![0.0; Parameters::Tangent.columns(body.rotation_count())];
         direction[column] = 1.0;
-        let motion = Motion::along(&kinematics, &camera, Parameters::Tangent, &direction);
+        let motion = BodyMotion::along(&kinematics, &camera, Parameters::Tangent, &direction);
         let drawing = backlit_tracking::render::draw(&view, Wanted { gradient: true, motion: Some(&motion) });
         let foot = JointId::End(body.limb_index("left foot").unwrap());
         Self {

@@ -3,7 +3,8 @@
 use backlit::app::{App, AppOptions, Opening, opening_of};
 use backlit::features::laboratory::Contestant;
 use backlit::take::source::TakeSource;
-use backlit_lab::experiment::{fig51, upper_body};
+use backlit_lab::experiment::fig51;
+use backlit_lab::synthetic::upper_body;
 use backlit_tracking::body::{Kinematics, Pose, builtin};
 use backlit_tracking::cancel::CancelToken;
 use egui::accesskit::Role;

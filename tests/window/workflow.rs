@@ -162,7 +162,7 @@ fn the_palette_finds_and_does() {
     harness.run_steps(2);
     press(&mut harness, Modifiers::NONE, Key::Enter);
     let fit = &harness.state().document().fit;
-    assert_eq!(fit.as_preset(), Some(backlit_tracking::track::Preset::Report));
+    assert_eq!(fit.as_preset(), Some(backlit_tracking::fit::Preset::Report));
     press(&mut harness, Modifiers::COMMAND, Key::K);
     press(&mut harness, Modifiers::NONE, Key::Escape);
     assert!(harness.query_by_role(Role::TextInput).is_none(), "Esc closes it");

@@ -6,6 +6,7 @@
 //! | [`track_json`] | all of it in one `backlit-track 1` JSON |
 
 use backlit_tracking::body::Model;
+use backlit_tracking::optimize::Termination;
 use backlit_tracking::track::Track;
 
 pub mod tables;
@@ -24,6 +25,16 @@ pub struct TrackExport<'a> {
     pub cameras: &'a [&'a str],
     /// The estimates.
     pub track: &'a Track,
+}
+
+/// Why the fit of a frame ended, in words for people: tables, the window and the command line say the same.
+#[must_use]
+pub fn ending_text(why: Termination) -> String {
+    match why {
+        Termination::NoGradient => "no pixel pulls the model".to_owned(),
+        Termination::Cancelled => "stopped by you".to_owned(),
+        why => why.to_string(),
+    }
 }
 
 /// The word for the root where a limb's name stands for its second joint.

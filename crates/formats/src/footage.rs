@@ -3,9 +3,9 @@
 use std::sync::{Arc, OnceLock};
 
 use backlit_tracking::camera::{Camera, Rectification};
+use backlit_tracking::fit::{Evidence, FitView};
 use backlit_tracking::segment::{Background, BackgroundError, SegmentError, SegmentOptions, segment};
 use backlit_tracking::silhouette::{Label, Mask};
-use backlit_tracking::track::{Evidence, FitView};
 use image::RgbImage;
 use rayon::prelude::*;
 use thiserror::Error;

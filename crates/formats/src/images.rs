@@ -3,7 +3,7 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use backlit_tracking::camera::camera::MAX_SIDE;
+use backlit_tracking::camera::MAX_SIDE;
 use image::{DynamicImage, GrayImage, ImageFormat, ImageReader, Limits, RgbImage};
 
 use super::{DiskFiles, FileError, FileProblem, TakeFiles, atomic};

@@ -9,6 +9,7 @@
 //! | [`footage`] | a take's rectified pictures and silhouettes |
 //! | [`model_file`] | body models |
 //! | [`pose_file`] | poses |
+//! | [`starts_file`] | starts of fits of known truth |
 //! | [`calibration`] | cameras, in several formats |
 //! | [`export`] | tracks as tables and JSON |
 //! | [`images`], [`npy`] | pictures and arrays |
@@ -27,6 +28,7 @@ mod json_text;
 pub mod model_file;
 pub mod npy;
 pub mod pose_file;
+pub mod starts_file;
 pub mod take;
 mod text;
 mod toml_text;

@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use backlit_tracking::body::model::FORMAT;
-use backlit_tracking::body::{Model, ModelError, ModelSpec, builtin};
+use backlit_tracking::body::{FORMAT, Model, ModelError, ModelSpec, builtin};
 
 use super::toml_text::{self, Step};
 use super::{DiskFiles, FileError, FileProblem, TakeFiles, atomic, text};

@@ -17,7 +17,7 @@ use backlit_formats::pose_file;
 use backlit_lab::synthetic::{Build, Figure, Picture, Plate, Room, Sensor, motion, studio};
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::camera::Rig;
-use backlit_tracking::track::start;
+use backlit_tracking::search::start;
 use image::codecs::jpeg::JpegEncoder;
 
 /// Everything random follows from it.

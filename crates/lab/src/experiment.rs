@@ -17,11 +17,10 @@
 //! | [`interval`] | how sure a share of successes is |
 //! | [`track`] | the upper body followed at several speeds through noise: what carrying motion on is worth |
 //! | [`robustness`] | the full body with one thing wrong at a time: masks, cameras, sizes |
-//! | [`starts`], [`starts_file`] | starts of known distance from their truth, drawn or read |
+//! | [`starts`] | starts of known distance from their truth |
 //! | [`curve`] | one fit, iteration by iteration, against its truth |
 //! | [`sizes`] | the sizes of people of several builds, from silhouettes |
-//! | [`scene`] | simulated data: grey levels and masks of a pose |
-//! | [`upper_body`] | the upper body before its cameras: poses, a movement |
+//! | [`scene`] | simulated data of a pose as a fit takes them |
 //! | [`progress`] | how far an experiment is, and why one cannot run |
 
 pub mod basin;
@@ -39,9 +38,7 @@ pub mod robustness;
 pub mod scene;
 pub mod sizes;
 pub mod starts;
-pub mod starts_file;
 pub mod track;
-pub mod upper_body;
 
 pub use curve::Curve;
 pub use fit_choice::FitChoice;

@@ -1,4 +1,4 @@
-//! Bodies and scenes with known truth, drawn by other geometry than the model's.
+//! Bodies and scenes with known truth, most of them drawn by other geometry than the model's.
 //!
 //! | file | holds |
 //! |---|---|
@@ -9,10 +9,13 @@
 //! | [`render`] | rays into pictures: empty room, figure, shadows, edges |
 //! | [`noise`] | the sensor: exposure, curve, noise |
 //! | [`silhouettes`] | exact masks |
+//! | [`capsules`] | exact masks and grey levels of a model's own capsules |
+//! | [`upper_body`] | the report's upper body before its cameras: a movement |
 //!
 //! Nothing here reads a clock: the same numbers in give the same bytes out, on any number of threads.
 
 mod anatomy;
+pub mod capsules;
 pub mod figure;
 mod furniture;
 pub mod motion;
@@ -24,6 +27,7 @@ mod shading;
 pub mod silhouettes;
 mod solid;
 pub mod studio;
+pub mod upper_body;
 
 pub use figure::{Build, Figure, Material};
 pub use noise::Sensor;

@@ -14,8 +14,10 @@ use std::time::Instant;
 
 use backlit_formats::{Footage, Take};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::{Evidence, FitOptions, FitView, Preset};
+use backlit_tracking::search::start;
 use backlit_tracking::silhouette::{Mask, SignedDistance};
-use backlit_tracking::track::{Evidence, FitOptions, FitView, Motion, Preset, Tracker, start};
+use backlit_tracking::track::{Motion, Tracker};
 use image::RgbImage;
 
 /// Passes over all frames.

@@ -4,13 +4,13 @@
 //! `a_from_b`: `point_in_camera = camera_from_world · point_in_world`. Metres and pixels.
 
 #[expect(clippy::module_inception, reason = "the file is named after the type that it holds")]
-pub mod camera;
-pub mod distortion;
-pub mod intrinsics;
-pub mod rectify;
-pub mod rig;
+mod camera;
+mod distortion;
+mod intrinsics;
+mod rectify;
+mod rig;
 
-pub use camera::{Camera, CameraError, CameraFromWorld};
+pub use camera::{Camera, CameraError, CameraFromWorld, FARTHEST, LARGEST_NUMBER, MAX_SIDE};
 pub use distortion::Distortion;
 pub use intrinsics::Intrinsics;
 pub use rectify::Rectification;

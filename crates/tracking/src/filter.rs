@@ -14,15 +14,15 @@
 //! it is the plain fit, as the report derives. Nothing here knows of bodies: how a pose takes a step is the
 //! caller's.
 //!
-//! | file | holds |
+//! | | |
 //! |---|---|
-//! | [`belief`] | mean velocity and covariance |
-//! | [`constant_velocity`] | prediction |
+//! | [`Belief`] | mean velocity and covariance |
+//! | [`ConstantVelocity`] | prediction |
 //! | [`update`] | what a measurement adds |
 //! | [`smoother`] | what later frames say of earlier ones |
 
-pub mod belief;
-pub mod constant_velocity;
+mod belief;
+mod constant_velocity;
 pub mod smoother;
 pub mod update;
 

@@ -39,9 +39,9 @@
 //! use backlit_tracking::body::{Kinematics, Parameters, Pose, builtin};
 //! use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 //! use backlit_tracking::cancel::CancelToken;
+//! use backlit_tracking::fit::{Evidence, Fit, FitOptions, FitView, Preset};
 //! use backlit_tracking::render::{Ramp, RendererKind, predict};
 //! use backlit_tracking::silhouette::{Label, Mask};
-//! use backlit_tracking::track::{Evidence, Fit, FitOptions, FitView, Preset};
 //! use glam::DVec3;
 //!
 //! let model = Arc::new(builtin::upper_body());
@@ -75,34 +75,62 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # The modules
+//! # The modules, in the order of the data
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`body`] | the articulated body: limbs, poses, kinematics, the models that come with the program |
-//! | [`camera`] | calibrated cameras: pinhole, lens, place, rectification |
-//! | [`cancel`] | stopping long work |
+//! | [`segment`] | from footage of a camera that stands still to masks: a background, and what differs from it |
+//! | [`silhouette`] | masks, and views of them: measurements D, distance fields, overlap, outlines |
+//! | [`body`] | the articulated body: limbs, poses, kinematics; [`body::builtin`] has those that come with the program |
+//! | [`camera`] | calibrated cameras: pinhole, lens, place; pictures freed of the lens |
+//! | [`render`] | the soft silhouette Λ of a pose in a camera, and ∂Λ/∂X; [`render::prediction`] for λ alone, [`render::wrench`] for a pixel's gradient |
+//! | [`residual`] | what pulls on a pose: silhouettes, priors, limits, points, one module each |
+//! | [`optimize`] | least squares: normal equations, Gauss-Newton, Levenberg-Marquardt; [`optimize::gradient_check`] compares derivatives with differences |
+//! | [`fit`] | one frame's fit: evidence, options, cost, iterations |
+//! | [`search`] | other poses that the silhouettes allow, ranked; where a fit begins |
+//! | [`track`] | following frames: motion, lost frames, smoothing |
+//! | [`filter`] | poses over time: constant velocity, the iterated Kalman update, the smoother |
+//! | [`body_fit`] | the person's own lengths and radii, with the poses of several frames |
+//! | [`posing`] | moving a body by hand: chains follow through the same optimiser |
+//! | [`observability`] | what the cameras see of a pose and what not: directions, covariances, sets of cameras |
+//! | [`visual_hull`] | what all silhouettes leave of space |
+//! | [`metrics`] | joint errors against a reference |
 //! | [`geometry`] | rotations and distances of rays, with their derivatives |
-//! | [`optimize`] | least squares: normal equations, Gauss-Newton, Levenberg-Marquardt, derivative checks |
-//! | [`render`] | the soft silhouette Λ of a pose in a camera, and ∂Λ/∂X |
-//! | [`residual`] | what pulls on a pose: silhouettes, priors, limits, points |
-//! | [`segment`] | from footage to masks |
-//! | [`silhouette`] | masks, measurements D, distance fields, overlap and outlines |
-//! | [`track`] | fitting a frame, following frames, posing by hand |
+//! | [`cancel`] | stopping long work from outside |
+//!
+//! # Examples to run
+//!
+//! `cargo run -p backlit-tracking --example NAME`; each takes a second and needs neither files nor a window.
+//!
+//! | name | shows |
+//! |---|---|
+//! | `fit_masks` | a body fitted to the masks of two cameras, before and after |
+//! | `track_frames` | a swinging arm followed through twelve frames |
+//! | `prediction_and_jacobian` | Λ and a column of ∂Λ/∂X as pictures, checked against differences |
+//! | `own_cameras_and_body` | a body from a model file's text, cameras from a calibration's numbers |
+//!
+//! # Rules
 //!
 //! Data flow one way: footage → [`segment`] → [`silhouette`] (D); [`body`] + [`camera`] → [`render`] (Λ) →
-//! [`residual`] → [`optimize`] → pose; [`track`] runs frames. A test holds the table of who may use whom.
+//! [`residual`] → [`optimize`] → pose; [`fit`] runs a frame, [`track`] all. A test holds the table of who may use whom.
 //! Not converging is an answer ([`optimize::Termination`]), not an error; results are the same to the bit in
 //! every run, whatever the number of threads.
 
 pub mod body;
+pub mod body_fit;
 pub mod camera;
 pub mod cancel;
 pub mod filter;
+pub mod fit;
 pub mod geometry;
+pub mod metrics;
+pub mod observability;
 pub mod optimize;
+pub mod posing;
 pub mod render;
 pub mod residual;
+pub mod search;
 pub mod segment;
 pub mod silhouette;
 pub mod track;
+pub mod visual_hull;

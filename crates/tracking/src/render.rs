@@ -3,35 +3,41 @@
 //! A ray goes through every pixel; d is its distance to a limb; a ramp turns d into a grey level λ
 //! (0 = subject, 255 = background). Over limbs the darkest wins: λ is compared, never d, because radii differ.
 //!
-//! | file | holds |
+//! | | |
 //! |---|---|
-//! | [`ramp`] | distance to grey level: `thesis`, `half`, `width`, `distance` |
-//! | [`radius_rate`] | how a grey level changes with the limb's radius |
-//! | [`renderer`] | which solid a limb is: cylinder, capsule, sphere tree |
-//! | [`primitive`] | one solid in camera axes, seen along a ray |
-//! | [`view`] | all solids of a pose prepared for one camera, with conservative pixel boxes |
+//! | [`RendererKind`] | which solid a limb is: capsule, cylinder, sphere tree |
+//! | [`Ramp`] | distance to grey level: `thesis`, `half`, `width`, `distance` |
+//! | [`View`] | all solids of a pose prepared for one camera; what a pixel of it sees |
+//! | [`predict`], [`Prediction`] | Λ as a picture, with the limb that owns each pixel |
+//! | [`draw`], [`Drawing`] | Λ and derivatives as pictures for the screen, fast |
+//! | [`dense_jacobian`], [`jacobian_column`], [`jacobian_along`] | ∂Λ/∂X: all of it, a column, along a direction |
+//! | [`prediction`] | λ alone: in f64, as a picture, as a coverage |
 //! | [`wrench`] | a pixel's gradient as force and moment on its limb |
-//! | [`joint_forces`] | the same as forces at the limb's two joints |
-//! | [`prediction`] | Λ as a picture, with owner and depth |
-//! | [`drawing`] | Λ and derivatives as pictures for the screen, fast |
-//! | [`jacobian`] | the dense ∂Λ/∂X, for tests, inspection and export |
-//! | [`kernels`] | which primitive wins each pixel of a row |
+//!
+//! Two kernels find which solid wins each pixel of a row. The reference is plain f64, one pixel and one solid at a
+//! time, and stays for ever: the fast one, in f32 lanes of whatever width the processor has, is tested against it. Which
+//! of them a view gets says [`View::suits_lanes`].
 
-pub mod drawing;
-pub mod jacobian;
-pub mod joint_forces;
-pub mod kernels;
+mod drawing;
+mod jacobian;
+mod joint_forces;
+mod kernels;
 pub mod prediction;
-pub mod primitive;
-pub mod radius_rate;
-pub mod ramp;
-pub mod renderer;
-pub mod view;
+mod primitive;
+mod radius_rate;
+mod ramp;
+mod renderer;
+mod view;
 pub mod wrench;
 
-pub use drawing::{Drawing, Wanted, draw};
-pub use jacobian::dense_jacobian;
-pub use prediction::{Prediction, predict};
-pub use ramp::Ramp;
-pub use renderer::RendererKind;
-pub use view::{Sight, View};
+pub(crate) use joint_forces::JointBlock;
+pub(crate) use kernels::lanes::{Lanes, PixelGrid};
+pub(crate) use kernels::scalar::RowWinners;
+pub(crate) use primitive::{Footprint, Primitive};
+
+pub use drawing::{Drawing, MOST_ERROR, Wanted, draw, draw_plainly, predict};
+pub use jacobian::{BodyMotion, dense_jacobian, jacobian_along, jacobian_column};
+pub use prediction::Prediction;
+pub use ramp::{BACKGROUND, ParseRampError, Ramp};
+pub use renderer::{MAX_SPHERES, ParseRendererError, RendererKind};
+pub use view::{PixelPull, SeenLimb, View};

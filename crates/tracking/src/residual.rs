@@ -6,21 +6,24 @@
 //! | [`proximal_prior`] | −log(q q₀⁻¹) and root₀ − root: stay near the pose that the fit began with |
 //! | [`rest_prior`] | −twist of a limb about itself: cameras hardly see it |
 //! | [`joint_limit`] | how far flexion, sideways swing and twist lie outside their ranges |
-//! | [`body_size`] | D − Λ again, with columns for the body's lengths and radii |
-//! | [`proportion_prior`] | how far lengths and radii are from a scaled body's |
+//! | `body_size` | D − Λ again, with columns for the body's lengths and radii |
+//! | `proportion_prior`, its choices are [`Proportions`] | how far lengths and radii are from a scaled body's |
 //! | [`interpenetration`] | how deep two limbs lie inside each other |
-//! | [`loss`] | how large residuals are held back: Huber, Cauchy, Tukey |
+//! | [`Loss`] | how large residuals are held back: Huber, Cauchy, Tukey |
 //! | [`motion_prior`] | stay near what the motion so far foretells |
 //! | [`point`] | target − position of a joint, for posing by hand and for reference keypoints |
 
-pub mod body_size;
+pub(crate) mod body_size;
 pub mod interpenetration;
 pub mod joint_limit;
-pub mod loss;
+mod loss;
 pub mod motion_prior;
 pub mod point;
-pub mod proportion_prior;
+pub(crate) mod proportion_prior;
 pub mod proximal_prior;
 pub mod rest_prior;
-pub mod rotation_term;
+mod rotation_term;
 pub mod silhouette;
+
+pub use loss::Loss;
+pub use proportion_prior::Proportions;

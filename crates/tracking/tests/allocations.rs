@@ -6,11 +6,11 @@ use std::sync::Arc;
 use allocation_counter::measure;
 use backlit_tracking::body::{Kinematics, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::fit::{Evidence, FitOptions, FitView, Objective, Preset};
 use backlit_tracking::optimize::{LeastSquares, NormalEquations, StepMemory};
 use backlit_tracking::render::{Ramp, RendererKind, predict};
+use backlit_tracking::search::start;
 use backlit_tracking::silhouette::Measurement;
-use backlit_tracking::track::objective::Objective;
-use backlit_tracking::track::{Evidence, FitOptions, FitView, Preset, start};
 use glam::DVec3;
 use nalgebra::DVector;
 

@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
+use backlit_formats::starts_file::{self, Start};
 use backlit_lab::experiment::basin::{self, Basin, Options, Report};
-use backlit_lab::experiment::starts::{Draw, LEVELS, Level, Start};
-use backlit_lab::experiment::starts_file;
+use backlit_lab::experiment::starts::{Draw, LEVELS, Level};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::track::Preset;
 use clap::Args;
 use serde::Serialize;
 

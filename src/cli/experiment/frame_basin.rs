@@ -10,7 +10,7 @@ use backlit_lab::experiment::starts::{LEVELS, Level};
 use backlit_lab::experiment::{ExperimentError, FitChoice, Progress};
 use backlit_tracking::body::Model;
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::track::start;
+use backlit_tracking::search::start;
 use clap::Args;
 
 use super::arguments::OutputArguments;

@@ -1,7 +1,7 @@
 //! The commands of each feature, and what some of them carry.
 
+use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::track::Preset;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 

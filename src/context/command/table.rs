@@ -1,7 +1,7 @@
 //! The table of all commands, in the order of the menus: text, tooltip and keys stand here and nowhere else.
 
+use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::track::Preset;
 use egui::{Key, KeyboardShortcut};
 
 use super::Command::{

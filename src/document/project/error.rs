@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use backlit_formats::{FileError, reason};
 use backlit_tracking::body::{ModelError, PoseError};
+use backlit_tracking::fit::OptionsError;
 use backlit_tracking::segment::SegmentError;
-use backlit_tracking::track::options::OptionsError;
 use thiserror::Error;
 
 use super::{FORMAT, MAX_BYTES};

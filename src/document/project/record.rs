@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use backlit_formats::calibration::backlit;
 use backlit_tracking::body::{Model, ModelSpec, Pose};
+use backlit_tracking::fit::FitOptions;
 use backlit_tracking::segment::SegmentOptions;
-use backlit_tracking::track::FitOptions;
 use serde::{Deserialize, Serialize};
 
 use super::FORMAT;

@@ -8,8 +8,8 @@ use backlit_lab::experiment::basin_map::{self, Angle, Direction, MOST_CELLS};
 use backlit_lab::experiment::frame_basin::{self, Target};
 use backlit_lab::experiment::starts::{LEVELS, Level};
 use backlit_tracking::body::Model;
+use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::track::{FitOptions, Preset};
 use serde::{Deserialize, Serialize};
 
 use crate::document::run::{Run, RunChoices};

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use backlit_lab::experiment::frame_basin::{Frame, Report};
-use backlit_tracking::track::start;
+use backlit_tracking::search::start;
 
 use super::job::{BasinJob, BasinWork, Fitted};
 use super::settings::direction_name;

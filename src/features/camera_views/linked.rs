@@ -1,4 +1,4 @@
-//! Linked zoom and pan: other cameras' views go along by the point of the world that the hand is on.
+//! Linked zoom and pan: other cameras' views go along by the point of the world that the pointer is on.
 //!
 //! A zoom keeps a pixel in place. The point of the body that this pixel shows, or one as far away as the body, is
 //! kept in place in the other views too, and they are magnified by the same factor. A pan moves the others by as much

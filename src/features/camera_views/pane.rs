@@ -4,8 +4,8 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use backlit_tracking::body::{Kinematics, Pose};
 use backlit_tracking::camera::Camera;
+use backlit_tracking::posing::LimitedAngle;
 use backlit_tracking::render::Ramp;
-use backlit_tracking::track::posing::LimitedAngle;
 use egui::{Color32, Rect, Role, Ui, WidgetInfo, pos2};
 use glam::DVec2;
 

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use backlit_tracking::body::Pose;
-use backlit_tracking::track::{Fit, FitError, FitOptions};
+use backlit_tracking::fit::{Fit, FitError, FitOptions};
 
 use crate::document::run::RunEnding;
 use crate::session::prediction::{FitInputs, Predicted};

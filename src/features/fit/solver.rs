@@ -1,9 +1,9 @@
 //! The Solver section: every choice of the fit by itself.
 
 use backlit_tracking::body::Parameters;
+use backlit_tracking::fit::FitOptions;
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::Ramp;
-use backlit_tracking::track::FitOptions;
 use egui::{RichText, Ui};
 
 use crate::context::preset_box;

@@ -6,8 +6,7 @@ use std::sync::Arc;
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::optimize::gradient_check::{DifferenceOptions, GradientCheck, check_column};
-use backlit_tracking::render::jacobian::jacobian_along;
-use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
+use backlit_tracking::render::{Ramp, RendererKind, View, jacobian_along, prediction};
 
 /// One fit's Jacobian in one camera at one pose.
 #[derive(Debug, Clone)]

@@ -236,7 +236,7 @@ impl Comparison {
 #[cfg(test)]
 pub(crate) mod tests {
     use backlit_tracking::body::builtin;
-    use backlit_tracking::track::{FitOptions, Preset};
+    use backlit_tracking::fit::{FitOptions, Preset};
     use glam::DVec3;
 
     use super::*;

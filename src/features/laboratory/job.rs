@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use backlit_tracking::body::Pose;
-use backlit_tracking::track::Fit;
+use backlit_tracking::fit::Fit;
 use rayon::prelude::*;
 
 use super::comparison::{Checked, PushKey};

@@ -2,9 +2,9 @@
 
 use backlit_lab::experiment::fig52;
 use backlit_tracking::body::{Model, Parameters};
+use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::{Ramp, RendererKind};
-use backlit_tracking::track::{FitOptions, Preset};
 
 /// Width of the ramp that is given by its width, pixels.
 const WIDTH_PX: f64 = 2.0;

@@ -7,8 +7,7 @@
 
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::render::jacobian::jacobian_along;
-use backlit_tracking::render::{Prediction, Ramp, RendererKind, View};
+use backlit_tracking::render::{Prediction, Ramp, RendererKind, View, jacobian_along};
 use glam::DVec3;
 
 use crate::drawing::Derivative;

@@ -2,7 +2,7 @@
 
 use backlit_lab::experiment::fig51;
 use backlit_tracking::body::{Model, Pose};
-use backlit_tracking::track::start::perturb;
+use backlit_tracking::search::start::perturb;
 
 use crate::take::demonstration::Demonstration;
 

@@ -1,6 +1,6 @@
 //! The Camera subsets section: what each set of cameras would see of this pose, the best first.
 
-use backlit_tracking::track::observability::SubsetFigures;
+use backlit_tracking::observability::SubsetFigures;
 use egui::{Align2, Rect, Response, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 use super::{Observability, Observed};

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use backlit_tracking::body::Pose;
-use backlit_tracking::track::observability::{FrameInformation, Observability, SubsetFigures};
-use backlit_tracking::track::{Evidence, FitError, FitView};
+use backlit_tracking::fit::{Evidence, FitError, FitView};
+use backlit_tracking::observability::{FrameInformation, Observability, SubsetFigures};
 
 use crate::session::prediction::FitInputs;
 

@@ -2,7 +2,7 @@
 
 mod chart;
 
-use backlit_tracking::track::observability::{Direction, Observability as Figures};
+use backlit_tracking::observability::{Direction, Observability as Figures};
 use egui::{Align, ComboBox, Layout, Rect, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 
 use super::Observability;
@@ -12,6 +12,7 @@ use crate::context::command_button::named_button;
 use crate::context::{Context, Requests, unavailable};
 use crate::drawing::ellipse_factor::FACTORS;
 use crate::drawing::joint_name;
+use crate::features::observability::words;
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{size, space};
@@ -89,7 +90,7 @@ fn title_row(
     let (at, count) = (observability.picked().unwrap_or_default(), shown.directions.len());
     let (row, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), size::SLIDER_ROW), Sense::hover());
-    let text = format!("{} of {count}: {}", at + 1, shown.title(direction));
+    let text = format!("{} of {count}: {}", at + 1, words::title(shown, direction));
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("Direction {text}")));
     let band = row.expand2(vec2(space::PANEL_MARGIN, 0.0));
     ui.painter().rect_filled(band, 0.0, palette.select);
@@ -128,8 +129,8 @@ fn title_row(
 fn words(ui: &mut Ui, is_stale: bool, shown: &Figures, direction: &Direction) {
     let palette = theme::palette(ui);
     let colour = if is_stale { palette.text3 } else { palette.text };
-    ui.add(egui::Label::new(RichText::new(shown.why(direction)).color(colour)).wrap());
-    let remedy = shown.remedy(direction);
+    ui.add(egui::Label::new(RichText::new(words::why(shown, direction)).color(colour)).wrap());
+    let remedy = words::remedy(direction);
     let known = known(shown, direction);
     let rest = [remedy, &known].into_iter().filter(|text| !text.is_empty());
     let rest = rest.collect::<Vec<_>>().join(" ");

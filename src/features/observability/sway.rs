@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Pose};
-use backlit_tracking::track::observability::{Cause, Direction};
+use backlit_tracking::observability::{Cause, Direction};
 
 use super::{Observability, Observed};
 use crate::context::Context;

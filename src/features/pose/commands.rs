@@ -1,7 +1,7 @@
 //! What menus, buttons, keys and the palette ask of the pose.
 
 use backlit_tracking::body::{Model, Pose};
-use backlit_tracking::track::posing;
+use backlit_tracking::posing;
 
 use super::Posing;
 use super::panel::rotation_tree;

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 
 use backlit_tracking::body::{Kinematics, Model, Pose};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::track::posing;
+use backlit_tracking::posing;
 use glam::{DQuat, DVec2, DVec3};
 
 use crate::drawing::{Drag, JointId, joint_name, point_at};

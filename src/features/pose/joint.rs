@@ -1,7 +1,7 @@
 //! The section of the selected joint: its angles with their limits, where it is, and what can be done with it.
 
 use backlit_tracking::body::{Kinematics, Limb, Pose};
-use backlit_tracking::track::posing::LimitedAngle;
+use backlit_tracking::posing::LimitedAngle;
 use egui::{Align2, RichText, TextStyle, Ui, vec2};
 
 use super::dragged::moved;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use backlit_tracking::body::{Kinematics, Model};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::track::visual_hull::VisualHull;
+use backlit_tracking::visual_hull::VisualHull;
 use egui::Color32;
 use glam::{DVec2, DVec3};
 
@@ -201,7 +201,7 @@ fn box_lines(hull: &VisualHull, scale: f64) -> Vec<Line> {
 
 /// The cubes that face the eye, lit from there.
 pub(crate) fn shell(hull: &VisualHull, eye: DVec3) -> Vec<Dot> {
-    let lit = |voxel: &backlit_tracking::track::visual_hull::ShellVoxel| {
+    let lit = |voxel: &backlit_tracking::visual_hull::ShellVoxel| {
         let light = voxel.normal.dot((eye - voxel.centre).normalize_or_zero()).max(0.0);
         let colour: Color32 = AGREEMENT.gamma_multiply(VOXEL * (0.35 + 0.65 * light as f32));
         (light > 0.0).then_some(Dot { at: voxel.centre, side: hull.voxel, colour })

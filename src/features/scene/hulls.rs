@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use backlit_tracking::camera::Camera;
-use backlit_tracking::track::visual_hull::VisualHull;
+use backlit_tracking::visual_hull::VisualHull;
 
 use crate::session::FrameData;
 

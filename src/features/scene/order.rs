@@ -3,7 +3,7 @@
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-use backlit_tracking::track::visual_hull::VisualHull;
+use backlit_tracking::visual_hull::VisualHull;
 use glam::DVec3;
 
 use super::Frustum;

@@ -14,7 +14,7 @@ pub(crate) mod keys;
 mod marks;
 
 use backlit_tracking::body::Kinematics;
-use backlit_tracking::track::visual_hull::VisualHull;
+use backlit_tracking::visual_hull::VisualHull;
 use egui::{Rect, Ui, pos2};
 use glam::DVec3;
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use backlit_tracking::body::Kinematics;
-use backlit_tracking::track::visual_hull::{HullOptions, HullView, VisualHull};
+use backlit_tracking::visual_hull::{HullOptions, HullView, VisualHull};
 use glam::DVec3;
 
 use super::hulls::HullInputs;

@@ -10,7 +10,7 @@ use crate::document::{Document, Estimate};
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::tick;
-use backlit_tracking::track::lost::LOST_BELOW_IOU;
+use backlit_tracking::track::LOST_BELOW_IOU;
 
 /// Width of a curve.
 const CURVE: f32 = 1.5;

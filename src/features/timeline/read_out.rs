@@ -1,6 +1,6 @@
 //! What is known of the frame under the pointer.
 
-use backlit_tracking::track::lost::LOST_BELOW_IOU;
+use backlit_tracking::track::LOST_BELOW_IOU;
 use egui::{Grid, PopupAnchor, Pos2, RichText, Tooltip, Ui, pos2};
 
 use super::lanes::Lane;

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use backlit_tracking::body::{Pose, SizeKind};
-use backlit_tracking::track::fit_body::{BodyFit, frames as choice};
+use backlit_tracking::body_fit::{BodyFit, frames as choice};
 
 use crate::context::command::{Command, HistoryCommand};
 use crate::context::{Context, Requests};

@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use backlit_tracking::body::Pose;
+use backlit_tracking::body_fit::{BodyFitError, BodyFitOptions, BodyFrame, CLOTHED, fit_body};
 use backlit_tracking::segment::SegmentOptions;
-use backlit_tracking::track::fit_body::{BodyFitError, BodyFitOptions, BodyFrame, CLOTHED, fit_body};
 
 use super::Found;
 use crate::jobs::{Job, Outbox, Step};

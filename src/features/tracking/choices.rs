@@ -1,6 +1,6 @@
 //! The choices of tracking, in the Solver section: how motion is carried on, and when other poses are looked for.
 
-use backlit_tracking::track::Search;
+use backlit_tracking::track::WhenToSearch;
 use egui::Ui;
 
 use crate::context::{Context, Requests};
@@ -30,15 +30,15 @@ const MOTIONS: [(Following, &str, &str); 4] = [
     ),
 ];
 
-const SEARCHES: [(Search, &str, &str); 3] = [
-    (Search::Never, "Never", "Only downhill from the start"),
+const SEARCHES: [(WhenToSearch, &str, &str); 3] = [
+    (WhenToSearch::Never, "Never", "Only downhill from the start"),
     (
-        Search::WhenPoor,
+        WhenToSearch::WhenPoor,
         "When poor",
         "Look for other poses in a first frame, and in one after a lost one, whose fit overlaps poorly: IoU below 0.9",
     ),
     (
-        Search::Always,
+        WhenToSearch::Always,
         "Always",
         "Look for other poses in every first frame and after every lost one; takes seconds",
     ),

@@ -6,9 +6,10 @@ use std::sync::Arc;
 
 use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::FitError;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::track::join::{self, Source};
-use backlit_tracking::track::{FitError, FrameEstimate, Track, Tracker, motion};
+use backlit_tracking::track::{FrameEstimate, Track, Tracker, smoothed};
 
 use super::Found;
 use super::read_ahead::ReadAhead;
@@ -126,7 +127,7 @@ impl TrackJob {
         if lag.is_some_and(|lag| self.order.len() > lag)
             && let Some(first) = self.order.pop_front()
         {
-            let smoothed = motion::smoothed(&self.kept, None);
+            let smoothed = smoothed(&self.kept, None);
             out.send(Found::Revised(smoothed.frames.get(&first).map(revised).into_iter().collect()));
             self.kept.frames.remove(&first);
         }
@@ -136,7 +137,7 @@ impl TrackJob {
     fn end_leg(&mut self, out: &Outbox<Found>) {
         let mut track = std::mem::take(&mut self.kept);
         if let Following::Smoothed { lag } = self.inputs.choices.motion {
-            track = motion::smoothed(&track, lag);
+            track = smoothed(&track, lag);
             if !track.frames.is_empty() {
                 out.send(Found::Revised(track.frames.values().map(revised).collect()));
             }

@@ -7,6 +7,7 @@ use crate::context::command::{Command, FitCommand};
 use crate::context::command_button::button;
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
+use crate::features::tracking::pose_words;
 use crate::style::format;
 use crate::style::theme;
 
@@ -40,7 +41,7 @@ impl Tracking {
             } else {
                 format!("+{}", format::percent(found.cost / best - 1.0))
             };
-            let name = format!("Pose {}: {}, {cost}, {more}", index + 1, found.origin);
+            let name = format!("Pose {}: {}, {cost}, {more}", index + 1, pose_words::origin(&found.origin));
             let row = egui::Button::selectable(is_shown, (name, egui::Atom::grow())).truncate();
             let response = ui.add_sized([ui.available_width(), theme::size::ROW], row);
             let hover =

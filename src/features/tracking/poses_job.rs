@@ -1,7 +1,7 @@
 //! The search for other poses that fit one frame.
 
 use backlit_tracking::body::Pose;
-use backlit_tracking::track::{HypothesisOptions, hypotheses};
+use backlit_tracking::search::{self, SearchOptions};
 
 use super::Found;
 use crate::jobs::{Job, Outbox, Step};
@@ -20,8 +20,8 @@ impl Job<Found> for PosesJob {
     fn step(&mut self, out: &Outbox<Found>) -> Step {
         let fit = &self.fit;
         let Some(frame) = fit.frame.as_ref().map(|frame| frame.frame) else { return Step::Done };
-        let (effort, views) = (HypothesisOptions::default(), fit.views());
-        match hypotheses::search(&fit.model, views, &self.start, &fit.fit, &effort, out.cancel()) {
+        let (effort, views) = (SearchOptions::default(), fit.views());
+        match search::search(&fit.model, views, &self.start, &fit.fit, &effort, out.cancel()) {
             // Half a search has looked at half of the body.
             Ok(_) if out.cancel().is_cancelled() => {}
             Ok(found) => out.send(Found::Poses(frame, found.found)),

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use backlit_tracking::body::Pose;
-use backlit_tracking::track::Hypothesis;
+use backlit_tracking::search::Hypothesis;
 
 use super::body_job::BodyJob;
 use super::job::{Leg, TrackInputs, TrackJob};

@@ -2,9 +2,9 @@
 
 use backlit_lab::experiment::{bias, fig51, fig52};
 use backlit_tracking::body::Parameters;
+use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::{Ramp, RendererKind};
-use backlit_tracking::track::{FitOptions, Preset};
 
 use super::Demonstration;
 

@@ -9,12 +9,13 @@ use std::sync::Arc;
 
 use backlit_formats::calibration::backlit;
 use backlit_formats::{MemoryFiles, Take, model_file, pose_file};
-use backlit_lab::experiment::{Simulation, fig51, fig52, fig55, scene, upper_body};
+use backlit_lab::experiment::{Simulation, fig51, fig52, fig55};
+use backlit_lab::synthetic::{capsules, upper_body};
 use backlit_tracking::body::{Model, Pose, builtin};
 use backlit_tracking::camera::{Camera, Rig};
 use backlit_tracking::render::{Ramp, RendererKind};
+use backlit_tracking::search::start::perturb;
 use backlit_tracking::silhouette::Label;
-use backlit_tracking::track::start::perturb;
 use image::{GrayImage, ImageFormat, Luma};
 
 use super::Demonstration;
@@ -120,10 +121,10 @@ impl Demonstration {
     fn picture(self, model: &Model, truth: &Pose, camera: &Camera) -> anyhow::Result<GrayImage> {
         Ok(match self.simulation() {
             Simulation::Prediction => {
-                scene::grey_levels(model, truth, camera, RendererKind::Capsule, Ramp::Thesis)?.to_gray()
+                capsules::grey_levels(model, truth, camera, RendererKind::Capsule, Ramp::Thesis)?.to_gray()
             }
             Simulation::Mask => {
-                let mask = scene::hard_mask(model, truth, camera)?;
+                let mask = capsules::hard_mask(model, truth, camera)?;
                 let level = |subject| if subject { Luma([0]) } else { Luma([u8::MAX]) };
                 GrayImage::from_fn(camera.width() as u32, camera.height() as u32, |x, y| {
                     level(mask.get(x as usize, y as usize) == Some(Label::Subject))

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use backlit_tracking::body::{Kinematics, Model};
 
-use super::{ROOT, TrackExport};
+use super::{ROOT, TrackExport, ending_text};
 use crate::{FileError, atomic};
 
 /// Writes `frame,root x,root y,root z` (metres) and, per rotation, `LIMB w,LIMB x,LIMB y,LIMB z`.
@@ -69,7 +69,7 @@ pub fn write_frames(path: &Path, export: &TrackExport<'_>) -> Result<(), FileErr
                 number(estimate.rms),
                 estimate.iterations.to_string(),
                 estimate.is_lost().to_string(),
-                estimate.termination.map(|why| why.to_string()).unwrap_or_default(),
+                estimate.termination.map(ending_text).unwrap_or_default(),
             ];
             rows.write_record(fields.into_iter().chain(overlap))?;
         }

@@ -6,7 +6,7 @@ use backlit_tracking::body::Kinematics;
 use backlit_tracking::track::FrameEstimate;
 use serde_json::{Map, Value, json};
 
-use super::{ROOT, TrackExport};
+use super::{ROOT, TrackExport, ending_text};
 use crate::{FileError, atomic};
 
 /// Name and version of the format.
@@ -72,7 +72,7 @@ fn frame(export: &TrackExport<'_>, number: usize, estimate: &FrameEstimate) -> V
         "iou": overlap.collect::<Map<String, Value>>(),
         "iterations": estimate.iterations,
         "lost": estimate.is_lost(),
-        "termination": estimate.termination.map(|why| why.to_string()),
+        "termination": estimate.termination.map(ending_text),
     })
 }
 

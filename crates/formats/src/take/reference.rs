@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use backlit_tracking::body::Model;
-use backlit_tracking::track::metrics::ReferenceJoints;
+use backlit_tracking::metrics::ReferenceJoints;
 use glam::DVec3;
 
 use crate::{FileError, FileProblem, TextFormat, text};

@@ -7,13 +7,14 @@ use std::time::Instant;
 
 use backlit_tracking::body::{Kinematics, Model, Pose};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::{FitOptions, Preset};
+use backlit_tracking::metrics::Statistics;
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::track::metrics::Statistics;
-use backlit_tracking::track::{FitOptions, HypothesisOptions, Preset};
+use backlit_tracking::search::SearchOptions;
 use serde::Serialize;
 
-use super::starts::Start;
 use super::{ExperimentError, FitChoice, Progress};
+use backlit_formats::starts_file::Start;
 
 /// Below this mean distance a fit has found its truth, millimetres.
 pub const SUCCESS_MM: f64 = 20.0;
@@ -30,7 +31,7 @@ pub struct Options {
     /// Whether annealing and priors follow the scale of what is seen.
     pub scaled: bool,
     /// Looking for other hypotheses; `None` goes downhill from the start alone.
-    pub hypotheses: Option<HypothesisOptions>,
+    pub hypotheses: Option<SearchOptions>,
 }
 
 impl Options {
@@ -43,7 +44,7 @@ impl Options {
             preset,
             renderer: RendererKind::Capsule,
             scaled: is_robust,
-            hypotheses: is_robust.then(HypothesisOptions::default),
+            hypotheses: is_robust.then(SearchOptions::default),
         }
     }
 

@@ -202,7 +202,7 @@ impl BasinMap {
 
 #[cfg(test)]
 mod tests {
-    use backlit_tracking::track::{FitOptions, Preset};
+    use backlit_tracking::fit::{FitOptions, Preset};
 
     use super::*;
     use crate::experiment::frame_basin::tests::frame;

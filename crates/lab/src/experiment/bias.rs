@@ -9,16 +9,17 @@ use std::sync::Arc;
 use backlit_tracking::body::{Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::{DataView, Evidence, FitOptions, FitView, Preset, Stage};
+use backlit_tracking::metrics::Statistics;
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::Ramp;
+use backlit_tracking::search::start::perturb;
 use backlit_tracking::silhouette::{Label, Measurement};
-use backlit_tracking::track::metrics::Statistics;
-use backlit_tracking::track::start::perturb;
-use backlit_tracking::track::{DataView, Evidence, FitOptions, FitView, Preset, Stage};
 use serde::Serialize;
 
 use super::curve::Curve;
-use super::{ExperimentError, Progress, scene, upper_body};
+use super::{ExperimentError, Progress};
+use crate::synthetic::{capsules, upper_body};
 
 /// Sub-pixels across and down of [`Data::Area`].
 const SUBPIXELS: u64 = 8;
@@ -206,7 +207,7 @@ fn bias_mm(
 
 fn view(model: &Model, truth: &Pose, camera: &Arc<Camera>, data: Data) -> Result<FitView, ExperimentError> {
     let evidence = match data {
-        Data::Hard | Data::Distance => Evidence::Mask(Arc::new(scene::hard_mask(model, truth, camera)?)),
+        Data::Hard | Data::Distance => Evidence::Mask(Arc::new(capsules::hard_mask(model, truth, camera)?)),
         Data::Area => Evidence::Measurement(Arc::new(area_averaged(model, truth, camera)?)),
     };
     Ok(FitView { camera: Arc::clone(camera), evidence, weight: 1.0 })
@@ -216,7 +217,7 @@ fn view(model: &Model, truth: &Pose, camera: &Arc<Camera>, data: Data) -> Result
 fn area_averaged(model: &Model, truth: &Pose, camera: &Camera) -> Result<Measurement, ExperimentError> {
     let (width, height) = (camera.width(), camera.height());
     let fine = camera.resized(width as u64 * SUBPIXELS, height as u64 * SUBPIXELS)?;
-    let mask = scene::hard_mask(model, truth, &fine)?;
+    let mask = capsules::hard_mask(model, truth, &fine)?;
     let mut values = vec![0.0_f32; width * height];
     let share = 255.0 / (SUBPIXELS * SUBPIXELS) as f32;
     for (at, label) in mask.labels().iter().enumerate() {
@@ -254,7 +255,7 @@ mod tests {
         let covered =
             |data: &Measurement| data.values().iter().map(|v| 1.0 - f64::from(*v) / 255.0).sum::<f64>();
         let grey = area_averaged(&model, &truth, camera).unwrap();
-        let hard = Measurement::from_mask_hard(&scene::hard_mask(&model, &truth, camera).unwrap());
+        let hard = Measurement::from_mask_hard(&capsules::hard_mask(&model, &truth, camera).unwrap());
         let (grey_px, hard_px) = (covered(&grey), covered(&hard));
         assert!((grey_px - hard_px).abs() < 0.05 * hard_px, "{grey_px} {hard_px}");
         assert!(grey.values().iter().any(|&v| v > 1.0 && v < 254.0));

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use backlit_tracking::body::{Kinematics, Model, Pose};
+use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::track::{Fit, FitOptions, FitView};
+use backlit_tracking::fit::{Fit, FitOptions, FitView};
+use backlit_tracking::metrics::mean_joint_error_mm;
 use serde::Serialize;
 
 use super::ExperimentError;
@@ -72,12 +73,4 @@ impl Curve {
     pub fn final_joint_error_mm(&self) -> f64 {
         self.joint_errors_mm.last().copied().unwrap_or_default()
     }
-}
-
-/// Mean distance between the limbs' ends of two poses, millimetres. Twists that no joint shows do not count.
-#[must_use]
-pub fn mean_joint_error_mm(model: &Model, pose: &Pose, truth: &Pose) -> f64 {
-    let (found, truth) = (Kinematics::new(model, pose), Kinematics::new(model, truth));
-    let sum: f64 = found.ends().iter().zip(truth.ends()).map(|(a, b)| a.distance(*b)).sum();
-    1000.0 * sum / found.ends().len().max(1) as f64
 }

@@ -11,8 +11,8 @@ use std::sync::Arc;
 use backlit_tracking::body::{Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::track::{FitOptions, Preset};
 use glam::{DQuat, DVec3};
 use serde::Serialize;
 

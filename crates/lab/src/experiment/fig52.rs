@@ -8,14 +8,15 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Parameters, builtin};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::track::start::perturb;
-use backlit_tracking::track::{FitOptions, Preset};
+use backlit_tracking::search::start::perturb;
 use serde::Serialize;
 
 use super::curve::Curve;
-use super::{ExperimentError, Progress, Simulation, scene, upper_body};
+use super::{ExperimentError, Progress, Simulation, scene};
+use crate::synthetic::upper_body;
 
 /// A fit ends well when its mean joint error is below this, millimetres.
 pub const GOOD_MM: f64 = 20.0;

@@ -9,18 +9,18 @@ use std::sync::Arc;
 use backlit_tracking::body::{Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::{FitOptions, FitView, Preset};
+use backlit_tracking::metrics::{Statistics, mean_joint_error_mm};
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::Ramp;
+use backlit_tracking::search::start::perturb;
 use backlit_tracking::silhouette::Mask;
-use backlit_tracking::track::lost::LOST_BELOW_IOU;
-use backlit_tracking::track::metrics::Statistics;
-use backlit_tracking::track::start::perturb;
-use backlit_tracking::track::{FitOptions, FitView, Preset, Tracker};
+use backlit_tracking::track::{LOST_BELOW_IOU, Tracker};
 use serde::Serialize;
 
-use super::curve::mean_joint_error_mm;
 use super::fig52::medians;
-use super::{ExperimentError, Progress, Simulation, scene, upper_body};
+use super::{ExperimentError, Progress, Simulation, scene};
+use crate::synthetic::{capsules, upper_body};
 
 /// Most iterations of a frame, as in the report.
 pub const ITERATIONS: usize = 25;
@@ -201,7 +201,7 @@ struct Moment {
 
 impl Moment {
     fn new(model: &Model, cameras: &[Arc<Camera>], truth: Pose) -> Result<Self, ExperimentError> {
-        let masks = cameras.iter().map(|camera| scene::hard_mask(model, &truth, camera));
+        let masks = cameras.iter().map(|camera| capsules::hard_mask(model, &truth, camera));
         let masks = masks.collect::<Result<Vec<_>, _>>()?;
         Ok(Self { truth, masks })
     }

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::track::{Fit, FitOptions, FitView, HypothesisOptions};
+use backlit_tracking::fit::{Fit, FitOptions, FitView};
+use backlit_tracking::search::{SearchOptions, fit_best};
 use serde::Serialize;
 
 use super::ExperimentError;
@@ -17,7 +18,7 @@ pub struct FitChoice {
     /// The choices of the fit.
     pub fit: FitOptions,
     /// Looking for other hypotheses; `None` goes downhill from the start alone.
-    pub hypotheses: Option<HypothesisOptions>,
+    pub hypotheses: Option<SearchOptions>,
 }
 
 impl FitChoice {
@@ -40,7 +41,7 @@ impl FitChoice {
     ) -> Result<Pose, ExperimentError> {
         let (model, options) = (Arc::clone(model), self.fit.clone());
         let mut fit = match &self.hypotheses {
-            Some(effort) => Fit::with_hypotheses(model, views, start, options, effort, cancel)?,
+            Some(effort) => fit_best(model, views, start, options, effort, cancel)?.0,
             None => Fit::new(model, views, start.clone(), options)?,
         };
         let pose = fit.run(cancel, |_| {}).pose;

@@ -9,9 +9,9 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::track::FitView;
-use backlit_tracking::track::metrics::Statistics;
-use backlit_tracking::track::start::perturb;
+use backlit_tracking::fit::FitView;
+use backlit_tracking::metrics::Statistics;
+use backlit_tracking::search::start::perturb;
 use serde::Serialize;
 
 use super::basin::leaf_error_mm;
@@ -294,10 +294,10 @@ pub fn run(
 #[cfg(test)]
 pub(super) mod tests {
     use backlit_tracking::body::builtin;
-    use backlit_tracking::track::{Evidence, FitOptions, Preset};
+    use backlit_tracking::fit::{Evidence, FitOptions, Preset};
 
     use super::*;
-    use crate::experiment::{scene, upper_body};
+    use crate::synthetic::{capsules, upper_body};
 
     /// The upper body before two small cameras.
     pub(in crate::experiment) fn frame() -> Frame {
@@ -306,7 +306,7 @@ pub(super) mod tests {
         let cameras = upper_body::cameras(2, [48, 36]).unwrap();
         let view = |camera: &Arc<backlit_tracking::camera::Camera>| FitView {
             camera: Arc::clone(camera),
-            evidence: Evidence::Mask(Arc::new(scene::hard_mask(&model, &reference, camera).unwrap())),
+            evidence: Evidence::Mask(Arc::new(capsules::hard_mask(&model, &reference, camera).unwrap())),
             weight: 1.0,
         };
         let views = cameras.iter().map(view).collect();

@@ -1,11 +1,13 @@
 //! How far an experiment is, and why one cannot run.
 
 use backlit_tracking::body::ModelError;
+use backlit_tracking::body_fit::BodyFitError;
 use backlit_tracking::camera::CameraError;
+use backlit_tracking::fit::FitError;
 use backlit_tracking::silhouette::{MaskError, MeasurementError};
-use backlit_tracking::track::FitError;
-use backlit_tracking::track::fit_body::BodyFitError;
 use thiserror::Error;
+
+use crate::synthetic::upper_body::CamerasError;
 
 /// How far an experiment is: units of work done, of all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,6 +28,8 @@ pub enum ExperimentError {
     Cancelled,
     #[error(transparent)]
     Camera(#[from] CameraError),
+    #[error(transparent)]
+    Cameras(#[from] CamerasError),
     #[error(transparent)]
     Fit(#[from] FitError),
     #[error("{person}: {error}")]

@@ -9,12 +9,12 @@ use std::sync::Arc;
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraError, CameraFromWorld};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::{Evidence, Fit, FitOptions, FitView, Preset};
 use backlit_tracking::geometry::rotation::exp;
-use backlit_tracking::residual::loss::Loss;
+use backlit_tracking::metrics::Statistics;
+use backlit_tracking::residual::Loss;
+use backlit_tracking::search::start::perturb;
 use backlit_tracking::silhouette::{Label, Mask, Overlap};
-use backlit_tracking::track::metrics::Statistics;
-use backlit_tracking::track::start::perturb;
-use backlit_tracking::track::{Evidence, Fit, FitOptions, FitView, Preset};
 use glam::DVec3;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
@@ -23,6 +23,7 @@ use serde::Serialize;
 
 use super::track::noisy;
 use super::{ExperimentError, Progress, scene};
+use crate::synthetic::capsules;
 use crate::synthetic::{motion, studio};
 
 /// Ellipses in every picture.
@@ -238,7 +239,7 @@ fn scenes(options: &Options, trouble: Trouble) -> Result<Vec<Scene>, ExperimentE
             let mut masks = Vec::new();
             let mut believed_cameras = Vec::new();
             for camera in &cameras {
-                let mask = scene::hard_mask(&body, &truth, camera)?;
+                let mask = capsules::hard_mask(&body, &truth, camera)?;
                 masks.push(troubled(mask, trouble, &mut random)?);
                 believed_cameras.push(match trouble {
                     Trouble::Turned(angle) => Arc::new(turned(camera, angle, &mut random)?),

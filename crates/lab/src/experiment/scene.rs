@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
-use backlit_tracking::body::{Kinematics, Model, Pose};
+use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
-use backlit_tracking::silhouette::{Label, Mask, MaskError, Measurement, MeasurementError, Overlap};
-use backlit_tracking::track::{Evidence, FitView};
+use backlit_tracking::fit::{Evidence, FitView};
+use backlit_tracking::render::{Ramp, RendererKind};
+use backlit_tracking::silhouette::{Mask, Overlap};
 use serde::{Deserialize, Serialize};
 
 use super::ExperimentError;
+use crate::synthetic::capsules::{grey_levels, hard_mask, levels};
 
 /// How data are made of a known pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -20,17 +21,6 @@ pub enum Simulation {
     Prediction,
     /// A hard mask, as segmentation gives one: subject where the ray through the pixel's centre meets a capsule.
     Mask,
-}
-
-/// The exact silhouette of a pose's capsules: no grey levels, no noise.
-///
-/// # Errors
-/// The camera's pictures are larger than a mask may be.
-pub fn hard_mask(model: &Model, pose: &Pose, camera: &Camera) -> Result<Mask, MaskError> {
-    // This ramp is half grey where the ray touches the surface.
-    let levels = levels(model, pose, camera, RendererKind::Capsule, Ramp::Half);
-    let label = |level: f64| if level < 127.5 { Label::Subject } else { Label::Background };
-    Mask::new(camera.width(), camera.height(), levels.into_iter().map(label).collect())
 }
 
 /// What one camera sees of a pose, as a fit takes it. `renderer` and `ramp` make the grey levels of
@@ -53,28 +43,6 @@ pub fn view(
         }
     };
     Ok(FitView { camera: Arc::clone(camera), evidence, weight: 1.0 })
-}
-
-/// The soft silhouette of a pose as data: every pixel of full weight.
-///
-/// # Errors
-/// Numbers out of range, which no valid pose gives.
-pub fn grey_levels(
-    model: &Model,
-    pose: &Pose,
-    camera: &Camera,
-    renderer: RendererKind,
-    ramp: Ramp,
-) -> Result<Measurement, MeasurementError> {
-    let values: Vec<f32> =
-        levels(model, pose, camera, renderer, ramp).into_iter().map(|level| level as f32).collect();
-    let weights = vec![1.0; values.len()];
-    Measurement::new(camera.width(), camera.height(), values, weights)
-}
-
-fn levels(model: &Model, pose: &Pose, camera: &Camera, renderer: RendererKind, ramp: Ramp) -> Vec<f64> {
-    let kinematics = Kinematics::new(model, pose);
-    prediction::levels(&View::new(model, &kinematics, camera, renderer, ramp))
 }
 
 /// How well a pose, drawn with hard edges, covers masks: all cameras together. A mask that is not of its camera's

@@ -6,11 +6,11 @@
 use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Model, Pose, SizeKind, builtin};
+use backlit_tracking::body_fit::{BodyFit, BodyFitError, BodyFitOptions, BodyFrame, fit_body};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::render::{Ramp, RendererKind};
-use backlit_tracking::track::fit_body::{BodyFit, BodyFitError, BodyFitOptions, BodyFrame, fit_body};
-use backlit_tracking::track::start;
+use backlit_tracking::search::start;
 use glam::DVec3;
 use serde::Serialize;
 

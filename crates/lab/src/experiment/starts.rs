@@ -3,18 +3,20 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use backlit_formats::starts_file::Start;
 use backlit_tracking::body::{Model, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::fit::{Evidence, FitView};
 use backlit_tracking::geometry::rotation::exp;
-use backlit_tracking::track::start::perturb;
-use backlit_tracking::track::{Evidence, FitView};
+use backlit_tracking::search::start::perturb;
 use glam::DVec3;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 use serde::Serialize;
 
-use super::{ExperimentError, scene};
+use super::ExperimentError;
+use crate::synthetic::capsules;
 
 /// Metres from the cameras to the body, and what they look at above its root.
 const DISTANCE: f64 = 2.7;
@@ -52,21 +54,6 @@ pub const LEVELS: [Level; 5] = [
     Level { degrees: 30, metres: 0.15 },
     Level { degrees: 45, metres: 0.20 },
 ];
-
-/// A start, its truth, and what the cameras see of the truth.
-#[derive(Debug, Clone)]
-pub struct Start {
-    /// The body.
-    pub model: Arc<Model>,
-    /// Degrees that every joint is off.
-    pub degrees: u32,
-    /// Where it is.
-    pub truth: Pose,
-    /// Where the fit begins.
-    pub start: Pose,
-    /// By number of cameras, what each sees.
-    pub views: BTreeMap<usize, Vec<FitView>>,
-}
 
 /// What starts to draw.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -117,7 +104,7 @@ impl Draw {
         for &count in &self.cameras {
             let cameras = self.arc(count, middle, &mut random)?;
             let view = |camera: Arc<Camera>| -> Result<FitView, ExperimentError> {
-                let evidence = Evidence::Mask(Arc::new(scene::hard_mask(model, &truth, &camera)?));
+                let evidence = Evidence::Mask(Arc::new(capsules::hard_mask(model, &truth, &camera)?));
                 Ok(FitView { camera, evidence, weight: 1.0 })
             };
             views.insert(count, cameras.into_iter().map(view).collect::<Result<Vec<_>, _>>()?);

@@ -9,18 +9,18 @@ use std::sync::Arc;
 use backlit_tracking::body::{Model, Pose, builtin};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::{Evidence, FitOptions, FitView, Preset};
+use backlit_tracking::metrics::{Statistics, mean_joint_error_mm};
+use backlit_tracking::search::start::perturb;
 use backlit_tracking::silhouette::{Label, Mask};
-use backlit_tracking::track::metrics::Statistics;
-use backlit_tracking::track::motion::smoothed;
-use backlit_tracking::track::start::perturb;
-use backlit_tracking::track::{Evidence, FitOptions, FitView, KalmanOptions, Motion, Preset, Track, Tracker};
+use backlit_tracking::track::{KalmanOptions, Motion, Track, Tracker, smoothed};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 use serde::Serialize;
 
-use super::curve::mean_joint_error_mm;
-use super::{ExperimentError, Progress, scene, upper_body};
+use super::{ExperimentError, Progress};
+use crate::synthetic::{capsules, upper_body};
 
 /// What to vary.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -194,7 +194,7 @@ fn follow(
     for (frame, truth) in truths.iter().enumerate() {
         let mut views = Vec::new();
         for camera in cameras {
-            let mask = scene::hard_mask(model, truth, camera)?;
+            let mask = capsules::hard_mask(model, truth, camera)?;
             let mask = noisy(&mask, options.border_noise, options.speckle, &mut random);
             views.push(FitView {
                 camera: Arc::clone(camera),

@@ -4,8 +4,7 @@
 //! the legs follow by the law of cosines. Between keys every number goes by a monotone cubic (F. N. Fritsch
 //! and R. E. Carlson, 1980), so that nothing overshoots its keys and a planted foot stays where it is.
 
-use backlit_tracking::body::limb::JointAngles;
-use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::body::{JointAngles, Model, Pose};
 use glam::{DMat3, DQuat, DVec3};
 
 /// Frames of the movement.

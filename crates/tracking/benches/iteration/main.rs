@@ -14,11 +14,11 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use backlit_tracking::body::{Kinematics, Parameters};
+use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::optimize::{LeastSquares, NormalEquations, StepMemory};
 use backlit_tracking::render::wrench::WrenchBlock;
 use backlit_tracking::render::{Ramp, RendererKind, View};
 use backlit_tracking::residual::silhouette::{KernelMemory, SampledData, WorldBlocks};
-use backlit_tracking::track::{FitOptions, Preset};
 use nalgebra::DVector;
 use rayon::ThreadPoolBuilder;
 

@@ -6,8 +6,7 @@
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::optimize::NormalEquations;
-use backlit_tracking::render::ramp::BACKGROUND;
-use backlit_tracking::render::{Ramp, RendererKind, View};
+use backlit_tracking::render::{BACKGROUND, Ramp, RendererKind, View};
 use backlit_tracking::silhouette::Measurement;
 use nalgebra::DMatrix;
 
@@ -39,25 +38,15 @@ pub(crate) fn equations(
         for y in 0..camera.height() {
             for x in 0..camera.width() {
                 let pixel = y * camera.width() + x;
-                let ray = view.ray(x, y);
-                let mut darkest = f64::INFINITY;
-                let mut winner = None;
-                for primitive in view.primitives() {
-                    let level = primitive.ramp.unclipped(primitive.squared(ray));
-                    if level < darkest {
-                        darkest = level;
-                        winner = Some(primitive);
-                    }
-                }
-                let sample = winner.map(|primitive| (primitive, primitive.sample(ray)));
+                let pull = view.pull_by_every_solid(x, y);
                 let data = f64::from(data.values()[pixel]);
-                residuals[pixel] = data - sample.map_or(BACKGROUND, |(_, sample)| sample.level);
-                if let Some((primitive, sample)) = sample
-                    && let Some(wrench) = sample.wrench
+                residuals[pixel] = data - pull.map_or(BACKGROUND, |pull| pull.level);
+                if let Some(pull) = pull
+                    && let Some(wrench) = pull.wrench
                 {
                     let wrench = wrench.rotated(world_from_camera).to_array();
                     let row = &mut jacobian[pixel * columns..(pixel + 1) * columns];
-                    let motions = maps[primitive.limb].as_slice().chunks_exact(7);
+                    let motions = maps[pull.limb].as_slice().chunks_exact(7);
                     for (entry, motion) in row.iter_mut().zip(motions) {
                         *entry = wrench.iter().zip(motion).map(|(force, rate)| force * rate).sum();
                     }

@@ -4,9 +4,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use backlit_tracking::body::{Kinematics, Parameters};
-use backlit_tracking::render::drawing::draw_plainly;
-use backlit_tracking::render::jacobian::Motion;
-use backlit_tracking::render::{Drawing, Ramp, RendererKind, View, Wanted, draw};
+use backlit_tracking::render::{BodyMotion, Drawing, Ramp, RendererKind, View, Wanted, draw, draw_plainly};
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 
@@ -38,7 +36,7 @@ pub(crate) fn tables(budget: Duration) {
         let spheres = views(RendererKind::SphereTree { spheres: None }, RAMP);
         let mut direction = vec![0.0; Parameters::Tangent.columns(scene.model.rotation_count())];
         direction[5] = 1.0;
-        let motion = Motion::along(&kinematics, &scene.cameras[0].0, Parameters::Tangent, &direction);
+        let motion = BodyMotion::along(&kinematics, &scene.cameras[0].0, Parameters::Tangent, &direction);
         let (bare, gradient) = (Wanted::default(), Wanted { gradient: true, ..Wanted::default() });
         let change = Wanted { motion: Some(&motion), ..Wanted::default() };
         let all = |views: &[View], wanted: Wanted<'_>, draw: Draw| {

@@ -4,11 +4,10 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Model, ModelSpec, Pose};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::fit::{Evidence, FitOptions, FitView, Objective, Stage};
 use backlit_tracking::render::{Ramp, RendererKind, predict};
+use backlit_tracking::search::start;
 use backlit_tracking::silhouette::Measurement;
-use backlit_tracking::track::objective::Objective;
-use backlit_tracking::track::options::Stage;
-use backlit_tracking::track::{Evidence, FitOptions, FitView, start};
 use glam::DVec3;
 
 /// Ten limbs with a rotation each: the torso, its two sides, the head and two arms of three limbs.

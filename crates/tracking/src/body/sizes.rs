@@ -160,7 +160,7 @@ impl Model {
 
 /// Keeps a logarithm of a ratio within what a body can be.
 #[must_use]
-pub fn bounded(log_ratio: f64) -> f64 {
+pub(crate) fn bounded(log_ratio: f64) -> f64 {
     log_ratio.clamp(-LARGEST_LOG_RATIO, LARGEST_LOG_RATIO)
 }
 

@@ -22,12 +22,12 @@ pub struct Rectification {
     width: usize,
     height: usize,
     /// One per ideal pixel; empty for no distortion.
-    sources: Vec<Source>,
+    sources: Vec<MixedPixel>,
 }
 
 /// The four pixels that an ideal one is mixed from.
 #[derive(Debug, Clone, Copy)]
-struct Source {
+struct MixedPixel {
     /// Index of the upper left one; `NOWHERE` where there is no data.
     corner: u32,
     /// Weights of the right and the lower neighbours, in 256ths. Zero at the picture's far edges.
@@ -118,7 +118,7 @@ impl Rectification {
         if self.is_identity() {
             return Some(values.to_vec());
         }
-        let at = |source: &Source| {
+        let at = |source: &MixedPixel| {
             if source.corner == NOWHERE {
                 return outside;
             }
@@ -130,7 +130,7 @@ impl Rectification {
     }
 }
 
-fn source(camera: &Camera, ideal: DVec2) -> Source {
+fn source(camera: &Camera, ideal: DVec2) -> MixedPixel {
     let (pinhole, lens) = (camera.intrinsics(), camera.distortion());
     let limit = DVec2::new(camera.width() as f64 - 1.0, camera.height() as f64 - 1.0);
     let plane = pinhole.plane_from_pixel(ideal);
@@ -140,11 +140,11 @@ fn source(camera: &Camera, ideal: DVec2) -> Source {
     let honest = lens.undistort(bent).is_some_and(|back| back.distance(plane) < 1e-6);
     let inside = place.cmpge(DVec2::splat(-0.5)).all() && place.cmple(limit + 0.5).all();
     if !(honest && inside) {
-        return Source { corner: NOWHERE, right: 0, down: 0 };
+        return MixedPixel { corner: NOWHERE, right: 0, down: 0 };
     }
     let steps = (place.clamp(DVec2::ZERO, limit) * f64::from(STEPS)).round().max(DVec2::ZERO);
     let (x, y) = (steps.x as u32, steps.y as u32);
-    Source {
+    MixedPixel {
         corner: y / STEPS * camera.width() as u32 + x / STEPS,
         right: (x % STEPS) as u16,
         down: (y % STEPS) as u16,

@@ -1,4 +1,9 @@
-//! Options, records and the stepping solver that both methods share.
+//! Options, records and the solver, which is stepped from outside.
+//!
+//! A trial solves (JᵀJ + λ mean(diag JᵀJ) I) δ = Jᵀρ and evaluates the problem at X ⊕ δ. Gauss and Newton's method,
+//! the report's (4.10), takes every trial with a fixed λ. The report writes a plain inverse; JᵀJ is never invertible,
+//! so λ = 0 means the pseudo-inverse. Levenberg and Marquardt's takes a trial back that does not lower the cost, and
+//! λ is its trust: see [`levenberg_marquardt`].
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,7 +12,7 @@ use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::{NormalEquations, StepMemory, gauss_newton, levenberg_marquardt};
+use super::{NormalEquations, StepMemory, levenberg_marquardt};
 
 /// A least-squares problem on points that may be curved.
 pub trait LeastSquares {
@@ -120,8 +125,8 @@ impl fmt::Display for Termination {
             Self::StepLimit { steps: 1 } => write!(f, "1 step done"),
             Self::StepLimit { steps } => write!(f, "{steps} steps done"),
             Self::NoDecrease => write!(f, "no step lowered the cost"),
-            Self::NoGradient => write!(f, "no pixel pulls the model"),
-            Self::Cancelled => write!(f, "stopped by you"),
+            Self::NoGradient => write!(f, "the gradient is zero"),
+            Self::Cancelled => write!(f, "cancelled"),
             Self::NotFinite => write!(f, "the numbers ran out of range"),
         }
     }
@@ -153,12 +158,12 @@ pub struct Iteration<P> {
 /// A solver that is stepped from outside.
 #[derive(Debug, Clone)]
 pub struct Solver<P> {
-    pub(super) options: SolverOptions,
-    pub(super) point: P,
-    pub(super) equations: NormalEquations,
-    pub(super) trial: NormalEquations,
-    pub(super) damping: f64,
-    pub(super) rejected_in_a_row: usize,
+    options: SolverOptions,
+    point: P,
+    equations: NormalEquations,
+    trial: NormalEquations,
+    damping: f64,
+    rejected_in_a_row: usize,
     step: DVector<f64>,
     memory: StepMemory,
     done: usize,
@@ -201,13 +206,8 @@ impl<P: Clone> Solver<P> {
             self.termination = Some(Termination::NoGradient);
             return None;
         }
-        let outcome = match self.options.method {
-            Method::GaussNewton => gauss_newton::step(self, problem),
-            Method::LevenbergMarquardt => levenberg_marquardt::step(self, problem),
-        };
-        match outcome {
-            Ok(mut iteration) => {
-                iteration.gradient_max = gradient_max;
+        match self.attempt(problem, gradient_max) {
+            Ok(iteration) => {
                 self.done += 1;
                 self.judge(&iteration);
                 Some(iteration)
@@ -239,12 +239,45 @@ impl<P: Clone> Solver<P> {
         }
     }
 
-    /// Tries a step: evaluates the problem there, into `trial`. The point, the step's length and the foretold
-    /// decrease.
-    pub(super) fn attempt(
+    /// Makes a trial and keeps it or takes it back.
+    fn attempt(
         &mut self,
         problem: &mut impl LeastSquares<Point = P>,
-    ) -> Result<(P, f64, f64), Termination> {
+        gradient_max: f64,
+    ) -> Result<Iteration<P>, Termination> {
+        let (before, damping) = (self.equations.cost, self.damping);
+        let (point, predicted_decrease) = self.try_step(problem)?;
+        let (trial_cost, is_finite) = (self.trial.cost, self.trial.is_finite());
+        let accepted = match self.options.method {
+            Method::GaussNewton if !is_finite => return Err(Termination::NotFinite),
+            Method::GaussNewton => true,
+            Method::LevenbergMarquardt => is_finite && trial_cost < before,
+        };
+        if accepted {
+            std::mem::swap(&mut self.equations, &mut self.trial);
+            self.point = point;
+            self.rejected_in_a_row = 0;
+        } else {
+            self.rejected_in_a_row += 1;
+        }
+        if self.options.method == Method::LevenbergMarquardt {
+            self.damping = levenberg_marquardt::next_damping(damping, accepted);
+        }
+        Ok(Iteration {
+            point: self.point.clone(),
+            cost: self.equations.cost,
+            trial_cost,
+            predicted_decrease,
+            actual_decrease: before - trial_cost,
+            damping,
+            step_norm: self.step.norm(),
+            gradient_max,
+            accepted,
+        })
+    }
+
+    /// Evaluates the problem a step further, into `trial`. The point there and the foretold decrease.
+    fn try_step(&mut self, problem: &mut impl LeastSquares<Point = P>) -> Result<(P, f64), Termination> {
         let step = &mut self.step;
         self.equations.step_into(self.damping, &mut self.memory, step);
         problem.cap(step);
@@ -255,7 +288,7 @@ impl<P: Clone> Solver<P> {
         let point = problem.retract(&self.point, step);
         self.trial.clear();
         problem.evaluate(&point, &mut self.trial);
-        Ok((point, self.step.norm(), predicted))
+        Ok((point, predicted))
     }
 
     /// Where it stands.
@@ -286,5 +319,92 @@ impl<P: Clone> Solver<P> {
     #[must_use]
     pub fn termination(&self) -> Option<Termination> {
         self.termination
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+
+    use super::*;
+
+    /// Rosenbrock's valley as two residuals: 1 − x and 10 (y − x²).
+    struct Valley;
+
+    impl LeastSquares for Valley {
+        type Point = [f64; 2];
+
+        fn evaluate(&mut self, &[x, y]: &[f64; 2], equations: &mut NormalEquations) {
+            let jacobian = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, -20.0 * x, 10.0]);
+            let residual = DVector::from_vec(vec![1.0 - x, -10.0 * (y - x * x)]);
+            equations.jtj = jacobian.tr_mul(&jacobian);
+            equations.jtr = jacobian.tr_mul(&residual);
+            equations.cost = residual.norm_squared();
+        }
+
+        fn columns(&self) -> usize {
+            2
+        }
+
+        fn retract(&self, point: &[f64; 2], step: &DVector<f64>) -> [f64; 2] {
+            [point[0] + step[0], point[1] + step[1]]
+        }
+    }
+
+    fn options(method: Method) -> SolverOptions {
+        SolverOptions { method, damping: 0.01, max_iterations: 200, tolerance: Some(1e-14), run_all: false }
+    }
+
+    #[test]
+    fn levenberg_marquardt_descends_the_valley() {
+        let mut solver = Solver::new(&mut Valley, [-1.2, 1.0], options(Method::LevenbergMarquardt));
+        let mut cost = solver.cost();
+        let mut rejected = 0;
+        while let Some(iteration) = solver.step(&mut Valley) {
+            assert!(iteration.cost <= cost, "an accepted step never raises the cost");
+            assert_eq!(iteration.accepted, iteration.trial_cost < cost);
+            rejected += usize::from(!iteration.accepted);
+            cost = iteration.cost;
+        }
+        assert!(rejected > 0, "the valley bends: some step must fail");
+        let [x, y] = *solver.point();
+        assert!((x - 1.0).abs() < 1e-5 && (y - 1.0).abs() < 1e-5, "{x} {y}");
+    }
+
+    #[test]
+    fn gauss_newton_takes_every_step() {
+        let mut solver = Solver::new(&mut Valley, [-1.2, 1.0], options(Method::GaussNewton));
+        let mut rose = false;
+        while let Some(iteration) = solver.step(&mut Valley) {
+            assert!(iteration.accepted);
+            rose |= iteration.actual_decrease < 0.0;
+        }
+        assert!(rose, "undamped steps overshoot here");
+    }
+
+    #[test]
+    fn a_stationary_start_says_so() {
+        let mut solver = Solver::new(&mut Valley, [1.0, 1.0], options(Method::LevenbergMarquardt));
+        assert!(solver.step(&mut Valley).is_none());
+        assert_eq!(solver.termination(), Some(Termination::NoGradient));
+    }
+
+    #[test]
+    fn run_all_runs_all() {
+        for method in [Method::GaussNewton, Method::LevenbergMarquardt] {
+            for start in [[-1.2, 1.0], [1.0, 1.0]] {
+                let options = SolverOptions { max_iterations: 600, run_all: true, ..options(method) };
+                let mut solver = Solver::new(&mut Valley, start, options);
+                while solver.step(&mut Valley).is_some() {}
+                assert_eq!(solver.termination(), Some(Termination::StepLimit { steps: 600 }));
+            }
+        }
+    }
+
+    #[test]
+    fn infinite_costs_end_without_losing_the_point() {
+        let mut solver = Solver::new(&mut Valley, [f64::NAN, 1.0], options(Method::LevenbergMarquardt));
+        assert!(solver.step(&mut Valley).is_none());
+        assert_eq!(solver.termination(), Some(Termination::NotFinite));
     }
 }

@@ -10,14 +10,16 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::View;
-use super::jacobian::Motion;
-use super::kernels::lanes::{self, Lanes};
+use super::jacobian::BodyMotion;
+use super::kernels::lanes;
 use super::kernels::scalar::RowWinners;
 use super::prediction::{NO_OWNER, Prediction};
 use super::primitive::Primitive;
 use super::ramp::BACKGROUND;
 use super::wrench::Wrench;
+use super::{Ramp, RendererKind, View};
+use crate::body::{Kinematics, Model};
+use crate::camera::Camera;
 
 /// λ/255 of a drawing is at most this far from the oracle's.
 pub const MOST_ERROR: f32 = 1e-4;
@@ -30,7 +32,7 @@ pub struct Wanted<'a> {
     /// How strongly each pixel pulls.
     pub gradient: bool,
     /// How each pixel changes along this motion.
-    pub motion: Option<&'a Motion>,
+    pub motion: Option<&'a BodyMotion>,
 }
 
 /// One camera's pictures, row-major, height × width.
@@ -45,11 +47,32 @@ pub struct Drawing {
     pub change: Vec<f32>,
 }
 
+/// Draws the model's soft silhouette in one camera.
+#[must_use]
+pub fn predict(
+    model: &Model,
+    kinematics: &Kinematics,
+    camera: &Camera,
+    renderer: RendererKind,
+    ramp: Ramp,
+) -> Prediction {
+    Prediction::of(&View::new(model, kinematics, camera, renderer, ramp))
+}
+
+impl Prediction {
+    /// Draws a prepared view by the reference kernel, in f64. For the screen [`draw`] does the
+    /// same many times faster.
+    #[must_use]
+    pub fn of(view: &View) -> Self {
+        draw_plainly(view, Wanted::default()).prediction
+    }
+}
+
 /// Draws a view as fast as may be.
 #[must_use]
 pub fn draw(view: &View, wanted: Wanted<'_>) -> Drawing {
     let mut drawing = Drawing::empty(view, wanted);
-    if Lanes::can_take(view) {
+    if view.suits_lanes() {
         lanes::draw(view, wanted, &mut drawing);
     } else {
         fill_plainly(view, wanted, &mut drawing);

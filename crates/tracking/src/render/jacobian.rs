@@ -69,7 +69,7 @@ pub fn jacobian_along(
     parameters: Parameters,
     direction: &[f64],
 ) -> Vec<f64> {
-    let motion = Motion::along(kinematics, camera, parameters, direction);
+    let motion = BodyMotion::along(kinematics, camera, parameters, direction);
     let mut picture = vec![0.0; view.width() * view.height()];
     for_each_gradient(view, |x, y, limb, wrench| {
         picture[y * view.width() + x] = motion.change(limb, wrench);
@@ -79,7 +79,7 @@ pub fn jacobian_along(
 
 /// How every limb moves along a direction of the state, for one camera.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Motion {
+pub struct BodyMotion {
     /// By limb: velocity of its first joint, turn, scaling; world axes.
     limbs: Vec<SVector<f64, 7>>,
     world_from_camera: DMat3,
@@ -87,7 +87,7 @@ pub struct Motion {
 
 /// How one limb moves, camera axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LimbMotion {
+pub(crate) struct LimbMotion {
     /// Of the limb's first joint, metres per unit of the direction.
     pub velocity: DVec3,
     /// Turn about it, radians.
@@ -96,7 +96,7 @@ pub struct LimbMotion {
     pub stretch: f64,
 }
 
-impl Motion {
+impl BodyMotion {
     /// Along a direction v of the state.
     ///
     /// # Panics
@@ -121,14 +121,14 @@ impl Motion {
 
     /// How λ changes of a pixel that pulls at a limb with this wrench, in camera axes.
     #[must_use]
-    pub fn change(&self, limb: usize, wrench: Wrench) -> f64 {
+    pub(crate) fn change(&self, limb: usize, wrench: Wrench) -> f64 {
         let h = wrench.rotated(self.world_from_camera).to_array();
         (0..7).map(|i| h[i] * self.limbs[limb][i]).sum()
     }
 
     /// How a limb moves, in camera axes.
     #[must_use]
-    pub fn in_camera(&self, limb: usize) -> LimbMotion {
+    pub(crate) fn in_camera(&self, limb: usize) -> LimbMotion {
         let m = &self.limbs[limb];
         let camera_from_world = self.world_from_camera.transpose();
         LimbMotion {
@@ -142,13 +142,13 @@ impl Motion {
 impl LimbMotion {
     /// How a point moves against the limb's first joint, given from there.
     #[must_use]
-    pub fn of_arm(&self, arm: DVec3) -> DVec3 {
+    pub(crate) fn of_arm(&self, arm: DVec3) -> DVec3 {
         self.turn.cross(arm) + self.stretch * arm
     }
 }
 
 /// Calls `visit(x, y, limb, wrench in camera axes)` for every pixel that has a gradient.
-pub fn for_each_gradient(view: &View, mut visit: impl FnMut(usize, usize, usize, Wrench)) {
+pub(super) fn for_each_gradient(view: &View, mut visit: impl FnMut(usize, usize, usize, Wrench)) {
     let mut row = RowWinners::default();
     for y in 0..view.height() {
         row.find(view, y, 1, 0);

@@ -12,7 +12,7 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Σ w h hᵀ and Σ w h ρ of h = [f, g₁] over the pixels of one limb.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JointBlock {
+pub(crate) struct JointBlock {
     /// Σ w f fᵀ.
     pub ff: Matrix3<f64>,
     /// Σ w f g₁ᵀ.
@@ -35,13 +35,13 @@ impl Default for JointBlock {
 impl JointBlock {
     /// Whether nothing pulls.
     #[must_use]
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.ff.trace() == 0.0 && self.gg.trace() == 0.0
     }
 
     /// Adds to every pixel's f the force c ẑ and to its g₁ half of it, given Σ w c f, Σ w c g₁, Σ w c² and
     /// Σ w c ρ: half the pull of the limb's middle depth at each joint. Camera axes.
-    pub fn add_depth(&mut self, [cf, cg]: [Vector3<f64>; 2], cc: f64, c_residual: f64) {
+    pub(crate) fn add_depth(&mut self, [cf, cg]: [Vector3<f64>; 2], cc: f64, c_residual: f64) {
         let z = Vector3::z();
         let zz = z * z.transpose() * cc;
         self.ff += cf * z.transpose() + z * cf.transpose() + zz;
@@ -53,7 +53,7 @@ impl JointBlock {
 
     /// The same in world axes, weighted.
     #[must_use]
-    pub fn in_world(&self, camera_from_world: DMat3, weight: f64) -> Self {
+    pub(crate) fn in_world(&self, camera_from_world: DMat3, weight: f64) -> Self {
         let world_from_camera = Matrix3::from_row_slice(&camera_from_world.to_cols_array());
         let camera_from_world = world_from_camera.transpose();
         let turned = |matrix: &Matrix3<f64>| world_from_camera * (matrix * weight) * camera_from_world;

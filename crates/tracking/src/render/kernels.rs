@@ -4,5 +4,5 @@
 //! solids that lie in front of a pinhole camera, winners and sums at once, in f32 lanes of whatever width the
 //! processor has.
 
-pub mod lanes;
-pub mod scalar;
+pub(super) mod lanes;
+pub(super) mod scalar;

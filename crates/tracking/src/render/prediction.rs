@@ -1,13 +1,10 @@
 //! Λ as a picture.
 
-use super::drawing::{Wanted, draw_plainly};
+use super::View;
 use super::kernels::lanes::Lanes;
 use super::kernels::scalar::RowWinners;
 use super::primitive::Solid;
 use super::ramp::BACKGROUND;
-use super::{Ramp, RendererKind, View};
-use crate::body::{Kinematics, Model};
-use crate::camera::Camera;
 
 /// The owner of a pixel that no limb is near.
 pub const NO_OWNER: u16 = u16::MAX;
@@ -24,27 +21,6 @@ pub struct Prediction {
     pub lambda: Vec<f32>,
     /// Index of the limb that wins the pixel, or [`NO_OWNER`].
     pub owner: Vec<u16>,
-}
-
-/// Draws the model's soft silhouette in one camera.
-#[must_use]
-pub fn predict(
-    model: &Model,
-    kinematics: &Kinematics,
-    camera: &Camera,
-    renderer: RendererKind,
-    ramp: Ramp,
-) -> Prediction {
-    Prediction::of(&View::new(model, kinematics, camera, renderer, ramp))
-}
-
-impl Prediction {
-    /// Draws a prepared view by the reference kernel, in f64. For the screen [`draw`](super::drawing::draw) does the
-    /// same many times faster.
-    #[must_use]
-    pub fn of(view: &View) -> Self {
-        draw_plainly(view, Wanted::default()).prediction
-    }
 }
 
 /// λ alone, as pictures hold it: for overlaps.
@@ -66,7 +42,7 @@ pub fn covered(view: &View) -> Vec<bool> {
     // On the rim of a flat cap λ jumps, and f32 may jump elsewhere.
     let has_caps =
         view.primitives().iter().any(|primitive| matches!(primitive.solid, Solid::Cylinder { .. }));
-    if has_caps || !Lanes::can_take(view) {
+    if has_caps || !view.suits_lanes() {
         return levels(view).into_iter().map(|level| level < BACKGROUND / 2.0).collect();
     }
     let mut covered = vec![false; width * view.height()];
@@ -103,8 +79,9 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::body::{Parameters, Pose, builtin};
-    use crate::camera::{CameraFromWorld, Distortion, Intrinsics};
+    use crate::body::{Kinematics, Parameters, Pose, builtin};
+    use crate::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+    use crate::render::{Ramp, RendererKind};
 
     /// All renderers, from far and from within the body, with and without a lens.
     #[test]

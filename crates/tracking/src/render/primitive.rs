@@ -9,7 +9,7 @@ use crate::geometry::ray_distance::{Candidate, Cap, ray_axis, ray_cap, ray_point
 
 /// The solid of a primitive, in camera axes, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Solid {
+pub(crate) enum Solid {
     /// Axis and two hemispherical ends.
     Capsule {
         /// First joint.
@@ -46,7 +46,7 @@ pub enum Solid {
 
 /// A solid with its limb, its ramp and the pixels that it may touch.
 #[derive(Debug, Clone, Copy)]
-pub struct Primitive {
+pub(crate) struct Primitive {
     /// Index of its limb.
     pub limb: usize,
     /// Its shape.
@@ -56,12 +56,12 @@ pub struct Primitive {
     /// Its ramp.
     pub ramp: SolidRamp,
     /// Pixels outside this box are background to it.
-    pub bounds: PixelBox,
+    pub bounds: Footprint,
 }
 
-/// A rectangle of pixels: columns x0 .. x1, rows y0 .. y1, ends excluded.
+/// The rectangle of pixels that a solid may touch: columns x0 .. x1, rows y0 .. y1, ends excluded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct PixelBox {
+pub(crate) struct Footprint {
     /// First column.
     pub x0: usize,
     /// One past the last column.
@@ -74,13 +74,11 @@ pub struct PixelBox {
 
 /// What a ray sees of a primitive, with the gradient as a wrench on its limb.
 #[derive(Debug, Clone, Copy)]
-pub struct PixelSample {
+pub(crate) struct PixelSample {
     /// λ, 0 to 255.
     pub level: f64,
     /// Squared distance of the ray, m².
     pub squared: f64,
-    /// Distance along the ray, metres.
-    pub depth: f64,
     /// ∂λ as force and moment about the limb's first joint, camera axes; `None` where λ is clipped.
     pub wrench: Option<Wrench>,
 }
@@ -89,7 +87,7 @@ impl Primitive {
     /// d² of the nearest candidate along the unit ray u; infinite for none.
     #[inline]
     #[must_use]
-    pub fn squared(&self, u: DVec3) -> f64 {
+    pub(crate) fn squared(&self, u: DVec3) -> f64 {
         match self.solid {
             Solid::Capsule { p0, p1 } => capsule_squared(u, p0, p1),
             Solid::Sphere { centre, .. } => point_squared(u, centre),
@@ -102,7 +100,7 @@ impl Primitive {
 
     /// The nearest candidate along the unit ray u, with derivatives.
     #[must_use]
-    pub fn candidate(&self, u: DVec3) -> Option<Candidate> {
+    pub(crate) fn candidate(&self, u: DVec3) -> Option<Candidate> {
         let nearest = |candidates: [Option<Candidate>; 3]| {
             candidates.into_iter().flatten().min_by(|a, b| a.squared.total_cmp(&b.squared))
         };
@@ -122,17 +120,16 @@ impl Primitive {
 
     /// λ along the unit ray u, with its gradient.
     #[must_use]
-    pub fn sample(&self, u: DVec3) -> PixelSample {
+    pub(crate) fn sample(&self, u: DVec3) -> PixelSample {
         let Some(candidate) = self.candidate(u) else {
             let level = super::ramp::BACKGROUND;
-            return PixelSample { level, squared: f64::INFINITY, depth: f64::INFINITY, wrench: None };
+            return PixelSample { level, squared: f64::INFINITY, wrench: None };
         };
         let ramp = self.ramp.sample(candidate.squared);
         let active = ramp.by_squared > 0.0;
         PixelSample {
             level: ramp.level,
             squared: candidate.squared,
-            depth: candidate.depth,
             wrench: active.then(|| self.wrench(&candidate, ramp)),
         }
     }
@@ -160,7 +157,7 @@ impl Primitive {
 }
 
 /// Where along a limb its equal spheres sit.
-pub fn sphere_fractions(count: usize) -> impl Iterator<Item = f64> {
+pub(super) fn sphere_fractions(count: usize) -> impl Iterator<Item = f64> {
     (0..count).map(move |k| if count == 1 { 0.5 } else { k as f64 / (count - 1) as f64 })
 }
 
@@ -186,22 +183,22 @@ fn capsule_squared(u: DVec3, p0: DVec3, p1: DVec3) -> f64 {
     point_squared(u, p0).min(point_squared(u, p1))
 }
 
-impl PixelBox {
+impl Footprint {
     /// The whole picture.
     #[must_use]
-    pub fn whole(width: usize, height: usize) -> Self {
+    pub(crate) fn whole(width: usize, height: usize) -> Self {
         Self { x0: 0, x1: width, y0: 0, y1: height }
     }
 
     /// Whether a pixel is in it.
     #[must_use]
-    pub fn contains(&self, x: usize, y: usize) -> bool {
+    pub(crate) fn contains(&self, x: usize, y: usize) -> bool {
         (self.x0..self.x1).contains(&x) && (self.y0..self.y1).contains(&y)
     }
 
     /// Whether it holds no pixel.
     #[must_use]
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.x0 >= self.x1 || self.y0 >= self.y1
     }
 
@@ -210,7 +207,7 @@ impl PixelBox {
     /// The box of the two end spheres' outlines, which holds everything between them as long as both lie in
     /// front of the camera; the whole picture if one reaches the camera plane; nothing if both are behind.
     #[must_use]
-    pub fn around(
+    pub(crate) fn around(
         p0: DVec3,
         p1: DVec3,
         reach: f64,
@@ -268,7 +265,7 @@ mod tests {
         ) {
             let (p0, p1) = (DVec3::from(p0), DVec3::from(p1));
             let pinhole = Intrinsics { fx: 20.0, fy: 22.0, cx: 15.0, cy: 11.5 };
-            let bounds = PixelBox::around(p0, p1, reach, &pinhole, 32, 24);
+            let bounds = Footprint::around(p0, p1, reach, &pinhole, 32, 24);
             for y in 0..24 {
                 for x in 0..32 {
                     let u = pinhole.ray(DVec2::new(x as f64, y as f64));
@@ -294,7 +291,7 @@ mod tests {
                 solid: Solid::Capsule { p0, p1 },
                 radius: 0.1,
                 ramp: super::super::Ramp::Half.for_solid(0.1, 1.0, 100.0),
-                bounds: PixelBox::default(),
+                bounds: Footprint::default(),
             };
             let candidate = primitive.candidate(u).map_or(f64::INFINITY, |c| c.squared);
             let quick = primitive.squared(u);

@@ -17,7 +17,7 @@ impl Ramp {
     /// ∂λ/∂r, grey levels per metre, of a solid of this radius and depth (metres) where the squared distance of the
     /// ray is given (m²). Zero where the ramp is clipped.
     #[must_use]
-    pub fn radius_rate(self, radius: f64, depth: f64, focal_px: f64, squared: f64) -> f64 {
+    pub(crate) fn radius_rate(self, radius: f64, depth: f64, focal_px: f64, squared: f64) -> f64 {
         let solid = self.for_solid(radius, depth, focal_px);
         let level = solid.unclipped(squared);
         if !(level > 0.0 && level < 1.0) {
@@ -48,7 +48,7 @@ impl Ramp {
 impl Primitive {
     /// ∂λ/∂r of this solid, grey levels per metre, where a ray's squared distance is given (m²).
     #[must_use]
-    pub fn radius_rate(&self, ramp: Ramp, focal_px: f64, squared: f64) -> f64 {
+    pub(crate) fn radius_rate(&self, ramp: Ramp, focal_px: f64, squared: f64) -> f64 {
         let (Solid::Capsule { p0, p1 }
         | Solid::Cylinder { p0, p1 }
         | Solid::Spheres { p0, p1, .. }

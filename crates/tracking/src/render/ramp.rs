@@ -88,7 +88,7 @@ impl fmt::Display for Ramp {
 
 /// A ramp for one solid: its radius and depth are known.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SolidRamp {
+pub(crate) struct SolidRamp {
     shape: RampForm,
     /// Metres beyond which λ is background.
     reach: f64,
@@ -96,8 +96,7 @@ pub struct SolidRamp {
 
 /// A solid's ramp by its formula; `…_rate` is the derivative by the solid's depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[expect(missing_docs, reason = "the variants' formulas name their fields")]
-pub enum RampForm {
+pub(crate) enum RampForm {
     /// λ/255 = α d² + β.
     Quadratic { alpha: f64, beta: f64, alpha_rate: f64, beta_rate: f64 },
     /// λ/255 = (d − start) / width.
@@ -108,24 +107,18 @@ impl RampForm {
     /// λ/255 = slope · m + offset, with m = d² or, where the third is true, m = d.
     #[inline]
     #[must_use]
-    pub fn line(&self) -> (f32, f32, bool) {
+    pub(crate) fn line(&self) -> (f32, f32, bool) {
         match *self {
             Self::Quadratic { alpha, beta, .. } => (alpha as f32, beta as f32, false),
             Self::Linear { start, width, .. } => ((1.0 / width) as f32, (-start / width) as f32, true),
         }
     }
 
-    /// Whether λ changes with the solid's depth at a fixed distance.
-    #[must_use]
-    pub fn follows_depth(&self) -> bool {
-        self.depth_line().is_some()
-    }
-
     /// ∂λ/∂z = constant + slope · m, with m = d² for quadratic ramps and m = λ/255 for linear ones;
     /// `None` where the width is fixed.
     #[inline]
     #[must_use]
-    pub fn depth_line(&self) -> Option<(f32, f32)> {
+    pub(crate) fn depth_line(&self) -> Option<(f32, f32)> {
         let (constant, slope) = match *self {
             Self::Quadratic { alpha_rate, beta_rate, .. } => (beta_rate, alpha_rate),
             Self::Linear { width, start_rate, width_rate, .. } => (-start_rate / width, -width_rate / width),
@@ -137,7 +130,7 @@ impl RampForm {
 
 /// A grey level and how it changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RampSample {
+pub(crate) struct RampSample {
     /// λ, 0 to 255.
     pub level: f64,
     /// ∂λ/∂d², per m².
@@ -161,7 +154,7 @@ impl Ramp {
     /// The ramp for a solid of this radius (metres) whose middle is at depth z (metres), seen with a focal
     /// length in pixels.
     #[must_use]
-    pub fn for_solid(self, radius: f64, depth: f64, focal_px: f64) -> SolidRamp {
+    pub(crate) fn for_solid(self, radius: f64, depth: f64, focal_px: f64) -> SolidRamp {
         // Solids at or behind the camera plane take the width of one a radius away, held fixed.
         let (z, follows) = if depth > radius { (depth, 1.0) } else { (radius, 0.0) };
         let metres = |px: f64, widest: f64| {
@@ -206,20 +199,20 @@ impl SolidRamp {
 
     /// Its formula.
     #[must_use]
-    pub fn form(&self) -> RampForm {
+    pub(crate) fn form(&self) -> RampForm {
         self.shape
     }
 
     /// Metres beyond which λ is background.
     #[must_use]
-    pub fn reach(&self) -> f64 {
+    pub(crate) fn reach(&self) -> f64 {
         self.reach
     }
 
     /// λ/255 before clipping: what is compared between solids. Infinite for no candidate.
     #[inline]
     #[must_use]
-    pub fn unclipped(&self, squared: f64) -> f64 {
+    pub(crate) fn unclipped(&self, squared: f64) -> f64 {
         match self.shape {
             RampForm::Quadratic { alpha, beta, .. } => alpha * squared + beta,
             RampForm::Linear { start, width, .. } => (squared.sqrt() - start) / width,
@@ -228,7 +221,7 @@ impl SolidRamp {
 
     /// The grey level at d² with its derivatives, which are zero where the ramp is clipped.
     #[must_use]
-    pub fn sample(&self, squared: f64) -> RampSample {
+    pub(crate) fn sample(&self, squared: f64) -> RampSample {
         let unclipped = self.unclipped(squared);
         if !(0.0..1.0).contains(&unclipped) || unclipped == 0.0 {
             let level = if unclipped > 0.0 { BACKGROUND } else { 0.0 };

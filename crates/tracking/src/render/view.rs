@@ -7,10 +7,14 @@
 
 use glam::{DVec2, DVec3};
 
-use super::primitive::{PixelBox, Primitive, Solid};
+use super::primitive::{Footprint, Primitive, Solid};
+use super::wrench::Wrench;
 use super::{Ramp, RendererKind};
 use crate::body::{Kinematics, Model};
 use crate::camera::Camera;
+
+/// A joint nearer to the camera plane than this many reaches is left to the reference kernel.
+const NEAREST_REACHES: f64 = 1.5;
 
 /// A pose as one camera's renderer sees it: solids in camera axes with ramps and pixel boxes.
 #[derive(Debug, Clone)]
@@ -25,13 +29,24 @@ pub struct View {
 
 /// What a ray sees of the limb that wins its pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sight {
+pub struct SeenLimb {
     /// Index of the limb.
     pub limb: usize,
     /// Distance of the ray to the limb's axis over its radius.
     pub distance_over_radius: f64,
     /// Distance along the ray to the limb's closest point, metres.
     pub depth: f64,
+}
+
+/// What a pixel says of a limb: its level and how that changes as the limb moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PixelPull {
+    /// Index of the limb.
+    pub limb: usize,
+    /// λ, 0 to 255.
+    pub level: f64,
+    /// ∂λ as force and moment about the limb's first joint, camera axes; `None` where λ is clipped.
+    pub wrench: Option<Wrench>,
 }
 
 impl View {
@@ -105,11 +120,11 @@ impl View {
         }
     }
 
-    fn bounds(&self, p0: DVec3, p1: DVec3, reach: f64) -> PixelBox {
+    fn bounds(&self, p0: DVec3, p1: DVec3, reach: f64) -> Footprint {
         if self.distorted_rays.is_empty() {
-            PixelBox::around(p0, p1, reach, &self.pinhole, self.width, self.height)
+            Footprint::around(p0, p1, reach, &self.pinhole, self.width, self.height)
         } else {
-            PixelBox::whole(self.width, self.height)
+            Footprint::whole(self.width, self.height)
         }
     }
 
@@ -127,25 +142,25 @@ impl View {
 
     /// Whether rays are a pinhole's: (x, y, 1) on the plane z = 1.
     #[must_use]
-    pub fn is_pinhole(&self) -> bool {
+    pub(crate) fn is_pinhole(&self) -> bool {
         self.distorted_rays.is_empty()
     }
 
     /// The pinhole.
     #[must_use]
-    pub fn pinhole(&self) -> &crate::camera::Intrinsics {
+    pub(crate) fn pinhole(&self) -> &crate::camera::Intrinsics {
         &self.pinhole
     }
 
     /// The solids that may be seen, in the order of their limbs.
     #[must_use]
-    pub fn primitives(&self) -> &[Primitive] {
+    pub(crate) fn primitives(&self) -> &[Primitive] {
         &self.primitives
     }
 
     /// The solid that wins a pixel, and λ/255 there before clipping; `None` for background. Ties go to the first.
     #[must_use]
-    pub fn winner(&self, x: usize, y: usize) -> Option<(&Primitive, f64)> {
+    pub(crate) fn winner(&self, x: usize, y: usize) -> Option<(&Primitive, f64)> {
         let ray = self.ray(x, y);
         let mut darkest = None;
         for primitive in self.primitives.iter().filter(|primitive| primitive.bounds.contains(x, y)) {
@@ -159,23 +174,56 @@ impl View {
 
     /// What the ray of a pixel sees of the limb that wins it; `None` for background and outside the picture.
     #[must_use]
-    pub fn sight(&self, x: usize, y: usize) -> Option<Sight> {
+    pub fn seen_limb(&self, x: usize, y: usize) -> Option<SeenLimb> {
         if x >= self.width || y >= self.height {
             return None;
         }
         let (primitive, _) = self.winner(x, y)?;
         let candidate = primitive.candidate(self.ray(x, y))?;
-        Some(Sight {
+        Some(SeenLimb {
             limb: primitive.limb,
             distance_over_radius: candidate.squared.sqrt() / primitive.radius,
             depth: candidate.depth,
         })
     }
 
+    /// One pixel by the formulas alone: the darkest of all solids, each of which is asked, with its gradient. The
+    /// slowest way there is, for benches and tests to measure others by.
+    #[must_use]
+    pub fn pull_by_every_solid(&self, x: usize, y: usize) -> Option<PixelPull> {
+        let ray = self.ray(x, y);
+        let (mut darkest, mut winner) = (f64::INFINITY, None);
+        for primitive in &self.primitives {
+            let level = primitive.ramp.unclipped(primitive.squared(ray));
+            if level < darkest {
+                (darkest, winner) = (level, Some(primitive));
+            }
+        }
+        winner.map(|primitive| {
+            let sample = primitive.sample(ray);
+            PixelPull { limb: primitive.limb, level: sample.level, wrench: sample.wrench }
+        })
+    }
+
+    /// Whether the kernel in f32 lanes can take the view: all well in front of the camera, no lens. Other views are
+    /// left to the reference kernel.
+    #[must_use]
+    pub fn suits_lanes(&self) -> bool {
+        self.is_pinhole()
+            && self.primitives.iter().all(|primitive| {
+                let near = NEAREST_REACHES * primitive.ramp.reach();
+                match primitive.solid {
+                    Solid::Capsule { p0, p1 } | Solid::Cylinder { p0, p1 } => p0.z.min(p1.z) > near,
+                    Solid::Spheres { p0, p1, count } => count > 1 && p0.z.min(p1.z) > near,
+                    Solid::Sphere { centre, .. } => centre.z > near,
+                }
+            })
+    }
+
     /// Unit ray of a pixel in camera axes. NaN where the lens has no inverse: no solid is seen there.
     #[inline]
     #[must_use]
-    pub fn ray(&self, x: usize, y: usize) -> DVec3 {
+    pub(crate) fn ray(&self, x: usize, y: usize) -> DVec3 {
         if self.distorted_rays.is_empty() {
             self.pinhole.ray(DVec2::new(x as f64, y as f64))
         } else {
@@ -197,3 +245,6 @@ fn distorted_rays(camera: &Camera) -> Vec<DVec3> {
     }
     rays
 }
+
+#[cfg(test)]
+mod footprints;

@@ -74,7 +74,7 @@ impl Default for WrenchBlock {
 impl WrenchBlock {
     /// Adds a pixel with weight w and residual ρ = D − Λ.
     #[inline]
-    pub fn add(&mut self, wrench: Wrench, weight: f64, residual: f64) {
+    pub(crate) fn add(&mut self, wrench: Wrench, weight: f64, residual: f64) {
         let h = wrench.to_array();
         let mut slot = 0;
         for i in 0..7 {
@@ -89,7 +89,7 @@ impl WrenchBlock {
     }
 
     /// Adds sums made elsewhere: M = Σ w h hᵀ (symmetric) and m = Σ w h ρ.
-    pub fn add_sums(&mut self, products: &SMatrix<f64, 7, 7>, forces: &SVector<f64, 7>) {
+    pub(crate) fn add_sums(&mut self, products: &SMatrix<f64, 7, 7>, forces: &SVector<f64, 7>) {
         let mut slot = 0;
         for i in 0..7 {
             self.forces[i] += forces[i];
@@ -102,25 +102,25 @@ impl WrenchBlock {
     }
 
     /// Adds forces at the limb's joints.
-    pub fn add_joints(&mut self, joints: &JointBlock) {
+    pub(crate) fn add_joints(&mut self, joints: &JointBlock) {
         self.joints += *joints;
     }
 
     /// Whether nothing was added but forces at joints.
     #[must_use]
-    pub fn has_no_wrench(&self) -> bool {
+    pub(crate) fn has_no_wrench(&self) -> bool {
         self.pixels == 0
     }
 
     /// What was added as forces at the limb's joints, camera axes.
     #[must_use]
-    pub fn joints(&self) -> &JointBlock {
+    pub(crate) fn joints(&self) -> &JointBlock {
         &self.joints
     }
 
     /// M = Σ w h hᵀ and m = Σ w h ρ of all but the forces at joints, turned from camera to world axes.
     #[must_use]
-    pub fn in_world(&self, camera_from_world: DMat3) -> (SMatrix<f64, 7, 7>, SVector<f64, 7>) {
+    pub(crate) fn in_world(&self, camera_from_world: DMat3) -> (SMatrix<f64, 7, 7>, SVector<f64, 7>) {
         // Force and moment turn, each with itself and with the other; the stretch is a number.
         let c = camera_from_world.to_cols_array();
         let world_from_camera = Matrix3::from_row_slice(&c);

@@ -17,27 +17,23 @@ use std::sync::Arc;
 use glam::DVec3;
 use nalgebra::{SMatrix, SVector};
 
-use crate::body::kinematics::MovingColumn;
-use crate::body::{Kinematics, Model, Parameters, SizeKind, Sizes};
+use crate::body::{Kinematics, Model, MovingColumn, Parameters, SizeKind, Sizes};
 use crate::camera::Camera;
 use crate::optimize::NormalEquations;
-use crate::render::kernels::scalar::RowWinners;
-use crate::render::primitive::Primitive;
-use crate::render::ramp::BACKGROUND;
 use crate::render::wrench::Wrench;
-use crate::render::{Ramp, View};
+use crate::render::{BACKGROUND, Primitive, Ramp, RowWinners, View};
 use crate::silhouette::Measurement;
 
 /// Force, moment, stretch, radius.
-pub const COMPONENTS: usize = 8;
+pub(crate) const COMPONENTS: usize = 8;
 
 /// A pixel's row on its limb, or a column of the limb's map: force and moment (or v and ω) in world axes, stretch,
 /// radius.
-pub type SizeVector = SVector<f64, COMPONENTS>;
+pub(crate) type SizeVector = SVector<f64, COMPONENTS>;
 
 /// Σ w h hᵀ and Σ w h ρ of one limb, world axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SizeBlock {
+pub(crate) struct SizeBlock {
     products: SMatrix<f64, COMPONENTS, COMPONENTS>,
     forces: SizeVector,
 }
@@ -50,7 +46,7 @@ impl Default for SizeBlock {
 
 impl SizeBlock {
     /// Adds another camera's sums with a weight.
-    pub fn add(&mut self, other: &Self, weight: f64) {
+    pub(crate) fn add(&mut self, other: &Self, weight: f64) {
         self.products += other.products * weight;
         self.forces += other.forces * weight;
     }
@@ -62,7 +58,7 @@ impl SizeBlock {
 
 /// One camera's data in one frame, every `stride`-th pixel.
 #[derive(Debug, Clone)]
-pub struct SizeData {
+pub(crate) struct SizeData {
     measurement: Arc<Measurement>,
     stride: usize,
     empty_cost: f64,
@@ -72,7 +68,7 @@ pub struct SizeData {
 impl SizeData {
     /// Takes every `stride`-th pixel, from the middle of the first block.
     #[must_use]
-    pub fn new(measurement: Arc<Measurement>, stride: usize) -> Self {
+    pub(crate) fn new(measurement: Arc<Measurement>, stride: usize) -> Self {
         let stride = stride.max(1);
         let (mut empty_cost, mut total_weight) = (0.0, 0.0);
         for y in (stride / 2..measurement.height()).step_by(stride) {
@@ -88,12 +84,12 @@ impl SizeData {
 
     /// Σ w over the sampled pixels.
     #[must_use]
-    pub fn total_weight(&self) -> f64 {
+    pub(crate) fn total_weight(&self) -> f64 {
         self.total_weight
     }
 
     /// Cost Σ w (D − Λ)², and the sums of every limb. `blocks` has one entry per limb and comes cleared.
-    pub fn accumulate(
+    pub(crate) fn accumulate(
         &self,
         view: &View,
         camera: &Camera,
@@ -130,7 +126,7 @@ impl SizeData {
 
 /// A pixel's row on the limb that wins it; `None` where λ is clipped.
 #[must_use]
-pub fn size_vector(
+pub(crate) fn size_vector(
     view: &View,
     primitive: &Primitive,
     camera: &Camera,
@@ -147,7 +143,7 @@ pub fn size_vector(
 
 /// A column of a limb's 8 × n map that is not zero, with its index in the state.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SizeColumn {
+pub(crate) struct SizeColumn {
     /// The state's column.
     pub index: usize,
     /// What a unit of it does to the limb.
@@ -156,7 +152,7 @@ pub struct SizeColumn {
 
 /// Where poses and sizes stand among the columns of a joint state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ColumnPlaces {
+pub(crate) struct ColumnPlaces {
     /// First column of the frame's pose.
     pub pose: usize,
     /// First column of the sizes.
@@ -167,7 +163,7 @@ pub struct ColumnPlaces {
 /// scaled as a whole: they share the column after those of the free ones.
 ///
 /// `path` is scratch memory.
-pub fn moving_columns(
+pub(crate) fn moving_columns(
     sizes: &Sizes,
     model: &Model,
     kinematics: &Kinematics,
@@ -204,7 +200,7 @@ pub fn moving_columns(
 }
 
 /// Maps a frame's sums to the joint state: JᵀJ += KᵀMK, Jᵀρ += Kᵀm.
-pub fn add_to(
+pub(crate) fn add_to(
     blocks: &[SizeBlock],
     sizes: &Sizes,
     model: &Model,
@@ -235,7 +231,7 @@ pub fn add_to(
     clippy::too_many_arguments,
     reason = "a residual, its weight, where it stands and what it is added to"
 )]
-pub fn add_joint(
+pub(crate) fn add_joint(
     (limb, target): (Option<usize>, DVec3),
     weight: f64,
     sizes: &Sizes,
@@ -277,8 +273,7 @@ mod tests {
     use nalgebra::DMatrix;
 
     use super::*;
-    use crate::body::sizes::SizeChoice;
-    use crate::body::{Pose, builtin};
+    use crate::body::{Pose, SizeChoice, builtin};
     use crate::camera::{CameraFromWorld, Distortion, Intrinsics};
     use crate::optimize::gradient_check::{DifferenceOptions, check_jacobian};
     use crate::render::RendererKind;

@@ -10,8 +10,7 @@
 
 use glam::DVec3;
 
-use crate::body::kinematics::MovingColumn;
-use crate::body::{Kinematics, Model, Parameters, Pose};
+use crate::body::{Kinematics, Model, MovingColumn, Parameters, Pose};
 use crate::geometry::segments::closest_fractions;
 use crate::optimize::NormalEquations;
 
@@ -33,7 +32,7 @@ impl LimbPairs {
             for first in 0..second {
                 let (a, b) = (&limbs[first], &limbs[second]);
                 let joined = a.parent == b.parent || a.parent == Some(second) || b.parent == Some(first);
-                let apart = overlap(model, &rest, first, second).is_none();
+                let apart = contact(model, &rest, first, second).is_none();
                 if a.rotation != b.rotation && !joined && apart {
                     pairs.push((first, second));
                 }
@@ -50,14 +49,14 @@ impl LimbPairs {
 }
 
 /// Two limbs inside each other.
-struct Overlap {
+struct Contact {
     depth: f64,
     normal: DVec3,
     on_first: DVec3,
     on_second: DVec3,
 }
 
-fn overlap(model: &Model, kinematics: &Kinematics, first: usize, second: usize) -> Option<Overlap> {
+fn contact(model: &Model, kinematics: &Kinematics, first: usize, second: usize) -> Option<Contact> {
     let (starts, ends) = (kinematics.starts(), kinematics.ends());
     let (s, t) = closest_fractions(starts[first], ends[first], starts[second], ends[second]);
     let on_first = starts[first].lerp(ends[first], s);
@@ -65,7 +64,7 @@ fn overlap(model: &Model, kinematics: &Kinematics, first: usize, second: usize) 
     let distance = on_first.distance(on_second);
     let depth = model.limbs()[first].radius + model.limbs()[second].radius - distance;
     let normal = (on_first - on_second) / distance.max(CROSSING_M);
-    (depth > 0.0).then_some(Overlap { depth, normal, on_first, on_second })
+    (depth > 0.0).then_some(Contact { depth, normal, on_first, on_second })
 }
 
 /// Adds w ρ² of every pair that overlaps, with a weight in squared grey levels per m². `columns` is memory.
@@ -80,22 +79,22 @@ pub fn add(
 ) {
     let mut row = Vec::new();
     for &(first, second) in &pairs.0 {
-        let Some(overlap) = overlap(model, kinematics, first, second) else { continue };
-        equations.cost += weight * overlap.depth * overlap.depth;
+        let Some(contact) = contact(model, kinematics, first, second) else { continue };
+        equations.cost += weight * contact.depth * contact.depth;
         row.clear();
         row.resize(equations.columns(), 0.0);
-        for (limb, point, sign) in [(first, overlap.on_first, 1.0), (second, overlap.on_second, -1.0)] {
+        for (limb, point, sign) in [(first, contact.on_first, 1.0), (second, contact.on_second, -1.0)] {
             kinematics.moving_columns_into(limb, parameters, columns);
             let arm = point - kinematics.starts()[limb];
             for MovingColumn { index, motion: [vx, vy, vz, wx, wy, wz, scale] } in columns.iter().copied() {
                 let turn = DVec3::new(wx, wy, wz);
                 let moved = DVec3::new(vx, vy, vz) + turn.cross(arm) + scale * arm;
-                row[index] += sign * overlap.normal.dot(moved);
+                row[index] += sign * contact.normal.dot(moved);
             }
         }
         // ρ pushes d up: ∂(prediction)/∂X is the row itself.
         for (i, a) in row.iter().enumerate().filter(|(_, a)| **a != 0.0) {
-            equations.jtr[i] += weight * a * overlap.depth;
+            equations.jtr[i] += weight * a * contact.depth;
             for (j, b) in row.iter().enumerate() {
                 equations.jtj[(i, j)] += weight * a * b;
             }
@@ -140,7 +139,7 @@ mod tests {
         let depths = |pose: &Pose| -> Vec<f64> {
             let kinematics = Kinematics::new(&model, pose);
             let depth =
-                |&(a, b): &(usize, usize)| overlap(&model, &kinematics, a, b).map_or(0.0, |o| o.depth);
+                |&(a, b): &(usize, usize)| contact(&model, &kinematics, a, b).map_or(0.0, |o| o.depth);
             pairs.pairs().iter().map(depth).collect()
         };
         assert!(depths(&pose).iter().filter(|&&depth| depth > 0.0).count() >= 2);

@@ -49,14 +49,14 @@ pub fn add(
 }
 
 /// How one column of the state moves δ: three entries from `first` on.
-struct Rate {
+struct StepRate {
     first: usize,
     by: DVec3,
 }
 
-fn step_and_rates(parameters: Parameters, pose: &Pose, mean: &Pose) -> (DVector<f64>, Vec<Rate>) {
+fn step_and_rates(parameters: Parameters, pose: &Pose, mean: &Pose) -> (DVector<f64>, Vec<StepRate>) {
     let mut step = (pose.root - mean.root).to_array().to_vec();
-    let mut rates: Vec<Rate> = DVec3::AXES.into_iter().map(|by| Rate { first: 0, by }).collect();
+    let mut rates: Vec<StepRate> = DVec3::AXES.into_iter().map(|by| StepRate { first: 0, by }).collect();
     for (q, from) in pose.rotations.iter().zip(&mean.rotations) {
         let phi = log((*q * from.inverse()).normalize());
         let jacobian = left_jacobian_inverse(phi);
@@ -64,10 +64,12 @@ fn step_and_rates(parameters: Parameters, pose: &Pose, mean: &Pose) -> (DVector<
         step.extend(phi.to_array());
         match parameters {
             Parameters::Tangent => {
-                rates.extend(DVec3::AXES.into_iter().map(|axis| Rate { first, by: jacobian * axis }));
+                rates.extend(DVec3::AXES.into_iter().map(|axis| StepRate { first, by: jacobian * axis }));
             }
             Parameters::Raw => {
-                rates.extend(raw_rates(*q).into_iter().map(|(turn, _)| Rate { first, by: jacobian * turn }));
+                rates.extend(
+                    raw_rates(*q).into_iter().map(|(turn, _)| StepRate { first, by: jacobian * turn }),
+                );
             }
         }
     }

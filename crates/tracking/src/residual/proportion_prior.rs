@@ -72,7 +72,7 @@ fn is_between(model: &Model, limb: usize) -> bool {
 
 /// A body's unknown sizes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BodySizes {
+pub(crate) struct BodySizes {
     /// θ, one a parameter.
     pub log_ratios: Vec<f64>,
     /// g.
@@ -84,14 +84,14 @@ pub struct BodySizes {
 impl BodySizes {
     /// A body scaled as a whole by exp(`size`).
     #[must_use]
-    pub fn scaled(sizes: &Sizes, size: f64) -> Self {
+    pub(crate) fn scaled(sizes: &Sizes, size: f64) -> Self {
         Self { log_ratios: vec![size; sizes.count()], size, girth: 0.0 }
     }
 }
 
 /// Adds the prior. The columns of θ stand from `first` on, g and b after them. `weight` is in squared grey levels;
 /// `slack` multiplies the standard deviations of proportions, not those of size and girth.
-pub fn add(
+pub(crate) fn add(
     equations: &mut NormalEquations,
     sizes: &Sizes,
     body: &BodySizes,
@@ -160,8 +160,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::body::builtin;
-    use crate::body::sizes::SizeChoice;
+    use crate::body::{SizeChoice, builtin};
 
     #[test]
     fn a_body_scaled_as_a_whole_costs_only_its_size() {

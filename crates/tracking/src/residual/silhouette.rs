@@ -7,23 +7,17 @@ use glam::DVec3;
 use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::loss::Loss;
-use crate::body::kinematics::MovingColumn;
-use crate::body::{Kinematics, Parameters};
+use crate::body::{Kinematics, MovingColumn, Parameters};
 use crate::camera::Camera;
 use crate::optimize::NormalEquations;
-use crate::render::joint_forces::JointBlock;
-use crate::render::kernels::lanes::{Grid, Lanes};
-use crate::render::kernels::scalar::RowWinners;
-use crate::render::primitive::Primitive;
-use crate::render::ramp::BACKGROUND;
 use crate::render::wrench::WrenchBlock;
-use crate::render::{View, prediction};
+use crate::render::{BACKGROUND, JointBlock, Lanes, PixelGrid, Primitive, RowWinners, View, prediction};
 use crate::silhouette::Measurement;
 
 /// One camera's data on a grid of every `stride`-th pixel.
 #[derive(Debug, Clone)]
 pub struct SampledData {
-    grid: Grid,
+    grid: PixelGrid,
     /// Σ w (D − 255)² and Σ w over the grid.
     empty_cost: f64,
     total_weight: f64,
@@ -33,7 +27,7 @@ impl SampledData {
     /// Takes every `stride`-th pixel, from the middle of the first block.
     #[must_use]
     pub fn new(measurement: &Measurement, stride: usize) -> Self {
-        let grid = Grid::new(measurement.width(), measurement.values(), measurement.weights(), stride);
+        let grid = PixelGrid::new(measurement.width(), measurement.values(), measurement.weights(), stride);
         Self::of(grid)
     }
 
@@ -41,7 +35,7 @@ impl SampledData {
     /// between the samples is never asked for.
     #[must_use]
     pub fn of_pixels(size: [usize; 2], stride: usize, data: impl Fn(usize) -> (f32, f32)) -> Self {
-        Self::of(Grid::of_pixels(size, stride, data))
+        Self::of(PixelGrid::of_pixels(size, stride, data))
     }
 
     /// The same with pixels doubted whose residual at a pose is too large to be believed: weights times c′(ρ²), in
@@ -58,7 +52,7 @@ impl SampledData {
         }))
     }
 
-    fn of(grid: Grid) -> Self {
+    fn of(grid: PixelGrid) -> Self {
         // Several sums side by side do not wait for one another. What pads a row weighs nothing.
         const LANES: usize = 8;
         let (mut costs, mut weights) = ([0.0; LANES], [0.0; LANES]);
@@ -94,16 +88,16 @@ impl SampledData {
     ///
     /// `blocks` has one entry per limb and comes cleared.
     pub fn accumulate(&self, view: &View, memory: &mut KernelMemory, blocks: &mut [WrenchBlock]) -> f64 {
-        if Lanes::can_take(view) {
+        if view.suits_lanes() {
             (self.empty_cost + memory.lanes.accumulate(view, &self.grid, blocks)).max(0.0)
         } else {
-            self.accumulate_scalar(view, &mut memory.row, blocks)
+            self.accumulate_scalar(view, memory, blocks)
         }
     }
 
     /// The cost alone, by the same kernel: to the bit what [`accumulate`](Self::accumulate) returns.
     pub fn cost(&self, view: &View, memory: &mut KernelMemory) -> f64 {
-        if Lanes::can_take(view) {
+        if view.suits_lanes() {
             (self.empty_cost + memory.lanes.cost(view, &self.grid)).max(0.0)
         } else {
             self.pull_scalar(view, &mut memory.row, |_, _, _, _| {})
@@ -111,8 +105,13 @@ impl SampledData {
     }
 
     /// The same by the reference kernel, in f64, one pixel at a time.
-    pub fn accumulate_scalar(&self, view: &View, row: &mut RowWinners, blocks: &mut [WrenchBlock]) -> f64 {
-        self.pull_scalar(view, row, |primitive, ray, weight, residual| {
+    pub fn accumulate_scalar(
+        &self,
+        view: &View,
+        memory: &mut KernelMemory,
+        blocks: &mut [WrenchBlock],
+    ) -> f64 {
+        self.pull_scalar(view, &mut memory.row, |primitive, ray, weight, residual| {
             if let Some(wrench) = primitive.sample(ray).wrench {
                 blocks[primitive.limb].add(wrench, weight, residual);
             }
@@ -127,7 +126,7 @@ impl SampledData {
         row: &mut RowWinners,
         mut pull: impl FnMut(&Primitive, DVec3, f64, f64),
     ) -> f64 {
-        let Grid { rows, stride, offset, .. } = self.grid;
+        let PixelGrid { rows, stride, offset, .. } = self.grid;
         let mut cost = self.empty_cost;
         for grid_row in 0..rows {
             let (y, data) = (self.grid.pixel(grid_row), self.grid.row(grid_row));

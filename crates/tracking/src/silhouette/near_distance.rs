@@ -53,7 +53,7 @@ fn distances(mask: &Mask, subject: PixelBox, margin: usize, far: f32) -> Vec<f32
     let labels: Vec<&[Label]> = rows.clone().map(|y| &mask.labels()[y * width..][columns.clone()]).collect();
     let outside = column_distances(&labels, Label::Subject);
     let inside = column_distances(&labels, Label::Background);
-    let mut search = Search::new(columns.len(), margin);
+    let mut search = NearSearch::new(columns.len(), margin);
     let mut values = vec![far; mask.labels().len()];
     for (row, (y, labels)) in rows.zip(labels).enumerate() {
         let values = &mut values[y * width..][columns.clone()];
@@ -96,14 +96,14 @@ fn column_distances(labels: &[&[Label]], seed: Label) -> Vec<i16> {
 }
 
 /// Buffers for one row.
-struct Search {
+struct NearSearch {
     margin: usize,
     /// g² of the row, with the margin on both sides and up to a whole number of blocks.
     squares: Vec<i16>,
     found: Vec<i16>,
 }
 
-impl Search {
+impl NearSearch {
     fn new(width: usize, margin: usize) -> Self {
         let blocks = width.next_multiple_of(BLOCK);
         // Looking goes in whole steps, so it may reach a little beyond the margin.

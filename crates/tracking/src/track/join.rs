@@ -5,7 +5,7 @@
 //! Over a few frames on both sides the poses go from one to the other on the manifold of poses,
 //! x = f ⊕ w (b ⊖ f), with w from 0 to 1 (⊕ is [`Pose::retract`], ⊖ [`Pose::local`], in tangent columns).
 
-use super::tracker::Track;
+use super::estimate::Track;
 use crate::body::{Kinematics, Model, Parameters, Pose};
 
 /// Frames on each side of the change that are blended.

@@ -5,7 +5,6 @@
 //! few per cent from frame to frame, rises by half.
 
 use std::collections::VecDeque;
-use std::fmt;
 
 /// A frame counts as lost below this overlap of model and silhouettes (IoU).
 pub const LOST_BELOW_IOU: f64 = 0.4;
@@ -38,18 +37,6 @@ pub enum Lost {
         /// RMS over the usual one.
         ratio: f64,
     },
-}
-
-impl fmt::Display for Lost {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Nobody => f.write_str("no camera sees anybody"),
-            Self::Overlap { iou } => write!(f, "model and silhouettes overlap by {iou:.2} only"),
-            Self::Cost { ratio } => {
-                write!(f, "the residual is {ratio:.1} times the usual one: a limb may be lost")
-            }
-        }
-    }
 }
 
 /// The RMS of the last frames that were fitted well.

@@ -3,12 +3,11 @@
 //! `MotionFilter` joins the Kalman filter, which knows no bodies, to poses: the mean pose takes steps by
 //! [`Pose::retract`], differences are [`Pose::local`], both in tangent columns.
 
-use nalgebra::{DMatrix, DVector, Matrix3};
+use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use super::tracker::{FrameEstimate, Track};
-use crate::body::{Kinematics, Model, Parameters, Pose};
-use crate::filter::{Belief, ConstantVelocity, smoother, update};
+use crate::body::{Model, Parameters, Pose};
+use crate::filter::{Belief, ConstantVelocity, update};
 use crate::residual::motion_prior::MotionPrior;
 
 /// How a frame's fit learns from the frames before.
@@ -127,83 +126,4 @@ impl MotionFilter {
         self.belief = Some(belief.clone());
         FrameBelief { belief, predicted }
     }
-}
-
-impl FrameBelief {
-    /// Covariance of a limb's second joint, world m², at the frame's pose.
-    #[must_use]
-    pub fn joint_covariance(&self, kinematics: &Kinematics, limb: usize) -> Matrix3<f64> {
-        let jacobian = kinematics.end_jacobian(limb, Parameters::Tangent);
-        let covariance = &jacobian * self.belief.pose_covariance() * jacobian.transpose();
-        covariance.fixed_view::<3, 3>(0, 0).into_owned()
-    }
-}
-
-/// The track smoothed by what later frames say of earlier ones (Rauch, Tung, Striebel): by all of them, or, with a
-/// `lag`, by so many frames after each, as a live track could show that many frames late.
-///
-/// Frames are taken in the order in which they were tracked; a frame without a belief, or with which nothing
-/// was foretold, begins anew. Costs and overlaps stay those of the filtered poses.
-#[must_use]
-pub fn smoothed(track: &Track, lag: Option<usize>) -> Track {
-    let mut order: Vec<&FrameEstimate> = track.frames.values().collect();
-    let runs_back = |estimate: &&FrameEstimate| {
-        let predicted = estimate.belief.as_ref().and_then(|belief| belief.predicted.as_ref());
-        predicted.is_some_and(|predicted| predicted.seconds < 0.0)
-    };
-    if order.iter().any(runs_back) {
-        order.reverse();
-    }
-    let mut smoothed = track.clone();
-    let mut keep = |estimate: &FrameEstimate, pose: Pose, belief: Belief| {
-        if let Some(target) = smoothed.frames.get_mut(&estimate.frame)
-            && let Some(target_belief) = &mut target.belief
-        {
-            target.pose = pose;
-            target_belief.belief = belief;
-        }
-    };
-    match lag {
-        None => {
-            let mut later = None;
-            for index in (0..order.len()).rev() {
-                later = smoothed_by(order[index], order.get(index + 1).copied(), later);
-                if let Some((pose, belief)) = later.clone() {
-                    keep(order[index], pose, belief);
-                }
-            }
-        }
-        Some(lag) => {
-            for index in 0..order.len() {
-                let last = (index + lag).min(order.len() - 1);
-                let mut later = None;
-                for at in (index..=last).rev() {
-                    let next = (at < last).then(|| order[at + 1]);
-                    later = smoothed_by(order[at], next, later);
-                }
-                if let Some((pose, belief)) = later {
-                    keep(order[index], pose, belief);
-                }
-            }
-        }
-    }
-    smoothed
-}
-
-/// A frame's pose and belief given the next frame's; its own where nothing is known of a next one.
-fn smoothed_by(
-    here: &FrameEstimate,
-    next: Option<&FrameEstimate>,
-    later: Option<(Pose, Belief)>,
-) -> Option<(Pose, Belief)> {
-    let filtered = &here.belief.as_ref()?.belief;
-    let predicted = next.and_then(|next| next.belief.as_ref()?.predicted.as_ref());
-    let by_later = predicted.zip(later).and_then(|(predicted, (pose, belief))| {
-        let difference = DVector::from_vec(pose.local(&predicted.mean));
-        smoother::smooth(filtered, &predicted.belief, &belief, &difference, predicted.seconds)
-    });
-    Some(match by_later {
-        Some(found) => (here.pose.retract(Parameters::Tangent, found.step.as_slice()), found.belief),
-        None => (here.pose.clone(), filtered.clone()),
-    })
 }

@@ -1,22 +1,19 @@
 //! Frame after frame: each fit starts where the motion so far leads.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::evidence::{Evidence, FitError, FitView};
-use super::fit::{Fit, SolverSummary};
-use super::hypotheses::{Hypothesis, HypothesisOptions};
+use super::estimate::{FrameEstimate, iou};
 use super::lost::{Lost, UsualCost};
-use super::motion::{FrameBelief, Motion, MotionFilter, Predicted};
-use super::options::FitOptions;
+use super::motion::{Motion, MotionFilter, Predicted};
 use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::camera::Camera;
 use crate::cancel::CancelToken;
-use crate::optimize::Termination;
+use crate::fit::{Evidence, Fit, FitError, FitOptions, FitView, SolverSummary};
 use crate::render::{Ramp, RendererKind, View, prediction};
 use crate::residual::motion_prior::MotionPrior;
+use crate::search::{self, Hypothesis, SearchOptions};
 use crate::silhouette::{Label, Mask, Overlap};
 
 /// A first fit that overlaps better than this (IoU) is not questioned. On real footage with two and four cameras, fits
@@ -24,10 +21,10 @@ use crate::silhouette::{Label, Mask, Overlap};
 pub const SEARCH_BELOW_IOU: f64 = 0.9;
 
 /// When to look for other poses than the one downhill from the start
-/// ([`hypotheses`](super::hypotheses)): in a first frame, or in one after a lost one.
+/// ([`search`]): in a first frame, or in one after a lost one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Search {
+pub enum WhenToSearch {
     /// Never.
     #[default]
     Never,
@@ -37,58 +34,13 @@ pub enum Search {
     Always,
 }
 
-/// What the tracker found in one frame.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FrameEstimate {
-    /// Number of the frame.
-    pub frame: usize,
-    /// Its pose.
-    pub pose: Pose,
-    /// Cost at the end, squared grey levels, by the last stage's measure.
-    pub cost: f64,
-    /// Root of the mean squared residual per pixel, grey levels.
-    pub rms: f64,
-    /// Overlap of model and silhouette, camera by camera; `None` where there was no mask or nobody in it.
-    pub overlap: Vec<Option<Overlap>>,
-    /// Cameras that had nothing to say and were left out, by name.
-    pub empty_cameras: Vec<String>,
-    /// Iterations, rejected ones included.
-    pub iterations: usize,
-    /// Why the subject, or a limb of it, counts as lost; `None` if it does not.
-    pub lost_because: Option<Lost>,
-    /// Why the fit ended; `None` if there was nothing to fit.
-    pub termination: Option<Termination>,
-    /// What the Kalman filter believed, where it ran.
-    pub belief: Option<FrameBelief>,
-    /// What a search found before the fit, best first; empty where there was none.
-    pub hypotheses: Vec<Hypothesis>,
-}
-
-impl FrameEstimate {
-    /// Overlap of all cameras together; `None` without masks.
-    #[must_use]
-    pub fn iou(&self) -> Option<f64> {
-        iou(&self.overlap)
-    }
-
-    /// Whether the subject, or a limb of it, was lost.
-    #[must_use]
-    pub fn is_lost(&self) -> bool {
-        self.lost_because.is_some()
-    }
-}
-
-fn iou(overlap: &[Option<Overlap>]) -> Option<f64> {
-    overlap.iter().flatten().copied().reduce(Overlap::merge).and_then(|overlap| overlap.iou())
-}
-
 /// The cameras of a frame, and the masks of those that see somebody.
-struct Sight {
+struct FrameMasks {
     cameras: Vec<Arc<Camera>>,
     masks: Vec<Option<Arc<Mask>>>,
 }
 
-impl Sight {
+impl FrameMasks {
     fn of(views: &[FitView]) -> Self {
         let mask = |view: &FitView| match &view.evidence {
             Evidence::Mask(mask) if mask.labels().contains(&Label::Subject) => Some(Arc::clone(mask)),
@@ -111,19 +63,25 @@ impl Sight {
     }
 }
 
-/// A frame's fit.
-struct Attempt {
+/// A frame's fit that has run.
+struct Found {
     fit: Fit,
     summary: SolverSummary,
-    overlap: Vec<Option<Overlap>>,
-    lost: Option<Lost>,
+    hypotheses: Vec<Hypothesis>,
 }
 
-/// Estimates by frame, in the order of the frames.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Track {
-    /// By frame number.
-    pub frames: BTreeMap<usize, FrameEstimate>,
+impl Found {
+    fn run(mut fit: Fit, hypotheses: Vec<Hypothesis>, cancel: &CancelToken) -> Self {
+        let summary = fit.run(cancel, |_| {});
+        Self { fit, summary, hypotheses }
+    }
+}
+
+/// The same, and how it is judged.
+struct Attempt {
+    found: Found,
+    overlap: Vec<Option<Overlap>>,
+    lost: Option<Lost>,
 }
 
 /// Follows a body from frame to frame, forwards or backwards.
@@ -138,7 +96,7 @@ pub struct Tracker {
     lost: bool,
     usual: UsualCost,
     motion: Motion,
-    search: Search,
+    search: WhenToSearch,
     filter: Option<MotionFilter>,
     frame_seconds: f64,
 }
@@ -160,7 +118,7 @@ impl Tracker {
             lost: false,
             usual: UsualCost::default(),
             motion: Motion::default(),
-            search: Search::default(),
+            search: WhenToSearch::default(),
             filter: None,
             frame_seconds: 1.0,
         })
@@ -180,7 +138,7 @@ impl Tracker {
 
     /// Looks for other poses in a first frame and after a lost one.
     #[must_use]
-    pub fn with_search(mut self, search: Search) -> Self {
+    pub fn with_search(mut self, search: WhenToSearch) -> Self {
         self.search = search;
         self
     }
@@ -213,27 +171,26 @@ impl Tracker {
         views: Vec<FitView>,
         cancel: &CancelToken,
     ) -> Result<FrameEstimate, FitError> {
-        let sight = Sight::of(&views);
+        let masks = FrameMasks::of(&views);
         let mut predicted = self.predict(frame);
         let start = predicted.as_ref().map_or(&self.next_start, |predicted| &predicted.mean).clone();
         let prior = self.filter.as_ref().zip(predicted.as_ref()).and_then(|(filter, p)| filter.prior(p));
         let begins = self.last.is_none() || self.lost;
         let again = (!begins).then(|| views.clone());
         let found = if begins {
-            self.fit_widely(views, &start, &sight, cancel)
+            self.fit_widely(views, &start, &masks, cancel)
         } else {
             self.follow(views, start.clone(), prior, cancel)
         };
-        let (fit, summary) = match found {
+        let found = match found {
             Ok(found) => found,
-            Err(FitError::NoData { .. }) => return Ok(self.nobody(frame, start, &sight, predicted)),
+            Err(FitError::NoData { .. }) => return Ok(self.nobody(frame, start, &masks, predicted)),
             Err(error) => return Err(error),
         };
-        let mut attempt = self.attempt(fit, summary, &sight);
+        let mut attempt = self.attempt(found, &masks);
         if let Some(views) = again.filter(|_| attempt.lost.is_some() && !cancel.is_cancelled()) {
-            let (fit, summary) = self.fit_widely(views, &start, &sight, cancel)?;
-            let wider = self.attempt(fit, summary, &sight);
-            if wider.summary.final_rms < attempt.summary.final_rms {
+            let wider = self.attempt(self.fit_widely(views, &start, &masks, cancel)?, &masks);
+            if wider.found.summary.final_rms < attempt.found.summary.final_rms {
                 attempt = wider;
                 // Where the motion was wrong it says nothing of what follows.
                 predicted = None;
@@ -242,16 +199,15 @@ impl Tracker {
         Ok(self.keep(frame, attempt, predicted))
     }
 
-    /// A fit that has run, and how it is judged.
-    fn attempt(&self, fit: Fit, summary: SolverSummary, sight: &Sight) -> Attempt {
-        let overlap = sight.overlap(&self.model, &summary.pose, self.options.renderer);
-        let lost = self.usual.judge(summary.final_rms, iou(&overlap));
-        Attempt { fit, summary, overlap, lost }
+    fn attempt(&self, found: Found, masks: &FrameMasks) -> Attempt {
+        let overlap = masks.overlap(&self.model, &found.summary.pose, self.options.renderer);
+        let lost = self.usual.judge(found.summary.final_rms, iou(&overlap));
+        Attempt { found, overlap, lost }
     }
 
     /// Learns from a frame's fit.
     fn keep(&mut self, frame: usize, attempt: Attempt, predicted: Option<Predicted>) -> FrameEstimate {
-        let Attempt { mut fit, summary, overlap, lost } = attempt;
+        let Attempt { found: Found { mut fit, summary, hypotheses }, overlap, lost } = attempt;
         self.usual.remember(summary.final_rms, lost);
         let belief = self.filter.as_mut().map(|filter| {
             let products = lost.is_none().then(|| fit.frame_equations().jtj);
@@ -268,7 +224,7 @@ impl Tracker {
             lost_because: lost,
             termination: Some(summary.termination),
             belief,
-            hypotheses: summary.hypotheses,
+            hypotheses,
         };
         self.advance(&estimate);
         estimate
@@ -279,17 +235,17 @@ impl Tracker {
         &mut self,
         frame: usize,
         pose: Pose,
-        sight: &Sight,
+        masks: &FrameMasks,
         predicted: Option<Predicted>,
     ) -> FrameEstimate {
         let belief = self.filter.as_mut().map(|filter| filter.learn(&pose, None, predicted));
         let estimate = FrameEstimate {
             frame,
-            overlap: sight.overlap(&self.model, &pose, self.options.renderer),
+            overlap: masks.overlap(&self.model, &pose, self.options.renderer),
             pose,
             cost: 0.0,
             rms: 0.0,
-            empty_cameras: sight.cameras.iter().map(|camera| camera.name().to_owned()).collect(),
+            empty_cameras: masks.cameras.iter().map(|camera| camera.name().to_owned()).collect(),
             iterations: 0,
             lost_because: Some(Lost::Nobody),
             termination: None,
@@ -307,15 +263,14 @@ impl Tracker {
         start: Pose,
         prior: Option<MotionPrior>,
         cancel: &CancelToken,
-    ) -> Result<(Fit, SolverSummary), FitError> {
+    ) -> Result<Found, FitError> {
         let model = Arc::clone(&self.model);
         let options = self.options.clone().near_at_scale(&model, &views, &start);
-        let mut fit = match prior {
+        let fit = match prior {
             Some(prior) => Fit::with_motion_prior(model, views, prior, options),
             None => Fit::new(model, views, start, options),
         }?;
-        let summary = fit.run(cancel, |_| {});
-        Ok((fit, summary))
+        Ok(Found::run(fit, Vec::new(), cancel))
     }
 
     /// Fits a frame from far away: with all stages, and with a search where that is asked for.
@@ -323,24 +278,24 @@ impl Tracker {
         &self,
         views: Vec<FitView>,
         start: &Pose,
-        sight: &Sight,
+        masks: &FrameMasks,
         cancel: &CancelToken,
-    ) -> Result<(Fit, SolverSummary), FitError> {
+    ) -> Result<Found, FitError> {
         let (model, options) = (&self.model, self.options.clone());
-        if self.search == Search::Always {
+        if self.search == WhenToSearch::Always {
             return self.search(views, start, options, cancel);
         }
-        let again = (self.search == Search::WhenPoor).then(|| views.clone());
-        let mut fit = Fit::new(Arc::clone(model), views, start.clone(), options.clone())?;
-        let summary = fit.run(cancel, |_| {});
-        let overlap = || iou(&sight.overlap(model, &summary.pose, options.renderer));
+        let again = (self.search == WhenToSearch::WhenPoor).then(|| views.clone());
+        let fit = Fit::new(Arc::clone(model), views, start.clone(), options.clone())?;
+        let found = Found::run(fit, Vec::new(), cancel);
+        let overlap = || iou(&masks.overlap(model, &found.summary.pose, options.renderer));
         let is_poor = || {
             overlap().is_some_and(|iou| iou < SEARCH_BELOW_IOU)
-                || self.usual.judge(summary.final_rms, None).is_some()
+                || self.usual.judge(found.summary.final_rms, None).is_some()
         };
         match again.filter(|_| is_poor()) {
             Some(views) => self.search(views, start, options, cancel),
-            None => Ok((fit, summary)),
+            None => Ok(found),
         }
     }
 
@@ -350,11 +305,10 @@ impl Tracker {
         start: &Pose,
         options: FitOptions,
         cancel: &CancelToken,
-    ) -> Result<(Fit, SolverSummary), FitError> {
-        let effort = HypothesisOptions::default();
-        let mut fit = Fit::with_hypotheses(Arc::clone(&self.model), views, start, options, &effort, cancel)?;
-        let summary = fit.run(cancel, |_| {});
-        Ok((fit, summary))
+    ) -> Result<Found, FitError> {
+        let effort = SearchOptions::default();
+        let (fit, found) = search::fit_best(Arc::clone(&self.model), views, start, options, &effort, cancel)?;
+        Ok(Found::run(fit, found, cancel))
     }
 
     /// What the Kalman filter foretells of a frame; after a lost one it begins anew.

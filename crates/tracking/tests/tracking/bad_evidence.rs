@@ -5,13 +5,12 @@ use std::sync::Arc;
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::{Evidence, Fit, FitError, FitOptions, FitView, Preset};
+use backlit_tracking::metrics::JointErrors;
 use backlit_tracking::optimize::Termination;
 use backlit_tracking::render::{Ramp, RendererKind, predict};
 use backlit_tracking::silhouette::{Label, Mask, Measurement};
-use backlit_tracking::track::metrics::JointErrors;
-use backlit_tracking::track::{
-    Evidence, Fit, FitError, FitOptions, FitView, FrameEstimate, Preset, Track, Tracker,
-};
+use backlit_tracking::track::{FrameEstimate, Track, Tracker};
 use glam::DVec3;
 
 const SIZE: [usize; 2] = [80, 60];

@@ -1,9 +1,9 @@
 //! Numbers that are none, sizes that are absurd, shapes that are degenerate: an error with the field's name where
 //! something is made, and never a panic or a NaN after that.
 
-use backlit_tracking::body::model::LimbSpec;
 use backlit_tracking::body::{
-    JointLimits, Kinematics, LimbSphere, Model, ModelError, Parameters, Pose, PoseError, Range, builtin,
+    JointLimits, Kinematics, LimbSpec, LimbSphere, Model, ModelError, Parameters, Pose, PoseError, Range,
+    builtin,
 };
 use backlit_tracking::camera::{
     Camera, CameraError, CameraFromWorld, Distortion, Intrinsics, Rectification, Rig,

@@ -2,11 +2,9 @@
 
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
-use backlit_tracking::render::drawing::{MOST_ERROR, draw_plainly};
-use backlit_tracking::render::jacobian::{Motion, for_each_gradient, jacobian_along};
-use backlit_tracking::render::kernels::lanes::Lanes;
+use backlit_tracking::render::{BodyMotion, MOST_ERROR, draw_plainly, jacobian_along};
 use backlit_tracking::render::{Drawing, Prediction, Ramp, RendererKind, View, Wanted, draw};
-use backlit_tracking::track::start;
+use backlit_tracking::search::start;
 use glam::DVec3;
 
 use crate::bodies::with_own_spheres;
@@ -55,7 +53,7 @@ fn direction(model: &Model) -> Vec<f64> {
 struct Case {
     name: String,
     view: View,
-    motion: Motion,
+    motion: BodyMotion,
 }
 
 impl Case {
@@ -66,7 +64,7 @@ impl Case {
         Self {
             name: format!("{} {size:?} {renderer:?} {ramp} seed {seed}", model.name()),
             view: View::new(model, &kinematics, camera, renderer, ramp),
-            motion: Motion::along(&kinematics, camera, Parameters::Tangent, &direction(model)),
+            motion: BodyMotion::along(&kinematics, camera, Parameters::Tangent, &direction(model)),
         }
     }
 
@@ -125,7 +123,7 @@ fn drawings_are_the_oracle_s() {
                     seed += 1;
                     let camera = camera(size, seed as f64, distance, Distortion::None);
                     let case = Case::new(model, seed, &camera, renderer, ramp);
-                    taken += usize::from(Lanes::can_take(&case.view));
+                    taken += usize::from(case.view.suits_lanes());
                     let (fast, oracle) =
                         (draw(&case.view, case.wanted()), draw_plainly(&case.view, case.wanted()));
                     case.compare(&fast, &oracle, &mut failures);
@@ -148,7 +146,7 @@ fn full_hd_drawings_are_the_oracle_s() {
         let camera = camera([1920, 1080], 0.9 * seed as f64, 1.9 + 0.4 * seed as f64, Distortion::None);
         let ramp = Ramp::Distance { inner_px: 1.5, outer_px: 1.5 };
         let case = Case::new(&body, 100 + seed as u64, &camera, *renderer, ramp);
-        assert!(Lanes::can_take(&case.view));
+        assert!(case.view.suits_lanes());
         let oracle = draw_plainly(&case.view, Wanted::default());
         case.compare(&draw(&case.view, Wanted::default()), &oracle, &mut failures);
     }
@@ -169,7 +167,7 @@ fn lenses_and_limbs_around_the_camera_are_drawn_by_the_oracle() {
         {
             let camera = camera([64, 45], 0.4, distance, lens);
             let case = Case::new(&model, seed as u64, &camera, renderer, Ramp::Half);
-            others += usize::from(!Lanes::can_take(&case.view));
+            others += usize::from(!case.view.suits_lanes());
             assert_eq!(
                 draw(&case.view, case.wanted()),
                 draw_plainly(&case.view, case.wanted()),
@@ -193,7 +191,10 @@ fn plain_drawings_hold_the_gradients_of_the_jacobian() {
     let along = jacobian_along(&case.view, &kinematics, &camera, Parameters::Tangent, &direction(&model));
     assert!(along.iter().map(|value| *value as f32).eq(drawing.change.iter().copied()));
     let mut pulls = vec![0.0; 60 * 80];
-    for_each_gradient(&case.view, |x, y, _, wrench| pulls[y * 60 + x] = wrench.force.length() as f32);
+    for (pixel, pull) in pulls.iter_mut().enumerate() {
+        let found = case.view.pull_by_every_solid(pixel % 60, pixel / 60);
+        *pull = found.and_then(|found| found.wrench).map_or(0.0, |wrench| wrench.force.length()) as f32;
+    }
     assert_eq!(pulls, drawing.gradient);
     assert!(pulls.iter().any(|pull| *pull > 0.0));
     assert_eq!(Prediction::of(&case.view), drawing.prediction);
@@ -225,7 +226,7 @@ fn sights_are_of_the_owner() {
         let case = Case::new(&model, 5, &camera, renderer, Ramp::Thesis);
         let drawing = draw(&case.view, Wanted::default());
         for (pixel, &owner) in drawing.prediction.owner.iter().enumerate() {
-            let sight = case.view.sight(pixel % 45, pixel / 45);
+            let sight = case.view.seen_limb(pixel % 45, pixel / 45);
             assert_eq!(sight.map_or(u16::MAX, |sight| sight.limb as u16), owner);
             let Some(sight) = sight else { continue };
             // The thesis ramp: λ/255 = (d/r)²/2 − 1/8.
@@ -235,6 +236,6 @@ fn sights_are_of_the_owner() {
             }
             assert!(sight.depth > 0.5 && sight.depth < 4.0);
         }
-        assert_eq!(case.view.sight(45, 0), None);
+        assert_eq!(case.view.seen_limb(45, 0), None);
     }
 }

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use backlit_lab::experiment::{fig51, upper_body};
+use backlit_lab::experiment::fig51;
+use backlit_lab::synthetic::upper_body;
 use backlit_tracking::body::{Kinematics, Model, ModelSpec, Parameters, Pose, builtin};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::optimize::NormalEquations;
 use backlit_tracking::render::{Prediction, Ramp, RendererKind, View, dense_jacobian, predict};
-use backlit_tracking::track::start::perturb;
+use backlit_tracking::search::start::perturb;
 use nalgebra::{DMatrix, DVector};
 
 const SIZE: [u64; 2] = [96, 72];
@@ -58,7 +59,7 @@ fn the_darkest_limb_wins_not_the_nearest() {
     let views = [alone(0), alone(1)];
     let each = [Prediction::of(&views[0]), Prediction::of(&views[1])];
     let metres = |limb: usize, pixel: usize| {
-        let sight = views[limb].sight(pixel % both.width, pixel / both.width);
+        let sight = views[limb].seen_limb(pixel % both.width, pixel / both.width);
         sight.map_or(f64::INFINITY, |sight| sight.distance_over_radius * model.limbs()[limb].radius)
     };
     let mut told_apart = 0;

@@ -282,7 +282,7 @@ fn assert_finite(name: &str, model: &Model, pose: &Pose, camera: &Camera, failur
                 failures.push(format!("{case}: a level is none"));
             }
             let pixels = (0..drawn.lambda.len()).map(|pixel| [pixel % drawn.width, pixel / drawn.width]);
-            let mut sights = pixels.filter_map(|[x, y]| view.sight(x, y));
+            let mut sights = pixels.filter_map(|[x, y]| view.seen_limb(x, y));
             if drawn.lambda.iter().any(|level| level.is_nan())
                 || sights.any(|sight| sight.depth.is_nan() || sight.distance_over_radius.is_nan())
             {

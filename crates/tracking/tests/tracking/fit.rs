@@ -5,13 +5,12 @@ use std::sync::Arc;
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::{Evidence, Fit, FitError, FitOptions, FitView, Preset, SolverSummary};
 use backlit_tracking::geometry::rotation::exp;
 use backlit_tracking::optimize::Termination;
 use backlit_tracking::render::{Ramp, RendererKind, predict};
 use backlit_tracking::silhouette::{Label, Mask};
-use backlit_tracking::track::{
-    Evidence, Fit, FitError, FitOptions, FitView, Preset, Search, SolverSummary, Tracker,
-};
+use backlit_tracking::track::{Tracker, WhenToSearch};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -289,7 +288,7 @@ fn a_tracker_that_begins_far_away_searches() {
     let mut helped = 0;
     for seed in 0..4 {
         let start = disturbed(&scene.truth, seed, 50.0, 0.1);
-        let errors = [Search::Never, Search::WhenPoor, Search::Always].map(|search| {
+        let errors = [WhenToSearch::Never, WhenToSearch::WhenPoor, WhenToSearch::Always].map(|search| {
             let options = FitOptions::preset(Preset::Robust);
             let tracker = Tracker::new(Arc::clone(&scene.model), options, start.clone()).unwrap();
             let mut tracker = tracker.with_search(search);

@@ -3,8 +3,7 @@
 //! `golden/golden.json` has nineteen cases: three renderers, one limb, a two-limb arm, the upper body; ordinary
 //! views, end-on, an axis parallel to a ray, a limb behind the camera. Thesis ramp; λ to five decimals.
 
-use backlit_tracking::body::model::{FORMAT, LimbSpec};
-use backlit_tracking::body::{Kinematics, Model, ModelSpec, Parameters, Pose};
+use backlit_tracking::body::{FORMAT, Kinematics, LimbSpec, Model, ModelSpec, Parameters, Pose};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::render::{Ramp, RendererKind, View, dense_jacobian, prediction};
 use glam::{DMat3, DVec3};

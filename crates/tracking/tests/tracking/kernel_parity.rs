@@ -3,13 +3,11 @@
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::optimize::NormalEquations;
-use backlit_tracking::render::kernels::lanes::Lanes;
-use backlit_tracking::render::kernels::scalar::RowWinners;
 use backlit_tracking::render::wrench::WrenchBlock;
 use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
 use backlit_tracking::residual::silhouette::{KernelMemory, SampledData, WorldBlocks};
+use backlit_tracking::search::start;
 use backlit_tracking::silhouette::Measurement;
-use backlit_tracking::track::start;
 use glam::DVec3;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
@@ -88,7 +86,7 @@ fn compare(
     data.accumulate(&view, &mut memory, &mut lanes);
     lanes.fill(WrenchBlock::default());
     let lanes_cost = data.accumulate(&view, &mut memory, &mut lanes);
-    let scalar_cost = data.accumulate_scalar(&view, &mut RowWinners::default(), &mut scalar);
+    let scalar_cost = data.accumulate_scalar(&view, &mut KernelMemory::default(), &mut scalar);
     if (lanes_cost - scalar_cost).abs() > COST_TOLERANCE * scalar_cost.max(1.0) {
         failures.push(format!("{name}: cost {lanes_cost} instead of {scalar_cost}"));
     }
@@ -127,7 +125,7 @@ fn lanes_are_the_scalar_kernel() {
                     let seed = (width * 7 + height * 3 + index as u64 * 11 + stride) % 97;
                     let camera = camera(width, height, 0.7 * seed as f64, 3.0);
                     let pose = start::perturb(&model, &Pose::rest(&model), 0.2, 0.05, seed);
-                    taken += usize::from(Lanes::can_take(&view(&model, &pose, &camera, renderer, ramp)));
+                    taken += usize::from(view(&model, &pose, &camera, renderer, ramp).suits_lanes());
                     let data = SampledData::new(&data(&model, &camera, ramp, seed), stride as usize);
                     let name = format!("{model_name} {width}×{height} {renderer} {ramp} stride {stride}");
                     compare(&name, &model, &pose, &camera, (renderer, ramp), &data, &mut failures);
@@ -216,7 +214,7 @@ fn every_pixel_of_the_lanes_is_the_scalar_kernel_s() {
                     data.accumulate(&view, &mut memory, blocks)
                 });
                 let slow = one_pixel(model, &pose, &camera, pixel, |data, blocks| {
-                    data.accumulate_scalar(&view, &mut RowWinners::default(), blocks)
+                    data.accumulate_scalar(&view, &mut KernelMemory::default(), blocks)
                 });
                 rows.push((fast, slow));
             }

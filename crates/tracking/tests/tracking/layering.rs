@@ -5,16 +5,23 @@ use std::path::{Path, PathBuf};
 
 /// Modules that each module may use. A new module needs a row.
 fn allowed(module: &str) -> Option<Vec<&'static str>> {
-    let render = ["body", "camera", "silhouette", "geometry", "cancel"];
+    let fit = ["residual", "render", "body", "camera", "silhouette", "optimize", "cancel"];
     Some(match module {
         "lib" => Vec::new(),
         "geometry" | "cancel" | "optimize" | "silhouette" => Vec::new(),
         "body" | "camera" => vec!["geometry"],
         "segment" => vec!["silhouette", "cancel"],
-        "render" => render.to_vec(),
+        "render" => vec!["body", "camera", "silhouette", "geometry", "cancel"],
         "residual" => vec!["render", "body", "camera", "silhouette", "optimize", "geometry"],
         "filter" => vec!["optimize"],
-        "track" => [&render[..], &["render", "segment", "residual", "optimize", "filter"]].concat(),
+        "metrics" => vec!["body"],
+        "posing" => vec!["body", "residual", "optimize"],
+        "visual_hull" => vec!["camera", "silhouette", "cancel"],
+        "fit" => fit.to_vec(),
+        "observability" => vec!["fit", "residual", "render", "body", "camera", "optimize", "geometry"],
+        "search" => [&fit[..], &["fit", "posing", "metrics", "geometry"]].concat(),
+        "track" => [&fit[..], &["fit", "search", "filter"]].concat(),
+        "body_fit" => [&fit[..], &["fit", "track", "metrics"]].concat(),
         _ => return None,
     })
 }

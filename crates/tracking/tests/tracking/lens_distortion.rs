@@ -3,7 +3,7 @@
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rectification};
 use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
-use backlit_tracking::track::start;
+use backlit_tracking::search::start;
 use glam::DVec3;
 use image::{Rgb, RgbImage};
 

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::{Evidence, FitOptions, FitView, Preset};
 use backlit_tracking::geometry::rotation;
 use backlit_tracking::render::{Ramp, RendererKind, predict};
 use backlit_tracking::silhouette::{Label, Mask};
-use backlit_tracking::track::lost::LOST_BELOW_IOU;
-use backlit_tracking::track::{Evidence, FitOptions, FitView, FrameEstimate, Lost, Preset, Search, Tracker};
+use backlit_tracking::track::{FrameEstimate, LOST_BELOW_IOU, Lost, Tracker, WhenToSearch};
 use glam::DVec3;
 
 /// The frame in which the arm is elsewhere.
@@ -47,7 +47,7 @@ fn views(model: &Model, pose: &Pose) -> Vec<FitView> {
     cameras().into_iter().map(view).collect()
 }
 
-fn track(search: Search) -> (Arc<Model>, Vec<FrameEstimate>) {
+fn track(search: WhenToSearch) -> (Arc<Model>, Vec<FrameEstimate>) {
     let model = Arc::new(builtin::upper_body());
     let options = FitOptions::preset(Preset::Robust);
     let tracker = Tracker::new(Arc::clone(&model), options, truth(&model, 0)).unwrap();
@@ -67,7 +67,7 @@ fn wrist_error_mm(model: &Model, frame: &FrameEstimate) -> f64 {
 
 #[test]
 fn a_lost_arm_is_noticed_by_the_cost_alone() {
-    let (model, frames) = track(Search::Never);
+    let (model, frames) = track(WhenToSearch::Never);
     assert!(
         frames[..JUMP].iter().all(|frame| !frame.is_lost()),
         "{:?}",
@@ -82,7 +82,7 @@ fn a_lost_arm_is_noticed_by_the_cost_alone() {
 
 #[test]
 fn a_lost_arm_is_found_again_in_the_same_frame() {
-    let (model, frames) = track(Search::WhenPoor);
+    let (model, frames) = track(WhenToSearch::WhenPoor);
     for frame in &frames {
         let error = wrist_error_mm(&model, frame);
         assert!(

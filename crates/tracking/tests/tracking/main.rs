@@ -18,5 +18,4 @@ mod lost_limb;
 mod normal_equations;
 mod observability;
 mod robust_terms;
-mod screen_bounds;
 mod segment_footage;

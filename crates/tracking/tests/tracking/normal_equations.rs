@@ -4,7 +4,6 @@ use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
 use backlit_tracking::geometry::rotation::{log, swing_twist};
 use backlit_tracking::optimize::NormalEquations;
-use backlit_tracking::render::kernels::scalar::RowWinners;
 use backlit_tracking::render::wrench::WrenchBlock;
 use backlit_tracking::render::{Ramp, RendererKind, View, dense_jacobian, prediction};
 use backlit_tracking::residual::point::PointTarget;
@@ -91,7 +90,7 @@ fn problem(
         for (index, (world, sums)) in worlds.iter_mut().zip(&mut both_sums).enumerate() {
             let mut blocks = vec![WrenchBlock::default(); model.limbs().len()];
             let cost = match index {
-                0 => sampled.accumulate_scalar(&view, &mut RowWinners::default(), &mut blocks),
+                0 => sampled.accumulate_scalar(&view, &mut KernelMemory::default(), &mut blocks),
                 _ => sampled.accumulate(&view, &mut KernelMemory::default(), &mut blocks),
             };
             sums.cost += camera_weight * cost;

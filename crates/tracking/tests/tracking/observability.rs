@@ -3,15 +3,14 @@
 
 use std::sync::Arc;
 
-use backlit_lab::experiment::scene::hard_mask;
-use backlit_lab::experiment::upper_body;
+use backlit_lab::synthetic::capsules::hard_mask;
+use backlit_lab::synthetic::upper_body;
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::fit::{Evidence, FitOptions, FitView, Objective, Preset};
+use backlit_tracking::observability::{Cause, FrameInformation, Noise, Visibility, camera_subsets};
 use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
 use backlit_tracking::silhouette::{Label, Mask, Measurement};
-use backlit_tracking::track::objective::Objective;
-use backlit_tracking::track::observability::{Cause, FrameInformation, Noise, camera_subsets};
-use backlit_tracking::track::{Evidence, FitOptions, FitView, Preset};
 use glam::{DQuat, DVec3};
 use nalgebra::{DVector, Matrix3, Vector3};
 
@@ -51,8 +50,7 @@ fn twists_of_the_upper_body_are_null_and_named() {
             for (a, b) in swayed.ends().iter().zip(kinematics.ends()) {
                 assert!(a.distance(*b) < 1e-12, "{a} {b}");
             }
-            assert!(found.title(direction).ends_with("twist"));
-            assert!(found.why(direction).starts_with("No camera sees this."));
+            assert_eq!(direction.visibility(), Visibility::Null);
         }
         twisted.sort_unstable();
         twisted.dedup();
@@ -76,7 +74,7 @@ fn what_one_camera_sees_least_is_depth() {
             .map(|s| s.share)
             .sum();
         assert!(depth > 0.5, "{:?}", direction.shares);
-        assert!(found.title(direction).contains("depth"));
+        assert_ne!(direction.visibility(), Visibility::Well);
     }
 }
 
@@ -194,7 +192,7 @@ fn sets_of_cameras_are_what_looking_anew_gives() {
 
         let stage = *plain.stages.last().unwrap();
         let used: Vec<FitView> = alone.into_iter().flatten().collect();
-        let stage = backlit_tracking::track::Stage { stride: 1, ..stage };
+        let stage = backlit_tracking::fit::Stage { stride: 1, ..stage };
         let distances: Vec<_> = used.iter().map(|view| view.distance(&[stage])).collect();
         let mut objective =
             Objective::new(Arc::clone(&model), &used, &distances, &plain, stage, pose.clone());
@@ -236,10 +234,7 @@ fn a_limb_outside_all_pictures_is_without_bound() {
     let found = FrameInformation::new(&model, &[view, None], &options(), &pose).unwrap().observe(&[0, 1]);
     assert_eq!(found.cameras, [0], "a camera without a silhouette says nothing");
     let out = found.directions.iter().filter(|d| d.is_null && d.shares[0].cause == Cause::OutOfPictures);
-    assert!(out.clone().count() >= 2);
-    for direction in out {
-        assert!(found.why(direction).contains("outside all pictures"), "{}", found.why(direction));
-    }
+    assert!(out.count() >= 2);
     let wrist = found.joints.iter().find(|joint| joint.limb == Some(forearm)).unwrap();
     assert!(wrist.is_unbounded() && wrist.worst_deviation_m().is_infinite());
     assert_eq!(found.worst_joint().unwrap().1, f64::INFINITY);

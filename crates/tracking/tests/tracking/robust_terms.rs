@@ -2,17 +2,17 @@
 
 use std::sync::Arc;
 
-use backlit_lab::experiment::curve::mean_joint_error_mm;
-use backlit_lab::experiment::{scene, upper_body};
+use backlit_lab::synthetic::{capsules, upper_body};
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose, builtin};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::{Evidence, Fit, FitOptions, FitView};
+use backlit_tracking::metrics::mean_joint_error_mm;
 use backlit_tracking::optimize::NormalEquations;
+use backlit_tracking::residual::Loss;
 use backlit_tracking::residual::interpenetration::{self, LimbPairs};
-use backlit_tracking::residual::loss::Loss;
 use backlit_tracking::residual::proximal_prior;
+use backlit_tracking::search::start::perturb;
 use backlit_tracking::silhouette::Label;
-use backlit_tracking::track::start::perturb;
-use backlit_tracking::track::{Evidence, Fit, FitOptions, FitView};
 use nalgebra::DVector;
 
 const BOTH: [Parameters; 2] = [Parameters::Raw, Parameters::Tangent];
@@ -110,7 +110,7 @@ fn doubted_pixels_pull_less() {
     let views: Vec<FitView> = cameras
         .iter()
         .map(|camera| {
-            let mut mask = scene::hard_mask(&model, &truth, camera).unwrap();
+            let mut mask = capsules::hard_mask(&model, &truth, camera).unwrap();
             let bounds = mask.bounds().unwrap();
             let width = mask.width();
             let (middle, bottom) = ((bounds.x_min + bounds.x_max) / 2, bounds.y_max);

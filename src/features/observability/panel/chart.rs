@@ -1,7 +1,7 @@
 //! Singular values of JᵀJ, relative to the largest, on a logarithmic scale: one bar a direction, null ones hatched below the
 //! line of what is nothing but rounding.
 
-use backlit_tracking::track::observability::Observability as Figures;
+use backlit_tracking::observability::Observability as Figures;
 use egui::text::{LayoutJob, TextFormat};
 use egui::{
     Align, Align2, Color32, EventFilter, FontId, Key, Painter, Rect, Response, Role, Sense, Shape, Stroke,
@@ -9,6 +9,7 @@ use egui::{
 };
 
 use crate::features::observability::Observability;
+use crate::features::observability::words;
 use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{size, space};
@@ -107,7 +108,7 @@ pub(super) fn ui(ui: &mut Ui, observability: &mut Observability, shown: &Figures
         let index = hovered.unwrap_or_default() + 1;
         let text = format!(
             "Direction {index} of {count}: {}\n{value}. Click to sway along it.",
-            shown.title(direction)
+            words::title(shown, direction)
         );
         response.on_hover_text_at_pointer(text);
     }

@@ -1,7 +1,6 @@
 //! The mathematics of drags, on a full body before a camera.
 
-use backlit_tracking::body::builtin;
-use backlit_tracking::body::{Kinematics, Parameters};
+use backlit_tracking::body::{Kinematics, Parameters, builtin};
 use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
 use proptest::prelude::*;
 

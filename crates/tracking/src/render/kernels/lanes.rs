@@ -43,7 +43,7 @@ use std::ops::Range;
 use pulp::{Arch, Simd, WithSimd};
 
 pub(in crate::render) use drawing::draw;
-pub use grid::Grid;
+pub(crate) use grid::PixelGrid;
 
 use self::grid::RowData;
 use self::ground::Ground;
@@ -51,7 +51,6 @@ use self::pull::Collected;
 use self::sums::SUMS;
 use self::winners::{Band, Row};
 use crate::render::View;
-use crate::render::primitive::Solid;
 use crate::render::ramp::BACKGROUND;
 use crate::render::wrench::WrenchBlock;
 
@@ -59,12 +58,10 @@ use crate::render::wrench::WrenchBlock;
 const BAND_PIXELS: usize = 4 * 1024;
 /// Fewer rows than this would flush their sums too often.
 const LEAST_BAND_ROWS: usize = 4;
-/// A joint nearer to the camera plane than this many reaches is left to the scalar kernel.
-const NEAREST_REACHES: f64 = 1.5;
 
 /// Memory of the kernel, reused from call to call.
 #[derive(Debug, Clone, Default)]
-pub struct Lanes {
+pub(crate) struct Lanes {
     ground: Ground,
     band: Band,
     collected: Collected,
@@ -72,24 +69,10 @@ pub struct Lanes {
 }
 
 impl Lanes {
-    /// Whether the kernel can take a view: all well in front of the camera, no lens.
-    #[must_use]
-    pub fn can_take(view: &View) -> bool {
-        view.is_pinhole()
-            && view.primitives().iter().all(|primitive| {
-                let near = NEAREST_REACHES * primitive.ramp.reach();
-                match primitive.solid {
-                    Solid::Capsule { p0, p1 } | Solid::Cylinder { p0, p1 } => p0.z.min(p1.z) > near,
-                    Solid::Spheres { p0, p1, count } => count > 1 && p0.z.min(p1.z) > near,
-                    Solid::Sphere { centre, .. } => centre.z > near,
-                }
-            })
-    }
-
     /// Adds every limb's pull and returns Σ w ((D − Λ)² − (D − 255)²): what limbs change of the cost.
     ///
-    /// `blocks` has one entry per limb of the model. [`can_take`](Self::can_take) must hold.
-    pub fn accumulate(&mut self, view: &View, grid: &Grid, blocks: &mut [WrenchBlock]) -> f64 {
+    /// `blocks` has one entry per limb of the model. [`View::suits_lanes`] must hold.
+    pub(crate) fn accumulate(&mut self, view: &View, grid: &PixelGrid, blocks: &mut [WrenchBlock]) -> f64 {
         self.prepare(view, grid);
         let cost = Arch::new().dispatch(Pass { lanes: self, grid, pulls: true });
         for (solid, totals) in self.ground.solids.iter().zip(&self.totals) {
@@ -99,20 +82,20 @@ impl Lanes {
     }
 
     /// The same change of the cost without anyone's pull.
-    pub fn cost(&mut self, view: &View, grid: &Grid) -> f64 {
+    pub(crate) fn cost(&mut self, view: &View, grid: &PixelGrid) -> f64 {
         self.prepare(view, grid);
         Arch::new().dispatch(Pass { lanes: self, grid, pulls: false })
     }
 
     /// Looks at every pixel of a view row by row: `see` hears of a row, of the first column that any solid may touch,
-    /// and of λ/255 from there on, before clipping. [`can_take`](Self::can_take) must hold.
-    pub fn look(&mut self, view: &View, see: impl FnMut(usize, usize, &[f32])) {
-        let grid = Grid::without_data([view.width(), view.height()]);
+    /// and of λ/255 from there on, before clipping. [`View::suits_lanes`] must hold.
+    pub(crate) fn look(&mut self, view: &View, see: impl FnMut(usize, usize, &[f32])) {
+        let grid = PixelGrid::without_data([view.width(), view.height()]);
         self.prepare(view, &grid);
         Arch::new().dispatch(Look { lanes: self, grid: &grid, see });
     }
 
-    fn prepare(&mut self, view: &View, grid: &Grid) {
+    fn prepare(&mut self, view: &View, grid: &PixelGrid) {
         self.ground.prepare(view, grid);
         self.band.resize(grid.band_rows() * grid.pitch);
         self.collected.reserve();
@@ -121,7 +104,7 @@ impl Lanes {
     }
 }
 
-impl Grid {
+impl PixelGrid {
     fn band_rows(&self) -> usize {
         (BAND_PIXELS / self.pitch.max(1)).clamp(LEAST_BAND_ROWS, self.rows.max(LEAST_BAND_ROWS))
     }
@@ -129,7 +112,7 @@ impl Grid {
 
 struct Pass<'a> {
     lanes: &'a mut Lanes,
-    grid: &'a Grid,
+    grid: &'a PixelGrid,
     pulls: bool,
 }
 
@@ -156,7 +139,7 @@ impl WithSimd for Pass<'_> {
 /// [`Lanes::look`] as it is dispatched.
 struct Look<'a, F> {
     lanes: &'a mut Lanes,
-    grid: &'a Grid,
+    grid: &'a PixelGrid,
     see: F,
 }
 
@@ -184,7 +167,7 @@ impl<F: FnMut(usize, usize, &[f32])> WithSimd for Look<'_, F> {
 impl Lanes {
     /// Cost of one band of rows, whose winners are known.
     #[inline(always)]
-    fn cost_of_band<S: Simd>(&self, simd: S, rows: Range<usize>, grid: &Grid) -> f64 {
+    fn cost_of_band<S: Simd>(&self, simd: S, rows: Range<usize>, grid: &PixelGrid) -> f64 {
         let mut cost = 0.0;
         for row in rows.clone() {
             let here = self.ground.row(row, &rows, grid, self.ground.touched[row]);
@@ -197,7 +180,7 @@ impl Lanes {
 
     /// Pull of one band of rows, whose winners are known.
     #[inline(always)]
-    fn pull_band<S: Simd>(&mut self, simd: S, rows: Range<usize>, grid: &Grid) {
+    fn pull_band<S: Simd>(&mut self, simd: S, rows: Range<usize>, grid: &PixelGrid) {
         let Self { ground, band, collected, totals } = self;
         for (index, (solid, totals)) in ground.solids.iter().zip(totals).enumerate() {
             for row in solid.rows_in(&rows) {

@@ -5,11 +5,11 @@ use glam::DVec3;
 use crate::render::View;
 
 /// No solid is near this pixel.
-pub const NOBODY: u32 = u32::MAX;
+pub(crate) const NOBODY: u32 = u32::MAX;
 
 /// The winners of one row, reused from row to row.
 #[derive(Debug, Clone, Default)]
-pub struct RowWinners {
+pub(crate) struct RowWinners {
     /// Per pixel, λ/255 before clipping of the darkest solid.
     levels: Vec<f64>,
     /// Per pixel, the index of that solid, or [`NOBODY`].
@@ -23,7 +23,7 @@ impl RowWinners {
     /// Finds, for every `stride`-th pixel of row y from `offset` on, the darkest solid.
     ///
     /// Ties go to the first solid. A solid that is not within reach of the pixel does not win it.
-    pub fn find(&mut self, view: &View, y: usize, stride: usize, offset: usize) {
+    pub(crate) fn find(&mut self, view: &View, y: usize, stride: usize, offset: usize) {
         let width = view.width();
         self.levels.clear();
         self.levels.resize(width, 1.0);
@@ -54,7 +54,7 @@ impl RowWinners {
     /// Index into [`View::primitives`] of the solid that wins pixel x; `None` for background.
     #[inline]
     #[must_use]
-    pub fn winner(&self, x: usize) -> Option<usize> {
+    pub(crate) fn winner(&self, x: usize) -> Option<usize> {
         match self.winners[x] {
             NOBODY => None,
             index => Some(index as usize),
@@ -64,13 +64,13 @@ impl RowWinners {
     /// λ/255 before clipping at pixel x: above 0 and below 1 on a ramp.
     #[inline]
     #[must_use]
-    pub fn level(&self, x: usize) -> f64 {
+    pub(crate) fn level(&self, x: usize) -> f64 {
         self.levels[x]
     }
 
     /// Columns that any solid may touch: from the first sampled one, end excluded.
     #[must_use]
-    pub fn touched(&self) -> std::ops::Range<usize> {
+    pub(crate) fn touched(&self) -> std::ops::Range<usize> {
         self.touched.0..self.touched.1.max(self.touched.0)
     }
 }

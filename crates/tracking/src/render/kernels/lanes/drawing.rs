@@ -12,14 +12,14 @@ use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-use super::grid::Grid;
+use super::grid::PixelGrid;
 use super::ground::Ground;
 use super::pull::Force;
 use super::solid::LaneSolid;
 use super::winners::Band;
 use crate::render::View;
 use crate::render::drawing::{Drawing, MOST_ERROR, Strip, Wanted};
-use crate::render::jacobian::Motion;
+use crate::render::jacobian::BodyMotion;
 use crate::render::prediction::NO_OWNER;
 use crate::render::primitive::Solid;
 use crate::render::ramp::BACKGROUND;
@@ -27,9 +27,9 @@ use crate::render::ramp::BACKGROUND;
 /// Bands that a thread takes at once.
 const LEAST_BANDS: usize = 4;
 
-/// Fills the pictures of a drawing that come in background. [`Lanes::can_take`](super::Lanes::can_take) must hold.
+/// Fills the pictures of a drawing that come in background. [`View::suits_lanes`] must hold.
 pub(in crate::render) fn draw(view: &View, wanted: Wanted<'_>, drawing: &mut Drawing) {
-    let grid = Grid::without_data([view.width(), view.height()]);
+    let grid = PixelGrid::without_data([view.width(), view.height()]);
     let mut ground = Ground::default();
     ground.prepare(view, &grid);
     Arch::new().dispatch(|| ground.cut_spans(&grid));
@@ -37,7 +37,7 @@ pub(in crate::render) fn draw(view: &View, wanted: Wanted<'_>, drawing: &mut Dra
     let limbs = ground.solids.iter().map(|solid| solid.limb as u16).collect();
     let rates = wanted.motion.map(|motion| {
         let solids = ground.solids.iter();
-        solids.map(|solid| Rate::new(solid, &primitives[solid.primitive].solid, motion)).collect()
+        solids.map(|solid| SolidRate::new(solid, &primitives[solid.primitive].solid, motion)).collect()
     });
     let error = ground.solids.iter().map(|solid| solid.error).fold(0.0, f32::max);
     let plan = Plan { ground, grid, view, wanted, limbs, rates, error };
@@ -51,27 +51,27 @@ pub(in crate::render) fn draw(view: &View, wanted: Wanted<'_>, drawing: &mut Dra
 /// What all bands of a view share.
 struct Plan<'a> {
     ground: Ground,
-    grid: Grid,
+    grid: PixelGrid,
     view: &'a View,
     wanted: Wanted<'a>,
     /// By solid.
     limbs: Vec<u16>,
     /// By solid, if a motion is looked at.
-    rates: Option<Vec<Rate>>,
+    rates: Option<Vec<SolidRate>>,
     /// λ/255 is at most this wrong.
     error: f32,
 }
 
 /// How a solid moves, in camera axes; all but the depth times its ramp's factor.
 #[derive(Debug, Clone, Copy)]
-struct Rate {
+struct SolidRate {
     start: [f32; 3],
     axis: [f32; 3],
     depth: f32,
 }
 
-impl Rate {
-    fn new(solid: &LaneSolid, shape: &Solid, motion: &Motion) -> Self {
+impl SolidRate {
+    fn new(solid: &LaneSolid, shape: &Solid, motion: &BodyMotion) -> Self {
         let limb = motion.in_camera(solid.limb);
         let (start, axis, limb_axis) = match *shape {
             Solid::Capsule { p0, p1 } | Solid::Cylinder { p0, p1 } | Solid::Spheres { p0, p1, .. } => {
@@ -266,7 +266,7 @@ fn magnitude<S: Simd>(simd: S, solid: &LaneSolid, force: &Force<S>, by_depth: Op
 
 /// f·v₀ + g₁·v₁, with v₀ how the solid's start moves, v₁ how its axis does, g₁ = t f + κ h; and the depth's part.
 #[inline(always)]
-fn change<S: Simd>(simd: S, rate: &Rate, force: &Force<S>, by_depth: Option<S::f32s>) -> S::f32s {
+fn change<S: Simd>(simd: S, rate: &SolidRate, force: &Force<S>, by_depth: Option<S::f32s>) -> S::f32s {
     let start = dot(simd, force.f, rate.start);
     let axis = dot(simd, force.f, rate.axis);
     let cap = dot(simd, force.cap, rate.axis);

@@ -5,7 +5,7 @@ const PADDING: usize = 16;
 
 /// Every `stride`-th pixel of a picture, packed, with its data.
 #[derive(Debug, Clone, Default)]
-pub struct Grid {
+pub(crate) struct PixelGrid {
     /// Sampled pixels across.
     pub columns: usize,
     /// Sampled pixels down.
@@ -24,18 +24,18 @@ pub struct Grid {
 
 /// Data of one row, from its first column on.
 #[derive(Debug, Clone, Copy)]
-pub struct RowData<'a> {
+pub(crate) struct RowData<'a> {
     /// D.
     pub values: &'a [f32],
     /// Weights.
     pub weights: &'a [f32],
 }
 
-impl Grid {
+impl PixelGrid {
     /// Every `stride`-th pixel of row-major pictures D and its weights, `width` pixels across, from the middle
     /// of the first block on.
     #[must_use]
-    pub fn new(width: usize, values: &[f32], weights: &[f32], stride: usize) -> Self {
+    pub(crate) fn new(width: usize, values: &[f32], weights: &[f32], stride: usize) -> Self {
         let size = [width, values.len() / width.max(1)];
         Self::of_pixels(size, stride, |pixel| (values[pixel], weights[pixel]))
     }
@@ -43,7 +43,7 @@ impl Grid {
     /// The same of a picture of a width and a height whose D and weight are worked out, pixel by pixel.
     #[must_use]
     #[inline]
-    pub fn of_pixels(size: [usize; 2], stride: usize, data: impl Fn(usize) -> (f32, f32)) -> Self {
+    pub(crate) fn of_pixels(size: [usize; 2], stride: usize, data: impl Fn(usize) -> (f32, f32)) -> Self {
         let stride = stride.max(1);
         let offset = stride / 2;
         let [columns, rows] = size.map(|side| side.saturating_sub(offset).div_ceil(stride));
@@ -76,7 +76,7 @@ impl Grid {
     /// The same data with other weights: of every sampled pixel's column and row in the picture, its D and its
     /// weight so far.
     #[must_use]
-    pub fn reweighted(&self, mut weight_of: impl FnMut(usize, usize, f32, f32) -> f32) -> Self {
+    pub(crate) fn reweighted(&self, mut weight_of: impl FnMut(usize, usize, f32, f32) -> f32) -> Self {
         let mut weights = vec![0.0; self.rows * self.pitch];
         for (row, target) in weights.chunks_exact_mut(self.pitch).enumerate() {
             let data = self.row(row);
@@ -91,7 +91,7 @@ impl Grid {
     /// The data of a row.
     #[inline(always)]
     #[must_use]
-    pub fn row(&self, row: usize) -> RowData<'_> {
+    pub(crate) fn row(&self, row: usize) -> RowData<'_> {
         let entries = row * self.pitch..(row + 1) * self.pitch;
         let weights =
             if self.weights.len() == self.pitch { &self.weights[..] } else { &self.weights[entries.clone()] };
@@ -101,13 +101,13 @@ impl Grid {
     /// Pixel coordinate of a sampled column or row.
     #[inline]
     #[must_use]
-    pub fn pixel(&self, index: usize) -> usize {
+    pub(crate) fn pixel(&self, index: usize) -> usize {
         self.offset + index * self.stride
     }
 
     /// First sampled column or row at or after a pixel, at most `limit`.
     #[must_use]
-    pub fn index_from(&self, pixel: usize, limit: usize) -> usize {
+    pub(crate) fn index_from(&self, pixel: usize, limit: usize) -> usize {
         pixel.saturating_sub(self.offset).div_ceil(self.stride).min(limit)
     }
 }

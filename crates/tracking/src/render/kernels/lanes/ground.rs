@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use pulp::Simd;
 
-use super::grid::Grid;
+use super::grid::PixelGrid;
 use super::solid::LaneSolid;
 use super::winners::{Band, Row};
 use crate::render::View;
@@ -25,7 +25,7 @@ pub(super) struct Ground {
 
 impl Ground {
     /// Takes a view's solids. Spans are still to be cut.
-    pub(super) fn prepare(&mut self, view: &View, grid: &Grid) {
+    pub(super) fn prepare(&mut self, view: &View, grid: &PixelGrid) {
         let pinhole = view.pinhole();
         self.xs.clear();
         let (start, step) = ((grid.offset as f64 - pinhole.cx) / pinhole.fx, grid.stride as f64 / pinhole.fx);
@@ -44,7 +44,7 @@ impl Ground {
 
     /// The columns that each solid, and any of them, may touch on each row.
     #[inline(always)]
-    pub(super) fn cut_spans(&mut self, grid: &Grid) {
+    pub(super) fn cut_spans(&mut self, grid: &PixelGrid) {
         self.touched.clear();
         self.touched.resize(grid.rows, [u32::MAX, 0]);
         for solid in &self.solids {
@@ -69,7 +69,7 @@ impl Ground {
 
     /// Some columns of a row of a band.
     #[inline(always)]
-    pub(super) fn row(&self, row: usize, band: &Range<usize>, grid: &Grid, span: [u32; 2]) -> Row<'_> {
+    pub(super) fn row(&self, row: usize, band: &Range<usize>, grid: &PixelGrid, span: [u32; 2]) -> Row<'_> {
         let y = (self.y_line[0] + row as f64 * self.y_line[1]) as f32;
         Row { row, start: (row - band.start) * grid.pitch, y, xs: &self.xs, span }
     }
@@ -81,7 +81,7 @@ impl Ground {
         simd: S,
         band: &mut Band,
         rows: Range<usize>,
-        grid: &Grid,
+        grid: &PixelGrid,
     ) {
         // Plain loops: what an iterator calls is not compiled for the lanes.
         for row in rows.clone() {

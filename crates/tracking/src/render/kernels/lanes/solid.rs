@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3, Vec3};
 
-use super::grid::Grid;
+use super::grid::PixelGrid;
 use crate::camera::Intrinsics;
-use crate::render::primitive::{PixelBox, Primitive, Solid};
+use crate::render::primitive::{Footprint, Primitive, Solid};
 use crate::render::ramp::{RampForm, SolidRamp};
 
 /// The reach is taken this much larger than it is, relatively, where spans are cut.
@@ -112,7 +112,7 @@ struct Edges {
 
 impl LaneSolid {
     /// Constants of a primitive; `None` if it touches no sampled pixel.
-    pub(super) fn new(primitive: &Primitive, pinhole: &Intrinsics, grid: &Grid) -> Option<Self> {
+    pub(super) fn new(primitive: &Primitive, pinhole: &Intrinsics, grid: &PixelGrid) -> Option<Self> {
         let (p0, p1) = match primitive.solid {
             Solid::Capsule { p0, p1 } | Solid::Cylinder { p0, p1 } | Solid::Spheres { p0, p1, .. } => {
                 (p0, p1)
@@ -201,17 +201,17 @@ impl Joint {
 }
 
 impl GridBox {
-    fn new(bounds: &PixelBox, grid: &Grid) -> Self {
+    fn new(bounds: &Footprint, grid: &PixelGrid) -> Self {
         Self {
             columns: [grid.index_from(bounds.x0, grid.columns), grid.index_from(bounds.x1, grid.columns)],
             rows: [grid.index_from(bounds.y0, grid.rows), grid.index_from(bounds.y1, grid.rows)],
         }
     }
 
-    fn around(centre: DVec3, reach: f64, pinhole: &Intrinsics, grid: &Grid) -> Self {
+    fn around(centre: DVec3, reach: f64, pinhole: &Intrinsics, grid: &PixelGrid) -> Self {
         let pixels = |count: usize| grid.pixel(count.saturating_sub(1)) + 1;
         let bounds =
-            PixelBox::around(centre, centre, reach, pinhole, pixels(grid.columns), pixels(grid.rows));
+            Footprint::around(centre, centre, reach, pinhole, pixels(grid.columns), pixels(grid.rows));
         Self::new(&bounds, grid)
     }
 
@@ -233,10 +233,10 @@ impl LaneRamp {
         };
         let (unit, distance, factor) = match form {
             RampForm::Quadratic { alpha, .. } => {
-                (depth * depth, [0.0; 2], -2.0 * crate::render::ramp::BACKGROUND * alpha)
+                (depth * depth, [0.0; 2], -2.0 * crate::render::BACKGROUND * alpha)
             }
             RampForm::Linear { start, width, .. } => {
-                (depth, [start as f32, width as f32], -crate::render::ramp::BACKGROUND / width)
+                (depth, [start as f32, width as f32], -crate::render::BACKGROUND / width)
             }
         };
         Self {
@@ -254,7 +254,14 @@ impl Edges {
     /// The planes through the camera's centre that touch the infinite cylinder of radius `reach` around the
     /// axis: with w the unit vector from the centre to the axis, at distance D, v = â × w and sin φ = reach/D,
     /// a ray e comes within reach where |e·v| cos φ < (e·w) sin φ.
-    fn new(p0: DVec3, a: DVec3, reach: f64, pinhole: &Intrinsics, grid: &Grid, columns: [usize; 2]) -> Self {
+    fn new(
+        p0: DVec3,
+        a: DVec3,
+        reach: f64,
+        pinhole: &Intrinsics,
+        grid: &PixelGrid,
+        columns: [usize; 2],
+    ) -> Self {
         let columns = columns.map(|column| column as f64);
         let mut edges = Self { low: [0.0, f64::NEG_INFINITY], high: [0.0, f64::INFINITY], columns };
         let Some(along) = a.try_normalize() else { return edges };

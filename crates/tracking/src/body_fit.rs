@@ -1,0 +1,31 @@
+//! The person's own size: lengths and radii found together with the poses of several frames.
+//!
+//! Unknown are the tangent steps of every frame's pose, θ = log(size / start's size) of every free length and radius
+//! (left and right share them by default), one size and one girth of the whole body. One least-squares problem holds
+//! the silhouettes of all frames and cameras, the poses' priors and a prior of human proportions; Levenberg and
+//! Marquardt's solver takes it as it takes a single pose. What the silhouettes do not show stays where the proportions
+//! put it, and the report says so.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `options` | [`BodyFitOptions`]: every choice: stages, proportions, which sizes are free |
+//! | [`scale`] | a first guess of the body's size: from known joints, or from silhouettes' places and areas |
+//! | `problem` | poses and sizes as one least-squares problem |
+//! | `fit` | [`fit_body`]: stage after stage |
+//! | `approach` | [`approach()`]: from one frame's start to the poses of several frames, by tracking |
+//! | [`frames`] | [`BodyFrame`]: what a frame contributes; which frames to look at |
+//! | `report` | [`BodyFit`]: what was found, and how well each size is seen |
+
+mod approach;
+mod fit;
+pub mod frames;
+mod options;
+mod problem;
+mod report;
+pub mod scale;
+
+pub use approach::{Approach, approach};
+pub use fit::{BodyFitError, BodyProgress, fit_body};
+pub use frames::BodyFrame;
+pub use options::{BodyFitOptions, BodyStage, CLOTHED};
+pub use report::{BodyFit, SizeEstimate};

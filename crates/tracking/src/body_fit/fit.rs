@@ -1,0 +1,174 @@
+//! The fit itself, stage after stage.
+
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use super::frames::BodyFrame;
+use super::options::BodyFitOptions;
+use super::problem::{BodyProblem, BodyState};
+use super::report::{self, BodyFit};
+use super::scale;
+use crate::body::{Kinematics, Model, ModelError, PoseError, Sizes};
+use crate::cancel::CancelToken;
+use crate::fit::Stage;
+use crate::fit::{Evidence, FitError, FitView};
+use crate::optimize::{Method, Solver, SolverOptions, Termination};
+use crate::render::{Ramp, RendererKind, View, prediction};
+use crate::residual::proportion_prior::BodySizes;
+use crate::silhouette::{Overlap, SignedDistance};
+
+/// How far a fit is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyProgress {
+    /// Index of the stage.
+    pub stage: usize,
+    /// How many stages there are.
+    pub stages: usize,
+    /// Iterations so far, all stages together.
+    pub iterations: usize,
+    /// Root of the mean squared residual per pixel, grey levels.
+    pub rms: f64,
+}
+
+/// Why a body cannot be fitted.
+#[derive(Debug, Error, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum BodyFitError {
+    #[error("frame {frame}: {error}")]
+    Frame { frame: usize, error: FitError },
+    #[error("no frame was given")]
+    NoFrames,
+    #[error("`stages` is empty; expected at least one stage")]
+    NoStages,
+    #[error("`proportions` are not all finite and above 0")]
+    Proportions,
+    #[error("`stages[{stage}]`: stride 0, a ramp without width or a slack that is not above 0")]
+    Stage { stage: usize },
+    #[error(
+        "the body does not overlap the silhouettes of frame {frame} or those after it; expected a better start"
+    )]
+    Lost { frame: usize },
+    #[error(transparent)]
+    Size(#[from] ModelError),
+    #[error("stopped by you")]
+    Cancelled,
+}
+
+/// Fits sizes and poses together. Frames without any silhouette are left out.
+///
+/// The body begins as `start` scaled by exp(`size`), `None`: by what the silhouettes say.
+///
+/// # Errors
+/// Poses that are not the model's, data that are not the cameras', options that make no sense, or no silhouette at all.
+pub fn fit_body(
+    start: Arc<Model>,
+    frames: Vec<BodyFrame>,
+    size: Option<f64>,
+    options: &BodyFitOptions,
+    cancel: &CancelToken,
+    mut progress: impl FnMut(BodyProgress),
+) -> Result<BodyFit, BodyFitError> {
+    check(options)?;
+    let frames = usable(&start, frames)?;
+    let sizes = Sizes::new(start.clone(), options.choice);
+    let (size, poses) = match size {
+        Some(size) => (size, frames.iter().map(|frame| frame.start.normalized()).collect()),
+        None => scale::from_silhouettes(&start, &frames, 0.0),
+    };
+    let stages: Vec<Stage> = options.stages.iter().map(|stage| stage.stage).collect();
+    let of_views = |frame: &BodyFrame| frame.views.iter().map(|view| view.distance(&stages)).collect();
+    let distances: Vec<Vec<Option<SignedDistance>>> = frames.iter().map(of_views).collect();
+    let mut state = BodyState { poses, body: BodySizes::scaled(&sizes, size) };
+    let overlap_before = overlap(&sizes, &state, &frames);
+    let (mut iterations, mut initial_rms, mut last) = (0, None, None);
+    for (index, &stage) in options.stages.iter().enumerate() {
+        let mut problem = BodyProblem::new(&sizes, &frames, &distances, options, stage, state.poses.clone());
+        let solver_options = SolverOptions {
+            method: Method::LevenbergMarquardt,
+            damping: options.damping,
+            max_iterations: stage.stage.iterations,
+            tolerance: stage.stage.tolerance,
+            run_all: false,
+        };
+        let mut solver = Solver::new(&mut problem, state.clone(), solver_options);
+        let mut rms = problem.rms();
+        initial_rms.get_or_insert(rms);
+        while let Some(iteration) = solver.step(&mut problem) {
+            iterations += 1;
+            if iteration.accepted {
+                rms = problem.rms();
+            }
+            progress(BodyProgress { stage: index, stages: options.stages.len(), iterations, rms });
+            if cancel.is_cancelled() {
+                return Err(BodyFitError::Cancelled);
+            }
+        }
+        state = solver.point().clone();
+        let termination = solver.termination().unwrap_or(Termination::NotFinite);
+        last =
+            Some((solver.equations().clone(), problem.shape_unit(), problem.first_size(), rms, termination));
+    }
+    let Some((equations, unit, first_size, final_rms, termination)) = last else {
+        return Err(BodyFitError::NoStages);
+    };
+    let seen = report::deviations(&equations, unit, first_size);
+    let overlap = [overlap_before, overlap(&sizes, &state, &frames)];
+    let rms = [initial_rms.unwrap_or(final_rms), final_rms];
+    let numbers = frames.iter().map(|frame| frame.frame).collect();
+    Ok(report::summary(&sizes, state, &seen, options, numbers, rms, overlap, iterations, termination)?)
+}
+
+fn check(options: &BodyFitOptions) -> Result<(), BodyFitError> {
+    if options.stages.is_empty() {
+        return Err(BodyFitError::NoStages);
+    }
+    if !options.proportions.is_valid() {
+        return Err(BodyFitError::Proportions);
+    }
+    let is_wrong = |stage: &super::BodyStage| {
+        stage.stage.stride == 0
+            || !stage.stage.ramp.is_valid()
+            || !(stage.slack.is_finite() && stage.slack > 0.0)
+    };
+    match options.stages.iter().position(is_wrong) {
+        Some(stage) => Err(BodyFitError::Stage { stage }),
+        None => Ok(()),
+    }
+}
+
+/// Checked frames with a silhouette in at least one camera, without the cameras that have none.
+fn usable(model: &Model, mut frames: Vec<BodyFrame>) -> Result<Vec<BodyFrame>, BodyFitError> {
+    let Some(first) = frames.first().map(|frame| frame.frame) else { return Err(BodyFitError::NoFrames) };
+    for BodyFrame { frame, views, start, .. } in &mut frames {
+        let at_frame = |error: FitError| BodyFitError::Frame { frame: *frame, error };
+        start.check(model).map_err(|error: PoseError| at_frame(error.into()))?;
+        for view in views.iter() {
+            view.check().map_err(at_frame)?;
+        }
+        views.retain(FitView::has_data);
+    }
+    frames.retain(|frame| !frame.views.is_empty());
+    if frames.is_empty() {
+        let reasons = "no frame has a silhouette in any camera that counts".to_owned();
+        return Err(BodyFitError::Frame { frame: first, error: FitError::NoData { reasons } });
+    }
+    Ok(frames)
+}
+
+/// IoU of model and masks, all frames and cameras together; `None` without masks.
+fn overlap(sizes: &Sizes, state: &BodyState, frames: &[BodyFrame]) -> Option<f64> {
+    let model = sizes.model(&state.body.log_ratios, state.body.size).ok()?;
+    let mut sum: Option<Overlap> = None;
+    for (frame, pose) in frames.iter().zip(&state.poses) {
+        let kinematics = Kinematics::new(&model, pose);
+        for view in &frame.views {
+            let Evidence::Mask(mask) = &view.evidence else { continue };
+            let drawn = View::new(&model, &kinematics, &view.camera, RendererKind::Capsule, Ramp::Half);
+            if let Ok(overlap) = Overlap::between(mask, &prediction::lambda(&drawn)) {
+                sum = Some(sum.map_or(overlap, |sum| sum.merge(overlap)));
+            }
+        }
+    }
+    sum.and_then(|overlap| overlap.iou())
+}

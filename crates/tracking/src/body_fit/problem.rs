@@ -1,0 +1,311 @@
+//! Poses and sizes as one least-squares problem: columns are the poses frame by frame, then θ, then size and girth.
+
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+use super::frames::BodyFrame;
+use super::options::{BodyFitOptions, BodyStage};
+use crate::body::sizes::bounded;
+use crate::body::{Kinematics, Model, Parameters, Pose, Sizes};
+use crate::fit::FitView;
+use crate::optimize::{LeastSquares, NormalEquations};
+use crate::render::{BACKGROUND, RendererKind, RowWinners, View};
+use crate::residual::body_size::{self, ColumnPlaces, SizeBlock, SizeData};
+use crate::residual::proportion_prior::{self, BodySizes};
+use crate::residual::{joint_limit, proximal_prior, rest_prior};
+use crate::silhouette::SignedDistance;
+
+/// Poses of all frames, and the sizes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct BodyState {
+    /// One pose a frame.
+    pub(super) poses: Vec<Pose>,
+    /// The body's sizes.
+    pub(super) body: BodySizes,
+}
+
+/// One stage's cost of poses and sizes.
+#[derive(Debug)]
+pub(super) struct BodyProblem<'a> {
+    sizes: &'a Sizes,
+    options: &'a BodyFitOptions,
+    frames: &'a [BodyFrame],
+    stage: BodyStage,
+    /// What the proximal priors pull towards.
+    references: Vec<Pose>,
+    terms: Vec<Term<'a>>,
+    silhouette_cost: f64,
+}
+
+/// One camera in one frame.
+#[derive(Debug)]
+struct Term<'a> {
+    frame: usize,
+    view: &'a FitView,
+    data: SizeData,
+}
+
+impl<'a> BodyProblem<'a> {
+    /// Prepares a stage. `distances` are the distance fields of every frame's views, in their order.
+    #[must_use]
+    pub(super) fn new(
+        sizes: &'a Sizes,
+        frames: &'a [BodyFrame],
+        distances: &[Vec<Option<SignedDistance>>],
+        options: &'a BodyFitOptions,
+        stage: BodyStage,
+        references: Vec<Pose>,
+    ) -> Self {
+        let of_frame = |(frame, (body_frame, distances)): (usize, (&'a BodyFrame, &Vec<_>))| {
+            let terms =
+                body_frame.views.iter().zip(distances).map(move |(view, distance): (_, &Option<_>)| {
+                    let data = view.data(&stage.stage, distance.as_ref());
+                    Term { frame, view, data: SizeData::new(data, stage.stage.stride) }
+                });
+            terms.collect::<Vec<_>>()
+        };
+        let terms = frames.iter().zip(distances).enumerate().flat_map(of_frame).collect();
+        Self { sizes, options, frames, stage, references, terms, silhouette_cost: 0.0 }
+    }
+
+    fn pose_columns(&self) -> usize {
+        Parameters::Tangent.columns(self.sizes.start().rotation_count())
+    }
+
+    /// First column of the sizes.
+    #[must_use]
+    pub(super) fn first_size(&self) -> usize {
+        self.references.len() * self.pose_columns()
+    }
+
+    /// Squared grey levels of a prior weight of 1 at this stage's stride.
+    #[must_use]
+    pub(super) fn prior_unit(&self) -> f64 {
+        BACKGROUND * BACKGROUND / (self.stage.stage.stride * self.stage.stage.stride) as f64
+    }
+
+    /// Squared grey levels of a variance of 1 in the prior of proportions.
+    #[must_use]
+    pub(super) fn shape_unit(&self) -> f64 {
+        self.prior_unit() * self.options.shape_weight * self.pictures()
+    }
+
+    fn pictures(&self) -> f64 {
+        self.terms.iter().map(|term| term.view.weight).sum()
+    }
+
+    /// Root of the mean squared residual per pixel that has weight, grey levels, where it was evaluated last.
+    #[must_use]
+    pub(super) fn rms(&self) -> f64 {
+        let pixels: f64 = self.terms.iter().map(|term| term.data.total_weight() * term.view.weight).sum();
+        if pixels > 0.0 { (self.silhouette_cost / pixels).sqrt() } else { 0.0 }
+    }
+
+    fn add_data(&mut self, model: &Model, poses: &[Pose], equations: &mut NormalEquations) {
+        let kinematics: Vec<Kinematics> = poses.iter().map(|pose| Kinematics::new(model, pose)).collect();
+        let ramp = self.stage.stage.ramp;
+        let limbs = model.limbs().len();
+        let sums: Vec<(f64, Vec<SizeBlock>)> = self
+            .terms
+            .par_iter()
+            .map(|term| {
+                let camera = &term.view.camera;
+                let view = View::new(model, &kinematics[term.frame], camera, RendererKind::Capsule, ramp);
+                let mut blocks = vec![SizeBlock::default(); limbs];
+                let mut row = RowWinners::default();
+                let cost = term.data.accumulate(&view, camera, ramp, &mut row, &mut blocks);
+                (cost, blocks)
+            })
+            .collect();
+        // Merged in the order of frames and cameras: the same bits however the work was shared out.
+        self.silhouette_cost = 0.0;
+        let mut merged = vec![vec![SizeBlock::default(); limbs]; poses.len()];
+        for (term, (cost, blocks)) in self.terms.iter().zip(&sums) {
+            self.silhouette_cost += term.view.weight * cost;
+            for (sum, block) in merged[term.frame].iter_mut().zip(blocks) {
+                sum.add(block, term.view.weight);
+            }
+        }
+        equations.cost += self.silhouette_cost;
+        // A keypoint is as much as all pictures of its frame, at its deviation.
+        let weight = self.prior_unit() * self.pictures()
+            / (self.frames.len() as f64 * self.options.joint_deviation.powi(2));
+        for (frame, blocks) in merged.iter().enumerate() {
+            let places = ColumnPlaces { pose: frame * self.pose_columns(), sizes: self.first_size() };
+            let kinematics = &kinematics[frame];
+            body_size::add_to(blocks, self.sizes, model, kinematics, places, equations);
+            for &joint in &self.frames[frame].joints {
+                let root = poses[frame].root;
+                body_size::add_joint(joint, weight, self.sizes, model, kinematics, root, places, equations);
+            }
+        }
+    }
+
+    fn add_pose_priors(&self, poses: &[Pose], equations: &mut NormalEquations) {
+        let (options, unit, model) = (self.options, self.prior_unit(), self.sizes.start());
+        let columns = self.pose_columns();
+        let mut priors = NormalEquations::zeros(columns);
+        for (frame, (pose, reference)) in poses.iter().zip(&self.references).enumerate() {
+            priors.clear();
+            let weight = unit * options.proximal_weight;
+            let root = weight * options.proximal_root_factor;
+            proximal_prior::add(&mut priors, Parameters::Tangent, pose, reference, weight, root);
+            rest_prior::add(&mut priors, Parameters::Tangent, model, pose, unit * options.rest_weight);
+            joint_limit::add(&mut priors, Parameters::Tangent, model, pose, unit * options.limit_weight);
+            let first = frame * columns;
+            let mut block = equations.jtj.view_mut((first, first), (columns, columns));
+            block += &priors.jtj;
+            let mut rows = equations.jtr.rows_mut(first, columns);
+            rows += &priors.jtr;
+            equations.cost += priors.cost;
+        }
+    }
+}
+
+impl LeastSquares for BodyProblem<'_> {
+    type Point = BodyState;
+
+    fn evaluate(&mut self, state: &BodyState, equations: &mut NormalEquations) {
+        let Ok(model) = self.sizes.model(&state.body.log_ratios, state.body.size) else {
+            // Sizes out of range: such a step is taken back.
+            equations.cost = f64::INFINITY;
+            return;
+        };
+        self.add_data(&model, &state.poses, equations);
+        self.add_pose_priors(&state.poses, equations);
+        proportion_prior::add(
+            equations,
+            self.sizes,
+            &state.body,
+            &self.options.proportions,
+            self.stage.slack,
+            self.shape_unit(),
+            self.first_size(),
+        );
+    }
+
+    fn columns(&self) -> usize {
+        self.first_size() + self.sizes.count() + 2
+    }
+
+    fn retract(&self, state: &BodyState, step: &DVector<f64>) -> BodyState {
+        let columns = self.pose_columns();
+        let blocks = step.as_slice().chunks_exact(columns);
+        let poses = state.poses.iter().zip(blocks);
+        let sizes = &step.as_slice()[self.first_size()..];
+        let body = &state.body;
+        let grown = body.log_ratios.iter().zip(sizes);
+        BodyState {
+            poses: poses.map(|(pose, block)| pose.retract(Parameters::Tangent, block)).collect(),
+            body: BodySizes {
+                log_ratios: grown.map(|(theta, grown)| bounded(theta + grown)).collect(),
+                size: bounded(body.size + sizes[self.sizes.count()]),
+                girth: bounded(body.girth + sizes[self.sizes.count() + 1]),
+            },
+        }
+    }
+
+    fn cap(&self, step: &mut DVector<f64>) {
+        let columns = self.pose_columns();
+        let mut scale: f64 = 1.0;
+        for block in step.as_slice()[..self.first_size()].chunks_exact(columns) {
+            let length = |part: &[f64]| part.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-12);
+            scale = scale.min(self.options.largest_move / length(&block[..3]));
+            for turn in block[3..].chunks_exact(3) {
+                scale = scale.min(self.options.largest_turn / length(turn));
+            }
+        }
+        for grown in &step.as_slice()[self.first_size()..] {
+            scale = scale.min(self.options.largest_growth / grown.abs().max(1e-12));
+        }
+        if scale < 1.0 {
+            *step *= scale;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::DVec3;
+
+    use super::*;
+    use crate::body::{SizeChoice, builtin};
+    use crate::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+    use crate::fit::Evidence;
+    use crate::optimize::gradient_check::{DifferenceOptions, check_gradient};
+    use crate::silhouette::Measurement;
+
+    #[test]
+    fn the_gradient_is_that_of_the_cost() {
+        for (lengths, radii) in [(true, true), (true, false), (false, true), (false, false)] {
+            check_choice(SizeChoice { lengths, radii, symmetric: radii });
+        }
+    }
+
+    /// Two frames with two cameras, grey data, joints and all priors: the gradient of the whole by every column.
+    fn check_choice(choice: SizeChoice) {
+        let start = Arc::new(builtin::upper_body());
+        let sizes = Sizes::new(start.clone(), choice);
+        let camera = |centre: DVec3| {
+            let place = CameraFromWorld::looking_at(centre, DVec3::new(0.0, 0.3, 0.0), DVec3::Y);
+            let intrinsics = Intrinsics { fx: 40.0, fy: 41.0, cx: 19.5, cy: 15.5 };
+            Arc::new(Camera::new("c", [40, 32], intrinsics, Distortion::None, place).unwrap())
+        };
+        let view = |centre: DVec3, weight: f64| {
+            let values = (0..40 * 32).map(|i| 127.0 + 120.0 * (i as f32 * 0.31).sin()).collect();
+            let data = Measurement::new(40, 32, values, vec![1.0; 40 * 32]).unwrap();
+            FitView { camera: camera(centre), evidence: Evidence::Measurement(Arc::new(data)), weight }
+        };
+        let columns = Parameters::Tangent.columns(start.rotation_count());
+        let bent = |seed: f64| -> Pose {
+            let step: Vec<f64> = (0..columns).map(|i| 0.2 * (i as f64 * 1.7 + seed).sin()).collect();
+            Pose::rest(&start).retract(Parameters::Tangent, &step)
+        };
+        let frames: Vec<BodyFrame> = [0.0, 2.0]
+            .map(|seed| BodyFrame {
+                frame: seed as usize,
+                views: vec![view(DVec3::new(0.1, 0.3, 2.0), 1.0), view(DVec3::new(1.8, 0.5, 0.4), 0.5)],
+                start: bent(seed),
+                joints: vec![(None, DVec3::new(0.1, -0.05, 0.0)), (Some(5), DVec3::new(-0.4, 0.3, 0.2))],
+            })
+            .to_vec();
+        let options = BodyFitOptions::default();
+        let distances = vec![vec![None, None]; 2];
+        let mut stage = options.stages[1];
+        stage.stage.stride = 1;
+        let references = vec![bent(0.3), bent(2.2)];
+        let mut problem = BodyProblem::new(&sizes, &frames, &distances, &options, stage, references);
+        let ratios = (0..sizes.count()).map(|i| 0.1 * (i as f64 * 2.3).sin()).collect();
+        let state = BodyState {
+            poses: vec![bent(0.0), bent(2.0)],
+            body: BodySizes { log_ratios: ratios, size: 0.07, girth: -0.04 },
+        };
+        let first_size = problem.first_size();
+        let moved = |column: usize, offset: f64| {
+            let mut moved = state.clone();
+            if column < first_size {
+                let (frame, column) = (column / columns, column % columns);
+                moved.poses[frame] = moved.poses[frame].nudged(Parameters::Tangent, column, offset);
+            } else {
+                match column - first_size {
+                    size if size < sizes.count() => moved.body.log_ratios[size] += offset,
+                    size if size == sizes.count() => moved.body.size += offset,
+                    _ => moved.body.girth += offset,
+                }
+            }
+            moved
+        };
+        let name = |column: usize| match column.checked_sub(first_size) {
+            None => format!("frame {}, pose column {}", column / columns, column % columns),
+            Some(size) => sizes.parameters().get(size).map_or_else(
+                || "size or girth".to_owned(),
+                |parameter| format!("{} {}", parameter.name, parameter.kind),
+            ),
+        };
+        let options = DifferenceOptions { tolerance: 1e-5, ..DifferenceOptions::default() };
+        let check = check_gradient(&mut problem, &state, moved, name, &options);
+        assert!(check.passes() && check.skipped_share() < 0.3, "{choice:?}: {check}");
+    }
+}

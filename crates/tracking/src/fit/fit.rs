@@ -1,0 +1,355 @@
+//! One frame's fit, iteration by iteration, stage after stage. Every iteration is kept, rejected ones too.
+
+use std::sync::Arc;
+
+use super::evidence::{FitError, FitView};
+use super::objective::{Constraints, Objective};
+use super::options::FitOptions;
+use super::prepared::Prepared;
+use crate::body::{Model, Pose};
+use crate::cancel::CancelToken;
+use crate::optimize::{NormalEquations, Solver, SolverOptions, Termination};
+use crate::residual::Loss;
+use crate::residual::motion_prior::MotionPrior;
+use crate::silhouette::SignedDistance;
+
+/// The last stages, in which pixels may be doubted.
+const DOUBTING_STAGES: usize = 2;
+
+/// One iteration of a fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IterationRecord {
+    /// Pose after it: unchanged if the trial was rejected.
+    pub pose: Pose,
+    /// Index of the stage it belongs to. Costs are comparable within a stage.
+    pub stage: usize,
+    /// Cost of the pose, squared grey levels, priors included.
+    pub cost: f64,
+    /// Root of the mean squared residual per pixel, grey levels; priors left out.
+    pub rms: f64,
+    /// Cost of the trial.
+    pub trial_cost: f64,
+    /// By how much the linear model foretold the cost to fall.
+    pub predicted_decrease: f64,
+    /// By how much it fell; negative if it rose.
+    pub actual_decrease: f64,
+    /// Damping, in units of mean(diag JᵀJ).
+    pub damping: f64,
+    /// Length of the step, metres and radians together.
+    pub step_norm: f64,
+    /// Largest entry of Jᵀρ where the step began.
+    pub gradient_max: f64,
+    /// Whether the trial was kept.
+    pub accepted: bool,
+}
+
+/// What a fit did.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SolverSummary {
+    /// Why it ended.
+    pub termination: Termination,
+    /// Where it ended.
+    pub pose: Pose,
+    /// Cost at the start of the first stage.
+    pub initial_cost: f64,
+    /// Cost at the end, by the last stage's measure.
+    pub final_cost: f64,
+    /// Root of the mean squared residual per pixel at the end.
+    pub final_rms: f64,
+    /// Every iteration.
+    pub iterations: Vec<IterationRecord>,
+    /// Cameras that had nothing to say, by name.
+    pub empty_cameras: Vec<String>,
+}
+
+/// A fit that is stepped from outside.
+#[derive(Debug)]
+pub struct Fit {
+    model: Arc<Model>,
+    options: FitOptions,
+    views: Vec<FitView>,
+    distances: Vec<Option<SignedDistance>>,
+    reference: Pose,
+    constraints: Constraints,
+    stage: usize,
+    objective: Objective,
+    solver: Solver<Pose>,
+    rms: f64,
+    initial_cost: f64,
+    initial_rms: f64,
+    iterations: Vec<IterationRecord>,
+    empty_cameras: Vec<String>,
+    termination: Option<Termination>,
+}
+
+impl Fit {
+    /// Prepares a fit. Cameras whose silhouette is empty are left out and named in the summary.
+    ///
+    /// A start that no camera sees ends before the first step with [`Termination::NoGradient`]: priors alone
+    /// never move the body.
+    ///
+    /// # Errors
+    /// A pose that is not the model's, data that are not the camera's, options that make no sense, or no
+    /// camera with a silhouette.
+    pub fn new(
+        model: Arc<Model>,
+        views: Vec<FitView>,
+        start: Pose,
+        options: FitOptions,
+    ) -> Result<Self, FitError> {
+        Self::with_free_rotations(model, views, start, options, None)
+    }
+
+    /// The same with only some rotations free to move (`free[rotation]`), to refit a limb or a chain.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), or `free` is not as long as the model has rotations.
+    pub fn with_free_rotations(
+        model: Arc<Model>,
+        views: Vec<FitView>,
+        start: Pose,
+        options: FitOptions,
+        free: Option<Vec<bool>>,
+    ) -> Result<Self, FitError> {
+        if let Some(found) = free.as_ref().map(Vec::len)
+            && found != model.rotation_count()
+        {
+            return Err(FitError::FreeRotations { found, expected: model.rotation_count() });
+        }
+        let options = options.at_scale(&model, &views, &start);
+        let prepared = Prepared::new(&model, views, &start, &options, |_, _, _| 0.0)?;
+        let pose = prepared.start.clone();
+        let constraints = Constraints { free, motion: None };
+        Ok(Self::begin(model, prepared, options, constraints, 0, &pose))
+    }
+
+    /// A fit that goes on from a pose with the last stage alone.
+    pub(crate) fn at_last_stage(
+        model: Arc<Model>,
+        prepared: Prepared,
+        options: FitOptions,
+        pose: &Pose,
+    ) -> Self {
+        let last = options.stages.len() - 1;
+        Self::begin(model, prepared, options, Constraints::default(), last, pose)
+    }
+
+    /// A fit whose start is what the motion so far foretells: the prior takes the place of the proximal one.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub(crate) fn with_motion_prior(
+        model: Arc<Model>,
+        views: Vec<FitView>,
+        prior: MotionPrior,
+        options: FitOptions,
+    ) -> Result<Self, FitError> {
+        let options = options.at_scale(&model, &views, &prior.mean);
+        let prepared = Prepared::new(&model, views, &prior.mean, &options, |_, _, _| 0.0)?;
+        let pose = prepared.start.clone();
+        let constraints = Constraints { free: None, motion: Some(Arc::new(prior)) };
+        Ok(Self::begin(model, prepared, options, constraints, 0, &pose))
+    }
+
+    fn begin(
+        model: Arc<Model>,
+        prepared: Prepared,
+        options: FitOptions,
+        constraints: Constraints,
+        stage: usize,
+        pose: &Pose,
+    ) -> Self {
+        let Prepared { views, distances, start, empty_cameras } = prepared;
+        let (objective, solver) =
+            Self::begin_stage(&model, &views, &distances, &options, stage, &start, pose, constraints.clone());
+        let rms = objective.rms();
+        let termination = objective.is_blind().then_some(Termination::NoGradient);
+        Self {
+            initial_cost: solver.cost(),
+            initial_rms: rms,
+            rms,
+            termination,
+            reference: start,
+            constraints,
+            stage,
+            objective,
+            solver,
+            iterations: Vec::new(),
+            empty_cameras,
+            model,
+            options,
+            views,
+            distances,
+        }
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "the parts of a fit, before there is one")]
+    fn begin_stage(
+        model: &Arc<Model>,
+        views: &[FitView],
+        distances: &[Option<SignedDistance>],
+        options: &FitOptions,
+        index: usize,
+        reference: &Pose,
+        pose: &Pose,
+        constraints: Constraints,
+    ) -> (Objective, Solver<Pose>) {
+        let stage = options.stages[index];
+        let mut objective =
+            Objective::new(Arc::clone(model), views, distances, options, stage, reference.clone());
+        objective.constrain(constraints);
+        // A wide stage begins far off: there every pixel would be doubted.
+        if options.pixel_loss != Loss::Squares && index > 0 && index + DOUBTING_STAGES >= options.stages.len()
+        {
+            objective.doubt_pixels(pose, options.pixel_loss);
+        }
+        let solver_options = SolverOptions {
+            method: options.method,
+            damping: options.damping,
+            max_iterations: stage.iterations,
+            tolerance: stage.tolerance,
+            run_all: options.run_all,
+        };
+        let solver = Solver::new(&mut objective, pose.clone(), solver_options);
+        (objective, solver)
+    }
+
+    /// One iteration; `None` once the last stage has ended.
+    pub fn step(&mut self) -> Option<IterationRecord> {
+        loop {
+            if self.termination.is_some() {
+                return None;
+            }
+            if let Some(iteration) = self.solver.step(&mut self.objective) {
+                if iteration.accepted {
+                    self.rms = self.objective.rms();
+                }
+                let record = IterationRecord {
+                    pose: iteration.point,
+                    stage: self.stage,
+                    cost: iteration.cost,
+                    rms: self.rms,
+                    trial_cost: iteration.trial_cost,
+                    predicted_decrease: iteration.predicted_decrease,
+                    actual_decrease: iteration.actual_decrease,
+                    damping: iteration.damping,
+                    step_norm: iteration.step_norm,
+                    gradient_max: iteration.gradient_max,
+                    accepted: iteration.accepted,
+                };
+                self.iterations.push(record.clone());
+                return Some(record);
+            }
+            if self.stage + 1 == self.options.stages.len()
+                || self.solver.termination() == Some(Termination::NotFinite)
+            {
+                self.termination = self.solver.termination();
+                return None;
+            }
+            self.stage += 1;
+            let pose = self.solver.point().clone();
+            (self.objective, self.solver) = Self::begin_stage(
+                &self.model,
+                &self.views,
+                &self.distances,
+                &self.options,
+                self.stage,
+                &self.reference,
+                &pose,
+                self.constraints.clone(),
+            );
+            self.rms = self.objective.rms();
+        }
+    }
+
+    /// Runs to the end or until cancelled.
+    pub fn run(&mut self, cancel: &CancelToken, mut on_step: impl FnMut(&IterationRecord)) -> SolverSummary {
+        while !cancel.is_cancelled() {
+            match self.step() {
+                Some(record) => on_step(&record),
+                None => break,
+            }
+        }
+        self.summary()
+    }
+
+    /// Its choices: what it was given, made to the scale of its views where that was asked for.
+    #[must_use]
+    pub fn options(&self) -> &FitOptions {
+        &self.options
+    }
+
+    /// Where it stands.
+    #[must_use]
+    pub fn pose(&self) -> &Pose {
+        self.solver.point()
+    }
+
+    /// Cost where it stands, by the current stage's measure.
+    #[must_use]
+    pub fn cost(&self) -> f64 {
+        self.solver.cost()
+    }
+
+    /// Root of the mean squared residual per pixel where it stands.
+    #[must_use]
+    pub fn rms(&self) -> f64 {
+        self.rms
+    }
+
+    /// Root of the mean squared residual per pixel at the start.
+    #[must_use]
+    pub fn initial_rms(&self) -> f64 {
+        self.initial_rms
+    }
+
+    /// Cost at the start.
+    #[must_use]
+    pub fn initial_cost(&self) -> f64 {
+        self.initial_cost
+    }
+
+    /// Index of the stage it is in.
+    #[must_use]
+    pub fn stage(&self) -> usize {
+        self.stage
+    }
+
+    /// Normal equations where it stands: what the cameras see of each direction.
+    #[must_use]
+    pub fn equations(&self) -> &NormalEquations {
+        self.solver.equations()
+    }
+
+    /// Normal equations of what the frame says by itself where the fit stands, without any pull to another pose:
+    /// in tangent columns and as if every pixel were sampled, by the current stage's measure.
+    pub fn frame_equations(&mut self) -> NormalEquations {
+        self.objective.frame_equations(self.solver.point())
+    }
+
+    /// Why it ended; `None` while it may go on.
+    #[must_use]
+    pub fn termination(&self) -> Option<Termination> {
+        self.termination
+    }
+
+    /// Cameras that had nothing to say, by name.
+    #[must_use]
+    pub fn empty_cameras(&self) -> &[String] {
+        &self.empty_cameras
+    }
+
+    /// What it did so far; not ended means cancelled.
+    #[must_use]
+    pub fn summary(&self) -> SolverSummary {
+        SolverSummary {
+            termination: self.termination.unwrap_or(Termination::Cancelled),
+            pose: self.pose().clone(),
+            initial_cost: self.initial_cost,
+            final_cost: self.cost(),
+            final_rms: self.rms,
+            iterations: self.iterations.clone(),
+            empty_cameras: self.empty_cameras.clone(),
+        }
+    }
+}

@@ -1,0 +1,274 @@
+//! The cost of a pose: silhouettes of all cameras plus priors, as a least-squares problem.
+
+use std::sync::Arc;
+
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+use super::evidence::FitView;
+use super::options::{FitOptions, Stage};
+use crate::body::{Kinematics, Model, MovingColumn, Parameters, Pose};
+use crate::optimize::{LeastSquares, NormalEquations};
+use crate::render::wrench::WrenchBlock;
+use crate::render::{BACKGROUND, Footprint, View};
+use crate::residual::Loss;
+use crate::residual::interpenetration::{self, LimbPairs};
+use crate::residual::motion_prior::{self, MotionPrior};
+use crate::residual::silhouette::{KernelMemory, SampledData, WorldBlocks};
+use crate::residual::{joint_limit, proximal_prior, rest_prior};
+use crate::silhouette::SignedDistance;
+
+/// Sharing cameras among threads pays above some 200 µs of work: about so many pixels in the solids' boxes.
+const PARALLEL_PIXELS: usize = 150_000;
+
+/// One stage's cost of a pose. Keeps its memory from evaluation to evaluation.
+#[derive(Debug)]
+pub struct Objective {
+    model: Arc<Model>,
+    options: FitOptions,
+    stage: Stage,
+    cameras: Vec<CameraTerm>,
+    reference: Pose,
+    constraints: Constraints,
+    kinematics: Kinematics,
+    world: WorldBlocks,
+    columns: Vec<MovingColumn>,
+    /// Limbs that must not overlap; none where that is not asked for.
+    pairs: Option<LimbPairs>,
+    silhouette_cost: f64,
+}
+
+/// What a fit holds and what pulls at it besides its options.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Constraints {
+    /// Rotations that may move; all when `None`. The root's position moves only when all rotations do.
+    pub(super) free: Option<Vec<bool>>,
+    /// What the motion so far says of the pose. It takes the place of the proximal prior.
+    pub(super) motion: Option<Arc<MotionPrior>>,
+}
+
+#[derive(Debug)]
+struct CameraTerm {
+    fit_view: FitView,
+    data: SampledData,
+    view: View,
+    memory: KernelMemory,
+    blocks: Vec<WrenchBlock>,
+    cost: f64,
+}
+
+impl CameraTerm {
+    /// Sampled pixels in the boxes of all solids at the last evaluated pose: how much work it is, roughly.
+    fn area_px(&self) -> usize {
+        let area = |bounds: &Footprint| (bounds.x1 - bounds.x0) * (bounds.y1 - bounds.y0);
+        let stride = self.data.stride();
+        self.view.primitives().iter().map(|primitive| area(&primitive.bounds)).sum::<usize>()
+            / (stride * stride)
+    }
+}
+
+impl Objective {
+    /// Prepares a stage. `distances` are the views' distance fields, in their order; `reference` is what the
+    /// proximal prior pulls towards.
+    #[must_use]
+    pub fn new(
+        model: Arc<Model>,
+        views: &[FitView],
+        distances: &[Option<SignedDistance>],
+        options: &FitOptions,
+        stage: Stage,
+        reference: Pose,
+    ) -> Self {
+        let kinematics = Kinematics::new(&model, &reference);
+        let limbs = model.limbs().len();
+        let cameras = views
+            .iter()
+            .zip(distances)
+            .map(|(view, distance)| CameraTerm {
+                data: view.sampled_data(&stage, distance.as_ref()),
+                view: View::new(&model, &kinematics, &view.camera, options.renderer, stage.ramp),
+                memory: KernelMemory::default(),
+                blocks: vec![WrenchBlock::default(); limbs],
+                fit_view: view.clone(),
+                cost: 0.0,
+            })
+            .collect();
+        Self {
+            options: options.clone(),
+            stage,
+            cameras,
+            reference,
+            constraints: Constraints::default(),
+            world: WorldBlocks::new(limbs),
+            columns: Vec::new(),
+            pairs: (options.interpenetration_weight > 0.0).then(|| LimbPairs::of(&model)),
+            kinematics,
+            model,
+            silhouette_cost: 0.0,
+        }
+    }
+
+    /// Doubts pixels whose residual at a pose is too large to be believed.
+    pub(super) fn doubt_pixels(&mut self, pose: &Pose, loss: Loss) {
+        self.kinematics.update(&self.model, pose);
+        for term in &mut self.cameras {
+            let camera = &term.fit_view.camera;
+            term.view.prepare(&self.model, &self.kinematics, camera, self.options.renderer, self.stage.ramp);
+            term.data = term.data.doubted(&term.view, loss);
+        }
+    }
+
+    /// Constrains the pose.
+    pub(super) fn constrain(&mut self, constraints: Constraints) {
+        self.constraints = constraints;
+    }
+
+    /// JᵀJ, Jᵀρ and cost of what a frame says by itself: silhouettes, rest and limits, without any pull to another
+    /// pose. In tangent columns and as if every pixel were sampled.
+    pub fn frame_equations(&mut self, pose: &Pose) -> NormalEquations {
+        let mut equations = NormalEquations::zeros(Parameters::Tangent.columns(self.model.rotation_count()));
+        self.look(pose);
+        self.world.add_to(&self.kinematics, Parameters::Tangent, &mut self.columns, &mut equations);
+        equations.cost = self.silhouette_cost;
+        self.add_anatomy(pose, Parameters::Tangent, &mut equations);
+        let pixels = (self.stage.stride * self.stage.stride) as f64;
+        equations.jtj *= pixels;
+        equations.jtr *= pixels;
+        equations.cost *= pixels;
+        equations
+    }
+
+    /// Whether no pixel had a gradient at the last evaluated pose: the cameras do not see the body.
+    #[must_use]
+    pub(super) fn is_blind(&self) -> bool {
+        self.world.is_empty()
+    }
+
+    /// Root of the mean squared residual per pixel that has weight, grey levels.
+    #[must_use]
+    pub fn rms(&self) -> f64 {
+        let pixels: f64 =
+            self.cameras.iter().map(|term| term.data.total_weight() * term.fit_view.weight).sum();
+        if pixels > 0.0 { (self.silhouette_cost / pixels).sqrt() } else { 0.0 }
+    }
+
+    /// Squared grey levels per rad² of a prior weight of 1.
+    fn prior_unit(&self) -> f64 {
+        self.stage.priors * BACKGROUND * BACKGROUND / (self.stage.stride * self.stage.stride) as f64
+    }
+
+    fn add_interpenetration(&mut self, equations: &mut NormalEquations) {
+        let Some(pairs) = &self.pairs else { return };
+        let weight = self.prior_unit() * self.options.interpenetration_weight;
+        let (parameters, columns) = (self.options.parameters, &mut self.columns);
+        interpenetration::add(equations, parameters, &self.model, &self.kinematics, pairs, weight, columns);
+    }
+
+    fn add_priors(&self, pose: &Pose, equations: &mut NormalEquations) {
+        let (options, unit) = (&self.options, self.prior_unit());
+        let parameters = options.parameters;
+        if let Some(prior) = &self.constraints.motion {
+            let scale = 1.0 / (self.stage.stride * self.stage.stride) as f64;
+            motion_prior::add(equations, parameters, pose, prior, scale);
+        } else if options.proximal_weight > 0.0 {
+            let weight = unit * options.proximal_weight;
+            let (root, loss) = (options.proximal_root_factor, options.proximal_loss);
+            proximal_prior::add_robust(equations, parameters, pose, &self.reference, weight, root, loss);
+        }
+        self.add_anatomy(pose, parameters, equations);
+    }
+
+    /// What bodies do: limbs untwisted, joints within their limits.
+    fn add_anatomy(&self, pose: &Pose, parameters: Parameters, equations: &mut NormalEquations) {
+        let (options, unit) = (&self.options, self.prior_unit());
+        if options.rest_weight > 0.0 {
+            rest_prior::add(equations, parameters, &self.model, pose, unit * options.rest_weight);
+        }
+        if options.limit_weight > 0.0 {
+            joint_limit::add(equations, parameters, &self.model, pose, unit * options.limit_weight);
+        }
+    }
+
+    fn hold(&self, equations: &mut NormalEquations) {
+        let Some(free) = &self.constraints.free else { return };
+        let parameters = self.options.parameters;
+        let held = (0..free.len()).filter(|&rotation| !free[rotation]).flat_map(|rotation| {
+            let first = parameters.first_column(rotation);
+            first..first + parameters.per_rotation()
+        });
+        let root = if free.iter().all(|&is_free| is_free) { 0..0 } else { 0..3 };
+        for column in root.chain(held) {
+            equations.jtj.row_mut(column).fill(0.0);
+            equations.jtj.column_mut(column).fill(0.0);
+            equations.jtr[column] = 0.0;
+        }
+    }
+}
+
+impl Objective {
+    /// Renders the pose in every camera: costs and world blocks.
+    fn look(&mut self, pose: &Pose) {
+        let (model, options, ramp) = (&self.model, &self.options, self.stage.ramp);
+        self.kinematics.update(model, pose);
+        let kinematics = &self.kinematics;
+        let one = |term: &mut CameraTerm| {
+            term.view.prepare(model, kinematics, &term.fit_view.camera, options.renderer, ramp);
+            term.blocks.fill(WrenchBlock::default());
+            term.cost = term.data.accumulate(&term.view, &mut term.memory, &mut term.blocks);
+        };
+        let is_large = self.cameras.iter().map(CameraTerm::area_px).sum::<usize>() >= PARALLEL_PIXELS;
+        if is_large && self.cameras.len() > 1 && rayon::current_num_threads() > 1 {
+            self.cameras.par_iter_mut().for_each(one);
+        } else {
+            self.cameras.iter_mut().for_each(one);
+        }
+        // Merged in the cameras' order: the same bits however the work was shared out.
+        self.world.clear();
+        self.silhouette_cost = 0.0;
+        for term in &self.cameras {
+            self.silhouette_cost += term.fit_view.weight * term.cost;
+            self.world.add(&term.fit_view.camera, &term.blocks, term.fit_view.weight);
+        }
+    }
+}
+
+impl LeastSquares for Objective {
+    type Point = Pose;
+
+    fn evaluate(&mut self, pose: &Pose, equations: &mut NormalEquations) {
+        self.look(pose);
+        equations.cost += self.silhouette_cost;
+        let parameters = self.options.parameters;
+        self.world.add_to(&self.kinematics, parameters, &mut self.columns, equations);
+        self.add_priors(pose, equations);
+        self.add_interpenetration(equations);
+        self.hold(equations);
+    }
+
+    fn columns(&self) -> usize {
+        self.options.parameters.columns(self.model.rotation_count())
+    }
+
+    fn retract(&self, pose: &Pose, step: &DVector<f64>) -> Pose {
+        pose.retract(self.options.parameters, step.as_slice())
+    }
+
+    fn cap(&self, step: &mut DVector<f64>) {
+        let parameters = self.options.parameters;
+        // Half the angle is what four coefficients measure.
+        let unit = if parameters == Parameters::Raw { 2.0 } else { 1.0 };
+        let mut scale: f64 = 1.0;
+        if let Some(largest) = self.options.largest_move {
+            scale = scale.min(largest / step.rows(0, 3).norm().max(1e-12));
+        }
+        if let Some(largest) = self.options.largest_turn {
+            for rotation in 0..self.model.rotation_count() {
+                let block = step.rows(parameters.first_column(rotation), parameters.per_rotation());
+                scale = scale.min(largest / (unit * block.norm()).max(1e-12));
+            }
+        }
+        if scale < 1.0 {
+            *step *= scale;
+        }
+    }
+}

@@ -1,0 +1,360 @@
+//! Every choice of a fit, each of which can be switched by itself, and the two presets.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::body::Parameters;
+use crate::optimize::Method;
+use crate::render::{Ramp, RendererKind};
+use crate::residual::Loss;
+
+/// How the mask is looked at. The mask is the evidence; these are views of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum DataView {
+    /// Black and white.
+    #[default]
+    Hard,
+    /// Averaged over a square of (2 radius + 1)² pixels.
+    Averaged {
+        /// Pixels.
+        radius_px: usize,
+    },
+    /// Grey by the distance to the border, with the widths of the stage's `distance` ramp.
+    Distance,
+}
+
+/// One stage of the annealing: wide and coarse first, narrow and fine last.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stage {
+    /// The prediction's ramp.
+    pub ramp: Ramp,
+    /// The data's view of the mask.
+    pub data: DataView,
+    /// Every so many pixels across and down.
+    pub stride: usize,
+    /// Most iterations of this stage.
+    pub iterations: usize,
+    /// Stop the stage when an accepted step lowers the cost by less than this fraction.
+    pub tolerance: Option<f64>,
+    /// Factor on the weights of all priors in this stage.
+    #[serde(default = "full_weight")]
+    pub priors: f64,
+}
+
+fn full_weight() -> f64 {
+    1.0
+}
+
+/// Every choice of a fit.
+///
+/// Prior weights are in 255² squared grey levels per rad² at stride 1; at stride s they are divided by s², as
+/// the pixels are.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FitOptions {
+    /// The solid that stands for a limb.
+    pub renderer: RendererKind,
+    /// Raw coefficients or tangent update.
+    pub parameters: Parameters,
+    /// How steps are made.
+    pub method: Method,
+    /// Damping at the start of every stage, in units of mean(diag JᵀJ).
+    pub damping: f64,
+    /// Stages of the first frame, from far away.
+    pub stages: Vec<Stage>,
+    /// Whether the stages are made to suit how large the body appears ([`at_scale`](Self::at_scale)): they are
+    /// meant for a person of some hundred pixels.
+    #[serde(default)]
+    pub to_scale: bool,
+    /// How many of the first stages a tracked frame skips: it starts near.
+    pub skip_when_tracking: usize,
+    /// Pull towards the pose that the fit began with.
+    pub proximal_weight: f64,
+    /// Weight of the root's position in that pull, per m², relative to a rotation's per rad².
+    pub proximal_root_factor: f64,
+    /// How that pull grows with a rotation's angle, radians: squares hold a far start back most, robust losses
+    /// let go of what moved far.
+    pub proximal_loss: Loss,
+    /// How large a pixel's residual may be and be believed, in grey levels. Weights are renewed where each of the
+    /// last two stages begins; a fit of one stage believes every pixel.
+    pub pixel_loss: Loss,
+    /// Pull of every limb's twist towards none.
+    pub rest_weight: f64,
+    /// Joint limits.
+    pub limit_weight: f64,
+    /// Limbs inside one another, in 255² squared grey levels per m² at stride 1; 0 leaves them.
+    pub interpenetration_weight: f64,
+    /// Longest turn of one joint in a step, radians; infinite steps are the report's.
+    pub largest_turn: Option<f64>,
+    /// Longest move of the root in a step, metres.
+    pub largest_move: Option<f64>,
+    /// Whether every stage runs all its iterations, whatever the cost does: for measuring times and for
+    /// comparing solvers step by step.
+    pub run_all: bool,
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        Self::preset(Preset::Robust)
+    }
+}
+
+/// A named set of choices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    /// The 2004 report: raw coefficients, thesis ramp, capsule, fixed damping, 25 iterations.
+    Report,
+    /// Tangent Levenberg-Marquardt on annealed distance-transform data with priors and limits.
+    #[default]
+    Robust,
+}
+
+impl Preset {
+    /// All presets, in the order in which they are offered.
+    pub const ALL: [Self; 2] = [Self::Report, Self::Robust];
+
+    /// Its name for people.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Report => "Report 2004",
+            Self::Robust => "Robust",
+        }
+    }
+}
+
+impl fmt::Display for Preset {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Report => "report",
+            Self::Robust => "robust",
+        })
+    }
+}
+
+/// Text that is not a preset.
+#[derive(Debug, Error, Clone, PartialEq, Eq)]
+#[error("\"{0}\" is not a preset; expected report or robust")]
+pub struct ParsePresetError(String);
+
+impl FromStr for Preset {
+    type Err = ParsePresetError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text {
+            "report" => Ok(Self::Report),
+            "robust" => Ok(Self::Robust),
+            _ => Err(ParsePresetError(text.to_owned())),
+        }
+    }
+}
+
+/// Iterations a frame in the report (chapter 5).
+const REPORT_ITERATIONS: usize = 25;
+
+/// Inner width of the robust preset's distance ramps, pixels. The annealing narrows the outer width only: a
+/// prediction's inner width ends at its limb's radius and the data's does not, so inside the body the two mean
+/// the same only where they are narrower than every limb.
+const ROBUST_INNER_PX: f64 = 1.5;
+
+impl FitOptions {
+    /// The choices of a preset.
+    #[must_use]
+    pub fn preset(preset: Preset) -> Self {
+        match preset {
+            Preset::Report => Self {
+                renderer: RendererKind::Capsule,
+                parameters: Parameters::Raw,
+                method: Method::GaussNewton,
+                damping: 0.1,
+                stages: vec![Stage {
+                    ramp: Ramp::Thesis,
+                    data: DataView::Hard,
+                    stride: 1,
+                    iterations: REPORT_ITERATIONS,
+                    tolerance: None,
+                    priors: 1.0,
+                }],
+                to_scale: false,
+                skip_when_tracking: 0,
+                proximal_weight: 0.0,
+                proximal_root_factor: 11.0,
+                proximal_loss: Loss::Squares,
+                pixel_loss: Loss::Squares,
+                rest_weight: 0.0,
+                limit_weight: 0.0,
+                interpenetration_weight: 0.0,
+                largest_turn: None,
+                largest_move: None,
+                run_all: false,
+            },
+            Preset::Robust => Self {
+                renderer: RendererKind::Capsule,
+                parameters: Parameters::Tangent,
+                method: Method::LevenbergMarquardt,
+                damping: 0.01,
+                stages: [(24.0, 4), (12.0, 4), (6.0, 4), (3.0, 2), (1.5, 2)]
+                    .map(|(outer_px, stride)| Stage {
+                        ramp: Ramp::Distance { inner_px: ROBUST_INNER_PX, outer_px },
+                        data: DataView::Distance,
+                        stride,
+                        iterations: 12,
+                        tolerance: Some(1e-3),
+                        priors: 1.0,
+                    })
+                    .to_vec(),
+                to_scale: true,
+                skip_when_tracking: 1,
+                proximal_weight: 30.0,
+                proximal_root_factor: 11.0,
+                proximal_loss: Loss::Squares,
+                pixel_loss: Loss::Squares,
+                rest_weight: 30.0,
+                limit_weight: 300.0,
+                interpenetration_weight: 0.0,
+                largest_turn: Some(0.3),
+                largest_move: Some(0.15),
+                run_all: false,
+            },
+        }
+    }
+
+    /// The preset that these choices are, if they are one's to the letter.
+    #[must_use]
+    pub fn as_preset(&self) -> Option<Preset> {
+        Preset::ALL.into_iter().find(|&preset| *self == Self::preset(preset))
+    }
+
+    /// The ramp of the last stage: what the result is judged and shown by.
+    #[must_use]
+    pub fn final_ramp(&self) -> Ramp {
+        self.stages.last().map_or(Ramp::Half, |stage| stage.ramp)
+    }
+
+    /// The same with one stage of this ramp, as `--ramp` asks for. Distance ramps look at distance data.
+    #[must_use]
+    pub fn with_ramp(mut self, ramp: Ramp) -> Self {
+        let data = if matches!(ramp, Ramp::Distance { .. }) { DataView::Distance } else { DataView::Hard };
+        let last = self.stages.last().copied();
+        let iterations = self.stages.iter().map(|stage| stage.iterations).sum::<usize>().max(1);
+        let tolerance = last.and_then(|stage| stage.tolerance);
+        self.stages = vec![Stage { ramp, data, stride: 1, iterations, tolerance, priors: 1.0 }];
+        (self.to_scale, self.skip_when_tracking) = (false, 0);
+        self
+    }
+
+    /// The same with so many iterations in all, shared equally among the stages, the first ones taking what
+    /// is left over. Stages without a share are dropped.
+    #[must_use]
+    pub fn with_iterations(mut self, iterations: usize) -> Self {
+        self.to_scale = false;
+        let stages = self.stages.len().max(1);
+        let (share, left_over) = (iterations / stages, iterations % stages);
+        for (index, stage) in self.stages.iter_mut().enumerate() {
+            stage.iterations = share + usize::from(index < left_over);
+        }
+        if iterations > 0 {
+            self.stages.retain(|stage| stage.iterations > 0);
+            self.skip_when_tracking = self.skip_when_tracking.min(self.stages.len().saturating_sub(1));
+        }
+        self
+    }
+
+    /// First thing wrong with the numbers, by field.
+    ///
+    /// # Errors
+    /// A weight or damping that is negative or not finite; no stage; a stride of zero.
+    pub fn check(&self) -> Result<(), OptionsError> {
+        let weights = [
+            ("damping", self.damping),
+            ("proximal_weight", self.proximal_weight),
+            ("proximal_root_factor", self.proximal_root_factor),
+            ("rest_weight", self.rest_weight),
+            ("limit_weight", self.limit_weight),
+            ("interpenetration_weight", self.interpenetration_weight),
+            ("largest_turn", self.largest_turn.unwrap_or(1.0)),
+            ("largest_move", self.largest_move.unwrap_or(1.0)),
+        ];
+        if let Some(&(field, value)) = weights.iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0))
+        {
+            return Err(OptionsError::Number { field, value });
+        }
+        if self.stages.is_empty() {
+            return Err(OptionsError::NoStages);
+        }
+        if !self.pixel_loss.is_valid() {
+            return Err(OptionsError::Loss { field: "pixel_loss" });
+        }
+        if !self.proximal_loss.is_valid() {
+            return Err(OptionsError::Loss { field: "proximal_loss" });
+        }
+        for (index, stage) in self.stages.iter().enumerate() {
+            if !(stage.priors.is_finite() && stage.priors >= 0.0) {
+                return Err(OptionsError::Number { field: "stages.priors", value: stage.priors });
+            }
+            if stage.stride == 0 {
+                return Err(OptionsError::Stride { index });
+            }
+            if !stage.ramp.is_valid() {
+                return Err(OptionsError::Ramp { index, ramp: stage.ramp });
+            }
+            let is_distance = matches!(stage.ramp, Ramp::Distance { .. });
+            if stage.data == DataView::Distance && !is_distance {
+                return Err(OptionsError::DistanceData { index });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What is wrong with options.
+#[derive(Debug, Error, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum OptionsError {
+    #[error("`{field}` is {value}; expected a finite number, 0 or more")]
+    Number { field: &'static str, value: f64 },
+    #[error("`{field}` has a scale that is not above 0; expected radians")]
+    Loss { field: &'static str },
+    #[error("`stages` is empty; expected at least one stage")]
+    NoStages,
+    #[error("`stages[{index}].stride` is 0; expected 1 or more pixels")]
+    Stride { index: usize },
+    #[error("`stages[{index}].ramp` is {ramp}; expected widths of finite pixels above 0")]
+    Ramp { index: usize, ramp: Ramp },
+    #[error("`stages[{index}]`: data = \"distance\" needs a distance ramp, whose widths it takes")]
+    DistanceData { index: usize },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn presets_are_valid_and_know_themselves() {
+        for preset in Preset::ALL {
+            let options = FitOptions::preset(preset);
+            assert_eq!(options.check(), Ok(()));
+            assert_eq!(options.as_preset(), Some(preset));
+            let text = serde_json::to_string(&options).unwrap();
+            assert_eq!(serde_json::from_str::<FitOptions>(&text).unwrap(), options);
+        }
+    }
+
+    #[test]
+    fn iterations_are_shared_out() {
+        let shares = |iterations| -> Vec<usize> {
+            let options = FitOptions::preset(Preset::Robust).with_iterations(iterations);
+            assert_eq!(options.check(), Ok(()));
+            options.stages.iter().map(|stage| stage.iterations).collect()
+        };
+        assert_eq!(shares(52), [11, 11, 10, 10, 10]);
+        assert_eq!(shares(2), [1, 1]);
+        assert_eq!(shares(0), [0; 5]);
+    }
+}

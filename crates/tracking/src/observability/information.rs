@@ -1,0 +1,301 @@
+//! What each camera says of a pose by itself: JᵀJ, which limbs it sees, and how its pixels err.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use nalgebra::{DMatrix, DVector, Matrix6, SMatrix, SVector};
+use rayon::prelude::*;
+
+use crate::body::{Kinematics, Model, MovingColumn, Parameters, Pose};
+use crate::camera::Camera;
+use crate::fit::{FitError, FitOptions, FitView, Stage};
+use crate::geometry::rotation::skew;
+use crate::optimize::NormalEquations;
+use crate::render::wrench::WrenchBlock;
+use crate::render::{BACKGROUND, RowWinners, View};
+use crate::residual::Loss;
+use crate::residual::silhouette::WorldBlocks;
+
+/// Side of the cells within which pixels err together, pixels: longer than the steps of a silhouette's edge, shorter than
+/// most limbs.
+const CELL_PX: usize = 16;
+
+/// Points along a limb's axis that are looked for in the picture.
+const AXIS_POINTS: usize = 9;
+
+/// How a camera sees a limb.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LimbSight {
+    /// Whether any point of its axis lies in the picture.
+    pub in_picture: bool,
+    /// Pixels at which it is the darkest limb.
+    pub won: usize,
+    /// Those of them on a ramp: only they have a gradient.
+    pub on_ramp: usize,
+    /// Σ JᵀJ by the velocities of its two joints, world axes, of unit weight: grey²/m². Twist is not in it.
+    pub by_ends: Matrix6<f64>,
+}
+
+/// One camera's part, its own weight left out.
+#[derive(Debug, Clone)]
+pub struct CameraInformation {
+    /// The camera.
+    pub camera: Arc<Camera>,
+    /// Its weight in a fit.
+    pub weight: f64,
+    /// JᵀJ, Jᵀρ and Σ ρ² of the pixels on a ramp, in tangent columns.
+    pub equations: NormalEquations,
+    /// Σ w of the pixels on a ramp, and how many they are.
+    pub ramp_weight: f64,
+    /// Number of those pixels.
+    pub ramp_pixels: usize,
+    /// Σ g gᵀ, g = Jᵀρ of a cell, over the cells of the picture.
+    pub scatter: DMatrix<f64>,
+    /// By limb.
+    pub limbs: Vec<LimbSight>,
+}
+
+/// All cameras' parts at one pose of one frame.
+#[derive(Debug, Clone)]
+pub struct FrameInformation {
+    pub(super) model: Arc<Model>,
+    pub(super) kinematics: Kinematics,
+    pub(super) pose: Pose,
+    /// By camera; `None` for one without a silhouette.
+    pub(super) cameras: Vec<Option<CameraInformation>>,
+    pub(super) lever: f64,
+}
+
+impl FrameInformation {
+    /// Looks at a pose through every camera that has data. `views` is by camera, whether it is used in the fit or not;
+    /// a weight of zero counts as one, so that cameras that are left out can be compared too.
+    /// Options are taken as they are: made to a scale before, where that is wanted.
+    ///
+    /// # Errors
+    /// A pose that is not the model's, data that are not the camera's, options that make no sense.
+    pub fn new(
+        model: &Arc<Model>,
+        views: &[Option<FitView>],
+        options: &FitOptions,
+        pose: &Pose,
+    ) -> Result<Self, FitError> {
+        pose.check(model)?;
+        options.check()?;
+        views.iter().flatten().try_for_each(FitView::check)?;
+        let pose = pose.normalized();
+        let kinematics = Kinematics::new(model, &pose);
+        let cameras = views
+            .par_iter()
+            .map(|view| {
+                let view = view.as_ref()?;
+                let weight = if view.weight > 0.0 { view.weight } else { 1.0 };
+                let view = FitView { weight, ..view.clone() };
+                view.has_data().then(|| look(model, &kinematics, &view, options))
+            })
+            .collect();
+        let lever = mean_lever(model);
+        Ok(Self { model: Arc::clone(model), kinematics, pose, cameras, lever })
+    }
+
+    /// The body.
+    #[must_use]
+    pub fn model(&self) -> &Arc<Model> {
+        &self.model
+    }
+
+    /// The pose, its quaternions of unit length.
+    #[must_use]
+    pub fn pose(&self) -> &Pose {
+        &self.pose
+    }
+
+    /// Joints of that pose.
+    #[must_use]
+    pub fn kinematics(&self) -> &Kinematics {
+        &self.kinematics
+    }
+
+    /// By camera; `None` for one without a silhouette.
+    #[must_use]
+    pub fn cameras(&self) -> &[Option<CameraInformation>] {
+        &self.cameras
+    }
+
+    /// The cameras that have a silhouette, by index.
+    pub fn cameras_with_data(&self) -> impl Iterator<Item = usize> + '_ {
+        self.cameras.iter().enumerate().filter(|(_, camera)| camera.is_some()).map(|(index, _)| index)
+    }
+
+    /// L, metres: what a radian is worth for the root's position.
+    #[must_use]
+    pub fn lever_m(&self) -> f64 {
+        self.lever
+    }
+
+    /// H = Σ w JᵀJ of a set of cameras, tangent columns. Cameras without data add nothing.
+    #[must_use]
+    pub fn equations(&self, cameras: &[usize]) -> NormalEquations {
+        let mut sum = NormalEquations::zeros(Parameters::Tangent.columns(self.model.rotation_count()));
+        for part in self.parts(cameras) {
+            sum.jtj += &part.equations.jtj * part.weight;
+            sum.jtr += &part.equations.jtr * part.weight;
+            sum.cost += part.equations.cost * part.weight;
+        }
+        sum
+    }
+
+    pub(super) fn parts<'a>(&'a self, cameras: &'a [usize]) -> impl Iterator<Item = &'a CameraInformation> {
+        cameras.iter().filter_map(|&camera| self.cameras.get(camera)?.as_ref())
+    }
+}
+
+/// Root mean square distance of the joints from the joints that turn them, in the rest pose, metres.
+fn mean_lever(model: &Model) -> f64 {
+    let kinematics = Kinematics::new(model, &Pose::rest(model));
+    let (mut sum, mut count) = (0.0, 0);
+    for (rotation, &owner) in model.rotation_owners().iter().enumerate() {
+        let pivot = kinematics.starts()[owner];
+        for (limb, end) in model.limbs().iter().zip(kinematics.ends()) {
+            if model.rotation_follows(limb.rotation, rotation) {
+                sum += end.distance_squared(pivot);
+                count += 1;
+            }
+        }
+    }
+    let lever = (sum / f64::from(count.max(1))).sqrt();
+    if lever > 0.0 { lever } else { 1.0 }
+}
+
+/// A camera's sums while its rows are read.
+struct Sums {
+    blocks: Vec<WrenchBlock>,
+    won: Vec<usize>,
+    on_ramp: Vec<usize>,
+    cost: f64,
+    weight: f64,
+    /// g of the cells of the current row of cells.
+    cells: Vec<DVector<f64>>,
+    scatter: DMatrix<f64>,
+}
+
+impl Sums {
+    fn close_cells(&mut self) {
+        for cell in &mut self.cells {
+            if cell.iter().any(|value| *value != 0.0) {
+                self.scatter.ger(1.0, cell, cell, 1.0);
+                cell.fill(0.0);
+            }
+        }
+    }
+}
+
+fn look(model: &Model, kinematics: &Kinematics, view: &FitView, options: &FitOptions) -> CameraInformation {
+    let stages = &options.stages;
+    let stage = Stage { stride: 1, ..stages[stages.len() - 1] };
+    // A fit of one stage believes every pixel.
+    let loss = if stages.len() > 1 { options.pixel_loss } else { Loss::Squares };
+    let data = view.data(&stage, view.distance(std::slice::from_ref(&stage)).as_ref());
+    let drawn = View::new(model, kinematics, &view.camera, options.renderer, stage.ramp);
+    let columns = Parameters::Tangent.columns(model.rotation_count());
+    let limbs = model.limbs().len();
+    let moving = moving_columns(kinematics, limbs);
+    let world_from_camera = view.camera.camera_from_world().rotation.transpose();
+    let mut sums = Sums {
+        blocks: vec![WrenchBlock::default(); limbs],
+        won: vec![0; limbs],
+        on_ramp: vec![0; limbs],
+        cost: 0.0,
+        weight: 0.0,
+        cells: vec![DVector::zeros(columns); data.width().div_ceil(CELL_PX)],
+        scatter: DMatrix::zeros(columns, columns),
+    };
+    let mut row = RowWinners::default();
+    for y in 0..data.height() {
+        row.find(&drawn, y, 1, 0);
+        for x in row.touched() {
+            let Some(winner) = row.winner(x) else { continue };
+            let primitive = &drawn.primitives()[winner];
+            sums.won[primitive.limb] += 1;
+            let at = y * data.width() + x;
+            let sample = primitive.sample(drawn.ray(x, y));
+            let residual = f64::from(data.values()[at]) - BACKGROUND * row.level(x).clamp(0.0, 1.0);
+            let weight = f64::from(data.weights()[at]) * loss.weight(residual * residual);
+            let Some(wrench) = sample.wrench.filter(|_| weight > 0.0) else { continue };
+            sums.blocks[primitive.limb].add(wrench, weight, residual);
+            sums.on_ramp[primitive.limb] += 1;
+            sums.cost += weight * residual * residual;
+            sums.weight += weight;
+            let pull = SVector::from(wrench.rotated(world_from_camera).to_array()) * (weight * residual);
+            for column in &moving[primitive.limb] {
+                sums.cells[x / CELL_PX][column.index] += SVector::from(column.motion).dot(&pull);
+            }
+        }
+        if y % CELL_PX == CELL_PX - 1 {
+            sums.close_cells();
+        }
+    }
+    sums.close_cells();
+    finish(kinematics, view, sums)
+}
+
+fn moving_columns(kinematics: &Kinematics, limbs: usize) -> Vec<Vec<MovingColumn>> {
+    let of_limb = |limb| {
+        let mut columns = Vec::new();
+        kinematics.moving_columns_into(limb, Parameters::Tangent, &mut columns);
+        columns
+    };
+    (0..limbs).map(of_limb).collect()
+}
+
+fn finish(kinematics: &Kinematics, view: &FitView, sums: Sums) -> CameraInformation {
+    let limbs = sums.blocks.len();
+    let mut world = WorldBlocks::new(limbs);
+    world.add(&view.camera, &sums.blocks, 1.0);
+    let mut equations = NormalEquations::zeros(sums.scatter.nrows());
+    world.add_to(kinematics, Parameters::Tangent, &mut Vec::new(), &mut equations);
+    equations.cost = sums.cost;
+    let rotation = view.camera.camera_from_world().rotation;
+    let sight = |limb: usize| {
+        let (start, end) = (kinematics.starts()[limb], kinematics.ends()[limb]);
+        let (products, _) = sums.blocks[limb].in_world(rotation);
+        LimbSight {
+            in_picture: is_in_picture(&view.camera, start, end),
+            won: sums.won[limb],
+            on_ramp: sums.on_ramp[limb],
+            by_ends: by_ends(&products, end - start),
+        }
+    };
+    CameraInformation {
+        weight: view.weight,
+        ramp_weight: sums.weight,
+        ramp_pixels: sums.on_ramp.iter().sum(),
+        limbs: (0..limbs).map(sight).collect(),
+        camera: Arc::clone(&view.camera),
+        equations,
+        scatter: sums.scatter,
+    }
+}
+
+fn is_in_picture(camera: &Camera, start: DVec3, end: DVec3) -> bool {
+    let (width, height) = (camera.width() as f64, camera.height() as f64);
+    (0..AXIS_POINTS).any(|index| {
+        let at = start.lerp(end, index as f64 / (AXIS_POINTS - 1) as f64);
+        camera
+            .project(at)
+            .is_some_and(|px| px.x >= -0.5 && px.y >= -0.5 && px.x < width - 0.5 && px.y < height - 0.5)
+    })
+}
+
+/// A limb's wrench sums by the velocities (v₀, v₁) of its joints: v = v₀, ω = a × (v₁ − v₀) / a·a.
+fn by_ends(products: &SMatrix<f64, 7, 7>, axis: DVec3) -> Matrix6<f64> {
+    let turn = skew(axis) * (1.0 / axis.length_squared());
+    let mut map = SMatrix::<f64, 7, 6>::zeros();
+    for i in 0..3 {
+        map[(i, i)] = 1.0;
+        for j in 0..3 {
+            map[(3 + i, j)] = -turn.col(j)[i];
+            map[(3 + i, 3 + j)] = turn.col(j)[i];
+        }
+    }
+    map.transpose() * products * map
+}

@@ -1,0 +1,102 @@
+//! The pixel boxes of a pinhole's solids against the same rays without any box.
+//!
+//! A lens whose coefficients are all zero bends nothing, but it takes the exact way: every ray meets every solid.
+
+use glam::DVec3;
+
+use crate::body::{Kinematics, Model, Parameters, Pose, builtin};
+use crate::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use crate::render::{Ramp, RendererKind, View, prediction};
+
+const NO_BEND: Distortion = Distortion::OpenCv { k1: 0.0, k2: 0.0, p1: 0.0, p2: 0.0, k3: 0.0 };
+
+const RAMPS: [Ramp; 4] =
+    [Ramp::Thesis, Ramp::Half, Ramp::Width { px: 3.0 }, Ramp::Distance { inner_px: 1.5, outer_px: 12.0 }];
+
+const RENDERERS: [RendererKind; 4] = [
+    RendererKind::Cylinder,
+    RendererKind::Capsule,
+    RendererKind::SphereTree { spheres: None },
+    RendererKind::SphereTree { spheres: Some(1) },
+];
+
+fn camera(distortion: Distortion, size: [u64; 2], distance: f64, azimuth: f64) -> Camera {
+    let centre = DVec3::new(distance * azimuth.cos(), distance * azimuth.sin(), 0.2);
+    let place = CameraFromWorld::looking_at(centre, DVec3::new(0.0, 0.0, 0.1), DVec3::Z);
+    let f = 0.8 * size[0].max(size[1]) as f64;
+    let (cx, cy) = (0.4 * size[0] as f64, 0.55 * size[1] as f64);
+    Camera::new("camera", size, Intrinsics { fx: f, fy: 1.04 * f, cx, cy }, distortion, place).unwrap()
+}
+
+/// Complains of every pixel that is not background and lies in no box of the solid that makes it so.
+fn compare(name: &str, boxed: &View, whole: &View, failures: &mut Vec<String>) -> usize {
+    let mut dark = 0;
+    for solid in whole.primitives() {
+        let same = boxed
+            .primitives()
+            .iter()
+            .find(|other| (other.limb, other.solid, other.radius) == (solid.limb, solid.solid, solid.radius));
+        for y in 0..whole.height() {
+            for x in 0..whole.width() {
+                let level = solid.sample(whole.ray(x, y)).level;
+                if level >= 255.0 {
+                    continue;
+                }
+                dark += 1;
+                let inside = same.is_some_and(|same| {
+                    (same.bounds.x0..same.bounds.x1).contains(&x)
+                        && (same.bounds.y0..same.bounds.y1).contains(&y)
+                });
+                if !inside {
+                    let bounds = same.map(|same| same.bounds);
+                    failures.push(format!(
+                        "{name}: limb {}, pixel ({x}, {y}) is {level} outside {bounds:?}",
+                        solid.limb
+                    ));
+                }
+            }
+        }
+    }
+    let (boxed, whole) = (prediction::levels(boxed), prediction::levels(whole));
+    if !boxed.iter().zip(&whole).all(|(boxed, whole)| (boxed - whole).abs() <= 1e-9) {
+        failures.push(format!("{name}: levels differ"));
+    }
+    dark
+}
+
+fn views(model: &Model, pose: &Pose, cameras: &[Camera; 2], renderer: RendererKind, ramp: Ramp) -> [View; 2] {
+    let kinematics = Kinematics::new(model, pose);
+    [0, 1].map(|index| View::new(model, &kinematics, &cameras[index], renderer, ramp))
+}
+
+/// Another pose for every seed.
+fn bent(model: &Model, seed: usize) -> Pose {
+    let columns = Parameters::Tangent.columns(model.rotation_count());
+    let size = |column: usize| if column < 3 { 0.1 } else { 0.5 };
+    let step: Vec<f64> = (0..columns).map(|i| size(i) * ((7 * seed + 3 * i) as f64).sin()).collect();
+    Pose::rest(model).retract(Parameters::Tangent, &step)
+}
+
+#[test]
+fn boxes_hold_every_pixel_that_a_solid_darkens() {
+    let model = builtin::upper_body();
+    let (mut failures, mut dark) = (Vec::new(), 0);
+    // From within the body, through it, to far away; the principal point off the middle.
+    for (seed, distance) in [0.0, 0.1, 0.3, 0.5, 0.8, 1.5, 4.0, 30.0].into_iter().enumerate() {
+        for size in [[31, 23], [1, 37], [40, 1], [1, 1]] {
+            let cameras =
+                [Distortion::None, NO_BEND].map(|lens| camera(lens, size, distance, 0.9 * seed as f64));
+            let pose = bent(&model, seed);
+            for renderer in RENDERERS {
+                for ramp in RAMPS {
+                    let [boxed, whole] = views(&model, &pose, &cameras, renderer, ramp);
+                    assert!(boxed.is_pinhole() && !whole.is_pinhole());
+                    let name = format!("{distance} m, {size:?}, {renderer}, {ramp}");
+                    dark += compare(&name, &boxed, &whole, &mut failures);
+                }
+            }
+        }
+    }
+    assert!(dark > 100_000, "only {dark} pixels are dark");
+    assert!(failures.is_empty(), "{} pixels:\n{}", failures.len(), failures.join("\n"));
+}

@@ -1,0 +1,20 @@
+//! Looking for the pose elsewhere than downhill from the start.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `hypotheses` | [`search`]: other poses that the silhouettes allow, ranked; [`fit_best`] goes on from the first |
+//! | `options` | [`SearchOptions`]: how hard to look |
+//! | `chains` | the body taken apart into its trunk and its arms, legs and head |
+//! | `reseed` | new places for one chain while the rest of the body is held |
+//! | `sketch` | flat limbs on coarse pictures, by which thousands of places are sifted |
+//! | [`start`] | where a fit begins: a pose from known joints, and noise on it |
+
+mod chains;
+mod hypotheses;
+mod options;
+mod reseed;
+mod sketch;
+pub mod start;
+
+pub use hypotheses::{Hypotheses, Hypothesis, Origin, fit_best, search};
+pub use options::SearchOptions;

@@ -1,0 +1,312 @@
+//! More than one hypothesis: a fit that looks for other poses that the silhouettes allow, and ranks them.
+//!
+//! A fit goes downhill, and downhill ends wrong in few ways: an arm in front of the trunk that should be
+//! behind it, a forearm along the other arm, a head where a hand should be. So, from the fit of the start:
+//!
+//! 1. **Trunks.** Samples about the start, by the sketch of the trunk alone, and the best of them. On each the
+//!    free-hanging chains are put together one after the other, and the whole is refined.
+//! 2. **Chains.** One arm, leg or head at a time is taken off and seeded anew; the best places are refined,
+//!    and the best of all hypotheses goes on. Sweeps over the chains end when one brings nothing.
+//! 3. **Pairs.** Where the silhouettes are still ill explained, two chains are taken off at once: arms that
+//!    have changed places, a head that has become a hand.
+//!
+//! Thousands of places are sifted by the sketch, which draws flat limbs on coarse pictures; some tens are
+//! refined by the fit's last stages. Hypotheses are ranked by the last stage's cost, priors included. All of
+//! it is the same in every run with the same seed.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::chains::Chains;
+use super::options::SearchOptions;
+use super::reseed::Reseeder;
+use super::sketch::Sketch;
+use super::start;
+use crate::body::{Kinematics, Model, Pose};
+use crate::cancel::CancelToken;
+use crate::fit::{Evidence, Fit, FitError, FitOptions, FitView, Objective, Prepared, Stage};
+use crate::optimize::{Solver, SolverOptions};
+use crate::render::BACKGROUND;
+use crate::silhouette::Label;
+
+/// Hypotheses whose joints all lie this near to each other are one, metres.
+const SAME_M: f64 = 0.05;
+/// A sweep that lowers the best cost by less than this fraction was the last.
+const LEAST_GAIN: f64 = 1e-3;
+/// Proposals are first refined by the stage this many before the last, the best of them by the ones after it.
+const REFINING_STAGES: usize = 3;
+
+/// Where a hypothesis comes from.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Origin {
+    /// The fit of the start.
+    Start,
+    /// Another trunk, all chains put together on it.
+    Trunk,
+    /// A chain seeded anew.
+    Chain {
+        /// The chain's first limb.
+        limb: String,
+    },
+    /// Two chains seeded anew.
+    Pair {
+        /// The chains' first limbs.
+        limbs: [String; 2],
+    },
+}
+
+/// A pose that the silhouettes allow.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hypothesis {
+    /// The pose, refined.
+    pub pose: Pose,
+    /// Its cost by the last stage, priors included, squared grey levels.
+    pub cost: f64,
+    /// Where it comes from.
+    pub origin: Origin,
+}
+
+/// What a search found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hypotheses {
+    /// All that differ, best first; never empty.
+    pub found: Vec<Hypothesis>,
+    /// Iterations of all refinements, rejected ones included.
+    pub iterations: usize,
+}
+
+/// Fits from a start and looks for poses that explain the silhouettes better. Cancelled, it returns what it
+/// has.
+///
+/// # Errors
+/// As [`Fit::new`].
+pub fn search(
+    model: &Arc<Model>,
+    views: Vec<FitView>,
+    start: &Pose,
+    options: &FitOptions,
+    effort: &SearchOptions,
+    cancel: &CancelToken,
+) -> Result<Hypotheses, FitError> {
+    effort.check()?;
+    let prepared = Prepared::new(model, views, start, options, Sketch::reach_px)?;
+    Ok(Search::run(model, &prepared, options, effort, cancel))
+}
+
+/// A fit that begins with a search for the best of many hypotheses ([`search`]) and goes on from there with the last
+/// stage; and all that were found, best first.
+///
+/// # Errors
+/// As [`Fit::new`].
+pub fn fit_best(
+    model: Arc<Model>,
+    views: Vec<FitView>,
+    start: &Pose,
+    options: FitOptions,
+    effort: &SearchOptions,
+    cancel: &CancelToken,
+) -> Result<(Fit, Vec<Hypothesis>), FitError> {
+    effort.check()?;
+    let options = options.at_scale(&model, &views, start);
+    let prepared = Prepared::new(&model, views, start, &options, Sketch::reach_px)?;
+    let found = Search::run(&model, &prepared, &options, effort, cancel).found;
+    let fit = Fit::at_last_stage(model, prepared, options, &found[0].pose);
+    Ok((fit, found))
+}
+
+/// A search in progress.
+#[derive(Debug)]
+struct Search<'a> {
+    model: &'a Arc<Model>,
+    options: &'a FitOptions,
+    effort: &'a SearchOptions,
+    cancel: &'a CancelToken,
+    reseeder: Reseeder<'a>,
+    objectives: Vec<(Stage, Objective)>,
+    found: Vec<Hypothesis>,
+    iterations: usize,
+}
+
+impl<'a> Search<'a> {
+    fn run(
+        model: &'a Arc<Model>,
+        prepared: &'a Prepared,
+        options: &'a FitOptions,
+        effort: &'a SearchOptions,
+        cancel: &'a CancelToken,
+    ) -> Hypotheses {
+        let Prepared { views, distances, start, .. } = prepared;
+        let objective = |&stage: &Stage| {
+            let reference = start.clone();
+            (stage, Objective::new(Arc::clone(model), views, distances, options, stage, reference))
+        };
+        let parts = Chains::new(model);
+        let sketch = Sketch::new(model, views, distances, start);
+        let chains: Vec<usize> = (0..parts.chains.len()).collect();
+        let mut search = Self {
+            model,
+            options,
+            effort,
+            cancel,
+            reseeder: Reseeder { model, parts, sketch, reference: start, effort },
+            objectives: options.stages.iter().map(objective).collect(),
+            found: Vec::new(),
+            iterations: 0,
+        };
+        let (cost, pose) = search.refine(start, 0);
+        search.keep(Hypothesis { pose, cost, origin: Origin::Start });
+        search.try_trunks(start, &chains);
+        let pairs_above = effort.pairs_above * BACKGROUND * BACKGROUND * subject_pixels(views);
+        for _ in 0..effort.sweeps {
+            let before = search.found[0].cost;
+            search.try_chains(&chains);
+            if search.found[0].cost > pairs_above {
+                search.try_pairs(&chains);
+            }
+            if search.found[0].cost > before * (1.0 - LEAST_GAIN) {
+                break;
+            }
+        }
+        search.found.truncate(effort.kept.max(1));
+        Hypotheses { found: search.found, iterations: search.iterations }
+    }
+
+    /// Other trunks, and all chains anew on them and on the best one.
+    fn try_trunks(&mut self, start: &Pose, chains: &[usize]) {
+        let best = self.found[0].pose.clone();
+        let mut trunks: Vec<(f32, Pose)> = Vec::with_capacity(self.effort.trunk_samples);
+        for sample in 0..self.effort.trunk_samples {
+            // Small and large samples about the start and about what was found from it.
+            let about = if sample % 2 == 0 { start } else { &best };
+            let angle = self.effort.trunk_angle * (sample % 5 + 1) as f64 / 5.0;
+            let distance = self.effort.trunk_distance * (sample % 3 + 1) as f64 / 3.0;
+            let seed = self.effort.seed.wrapping_add(sample as u64);
+            let pose = start::perturb(self.model, about, angle, distance, seed);
+            trunks.push((self.reseeder.cost(&pose, chains), pose));
+        }
+        trunks.sort_by(|a, b| a.0.total_cmp(&b.0));
+        trunks.truncate(self.effort.trunks);
+        for trunk in std::iter::once(best).chain(trunks.into_iter().map(|(_, pose)| pose)) {
+            if self.cancel.is_cancelled() {
+                return;
+            }
+            let whole = self.reseeder.assemble(&trunk, chains);
+            let (cost, pose) = self.refine(&whole, self.refining_stage());
+            self.keep(Hypothesis { pose, cost, origin: Origin::Trunk });
+        }
+    }
+
+    /// Every chain anew, one after the other, each on the best pose so far.
+    fn try_chains(&mut self, chains: &[usize]) {
+        for &chain in chains {
+            let proposals = self.reseeder.propose(&self.found[0].pose, chain, &[]);
+            let origin = Origin::Chain { limb: self.reseeder.name(chain) };
+            self.refine_best(proposals.into_iter().map(|proposal| proposal.pose).collect(), &origin);
+        }
+    }
+
+    /// Every two chains anew: the places of one, with the other taken off, then the best place of that.
+    fn try_pairs(&mut self, chains: &[usize]) {
+        let longer = |&chain: &usize| std::cmp::Reverse(self.reseeder.parts.chains[chain].rotations.len());
+        let mut by_length = chains.to_vec();
+        by_length.sort_by_key(longer);
+        for (index, &first) in by_length.iter().enumerate() {
+            for &second in &by_length[index + 1..] {
+                if self.cancel.is_cancelled() {
+                    return;
+                }
+                let base = &self.found[0].pose;
+                let mut poses = Vec::new();
+                for half in self.reseeder.propose(base, first, &[second]) {
+                    poses.extend(self.reseeder.propose(&half.pose, second, &[]).into_iter().next());
+                }
+                poses.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+                poses.truncate(self.effort.pairs);
+                let limbs = [self.reseeder.name(first), self.reseeder.name(second)];
+                let poses = poses.into_iter().map(|proposal| proposal.pose).collect();
+                self.refine_best(poses, &Origin::Pair { limbs });
+            }
+        }
+    }
+
+    /// Index of the first stage that proposals are refined by.
+    fn refining_stage(&self) -> usize {
+        self.objectives.len().saturating_sub(REFINING_STAGES)
+    }
+
+    /// All poses by one stage, the best of them by the stages after it.
+    fn refine_best(&mut self, poses: Vec<Pose>, origin: &Origin) {
+        let stage = self.refining_stage();
+        let mut refined = Vec::with_capacity(poses.len());
+        for pose in poses {
+            if self.cancel.is_cancelled() {
+                return;
+            }
+            refined.push(self.refine_by(stage, pose));
+        }
+        let best = refined.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((cost, pose)) = best else { return };
+        let (cost, pose) =
+            if stage + 1 < self.objectives.len() { self.refine(&pose, stage + 1) } else { (cost, pose) };
+        self.keep(Hypothesis { pose, cost, origin: origin.clone() });
+    }
+
+    /// Cost and pose after all stages from one on.
+    fn refine(&mut self, pose: &Pose, from: usize) -> (f64, Pose) {
+        let mut refined = (f64::INFINITY, pose.clone());
+        for stage in from..self.objectives.len() {
+            refined = self.refine_by(stage, refined.1);
+        }
+        refined
+    }
+
+    fn refine_by(&mut self, stage: usize, pose: Pose) -> (f64, Pose) {
+        let (stage, objective) = &mut self.objectives[stage];
+        let options = SolverOptions {
+            method: self.options.method,
+            damping: self.options.damping,
+            max_iterations: stage.iterations,
+            tolerance: stage.tolerance,
+            run_all: false,
+        };
+        let mut solver = Solver::new(objective, pose, options);
+        while solver.step(objective).is_some() {
+            self.iterations += 1;
+            if self.cancel.is_cancelled() {
+                break;
+            }
+        }
+        (solver.cost(), solver.point().clone())
+    }
+
+    /// Keeps a hypothesis, or the better one of two that are the same.
+    fn keep(&mut self, new: Hypothesis) {
+        let is_same = |old: &&mut Hypothesis| farthest_m(self.model, &old.pose, &new.pose) < SAME_M;
+        match self.found.iter_mut().find(is_same) {
+            Some(old) if new.cost < old.cost => *old = new,
+            Some(_) => {}
+            None => self.found.push(new),
+        }
+        self.found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    }
+}
+
+/// Largest distance between two poses' joints.
+fn farthest_m(model: &Model, a: &Pose, b: &Pose) -> f64 {
+    let (a, b) = (Kinematics::new(model, a), Kinematics::new(model, b));
+    a.ends().iter().zip(b.ends()).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max)
+}
+
+/// Pixels of the subject in all cameras, weighted.
+fn subject_pixels(views: &[FitView]) -> f64 {
+    let pixels = views.iter().map(|view| {
+        let count = match &view.evidence {
+            Evidence::Mask(mask) => mask.count(Label::Subject),
+            Evidence::Measurement(data) => data.values().iter().filter(|&&value| value < 127.5).count(),
+        };
+        view.weight * count as f64
+    });
+    pixels.sum()
+}

@@ -1,0 +1,63 @@
+//! What was found in a frame, and in all of them.
+
+use std::collections::BTreeMap;
+
+use super::lost::Lost;
+use super::motion::FrameBelief;
+use crate::body::Pose;
+use crate::optimize::Termination;
+use crate::search::Hypothesis;
+use crate::silhouette::Overlap;
+
+/// What the tracker found in one frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameEstimate {
+    /// Number of the frame.
+    pub frame: usize,
+    /// Its pose.
+    pub pose: Pose,
+    /// Cost at the end, squared grey levels, by the last stage's measure.
+    pub cost: f64,
+    /// Root of the mean squared residual per pixel, grey levels.
+    pub rms: f64,
+    /// Overlap of model and silhouette, camera by camera; `None` where there was no mask or nobody in it.
+    pub overlap: Vec<Option<Overlap>>,
+    /// Cameras that had nothing to say and were left out, by name.
+    pub empty_cameras: Vec<String>,
+    /// Iterations, rejected ones included.
+    pub iterations: usize,
+    /// Why the subject, or a limb of it, counts as lost; `None` if it does not.
+    pub lost_because: Option<Lost>,
+    /// Why the fit ended; `None` if there was nothing to fit.
+    pub termination: Option<Termination>,
+    /// What the Kalman filter believed, where it ran.
+    pub belief: Option<FrameBelief>,
+    /// What a search found before the fit, best first; empty where there was none.
+    pub hypotheses: Vec<Hypothesis>,
+}
+
+impl FrameEstimate {
+    /// Overlap of all cameras together; `None` without masks.
+    #[must_use]
+    pub fn iou(&self) -> Option<f64> {
+        iou(&self.overlap)
+    }
+
+    /// Whether the subject, or a limb of it, was lost.
+    #[must_use]
+    pub fn is_lost(&self) -> bool {
+        self.lost_because.is_some()
+    }
+}
+
+/// Overlap of all cameras together.
+pub(super) fn iou(overlap: &[Option<Overlap>]) -> Option<f64> {
+    overlap.iter().flatten().copied().reduce(Overlap::merge).and_then(|overlap| overlap.iou())
+}
+
+/// Estimates by frame, in the order of the frames.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Track {
+    /// By frame number.
+    pub frames: BTreeMap<usize, FrameEstimate>,
+}

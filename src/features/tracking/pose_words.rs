@@ -1,0 +1,13 @@
+//! What the fit found, in words.
+
+use backlit_tracking::search::Origin;
+
+/// Where a pose comes from, for the middle of a line.
+pub(crate) fn origin(origin: &Origin) -> String {
+    match origin {
+        Origin::Start => "the start".to_owned(),
+        Origin::Trunk => "another trunk".to_owned(),
+        Origin::Chain { limb } => format!("{limb} anew"),
+        Origin::Pair { limbs: [one, other] } => format!("{one} and {other} anew"),
+    }
+}
