@@ -2,7 +2,8 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `state` | [`App`]: the document with its history, and all that is around it |
+//! | `state` | [`App`]: the inspector on a desktop; what the context lends |
+//! | `inspector` | [`Inspector`]: all that is shown and worked on, without a desktop |
 //! | `events` | what the worker said |
 //! | `requests`, `commands` | what the panels and the keys asked for |
 //! | `hand` | dragging in a camera's view, nudging |
@@ -20,7 +21,7 @@
 //! | `settings` | the settings file |
 //! | `jobs` | what the screen lacks is asked of the worker |
 //! | `exported`, `accessible` | the state as a file, for tests from outside; where the named widgets are |
-//! | `off_screen` | the second inspector, which is painted for exports |
+//! | `off_screen` | an inspector that nobody sees, painted for exports |
 //! | `outside` | folders and pages in other programs |
 //! | `scene_view` | where the 3-D scene is seen from, and its hull |
 //! | `screen` | which panels there are, and where |
@@ -36,6 +37,7 @@ pub(crate) mod failure;
 pub(crate) mod features;
 pub(crate) mod files;
 pub(crate) mod headless;
+pub(crate) mod inspector;
 pub(crate) mod layout;
 pub(crate) mod off_screen;
 pub(crate) mod open_job;
@@ -60,33 +62,54 @@ pub(crate) mod writes;
 pub use files::opening_of;
 pub(crate) use headless::headless_export;
 pub use headless::{PictureOptions, headless_picture};
+pub use inspector::Inspector;
 pub use state::{App, AppOptions, Opening};
+
+use inspector::Errand;
+
+use crate::context::Request;
+use crate::context::command::Command;
 
 impl App {
     /// One frame of the window.
     pub fn frame(&mut self, ui: &mut egui::Ui) {
-        let began = std::time::Instant::now();
-        self.state.now = ui.input(|input| input.time);
-        // Whoever made the app may show it in another window's context.
-        self.state.egui.clone_from(ui.ctx());
-        self.apply_theme(ui);
+        self.begin_frame(ui);
         self.take_in_files();
         self.take_in_dropped();
         self.take_in_settings();
         self.take_in_written();
-        self.take_in_refreshed();
-        self.hear_worker();
-        self.update_features();
         self.hear_dialogs();
         self.take_dropped_files(ui.ctx());
-        let mut requests = self.read_keys(ui.ctx());
-        self.show(ui, &mut requests);
-        self.apply(requests, ui.ctx());
-        self.play(ui.ctx());
-        self.keep_work();
-        self.refresh();
+        self.inspector.frame(ui);
+        self.do_errands();
         self.export_state();
-        self.state.frame_seconds = began.elapsed().as_secs_f64();
+    }
+
+    /// Does a command, if it can be used now.
+    pub(crate) fn run(&mut self, command: Command, ctx: &egui::Context) {
+        self.inspector.run(command, ctx);
+        self.do_errands();
+    }
+
+    /// Does what the inspector has left to the desktop.
+    fn do_errands(&mut self) {
+        for errand in std::mem::take(&mut self.errands) {
+            match errand {
+                Errand::Command(command) => self.file_command(command),
+                Errand::Open(opening) => self.open(opening),
+                Errand::Write(write) => self.write(write),
+                Errand::Ask(kind) => self.ask_for_file(kind),
+                Errand::Request(Request::OpenPath(path)) => self.open_path(&path),
+                Errand::Request(Request::OpenOutside(address)) => self.open_outside(address),
+                Errand::Request(Request::Export) => self.begin_export(),
+                Errand::Request(Request::OpenPostponed) => {
+                    if let Some(opening) = self.files.postponed.take() {
+                        self.open(opening);
+                    }
+                }
+                Errand::Request(_) => {}
+            }
+        }
     }
 }
 

@@ -3,22 +3,22 @@
 use backlit_tracking::body::Pose;
 use backlit_tracking::fit::FitOptions;
 
-use super::App;
+use super::Inspector;
+use super::inspector::Errand;
 use super::state::{DialogKind, Opening};
 use crate::context::Requests;
 use crate::context::command::{
-    Command, ConvergenceCommand, FileCommand, FitCommand, HistoryCommand, TrackingCommand, WindowCommand,
+    Command, ConvergenceCommand, FitCommand, HistoryCommand, TrackingCommand, WindowCommand,
 };
 use crate::context::command_button::dragged_until_now;
 use crate::context::preferences::Layout;
-use crate::document::edit::Edit;
 use crate::features::demonstrations::Demonstrations;
 use crate::features::scene::panel as scene;
 use crate::shell::Overlay;
 use crate::shell::palette::Palette;
 use crate::take::source::TakeSource;
 
-impl App {
+impl Inspector {
     /// The commands whose keys were pressed. While something lies over the window, or the hand holds
     /// something, keys are theirs.
     pub(crate) fn read_keys(&mut self, ctx: &egui::Context) -> Requests {
@@ -54,7 +54,7 @@ impl App {
             return;
         }
         match command {
-            Command::File(command) => self.file_command(command, ctx),
+            Command::File(command) => self.errands.push(Errand::Command(command)),
             Command::History(command) => self.history_command(command),
             Command::Recovery(command) => self.with(
                 |features| &mut features.recovery,
@@ -157,18 +157,6 @@ impl App {
             }
         }
         true
-    }
-
-    fn file_command(&mut self, command: FileCommand, ctx: &egui::Context) {
-        match command {
-            FileCommand::OpenTake => self.ask_for_file(DialogKind::Take),
-            FileCommand::OpenBuiltIn => self.open(Opening::Take(TakeSource::BuiltIn)),
-            FileCommand::OpenProject => self.ask_for_file(DialogKind::Project),
-            FileCommand::FindTake => self.ask_for_file(DialogKind::FindTake),
-            FileCommand::Save => self.save_project(),
-            FileCommand::SaveAs => self.ask_for_file(DialogKind::SaveAs),
-            FileCommand::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
-        }
     }
 
     fn history_command(&mut self, command: HistoryCommand) {

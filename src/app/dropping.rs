@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::App;
+use super::{App, Inspector};
 use crate::app::dropped::Dropped;
 use crate::app::take_in_job::TakeInJob;
 use crate::context::command::{Command, HistoryCommand};
@@ -26,10 +26,10 @@ impl App {
             (hovered.collect(), dropped.collect())
         });
         if hovered.is_empty() {
-            self.shell.hovering = None;
-        } else if self.shell.hovering.as_ref().is_none_or(|hovering| hovering.paths != hovered) {
+            self.inspector.shell.hovering = None;
+        } else if self.inspector.shell.hovering.as_ref().is_none_or(|hovering| hovering.paths != hovered) {
             let dropped = Dropped::of(&hovered);
-            self.shell.hovering = Some(Hovering { paths: hovered, dropped });
+            self.inspector.shell.hovering = Some(Hovering { paths: hovered, dropped });
         }
         if !dropped.is_empty() {
             self.take_in(Dropped::of(&dropped));
@@ -39,18 +39,20 @@ impl App {
     /// Does what dropped files are for.
     fn take_in(&mut self, dropped: Dropped) {
         // Whatever lay over the window was about something else.
-        self.shell.overlay = None;
+        self.inspector.shell.overlay = None;
         match dropped {
             Dropped::Open(path) => self.open_path(&path),
-            Dropped::Unknown(path, why) => self.state.notices.error(format!("{}: {why}.", path.display())),
+            Dropped::Unknown(path, why) => {
+                self.inspector.state.notices.error(format!("{}: {why}.", path.display()))
+            }
             dropped => {
-                let Some(footage) = self.state.session.take.clone() else {
+                let Some(footage) = self.inspector.state.session.take.clone() else {
                     let (_, name) = dropped.explanation(0);
-                    return self.state.notices.error(format!("{name}: open a take first."));
+                    return self.inspector.state.notices.error(format!("{name}: open a take first."));
                 };
-                let (model, frame) = (self.document().model.clone(), self.state.selection.frame);
+                let (model, frame) = (self.document().model.clone(), self.inspector.state.selection.frame);
                 let job = TakeInJob { dropped, footage, model, frame };
-                self.files.take_in.begin(&self.state.pool, (), |()| once(move |_| job.read()));
+                self.files.take_in.begin(&self.inspector.state.pool, (), |()| once(move |_| job.read()));
             }
         }
     }
@@ -60,7 +62,7 @@ impl App {
         for news in self.files.take_in.poll() {
             match news {
                 News::Output(Ok((edit, said))) => self.taken_in(edit, said),
-                News::Output(Err(error)) => self.state.notices.error(format!("{error:#}")),
+                News::Output(Err(error)) => self.inspector.state.notices.error(format!("{error:#}")),
                 News::Ended => {}
                 News::Failed(failure) => self.failed("Reading the dropped files", &failure),
             }
@@ -70,15 +72,31 @@ impl App {
     /// What was dropped is read: it becomes a change that can be undone.
     fn taken_in(&mut self, edit: Edit, said: String) {
         self.interrupt_fit();
-        let revision = self.state.history.revision();
+        let revision = self.inspector.state.history.revision();
         self.edit(edit, None);
-        if self.state.history.revision() != revision {
-            self.state.notices.info(self.state.now, said, Some(Command::History(HistoryCommand::Undo)));
-        } else if !self.state.notices.cards().any(|notice| notice.text.starts_with("That cannot be done")) {
-            self.state.notices.info(self.state.now, "Nothing changed: that is what is there already.", None);
+        if self.inspector.state.history.revision() != revision {
+            self.inspector.state.notices.info(
+                self.inspector.state.now,
+                said,
+                Some(Command::History(HistoryCommand::Undo)),
+            );
+        } else if !self
+            .inspector
+            .state
+            .notices
+            .cards()
+            .any(|notice| notice.text.starts_with("That cannot be done"))
+        {
+            self.inspector.state.notices.info(
+                self.inspector.state.now,
+                "Nothing changed: that is what is there already.",
+                None,
+            );
         }
     }
+}
 
+impl Inspector {
     /// Says what will happen, over everything.
     pub(crate) fn show_drop(&self, ui: &egui::Ui) {
         let Some(Hovering { dropped, .. }) = &self.shell.hovering else { return };

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use backlit_tracking::fit::Preset;
 
-use super::App;
+use super::Inspector;
 use crate::app::open_job::OpenedProject;
 use crate::app::refresh::Refresh;
 use crate::context::command::{Command, FileCommand};
@@ -22,7 +22,7 @@ use crate::take::footage::Footage;
 use crate::take::source::TakeSource;
 use crate::worker::{Event, Lane, Report};
 
-impl App {
+impl Inspector {
     /// Takes in all that has happened since the last frame.
     pub(crate) fn hear_worker(&mut self) {
         for report in self.worker.poll() {
@@ -116,7 +116,6 @@ impl App {
     pub(crate) fn take_opened(&mut self, footage: &Arc<Footage>, project: Option<OpenedProject>) {
         self.worker.drop_lane(Lane::Fit);
         self.refresh = Refresh::default();
-        self.files.take_in.forget();
         self.forget_broken();
         self.features.laboratory.reset(footage);
         self.state.session.reset(Some(footage.clone()));
@@ -128,7 +127,7 @@ impl App {
             self.state.preferences.remember(path.clone());
         }
         let left = self.features.recovery.begin(project.as_ref().map(|project| project.path.as_path()));
-        self.files.lost_take = None;
+        self.state.lost_take = None;
         if let Some(note) = project.as_ref().and_then(|project| project.note.clone()) {
             self.state.notices.info(self.state.now, note, None);
         }

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use super::App;
+use super::Inspector;
 use crate::context::preferences::Layout;
 use crate::document::run::RunEnding;
 use crate::features::fit::job::LiveFit;
@@ -22,7 +22,7 @@ struct Circumstances {
     layout: Layout,
 }
 
-impl App {
+impl Inspector {
     fn circumstances(&self) -> Circumstances {
         Circumstances {
             revision: self.state.history.revision(),

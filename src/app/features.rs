@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::App;
+use super::Inspector;
 use crate::drawing::DragEvent;
 use crate::features::basin::{BasinSettings, FileKind};
 
-impl App {
+impl Inspector {
     /// Every feature takes in what its tasks have done, and asks for what it lacks.
     pub(crate) fn update_features(&mut self) {
         self.with(|features| &mut features.basin, |basin, context, requests| basin.update(context, requests));

@@ -21,6 +21,7 @@ impl App {
             |features| &mut features.recovery,
             |recovery, context, requests| recovery.may_leave("Not opened", "open it", context, requests),
         );
+        self.inspector.state.is_opening = may_leave;
         if !may_leave {
             return;
         }
@@ -30,19 +31,31 @@ impl App {
             Opening::Project(path) => OpenJob::Project(path),
             Opening::Moved { project, take } => OpenJob::Moved { project, take },
         };
-        self.files.open.begin(&self.state.pool, (), |()| once(move |_| job.open()));
+        self.files.open.begin(&self.inspector.state.pool, (), |()| once(move |_| job.open()));
+    }
+
+    pub(crate) fn file_command(&mut self, command: FileCommand) {
+        match command {
+            FileCommand::OpenTake => self.ask_for_file(DialogKind::Take),
+            FileCommand::OpenBuiltIn => self.open(Opening::Take(TakeSource::BuiltIn)),
+            FileCommand::OpenProject => self.ask_for_file(DialogKind::Project),
+            FileCommand::FindTake => self.ask_for_file(DialogKind::FindTake),
+            FileCommand::Save => self.save_project(),
+            FileCommand::SaveAs => self.ask_for_file(DialogKind::SaveAs),
+            FileCommand::Quit => self.inspector.state.egui.send_viewport_cmd(egui::ViewportCommand::Close),
+        }
     }
 
     /// Says that a project's take is not where it was, and offers to look for it.
     fn take_missing(&mut self, project: PathBuf, why: &str) {
         let said = format!("{why}. If it has moved, say where it is now.");
-        self.state.notices.error_with(said, Command::File(FileCommand::FindTake));
-        self.files.lost_take = Some(project);
+        self.inspector.state.notices.error_with(said, Command::File(FileCommand::FindTake));
+        self.inspector.state.lost_take = Some(project);
     }
 
     /// Opens the project whose take was not there with the take in this folder.
     pub fn find_take(&mut self, take: &Path) {
-        if let Some(project) = self.files.lost_take.clone() {
+        if let Some(project) = self.inspector.state.lost_take.clone() {
             self.open(Opening::Moved { project, take: take.to_owned() });
         }
     }
@@ -54,15 +67,15 @@ impl App {
 
     /// Writes the project to a file.
     pub fn save_to(&mut self, path: &Path) {
-        let (document, revision) = (self.document().clone(), self.state.history.revision());
+        let (document, revision) = (self.document().clone(), self.inspector.state.history.revision());
         let file = path.to_owned();
-        self.files.save.begin(&self.state.pool, file.clone(), |_| {
+        self.files.save.begin(&self.inspector.state.pool, file.clone(), |_| {
             once(move |_| write_project(&file, &document).map(|()| revision))
         });
     }
 
     pub(crate) fn save_project(&mut self) {
-        match self.state.project.clone() {
+        match self.inspector.state.project.clone() {
             Some(path) => self.save_to(&path),
             None => self.ask_for_file(DialogKind::SaveAs),
         }
@@ -72,13 +85,17 @@ impl App {
     pub(crate) fn take_in_files(&mut self) {
         for news in self.files.open.poll() {
             match news {
-                News::Output(Opened::Take(footage, project)) => self.take_opened(&footage, project),
+                News::Output(Opened::Take(footage, project)) => {
+                    self.files.take_in.forget();
+                    self.take_opened(&footage, project);
+                }
                 News::Output(Opened::TakeMissing { project, why }) => self.take_missing(project, &why),
-                News::Output(Opened::Nothing(why)) => self.state.notices.error(why),
+                News::Output(Opened::Nothing(why)) => self.inspector.state.notices.error(why),
                 News::Ended => {}
                 News::Failed(failure) => self.failed("Opening the take", &failure),
             }
         }
+        self.inspector.state.is_opening = self.files.open.is_busy();
         for news in self.files.save.poll() {
             let path = self.files.save.inputs().cloned().unwrap_or_default();
             match news {
@@ -88,7 +105,7 @@ impl App {
                         "Not saved: {error}. Your work is still here, and the file is as it was. {}",
                         remedy(&error)
                     );
-                    self.state.notices.error_with(said, Command::File(FileCommand::SaveAs));
+                    self.inspector.state.notices.error_with(said, Command::File(FileCommand::SaveAs));
                 }
                 News::Ended => {}
                 News::Failed(failure) => self.failed("Writing a file", &failure),
@@ -98,18 +115,23 @@ impl App {
 
     fn saved(&mut self, path: PathBuf, revision: u64) {
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        self.state.notices.info(self.state.now, format!("Saved to {name}."), None);
-        self.state.history.mark_saved(revision);
-        self.state.preferences.remember(path.clone());
-        self.state.project = Some(path);
+        self.inspector.state.notices.info(self.inspector.state.now, format!("Saved to {name}."), None);
+        self.inspector.state.history.mark_saved(revision);
+        self.inspector.state.preferences.remember(path.clone());
+        self.inspector.state.project = Some(path);
     }
 
     /// Asks for a file in a dialog of the desktop's, on a thread of its own.
     pub(crate) fn ask_for_file(&mut self, kind: DialogKind) {
         let answers = self.files.dialog_sender.clone();
-        let context = self.state.egui.clone();
-        let name =
-            self.state.session.take.as_ref().map_or_else(|| "project".to_owned(), |take| take.name.clone());
+        let context = self.inspector.state.egui.clone();
+        let name = self
+            .inspector
+            .state
+            .session
+            .take
+            .as_ref()
+            .map_or_else(|| "project".to_owned(), |take| take.name.clone());
         let thread = std::thread::Builder::new().name("backlit file dialog".to_owned()).spawn(move || {
             let dialog = rfd::FileDialog::new();
             let path = match kind {
@@ -132,7 +154,8 @@ impl App {
             }
         });
         if let Err(error) = thread {
-            self.state
+            self.inspector
+                .state
                 .notices
                 .error(format!("No file dialog can be shown: {error}. Drop the file on the window instead."));
         }

@@ -8,7 +8,7 @@ use egui::Vec2;
 use egui_painter::Headless;
 use image::RgbaImage;
 
-use super::{App, AppOptions, Opening};
+use super::{App, AppOptions, Inspector, Opening};
 use crate::app::settings::Settings;
 use crate::context::command::{Command, FitCommand, TimelineCommand, TrackingCommand};
 use crate::context::preferences::Layout;
@@ -83,7 +83,8 @@ pub(crate) fn headless_export(
         app.state.selection.camera = camera;
     }
     if let Some(mode) = mode {
-        app.features.camera_views.show_mode(app.state.preferences.layout, mode);
+        let layout = app.state.preferences.layout;
+        app.features.camera_views.show_mode(layout, mode);
     }
     let frames = app.state.session.frame_count();
     ensure!(order.frames[0] < frames, "there is no frame {}; the take has {frames}", order.frames[0]);
@@ -135,7 +136,11 @@ fn headless_app(opening: Opening, options: &PictureOptions) -> anyhow::Result<(H
 
 /// Runs frames until nothing is being worked on and nothing moves.
 fn settle(window: &mut Headless, app: &mut App, patience: Duration) -> RgbaImage {
-    rest(window, app, patience, &CancelToken::default());
+    let frame = || {
+        window.run(1, Vec::new(), |ui| app.frame(ui));
+        app.is_idle()
+    };
+    rest(patience, &CancelToken::default(), frame, || std::thread::sleep(Duration::from_millis(1)));
     // Times are not the picture's business.
     app.freeze_times();
     window.frames(3, Vec::new(), |ui| {
@@ -144,24 +149,24 @@ fn settle(window: &mut Headless, app: &mut App, patience: Duration) -> RgbaImage
     })
 }
 
-/// Runs frames until there is nothing more to do.
-pub(crate) fn rest(window: &mut Headless, app: &mut App, patience: Duration, cancel: &CancelToken) {
+/// Runs frames until there is nothing more to do: `frame` runs one and says whether that is so, `wait` lets work be done.
+pub(crate) fn rest(
+    patience: Duration,
+    cancel: &CancelToken,
+    mut frame: impl FnMut() -> bool,
+    mut wait: impl FnMut(),
+) {
     let start = Instant::now();
     for _ in 0..ROUNDS {
-        loop {
-            window.run(1, Vec::new(), |ui| app.frame(ui));
-            if app.is_idle() || cancel.is_cancelled() || start.elapsed() > patience {
-                break;
-            }
-            app.state.pool.turn();
-            std::thread::sleep(Duration::from_millis(1));
+        while !frame() && !cancel.is_cancelled() && start.elapsed() <= patience {
+            wait();
         }
         // Sizes settle over two frames, and may ask for more.
-        window.run(1, Vec::new(), |ui| app.frame(ui));
+        frame();
     }
 }
 
-impl App {
+impl Inspector {
     /// Forgets how long things took, so that a picture of the next frame is the same every time.
     pub fn freeze_times(&mut self) {
         self.state.frame_seconds = f64::NAN;

@@ -1,12 +1,12 @@
 //! The arrangement of the window: tiles, and back to how it was at first.
 
-use super::App;
+use super::Inspector;
 use crate::context::PaneEvent;
 use crate::context::command::{Command, WindowCommand};
 use crate::context::pane::Pane;
 use crate::shell::docking::{Docking, Window};
 
-impl App {
+impl Inspector {
     /// Lets the docking work on what the tiles are arranged in.
     pub(crate) fn dock<Answer>(
         &mut self,

@@ -29,9 +29,9 @@ impl App {
                 let _ = waits.spawn(move || child.wait());
             }
             Err(_) => {
-                self.state.egui.copy_text(address.clone());
+                self.inspector.state.egui.copy_text(address.clone());
                 let text = format!("{OPENER} cannot be started; {address} is in the clipboard now.");
-                self.state.notices.info(self.state.now, text, None);
+                self.inspector.state.notices.info(self.inspector.state.now, text, None);
             }
         }
     }

@@ -2,14 +2,14 @@
 
 use std::time::Duration;
 
-use super::App;
+use super::Inspector;
 use crate::context::Request;
 use crate::session::playback::{Cue, PlaybackChange};
 
 /// While frames are played, the window looks at its clock at least this often: seconds.
 const LONGEST_WAIT: f64 = 1.0;
 
-impl App {
+impl Inspector {
     /// Whether frames are being played.
     #[must_use]
     pub fn is_playing(&self) -> bool {

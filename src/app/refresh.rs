@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use backlit_tracking::segment::SegmentOptions;
 
-use super::App;
+use super::Inspector;
 use super::calibrate_job::CalibrateJob;
 use super::survey_job::SurveyJob;
 use crate::jobs::{Failure, News, Priority, Task, once};
@@ -60,7 +60,7 @@ impl Refresh {
     }
 }
 
-impl App {
+impl Inspector {
     /// Takes in what was made for the screen.
     pub(crate) fn take_in_refreshed(&mut self) {
         for news in self.refresh.frame.poll() {

@@ -1,6 +1,7 @@
 //! Applying what the panels asked for.
 
-use super::App;
+use super::Inspector;
+use super::inspector::Errand;
 use super::state::Opening;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
@@ -8,7 +9,7 @@ use crate::document::history::{Gesture, History};
 use crate::features::Features;
 use crate::shell::Overlay;
 
-impl App {
+impl Inspector {
     /// Applies edits, then requests, then commands; what was asked for in this frame of the window is seen in the next.
     pub(crate) fn apply(&mut self, requests: Requests, ctx: &egui::Context) {
         if !(requests.edits.is_empty() && requests.others.is_empty() && requests.commands.is_empty()) {
@@ -152,21 +153,16 @@ impl App {
                 |features| &mut features.recovery,
                 |recovery, _, requests| recovery.decide(decision, requests),
             ),
-            Request::OpenPostponed => {
-                if let Some(opening) = self.files.postponed.take() {
-                    self.open(opening);
-                }
+            Request::OpenPostponed | Request::OpenPath(_) | Request::OpenOutside(_) | Request::Export => {
+                self.errands.push(Errand::Request(request));
             }
-            Request::OpenPath(path) => self.open_path(&path),
             Request::ForgetRecent(path) => self.state.preferences.recent.retain(|other| *other != path),
             Request::Copy(what, text) => {
                 self.state.egui.copy_text(text);
                 self.state.notices.info(self.state.now, format!("Copied the {what}."), None);
             }
-            Request::OpenOutside(address) => self.open_outside(address),
             Request::Used(command) => self.state.preferences.use_command(command.text()),
             Request::ExportCard => self.shell.overlay = Some(Overlay::Export),
-            Request::Export => self.begin_export(),
             Request::Status(text) => self.state.status = text,
             Request::Inform(text, next) => self.state.notices.info(self.state.now, text, next),
             Request::Complain(text, None) => self.state.notices.error(text),

@@ -2,7 +2,7 @@
 
 use egui::{CentralPanel, Frame, Ui, pos2};
 
-use super::App;
+use super::Inspector;
 use crate::context::activity::Activity;
 use crate::context::preferences::Layout;
 use crate::context::{Context, Request, Requests, Unavailable};
@@ -12,7 +12,7 @@ use crate::shell::{about, dock, empty, messages, notice_cards, right_panel, shor
 use crate::style::theme::size;
 use crate::worker::Lane;
 
-impl App {
+impl Inspector {
     /// What the panels may look at.
     pub(crate) fn context(&self) -> Context<'_> {
         Context {
@@ -22,7 +22,7 @@ impl App {
             preferences: &self.state.preferences,
             notices: &self.state.notices,
             busy: Activity {
-                opening: self.files.open.is_busy(),
+                opening: self.state.is_opening,
                 loading: self.refresh.is_reading(),
                 load_broke: self.refresh.has_failed_to_read(),
                 fitting: self.worker.is_busy(Lane::Fit),
@@ -32,9 +32,9 @@ impl App {
                 exporting: self.features.export.progress(),
             },
             project: self.state.project.as_deref(),
-            lacks_take: self.files.lost_take.is_some(),
+            lacks_take: self.state.lost_take.is_some(),
             alone: self.shell.docking.alone,
-            clock: &self.clock,
+            clock: &self.state.clock,
             playback: &self.state.playback,
             views: self.features.camera_views.preferences.settings,
             drag: self.features.pose.marks(self.state.now),

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::App;
+use super::Inspector;
 use crate::context::arrangement::Kept;
 use crate::context::preferences::{Layout, Preferences};
 use crate::context::view_settings::ViewSettings;
@@ -97,7 +97,7 @@ impl Settings {
     }
 }
 
-impl App {
+impl Inspector {
     /// What is to be kept.
     #[must_use]
     pub fn settings(&self) -> Settings {

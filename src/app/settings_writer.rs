@@ -31,7 +31,7 @@ impl App {
     /// Says what of the settings could not be read.
     pub fn complain(&mut self, unread: Option<String>) {
         if let Some(unread) = unread {
-            self.state.notices.error(unread);
+            self.inspector.state.notices.error(unread);
         }
     }
 
@@ -45,7 +45,7 @@ impl App {
                 let said = |error: FileError| format!("{error}. {}", remedy(&error));
                 settings_file::write(&folder, &settings).map_err(said)
             };
-            self.settings_writer.task.begin(&self.state.pool, (), |()| once(write));
+            self.settings_writer.task.begin(&self.inspector.state.pool, (), |()| once(write));
         }
     }
 
@@ -65,7 +65,7 @@ impl App {
             Ok(()) => self.settings_writer.failed = false,
             Err(why) if !std::mem::replace(&mut self.settings_writer.failed, true) => {
                 let text = format!("The arrangement of the window is not kept for the next start: {why}");
-                self.state.notices.error(text);
+                self.inspector.state.notices.error(text);
             }
             Err(_) => {}
         }

@@ -107,22 +107,23 @@ impl App {
     pub(crate) fn export_state(&self) {
         let Some(path) = &self.state_file else { return };
         let state = self.exported_state();
-        let writer = self.state.egui.plugin_opt::<StateWriter>().unwrap_or_else(|| {
-            self.state.egui.enable_accesskit();
+        let writer = self.inspector.state.egui.plugin_opt::<StateWriter>().unwrap_or_else(|| {
+            self.inspector.state.egui.enable_accesskit();
             let path = path.clone();
             let writer =
                 StateWriter { path, state: Value::Null, written: None, serial: 0, has_failed: false };
-            self.state.egui.add_plugin(writer);
+            self.inspector.state.egui.add_plugin(writer);
             // The widgets are named from the next frame on.
-            self.state.egui.request_repaint();
-            self.state.egui.plugin::<StateWriter>()
+            self.inspector.state.egui.request_repaint();
+            self.inspector.state.egui.plugin::<StateWriter>()
         });
         writer.lock().state = state;
     }
 
     /// What matters of the window.
     fn exported_state(&self) -> Value {
-        let (session, selection, document) = (&self.state.session, &self.state.selection, self.document());
+        let (session, selection, document) =
+            (&self.inspector.state.session, &self.inspector.state.selection, self.document());
         let model = &document.model;
         let pose = self.shown_pose();
         let rotations: BTreeMap<&str, [f64; 4]> = model
@@ -136,11 +137,11 @@ impl App {
             "idle": self.is_idle(),
             "busy": self.busy_lanes(),
             "take": self.exported_take(),
-            "project": self.state.project,
-            "unsaved": self.state.history.is_dirty(),
-            "recovery": self.features.recovery.offered().iter().map(|left| format!("{}, {}", left.take, left.work())).collect::<Vec<_>>(),
-            "undo": self.state.history.undo_text(),
-            "redo": self.state.history.redo_text(),
+            "project": self.inspector.state.project,
+            "unsaved": self.inspector.state.history.is_dirty(),
+            "recovery": self.inspector.features.recovery.offered().iter().map(|left| format!("{}, {}", left.take, left.work())).collect::<Vec<_>>(),
+            "undo": self.inspector.state.history.undo_text(),
+            "redo": self.inspector.state.history.redo_text(),
             "frame": selection.frame,
             "camera": selection.camera,
             "joint": joint_name(model, selection.joint),
@@ -155,35 +156,35 @@ impl App {
             "renderer": document.fit.renderer.name(),
             "runs": session.runs.iter().map(run).collect::<Vec<_>>(),
             "cameras": self.exported_cameras(),
-            "layout": self.state.preferences.layout,
-            "theme": self.state.preferences.theme,
-            "panel": self.state.preferences.panel,
-            "lanes": self.features.timeline.shows_lanes,
-            "alone": self.shell.docking.alone.map(|pane| pane.title()),
+            "layout": self.inspector.state.preferences.layout,
+            "theme": self.inspector.state.preferences.theme,
+            "panel": self.inspector.state.preferences.panel,
+            "lanes": self.inspector.features.timeline.shows_lanes,
+            "alone": self.inspector.shell.docking.alone.map(|pane| pane.title()),
             "playing": self.is_playing(),
             "track": self.exported_track(),
-            "notices": self.state.notices.cards().map(notice).collect::<Vec<_>>(),
-            "messages": self.state.notices.all().len(),
-            "tour": self.features.tour.step(&self.context()),
-            "over": self.shell.overlay.as_ref().map(overlay_name),
+            "notices": self.inspector.state.notices.cards().map(notice).collect::<Vec<_>>(),
+            "messages": self.inspector.state.notices.all().len(),
+            "tour": self.inspector.features.tour.step(&self.context()),
+            "over": self.inspector.shell.overlay.as_ref().map(overlay_name),
         })
     }
 
     fn busy_lanes(&self) -> Vec<&'static str> {
         let lanes = [
-            ("predict", self.refresh.is_predicting()),
+            ("predict", self.inspector.refresh.is_predicting()),
             ("open", self.files.open.is_busy()),
-            ("load", self.refresh.is_reading()),
+            ("load", self.inspector.refresh.is_reading()),
             ("save", self.files.save.is_busy()),
-            ("fit", self.worker.is_busy(Lane::Fit)),
-            ("survey", self.refresh.is_surveying()),
-            ("track", self.features.tracking.is_busy()),
+            ("fit", self.inspector.worker.is_busy(Lane::Fit)),
+            ("survey", self.inspector.refresh.is_surveying()),
+            ("track", self.inspector.features.tracking.is_busy()),
         ];
         lanes.into_iter().filter(|lane| lane.1).map(|lane| lane.0).collect()
     }
 
     fn exported_take(&self) -> Value {
-        let Some(take) = &self.state.session.take else { return Value::Null };
+        let Some(take) = &self.inspector.state.session.take else { return Value::Null };
         let source = match &take.source {
             Some(TakeSource::BuiltIn) => json!("built-in"),
             Some(TakeSource::Demonstration(which)) => json!({"demonstration": which.name()}),
@@ -193,15 +194,15 @@ impl App {
         json!({
             "name": take.name,
             "source": source,
-            "frames": self.state.session.frame_count(),
-            "cameras": self.state.session.camera_count(),
-            "loaded": self.state.session.frames.get(self.state.selection.frame).is_some(),
+            "frames": self.inspector.state.session.frame_count(),
+            "cameras": self.inspector.state.session.camera_count(),
+            "loaded": self.inspector.state.session.frames.get(self.inspector.state.selection.frame).is_some(),
         })
     }
 
     fn exported_cameras(&self) -> Vec<Value> {
-        let predicted = self.state.session.predicted.as_ref();
-        let tiles = self.features.camera_views.tiles(self.state.preferences.layout);
+        let predicted = self.inspector.state.session.predicted.as_ref();
+        let tiles = self.inspector.features.camera_views.tiles(self.inspector.state.preferences.layout);
         let camera = |(index, camera): (usize, &crate::document::CameraUse)| {
             let overlap = predicted.and_then(|predicted| predicted.cameras.get(index)?.overlap);
             let tile = tiles.get(index);
@@ -222,7 +223,7 @@ impl App {
     fn exported_track(&self) -> Value {
         let document = self.document();
         let lost = document.estimates.iter().filter(|(_, found)| found.lost).map(|(frame, _)| *frame);
-        let running = self.features.tracking.progress().map(
+        let running = self.inspector.features.tracking.progress().map(
             |tracking| json!({"done": tracking.done, "total": tracking.total, "backwards": tracking.backwards}),
         );
         json!({

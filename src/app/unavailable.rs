@@ -1,13 +1,13 @@
 //! Who says why a command cannot be used now: the feature that does it.
 
-use super::App;
+use super::Inspector;
 use crate::context::command::Command;
 use crate::context::unavailable::why;
 use crate::features::camera_views::CameraViews;
 use crate::features::pose::Posing;
 use crate::features::scene::Scene;
 
-impl App {
+impl Inspector {
     /// Why a command cannot be used now, in a sentence without its full stop; `None` if it can.
     pub(crate) fn unavailable(&self, command: Command) -> Option<&'static str> {
         let (context, features) = (&self.context(), &self.features);

@@ -19,7 +19,7 @@ impl App {
         let mut task = Task::new(Priority::WRITE);
         let Write { path, make } = write;
         let file = path.clone();
-        task.begin(&self.state.pool, path, |_| {
+        task.begin(&self.inspector.state.pool, path, |_| {
             once(move |_| match make() {
                 Ok(bytes) => atomic::write(&file, &bytes)
                     .map_err(|error| format!("Not written: {error}. {}", remedy(&error))),
@@ -38,9 +38,13 @@ impl App {
                     News::Output(Ok(())) => {
                         let name = task.inputs().and_then(|path| path.file_name());
                         let name = name.map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-                        self.state.notices.info(self.state.now, format!("Wrote {name}."), None);
+                        self.inspector.state.notices.info(
+                            self.inspector.state.now,
+                            format!("Wrote {name}."),
+                            None,
+                        );
                     }
-                    News::Output(Err(said)) => self.state.notices.error(said),
+                    News::Output(Err(said)) => self.inspector.state.notices.error(said),
                     News::Ended => {}
                     News::Failed(failure) => self.failed("Writing a file", &failure),
                 }

@@ -11,7 +11,7 @@ use backlit_tracking::body::Model;
 use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::render::RendererKind;
 
-use crate::app::App;
+use crate::app::Inspector;
 use crate::context::command::Part;
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
@@ -34,7 +34,7 @@ pub(crate) struct Fit {
     pub(crate) run_gesture: Option<Gesture>,
 }
 
-impl App {
+impl Inspector {
     /// All that a prediction of this frame depends on, but the pose.
     pub(crate) fn scene(&self) -> Option<FitInputs> {
         let document = self.document();

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use crate::export::{command, export_to};
 use crate::support::app_window::{PATIENCE, click, drag, open_sized, press, settle};
 use crate::support::storage::NoStorage;
-use backlit::app::{App, AppOptions, opening_of};
+use backlit::app::{App, AppOptions, Inspector, opening_of};
 use backlit::document::Document;
 use backlit::document::project::{read_project, write_project};
 use backlit::take::source::TakeSource;
@@ -119,7 +119,7 @@ fn tables_and_plots_that_cannot_be_written_are_said() {
     let mut harness = open(folder.path());
     click(&mut harness, "Step");
     for (place, reason) in bad_places(folder.path()) {
-        for write in [App::export_curves_to, App::export_plot_to] {
+        for write in [Inspector::export_curves_to, Inspector::export_plot_to] {
             write(harness.state_mut(), &place);
             settle(&mut harness);
             let said = said(&harness).pop().unwrap();

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::app::App;
+use crate::app::Inspector;
 use crate::context::Write;
 use crate::context::command::{Command, ConvergenceCommand};
 use crate::document::run::RunEnding;
@@ -11,7 +11,7 @@ use crate::features::convergence::{CurvesRequest, picture, table};
 use crate::session::RemovedRuns;
 use crate::session::selection::StepRef;
 
-impl App {
+impl Inspector {
     /// Names the runs anew by what differs, after there are others or others are shown.
     pub(crate) fn name_runs(&mut self) {
         name_runs(&mut self.state.session.runs);

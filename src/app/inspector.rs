@@ -1,0 +1,244 @@
+//! The inspector as it is without a desktop: all that is shown and worked on, and nothing that is read, written or asked
+//! outside. The window is one; another, which nobody sees, is painted for exports.
+
+use std::time::Instant;
+
+use backlit_tracking::body::builtin;
+use egui::Ui;
+
+use super::failure::Broken;
+use super::refresh::Refresh;
+use super::settings::Settings;
+use super::state::{DialogKind, Opening, State};
+use crate::context::Unavailable;
+use crate::context::clock::Clock;
+use crate::context::command::FileCommand;
+use crate::context::notices::Notices;
+use crate::context::observability::ObservabilityMarks;
+use crate::context::pane::Pane;
+use crate::context::preferences::Preferences;
+use crate::context::{Request, Write};
+use crate::document::Document;
+use crate::document::history::{Gesture, History};
+use crate::features::Features;
+use crate::features::basin::Basin;
+use crate::features::laboratory::Laboratory;
+use crate::features::observability::Observability;
+use crate::features::scene::Scene;
+use crate::jobs::Pool;
+use crate::session::Session;
+use crate::session::playback::Playback;
+use crate::session::selection::Selection;
+use crate::shell::Shell;
+use crate::worker::{Event, Worker};
+
+/// What the inspector leaves to who has a desktop.
+#[derive(Debug)]
+pub(crate) enum Errand {
+    Command(FileCommand),
+    Request(Request),
+    Open(Opening),
+    Write(Write),
+    Ask(DialogKind),
+}
+
+/// The inspector.
+#[derive(Debug)]
+pub struct Inspector {
+    pub(crate) state: State,
+    pub(crate) features: Features,
+    pub(crate) shell: Shell,
+    pub(crate) refresh: Refresh,
+    pub(crate) worker: Worker<Event>,
+    pub(crate) broken: Broken,
+    /// How the window was arranged before its layout was reset.
+    pub(crate) layout_before: Option<Box<Settings>>,
+    pub(crate) next_gesture: u64,
+    pub(crate) errands: Vec<Errand>,
+}
+
+impl Inspector {
+    /// An inspector without a take, whose tasks are done by `pool`.
+    ///
+    /// # Errors
+    /// The system gives no thread.
+    pub(crate) fn new(egui: egui::Context, pool: Pool, clock: Clock) -> anyhow::Result<Self> {
+        let wake = egui.clone();
+        let state = State {
+            history: History::new(Document::new(builtin::full_body())),
+            selection: Selection::default(),
+            session: Session::default(),
+            playback: Playback::default(),
+            preferences: Preferences::default(),
+            notices: Notices::default(),
+            observability: ObservabilityMarks::default(),
+            unavailable: Unavailable::default(),
+            status: None,
+            project: None,
+            is_opening: false,
+            lost_take: None,
+            clock,
+            now: 0.0,
+            frame_seconds: 0.0,
+            pool,
+            egui,
+        };
+        Ok(Self {
+            state,
+            features: Features::default(),
+            shell: Shell::default(),
+            refresh: Refresh::default(),
+            worker: Worker::start(move || wake.request_repaint())?,
+            broken: Broken::default(),
+            layout_before: None,
+            next_gesture: 1,
+            errands: Vec::new(),
+        })
+    }
+
+    /// The window's time and context, for what is done before the frame too.
+    pub(crate) fn begin_frame(&mut self, ui: &Ui) {
+        self.state.now = ui.input(|input| input.time);
+        // Whoever made the inspector may show it in another window's context.
+        self.state.egui.clone_from(ui.ctx());
+    }
+
+    /// One frame.
+    pub(crate) fn frame(&mut self, ui: &mut Ui) {
+        let began = Instant::now();
+        self.begin_frame(ui);
+        self.apply_theme(ui);
+        self.take_in_refreshed();
+        self.hear_worker();
+        self.update_features();
+        let mut requests = self.read_keys(ui.ctx());
+        self.show(ui, &mut requests);
+        self.apply(requests, ui.ctx());
+        self.play(ui.ctx());
+        self.keep_work();
+        self.refresh();
+        self.state.frame_seconds = began.elapsed().as_secs_f64();
+    }
+
+    /// Has something opened.
+    pub(crate) fn open(&mut self, opening: Opening) {
+        self.state.is_opening = true;
+        self.errands.push(Errand::Open(opening));
+    }
+
+    /// Has a file written.
+    pub(crate) fn write(&mut self, write: Write) {
+        self.errands.push(Errand::Write(write));
+    }
+
+    /// Has a file asked for.
+    pub(crate) fn ask_for_file(&mut self, kind: DialogKind) {
+        self.errands.push(Errand::Ask(kind));
+    }
+
+    /// The document as it is.
+    #[must_use]
+    pub fn document(&self) -> &Document {
+        self.state.history.document()
+    }
+
+    /// What is selected.
+    #[must_use]
+    pub fn selection(&self) -> &Selection {
+        &self.state.selection
+    }
+
+    /// The derived data.
+    #[must_use]
+    pub fn session(&self) -> &Session {
+        &self.state.session
+    }
+
+    /// Whether a pane is open.
+    #[must_use]
+    pub fn is_open(&self, pane: Pane) -> bool {
+        self.state.preferences.is_open(pane, self.state.session.camera_count())
+    }
+
+    /// Whether there is work that is in no file.
+    #[must_use]
+    pub fn is_unsaved(&self) -> bool {
+        self.state.history.is_dirty()
+    }
+
+    /// The laboratory.
+    #[must_use]
+    pub fn laboratory(&self) -> &Laboratory {
+        &self.features.laboratory
+    }
+
+    /// What was said.
+    #[must_use]
+    pub fn notices(&self) -> &Notices {
+        &self.state.notices
+    }
+
+    /// What was tried of the basin.
+    #[must_use]
+    pub fn basin(&self) -> &Basin {
+        &self.features.basin
+    }
+
+    /// What the cameras see of the pose.
+    #[must_use]
+    pub fn observability(&self) -> &Observability {
+        &self.features.observability
+    }
+
+    /// The 3-D scene.
+    #[must_use]
+    pub fn shown_scene(&self) -> &Scene {
+        &self.features.scene
+    }
+
+    /// Closes the cards of notices; they stay among the messages.
+    pub fn close_notices(&mut self) {
+        self.state.notices.close_all();
+    }
+
+    /// Whether nothing is being read, fitted or drawn anew: what is on the screen is whole.
+    #[must_use]
+    pub fn is_idle(&self) -> bool {
+        // A body that sways never comes to rest, and neither does its picture.
+        let is_at_rest = match self.features.observability.is_playing() {
+            true => self.features.scene.is_all_that_works(&self.state.pool),
+            false => self.state.pool.is_idle(),
+        };
+        self.worker.is_idle()
+            && is_at_rest
+            && self.errands.is_empty()
+            && !(self.state.session.is_stale && !self.refresh.has_failed_to_predict())
+            && !self.features.demonstrations.is_running()
+            && self.features.laboratory.is_settled(&self.context())
+    }
+
+    /// Goes to a frame.
+    pub fn go_to_frame(&mut self, frame: usize) {
+        if self.state.selection.frame != frame {
+            self.state.selection.go_to_frame(frame, self.state.session.frame_count());
+        }
+    }
+
+    /// A gesture that was not used before.
+    pub(crate) fn new_gesture(&mut self) -> Gesture {
+        // Far from those of the panels, which count from one.
+        self.next_gesture += 1;
+        Gesture(u64::MAX - self.next_gesture)
+    }
+
+    /// Hands the theme to egui when it has changed.
+    pub(crate) fn apply_theme(&mut self, ui: &mut Ui) {
+        if self.shell.shown_theme != Some(self.state.preferences.theme) {
+            crate::style::theme::apply(ui.ctx(), self.state.preferences.theme);
+            // This frame has begun in the old one.
+            let style = ui.ctx().style_of(self.state.preferences.theme.to_egui());
+            ui.set_style(style);
+            self.shell.shown_theme = Some(self.state.preferences.theme);
+        }
+    }
+}
