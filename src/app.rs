@@ -23,7 +23,6 @@
 //! | `exported`, `accessible` | the state as a file, for tests from outside; where the named widgets are |
 //! | `off_screen` | an inspector that nobody sees, painted for exports |
 //! | `outside` | folders and pages in other programs |
-//! | `scene_view` | where the 3-D scene is seen from, and its hull |
 //! | `screen` | which panels there are, and where |
 //! | `zoom` | zoom by the keyboard |
 //! | `headless` | the window's picture without a display |

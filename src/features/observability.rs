@@ -69,7 +69,7 @@ pub struct Observability {
     is_stale: bool,
     /// What panels have shown in the last frame, and what they show in this one.
     shown: Shown,
-    showing: Shown,
+    drawn: Shown,
     picked: Option<usize>,
     sway: Option<Sway>,
     choices: Choices,
@@ -82,7 +82,7 @@ impl Default for Observability {
             found: None,
             is_stale: true,
             shown: Shown::default(),
-            showing: Shown::default(),
+            drawn: Shown::default(),
             picked: None,
             sway: None,
             choices: Choices::default(),
@@ -159,7 +159,7 @@ impl Observability {
 
     /// A panel shows this angle of the selected limb with its limits.
     pub(crate) fn look_at_angle(&mut self, angle: Option<LimitedAngle>) {
-        self.showing.angle = angle;
+        self.drawn.angle = angle;
     }
 
     /// What views and scene draw of it.

@@ -34,7 +34,7 @@ impl Observability {
         let used: Vec<usize> = context.document().used_cameras().collect();
         let summary = format!("{} of {} cameras", used.len(), context.session.camera_count());
         section(ui, "Camera subsets", &summary, open, |ui| {
-            self.showing.figures = true;
+            self.drawn.figures = true;
             let palette = theme::palette(ui);
             let Some(found) = self.found.clone().filter(|found| !found.subsets.is_empty()) else {
                 ui.label(RichText::new("No camera has a silhouette yet").small().color(palette.text3));
@@ -45,7 +45,7 @@ impl Observability {
             for (place, figures) in found.subsets.iter().enumerate() {
                 let response = row(ui, &found, self.is_stale, figures, figures.cameras == used);
                 if response.hovered() || response.has_focus() {
-                    self.showing.subset = Some(place);
+                    self.drawn.subset = Some(place);
                 }
                 if response.clicked() && figures.cameras != used {
                     requests.edit(Edit::UseOnly { cameras: figures.cameras.clone() });

@@ -35,7 +35,7 @@ impl Observability {
         open: bool,
     ) {
         section(ui, "Observability", &summary(self), open, |ui| {
-            self.showing.figures = true;
+            self.drawn.figures = true;
             let Some(found) = self.found.clone() else {
                 hint(ui, waiting_for(context));
                 return;

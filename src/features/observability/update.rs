@@ -37,7 +37,7 @@ impl Observability {
     /// Takes figures in, lets the body sway, and asks for newer figures where somebody looks at them, once nothing moves
     /// that they would be of.
     pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
-        self.shown = std::mem::take(&mut self.showing);
+        self.shown = std::mem::take(&mut self.drawn);
         for news in self.task.poll() {
             match news {
                 News::Output(Ok(found)) => self.found = Some(found),

@@ -40,7 +40,7 @@ const RAY_WIDTH: f64 = 1.75;
 #[derive(Debug, Clone, Copy)]
 pub struct ContentsInput<'a> {
     /// What is shown.
-    pub look: &'a ScenePreferences,
+    pub preferences: &'a ScenePreferences,
     /// The body.
     pub model: &'a Model,
     /// Where its limbs are.
@@ -95,14 +95,14 @@ pub struct Contents {
 #[must_use]
 pub fn contents(input: &ContentsInput<'_>) -> Contents {
     let mut scene = Scene { limbs: limbs(input), ..Scene::default() };
-    if input.look.floor {
+    if input.preferences.floor {
         scene.floor = Some(floor(input));
     }
-    let frusta = if input.look.cameras { frusta(input) } else { Vec::new() };
+    let frusta = if input.preferences.cameras { frusta(input) } else { Vec::new() };
     for frustum in &frusta {
         scene.lines.extend(frustum_lines(input, frustum));
     }
-    if let Some(hull) = input.hull.filter(|_| input.look.hull != ShownHull::Hidden) {
+    if let Some(hull) = input.hull.filter(|_| input.preferences.hull != ShownHull::Hidden) {
         scene.lines.extend(box_lines(hull, input.scale));
     }
     if let Some((camera, joint)) = input.ray
@@ -155,7 +155,7 @@ fn frusta(input: &ContentsInput<'_>) -> Vec<Frustum> {
     distances.sort_by(f64::total_cmp);
     let typical = distances.get(distances.len() / 2).copied().unwrap_or(1.0);
     let depth = (FRUSTUM * typical).clamp(FRUSTUM_RANGE[0], FRUSTUM_RANGE[1]);
-    let own = match input.look.viewpoint {
+    let own = match input.preferences.viewpoint {
         Some(Viewpoint::Camera(index)) => Some(index),
         _ => None,
     };
@@ -241,14 +241,17 @@ mod tests {
         Arc::new(Camera::new("c", [272, 480], intrinsics, Distortion::None, place).unwrap())
     }
 
-    fn with<T>(change: impl FnOnce(&mut ContentsInput<'_>) -> T, look: ScenePreferences) -> (Contents, T) {
+    fn with<T>(
+        change: impl FnOnce(&mut ContentsInput<'_>) -> T,
+        preferences: ScenePreferences,
+    ) -> (Contents, T) {
         let model = builtin::full_body();
         let kinematics = Kinematics::new(&model, &Pose::rest(&model));
         let cameras = [camera()];
         let uses = [CameraUse { name: "c".to_owned(), used: true, weight: 1.0 }];
         let upright = Upright::of(&cameras);
         let mut input = ContentsInput {
-            look: &look,
+            preferences: &preferences,
             model: &model,
             kinematics: &kinematics,
             renderer: RendererKind::Capsule,
@@ -284,14 +287,14 @@ mod tests {
 
     #[test]
     fn limbs_have_the_renderers_shape_and_the_held_one_its_colour() {
-        let look = ScenePreferences { cameras: false, floor: false, ..ScenePreferences::default() };
+        let preferences = ScenePreferences { cameras: false, floor: false, ..ScenePreferences::default() };
         let (contents, rotation) = with(
             |input| {
                 let limb = input.model.limb_index("right forearm").unwrap();
                 input.rotation = Some(input.model.limbs()[limb].rotation);
                 input.rotation
             },
-            look,
+            preferences,
         );
         let model = builtin::full_body();
         assert_eq!(contents.scene.limbs.len(), model.limbs().len());
@@ -299,10 +302,10 @@ mod tests {
         assert_eq!(marked, model.limbs().iter().filter(|limb| Some(limb.rotation) == rotation).count());
         assert!(contents.scene.floor.is_none() && contents.scene.lines.is_empty());
         assert!(contents.scene.limbs.iter().all(|limb| limb.shape == Ends::Round));
-        let (flat, ()) = with(|input| input.renderer = RendererKind::Cylinder, look);
+        let (flat, ()) = with(|input| input.renderer = RendererKind::Cylinder, preferences);
         assert!(flat.scene.limbs.iter().all(|limb| limb.shape == Ends::Flat));
         let (spheres, ()) =
-            with(|input| input.renderer = RendererKind::SphereTree { spheres: Some(3) }, look);
+            with(|input| input.renderer = RendererKind::SphereTree { spheres: Some(3) }, preferences);
         assert_eq!(spheres.scene.limbs.len(), 3 * model.limbs().len());
         assert!(spheres.scene.limbs.iter().all(|sphere| sphere.ends[0] == sphere.ends[1]));
     }

@@ -109,7 +109,7 @@ impl Stage {
         Some(stage)
     }
 
-    /// The same from elsewhere: what the hand asks for is ordered in the very frame.
+    /// The same from elsewhere: what a drag asks for is ordered in the very frame.
     fn seen_from(self, context: &Context<'_>, viewpoint: Viewpoint) -> Self {
         if viewpoint == self.viewpoint {
             return self;
@@ -122,7 +122,7 @@ impl Stage {
     fn contents_input<'a>(
         &'a self,
         context: &Context<'a>,
-        look: &'a ScenePreferences,
+        preferences: &'a ScenePreferences,
         hull: Option<&'a VisualHull>,
         scale: f32,
     ) -> ContentsInput<'a> {
@@ -136,7 +136,7 @@ impl Stage {
             }
         };
         ContentsInput {
-            look,
+            preferences,
             model: &document.model,
             kinematics: &self.kinematics,
             renderer: document.fit.renderer,

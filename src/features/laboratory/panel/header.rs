@@ -1,6 +1,6 @@
 //! What is compared, and the controls of the step.
 
-use egui::{Align, Button, Frame, Label, Layout as Direction, Margin, Panel, RichText, Ui, vec2};
+use egui::{Align, Frame, Label, Layout as Direction, Margin, Panel, RichText, Ui, vec2};
 
 use super::Wish;
 use crate::context::command::{Command, FitCommand, LaboratoryCommand};
@@ -12,7 +12,7 @@ use crate::style::format;
 use crate::style::theme;
 use crate::style::theme::{size, space};
 use crate::widgets::choice;
-use crate::widgets::{Icon, icon_button, primary_button};
+use crate::widgets::{Icon, icon_button};
 
 /// Height of the header, and of its rows.
 const HEIGHT: f32 = 66.0;
@@ -92,11 +92,8 @@ fn controls(
     start_box(ui, laboratory, context, wishes);
     command::icon(ui, context, requests, Command::Fit(FitCommand::Stop), Icon::Stop);
     let run = format!("Run {}", laboratory.lineup.all_text());
-    act(ui, context, requests, Command::Fit(FitCommand::Run), |ui| {
-        ui.add(Button::new(run).min_size(vec2(0.0, size::BUTTON)))
-    });
-    let step = Command::Fit(FitCommand::Step);
-    act(ui, context, requests, step, |ui| primary_button(ui, step.text()));
+    command::named_button(ui, context, requests, Command::Fit(FitCommand::Run), &run);
+    command::primary(ui, context, requests, Command::Fit(FitCommand::Step));
     command::icon(ui, context, requests, Command::Fit(FitCommand::StepBack), Icon::StepBack);
     let restart = Command::Laboratory(LaboratoryCommand::Restart);
     let tooltip = unavailable(restart, context);
@@ -106,22 +103,6 @@ fn controls(
         ui.add_enabled_ui(is_enabled, |ui| icon_button(ui, Icon::First, "Restart", &tooltip)).inner;
     if response.clicked() {
         requests.run(restart);
-    }
-}
-
-/// A button that does a command and says why it cannot.
-fn act(
-    ui: &mut Ui,
-    context: &Context<'_>,
-    requests: &mut Requests,
-    command: Command,
-    add: impl FnOnce(&mut Ui) -> egui::Response,
-) {
-    let why_not = unavailable(command, context);
-    let response = ui.add_enabled_ui(why_not.is_none(), add).inner;
-    let tooltip = why_not.map_or_else(|| command.tooltip(), |why| format!("{}\n{why}.", command.tooltip()));
-    if response.on_hover_text(&tooltip).on_disabled_hover_text(&tooltip).clicked() {
-        requests.run(command);
     }
 }
 

@@ -23,23 +23,23 @@ pub(super) fn order(
     stage: &Stage,
     moves: bool,
 ) -> SceneOrder {
-    let (look, busy) = (&scene.preferences, context.busy);
+    let (preferences, busy) = (&scene.preferences, context.busy);
     let goes_on = busy.fitting || busy.tracking || context.playback.is_playing();
     let size = stage.picture.size() * pixels_per_point;
     let shrink = (LONGEST / size.max_elem()).min(1.0);
     let frame = context.session.shown_frame(context.selection.frame);
     let hull = frame.and_then(|frame| scene.hulls.get(frame)).flatten();
-    let input = stage.contents_input(context, look, hull.map(Arc::as_ref), pixels_per_point * shrink);
+    let input = stage.contents_input(context, preferences, hull.map(Arc::as_ref), pixels_per_point * shrink);
     let contents = contents(&input);
     SceneOrder {
         size_px: [size.x, size.y].map(|side| (side * shrink).round().max(1.0) as u32),
         is_draft: moves || goes_on || stage.ray.is_some() || context.observability.is_playing,
         eye: stage.eye,
         scene: contents.scene,
-        pictures: frame.filter(|_| look.pictures && !contents.frusta.is_empty()).cloned(),
+        pictures: frame.filter(|_| preferences.pictures && !contents.frusta.is_empty()).cloned(),
         frusta: contents.frusta,
         picture_side: (PICTURE_SIDE * pixels_per_point).round() as u32,
-        shell: hull.filter(|_| look.hull == ShownHull::Shell).cloned(),
+        shell: hull.filter(|_| preferences.hull == ShownHull::Shell).cloned(),
         held: stage.position(context.selection.joint),
     }
 }
