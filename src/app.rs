@@ -96,7 +96,6 @@ impl App {
                 Errand::Command(command) => self.file_command(command),
                 Errand::Open(opening) => self.open(opening),
                 Errand::Write(write) => self.write(write),
-                Errand::Ask(kind) => self.ask_for_file(kind),
                 Errand::Request(Request::OpenPath(path)) => self.open_path(&path),
                 Errand::Request(Request::OpenOutside(address)) => self.open_outside(address),
                 Errand::Request(Request::Export) => self.begin_export(),

@@ -8,7 +8,7 @@ use egui::Ui;
 
 use super::refresh::Refresh;
 use super::settings::Settings;
-use super::state::{DialogKind, Opening, State};
+use super::state::{Opening, State};
 use crate::context::Unavailable;
 use crate::context::clock::Clock;
 use crate::context::command::FileCommand;
@@ -38,7 +38,6 @@ pub(crate) enum Errand {
     Request(Request),
     Open(Opening),
     Write(Write),
-    Ask(DialogKind),
 }
 
 /// The inspector.
@@ -117,11 +116,6 @@ impl Inspector {
     /// Has a file written.
     pub(crate) fn write(&mut self, write: Write) {
         self.errands.push(Errand::Write(write));
-    }
-
-    /// Has a file asked for.
-    pub(crate) fn ask_for_file(&mut self, kind: DialogKind) {
-        self.errands.push(Errand::Ask(kind));
     }
 
     /// The document as it is.
