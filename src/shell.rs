@@ -16,7 +16,6 @@ pub(crate) mod shortcuts;
 pub(crate) mod status_bar;
 pub(crate) mod toolbar;
 
-use crate::app::dropping::Hovering;
 use crate::style::theme::Theme;
 
 /// The state of what stands around the features.
@@ -25,8 +24,6 @@ pub(crate) struct Shell {
     /// Tiles of the centre.
     pub(crate) docking: docking::Docking,
     pub(crate) overlay: Option<Overlay>,
-    /// Files over the window.
-    pub(crate) hovering: Option<Hovering>,
     pub(crate) shown_theme: Option<Theme>,
 }
 

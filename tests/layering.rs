@@ -1,0 +1,273 @@
+//! The house's rules for `src/`: which room may use which, as the table of ARCHITECTURE.md says; features do not know each
+//! other; files stay small. And the picture of the house in ARCHITECTURE.md is the code's.
+
+#![expect(clippy::unwrap_used, reason = "a panic is a test's answer")]
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Arrows from one feature to another that are allowed, and why.
+const EXCEPTIONS: [(&str, &str, &str); 0] = [];
+
+/// Most lines of a file.
+const MOST_LINES: usize = 450;
+
+/// The rooms from the roof down, a floor a row.
+const FLOORS: [&[&str]; 11] = [
+    &["cli"],
+    &["app"],
+    &["shell"],
+    &["features"],
+    &["context"],
+    &["jobs"],
+    &["session"],
+    &["document"],
+    &["take"],
+    &["widgets", "drawing"],
+    &["style"],
+];
+
+/// The lines about the picture in ARCHITECTURE.md.
+const PICTURE: [&str; 2] = ["<!-- the house: made from the code -->", "<!-- the end of the house -->"];
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A file of `src/`: its module path, and its code without comments and tests.
+struct Source {
+    path: String,
+    module: Vec<String>,
+    code: String,
+    lines: usize,
+}
+
+impl Source {
+    fn room(&self) -> &str {
+        self.module.first().map_or("", String::as_str)
+    }
+
+    /// Module paths inside the crate that the code names, by `crate::…` or by `super::…`.
+    fn uses(&self) -> BTreeSet<Vec<String>> {
+        let mut found = BTreeSet::new();
+        for (start, _) in self.code.match_indices("crate::") {
+            paths(&[], &self.code[start + "crate::".len()..], &mut found);
+        }
+        for depth in 1..=self.module.len() {
+            let supers = "super::".repeat(depth);
+            for (start, _) in self.code.match_indices(&supers) {
+                let is_whole = !self.code[..start].ends_with("super::");
+                let rest = &self.code[start + supers.len()..];
+                if is_whole && !rest.starts_with("super::") {
+                    paths(&self.module[..self.module.len() - depth], rest, &mut found);
+                }
+            }
+        }
+        found
+    }
+}
+
+/// The module paths at the beginning of `text`, which may be a group, below `base`.
+fn paths(base: &[String], text: &str, found: &mut BTreeSet<Vec<String>>) {
+    if let Some(group) = text.strip_prefix('{') {
+        let mut depth = 0;
+        let mut first = 0;
+        for (index, c) in group.char_indices() {
+            match c {
+                '{' => depth += 1,
+                '}' if depth > 0 => depth -= 1,
+                ',' | '}' if depth == 0 => {
+                    paths(base, group[first..index].trim(), found);
+                    first = index + 1;
+                    if c == '}' {
+                        return;
+                    }
+                }
+                _ => {}
+            }
+        }
+        return;
+    }
+    let end = text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len());
+    let mut path = base.to_vec();
+    let name = &text[..end];
+    if name.is_empty() || name.starts_with(char::is_uppercase) {
+        found.insert(path);
+        return;
+    }
+    path.push(name.to_owned());
+    match text[end..].strip_prefix("::") {
+        Some(rest) => paths(&path, rest, found),
+        None => {
+            found.insert(path);
+        }
+    }
+}
+
+fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            rust_files(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            found.push(path);
+        }
+    }
+    found.sort();
+}
+
+/// The code without comments and without what is compiled for tests only.
+fn without_tests(text: &str) -> String {
+    let mut code = String::new();
+    let mut lines = text.lines();
+    while let Some(line) = lines.next() {
+        let line = line.split("//").next().unwrap_or_default();
+        if line.trim() == "#[cfg(test)]" {
+            let indentation = line.len() - line.trim_start().len();
+            let close = format!("{}}}", " ".repeat(indentation));
+            for line in lines.by_ref() {
+                if line == close || (line.ends_with(';') && !line.starts_with(&format!("{close} "))) {
+                    break;
+                }
+            }
+            continue;
+        }
+        code.push_str(line);
+        code.push('\n');
+    }
+    code
+}
+
+fn sources() -> Vec<Source> {
+    let src = root().join("src");
+    let mut files = Vec::new();
+    rust_files(&src, &mut files);
+    assert!(files.len() > 200, "the sources were not found");
+    let source = |path: &PathBuf| {
+        let inside = path.strip_prefix(&src).unwrap();
+        let text = fs::read_to_string(path).unwrap();
+        let module: Vec<String> =
+            inside.with_extension("").iter().map(|part| part.to_str().unwrap().to_owned()).collect();
+        Source {
+            path: format!("src/{}", inside.display()),
+            module,
+            code: without_tests(&text),
+            lines: text.lines().count(),
+        }
+    };
+    let is_test = |source: &Source| source.module.last().is_some_and(|name| name == "tests" || name == "testing");
+    files.iter().map(source).filter(|source| !is_test(source) && !["lib", "main"].contains(&source.room())).collect()
+}
+
+/// What each room may use: the table of ARCHITECTURE.md.
+fn allowed() -> BTreeMap<String, BTreeSet<String>> {
+    let text = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let table = text.split("| room of `src/` |").nth(1).expect("the table of rooms");
+    let rows = table.lines().skip(2).take_while(|line| line.starts_with('|'));
+    let names = |cell: &str| cell.split('`').skip(1).step_by(2).map(str::to_owned).collect::<Vec<_>>();
+    let mut table = BTreeMap::new();
+    for row in rows {
+        let cells: Vec<&str> = row.split('|').collect();
+        for room in names(cells[1]) {
+            table.insert(room, names(cells[cells.len() - 2]).into_iter().collect());
+        }
+    }
+    assert!(table.len() > 8, "the table of rooms was not understood");
+    table
+}
+
+#[test]
+fn rooms_use_only_what_they_may() {
+    let allowed = allowed();
+    let mut wrong = Vec::new();
+    for source in sources() {
+        let Some(may) = allowed.get(source.room()) else {
+            wrong.push(format!("{}: the room has no row in ARCHITECTURE.md", source.path));
+            continue;
+        };
+        for path in source.uses() {
+            let Some(target) = path.first() else { continue };
+            if target != source.room() && allowed.contains_key(target) && !may.contains(target) {
+                wrong.push(format!("{} uses {}", source.path, path.join("::")));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} arrows that ARCHITECTURE.md does not allow:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
+fn features_do_not_know_each_other() {
+    let mut wrong = BTreeSet::new();
+    for source in sources().iter().filter(|source| source.room() == "features") {
+        let Some(own) = source.module.get(1) else { continue };
+        for path in source.uses().iter().filter(|path| path.first().is_some_and(|room| room == "features")) {
+            let Some(other) = path.get(1).filter(|other| *other != own) else { continue };
+            if !EXCEPTIONS.iter().any(|(from, to, _)| from == own && to == other) {
+                wrong.insert(format!("{} uses {}", source.path, path.join("::")));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} arrows:\n{}", wrong.len(), Vec::from_iter(wrong).join("\n"));
+}
+
+#[test]
+fn no_room_is_in_a_circle() {
+    let mut arrows: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for source in sources() {
+        let to = source.uses().into_iter().filter_map(|path| path.first().cloned());
+        arrows.entry(source.room().to_owned()).or_default().extend(to);
+    }
+    // Rooms that use none of the others any more are taken away until nothing changes.
+    while let Some(room) = arrows.iter().find(|(room, to)| to.iter().all(|to| to == *room || !arrows.contains_key(to))).map(|it| it.0.clone()) {
+        arrows.remove(&room);
+    }
+    assert!(arrows.is_empty(), "in a circle: {:?}", arrows.keys());
+}
+
+#[test]
+fn files_are_small_and_of_one_module_style() {
+    let long = sources().into_iter().filter(|source| source.lines > MOST_LINES);
+    let long: Vec<String> = long.map(|source| format!("{} has {} lines", source.path, source.lines)).collect();
+    assert!(long.is_empty(), "{}", long.join("\n"));
+    let style = sources().into_iter().find(|source| source.path.ends_with("mod.rs"));
+    assert!(style.is_none(), "foo.rs beside foo/, not {}", style.unwrap().path);
+}
+
+/// The rooms from the roof down with what each uses, and the features by name.
+fn picture() -> String {
+    let sources = sources();
+    let mut text = String::from("```text\n");
+    for floor in FLOORS {
+        for room in floor {
+            let of_room = || sources.iter().filter(|source| source.room() == *room);
+            let uses: BTreeSet<String> =
+                of_room().flat_map(Source::uses).filter_map(|path| path.first().cloned()).collect();
+            let below = FLOORS.concat().into_iter().filter(|other| other != room && uses.contains(*other));
+            let below: Vec<&str> = below.collect();
+            let arrow = if below.is_empty() { "" } else { "→ " };
+            text += format!("{room:<10} {arrow}{}", below.join(" ")).trim_end();
+            text.push('\n');
+            if *room == "features" {
+                let names: BTreeSet<&str> = of_room().filter_map(|source| source.module.get(1)).map(String::as_str).collect();
+                text += &format!("           [ {} ]\n", Vec::from_iter(names).join(" | "));
+            }
+        }
+    }
+    text + "```\n"
+}
+
+#[test]
+fn the_picture_in_architecture_is_the_codes() {
+    let path = root().join("ARCHITECTURE.md");
+    let text = fs::read_to_string(&path).unwrap();
+    let [begin, end] = PICTURE;
+    let (before, rest) = text.split_once(begin).expect("where the picture begins");
+    let (old, after) = rest.split_once(end).expect("where the picture ends");
+    let new = format!("\n{}", picture());
+    if std::env::var_os("UPDATE_ARCHITECTURE").is_some() {
+        fs::write(&path, format!("{before}{begin}{new}{end}{after}")).unwrap();
+    } else {
+        assert_eq!(old, new, "UPDATE_ARCHITECTURE=1 cargo test --test layering makes it anew");
+    }
+}
