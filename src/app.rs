@@ -29,7 +29,6 @@
 
 pub(crate) mod calibrate_job;
 pub(crate) mod commands;
-pub mod dropped;
 pub(crate) mod dropping;
 pub(crate) mod events;
 pub(crate) mod features;

@@ -24,6 +24,8 @@ pub(crate) struct Shell {
     /// Tiles of the centre.
     pub(crate) docking: docking::Docking,
     pub(crate) overlay: Option<Overlay>,
+    /// Files over the window.
+    pub(crate) hovering: Option<drop_overlay::Hovering>,
     pub(crate) shown_theme: Option<Theme>,
 }
 

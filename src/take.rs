@@ -3,6 +3,7 @@
 
 pub mod builtin;
 pub mod demonstration;
+pub mod dropped;
 pub mod footage;
 pub mod replacement;
 pub mod source;

@@ -156,8 +156,13 @@ fn sources() -> Vec<Source> {
             lines: text.lines().count(),
         }
     };
-    let is_test = |source: &Source| source.module.last().is_some_and(|name| name == "tests" || name == "testing");
-    files.iter().map(source).filter(|source| !is_test(source) && !["lib", "main"].contains(&source.room())).collect()
+    let is_test =
+        |source: &Source| source.module.last().is_some_and(|name| name == "tests" || name == "testing");
+    files
+        .iter()
+        .map(source)
+        .filter(|source| !is_test(source) && !["lib", "main"].contains(&source.room()))
+        .collect()
 }
 
 /// What each room may use: the table of ARCHITECTURE.md.
@@ -193,7 +198,12 @@ fn rooms_use_only_what_they_may() {
             }
         }
     }
-    assert!(wrong.is_empty(), "{} arrows that ARCHITECTURE.md does not allow:\n{}", wrong.len(), wrong.join("\n"));
+    assert!(
+        wrong.is_empty(),
+        "{} arrows that ARCHITECTURE.md does not allow:\n{}",
+        wrong.len(),
+        wrong.join("\n")
+    );
 }
 
 #[test]
@@ -219,7 +229,11 @@ fn no_room_is_in_a_circle() {
         arrows.entry(source.room().to_owned()).or_default().extend(to);
     }
     // Rooms that use none of the others any more are taken away until nothing changes.
-    while let Some(room) = arrows.iter().find(|(room, to)| to.iter().all(|to| to == *room || !arrows.contains_key(to))).map(|it| it.0.clone()) {
+    while let Some(room) = arrows
+        .iter()
+        .find(|(room, to)| to.iter().all(|to| to == *room || !arrows.contains_key(to)))
+        .map(|it| it.0.clone())
+    {
         arrows.remove(&room);
     }
     assert!(arrows.is_empty(), "in a circle: {:?}", arrows.keys());
@@ -228,7 +242,8 @@ fn no_room_is_in_a_circle() {
 #[test]
 fn files_are_small_and_of_one_module_style() {
     let long = sources().into_iter().filter(|source| source.lines > MOST_LINES);
-    let long: Vec<String> = long.map(|source| format!("{} has {} lines", source.path, source.lines)).collect();
+    let long: Vec<String> =
+        long.map(|source| format!("{} has {} lines", source.path, source.lines)).collect();
     assert!(long.is_empty(), "{}", long.join("\n"));
     let style = sources().into_iter().find(|source| source.path.ends_with("mod.rs"));
     assert!(style.is_none(), "foo.rs beside foo/, not {}", style.unwrap().path);
@@ -249,7 +264,8 @@ fn picture() -> String {
             text += format!("{room:<10} {arrow}{}", below.join(" ")).trim_end();
             text.push('\n');
             if *room == "features" {
-                let names: BTreeSet<&str> = of_room().filter_map(|source| source.module.get(1)).map(String::as_str).collect();
+                let names: BTreeSet<&str> =
+                    of_room().filter_map(|source| source.module.get(1)).map(String::as_str).collect();
                 text += &format!("           [ {} ]\n", Vec::from_iter(names).join(" | "));
             }
         }

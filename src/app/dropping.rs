@@ -3,19 +3,12 @@
 use std::path::PathBuf;
 
 use super::{App, Inspector};
-use crate::app::dropped::Dropped;
 use crate::app::take_in_job::TakeInJob;
 use crate::context::command::{Command, HistoryCommand};
 use crate::document::edit::Edit;
 use crate::jobs::{News, once};
-use crate::shell::drop_overlay;
-
-/// The files over the window, and what they are.
-#[derive(Debug)]
-pub(crate) struct Hovering {
-    paths: Vec<PathBuf>,
-    dropped: Dropped,
-}
+use crate::shell::drop_overlay::{self, Hovering};
+use crate::take::dropped::Dropped;
 
 impl App {
     /// Looks what is dragged over the window, and takes what is dropped.
@@ -26,10 +19,10 @@ impl App {
             (hovered.collect(), dropped.collect())
         });
         if hovered.is_empty() {
-            self.files.hovering = None;
-        } else if self.files.hovering.as_ref().is_none_or(|hovering| hovering.paths != hovered) {
+            self.inspector.shell.hovering = None;
+        } else if self.inspector.shell.hovering.as_ref().is_none_or(|hovering| hovering.paths != hovered) {
             let dropped = Dropped::of(&hovered);
-            self.files.hovering = Some(Hovering { paths: hovered, dropped });
+            self.inspector.shell.hovering = Some(Hovering { paths: hovered, dropped });
         }
         if !dropped.is_empty() {
             self.take_in(Dropped::of(&dropped));
@@ -99,7 +92,7 @@ impl App {
 impl Inspector {
     /// Says what will happen, over everything.
     pub(crate) fn show_drop(&self, ui: &egui::Ui) {
-        let Some(Hovering { dropped, .. }) = &self.files.hovering else { return };
+        let Some(Hovering { dropped, .. }) = &self.shell.hovering else { return };
         let (what, name) = dropped.explanation(self.state.selection.frame);
         let lacks_take = dropped.needs_take() && self.state.session.take.is_none();
         let is_possible = !lacks_take && !matches!(dropped, Dropped::Unknown(..));

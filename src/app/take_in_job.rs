@@ -7,8 +7,8 @@ use backlit_formats::pose_file::Quaternions;
 use backlit_formats::{model_file, pose_file};
 use backlit_tracking::body::Model;
 
-use crate::app::dropped::Dropped;
 use crate::document::edit::Edit;
+use crate::take::dropped::Dropped;
 use crate::take::footage::Footage;
 use crate::take::replacement::{masks_of, read_calibration};
 

@@ -1,10 +1,20 @@
 //! What will happen to the files that are over the window.
 
+use std::path::PathBuf;
+
+use crate::take::dropped::Dropped;
 use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, Role, Sense, StrokeKind, Ui, WidgetInfo};
 
 use crate::style::theme;
 use crate::style::theme::size;
 use crate::widgets::Icon;
+
+/// The files over the window, and what they are.
+#[derive(Debug)]
+pub(crate) struct Hovering {
+    pub(crate) paths: Vec<PathBuf>,
+    pub(crate) dropped: Dropped,
+}
 
 /// How far the window is dimmed.
 const DIM: f32 = 0.6;
