@@ -1,36 +1,26 @@
-//! The inspector: one frame is poll worker → panels read and ask → apply → history → commands → jobs.
+//! The inspector on a desktop: the frame loop, files, settings, pictures without a display.
 //!
 //! | file | holds |
 //! |---|---|
 //! | `state` | [`App`]: the inspector on a desktop; what the context lends |
 //! | `inspector` | [`Inspector`]: all that is shown and worked on, without a desktop |
-//! | `events` | what the worker said |
-//! | `requests`, `commands` | what the panels and the keys asked for |
-//! | `hand` | dragging in a camera's view, nudging |
-//! | `clipboard` | poses to and from the system's clipboard |
-//! | `docking` | tiles of the centre: arranging, opening, closing, one alone |
-//! | `curves` | runs named, removed, brought back, exported |
-//! | `basin` | the basin of the frame: begun, stopped, its starts taken |
-//! | `background` | the second worker: experiments, files made of results |
-//! | `fitting` | stepping, running, refitting |
-//! | `playing` | playing frames, and the time axis |
-//! | `tracking` | tracking, and looking for other poses |
-//! | `body` | fitting the body's own sizes |
-//! | `dropping` | files that are dropped on the window |
-//! | `files` | takes, projects, dialogs |
-//! | `settings` | the settings file |
-//! | `jobs` | what the screen lacks is asked of the worker |
-//! | `exported`, `accessible` | the state as a file, for tests from outside; where the named widgets are |
-//! | `off_screen` | an inspector that nobody sees, painted for exports |
-//! | `outside` | folders and pages in other programs |
-//! | `screen` | which panels there are, and where |
-//! | `zoom` | zoom by the keyboard |
-//! | `headless` | the window's picture without a display |
+//! | `screen` | what is shown where |
+//! | `features` | what the features do by themselves in every frame |
+//! | `requests`, `commands`, `unavailable` | what was asked for is done; or why it cannot be |
+//! | `refresh` | what the screen lacks is made |
+//! | `files`, `open_job`, `opened` | takes and projects: asked for, read, and what follows when one is open |
+//! | `dropping`, `take_in_job` | files that are dropped on the window |
+//! | `writes` | files that are made of results |
+//! | `settings`, `settings_file`, `settings_writer`, `layout` | what is kept from start to start; the arrangement and back |
+//! | `off_screen`, `headless` | pictures for exports and without a display |
+//! | `state_dump` | the state as a file, for tests from outside |
+//! | `open_with_system` | folders and pages in other programs |
+//! | `window` | the window is opened |
 
 pub(crate) mod calibrate_job;
 pub(crate) mod commands;
 pub(crate) mod dropping;
-pub(crate) mod events;
+pub(crate) mod opened;
 pub(crate) mod features;
 pub(crate) mod files;
 pub(crate) mod headless;
