@@ -43,12 +43,12 @@ pub(crate) mod take_in_job;
 #[cfg(test)]
 pub(crate) mod testing;
 pub(crate) mod unavailable;
-pub mod window;
+pub(crate) mod window;
 pub(crate) mod writes;
 
 pub use files::opening_of;
 pub(crate) use headless::headless_export;
-pub use headless::{PictureOptions, headless_picture};
+pub(crate) use headless::{PictureOptions, headless_picture};
 pub use inspector::Inspector;
 pub use state::{App, AppOptions, Opening};
 

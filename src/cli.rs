@@ -21,24 +21,24 @@
 //!
 //! Exit codes: 0 done, 1 an error (on standard error, in one line), 2 a command that makes no sense.
 
-pub mod command;
-pub mod evidence;
-pub mod experiment;
-pub mod fit;
-pub mod fit_body;
-pub mod fit_body_report;
-pub mod fit_options;
-pub mod inspector;
-pub mod observability;
-pub mod output;
-pub mod render;
-pub mod screenshot;
-pub mod silhouettes;
-pub mod table;
-pub mod take_options;
-pub mod track;
-pub mod track_files;
-pub mod track_report;
+pub(crate) mod command;
+pub(crate) mod evidence;
+pub(crate) mod experiment;
+pub(crate) mod fit;
+pub(crate) mod fit_body;
+pub(crate) mod fit_body_report;
+pub(crate) mod fit_options;
+pub(crate) mod inspector;
+pub(crate) mod observability;
+pub(crate) mod output;
+pub(crate) mod render;
+pub(crate) mod screenshot;
+pub(crate) mod silhouettes;
+pub(crate) mod table;
+pub(crate) mod take_options;
+pub(crate) mod track;
+pub(crate) mod track_files;
+pub(crate) mod track_report;
 
 use std::process::ExitCode;
 

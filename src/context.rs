@@ -1,14 +1,14 @@
 //! What panels read, and what they ask for.
 
-pub mod activity;
-pub mod arrangement;
+pub(crate) mod activity;
+pub(crate) mod arrangement;
 pub mod clock;
 pub mod command;
 pub(crate) mod command_button;
 pub(crate) mod drag_marks;
 pub(crate) mod file_dialog;
-pub mod notices;
-pub mod observability;
+pub(crate) mod notices;
+pub(crate) mod observability;
 pub mod pane;
 pub(crate) mod pane_title;
 pub(crate) mod picture_alone;
@@ -16,9 +16,9 @@ pub mod preferences;
 pub(crate) mod preset_box;
 pub(crate) mod unavailable;
 pub mod view_settings;
-pub mod write_advice;
+pub(crate) mod write_advice;
 
-pub use unavailable::{Unavailable, unavailable};
+pub(crate) use unavailable::{Unavailable, unavailable};
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -49,80 +49,80 @@ use backlit_tracking::body::Pose;
 
 /// All that a panel may look at while a frame is drawn.
 #[derive(Debug, Clone, Copy)]
-pub struct Context<'a> {
+pub(crate) struct Context<'a> {
     /// The document with its past.
-    pub history: &'a History,
+    pub(crate) history: &'a History,
     /// Derived data.
-    pub session: &'a Session,
+    pub(crate) session: &'a Session,
     /// What is selected.
-    pub selection: &'a Selection,
+    pub(crate) selection: &'a Selection,
     /// The arrangement.
-    pub preferences: &'a Preferences,
+    pub(crate) preferences: &'a Preferences,
     /// What was said.
-    pub notices: &'a Notices,
+    pub(crate) notices: &'a Notices,
     /// Work in progress.
-    pub busy: Activity,
+    pub(crate) busy: Activity,
     /// Which derivatives the views show.
-    pub derivatives: Derivatives,
+    pub(crate) derivatives: Derivatives,
     /// The project file, if there is one.
-    pub project: Option<&'a Path>,
+    pub(crate) project: Option<&'a Path>,
     /// Whether a project was not opened since its take was not there.
-    pub lacks_take: bool,
+    pub(crate) lacks_take: bool,
     /// The pane that fills the centre.
-    pub alone: Option<Pane>,
+    pub(crate) alone: Option<Pane>,
     /// How frames are played.
-    pub playback: &'a Playback,
+    pub(crate) playback: &'a Playback,
     /// What all camera views share.
-    pub views: ViewSettings,
+    pub(crate) views: ViewSettings,
     /// What goes on in the camera views.
     pub(crate) drag: DragMarks<'a>,
     /// What views and scene draw of what the cameras see.
-    pub observability: &'a ObservabilityMarks,
+    pub(crate) observability: &'a ObservabilityMarks,
     /// What time it is.
-    pub clock: &'a Clock,
+    pub(crate) clock: &'a Clock,
     /// The sentence of the status bar about what the hand is doing.
-    pub doing: Option<&'a str>,
+    pub(crate) doing: Option<&'a str>,
     /// Whether something lies over the window: the palette, a dialog.
-    pub is_covered: bool,
+    pub(crate) is_covered: bool,
     /// Whether work is offered that an earlier start of the program left unsaved.
-    pub offers_unsaved_work: bool,
+    pub(crate) offers_unsaved_work: bool,
     /// What cannot be used in this frame.
-    pub unavailable: &'a Unavailable,
+    pub(crate) unavailable: &'a Unavailable,
     /// Whether a change of the layout can be taken back.
-    pub can_restore_layout: bool,
+    pub(crate) can_restore_layout: bool,
     /// Time that the last frame of the window took, in seconds.
-    pub frame_seconds: f64,
+    pub(crate) frame_seconds: f64,
     /// Seconds since the window was opened.
-    pub now: f64,
+    pub(crate) now: f64,
     /// The threads, for the features' tasks.
-    pub pool: &'a Pool,
+    pub(crate) pool: &'a Pool,
     /// The window's own context.
-    pub egui: &'a egui::Context,
+    pub(crate) egui: &'a egui::Context,
 }
 
 impl<'a> Context<'a> {
     /// The document.
     #[must_use]
-    pub fn document(&self) -> &'a Document {
+    pub(crate) fn document(&self) -> &'a Document {
         self.history.document()
     }
 
     /// The runs of the fit.
     #[must_use]
-    pub fn runs(&self) -> &'a Runs {
+    pub(crate) fn runs(&self) -> &'a Runs {
         self.history.runs()
     }
 
     /// The run that is looked at, or else the newest one of the frame.
     #[must_use]
-    pub fn run(&self) -> Option<&'a Run> {
+    pub(crate) fn run(&self) -> Option<&'a Run> {
         let looked_at = self.selection.step.and_then(|step| self.runs().get(step.run));
         looked_at.or_else(|| self.runs().newest_of(self.selection.frame))
     }
 
     /// The pose on the screen: that of the step that is looked at, or of the run that is going on, or the document's.
     #[must_use]
-    pub fn shown_pose(&self) -> &'a Pose {
+    pub(crate) fn shown_pose(&self) -> &'a Pose {
         let going_on = || {
             let run = self.runs().get(self.busy.fitted_run?)?;
             run.steps.last().filter(|_| run.frame == self.selection.frame)
@@ -133,20 +133,20 @@ impl<'a> Context<'a> {
 
     /// Whether a pane is on the screen.
     #[must_use]
-    pub fn shows(&self, pane: Pane) -> bool {
+    pub(crate) fn shows(&self, pane: Pane) -> bool {
         let is_open = || self.preferences.is_open(pane, self.session.camera_count());
         self.alone.map_or_else(is_open, |alone| alone == pane)
     }
 
     /// The name of the take, for files that are made of it.
     #[must_use]
-    pub fn take_name(&self) -> &'a str {
+    pub(crate) fn take_name(&self) -> &'a str {
         self.session.take.as_ref().map_or("project", |take| take.name.as_str())
     }
 
     /// All that a prediction of the frame on the screen depends on, but the pose.
     #[must_use]
-    pub fn fit_inputs(&self) -> Option<FitInputs> {
+    pub(crate) fn fit_inputs(&self) -> Option<FitInputs> {
         let document = self.document();
         Some(FitInputs {
             model: document.model.clone(),
@@ -161,7 +161,7 @@ impl<'a> Context<'a> {
 
 /// Something a panel asks for that is neither an edit nor a command of its own.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Request {
+pub(crate) enum Request {
     /// Go to a frame: a fit that is going on ends, and the tracker is followed no more.
     Frame(usize),
     /// Go to a frame while a fit goes on; the tracker is followed no more.
@@ -257,11 +257,11 @@ pub enum Request {
 }
 
 /// A file to be written, and what makes its bytes on the thread that writes.
-pub struct Write {
+pub(crate) struct Write {
     /// The file.
-    pub path: PathBuf,
+    pub(crate) path: PathBuf,
     /// Makes the bytes.
-    pub make: Box<dyn FnOnce() -> anyhow::Result<Vec<u8>> + Send>,
+    pub(crate) make: Box<dyn FnOnce() -> anyhow::Result<Vec<u8>> + Send>,
 }
 
 impl std::fmt::Debug for Write {
@@ -272,7 +272,7 @@ impl std::fmt::Debug for Write {
 
 /// What the user decides about work that was left, by its place in the list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Decision {
+pub(crate) enum Decision {
     /// Go on with it.
     Restore(usize),
     /// Offer it no more.
@@ -285,7 +285,7 @@ pub enum Decision {
 
 /// What the user did with a tile, whatever stands in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PaneEvent {
+pub(crate) enum PaneEvent {
     /// Asked for it in the whole window, or back.
     ToggleAlone,
     /// Opened it, or brought it before what it shares tabs with.
@@ -296,64 +296,68 @@ pub enum PaneEvent {
 
 /// What the panels ask for in one frame.
 #[derive(Debug, Default)]
-pub struct Requests {
+pub(crate) struct Requests {
     /// Changes of the document, each with its gesture.
-    pub edits: Vec<(Edit, Option<Gesture>)>,
+    pub(crate) edits: Vec<(Edit, Option<Gesture>)>,
     /// Commands.
-    pub commands: Vec<Command>,
+    pub(crate) commands: Vec<Command>,
     /// Everything else.
-    pub others: Vec<Request>,
+    pub(crate) others: Vec<Request>,
     /// What the pose on the screen predicts, where who changes the pose knows it already.
-    pub predicted: Option<Arc<Predicted>>,
+    pub(crate) predicted: Option<Arc<Predicted>>,
     /// Files to be written.
-    pub writes: Vec<Write>,
+    pub(crate) writes: Vec<Write>,
     /// Frames that were read on the way, and that panels may show.
-    pub frames: Vec<Arc<FrameData>>,
+    pub(crate) frames: Vec<Arc<FrameData>>,
 }
 
 impl Requests {
     /// Asks for a change that is undone by itself.
-    pub fn edit(&mut self, edit: Edit) {
+    pub(crate) fn edit(&mut self, edit: Edit) {
         self.edits.push((edit, None));
     }
 
     /// Asks for a change that is part of a drag.
-    pub fn drag(&mut self, edit: Edit, gesture: Gesture) {
+    pub(crate) fn drag(&mut self, edit: Edit, gesture: Gesture) {
         self.edits.push((edit, Some(gesture)));
     }
 
     /// Asks for a command.
-    pub fn run(&mut self, command: Command) {
+    pub(crate) fn run(&mut self, command: Command) {
         self.commands.push(command);
     }
 
     /// Says in the status bar what was just done.
-    pub fn status(&mut self, text: impl Into<String>) {
+    pub(crate) fn status(&mut self, text: impl Into<String>) {
         self.request(Request::Status(Some(text.into())));
     }
 
     /// Says something on a card, with a command that goes on from there.
-    pub fn inform(&mut self, text: impl Into<String>, next: Option<Command>) {
+    pub(crate) fn inform(&mut self, text: impl Into<String>, next: Option<Command>) {
         self.request(Request::Inform(text.into(), next));
     }
 
     /// Says what went wrong.
-    pub fn complain(&mut self, text: impl Into<String>) {
+    pub(crate) fn complain(&mut self, text: impl Into<String>) {
         self.request(Request::Complain(text.into(), None));
     }
 
     /// Says that a job broke down, and what it was doing, as the beginning of a sentence.
-    pub fn failed(&mut self, doing: &str, failure: &Failure) {
+    pub(crate) fn failed(&mut self, doing: &str, failure: &Failure) {
         self.complain(format!("{doing} broke down: {failure}. Your work is unharmed."));
     }
 
     /// Has a file written; `make` makes its bytes on the thread that writes.
-    pub fn write(&mut self, path: &Path, make: impl FnOnce() -> anyhow::Result<Vec<u8>> + Send + 'static) {
+    pub(crate) fn write(
+        &mut self,
+        path: &Path,
+        make: impl FnOnce() -> anyhow::Result<Vec<u8>> + Send + 'static,
+    ) {
         self.writes.push(Write { path: path.to_owned(), make: Box::new(make) });
     }
 
     /// Asks for something else.
-    pub fn request(&mut self, request: Request) {
+    pub(crate) fn request(&mut self, request: Request) {
         self.others.push(request);
     }
 }

@@ -3,15 +3,15 @@
 //! A document knows nothing of the window and of derived data. Its large parts are shared, so a snapshot for
 //! undo costs a few pointers.
 
-pub mod edit;
+pub(crate) mod edit;
 pub(crate) mod fit_words;
-pub mod history;
+pub(crate) mod history;
 pub mod project;
 pub(crate) mod run;
 pub(crate) mod run_names;
-pub mod runs;
-pub mod take_match;
-pub mod tracking_choices;
+pub(crate) mod runs;
+pub(crate) mod take_match;
+pub(crate) mod tracking_choices;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -52,9 +52,9 @@ pub struct Estimate {
     /// What found it.
     pub origin: Origin,
     /// Cost in squared grey levels.
-    pub cost: f64,
+    pub(crate) cost: f64,
     /// Root mean square residual per pixel, grey levels.
-    pub rms: f64,
+    pub(crate) rms: f64,
     /// Intersection over union of body and silhouettes, all cameras together, where it is known.
     pub iou: Option<f64>,
     /// Accepted and rejected steps.

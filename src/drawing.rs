@@ -22,31 +22,31 @@
 //! | [`calibration_marks`] | principal point, world axes, grid and lens edge |
 //! | [`state_axis`] | the coefficient whose Jacobian column is looked at |
 
-pub mod calibration_marks;
+pub(crate) mod calibration_marks;
 mod comparison;
 mod data;
-pub mod derivative;
+pub(crate) mod derivative;
 mod drag;
-pub mod ellipse_factor;
+pub(crate) mod ellipse_factor;
 mod footage;
 mod hatch;
-pub mod input;
-pub mod joints;
-pub mod limbs;
-pub mod limits;
-pub mod mode;
-pub mod outline;
+pub(crate) mod input;
+pub(crate) mod joints;
+pub(crate) mod limbs;
+pub(crate) mod limits;
+pub(crate) mod mode;
+pub(crate) mod outline;
 mod owner_limb;
-pub mod plot;
+pub(crate) mod plot;
 mod prediction;
 mod report_overlay;
 mod residual;
 pub mod sight_ray;
-pub mod state_axis;
-pub mod sway;
+pub(crate) mod state_axis;
+pub(crate) mod sway;
 mod tinted;
 
-pub use calibration_marks::CalibrationMarks;
+pub(crate) use calibration_marks::CalibrationMarks;
 pub use comparison::Comparison;
 pub use derivative::Derivative;
 pub use drag::{Drag, DragEvent};
@@ -58,13 +58,13 @@ pub use mode::{Legend, LegendEntry, NO_CHANGE_LEGEND, NO_PULL_LEGEND, Swatch, UN
 pub use outline::body_outline;
 pub use owner_limb::{limb_chains, limb_colours};
 pub use sight_ray::{SightRay, point_at, sight_ray};
-pub use state_axis::StateAxis;
+pub(crate) use state_axis::StateAxis;
 pub use sway::{JointEllipse, SwayMarks, Swaying, joint_ellipses};
 
 use egui::ColorImage;
 
 /// The picture of a view mode. What `input` lacks for it is said by [`PictureInput::shown`].
-pub fn compose(mode: ViewMode, input: &PictureInput<'_>) -> ColorImage {
+pub(crate) fn compose(mode: ViewMode, input: &PictureInput<'_>) -> ColorImage {
     let input = input.fitting();
     match input.shown(mode) {
         ViewMode::Footage => footage::compose(&input),

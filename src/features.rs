@@ -2,12 +2,12 @@
 
 pub mod basin;
 pub mod camera_views;
-pub mod convergence;
+pub(crate) mod convergence;
 pub(crate) mod demonstrations;
 pub mod export;
 pub(crate) mod fit;
 pub mod laboratory;
-pub mod observability;
+pub(crate) mod observability;
 pub(crate) mod pose;
 pub mod recovery;
 pub mod scene;
@@ -17,7 +17,7 @@ pub(crate) mod tracking;
 
 /// All features, by name.
 #[derive(Debug, Default)]
-pub struct Features {
+pub(crate) struct Features {
     pub(crate) basin: basin::Basin,
     pub(crate) camera_views: camera_views::CameraViews,
     pub(crate) convergence: convergence::Convergence,

@@ -16,8 +16,8 @@ mod task;
 #[cfg(test)]
 mod tests;
 
-pub use job::{Job, Once, Step, once};
-pub use outbox::{Failure, News, Outbox};
-pub use pool::Pool;
-pub use priority::Priority;
-pub use task::Task;
+pub(crate) use job::{Job, Once, Step, once};
+pub(crate) use outbox::{Failure, News, Outbox};
+pub(crate) use pool::Pool;
+pub(crate) use priority::Priority;
+pub(crate) use task::Task;

@@ -2,20 +2,20 @@
 //! is never saved.
 
 mod frames;
-pub mod playback;
+pub(crate) mod playback;
 pub(crate) mod prediction;
-pub mod selection;
+pub(crate) mod selection;
 
 use std::sync::Arc;
 
 pub(crate) use frames::load_frame;
-pub use frames::{FrameCache, FrameData};
+pub(crate) use frames::{FrameCache, FrameData};
 
 use crate::session::prediction::Predicted;
 use crate::take::footage::Footage;
 
 /// Bounds in a camera's pictures: left, top, right, bottom, in pixels.
-pub type Extent = [f32; 4];
+pub(crate) type Extent = [f32; 4];
 
 /// The derived data.
 #[derive(Debug, Clone, Default)]
@@ -29,13 +29,13 @@ pub struct Session {
     /// Whether [`predicted`](Self::predicted) is of an older pose than the one on the screen.
     pub is_stale: bool,
     /// The frame that was shown last: it stays until the next one is there.
-    pub last_frame: Option<Arc<FrameData>>,
+    pub(crate) last_frame: Option<Arc<FrameData>>,
     /// Changes with the pictures on the screen.
-    pub generation: u64,
+    pub(crate) generation: u64,
     /// Where the subject is over the whole take, by camera.
-    pub subject: Vec<Option<Extent>>,
+    pub(crate) subject: Vec<Option<Extent>>,
     /// Time of the last prediction, in seconds.
-    pub predict_seconds: Option<f64>,
+    pub(crate) predict_seconds: Option<f64>,
 }
 
 impl Session {
@@ -47,13 +47,13 @@ impl Session {
 
     /// Number of cameras, zero without a take.
     #[must_use]
-    pub fn camera_count(&self) -> usize {
+    pub(crate) fn camera_count(&self) -> usize {
         self.take.as_ref().map_or(0, |take| take.cameras.len())
     }
 
     /// Pixels of a camera's pictures, across and down.
     #[must_use]
-    pub fn camera_size(&self, camera: usize) -> Option<[usize; 2]> {
+    pub(crate) fn camera_size(&self, camera: usize) -> Option<[usize; 2]> {
         let camera = self.take.as_ref()?.cameras.get(camera)?;
         Some([camera.width(), camera.height()])
     }
@@ -66,7 +66,7 @@ impl Session {
 
     /// Whether a prediction's data are those of the frame on the screen.
     #[must_use]
-    pub fn is_of_shown_frame(&self, predicted: &Predicted, frame: usize) -> bool {
+    pub(crate) fn is_of_shown_frame(&self, predicted: &Predicted, frame: usize) -> bool {
         let shown = self.shown_frame(frame);
         predicted.scene.frame.as_ref().zip(shown).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
     }
@@ -78,7 +78,7 @@ impl Session {
     }
 
     /// Forgets what was made of another take.
-    pub fn reset(&mut self, take: Option<Arc<Footage>>) {
+    pub(crate) fn reset(&mut self, take: Option<Arc<Footage>>) {
         *self = Self { take, ..Self::default() };
     }
 
@@ -89,7 +89,7 @@ impl Session {
     }
 
     /// Forgets silhouettes and what follows from them: the measurement's settings have changed.
-    pub fn forget_measurements(&mut self) {
+    pub(crate) fn forget_measurements(&mut self) {
         self.frames.clear();
         self.predicted = None;
     }

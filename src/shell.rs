@@ -5,7 +5,7 @@ pub(crate) mod dock;
 pub(crate) mod docking;
 pub(crate) mod drop_overlay;
 pub(crate) mod empty;
-pub mod matching;
+pub(crate) mod matching;
 pub(crate) mod menus;
 pub(crate) mod messages;
 pub(crate) mod notice_cards;

@@ -3,7 +3,7 @@
 
 pub mod builtin;
 pub mod demonstration;
-pub mod dropped;
-pub mod footage;
-pub mod replacement;
+pub(crate) mod dropped;
+pub(crate) mod footage;
+pub(crate) mod replacement;
 pub mod source;

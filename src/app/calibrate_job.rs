@@ -8,11 +8,11 @@ use crate::take::replacement::Calibration;
 
 /// Footage that is to be seen by other cameras.
 #[derive(Debug)]
-pub struct CalibrateJob {
+pub(crate) struct CalibrateJob {
     /// The footage.
-    pub footage: Arc<Footage>,
+    pub(crate) footage: Arc<Footage>,
     /// The cameras; the take's own without any.
-    pub calibration: Option<Arc<Calibration>>,
+    pub(crate) calibration: Option<Arc<Calibration>>,
 }
 
 impl Job<Arc<Footage>> for CalibrateJob {

@@ -21,23 +21,23 @@ const ROUNDS: usize = 2;
 
 /// What the picture shows.
 #[derive(Debug, Clone)]
-pub struct PictureOptions {
+pub(crate) struct PictureOptions {
     /// Dark or light.
-    pub theme: Theme,
+    pub(crate) theme: Theme,
     /// What the window is arranged for.
-    pub layout: Layout,
+    pub(crate) layout: Layout,
     /// Size of the window in points.
-    pub size: Vec2,
+    pub(crate) size: Vec2,
     /// Pixels per point.
-    pub pixels_per_point: f32,
+    pub(crate) pixels_per_point: f32,
     /// The frame.
-    pub frame: usize,
+    pub(crate) frame: usize,
     /// Steps of the fit to do on that frame: `None` runs it to the end.
-    pub steps: Option<usize>,
+    pub(crate) steps: Option<usize>,
     /// Whether to track the take from its first to its last frame before that.
-    pub track: bool,
+    pub(crate) track: bool,
     /// How long to wait for the work, before the picture is taken as it is.
-    pub patience: Duration,
+    pub(crate) patience: Duration,
 }
 
 impl Default for PictureOptions {
@@ -60,7 +60,7 @@ impl Default for PictureOptions {
 ///
 /// # Errors
 /// It cannot be opened: the error says why.
-pub fn headless_picture(opening: Opening, options: &PictureOptions) -> anyhow::Result<RgbaImage> {
+pub(crate) fn headless_picture(opening: Opening, options: &PictureOptions) -> anyhow::Result<RgbaImage> {
     let (mut window, mut app) = headless_app(opening, options)?;
     Ok(settle(&mut window, &mut app, options.patience))
 }

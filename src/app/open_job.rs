@@ -14,7 +14,7 @@ use crate::take::source::TakeSource;
 
 /// What is to be opened.
 #[derive(Debug)]
-pub enum OpenJob {
+pub(crate) enum OpenJob {
     /// A take.
     Take(TakeSource),
     /// A take that has been read.
@@ -32,15 +32,15 @@ pub enum OpenJob {
 
 /// A project that was opened.
 #[derive(Debug)]
-pub struct OpenedProject {
+pub(crate) struct OpenedProject {
     /// What it holds.
-    pub document: Box<Document>,
+    pub(crate) document: Box<Document>,
     /// The file.
-    pub path: PathBuf,
+    pub(crate) path: PathBuf,
     /// Whether it is not any more as it is in the file: its take has moved.
-    pub is_changed: bool,
+    pub(crate) is_changed: bool,
     /// What there is to know about its take.
-    pub note: Option<String>,
+    pub(crate) note: Option<String>,
 }
 
 /// Why nothing was opened.

@@ -75,7 +75,7 @@ impl Default for Settings {
 
 impl Settings {
     /// The arrangement as it was at first; theme and recent takes stay.
-    pub fn reset(&mut self) {
+    pub(crate) fn reset(&mut self) {
         let generation = self.generation.wrapping_add(1);
         let before = std::mem::take(self);
         *self = Self { layout: before.layout, generation, ..Self::default() }.with_memory_of(before);
@@ -83,7 +83,7 @@ impl Settings {
 
     /// The same arrangement with what another one remembers that *Reset layout* does not touch.
     #[must_use]
-    pub fn with_memory_of(self, other: Self) -> Self {
+    pub(crate) fn with_memory_of(self, other: Self) -> Self {
         Self {
             theme: other.theme,
             recent: other.recent,

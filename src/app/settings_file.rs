@@ -12,7 +12,7 @@ use serde_json::{Map, Value};
 use crate::app::settings::Settings;
 
 /// Name and version of the settings file's format.
-pub const FORMAT: &str = "backlit-settings 1";
+pub(crate) const FORMAT: &str = "backlit-settings 1";
 /// Its name in the data folder.
 const NAME: &str = "settings.json";
 

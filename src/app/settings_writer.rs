@@ -29,7 +29,7 @@ impl SettingsWriter {
 
 impl App {
     /// Says what of the settings could not be read.
-    pub fn complain(&mut self, unread: Option<String>) {
+    pub(crate) fn complain(&mut self, unread: Option<String>) {
         if let Some(unread) = unread {
             self.inspector.state.notices.error(unread);
         }

@@ -16,7 +16,7 @@ const OUTSIDE: f64 = 0.004;
 
 /// A look at a few frames of the take.
 #[derive(Debug)]
-pub struct SurveyJob {
+pub(crate) struct SurveyJob {
     footage: Arc<Footage>,
     measurement: Arc<Vec<SegmentOptions>>,
     /// Frame and camera of every picture that is still to be looked at.
@@ -27,7 +27,7 @@ pub struct SurveyJob {
 impl SurveyJob {
     /// Frames spread over the take, all cameras.
     #[must_use]
-    pub fn new(footage: Arc<Footage>, measurement: Arc<Vec<SegmentOptions>>) -> Self {
+    pub(crate) fn new(footage: Arc<Footage>, measurement: Arc<Vec<SegmentOptions>>) -> Self {
         let (count, cameras) = (footage.frame_count(), footage.cameras.len());
         let shown = FRAMES.min(count);
         let frame = |index: usize| index * (count - 1) / shown.saturating_sub(1).max(1);

@@ -14,15 +14,15 @@ use crate::take::replacement::{masks_of, read_calibration};
 
 /// Files that were dropped, and what they are for.
 #[derive(Debug)]
-pub struct TakeInJob {
+pub(crate) struct TakeInJob {
     /// What they are.
-    pub dropped: Dropped,
+    pub(crate) dropped: Dropped,
     /// The take that is open.
-    pub footage: Arc<Footage>,
+    pub(crate) footage: Arc<Footage>,
     /// The document's body.
-    pub model: Arc<Model>,
+    pub(crate) model: Arc<Model>,
     /// The frame on the screen.
-    pub frame: usize,
+    pub(crate) frame: usize,
 }
 
 impl TakeInJob {

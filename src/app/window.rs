@@ -15,7 +15,7 @@ const APP_ID: &str = "backlit";
 
 /// Whether there is a display to open a window on.
 #[must_use]
-pub fn has_display() -> bool {
+pub(crate) fn has_display() -> bool {
     if cfg!(any(target_os = "windows", target_os = "macos")) {
         return true;
     }
@@ -28,7 +28,7 @@ pub fn has_display() -> bool {
 ///
 /// # Errors
 /// There is no display, or no window can be opened on it. The caller may go on without one.
-pub fn open_window(opening: Option<Opening>, state_file: Option<PathBuf>) -> anyhow::Result<()> {
+pub(crate) fn open_window(opening: Option<Opening>, state_file: Option<PathBuf>) -> anyhow::Result<()> {
     if !has_display() {
         return Err(anyhow!("there is no display (neither WAYLAND_DISPLAY nor DISPLAY is set)"));
     }

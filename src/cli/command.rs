@@ -25,21 +25,21 @@ Lengths are metres, angles radians unless a unit is given; quaternions are w x y
 /// The program's arguments.
 #[derive(Debug, Parser)]
 #[command(name = "backlit", version, about = ABOUT, after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
-pub struct Cli {
+pub(crate) struct Cli {
     /// What to open in the window: a take's folder, its take.toml, or a .backlit file [default: the built-in take]
-    pub take: Option<PathBuf>,
+    pub(crate) take: Option<PathBuf>,
     /// Debugging aid: JSON file that the window writes its state to, after each frame in which it changed [default:
     /// what the environment variable `BACKLIT_STATE` says, or none]
     #[arg(long, value_name = "FILE")]
-    pub state: Option<PathBuf>,
+    pub(crate) state: Option<PathBuf>,
     /// What to do; without it the window opens.
     #[command(subcommand)]
-    pub command: Option<Command>,
+    pub(crate) command: Option<Command>,
 }
 
 /// One thing to do.
 #[derive(Debug, Subcommand)]
-pub enum Command {
+pub(crate) enum Command {
     /// Draw the silhouettes that a pose predicts, one picture a camera
     Render(render::RenderArguments),
     /// Fit a pose to the silhouettes of one moment
@@ -61,7 +61,7 @@ pub enum Command {
 /// The complaint about a word that is neither a command nor something to open. A path with a folder or an ending
 /// is no word, even where there is nothing.
 #[must_use]
-pub fn no_such_command(word: &Path) -> Option<clap::Error> {
+pub(crate) fn no_such_command(word: &Path) -> Option<clap::Error> {
     if word.exists() || word.extension().is_some() || word.components().count() != 1 {
         return None;
     }

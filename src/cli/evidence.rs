@@ -12,7 +12,7 @@ use image::{DynamicImage, GrayImage};
 
 /// What the pictures of a folder are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PictureKind {
+pub(crate) enum PictureKind {
     /// White is the subject, middle grey unknown.
     Masks,
     /// Grey levels D as they are, 0 the subject.
@@ -23,7 +23,7 @@ pub enum PictureKind {
 ///
 /// # Errors
 /// A picture that is missing, damaged or of another size; the message names the file.
-pub fn read(folder: &Path, rig: &Rig, kind: PictureKind) -> anyhow::Result<Vec<FitView>> {
+pub(crate) fn read(folder: &Path, rig: &Rig, kind: PictureKind) -> anyhow::Result<Vec<FitView>> {
     rig.cameras().iter().map(|camera| view(folder, camera, kind)).collect()
 }
 

@@ -17,20 +17,20 @@
 //! | [`basin_map`] | `backlit experiment basin --take --map` |
 //! | [`footage`] | `backlit experiment footage` |
 
-pub mod arguments;
-pub mod basin;
-pub mod basin_map;
-pub mod bias;
-pub mod fig51;
-pub mod fig52;
-pub mod fig55;
-pub mod files;
-pub mod footage;
-pub mod frame_basin;
-pub mod robustness;
-pub mod sizes;
-pub mod track;
-pub mod waiting;
+pub(crate) mod arguments;
+pub(crate) mod basin;
+pub(crate) mod basin_map;
+pub(crate) mod bias;
+pub(crate) mod fig51;
+pub(crate) mod fig52;
+pub(crate) mod fig55;
+pub(crate) mod files;
+pub(crate) mod footage;
+pub(crate) mod frame_basin;
+pub(crate) mod robustness;
+pub(crate) mod sizes;
+pub(crate) mod track;
+pub(crate) mod waiting;
 
 use clap::{Args, Subcommand};
 
@@ -41,7 +41,7 @@ options give the same numbers. docs/report.md has the report's figures beside ou
 /// What `backlit experiment` is told.
 #[derive(Debug, Args)]
 #[command(after_help = NOTES)]
-pub struct ExperimentArguments {
+pub(crate) struct ExperimentArguments {
     #[command(subcommand)]
     experiment: Experiment,
 }
@@ -81,7 +81,7 @@ enum Experiment {
 ///
 /// # Errors
 /// Options that make no sense, or files that cannot be written.
-pub fn run(arguments: &ExperimentArguments) -> anyhow::Result<()> {
+pub(crate) fn run(arguments: &ExperimentArguments) -> anyhow::Result<()> {
     match &arguments.experiment {
         Experiment::Fig51(arguments) => fig51::run(arguments),
         Experiment::Fig52(arguments) => fig52::run(arguments, "fig5.2", 1),

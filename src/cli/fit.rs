@@ -39,7 +39,7 @@ Examples:
 /// What `backlit fit` is told.
 #[derive(Debug, Args)]
 #[command(after_help = NOTES)]
-pub struct FitArguments {
+pub(crate) struct FitArguments {
     /// Take: its folder or its take.toml; gives model, cameras and silhouettes
     #[arg(requires = "frame", conflicts_with_all = ["model", "cameras", "masks", "measurement"])]
     take: Option<PathBuf>,
@@ -84,7 +84,7 @@ struct Problem {
 ///
 /// # Errors
 /// A file that cannot be read or written, options that contradict each other, or no silhouette at all.
-pub fn run(arguments: &FitArguments) -> anyhow::Result<()> {
+pub(crate) fn run(arguments: &FitArguments) -> anyhow::Result<()> {
     let mut options = arguments.solver.options()?;
     let takes_default_ramp = arguments.solver.ramp.is_none() && arguments.solver.preset == Preset::Robust;
     if arguments.measurement.is_some() && takes_default_ramp {

@@ -36,7 +36,7 @@ Examples:
 /// What `backlit fit-body` is told.
 #[derive(Debug, Args)]
 #[command(after_help = NOTES)]
-pub struct FitBodyArguments {
+pub(crate) struct FitBodyArguments {
     /// Take: its folder or its take.toml
     take: PathBuf,
     /// Frames: a list 3,40,85, or a range A..B of which --count frames are taken, evenly spread [default: all]
@@ -147,7 +147,7 @@ fn factor(text: &str) -> Result<f64, &'static str> {
 ///
 /// # Errors
 /// A take, body or pose that cannot be read, frames without silhouettes, or a file that cannot be written.
-pub fn run(arguments: &FitBodyArguments) -> anyhow::Result<()> {
+pub(crate) fn run(arguments: &FitBodyArguments) -> anyhow::Result<()> {
     if let Some(out) = &arguments.out {
         output::check_folder_of(out)?;
     }

@@ -10,7 +10,7 @@ use super::table::Table;
 
 /// The result as JSON has it.
 #[derive(Debug, Serialize)]
-pub struct BodyReport {
+pub(crate) struct BodyReport {
     frames: Vec<usize>,
     /// Factors of the body that the fit began with.
     size: f64,
@@ -43,7 +43,7 @@ struct SizeReport {
 impl BodyReport {
     /// Of a fit.
     #[must_use]
-    pub fn new(fit: &BodyFit) -> Self {
+    pub(crate) fn new(fit: &BodyFit) -> Self {
         let size = |size: &SizeEstimate| SizeReport {
             limb: size.name.clone(),
             kind: size.kind,
@@ -68,7 +68,7 @@ impl BodyReport {
 
 /// The result for people.
 #[must_use]
-pub fn text(fit: &BodyFit, written: Option<&Path>) -> String {
+pub(crate) fn text(fit: &BodyFit, written: Option<&Path>) -> String {
     let frames: Vec<String> = fit.frames.iter().map(usize::to_string).collect();
     let percent = |factor: f64| format!("{:+.1} %", 100.0 * (factor - 1.0));
     let mut out = format!(

@@ -10,17 +10,17 @@ use clap::error::ErrorKind;
 use clap::{Args, ValueEnum};
 
 /// What `--model` takes.
-pub const MODEL_HELP: &str = "Body model: a file, or single_limb, upper_body or full_body";
+pub(crate) const MODEL_HELP: &str = "Body model: a file, or single_limb, upper_body or full_body";
 
 /// Which solid stands for a limb.
 #[derive(Debug, Clone, Args)]
-pub struct RendererArguments {
+pub(crate) struct RendererArguments {
     /// Solid that stands for a limb: capsule, cylinder or sphere-tree [default: capsule]
     #[arg(long, value_name = "SOLID")]
-    pub renderer: Option<RendererKind>,
+    pub(crate) renderer: Option<RendererKind>,
     /// Equal spheres along each limb, with the sphere tree [default: the limb's own, else 1 + ⌈2·length/radius⌉]
     #[arg(long, value_name = "N", requires = "renderer", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=MAX_SPHERES as i64))]
-    pub spheres: Option<u16>,
+    pub(crate) spheres: Option<u16>,
 }
 
 impl RendererArguments {
@@ -28,7 +28,7 @@ impl RendererArguments {
     ///
     /// # Errors
     /// A number of spheres for solids that are none.
-    pub fn kind(&self) -> Result<Option<RendererKind>, clap::Error> {
+    pub(crate) fn kind(&self) -> Result<Option<RendererKind>, clap::Error> {
         match (self.renderer, self.spheres) {
             (Some(RendererKind::SphereTree { .. }), spheres) => {
                 Ok(Some(RendererKind::SphereTree { spheres: spheres.map(usize::from) }))
@@ -44,7 +44,7 @@ impl RendererArguments {
 
 /// What the columns of a rotation are.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum ParametersWord {
+pub(crate) enum ParametersWord {
     /// Four quaternion coefficients w x y z a rotation
     Raw,
     /// Three radians a rotation
@@ -63,33 +63,33 @@ impl From<ParametersWord> for Parameters {
 /// How to fit.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "How to fit")]
-pub struct SolverArguments {
+pub(crate) struct SolverArguments {
     /// Set of choices to begin with: report (as in 2004) or robust; the options below change single ones
     #[arg(long, default_value_t = Preset::Robust)]
-    pub preset: Preset,
+    pub(crate) preset: Preset,
     /// The solid.
     #[command(flatten)]
-    pub renderer: RendererArguments,
+    pub(crate) renderer: RendererArguments,
     /// From distance to grey, in one stage: thesis, half, width=PX or distance=INNER,OUTER (pixels)
     /// [default: the preset's]
     #[arg(long)]
-    pub ramp: Option<Ramp>,
+    pub(crate) ramp: Option<Ramp>,
     /// How steps are made: gauss-newton or lm [default: the preset's]
     #[arg(long)]
-    pub method: Option<Method>,
+    pub(crate) method: Option<Method>,
     /// Numbers of a rotation that are solved for [default: the preset's]
     #[arg(long, value_enum)]
-    pub parameters: Option<ParametersWord>,
+    pub(crate) parameters: Option<ParametersWord>,
     /// Damping at the start of a stage, in units of the mean of JᵀJ's diagonal [default: the preset's]
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = not_negative)]
-    pub damping: Option<f64>,
+    pub(crate) damping: Option<f64>,
     /// Most iterations in all, rejected ones too, shared equally among the preset's stages
     /// [default: report 25, robust 60]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub iterations: Option<usize>,
+    pub(crate) iterations: Option<usize>,
     /// Run all iterations, whatever the cost does
     #[arg(long)]
-    pub no_stop: bool,
+    pub(crate) no_stop: bool,
 }
 
 impl SolverArguments {
@@ -97,7 +97,7 @@ impl SolverArguments {
     ///
     /// # Errors
     /// Options that contradict each other.
-    pub fn options(&self) -> Result<FitOptions, clap::Error> {
+    pub(crate) fn options(&self) -> Result<FitOptions, clap::Error> {
         let mut options = FitOptions::preset(self.preset);
         if let Some(renderer) = self.renderer.kind()? {
             options.renderer = renderer;

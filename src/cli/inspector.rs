@@ -30,7 +30,7 @@ const STATE_VARIABLE: &str = "BACKLIT_STATE";
 ///
 /// # Errors
 /// What is not there or cannot be opened, or a picture that cannot be written.
-pub fn run(path: Option<&Path>, state_file: Option<PathBuf>) -> anyhow::Result<()> {
+pub(crate) fn run(path: Option<&Path>, state_file: Option<PathBuf>) -> anyhow::Result<()> {
     if let Some(path) = path.filter(|path| !path.exists()) {
         return Err(match no_such_command(path) {
             Some(error) => error.into(),

@@ -29,7 +29,7 @@ Examples:
 /// What `backlit observability` is told.
 #[derive(Debug, Args)]
 #[command(after_help = NOTES)]
-pub struct ObservabilityArguments {
+pub(crate) struct ObservabilityArguments {
     /// Take: its folder or its take.toml
     take: PathBuf,
     /// The take's frame, counted from 0
@@ -54,7 +54,7 @@ pub struct ObservabilityArguments {
 ///
 /// # Errors
 /// A file that cannot be read, a camera that the take does not have, or no silhouette at all.
-pub fn run(arguments: &ObservabilityArguments) -> anyhow::Result<()> {
+pub(crate) fn run(arguments: &ObservabilityArguments) -> anyhow::Result<()> {
     let options = arguments.solver.options()?;
     let footage = take_options::open(&arguments.take)?;
     let all: Vec<usize> = (0..footage.cameras().len()).collect();

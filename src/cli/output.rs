@@ -11,7 +11,7 @@ use serde::Serialize;
 ///
 /// # Errors
 /// Standard output cannot be written to.
-pub fn print(text: &str) -> anyhow::Result<()> {
+pub(crate) fn print(text: &str) -> anyhow::Result<()> {
     let mut out = stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error).context("standard output"),
@@ -23,12 +23,12 @@ pub fn print(text: &str) -> anyhow::Result<()> {
 ///
 /// # Errors
 /// Standard output cannot be written to.
-pub fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
+pub(crate) fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
     print(&(serde_json::to_string_pretty(value)? + "\n"))
 }
 
 /// Prints a line on standard error.
-pub fn complain(line: &str) {
+pub(crate) fn complain(line: &str) {
     // Where standard error is closed there is nobody to tell.
     let _ = writeln!(stderr().lock(), "{line}");
 }
@@ -37,7 +37,7 @@ pub fn complain(line: &str) {
 ///
 /// # Errors
 /// It cannot be made; the message names it.
-pub fn make_folder(folder: &Path) -> anyhow::Result<()> {
+pub(crate) fn make_folder(folder: &Path) -> anyhow::Result<()> {
     fs::create_dir_all(folder).with_context(|| format!("{}: the folder cannot be made", folder.display()))
 }
 
@@ -45,7 +45,7 @@ pub fn make_folder(folder: &Path) -> anyhow::Result<()> {
 ///
 /// # Errors
 /// It is not there; the message names file and folder.
-pub fn check_folder_of(file: &Path) -> anyhow::Result<()> {
+pub(crate) fn check_folder_of(file: &Path) -> anyhow::Result<()> {
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
         bail!("{}: cannot be written: there is no folder {}", file.display(), folder.display());
@@ -60,7 +60,7 @@ pub fn check_folder_of(file: &Path) -> anyhow::Result<()> {
 ///
 /// # Errors
 /// It has a path separator or another character that file systems refuse.
-pub fn check_file_stem(camera: &str) -> anyhow::Result<()> {
+pub(crate) fn check_file_stem(camera: &str) -> anyhow::Result<()> {
     let is_bad = |c: char| c.is_control() || "/\\:*?\"<>|".contains(c);
     if camera.contains(is_bad) || camera.starts_with('.') {
         bail!("camera \"{camera}\": files are named after cameras, and no file can have this name");

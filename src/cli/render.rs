@@ -38,7 +38,7 @@ Example:
 /// What `backlit render` is told.
 #[derive(Debug, Args)]
 #[command(after_help = NOTES)]
-pub struct RenderArguments {
+pub(crate) struct RenderArguments {
     /// Body model.
     #[arg(long, help = MODEL_HELP)]
     model: String,
@@ -68,7 +68,7 @@ pub struct RenderArguments {
 ///
 /// # Errors
 /// A file that cannot be read or written, or a Jacobian of absurd size.
-pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
+pub(crate) fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     let renderer = arguments.renderer.kind()?.unwrap_or_default();
     let model = model_file::resolve(&arguments.model)?;
     let rig = calibration::read(&arguments.cameras, CalibrationOptions::default())?;

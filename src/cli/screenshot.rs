@@ -31,7 +31,7 @@ Examples:
   backlit screenshot TAKE --frame 12 --camera 2 --mode residual --scale 3 --out view.png
   backlit screenshot TAKE --camera 1 --sequence iterations --out steps.gif
   backlit screenshot TAKE --track --sequence frames --frames 0..59 --out frames")]
-pub struct ScreenshotArguments {
+pub(crate) struct ScreenshotArguments {
     /// Take or project: a take's folder, its take.toml, or a .backlit file [default: the built-in take]
     take: Option<PathBuf>,
     /// A demonstration instead of a take, as its menu shows it
@@ -198,7 +198,7 @@ impl FromStr for Iterations {
 ///
 /// # Errors
 /// What cannot be opened, or a file that cannot be written.
-pub fn run(arguments: &ScreenshotArguments) -> anyhow::Result<()> {
+pub(crate) fn run(arguments: &ScreenshotArguments) -> anyhow::Result<()> {
     output::check_folder_of(&arguments.out)?;
     let order = order(arguments)?;
     let source = arguments.demonstration.map_or(TakeSource::BuiltIn, TakeSource::Demonstration);

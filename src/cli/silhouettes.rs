@@ -23,7 +23,7 @@ Example:
 /// What `backlit silhouettes` is told.
 #[derive(Debug, Args)]
 #[command(after_help = NOTES)]
-pub struct SilhouetteArguments {
+pub(crate) struct SilhouetteArguments {
     /// Take: its folder or its take.toml
     take: PathBuf,
     /// Folder for the results; made if it is not there
@@ -37,7 +37,7 @@ pub struct SilhouetteArguments {
 ///
 /// # Errors
 /// A take that cannot be read or a folder that cannot be written.
-pub fn run(arguments: &SilhouetteArguments) -> anyhow::Result<()> {
+pub(crate) fn run(arguments: &SilhouetteArguments) -> anyhow::Result<()> {
     let footage = take_options::open(&arguments.take)?;
     let frames = arguments.part.frames(footage.take())?;
     let indices = arguments.part.cameras(footage.take())?;

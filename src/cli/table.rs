@@ -4,25 +4,25 @@ use std::fmt::Write;
 
 /// A table in the making.
 #[derive(Debug, Clone, Default)]
-pub struct Table {
+pub(crate) struct Table {
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
     /// A table with these column titles.
     #[must_use]
-    pub fn new<const N: usize>(titles: [&str; N]) -> Self {
+    pub(crate) fn new<const N: usize>(titles: [&str; N]) -> Self {
         Self { rows: vec![titles.map(str::to_owned).to_vec()] }
     }
 
     /// Adds a row.
-    pub fn row<const N: usize>(&mut self, cells: [String; N]) {
+    pub(crate) fn row<const N: usize>(&mut self, cells: [String; N]) {
         self.rows.push(cells.to_vec());
     }
 
     /// The table as lines: the first column to the left, all others to the right.
     #[must_use]
-    pub fn to_text(&self) -> String {
+    pub(crate) fn to_text(&self) -> String {
         let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
         let width = |column: usize| {
             let cells = self.rows.iter().filter_map(|row| row.get(column));

@@ -15,16 +15,16 @@ use clap::error::ErrorKind;
 /// Which part of a take.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Which part of the take")]
-pub struct PartArguments {
+pub(crate) struct PartArguments {
     /// Frames A to B, B left out: A..B, A.., ..B; or A..=B with B, or one frame K [default: all]
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
-    pub frames: Option<FrameRange>,
+    pub(crate) frames: Option<FrameRange>,
     /// Every so many frames
     #[arg(long, value_name = "K", default_value_t = 1, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
-    pub every: u32,
+    pub(crate) every: u32,
     /// Names of the cameras to use, with commas [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    pub cameras: Option<Vec<String>>,
+    pub(crate) cameras: Option<Vec<String>>,
 }
 
 impl PartArguments {
@@ -32,7 +32,7 @@ impl PartArguments {
     ///
     /// # Errors
     /// A range that is empty or leaves the take.
-    pub fn frames(&self, take: &Take) -> anyhow::Result<Vec<usize>> {
+    pub(crate) fn frames(&self, take: &Take) -> anyhow::Result<Vec<usize>> {
         let count = take.frame_count();
         let range = self.frames.unwrap_or_default();
         let past = range.past.unwrap_or(count);
@@ -52,7 +52,7 @@ impl PartArguments {
     ///
     /// # Errors
     /// A name that no camera has.
-    pub fn cameras(&self, take: &Take) -> anyhow::Result<Vec<usize>> {
+    pub(crate) fn cameras(&self, take: &Take) -> anyhow::Result<Vec<usize>> {
         let rig = take.rig();
         let Some(names) = &self.cameras else { return Ok((0..rig.count()).collect()) };
         let indices: Result<Vec<usize>, _> = names.iter().map(|name| rig.index(name.trim())).collect();
@@ -65,11 +65,11 @@ impl PartArguments {
 
 /// Frames `first` to `past`, which is left out; without it to the end.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct FrameRange {
+pub(crate) struct FrameRange {
     /// The first frame.
-    pub first: usize,
+    pub(crate) first: usize,
     /// One past the last frame.
-    pub past: Option<usize>,
+    pub(crate) past: Option<usize>,
 }
 
 impl FromStr for FrameRange {
@@ -95,23 +95,23 @@ impl FromStr for FrameRange {
 /// Where a fit begins.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Where to begin")]
-pub struct StartArguments {
+pub(crate) struct StartArguments {
     /// A backlit-pose file, or the word reference: a pose made from the reference keypoints of the first frame
     /// [default: the take's own start, else reference]
     #[arg(long, value_name = "POSE")]
-    pub start: Option<PathBuf>,
+    pub(crate) start: Option<PathBuf>,
     /// Noise on it: an angle for every rotation and a distance for the root, e.g. 5deg,3cm
     #[arg(long, value_name = "ANGLE,DISTANCE", allow_hyphen_values = true)]
-    pub start_noise: Option<StartNoise>,
+    pub(crate) start_noise: Option<StartNoise>,
     /// Seed of the noise
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
-    pub seed: u64,
+    pub(crate) seed: u64,
 }
 
 impl StartArguments {
     /// Nothing asked for: the take's own start, else its reference, without noise.
     #[must_use]
-    pub fn none() -> Self {
+    pub(crate) fn none() -> Self {
         Self { start: None, start_noise: None, seed: 0 }
     }
 
@@ -119,7 +119,7 @@ impl StartArguments {
     ///
     /// # Errors
     /// A pose file that cannot be read, or nothing to begin with.
-    pub fn pose(&self, take: &Take, frame: usize) -> anyhow::Result<Pose> {
+    pub(crate) fn pose(&self, take: &Take, frame: usize) -> anyhow::Result<Pose> {
         let pose = match &self.start {
             Some(path) if path == Path::new("reference") => {
                 from_reference(take, frame).with_context(|| {
@@ -144,7 +144,7 @@ impl StartArguments {
     ///
     /// # Errors
     /// No pose was named, or the file cannot be read.
-    pub fn pose_of(&self, model: &Model) -> anyhow::Result<Pose> {
+    pub(crate) fn pose_of(&self, model: &Model) -> anyhow::Result<Pose> {
         let Some(path) = &self.start else {
             let message = "without a take, --start POSE is needed\n";
             return Err(clap::Error::raw(ErrorKind::MissingRequiredArgument, message).into());
@@ -168,7 +168,7 @@ fn from_reference(take: &Take, frame: usize) -> Option<Pose> {
 
 /// The take's reference keypoints of a frame; none if it has none.
 #[must_use]
-pub fn reference_joints(take: &Take, frame: usize) -> ReferenceJoints {
+pub(crate) fn reference_joints(take: &Take, frame: usize) -> ReferenceJoints {
     take.reference().map(|reference| reference.joints(frame)).unwrap_or_default()
 }
 
@@ -176,7 +176,7 @@ pub fn reference_joints(take: &Take, frame: usize) -> ReferenceJoints {
 ///
 /// # Errors
 /// What is wrong with it, by file, line, camera and frame.
-pub fn open(path: &Path) -> anyhow::Result<Footage> {
+pub(crate) fn open(path: &Path) -> anyhow::Result<Footage> {
     if path.is_dir() && !path.join("take.toml").exists() {
         bail!("{}: has no take.toml; expected a take's folder or its take file", path.display());
     }
@@ -187,18 +187,18 @@ pub fn open(path: &Path) -> anyhow::Result<Footage> {
 ///
 /// # Errors
 /// As [`open`]; or the body cannot be read, or has not the limbs that the take's start and reference name.
-pub fn open_with_model(path: &Path, model: Option<&str>) -> anyhow::Result<Footage> {
+pub(crate) fn open_with_model(path: &Path, model: Option<&str>) -> anyhow::Result<Footage> {
     let Some(model) = model else { return open(path) };
     Ok(Footage::new(Take::open_with_model(path, model_file::resolve(model)?)?))
 }
 
 /// How far a start is moved away.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StartNoise {
+pub(crate) struct StartNoise {
     /// Angle of every rotation, radians.
-    pub angle_rad: f64,
+    pub(crate) angle_rad: f64,
     /// Distance of the root, metres.
-    pub distance_m: f64,
+    pub(crate) distance_m: f64,
 }
 
 impl FromStr for StartNoise {

@@ -44,7 +44,7 @@ Examples:
 /// What `backlit track` is told.
 #[derive(Debug, Args)]
 #[command(after_help = NOTES)]
-pub struct TrackArguments {
+pub(crate) struct TrackArguments {
     /// Take: its folder or its take.toml
     take: PathBuf,
     /// Folder for the results; made if it is not there
@@ -66,20 +66,20 @@ pub struct TrackArguments {
 
 /// How frames are followed.
 #[derive(Debug, Args)]
-pub struct FollowArguments {
+pub(crate) struct FollowArguments {
     /// The fit of a frame.
     #[command(flatten)]
-    pub solver: SolverArguments,
+    pub(crate) solver: SolverArguments,
     /// How motion is carried from frame to frame
     #[arg(long, value_enum, default_value_t = MotionWord::Velocity)]
-    pub motion: MotionWord,
+    pub(crate) motion: MotionWord,
     /// Smooth every frame by so many frames after it, not by all: what a live track could show that late
     #[arg(long, value_name = "FRAMES")]
-    pub lag: Option<usize>,
+    pub(crate) lag: Option<usize>,
     /// When to look for other poses than the one downhill, in the first frame and after a lost one
     /// [default: poor, with the report preset never]
     #[arg(long, value_enum, value_name = "WHEN", num_args = 0..=1, default_missing_value = "always")]
-    pub search: Option<SearchWord>,
+    pub(crate) search: Option<SearchWord>,
 }
 
 impl FollowArguments {
@@ -87,7 +87,7 @@ impl FollowArguments {
     ///
     /// # Errors
     /// Options that contradict each other.
-    pub fn tracker(&self, take: &Take, start: Pose) -> anyhow::Result<Tracker> {
+    pub(crate) fn tracker(&self, take: &Take, start: Pose) -> anyhow::Result<Tracker> {
         let default = match self.solver.preset {
             Preset::Report => SearchWord::Never,
             Preset::Robust => SearchWord::Poor,
@@ -101,7 +101,7 @@ impl FollowArguments {
     ///
     /// # Errors
     /// A lag of what is not smoothed.
-    pub fn smoothing(&self) -> anyhow::Result<Option<Smoothing>> {
+    pub(crate) fn smoothing(&self) -> anyhow::Result<Option<Smoothing>> {
         let is_smoothed = self.motion == MotionWord::Smoothed;
         if self.lag.is_some() && !is_smoothed {
             bail!("--lag is for --motion smoothed");
@@ -112,7 +112,7 @@ impl FollowArguments {
 
 /// When to look for other poses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum SearchWord {
+pub(crate) enum SearchWord {
     /// Never
     Never,
     /// Where the fit overlaps poorly: IoU below 0.9
@@ -133,7 +133,7 @@ impl From<SearchWord> for WhenToSearch {
 
 /// How motion is carried from frame to frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum MotionWord {
+pub(crate) enum MotionWord {
     /// Start from the last pose
     Still,
     /// Start where the motion between the last two frames leads
@@ -158,7 +158,7 @@ impl From<MotionWord> for Motion {
 ///
 /// # Errors
 /// A take that cannot be read. What was tracked until then is written.
-pub fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
+pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let smoothing = arguments.follow.smoothing()?;
     let footage = take_options::open_with_model(&arguments.take, arguments.model.as_deref())?;
     let take = footage.take();
@@ -195,7 +195,7 @@ pub fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
 ///
 /// # Errors
 /// The first picture that cannot be had, or what `after_frame` returns. The report has what was tracked before.
-pub fn follow(
+pub(crate) fn follow(
     footage: &Footage,
     cameras: &[usize],
     frames: &[usize],
@@ -220,7 +220,7 @@ pub fn follow(
 ///
 /// # Errors
 /// The first picture that cannot be had, or what `use_frame` returns.
-pub fn each_frame(
+pub(crate) fn each_frame(
     footage: &Footage,
     cameras: &[usize],
     frames: &[usize],

@@ -11,7 +11,7 @@ use super::track_report::TrackReport;
 ///
 /// # Errors
 /// The folder is not writable; the message names the file.
-pub fn write(folder: &Path, take: &Take, report: &TrackReport) -> anyhow::Result<()> {
+pub(crate) fn write(folder: &Path, take: &Take, report: &TrackReport) -> anyhow::Result<()> {
     let cameras: Vec<&str> = report.cameras().iter().map(String::as_str).collect();
     let export = TrackExport {
         name: take.name(),

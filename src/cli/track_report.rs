@@ -12,7 +12,7 @@ use super::take_options::reference_joints;
 
 /// A track so far, and how good it is.
 #[derive(Debug)]
-pub struct TrackReport {
+pub(crate) struct TrackReport {
     cameras: Vec<String>,
     track: Track,
     /// Milliseconds of every frame, in the order in which they were tracked.
@@ -24,7 +24,7 @@ pub struct TrackReport {
 
 /// The summary as JSON has it.
 #[derive(Debug, Serialize)]
-pub struct TrackSummary {
+pub(crate) struct TrackSummary {
     frames: usize,
     lost: usize,
     /// In how many frames a camera was left out because it saw nobody.
@@ -69,7 +69,7 @@ struct TimeSummary {
 impl TrackSummary {
     /// Mean and largest joint error, and the mean without constant offsets; none without reference keypoints.
     #[must_use]
-    pub fn errors_mm(&self) -> [Option<f64>; 3] {
+    pub(crate) fn errors_mm(&self) -> [Option<f64>; 3] {
         let errors = self.joint_error_mm.as_ref();
         let without = errors.and_then(|errors| errors.without_offsets.as_ref());
         [errors.map(|e| e.overall.mean), errors.map(|e| e.overall.max), without.map(|d| d.mean)]
@@ -77,19 +77,19 @@ impl TrackSummary {
 
     /// Mean overlap of all cameras.
     #[must_use]
-    pub fn iou(&self) -> Option<f64> {
+    pub(crate) fn iou(&self) -> Option<f64> {
         self.iou.mean
     }
 
     /// Frames in which the subject was lost.
     #[must_use]
-    pub fn lost(&self) -> usize {
+    pub(crate) fn lost(&self) -> usize {
         self.lost
     }
 
     /// Mean second difference of the joints.
     #[must_use]
-    pub fn jitter_mm(&self) -> Option<f64> {
+    pub(crate) fn jitter_mm(&self) -> Option<f64> {
         self.jitter_mm
     }
 }
@@ -103,15 +103,15 @@ impl From<Statistics> for Distances {
 
 /// How later frames smooth earlier ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Smoothing {
+pub(crate) struct Smoothing {
     /// So many frames after each; all where `None`.
-    pub lag: Option<usize>,
+    pub(crate) lag: Option<usize>,
 }
 
 impl TrackReport {
     /// A report of these cameras (indices in the take).
     #[must_use]
-    pub fn new(take: &Take, cameras: &[usize]) -> Self {
+    pub(crate) fn new(take: &Take, cameras: &[usize]) -> Self {
         let names = cameras.iter().map(|&camera| take.rig().cameras()[camera].name().to_owned());
         Self {
             cameras: names.collect(),
@@ -124,7 +124,7 @@ impl TrackReport {
     }
 
     /// Adds a frame that took so many milliseconds.
-    pub fn add(&mut self, take: &Take, estimate: FrameEstimate, time_ms: f64) {
+    pub(crate) fn add(&mut self, take: &Take, estimate: FrameEstimate, time_ms: f64) {
         let reference = reference_joints(take, estimate.frame);
         self.errors.add(take.model(), &estimate.pose, &reference);
         self.times_ms.push(time_ms);
@@ -135,7 +135,7 @@ impl TrackReport {
     /// Ends the report: frames are smoothed by later ones, if that is asked for, and judged together.
     ///
     /// Overlaps and costs stay those of the poses before smoothing.
-    pub fn finish(&mut self, take: &Take, smoothing: Option<Smoothing>) {
+    pub(crate) fn finish(&mut self, take: &Take, smoothing: Option<Smoothing>) {
         if let Some(Smoothing { lag }) = smoothing {
             self.track = smoothed(&self.track, lag);
             self.errors = JointErrors::default();
@@ -149,31 +149,31 @@ impl TrackReport {
 
     /// The estimates so far.
     #[must_use]
-    pub fn track(&self) -> &Track {
+    pub(crate) fn track(&self) -> &Track {
         &self.track
     }
 
     /// Distances from the reference keypoints so far.
     #[must_use]
-    pub fn errors(&self) -> &JointErrors {
+    pub(crate) fn errors(&self) -> &JointErrors {
         &self.errors
     }
 
     /// Names of the cameras, in the order of the estimates' overlaps.
     #[must_use]
-    pub fn cameras(&self) -> &[String] {
+    pub(crate) fn cameras(&self) -> &[String] {
         &self.cameras
     }
 
     /// A few words while it goes on.
     #[must_use]
-    pub fn progress_text(&self) -> String {
+    pub(crate) fn progress_text(&self) -> String {
         self.last_iou.map(|iou| format!("IoU {iou:.3}")).unwrap_or_default()
     }
 
     /// Everything in numbers.
     #[must_use]
-    pub fn summary(&self) -> TrackSummary {
+    pub(crate) fn summary(&self) -> TrackSummary {
         let frames = || self.track.frames.values();
         let of_camera = |camera: usize| {
             mean(frames().filter_map(|frame| frame.overlap[camera]).filter_map(|overlap| overlap.iou()))
@@ -213,7 +213,7 @@ impl TrackReport {
 
     /// Everything as tables for people.
     #[must_use]
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let summary = self.summary();
         let lost = if summary.lost == 0 { "none".to_owned() } else { summary.lost.to_string() };
         let frames = if summary.frames == 1 { "frame" } else { "frames" };

@@ -7,56 +7,56 @@ use crate::session::playback::FrameRange;
 /// Which kinds of work are under way.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "kinds of work are independent of each other")]
-pub struct Activity {
+pub(crate) struct Activity {
     /// A take is being opened.
-    pub opening: bool,
+    pub(crate) opening: bool,
     /// The frame is being read and segmented.
-    pub loading: bool,
+    pub(crate) loading: bool,
     /// Whether reading the frame on the screen broke down.
-    pub load_broke: bool,
+    pub(crate) load_broke: bool,
     /// A fit is running.
-    pub fitting: bool,
+    pub(crate) fitting: bool,
     /// The number of its run.
-    pub fitted_run: Option<usize>,
+    pub(crate) fitted_run: Option<usize>,
     /// The tracker is running, or other poses or the body's own sizes are looked for in its place.
-    pub tracking: bool,
+    pub(crate) tracking: bool,
     /// How far the tracker is.
-    pub track: Option<TrackingProgress>,
+    pub(crate) track: Option<TrackingProgress>,
     /// A basin is being tried.
-    pub basin: bool,
+    pub(crate) basin: bool,
     /// Pictures of an export that are done, and all of them.
-    pub exporting: Option<(usize, usize)>,
+    pub(crate) exporting: Option<(usize, usize)>,
 }
 
 impl Activity {
     /// Whether a bar under the toolbar says that something takes its time.
     #[must_use]
-    pub fn is_long(self) -> bool {
+    pub(crate) fn is_long(self) -> bool {
         self.opening || self.fitting || self.tracking
     }
 }
 
 /// How far the tracker is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct TrackingProgress {
+pub(crate) struct TrackingProgress {
     /// Frames done.
-    pub done: usize,
+    pub(crate) done: usize,
     /// Frames to do in all.
-    pub total: usize,
+    pub(crate) total: usize,
     /// Whether it goes towards the first frame.
-    pub backwards: bool,
+    pub(crate) backwards: bool,
     /// The key poses between which it goes both ways, if it does.
-    pub between: Option<(usize, usize)>,
+    pub(crate) between: Option<(usize, usize)>,
     /// The frames that are tracked.
-    pub range: FrameRange,
+    pub(crate) range: FrameRange,
     /// When it began.
-    pub began: Instant,
+    pub(crate) began: Instant,
 }
 
 impl TrackingProgress {
     /// The frames that are still to come, as long as there are any. Between key poses every frame comes twice.
     #[must_use]
-    pub fn to_come(&self) -> Option<FrameRange> {
+    pub(crate) fn to_come(&self) -> Option<FrameRange> {
         let FrameRange { first, last } = self.range;
         if self.done >= self.total {
             return None;
@@ -76,7 +76,7 @@ impl TrackingProgress {
 
     /// Frames a second so far, once there is something to tell.
     #[must_use]
-    pub fn rate(&self) -> Option<f64> {
+    pub(crate) fn rate(&self) -> Option<f64> {
         let seconds = self.began.elapsed().as_secs_f64();
         (self.done > 2 && seconds > 0.0).then(|| self.done as f64 / seconds)
     }

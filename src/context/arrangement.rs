@@ -12,12 +12,12 @@ mod change;
 mod kept;
 mod snap;
 
-pub use automatic::{Centre, automatic, has_strip, is_open_at_first};
-pub use change::{close, is_open, open, panes_with, show};
-pub use kept::{Kept, fits};
-pub use snap::snap;
+pub(crate) use automatic::{Centre, automatic, has_strip, is_open_at_first};
+pub(crate) use change::{close, is_open, open, panes_with, show};
+pub(crate) use kept::{Kept, fits};
+pub(crate) use snap::snap;
 
 use crate::context::pane::Pane;
 
 /// An arrangement.
-pub type Arrangement = egui_tiles::Tree<Pane>;
+pub(crate) type Arrangement = egui_tiles::Tree<Pane>;

@@ -35,14 +35,14 @@ impl Clock {
 
     /// Now.
     #[must_use]
-    pub fn now(&self) -> SystemTime {
+    pub(crate) fn now(&self) -> SystemTime {
         self.fixed.unwrap_or_else(SystemTime::now)
     }
 
     /// Day and time of day: "today 14:32", "Friday 09:05", "12 November 2025 14:32". Without a time zone the time is
     /// Greenwich's, and says so. `None` for times that no calendar has.
     #[must_use]
-    pub fn when(&self, time: SystemTime) -> Option<String> {
+    pub(crate) fn when(&self, time: SystemTime) -> Option<String> {
         let (time, now) = (self.local(time)?, self.local(self.now())?);
         let days_ago = time.date().until(now.date()).ok()?.get_days();
         let day = match days_ago {
@@ -63,7 +63,7 @@ impl Clock {
 
     /// How long ago, roughly: "12 minutes ago"; `None` for what is yet to come.
     #[must_use]
-    pub fn ago(&self, time: SystemTime) -> Option<String> {
+    pub(crate) fn ago(&self, time: SystemTime) -> Option<String> {
         let seconds = self.now().duration_since(time).ok().as_ref().map(Duration::as_secs)?;
         let rounded = |unit: u64| (seconds + unit / 2) / unit;
         Some(match seconds {

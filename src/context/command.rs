@@ -12,8 +12,7 @@ macro_rules! group {
     ($(#[$meta:meta])* $name:ident { $($variant:ident $(($carried:ty) of $values:expr)?),* $(,)? }) => {
         $(#[$meta])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        #[expect(missing_docs, reason = "the table of commands says what each does")]
-        pub enum $name { $($variant $(($carried))?),* }
+        pub(crate) enum $name { $($variant $(($carried))?),* }
 
         impl $name {
             #[cfg(test)]
@@ -33,13 +32,14 @@ mod keys;
 mod menu;
 mod table;
 
-pub use groups::{
-    BasinCommand, BasinView, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
+pub use groups::BasinView;
+pub(crate) use groups::{
+    BasinCommand, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
     LaboratoryCommand, Nudge, ObservabilityCommand, Part, PoseCommand, RecoveryCommand, SceneCommand,
     TimelineCommand, TrackingCommand, ViewCommand, WindowCommand,
 };
-pub use keys::keys_text;
-pub use menu::Menu;
+pub(crate) use keys::keys_text;
+pub(crate) use menu::Menu;
 
 use egui::KeyboardShortcut;
 
@@ -71,30 +71,30 @@ group! {
 
 impl Command {
     /// All commands, in the order of the menus.
-    pub fn all() -> impl Iterator<Item = Self> {
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
         TABLE.iter().map(|row| row.command)
     }
 
     /// The commands of a menu.
-    pub fn in_menu(menu: Menu) -> impl Iterator<Item = Self> {
+    pub(crate) fn in_menu(menu: Menu) -> impl Iterator<Item = Self> {
         TABLE.iter().filter(move |row| row.menu == menu).map(|row| row.command)
     }
 
     /// The command's name on buttons and in menus.
     #[must_use]
-    pub fn text(self) -> &'static str {
+    pub(crate) fn text(self) -> &'static str {
         self.row().map_or("", |row| row.text)
     }
 
     /// One sentence about what it does, without its full stop.
     #[must_use]
-    pub fn explanation(self) -> &'static str {
+    pub(crate) fn explanation(self) -> &'static str {
         self.row().map_or("", |row| row.tooltip)
     }
 
     /// The explanation and the keys, for a tooltip.
     #[must_use]
-    pub fn tooltip(self) -> String {
+    pub(crate) fn tooltip(self) -> String {
         match self.keys_text() {
             Some(keys) => format!("{}   {keys}", self.explanation()),
             None => self.explanation().to_owned(),
@@ -103,13 +103,13 @@ impl Command {
 
     /// The menu it stands in.
     #[must_use]
-    pub fn menu(self) -> Option<Menu> {
+    pub(crate) fn menu(self) -> Option<Menu> {
         self.row().map(|row| row.menu)
     }
 
     /// Its keys.
     #[must_use]
-    pub fn shortcuts(self) -> &'static [KeyboardShortcut] {
+    pub(crate) fn shortcuts(self) -> &'static [KeyboardShortcut] {
         self.row().map_or(&[], |row| row.keys)
     }
 

@@ -11,7 +11,7 @@ const MAX_KEPT: usize = 200;
 
 /// How bad it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Severity {
+pub(crate) enum Severity {
     /// Good to know.
     Info,
     /// Something did not work; the card stays until it is closed.
@@ -22,15 +22,15 @@ pub enum Severity {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Notice {
     /// Names it for closing.
-    pub id: u64,
+    pub(crate) id: u64,
     /// How bad it is.
-    pub severity: Severity,
+    pub(crate) severity: Severity,
     /// The sentence.
     pub text: String,
     /// The button.
-    pub command: Option<Command>,
+    pub(crate) command: Option<Command>,
     /// When it was said, in seconds of the window's clock.
-    pub said: f64,
+    pub(crate) said: f64,
     /// When it goes, in seconds of the window's clock; never for errors.
     expires: Option<f64>,
     is_open: bool,
@@ -47,23 +47,23 @@ pub struct Notices {
 
 impl Notices {
     /// Says something good to know.
-    pub fn info(&mut self, now: f64, text: impl Into<String>, command: Option<Command>) {
+    pub(crate) fn info(&mut self, now: f64, text: impl Into<String>, command: Option<Command>) {
         self.now = now;
         self.push(Severity::Info, text.into(), command, Some(now + LIFETIME));
     }
 
     /// Says that something did not work.
-    pub fn error(&mut self, text: impl Into<String>) {
+    pub(crate) fn error(&mut self, text: impl Into<String>) {
         self.push(Severity::Error, text.into(), None, None);
     }
 
     /// Says that something did not work, and offers a command that helps.
-    pub fn error_with(&mut self, text: impl Into<String>, command: Command) {
+    pub(crate) fn error_with(&mut self, text: impl Into<String>, command: Command) {
         self.push(Severity::Error, text.into(), Some(command), None);
     }
 
     /// The cards on the screen, the newest last.
-    pub fn cards(&self) -> impl Iterator<Item = &Notice> {
+    pub(crate) fn cards(&self) -> impl Iterator<Item = &Notice> {
         let open = self.kept.iter().filter(|notice| notice.is_open).count();
         self.kept.iter().filter(|notice| notice.is_open).skip(open.saturating_sub(MAX_CARDS))
     }
@@ -75,28 +75,28 @@ impl Notices {
     }
 
     /// Closes a card.
-    pub fn close(&mut self, id: u64) {
+    pub(crate) fn close(&mut self, id: u64) {
         for notice in self.kept.iter_mut().filter(|notice| notice.id == id) {
             notice.is_open = false;
         }
     }
 
     /// Closes the cards whose sentence begins so: that is over.
-    pub fn close_about(&mut self, beginning: &str) {
+    pub(crate) fn close_about(&mut self, beginning: &str) {
         for notice in self.kept.iter_mut().filter(|notice| notice.text.starts_with(beginning)) {
             notice.is_open = false;
         }
     }
 
     /// Closes all cards; they stay among the messages.
-    pub fn close_all(&mut self) {
+    pub(crate) fn close_all(&mut self) {
         for notice in &mut self.kept {
             notice.is_open = false;
         }
     }
 
     /// Closes the cards whose time is over, and says when the next one's will be.
-    pub fn tick(&mut self, now: f64) -> Option<f64> {
+    pub(crate) fn tick(&mut self, now: f64) -> Option<f64> {
         self.now = now;
         let mut next: Option<f64> = None;
         for notice in self.kept.iter_mut().filter(|notice| notice.is_open) {
@@ -110,7 +110,7 @@ impl Notices {
     }
 
     /// A card under the pointer stays.
-    pub fn hold(&mut self, id: u64, now: f64) {
+    pub(crate) fn hold(&mut self, id: u64, now: f64) {
         for notice in self.kept.iter_mut().filter(|notice| notice.id == id) {
             notice.expires = notice.expires.map(|_| now + LIFETIME);
         }

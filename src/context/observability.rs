@@ -12,38 +12,38 @@ use crate::drawing::{JointEllipse, Swaying, joint_ellipses};
 
 /// What is drawn in a frame.
 #[derive(Debug, Clone, Default)]
-pub struct ObservabilityMarks {
+pub(crate) struct ObservabilityMarks {
     /// Whether what is known is of an older pose, frame or set of cameras than the one on the screen.
-    pub is_stale: bool,
+    pub(crate) is_stale: bool,
     /// Whether the body is on its way.
-    pub is_playing: bool,
+    pub(crate) is_playing: bool,
     /// The body on its way, if it sways or is held there.
-    pub swaying: Option<Swaying>,
+    pub(crate) swaying: Option<Swaying>,
     /// Its pose.
-    pub swayed_pose: Option<Pose>,
+    pub(crate) swayed_pose: Option<Pose>,
     /// What is known of the joints, if that is to be seen.
-    pub uncertainty: Option<Uncertainty>,
+    pub(crate) uncertainty: Option<Uncertainty>,
     /// Ellipses are drawn so many times as large as they are.
-    pub factor: u32,
+    pub(crate) factor: u32,
     /// The angle of the selected limb whose limits are to be seen.
-    pub angle: Option<LimitedAngle>,
+    pub(crate) angle: Option<LimitedAngle>,
 }
 
 /// What cameras know of joints.
 #[derive(Debug, Clone)]
-pub struct Uncertainty {
+pub(crate) struct Uncertainty {
     /// The body.
-    pub model: Arc<Model>,
+    pub(crate) model: Arc<Model>,
     /// Its joints.
-    pub joints: Vec<JointUncertainty>,
+    pub(crate) joints: Vec<JointUncertainty>,
     /// Whether the cameras are others than those in use.
-    pub is_of_others: bool,
+    pub(crate) is_of_others: bool,
 }
 
 impl Uncertainty {
     /// Ellipses of the joints in a camera's view.
     #[must_use]
-    pub fn ellipses(&self, camera: &Camera) -> Vec<JointEllipse> {
+    pub(crate) fn ellipses(&self, camera: &Camera) -> Vec<JointEllipse> {
         joint_ellipses(&self.model, &self.joints, camera)
     }
 }

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::style::theme::size;
 
 /// Room that is left free at the right end of a pane's header, in points.
-pub const HEADER_BUTTONS: f32 = 2.0 * size::BUTTON + 4.0;
+pub(crate) const HEADER_BUTTONS: f32 = 2.0 * size::BUTTON + 4.0;
 
 /// What stands in a tile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -32,7 +32,7 @@ pub enum Pane {
 
 /// Where a pane comes in that has no place yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Side {
+pub(crate) enum Side {
     /// A column at the right of everything.
     Right,
     /// A row below everything.
@@ -41,14 +41,14 @@ pub enum Side {
 
 impl Pane {
     /// The panes that are no cameras: title, where they come in, and what they show.
-    pub const KINDS: [(Self, &'static str, Side, &'static str); 3] = [
+    pub(crate) const KINDS: [(Self, &'static str, Side, &'static str); 3] = [
         (Self::Scene, "Scene", Side::Right, "Body, cameras and their pictures in three dimensions"),
         (Self::Convergence, "Convergence", Side::Below, "The runs of the fit, step by step"),
         (Self::Basin, "Basin", Side::Right, "How far off a start may be, and still come home"),
     ];
 
     /// All panes of a take with so many cameras.
-    pub fn all(cameras: usize) -> impl Iterator<Item = Self> {
+    pub(crate) fn all(cameras: usize) -> impl Iterator<Item = Self> {
         (0..cameras).map(Self::Camera).chain(Self::KINDS.iter().map(|kind| kind.0))
     }
 
@@ -58,7 +58,7 @@ impl Pane {
 
     /// Its title.
     #[must_use]
-    pub fn title(self) -> String {
+    pub(crate) fn title(self) -> String {
         match (self, self.row()) {
             (Self::Camera(index), _) => format!("Camera {}", index + 1),
             (_, row) => row.map_or_else(String::new, |row| Self::KINDS[row].1.to_owned()),
@@ -67,26 +67,26 @@ impl Pane {
 
     /// What it shows, in words.
     #[must_use]
-    pub fn explanation(self) -> &'static str {
+    pub(crate) fn explanation(self) -> &'static str {
         self.row().map_or("The camera's picture, silhouette and fit", |row| Self::KINDS[row].3)
     }
 
     /// The scope of its widgets: of the pane, not of its place, so that a pane that is moved keeps its state and its
     /// textures.
     #[must_use]
-    pub fn scope(self) -> egui::Id {
+    pub(crate) fn scope(self) -> egui::Id {
         egui::Id::unique(("pane", self))
     }
 
     /// Where it comes in when it has no place yet.
     #[must_use]
-    pub fn side(self) -> Side {
+    pub(crate) fn side(self) -> Side {
         self.row().map_or(Side::Right, |row| Self::KINDS[row].2)
     }
 
     /// Names its tile: the same in every arrangement, so that a pane that is moved stays the same for egui.
     #[must_use]
-    pub fn tile_id(self) -> TileId {
+    pub(crate) fn tile_id(self) -> TileId {
         const CAMERAS_FROM: u64 = 2000;
         const KINDS_FROM: u64 = 1000;
         TileId::from_u64(match self {

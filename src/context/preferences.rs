@@ -29,7 +29,7 @@ impl Layout {
 
     /// Width of the right panel at first.
     #[must_use]
-    pub const fn panel_width(self) -> f32 {
+    pub(crate) const fn panel_width(self) -> f32 {
         match self {
             Self::Pose | Self::Demonstrate => size::RIGHT_PANEL,
             Self::Debug => size::RIGHT_PANEL_DEBUG,
@@ -42,21 +42,21 @@ const MAX_RECENT: usize = 5;
 
 /// The arrangement.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Preferences {
+pub(crate) struct Preferences {
     /// Dark or light.
-    pub theme: Theme,
+    pub(crate) theme: Theme,
     /// What it is arranged for.
-    pub layout: Layout,
+    pub(crate) layout: Layout,
     /// Whether the right panel is there.
-    pub panel: bool,
+    pub(crate) panel: bool,
     /// Takes that were opened last, the newest first.
-    pub recent: Vec<PathBuf>,
+    pub(crate) recent: Vec<PathBuf>,
     /// How the user has arranged the tiles.
-    pub kept: Kept,
+    pub(crate) kept: Kept,
     /// Names of the commands that were chosen last in the palette, the newest first.
-    pub used_commands: Vec<String>,
+    pub(crate) used_commands: Vec<String>,
     /// Changes with *Reset layout*, so that egui forgets sizes and open sections.
-    pub generation: u32,
+    pub(crate) generation: u32,
 }
 
 impl Default for Preferences {
@@ -75,14 +75,14 @@ impl Default for Preferences {
 
 impl Preferences {
     /// Puts a take at the head of the recent ones.
-    pub fn remember(&mut self, path: PathBuf) {
+    pub(crate) fn remember(&mut self, path: PathBuf) {
         self.recent.retain(|other| *other != path);
         self.recent.insert(0, path);
         self.recent.truncate(MAX_RECENT);
     }
 
     /// Puts a command at the head of those that were chosen last.
-    pub fn use_command(&mut self, name: &str) {
+    pub(crate) fn use_command(&mut self, name: &str) {
         self.used_commands.retain(|other| other != name);
         self.used_commands.insert(0, name.to_owned());
         self.used_commands.truncate(MAX_RECENT);
@@ -90,7 +90,7 @@ impl Preferences {
 
     /// Whether a pane is open in the layout, for a take with so many cameras.
     #[must_use]
-    pub fn is_open(&self, pane: Pane, cameras: usize) -> bool {
+    pub(crate) fn is_open(&self, pane: Pane, cameras: usize) -> bool {
         match self.kept.get(self.layout, cameras) {
             Some(tree) => arrangement::is_open(tree, pane),
             None => arrangement::is_open_at_first(self.layout, pane),

@@ -15,7 +15,7 @@ pub(crate) type Why = Option<&'static str>;
 
 /// The commands that cannot be used in this frame of the window, each with why.
 #[derive(Debug, Default)]
-pub struct Unavailable(Vec<(Command, &'static str)>);
+pub(crate) struct Unavailable(Vec<(Command, &'static str)>);
 
 impl Unavailable {
     /// Asks about every command.
@@ -26,7 +26,7 @@ impl Unavailable {
 
 /// Why a command that is shown cannot be used now, in a sentence without its full stop; `None` if it can.
 #[must_use]
-pub fn unavailable(command: Command, context: &Context<'_>) -> Option<&'static str> {
+pub(crate) fn unavailable(command: Command, context: &Context<'_>) -> Option<&'static str> {
     context.unavailable.0.iter().find(|(other, _)| *other == command).map(|(_, why)| *why)
 }
 

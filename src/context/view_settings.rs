@@ -27,11 +27,11 @@ pub struct ViewSettings {
 
 impl ViewSettings {
     /// Slowest and fastest blink, changes per second.
-    pub const BLINK_HZ: RangeInclusive<f64> = 0.5..=8.0;
+    pub(crate) const BLINK_HZ: RangeInclusive<f64> = 0.5..=8.0;
 
     /// Seconds that a blinking view stays as it is.
     #[must_use]
-    pub fn blink_seconds(&self) -> f64 {
+    pub(crate) fn blink_seconds(&self) -> f64 {
         let hz = f64::from(self.blink_hz);
         let hz = if hz.is_finite() { hz } else { 2.0 };
         1.0 / hz.clamp(*Self::BLINK_HZ.start(), *Self::BLINK_HZ.end())

@@ -9,7 +9,7 @@ use crate::document::project::ProjectError;
 
 /// A sentence for the user about what to do next; `error` or one of its causes is what the disk said.
 #[must_use]
-pub fn remedy(error: &(dyn Error + 'static)) -> &'static str {
+pub(crate) fn remedy(error: &(dyn Error + 'static)) -> &'static str {
     let mut cause = Some(error);
     while let Some(error) = cause {
         if let Some(said) = said_by_disk(error) {

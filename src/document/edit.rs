@@ -15,7 +15,7 @@ use crate::take::replacement::Calibration;
 
 /// A change of the document. [`Document::apply`] makes it, [`Edit::text`] names it for the undo menu.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Edit {
+pub(crate) enum Edit {
     /// The pose of a frame, by hand: it becomes a key pose and replaces what was found there.
     SetPose {
         /// The frame.
@@ -121,8 +121,7 @@ pub enum Edit {
 
 /// Why a change cannot be made. The document is then as before.
 #[derive(Debug, Error, Clone, PartialEq)]
-#[expect(missing_docs, reason = "the messages say what each variant and field is")]
-pub enum EditError {
+pub(crate) enum EditError {
     #[error("the pose of frame {frame} does not fit the body: {source}")]
     Pose { frame: usize, source: PoseError },
     #[error("the size of limb {limb} is wrong: {source}")]
@@ -150,7 +149,7 @@ pub enum EditError {
 impl Edit {
     /// What was done, as the undo menu says it.
     #[must_use]
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         match self {
             Self::SetPose { what, .. } | Self::SetFit { what, .. } => what.clone(),
             Self::SetKey { .. } => "Set key pose".to_owned(),
@@ -182,7 +181,7 @@ impl Edit {
 impl Document {
     /// Whether there is anything that a change would change.
     #[must_use]
-    pub fn would_change(&self, edit: &Edit) -> bool {
+    pub(crate) fn would_change(&self, edit: &Edit) -> bool {
         let mut after = self.clone();
         after.apply(edit.clone()).is_ok() && after != *self
     }
@@ -191,7 +190,7 @@ impl Document {
     ///
     /// # Errors
     /// The change makes no sense for this document, which then stays as it was.
-    pub fn apply(&mut self, edit: Edit) -> Result<(), EditError> {
+    pub(crate) fn apply(&mut self, edit: Edit) -> Result<(), EditError> {
         match edit {
             Edit::SetPose { frame, pose, .. } => self.set_pose(frame, &pose)?,
             Edit::SetKey { frame } => {

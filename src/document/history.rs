@@ -14,7 +14,7 @@ pub struct Gesture(pub u64);
 
 /// A document with its past and its undone future, and the runs of the fit.
 #[derive(Debug, Clone)]
-pub struct History {
+pub(crate) struct History {
     document: Document,
     runs: Runs,
     undo: Vec<Entry>,
@@ -54,7 +54,7 @@ impl Entry {
 
 /// What was undone.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Undone {
+pub(crate) enum Undone {
     /// A change of the document, in words.
     Edit(String),
     /// The removal of runs.
@@ -67,7 +67,7 @@ const MAX_ENTRIES: usize = 500;
 impl History {
     /// Begins with a document that needs no saving.
     #[must_use]
-    pub fn new(document: Document) -> Self {
+    pub(crate) fn new(document: Document) -> Self {
         Self {
             document,
             runs: Runs::default(),
@@ -82,31 +82,31 @@ impl History {
 
     /// Begins with a document that is in no file.
     #[must_use]
-    pub fn unsaved(document: Document) -> Self {
+    pub(crate) fn unsaved(document: Document) -> Self {
         Self { saved: None, ..Self::new(document) }
     }
 
     /// The same document, as one that needs no saving, with its runs and without its past.
     #[must_use]
-    pub fn without_past(&self) -> Self {
+    pub(crate) fn without_past(&self) -> Self {
         Self { runs: self.runs.clone(), ..Self::new(self.document.clone()) }
     }
 
     /// The document as it is now.
     #[must_use]
-    pub fn document(&self) -> &Document {
+    pub(crate) fn document(&self) -> &Document {
         &self.document
     }
 
     /// The runs of the fit.
     #[must_use]
-    pub fn runs(&self) -> &Runs {
+    pub(crate) fn runs(&self) -> &Runs {
         &self.runs
     }
 
     /// Changes with every edit, undo and redo; the same number means the same document.
     #[must_use]
-    pub fn revision(&self) -> u64 {
+    pub(crate) fn revision(&self) -> u64 {
         self.revision
     }
 
@@ -114,7 +114,7 @@ impl History {
     ///
     /// # Errors
     /// See [`Document::apply`]; nothing has changed then.
-    pub fn apply(&mut self, edit: Edit, gesture: Option<Gesture>) -> Result<(), EditError> {
+    pub(crate) fn apply(&mut self, edit: Edit, gesture: Option<Gesture>) -> Result<(), EditError> {
         let before = self.document.clone();
         let what = edit.text();
         self.document.apply(edit)?;
@@ -134,7 +134,7 @@ impl History {
     }
 
     /// Changes the runs. Only their removal can be undone.
-    pub fn change_runs(&mut self, change: RunChange) {
+    pub(crate) fn change_runs(&mut self, change: RunChange) {
         if change == RunChange::Restore {
             let newest = self.undo.iter().rposition(|entry| entry.snapshot().is_none());
             if let Some(Entry::Runs(removed)) = newest.map(|index| self.undo.remove(index)) {
@@ -149,7 +149,7 @@ impl History {
     }
 
     /// Goes back to before the newest entry and says what was undone.
-    pub fn undo(&mut self) -> Option<Undone> {
+    pub(crate) fn undo(&mut self) -> Option<Undone> {
         Some(match self.undo.pop()? {
             Entry::Document(snapshot) => {
                 let left = self.go(*snapshot);
@@ -165,7 +165,7 @@ impl History {
     }
 
     /// Takes back the last undo of a change of the document and says what was done again.
-    pub fn redo(&mut self) -> Option<String> {
+    pub(crate) fn redo(&mut self) -> Option<String> {
         let snapshot = self.redo.pop()?;
         let left = self.go(snapshot);
         let what = left.what.clone();
@@ -175,37 +175,37 @@ impl History {
 
     /// Whether there is something to [`undo`](Self::undo).
     #[must_use]
-    pub fn can_undo(&self) -> bool {
+    pub(crate) fn can_undo(&self) -> bool {
         !self.undo.is_empty()
     }
 
     /// Whether [`undo`](Self::undo) would bring runs back and leave the document as it is.
     #[must_use]
-    pub fn undo_brings_runs_back(&self) -> bool {
+    pub(crate) fn undo_brings_runs_back(&self) -> bool {
         matches!(self.undo.last(), Some(Entry::Runs(_)))
     }
 
     /// Whether runs were removed that can be brought back.
     #[must_use]
-    pub fn has_removed_runs(&self) -> bool {
+    pub(crate) fn has_removed_runs(&self) -> bool {
         self.undo.iter().any(|entry| entry.snapshot().is_none())
     }
 
     /// The newest change of the document that can be undone.
     #[must_use]
-    pub fn undo_text(&self) -> Option<&str> {
+    pub(crate) fn undo_text(&self) -> Option<&str> {
         let newest = self.undo[self.newest_edit()?].snapshot()?;
         Some(&newest.what)
     }
 
     /// What [`redo`](Self::redo) would do again.
     #[must_use]
-    pub fn redo_text(&self) -> Option<&str> {
+    pub(crate) fn redo_text(&self) -> Option<&str> {
         self.redo.last().map(|snapshot| snapshot.what.as_str())
     }
 
     /// Undoes everything of a gesture that is still open, and forgets it: Esc in a drag. Whether there was anything.
-    pub fn cancel(&mut self, gesture: Gesture) -> bool {
+    pub(crate) fn cancel(&mut self, gesture: Gesture) -> bool {
         let is_open = self.open.take() == Some(gesture);
         let Some(newest) = self.newest_edit().filter(|_| is_open) else { return false };
         if let Entry::Document(snapshot) = self.undo.remove(newest) {
@@ -215,20 +215,20 @@ impl History {
     }
 
     /// Says that the document of this revision is in its file.
-    pub fn mark_saved(&mut self, revision: u64) {
+    pub(crate) fn mark_saved(&mut self, revision: u64) {
         self.saved = Some(revision);
         self.open = None;
     }
 
     /// Whether there is work that is in no file.
     #[must_use]
-    pub fn is_dirty(&self) -> bool {
+    pub(crate) fn is_dirty(&self) -> bool {
         self.saved != Some(self.revision)
     }
 
     /// Makes a change that is not the user's and cannot be undone, in the past too: the take that was opened
     /// tells its cameras.
-    pub fn amend(&mut self, change: impl Fn(&mut Document)) {
+    pub(crate) fn amend(&mut self, change: impl Fn(&mut Document)) {
         change(&mut self.document);
         let done = self.undo.iter_mut().filter_map(|entry| match entry {
             Entry::Document(snapshot) => Some(&mut **snapshot),

@@ -13,7 +13,7 @@ mod error;
 mod reader;
 mod record;
 
-pub use error::ProjectError;
+pub(crate) use error::ProjectError;
 
 use std::path::Path;
 
@@ -25,7 +25,7 @@ use reader::Reader;
 use record::{ProjectFile, to_file};
 
 /// Name and version of the project file's format.
-pub const FORMAT: &str = "backlit-project 1";
+pub(crate) const FORMAT: &str = "backlit-project 1";
 
 /// Files larger than this are not projects.
 const MAX_BYTES: u64 = 256 << 20;

@@ -17,25 +17,25 @@ pub struct RunStep {
     /// The pose after the step; of a rejected step, the pose before it.
     pub pose: Pose,
     /// Mismatch by one measure for all steps and runs, squared grey levels: the plot's height.
-    pub mismatch: f64,
+    pub(crate) mismatch: f64,
     /// Root of its mean over the pixels that count, grey levels; zero where none does.
-    pub rms: f64,
+    pub(crate) rms: f64,
     /// The cost that the solver lowered, in its own stage.
-    pub cost: f64,
+    pub(crate) cost: f64,
     /// The cost that a rejected step would have had.
-    pub trial_cost: f64,
+    pub(crate) trial_cost: f64,
     /// How far the linear model said that the cost would fall.
-    pub foretold: f64,
+    pub(crate) foretold: f64,
     /// How far it fell.
-    pub fell: f64,
+    pub(crate) fell: f64,
     /// The damping, in units of mean(diag JᵀJ).
-    pub damping: f64,
+    pub(crate) damping: f64,
     /// Length of the step, metres and radians together; zero at the start.
-    pub step_norm: f64,
+    pub(crate) step_norm: f64,
     /// Time of the solver's step, in seconds.
-    pub seconds: f64,
+    pub(crate) seconds: f64,
     /// Stage of the annealing.
-    pub stage: usize,
+    pub(crate) stage: usize,
     /// Whether the pose moved.
     pub accepted: bool,
 }
@@ -43,19 +43,19 @@ pub struct RunStep {
 impl RunStep {
     /// The cost before the step, by the measure of its stage.
     #[must_use]
-    pub fn cost_before(&self) -> f64 {
+    pub(crate) fn cost_before(&self) -> f64 {
         if self.accepted { self.cost + self.fell } else { self.cost }
     }
 
     /// By which fraction of the cost before it the step lowered the cost; a rejected one would have.
     #[must_use]
-    pub fn fell_share(&self) -> Option<f64> {
+    pub(crate) fn fell_share(&self) -> Option<f64> {
         self.share(if self.accepted { self.fell } else { self.cost - self.trial_cost })
     }
 
     /// By which fraction of the cost before it the linear model said that the cost would fall.
     #[must_use]
-    pub fn foretold_share(&self) -> Option<f64> {
+    pub(crate) fn foretold_share(&self) -> Option<f64> {
         self.share(self.foretold)
     }
 
@@ -77,7 +77,7 @@ pub enum RunEnding {
 impl RunEnding {
     /// The end of a fit whose solver has ended; an annealed one has several stages.
     #[must_use]
-    pub fn of(termination: Termination, is_annealed: bool) -> Self {
+    pub(crate) fn of(termination: Termination, is_annealed: bool) -> Self {
         match termination {
             Termination::StepLimit { steps } if is_annealed => {
                 Self::Solver(format!("the {steps} steps of the last stage are done"))
@@ -89,7 +89,7 @@ impl RunEnding {
 
     /// A sentence without its full stop.
     #[must_use]
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         match self {
             Self::Solver(words) => format!("Stopped: {words}"),
             Self::Stopped => "Stopped by you".to_owned(),
@@ -99,15 +99,15 @@ impl RunEnding {
 
 /// What a run depends on besides its frame and its start: what its name may be made of.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct RunChoices {
+pub(crate) struct RunChoices {
     /// How it was fitted.
-    pub fit: Arc<FitOptions>,
+    pub(crate) fit: Arc<FitOptions>,
     /// Which cameras counted, and how much.
-    pub cameras: Arc<Vec<CameraUse>>,
+    pub(crate) cameras: Arc<Vec<CameraUse>>,
     /// The part of the body that moved: "right forearm"; `None` for all of it.
-    pub part: Option<String>,
+    pub(crate) part: Option<String>,
     /// The step of an earlier run that it began at.
-    pub branched_from: Option<StepRef>,
+    pub(crate) branched_from: Option<StepRef>,
 }
 
 /// A run of the fit on one frame.
@@ -118,29 +118,29 @@ pub struct Run {
     /// What distinguishes it from the other runs, or what it was called by hand.
     pub name: String,
     /// Whether the name was given, so that it stays whatever other runs there are.
-    pub is_named: bool,
+    pub(crate) is_named: bool,
     /// What it depends on.
-    pub choices: RunChoices,
+    pub(crate) choices: RunChoices,
     /// Renderer, ramp and the other choices, in one line.
-    pub detail: String,
+    pub(crate) detail: String,
     /// The frame.
-    pub frame: usize,
+    pub(crate) frame: usize,
     /// Index of its colour and dash.
-    pub colour: usize,
+    pub(crate) colour: usize,
     /// The start, then every step.
     pub steps: Vec<RunStep>,
     /// Words for the stages of the annealing.
-    pub stages: Vec<String>,
+    pub(crate) stages: Vec<String>,
     /// How it ended, once it has.
     pub ending: Option<RunEnding>,
     /// Whether its curve is drawn.
-    pub is_shown: bool,
+    pub(crate) is_shown: bool,
 }
 
 impl Run {
     /// Number of accepted steps among the first `step` ones: the place in the plot.
     #[must_use]
-    pub fn accepted_until(&self, step: usize) -> usize {
+    pub(crate) fn accepted_until(&self, step: usize) -> usize {
         self.steps.iter().take(step + 1).skip(1).filter(|step| step.accepted).count()
     }
 
@@ -154,20 +154,20 @@ impl Run {
 
     /// The index of the last step, 0 of a run that has not begun.
     #[must_use]
-    pub fn last_step(&self) -> usize {
+    pub(crate) fn last_step(&self) -> usize {
         self.steps.len().saturating_sub(1)
     }
 
     /// How it ended, in a sentence without its full stop.
     #[must_use]
-    pub fn ending_text(&self) -> String {
+    pub(crate) fn ending_text(&self) -> String {
         let so_far = || format!("{} so far", steps_text(self.last_step()));
         self.ending.as_ref().map_or_else(so_far, RunEnding::text)
     }
 
     /// The figures it has reached: steps, what is left of the start's mismatch, and the RMS.
     #[must_use]
-    pub fn reached_text(&self) -> String {
+    pub(crate) fn reached_text(&self) -> String {
         let mut text = steps_text(self.last_step());
         if let Some(share) = self.fraction(self.last_step()) {
             text += &format!(", {} of the start", format::percent(share));

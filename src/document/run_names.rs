@@ -12,7 +12,7 @@ use crate::style::format;
 
 /// Names every run that was not named by hand by its differences from the runs whose curves are shown. A run
 /// that is hidden is named as if it were shown.
-pub fn name_runs(runs: &mut [Run]) {
+pub(crate) fn name_runs(runs: &mut [Run]) {
     let mut names: Vec<String> = Vec::with_capacity(runs.len());
     for (run, plain) in runs.iter().zip(plain_names(runs)) {
         let name = if run.is_named { plain } else { counted(plain, &names) };
@@ -24,7 +24,7 @@ pub fn name_runs(runs: &mut [Run]) {
 }
 
 /// The same names before runs that differ in nothing are counted.
-pub fn plain_names(runs: &[Run]) -> Vec<String> {
+pub(crate) fn plain_names(runs: &[Run]) -> Vec<String> {
     let starts = start_numbers(runs);
     let facets: Vec<Facets> = runs.iter().zip(&starts).map(|(run, &start)| Facets::of(run, start)).collect();
     let name = |index: usize| {
@@ -39,7 +39,7 @@ pub fn plain_names(runs: &[Run]) -> Vec<String> {
 }
 
 /// The names with those counted that stand there before: "Robust", "Robust (2)".
-pub fn count_twins(plain: Vec<String>) -> Vec<String> {
+pub(crate) fn count_twins(plain: Vec<String>) -> Vec<String> {
     let mut names: Vec<String> = Vec::with_capacity(plain.len());
     for name in plain {
         let name = counted(name, &names);

@@ -6,20 +6,20 @@ use super::run::{Run, RunEnding, RunStep};
 use super::run_names::name_runs;
 
 /// What is said when runs that were removed are there again.
-pub const BROUGHT_BACK: &str = "Brought back the runs.";
+pub(crate) const BROUGHT_BACK: &str = "Brought back the runs.";
 
 /// A step of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct StepRef {
     /// The run's number.
-    pub run: usize,
+    pub(crate) run: usize,
     /// 0 is the start; n is the state after the n-th iteration.
     pub step: usize,
 }
 
 /// All runs that were not removed.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Runs {
+pub(crate) struct Runs {
     /// By number.
     all: Vec<Run>,
     /// The number of the run that was begun last.
@@ -28,7 +28,7 @@ pub struct Runs {
 
 /// What happens to runs, which are named by their numbers.
 #[derive(Debug, Clone, PartialEq)]
-pub enum RunChange {
+pub(crate) enum RunChange {
     /// A run begins, with the [next number](Runs::next_number).
     Begin(Box<Run>),
     /// It has made a step, or has its start.
@@ -52,37 +52,37 @@ pub enum RunChange {
 impl Runs {
     /// All of them, by number.
     #[must_use]
-    pub fn all(&self) -> &[Run] {
+    pub(crate) fn all(&self) -> &[Run] {
         &self.all
     }
 
     /// The number of the run that is begun next.
     #[must_use]
-    pub fn next_number(&self) -> usize {
+    pub(crate) fn next_number(&self) -> usize {
         self.begun + 1
     }
 
     /// The run of this number.
     #[must_use]
-    pub fn get(&self, number: usize) -> Option<&Run> {
+    pub(crate) fn get(&self, number: usize) -> Option<&Run> {
         self.all.iter().find(|run| run.number == number)
     }
 
     /// A step of a run.
     #[must_use]
-    pub fn step(&self, at: StepRef) -> Option<&RunStep> {
+    pub(crate) fn step(&self, at: StepRef) -> Option<&RunStep> {
         self.get(at.run)?.steps.get(at.step)
     }
 
     /// The newest run of a frame.
     #[must_use]
-    pub fn newest_of(&self, frame: usize) -> Option<&Run> {
+    pub(crate) fn newest_of(&self, frame: usize) -> Option<&Run> {
         self.all.iter().rfind(|run| run.frame == frame)
     }
 
     /// The first step of a run on a frame that ended at this pose, if it is not that run's start.
     #[must_use]
-    pub fn step_with_pose(&self, frame: usize, pose: &Pose) -> Option<StepRef> {
+    pub(crate) fn step_with_pose(&self, frame: usize, pose: &Pose) -> Option<StepRef> {
         let found = |run: &Run| {
             let step = run.steps.iter().position(|step| step.pose == *pose)?;
             (step > 0).then_some(StepRef { run: run.number, step })
@@ -92,7 +92,7 @@ impl Runs {
 
     /// The first colour that no run has.
     #[must_use]
-    pub fn free_colour(&self) -> usize {
+    pub(crate) fn free_colour(&self) -> usize {
         (0..).find(|colour| self.all.iter().all(|run| run.colour != *colour)).unwrap_or_default()
     }
 

@@ -10,8 +10,7 @@ use crate::document::{CameraUse, Document};
 
 /// Why a project is not about a take.
 #[derive(Debug, Error, PartialEq, Eq)]
-#[expect(missing_docs, reason = "the message says what the fields are")]
-pub enum MatchError {
+pub(crate) enum MatchError {
     #[error(
         "the project is about the cameras {}; its take has {}. Open the take that the project was made from, or give \
          take.toml those cameras",
@@ -26,7 +25,7 @@ pub enum MatchError {
 ///
 /// # Errors
 /// The take has other cameras.
-pub fn match_take(
+pub(crate) fn match_take(
     document: &mut Document,
     names: &[&str],
     measurement: &[SegmentOptions],

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// How motion is carried from frame to frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Following {
+pub(crate) enum Following {
     /// A frame's fit starts from the last pose.
     Still,
     /// It starts where the motion between the last two frames leads.
@@ -25,7 +25,7 @@ pub enum Following {
 impl Following {
     /// What the tracker is told.
     #[must_use]
-    pub fn motion(self) -> Motion {
+    pub(crate) fn motion(self) -> Motion {
         match self {
             Self::Still => Motion::Still,
             Self::Velocity => Motion::Velocity,
@@ -39,15 +39,15 @@ impl Following {
 #[serde(deny_unknown_fields)]
 pub struct TrackingChoices {
     /// How motion is carried on.
-    pub motion: Following,
+    pub(crate) motion: Following,
     /// When other poses than the one downhill are looked for.
-    pub search: WhenToSearch,
+    pub(crate) search: WhenToSearch,
 }
 
 impl TrackingChoices {
     /// What goes with a preset: the report never looks for other poses, everything else does where a fit is poor.
     #[must_use]
-    pub fn of_preset(preset: Option<Preset>) -> Self {
+    pub(crate) fn of_preset(preset: Option<Preset>) -> Self {
         let search =
             if preset == Some(Preset::Report) { WhenToSearch::Never } else { WhenToSearch::WhenPoor };
         Self { motion: Following::default(), search }

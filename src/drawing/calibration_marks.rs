@@ -9,7 +9,7 @@ use super::sight_ray::project_segment;
 /// Length of a world axis, metres.
 const AXIS_M: f64 = 0.5;
 /// Side of a cell of the grid, metres.
-pub const GRID_CELL_M: f64 = 0.5;
+pub(crate) const GRID_CELL_M: f64 = 0.5;
 /// Cells from the origin to the grid's edge.
 const GRID_CELLS: i32 = 4;
 /// Points along each side of the raw picture for the lens edge.
@@ -17,22 +17,22 @@ const EDGE_POINTS: usize = 24;
 
 /// Marks of one camera, in pixel coordinates of its picture without distortion.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CalibrationMarks {
+pub(crate) struct CalibrationMarks {
     /// Where the optical axis meets the picture.
-    pub principal_px: DVec2,
+    pub(crate) principal_px: DVec2,
     /// x, y and z of the world from its origin, half a metre each; `None` behind the camera.
-    pub axes_px: [Option<[DVec2; 2]>; 3],
+    pub(crate) axes_px: [Option<[DVec2; 2]>; 3],
     /// Lines of a grid of half-metre cells through the world's origin, across the axis that is most nearly vertical
     /// in this camera.
-    pub grid_px: Vec<[DVec2; 2]>,
+    pub(crate) grid_px: Vec<[DVec2; 2]>,
     /// The border of the raw picture, closed; empty for a lens without distortion.
-    pub lens_edge_px: Vec<DVec2>,
+    pub(crate) lens_edge_px: Vec<DVec2>,
 }
 
 impl CalibrationMarks {
     /// The marks of a camera without distortion; `raw` is the camera as it was calibrated.
     #[must_use]
-    pub fn new(camera: &Camera, raw: Option<&Camera>) -> Self {
+    pub(crate) fn new(camera: &Camera, raw: Option<&Camera>) -> Self {
         let intrinsics = camera.intrinsics();
         let axes = [DVec3::X, DVec3::Y, DVec3::Z];
         let down_in_world = camera.camera_from_world().rotation.transpose().y_axis;

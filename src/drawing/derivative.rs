@@ -18,9 +18,9 @@ const ZERO_SHARE: f32 = 1e-6;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Derivative {
     /// Zero where the pixel has no derivative.
-    pub values: Vec<f32>,
+    pub(crate) values: Vec<f32>,
     /// The 99th percentile of the magnitudes that are not zero; 1 if there is none.
-    pub scale: f32,
+    pub(crate) scale: f32,
 }
 
 impl Derivative {

@@ -3,9 +3,9 @@
 //! The factor depends on the deviations in the world alone: ellipses grow with the picture when that is zoomed.
 
 /// Ellipses are of so many standard deviations.
-pub const DEVIATIONS: f64 = 2.0;
+pub(crate) const DEVIATIONS: f64 = 2.0;
 /// The factors that can be chosen.
-pub const FACTORS: [u32; 8] = [1, 2, 5, 10, 20, 50, 100, 200];
+pub(crate) const FACTORS: [u32; 8] = [1, 2, 5, 10, 20, 50, 100, 200];
 /// The middle one of the ellipses has half axes of at most this, in metres of the scene: more than a joint's handle.
 const MIDDLE_M: f64 = 0.12;
 /// The largest one, of at most this: less than a limb.
@@ -14,7 +14,7 @@ const LARGEST_M: f64 = 0.5;
 /// The largest round factor by which ellipses stay within reason, from the joints' deviations in their worst directions
 /// (metres). Joints without bound do not count; 1 if there are no others.
 #[must_use]
-pub fn automatic_factor(deviations_m: impl Iterator<Item = f64>) -> u32 {
+pub(crate) fn automatic_factor(deviations_m: impl Iterator<Item = f64>) -> u32 {
     let mut deviations: Vec<f64> = deviations_m.filter(|deviation| deviation.is_finite()).collect();
     deviations.sort_by(f64::total_cmp);
     let Some(largest) = deviations.last() else { return 1 };

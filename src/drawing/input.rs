@@ -39,19 +39,19 @@ pub struct PictureInput<'a> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
     /// D.
-    pub data: Option<f32>,
+    pub(crate) data: Option<f32>,
     /// Λ.
-    pub prediction: Option<f32>,
+    pub(crate) prediction: Option<f32>,
     /// D − Λ.
-    pub residual: Option<f32>,
+    pub(crate) residual: Option<f32>,
     /// The limb that wins the pixel.
-    pub owner: Option<usize>,
+    pub(crate) owner: Option<usize>,
     /// Distance of the ray from that limb's axis, in its radii.
-    pub distance_over_radius: Option<f32>,
+    pub(crate) distance_over_radius: Option<f32>,
     /// Distance along the ray to that limb, metres.
-    pub depth_m: Option<f32>,
+    pub(crate) depth_m: Option<f32>,
     /// The data says nothing here, and the pixel weighs nothing.
-    pub is_unknown: bool,
+    pub(crate) is_unknown: bool,
 }
 
 impl<'a> PictureInput<'a> {
@@ -71,7 +71,7 @@ impl<'a> PictureInput<'a> {
     }
 
     /// The mode that can be shown: `mode`, or footage where what `mode` needs is not there yet.
-    pub fn shown(&self, mode: ViewMode) -> ViewMode {
+    pub(crate) fn shown(&self, mode: ViewMode) -> ViewMode {
         let has_data = self.mask.is_some() || self.data.is_some();
         let has_prediction = self.prediction.is_some();
         let can_show = match mode {
@@ -86,14 +86,14 @@ impl<'a> PictureInput<'a> {
     }
 
     /// Whether the data says nothing of some pixel.
-    pub fn has_unknown(&self) -> bool {
+    pub(crate) fn has_unknown(&self) -> bool {
         let input = self.fitting();
         let in_mask = input.mask.is_some_and(|mask| mask.labels().contains(&Label::Unknown));
         in_mask || input.data.is_some_and(|data| data.weights().iter().any(|weight| *weight <= 0.0))
     }
 
     /// The numbers at a pixel; `None` outside the picture.
-    pub fn sample(&self, x: usize, y: usize) -> Option<Sample> {
+    pub(crate) fn sample(&self, x: usize, y: usize) -> Option<Sample> {
         let [width, height] = self.size;
         if x >= width || y >= height {
             return None;

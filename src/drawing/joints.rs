@@ -38,7 +38,7 @@ pub struct JointMark {
     /// Its depth along the optical axis, metres.
     pub depth_m: f64,
     /// It does not follow drags of other joints.
-    pub is_pinned: bool,
+    pub(crate) is_pinned: bool,
 }
 
 /// The joints worth a handle: the root, every joint at which a limb with a rotation of its own grows, and the

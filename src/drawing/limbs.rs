@@ -20,24 +20,24 @@ const CIRCLE_POINTS: usize = 32;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProjectedLimb {
     /// Its first joint.
-    pub start_px: DVec2,
+    pub(crate) start_px: DVec2,
     /// Its second joint.
-    pub end_px: DVec2,
+    pub(crate) end_px: DVec2,
     /// Radius at the first joint.
-    pub start_radius_px: f64,
+    pub(crate) start_radius_px: f64,
     /// Radius at the second joint.
-    pub end_radius_px: f64,
+    pub(crate) end_radius_px: f64,
     /// Depth of the first joint, metres.
-    pub start_depth_m: f64,
+    pub(crate) start_depth_m: f64,
     /// Depth of the second joint, metres.
-    pub end_depth_m: f64,
+    pub(crate) end_depth_m: f64,
     /// Whether its outline ends straight at the joints, as a cylinder's does from the side.
-    pub has_flat_ends: bool,
+    pub(crate) has_flat_ends: bool,
 }
 
 impl ProjectedLimb {
     /// Distance of a pixel from the capsule's border, in pixels; negative inside.
-    pub fn distance_px(&self, px: DVec2) -> f64 {
+    pub(crate) fn distance_px(&self, px: DVec2) -> f64 {
         let share = self.nearest_share(px);
         let radius = self.start_radius_px + share * (self.end_radius_px - self.start_radius_px);
         px.distance(self.start_px.lerp(self.end_px, share)) - radius
@@ -45,7 +45,7 @@ impl ProjectedLimb {
 
     /// A point of the border beside the middle of the limb: to the right of its direction on the screen for 1, to the
     /// left for −1.
-    pub fn side_px(&self, side: f64) -> DVec2 {
+    pub(crate) fn side_px(&self, side: f64) -> DVec2 {
         let across = (self.end_px - self.start_px).try_normalize().unwrap_or(DVec2::X).perp();
         let radius = 0.5 * (self.start_radius_px + self.end_radius_px);
         self.start_px.lerp(self.end_px, 0.5) + across * (side * radius)
@@ -53,7 +53,7 @@ impl ProjectedLimb {
 
     /// The same limb with other radii.
     #[must_use]
-    pub fn widened(&self, factor: f64) -> Self {
+    pub(crate) fn widened(&self, factor: f64) -> Self {
         Self {
             start_radius_px: self.start_radius_px * factor,
             end_radius_px: self.end_radius_px * factor,
@@ -74,14 +74,14 @@ impl ProjectedLimb {
     }
 
     /// Depth of the axis where it passes nearest to a pixel, metres.
-    pub fn depth_at(&self, px: DVec2) -> f64 {
+    pub(crate) fn depth_at(&self, px: DVec2) -> f64 {
         // Along a line, 1/z is linear in the picture.
         let share = self.nearest_share(px);
         1.0 / ((1.0 - share) / self.start_depth_m + share / self.end_depth_m)
     }
 
     /// The limb's border as a convex polygon, clockwise on the screen: a capsule's, or a cylinder's seen from the side.
-    pub fn outline(&self) -> Vec<DVec2> {
+    pub(crate) fn outline(&self) -> Vec<DVec2> {
         let along = self.end_px - self.start_px;
         let (distance, difference) = (along.length(), self.start_radius_px - self.end_radius_px);
         if distance <= difference.abs() {

@@ -12,7 +12,7 @@ use super::{JointId, joint_name};
 use crate::style::format;
 
 /// Degrees from a limit within which it is shown, and its mark warns.
-pub const WARN_WITHIN: f64 = 3.0;
+pub(crate) const WARN_WITHIN: f64 = 3.0;
 /// An angle so near to its limit is at it, radians.
 const AT_LIMIT_RAD: f64 = 1e-3;
 /// Squared half sine of a turn below which a limb was not turned.
@@ -29,13 +29,13 @@ const TWIST_RADII: f64 = 1.9;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundedAngle {
     /// The limb that owns the rotation.
-    pub limb: usize,
+    pub(crate) limb: usize,
     /// Which of its angles.
-    pub angle: LimitedAngle,
+    pub(crate) angle: LimitedAngle,
     /// What it may be, radians.
-    pub range: Range,
+    pub(crate) range: Range,
     /// What it is, radians.
-    pub value_rad: f64,
+    pub(crate) value_rad: f64,
 }
 
 impl BoundedAngle {
@@ -56,7 +56,7 @@ impl BoundedAngle {
     /// The angles at their limits, or within [`WARN_WITHIN`] of them, of limbs that have turned between two poses:
     /// first those that are there, then those of the limbs that turned most; three at most.
     #[must_use]
-    pub fn met(model: &Model, before: &Pose, now: &Pose) -> Vec<Self> {
+    pub(crate) fn met(model: &Model, before: &Pose, now: &Pose) -> Vec<Self> {
         let mut met: Vec<(f64, Self)> = Vec::new();
         for (rotation, &limb) in model.rotation_owners().iter().enumerate() {
             let turned = 1.0 - before.rotations[rotation].dot(now.rotations[rotation]).abs();
@@ -75,13 +75,13 @@ impl BoundedAngle {
 
     /// How far it is from the nearer limit, radians; negative beyond.
     #[must_use]
-    pub fn left_rad(&self) -> f64 {
+    pub(crate) fn left_rad(&self) -> f64 {
         (self.value_rad - self.range.0).min(self.range.1 - self.value_rad)
     }
 
     /// Whether it is at a limit, or beyond.
     #[must_use]
-    pub fn is_reached(&self) -> bool {
+    pub(crate) fn is_reached(&self) -> bool {
         self.left_rad() <= AT_LIMIT_RAD
     }
 
@@ -100,7 +100,7 @@ impl BoundedAngle {
 
     /// "right knee: limit, flexion 145°", or how far it is from there; far from it, what it may be.
     #[must_use]
-    pub fn words(&self, model: &Model) -> String {
+    pub(crate) fn words(&self, model: &Model) -> String {
         let joint = joint_of(model, self.limb);
         let degrees = |angle: f64| format!("{}°", format::number(angle.to_degrees(), 0));
         let name = self.angle.name();
@@ -133,15 +133,15 @@ fn joint_of(model: &Model, limb: usize) -> String {
 #[derive(Clone, Debug, PartialEq)]
 pub struct LimitMark {
     /// What the angle turns about.
-    pub pivot: DVec2,
+    pub(crate) pivot: DVec2,
     /// All that it may be, from its lower limit to its upper.
-    pub arc: Vec<DVec2>,
+    pub(crate) arc: Vec<DVec2>,
     /// What it is.
-    pub now: DVec2,
+    pub(crate) now: DVec2,
     /// The limit that it is at.
-    pub reached: Option<DVec2>,
+    pub(crate) reached: Option<DVec2>,
     /// What it says in words.
-    pub words: String,
+    pub(crate) words: String,
 }
 
 impl LimitMark {

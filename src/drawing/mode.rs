@@ -53,9 +53,9 @@ pub enum Legend {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LegendEntry {
     /// What the swatch stands for.
-    pub text: &'static str,
+    pub(crate) text: &'static str,
     /// How it looks in the picture.
-    pub swatch: Swatch,
+    pub(crate) swatch: Swatch,
 }
 
 /// How something looks in a picture.
@@ -114,7 +114,7 @@ impl ViewMode {
     ];
 
     /// The name in menus and headers.
-    pub const fn label(self) -> &'static str {
+    pub(crate) const fn label(self) -> &'static str {
         match self {
             Self::Footage => "Footage",
             Self::Data => "Data",
@@ -129,7 +129,7 @@ impl ViewMode {
     }
 
     /// The name where there is little room.
-    pub const fn short_label(self) -> &'static str {
+    pub(crate) const fn short_label(self) -> &'static str {
         match self {
             Self::ReportOverlay => "Report",
             Self::Tinted => "Tinted",
@@ -140,7 +140,7 @@ impl ViewMode {
     }
 
     /// The letter of its shortcut.
-    pub const fn key(self) -> &'static str {
+    pub(crate) const fn key(self) -> &'static str {
         match self {
             Self::Footage => "O",
             Self::Data => "D",
@@ -155,7 +155,7 @@ impl ViewMode {
     }
 
     /// What it shows, in a sentence.
-    pub const fn tooltip(self) -> &'static str {
+    pub(crate) const fn tooltip(self) -> &'static str {
         match self {
             Self::Footage => "The frame as it was filmed.",
             Self::Data => "The measurement D: black is subject, white is background, hatched is don’t know.",
@@ -178,7 +178,7 @@ impl ViewMode {
     }
 
     /// How to read it, for somebody who sees it for the first time.
-    pub const fn explanation(self) -> &'static str {
+    pub(crate) const fn explanation(self) -> &'static str {
         match self {
             Self::Footage => {
                 "The frame as it was filmed. The white line is the outline of the body in its pose."
@@ -221,7 +221,7 @@ impl ViewMode {
     }
 
     /// How to read its colours.
-    pub const fn legend(self) -> Legend {
+    pub(crate) const fn legend(self) -> Legend {
         match self {
             Self::Footage => Legend::None,
             Self::Data => Legend::Entries(DATA_LEGEND),
@@ -236,7 +236,7 @@ impl ViewMode {
     }
 
     /// Whether the body's outline is drawn on it: not where the colours are the model's own.
-    pub const fn has_outline(self) -> bool {
+    pub(crate) const fn has_outline(self) -> bool {
         matches!(self, Self::Footage | Self::Data | Self::Tinted | Self::Residual)
     }
 }

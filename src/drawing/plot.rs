@@ -7,11 +7,11 @@
 //! | [`marks`] | where an axis has its marks |
 //! | [`png`](mod@png) | figures as PNG files |
 
-pub mod figure;
-pub mod heat_map;
-pub mod marks;
-pub mod png;
+pub(crate) mod figure;
+pub(crate) mod heat_map;
+pub(crate) mod marks;
+pub(crate) mod png;
 
-pub use figure::{Axis, Figure, Line};
-pub use heat_map::HeatMap;
-pub use png::png;
+pub(crate) use figure::{Axis, Figure, Line};
+pub(crate) use heat_map::HeatMap;
+pub(crate) use png::png;

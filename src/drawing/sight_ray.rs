@@ -16,11 +16,11 @@ const NEAREST_M: f64 = 0.05;
 #[derive(Clone, Debug, PartialEq)]
 pub struct SightRay {
     /// Index of the camera whose ray it is.
-    pub camera: usize,
+    pub(crate) camera: usize,
     /// From near that camera to far away.
-    pub line_px: [DVec2; 2],
+    pub(crate) line_px: [DVec2; 2],
     /// The part within 0.3 m of the joint's depth, if it is in front of this camera.
-    pub solid_px: Option<[DVec2; 2]>,
+    pub(crate) solid_px: Option<[DVec2; 2]>,
 }
 
 /// The point of the world that a pixel shows at a depth along the optical axis.

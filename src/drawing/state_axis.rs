@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 /// parent's. The root moves along the axes of the world.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-#[expect(missing_docs, reason = "the names say what moves, and about or along which axis")]
 pub enum StateAxis {
     #[default]
     TurnX,
@@ -22,11 +21,12 @@ pub enum StateAxis {
 
 impl StateAxis {
     /// All axes, in the order of the menu.
-    pub const ALL: [Self; 6] = [Self::TurnX, Self::TurnY, Self::TurnZ, Self::RootX, Self::RootY, Self::RootZ];
+    pub(crate) const ALL: [Self; 6] =
+        [Self::TurnX, Self::TurnY, Self::TurnZ, Self::RootX, Self::RootY, Self::RootZ];
 
     /// The name in menus.
     #[must_use]
-    pub const fn label(self) -> &'static str {
+    pub(crate) const fn label(self) -> &'static str {
         match self {
             Self::TurnX => "Turn about x",
             Self::TurnY => "Turn about y",
@@ -39,7 +39,7 @@ impl StateAxis {
 
     /// The name where there is little room.
     #[must_use]
-    pub const fn short_label(self) -> &'static str {
+    pub(crate) const fn short_label(self) -> &'static str {
         match self {
             Self::TurnX => "turn x",
             Self::TurnY => "turn y",
@@ -52,19 +52,19 @@ impl StateAxis {
 
     /// What the column is divided by: radian or metre.
     #[must_use]
-    pub const fn unit(self) -> &'static str {
+    pub(crate) const fn unit(self) -> &'static str {
         if self.is_of_root() { "m" } else { "rad" }
     }
 
     /// Whether it moves the root, whatever is selected.
     #[must_use]
-    pub const fn is_of_root(self) -> bool {
+    pub(crate) const fn is_of_root(self) -> bool {
         matches!(self, Self::RootX | Self::RootY | Self::RootZ)
     }
 
     /// The column of the tangent state, for the limb with this rotation.
     #[must_use]
-    pub fn column(self, rotation: usize) -> usize {
+    pub(crate) fn column(self, rotation: usize) -> usize {
         let turn = Parameters::Tangent.first_column(rotation);
         match self {
             Self::TurnX => turn,
@@ -78,7 +78,7 @@ impl StateAxis {
 
     /// The next of the three axes of the same kind.
     #[must_use]
-    pub const fn next(self) -> Self {
+    pub(crate) const fn next(self) -> Self {
         match self {
             Self::TurnX => Self::TurnY,
             Self::TurnY => Self::TurnZ,

@@ -18,9 +18,9 @@ const SHORTEST_PATH_PX: f64 = 1.5;
 #[derive(Debug, Clone)]
 pub struct Swaying {
     /// Where it is.
-    pub now: Kinematics,
+    pub(crate) now: Kinematics,
     /// Where it is along the whole way, from one end to the other.
-    pub way: Vec<Kinematics>,
+    pub(crate) way: Vec<Kinematics>,
     /// Rotations that turn limbs about their own length, which no outline shows.
     pub twisted: Vec<usize>,
 }
@@ -29,17 +29,17 @@ pub struct Swaying {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SwayMarks {
     /// The outline of the body where it is.
-    pub outline: Vec<Vec<DVec2>>,
+    pub(crate) outline: Vec<Vec<DVec2>>,
     /// Ways of the joints that have handles.
-    pub paths: Vec<Vec<DVec2>>,
+    pub(crate) paths: Vec<Vec<DVec2>>,
     /// Seams of twisting limbs: from end to end, and whether they are on the camera's side.
-    pub seams: Vec<([DVec2; 2], bool)>,
+    pub(crate) seams: Vec<([DVec2; 2], bool)>,
 }
 
 impl SwayMarks {
     /// Projects a body that sways.
     #[must_use]
-    pub fn new(model: &Model, swaying: &Swaying, camera: &Camera, renderer: RendererKind) -> Self {
+    pub(crate) fn new(model: &Model, swaying: &Swaying, camera: &Camera, renderer: RendererKind) -> Self {
         let limbs: Vec<ProjectedLimb> =
             project_limbs(model, &swaying.now, camera, renderer).into_iter().flatten().collect();
         let outline = joined_outline(&limbs.iter().collect::<Vec<_>>());

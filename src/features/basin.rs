@@ -14,19 +14,19 @@
 //! | `panel` | the pane and the section of the right panel |
 //! | [`export`] | results as CSV, JSON and pictures |
 
-pub mod export;
+pub(crate) mod export;
 mod job;
 mod panel;
-pub mod preferences;
-pub mod results;
-pub mod settings;
+pub(crate) mod preferences;
+pub(crate) mod results;
+pub(crate) mod settings;
 #[cfg(test)]
 mod tests;
 mod update;
 
 use job::Fitted;
-pub use preferences::{BasinPreferences, MapColour};
-pub use results::{About, AnglesResult, BasinResults, FitCount, MapResult, Running};
+pub(crate) use preferences::{BasinPreferences, MapColour};
+pub(crate) use results::{About, AnglesResult, BasinResults, FitCount, MapResult, Running};
 pub use settings::{BasinSettings, Compared, ComparedWay, MapDirection, Reference};
 use std::time::Instant;
 
@@ -48,7 +48,7 @@ pub enum FileKind {
 #[derive(Debug)]
 pub struct Basin {
     /// What is chosen, kept from start to start.
-    pub preferences: BasinPreferences,
+    pub(crate) preferences: BasinPreferences,
     /// What came of it.
     pub results: BasinResults,
     /// Why nothing could be begun, until something else is tried.
@@ -91,7 +91,7 @@ impl Basin {
 
     /// Whether fits are being made.
     #[must_use]
-    pub fn is_running(&self) -> bool {
+    pub(crate) fn is_running(&self) -> bool {
         self.results.running.is_some()
     }
 

@@ -21,23 +21,23 @@
 
 mod alone;
 mod comparison;
-pub mod event;
+pub(crate) mod event;
 mod gutter;
 mod header;
 mod hover_card;
 mod legend;
 mod legend_block;
 mod linked;
-pub mod observed;
+pub(crate) mod observed;
 mod pane;
 mod picture_view;
 mod pointer;
-pub mod preferences;
+pub(crate) mod preferences;
 #[cfg(test)]
 mod tests;
-pub mod tile;
+pub(crate) mod tile;
 mod tile_menu;
-pub mod tile_view;
+pub(crate) mod tile_view;
 mod update;
 
 use std::collections::BTreeMap;
@@ -45,7 +45,7 @@ use std::collections::BTreeMap;
 pub use event::TileEvent;
 pub use observed::ObservedMarks;
 pub(crate) use pane::Place;
-pub use preferences::CameraViewPreferences;
+pub(crate) use preferences::CameraViewPreferences;
 pub use tile::{CameraTileInput, TileResponse, camera_tile};
 pub use tile_view::TileView;
 
@@ -60,9 +60,9 @@ use crate::widgets::{Framing, ViewTransform};
 
 /// The feature.
 #[derive(Debug, Clone, Default)]
-pub struct CameraViews {
+pub(crate) struct CameraViews {
     /// What all views share, kept from start to start.
-    pub preferences: CameraViewPreferences,
+    pub(crate) preferences: CameraViewPreferences,
     tiles: Tiles,
     /// How each camera's picture lay on the screen when it was last shown.
     shown: BTreeMap<usize, ViewTransform>,

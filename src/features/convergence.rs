@@ -10,24 +10,24 @@
 //! | [`table`] | all steps of all runs as CSV |
 //! | [`picture`] | the plot as a [`Figure`](crate::drawing::plot::Figure) |
 
-pub mod axis;
+pub(crate) mod axis;
 mod panel;
-pub mod picture;
-pub mod preferences;
-pub mod quantity;
+pub(crate) mod picture;
+pub(crate) mod preferences;
+pub(crate) mod quantity;
 mod runs;
 mod steps;
-pub mod table;
+pub(crate) mod table;
 mod update;
 
-pub use preferences::ConvergencePreferences;
-pub use quantity::{CurvePoint, Quantity, points};
+pub(crate) use preferences::ConvergencePreferences;
+pub(crate) use quantity::{CurvePoint, Quantity, points};
 
 use crate::context::file_dialog::FileDialogs;
 
 /// What curves are written as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CurvesFile {
+pub(crate) enum CurvesFile {
     /// Every step of all runs.
     Table,
     /// The plot as it is shown.

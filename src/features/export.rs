@@ -10,11 +10,11 @@
 //! | `job` | painting and writing, one picture a step |
 //! | [`series`] | numbered PNGs, an animated PNG or a GIF from one picture after another |
 
-pub mod choices;
+pub(crate) mod choices;
 mod dialog;
 mod job;
 mod order;
-pub mod series;
+pub(crate) mod series;
 #[cfg(test)]
 mod tests;
 mod update;
@@ -22,7 +22,7 @@ mod update;
 pub use choices::{ExportChoices, Part, SeriesFormat};
 pub(crate) use job::ExportJob;
 pub(crate) use order::{ExportOrder, Painter, PictureOf, Shot, Subject};
-pub use series::{ExportError, SeriesOptions, SeriesWriter};
+pub(crate) use series::{ExportError, SeriesOptions, SeriesWriter};
 
 use std::path::PathBuf;
 

@@ -12,7 +12,7 @@ mod job;
 pub(crate) mod measurement;
 mod part;
 mod refit;
-pub mod refitted;
+pub(crate) mod refitted;
 pub(crate) mod renderer;
 pub(crate) mod solver;
 #[cfg(test)]

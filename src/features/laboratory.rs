@@ -14,28 +14,28 @@
 //! | [`story`] | the caption: told from the numbers |
 //! | [`table`] | the curves as text and as a figure |
 
-pub mod check;
+pub(crate) mod check;
 mod commands;
-pub mod comparison;
+pub(crate) mod comparison;
 mod job;
-pub mod lineup;
+pub(crate) mod lineup;
 mod panel;
-pub mod push;
-pub mod start;
+pub(crate) mod push;
+pub(crate) mod start;
 pub mod story;
-pub mod table;
+pub(crate) mod table;
 #[cfg(test)]
 mod tests;
 mod update;
 
 use backlit_tracking::body::{Model, Pose};
 
-pub use check::{CheckProgress, ColumnCheck, Worst};
+pub(crate) use check::{CheckProgress, ColumnCheck, Worst};
 pub use comparison::{Basis, Comparison, Contestant};
 use job::{Lacking, Look, Racing, Stepped};
 pub use lineup::{Entrant, Lineup};
-pub use push::{Push, PushAxis, Pushed};
-pub use start::StartChoice;
+pub(crate) use push::{Push, PushAxis, Pushed};
+pub(crate) use start::StartChoice;
 
 use crate::context::file_dialog::FileDialogs;
 use crate::document::run::RunStep;
@@ -48,9 +48,9 @@ pub struct Laboratory {
     /// What is compared.
     pub lineup: Lineup,
     /// Where all begin.
-    pub start: StartChoice,
+    pub(crate) start: StartChoice,
     /// Along which motion pushes are shown; what suits the body until it is chosen.
-    pub axis: Option<PushAxis>,
+    pub(crate) axis: Option<PushAxis>,
     /// The camera whose pictures are shown.
     pub camera: usize,
     /// Whether the plot's heights are logarithmic.
@@ -60,7 +60,7 @@ pub struct Laboratory {
     /// The comparison, once it has begun.
     pub comparison: Option<Comparison>,
     /// Time of the last step of every fit, in seconds.
-    pub step_seconds: Option<f64>,
+    pub(crate) step_seconds: Option<f64>,
     /// How many comparisons there have been.
     comparisons: u64,
     /// Whether the comparison is to run as soon as it has begun.

@@ -10,7 +10,7 @@
 //! | `camera_subsets` | the Camera subsets section |
 
 mod camera_subsets;
-pub mod observed;
+pub(crate) mod observed;
 mod panel;
 mod sway;
 #[cfg(test)]
@@ -24,7 +24,7 @@ use backlit_tracking::fit::FitError;
 use backlit_tracking::observability::{Direction, JointUncertainty, Observability as Figures};
 use backlit_tracking::posing::LimitedAngle;
 
-pub use observed::Observed;
+pub(crate) use observed::Observed;
 use sway::Sway;
 
 use crate::context::observability::{ObservabilityMarks, Uncertainty};

@@ -18,10 +18,10 @@ mod picture;
 mod tests;
 mod update;
 
-pub use about::About;
+pub(crate) use about::About;
 pub use copies::Copies;
-pub use left::Left;
-pub use picture::Picture;
+pub(crate) use left::Left;
+pub(crate) use picture::Picture;
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};

@@ -18,7 +18,7 @@ mod hulls;
 mod order;
 pub(crate) mod panel;
 mod preferences;
-pub mod raster;
+pub(crate) mod raster;
 #[cfg(test)]
 mod tests;
 mod update;
@@ -29,11 +29,11 @@ use std::sync::Arc;
 
 use backlit_tracking::visual_hull::VisualHull;
 
-pub use contents::{Contents, ContentsInput, Frustum, contents};
+pub(crate) use contents::{Contents, ContentsInput, Frustum, contents};
 pub use drawing::{SceneDrawing, Thumbnails};
-pub use hulls::HullCache;
+pub(crate) use hulls::HullCache;
 use hulls::HullInputs;
-pub use order::SceneOrder;
+pub(crate) use order::SceneOrder;
 pub use preferences::{ScenePreferences, ShownHull};
 pub use upright::Upright;
 pub use viewpoint::{Orbit, Viewpoint};
@@ -44,7 +44,7 @@ use crate::jobs::{Pool, Priority, Task};
 #[derive(Debug)]
 pub struct Scene {
     /// What is shown.
-    pub preferences: ScenePreferences,
+    pub(crate) preferences: ScenePreferences,
     /// Visual hulls of frames.
     pub hulls: HullCache,
     /// The picture. While a newer one is drawn, the old stays.

@@ -6,7 +6,7 @@ use super::Outbox;
 
 /// Whether a job wants another turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Step {
+pub(crate) enum Step {
     /// Call again, after more urgent work.
     Again,
     /// Done.
@@ -14,17 +14,17 @@ pub enum Step {
 }
 
 /// Work that is done in short steps.
-pub trait Job<O>: Send {
+pub(crate) trait Job<O>: Send {
     /// Does a little, and sends what came of it.
     fn step(&mut self, out: &Outbox<O>) -> Step;
 }
 
 /// Work that is done in one step, see [`once`].
 #[derive(Debug)]
-pub struct Once<F>(Option<F>);
+pub(crate) struct Once<F>(Option<F>);
 
 /// A job of one step and one output.
-pub const fn once<O, F: FnOnce(&CancelToken) -> O + Send>(work: F) -> Once<F> {
+pub(crate) const fn once<O, F: FnOnce(&CancelToken) -> O + Send>(work: F) -> Once<F> {
     Once(Some(work))
 }
 

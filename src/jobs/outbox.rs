@@ -9,7 +9,7 @@ use super::pool::Wake;
 
 /// What a task hears of its work.
 #[derive(Debug, PartialEq, Eq)]
-pub enum News<O> {
+pub(crate) enum News<O> {
     /// The job sent it.
     Output(O),
     /// The job is over.
@@ -20,7 +20,7 @@ pub enum News<O> {
 
 /// A job panicked; its words.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Failure(String);
+pub(crate) struct Failure(String);
 
 impl Failure {
     pub(super) fn of_panic(panic: &(dyn Any + Send)) -> Self {
@@ -39,7 +39,7 @@ impl std::fmt::Display for Failure {
 impl std::error::Error for Failure {}
 
 /// Where a job sends its outputs.
-pub struct Outbox<O> {
+pub(crate) struct Outbox<O> {
     cancel: CancelToken,
     news: Sender<News<O>>,
     wake: Wake,
@@ -51,13 +51,13 @@ impl<O> Outbox<O> {
     }
 
     /// Sends an output and wakes the window.
-    pub fn send(&self, output: O) {
+    pub(crate) fn send(&self, output: O) {
         self.tell(News::Output(output));
     }
 
     /// What a job asks while it works.
     #[must_use]
-    pub const fn cancel(&self) -> &CancelToken {
+    pub(crate) const fn cancel(&self) -> &CancelToken {
         &self.cancel
     }
 

@@ -15,14 +15,14 @@ pub(super) type Wake = Arc<dyn Fn() + Send + Sync>;
 /// A handle of the threads. When the last is dropped all work is cancelled, except what is to be saved: that is finished,
 /// and the threads end.
 #[derive(Clone)]
-pub struct Pool(Arc<Owner>);
+pub(crate) struct Pool(Arc<Owner>);
 
 impl Pool {
     /// Starts the threads. `wake` is called, on the thread of the job, for every message.
     ///
     /// # Errors
     /// The system gives no thread.
-    pub fn start(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
+    pub(crate) fn start(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
         let mut owner = Owner::new(Arc::new(wake));
         for crew in Crew::ALL {
             let shared = owner.shared.clone();
@@ -35,12 +35,12 @@ impl Pool {
 
     /// A pool without threads, whose jobs work in [`Self::turn`].
     #[must_use]
-    pub fn inline() -> Self {
+    pub(crate) fn inline() -> Self {
         Self(Arc::new(Owner::new(Arc::new(|| {}))))
     }
 
     /// Does a step of the most urgent job of each crew, on this thread. A pool with threads does nothing.
-    pub fn turn(&self) {
+    pub(crate) fn turn(&self) {
         if self.0.threads.is_empty() {
             for crew in Crew::ALL {
                 self.0.shared.turn(crew);
@@ -50,13 +50,13 @@ impl Pool {
 
     /// Whether no task has work or news that it has not read.
     #[must_use]
-    pub fn is_idle(&self) -> bool {
+    pub(crate) fn is_idle(&self) -> bool {
         Arc::strong_count(&self.0.shared.open) == 1
     }
 
     /// Whether no other task has; what is written counts as another's.
     #[must_use]
-    pub fn is_idle_but<Inputs, Output>(&self, task: &Task<Inputs, Output>) -> bool {
+    pub(crate) fn is_idle_but<Inputs, Output>(&self, task: &Task<Inputs, Output>) -> bool {
         Arc::strong_count(&self.0.shared.open) == 1 + usize::from(task.is_busy())
     }
 

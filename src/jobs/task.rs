@@ -11,7 +11,7 @@ use super::priority::{Crew, Priority};
 use super::{Failure, Job, News, Outbox, Step};
 
 /// One kind of work of a feature, known by its inputs. Dropping it cancels the work, except what is to be saved.
-pub struct Task<Inputs, Output> {
+pub(crate) struct Task<Inputs, Output> {
     priority: Priority,
     inputs: Option<Inputs>,
     work: Option<Work<Output>>,
@@ -30,12 +30,12 @@ struct Work<O> {
 impl<I, O> Task<I, O> {
     /// A task that has nothing to do yet.
     #[must_use]
-    pub const fn new(priority: Priority) -> Self {
+    pub(crate) const fn new(priority: Priority) -> Self {
         Self { priority, inputs: None, work: None, failure: None }
     }
 
     /// What has happened since the last call, in order. The last of a piece of work is its end or its failure.
-    pub fn poll(&mut self) -> Vec<News<O>> {
+    pub(crate) fn poll(&mut self) -> Vec<News<O>> {
         let mut all = Vec::new();
         while let Some(work) = &self.work {
             let news = match work.news.try_recv() {
@@ -57,14 +57,14 @@ impl<I, O> Task<I, O> {
 
     /// Asks the job to end soon; its last outputs still arrive. To ask for the same again stays free: who wants it anew
     /// begins it.
-    pub fn stop(&self) {
+    pub(crate) fn stop(&self) {
         if let Some(work) = &self.work {
             work.cancel.cancel();
         }
     }
 
     /// Cancels the job, also one that saves, and forgets its inputs; nothing more is heard of it.
-    pub fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         if let Some(work) = self.work.take() {
             work.cancel.cancel();
             work.shared.withdraw(work.place);
@@ -75,19 +75,19 @@ impl<I, O> Task<I, O> {
 
     /// Whether there is work whose end [`Self::poll`] has not told yet.
     #[must_use]
-    pub const fn is_busy(&self) -> bool {
+    pub(crate) const fn is_busy(&self) -> bool {
         self.work.is_some()
     }
 
     /// What was asked for last.
     #[must_use]
-    pub const fn inputs(&self) -> Option<&I> {
+    pub(crate) const fn inputs(&self) -> Option<&I> {
         self.inputs.as_ref()
     }
 
     /// Why the work on these inputs broke down, if it did.
     #[must_use]
-    pub const fn failure(&self) -> Option<&Failure> {
+    pub(crate) const fn failure(&self) -> Option<&Failure> {
         self.failure.as_ref()
     }
 }
@@ -95,7 +95,12 @@ impl<I, O> Task<I, O> {
 impl<I, O: Send + 'static> Task<I, O> {
     /// Asks for work, unless the last was for the same inputs: then it is under way, or done, or has broken down and would do
     /// so again. Whether it was begun.
-    pub fn ask<J: Job<O> + 'static>(&mut self, pool: &Pool, inputs: I, job: impl FnOnce(&I) -> J) -> bool
+    pub(crate) fn ask<J: Job<O> + 'static>(
+        &mut self,
+        pool: &Pool,
+        inputs: I,
+        job: impl FnOnce(&I) -> J,
+    ) -> bool
     where
         I: PartialEq,
     {
@@ -107,7 +112,7 @@ impl<I, O: Send + 'static> Task<I, O> {
     }
 
     /// Asks for work whose result is not there, or not any more: as [`Self::ask`], but work that is done is done again.
-    pub fn need<J: Job<O> + 'static>(&mut self, pool: &Pool, inputs: I, job: impl FnOnce(&I) -> J)
+    pub(crate) fn need<J: Job<O> + 'static>(&mut self, pool: &Pool, inputs: I, job: impl FnOnce(&I) -> J)
     where
         I: PartialEq,
     {
@@ -118,7 +123,7 @@ impl<I, O: Send + 'static> Task<I, O> {
     }
 
     /// Begins work, whatever was before: it is superseded and nothing more is heard of it.
-    pub fn begin<J: Job<O> + 'static>(&mut self, pool: &Pool, inputs: I, job: impl FnOnce(&I) -> J) {
+    pub(crate) fn begin<J: Job<O> + 'static>(&mut self, pool: &Pool, inputs: I, job: impl FnOnce(&I) -> J) {
         let shared = pool.shared();
         let (sender, news) = channel();
         let cancel = CancelToken::new();

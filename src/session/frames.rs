@@ -17,17 +17,17 @@ const CAPACITY: usize = 48;
 #[derive(Debug, Clone)]
 pub struct FrameData {
     /// The frame.
-    pub frame: usize,
+    pub(crate) frame: usize,
     /// By camera.
     pub cameras: Vec<CameraFrame>,
     /// What it depends on, besides the take.
-    pub made_with: MadeWith,
+    pub(crate) made_with: MadeWith,
 }
 
 impl FrameData {
     /// Whether at least one camera has a silhouette.
     #[must_use]
-    pub fn has_mask(&self) -> bool {
+    pub(crate) fn has_mask(&self) -> bool {
         self.cameras.iter().any(|camera| camera.mask.is_some())
     }
 }
@@ -46,7 +46,7 @@ impl FrameCache {
     }
 
     /// Keeps a frame and, if there are too many, drops the one that was loaded first.
-    pub fn insert(&mut self, data: Arc<FrameData>) {
+    pub(crate) fn insert(&mut self, data: Arc<FrameData>) {
         self.frames.retain(|other| other.frame != data.frame);
         if self.frames.len() == CAPACITY {
             self.frames.pop_front();
@@ -55,12 +55,12 @@ impl FrameCache {
     }
 
     /// Forgets the frames of which `is` says no.
-    pub fn retain(&mut self, is: impl Fn(&FrameData) -> bool) {
+    pub(crate) fn retain(&mut self, is: impl Fn(&FrameData) -> bool) {
         self.frames.retain(|frame| is(frame));
     }
 
     /// Forgets all frames.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.frames.clear();
     }
 }

@@ -3,40 +3,40 @@
 //! The film keeps time: where pictures come too late, frames are left out. It waits for none but the first.
 
 /// Speeds that are offered, as multiples of the take's own.
-pub const SPEEDS: [f64; 7] = [0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 4.0];
+pub(crate) const SPEEDS: [f64; 7] = [0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 4.0];
 
 /// Frames from one to another, both included.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct FrameRange {
+pub(crate) struct FrameRange {
     /// The first frame.
-    pub first: usize,
+    pub(crate) first: usize,
     /// The last frame.
-    pub last: usize,
+    pub(crate) last: usize,
 }
 
 impl FrameRange {
     /// The range between two frames, whichever is the earlier.
     #[must_use]
-    pub fn between(a: usize, b: usize) -> Self {
+    pub(crate) fn between(a: usize, b: usize) -> Self {
         Self { first: a.min(b), last: a.max(b) }
     }
 
     /// Number of frames.
     #[must_use]
-    pub fn count(self) -> usize {
+    pub(crate) fn count(self) -> usize {
         self.last - self.first + 1
     }
 }
 
 /// How frames are played. Nothing here is saved or undone.
 #[derive(Debug, Clone)]
-pub struct Playback {
+pub(crate) struct Playback {
     /// Multiple of the take's own speed.
-    pub speed: f64,
+    pub(crate) speed: f64,
     /// Whether it begins again at the end.
-    pub loops: bool,
+    pub(crate) loops: bool,
     /// The frames that were marked: they are what is played and what can be cleared.
-    pub range: Option<FrameRange>,
+    pub(crate) range: Option<FrameRange>,
     film: Option<Film>,
 }
 
@@ -52,7 +52,7 @@ struct Film {
 
 /// What is to be done now.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Cue {
+pub(crate) enum Cue {
     /// Nothing.
     Wait,
     /// Go to a frame.
@@ -63,7 +63,7 @@ pub enum Cue {
 
 /// What is asked of the playing of frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum PlaybackChange {
+pub(crate) enum PlaybackChange {
     /// Play, or stop playing.
     PlayOrPause,
     /// Stop playing.
@@ -85,12 +85,12 @@ impl Default for Playback {
 impl Playback {
     /// Whether frames are being played.
     #[must_use]
-    pub fn is_playing(&self) -> bool {
+    pub(crate) fn is_playing(&self) -> bool {
         self.film.is_some()
     }
 
     /// Starts at a frame; at the end of what is played, from its beginning. Says where it starts.
-    pub fn start(&mut self, here: usize, count: usize, now: f64) -> usize {
+    pub(crate) fn start(&mut self, here: usize, count: usize, now: f64) -> usize {
         let FrameRange { first, last } = self.played(count);
         let from = if (first..last).contains(&here) { here } else { first };
         self.film = Some(Film { from, since: now, shown: from });
@@ -98,12 +98,12 @@ impl Playback {
     }
 
     /// Stops.
-    pub fn stop(&mut self) {
+    pub(crate) fn stop(&mut self) {
         self.film = None;
     }
 
     /// Plays faster or slower from now on.
-    pub fn set_speed(&mut self, speed: f64, now: f64) {
+    pub(crate) fn set_speed(&mut self, speed: f64, now: f64) {
         self.speed = speed.clamp(SPEEDS[0], SPEEDS[SPEEDS.len() - 1]);
         if let Some(film) = &mut self.film {
             (film.from, film.since) = (film.shown, now);
@@ -112,7 +112,7 @@ impl Playback {
 
     /// The next of the offered speeds.
     #[must_use]
-    pub fn next_speed(&self, faster: bool) -> f64 {
+    pub(crate) fn next_speed(&self, faster: bool) -> f64 {
         let next = if faster {
             SPEEDS.into_iter().find(|speed| *speed > self.speed)
         } else {
@@ -123,7 +123,7 @@ impl Playback {
 
     /// The frames that are played: those that are marked, else all.
     #[must_use]
-    pub fn played(&self, count: usize) -> FrameRange {
+    pub(crate) fn played(&self, count: usize) -> FrameRange {
         let end = count.saturating_sub(1);
         let range = self.range.unwrap_or(FrameRange { first: 0, last: end });
         FrameRange { first: range.first.min(end), last: range.last.min(end) }
@@ -131,7 +131,7 @@ impl Playback {
 
     /// What is to be shown now, if the pictures of some frames are there. `here` is the frame on the screen: the
     /// user may have gone elsewhere, and the film goes on from there.
-    pub fn cue(
+    pub(crate) fn cue(
         &mut self,
         here: usize,
         count: usize,
@@ -167,7 +167,7 @@ impl Playback {
 
     /// Seconds until the next frame is due; `None` while nothing is played.
     #[must_use]
-    pub fn next_in(&self, rate: f64, now: f64) -> Option<f64> {
+    pub(crate) fn next_in(&self, rate: f64, now: f64) -> Option<f64> {
         let film = self.film?;
         let rate = (rate * self.speed).max(f64::MIN_POSITIVE);
         let due = film.since + (passed(film, rate, now) + 1) as f64 / rate;
@@ -176,7 +176,7 @@ impl Playback {
 
     /// The frame that will be due in so many seconds, to be read ahead.
     #[must_use]
-    pub fn due_in(&self, seconds: f64, count: usize, rate: f64, now: f64) -> Option<usize> {
+    pub(crate) fn due_in(&self, seconds: f64, count: usize, rate: f64, now: f64) -> Option<usize> {
         let film = self.film?;
         let ahead = passed(film, rate * self.speed, now + seconds) + 1;
         let played = self.played(count);

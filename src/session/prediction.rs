@@ -24,11 +24,11 @@ pub struct FitInputs {
     /// The cameras without distortion.
     pub cameras: Arc<Vec<Arc<Camera>>>,
     /// Which of them count, and how much.
-    pub uses: Arc<Vec<CameraUse>>,
+    pub(crate) uses: Arc<Vec<CameraUse>>,
     /// How poses are fitted: the last stage's ramp is what is shown.
     pub fit: Arc<FitOptions>,
     /// The frame's pictures, once they are there.
-    pub frame: Option<Arc<FrameData>>,
+    pub(crate) frame: Option<Arc<FrameData>>,
     /// Which derivatives are looked at.
     pub derivatives: Derivatives,
 }
@@ -37,7 +37,7 @@ pub struct FitInputs {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Derivatives {
     /// How strongly each pixel pulls.
-    pub gradient: bool,
+    pub(crate) gradient: bool,
     /// A column of the tangent Jacobian.
     pub column: Option<usize>,
 }
@@ -45,7 +45,7 @@ pub struct Derivatives {
 impl FitInputs {
     /// Whether both are of the very same parts, whatever derivatives are looked at.
     #[must_use]
-    pub fn is(&self, other: &Self) -> bool {
+    pub(crate) fn is(&self, other: &Self) -> bool {
         let same_frame = match (&self.frame, &other.frame) {
             (Some(a), Some(b)) => Arc::ptr_eq(a, b),
             (None, None) => true,
@@ -60,7 +60,7 @@ impl FitInputs {
 
     /// What the cameras that count contribute to a fit.
     #[must_use]
-    pub fn views(&self) -> Vec<FitView> {
+    pub(crate) fn views(&self) -> Vec<FitView> {
         let Some(frame) = &self.frame else { return Vec::new() };
         let looks = self.fit.stages.last().map(|stage| stage.data).unwrap_or_default();
         let parts = self.cameras.iter().zip(self.uses.iter()).zip(&frame.cameras);
@@ -90,21 +90,21 @@ impl PartialEq for PosedInputs {
 
 /// One camera's prediction.
 #[derive(Debug, Clone)]
-pub struct CameraPrediction {
+pub(crate) struct CameraPrediction {
     /// Λ, with the owner of each pixel.
-    pub prediction: Prediction,
+    pub(crate) prediction: Prediction,
     /// What it was drawn from: says what a single pixel sees.
-    pub view: View,
+    pub(crate) view: View,
     /// D as the last stage looks at it.
-    pub data: Option<Arc<Measurement>>,
+    pub(crate) data: Option<Arc<Measurement>>,
     /// Body against silhouette.
-    pub overlap: Option<Overlap>,
+    pub(crate) overlap: Option<Overlap>,
     /// How strongly each pixel pulls, if that was asked for.
-    pub gradient: Option<Derivative>,
+    pub(crate) gradient: Option<Derivative>,
     /// A column of the Jacobian, if that was asked for.
-    pub jacobian: Option<Derivative>,
+    pub(crate) jacobian: Option<Derivative>,
     /// The body's outline, in pixel coordinates.
-    pub outlines: Vec<Vec<[f32; 2]>>,
+    pub(crate) outlines: Vec<Vec<[f32; 2]>>,
 }
 
 /// What a pose predicts in every camera.
@@ -115,21 +115,21 @@ pub struct Predicted {
     /// The pose.
     pub pose: Pose,
     /// By camera.
-    pub cameras: Vec<CameraPrediction>,
+    pub(crate) cameras: Vec<CameraPrediction>,
     /// Σ w (D − Λ)² over the cameras that count: one measure for all stages and runs.
-    pub mismatch: f64,
+    pub(crate) mismatch: f64,
     /// Root of its mean, grey levels.
-    pub rms: Option<f64>,
+    pub(crate) rms: Option<f64>,
     /// Each limb's part of the mismatch.
-    pub mismatch_by_limb: Vec<f64>,
+    pub(crate) mismatch_by_limb: Vec<f64>,
     /// How long it took, in seconds.
-    pub seconds: f64,
+    pub(crate) seconds: f64,
 }
 
 impl Predicted {
     /// Predicts and compares. `data` is reused from an earlier prediction of the same scene.
     #[must_use]
-    pub fn new(scene: &FitInputs, pose: &Pose, earlier: Option<&Self>) -> Self {
+    pub(crate) fn new(scene: &FitInputs, pose: &Pose, earlier: Option<&Self>) -> Self {
         let start = Instant::now();
         let kinematics = Kinematics::new(&scene.model, pose);
         let reusable = earlier.filter(|earlier| earlier.scene.is(scene));
@@ -173,14 +173,14 @@ impl Predicted {
 
     /// Intersection over union of the cameras that count, all together.
     #[must_use]
-    pub fn iou(&self) -> Option<f64> {
+    pub(crate) fn iou(&self) -> Option<f64> {
         let used = self.cameras.iter().zip(self.scene.uses.iter()).filter(|(_, used)| used.used);
         used.filter_map(|(camera, _)| camera.overlap).reduce(Overlap::merge)?.iou()
     }
 
     /// The start of a fit, which predicts this.
     #[must_use]
-    pub fn start_of(&self, fit: &Fit) -> RunStep {
+    pub(crate) fn start_of(&self, fit: &Fit) -> RunStep {
         RunStep {
             pose: self.pose.clone(),
             mismatch: self.mismatch,
@@ -199,7 +199,7 @@ impl Predicted {
 
     /// A step of a fit that ends at what predicts this.
     #[must_use]
-    pub fn step_of(&self, record: &IterationRecord, seconds: f64) -> RunStep {
+    pub(crate) fn step_of(&self, record: &IterationRecord, seconds: f64) -> RunStep {
         RunStep {
             pose: record.pose.clone(),
             mismatch: self.mismatch,
@@ -218,7 +218,7 @@ impl Predicted {
 
     /// Whether it is of this pose and these parts.
     #[must_use]
-    pub fn is_of(&self, scene: &FitInputs, pose: &Pose) -> bool {
+    pub(crate) fn is_of(&self, scene: &FitInputs, pose: &Pose) -> bool {
         self.pose == *pose && self.scene.is(scene) && self.scene.derivatives == scene.derivatives
     }
 }

@@ -16,7 +16,7 @@ pub struct Selection {
     pub joint: JointId,
     /// Of the limbs that turn with the held joint, the one whose size is looked at; another one stands for the limb
     /// that owns the rotation.
-    pub part: Option<usize>,
+    pub(crate) part: Option<usize>,
     /// The step on the screen, while the user looks back into a run; otherwise the document's pose is shown.
     pub step: Option<StepRef>,
 }
@@ -30,7 +30,7 @@ impl Default for Selection {
 impl Selection {
     /// The limb that turns when the held joint is moved: the one that owns its rotation.
     #[must_use]
-    pub fn limb(&self, model: &Model) -> usize {
+    pub(crate) fn limb(&self, model: &Model) -> usize {
         let rotation = match self.joint {
             JointId::Root => 0,
             JointId::End(limb) => model.limbs().get(limb).map_or(0, |limb| limb.rotation),
@@ -40,7 +40,7 @@ impl Selection {
 
     /// The limb whose size is looked at.
     #[must_use]
-    pub fn sized_limb(&self, model: &Model) -> usize {
+    pub(crate) fn sized_limb(&self, model: &Model) -> usize {
         let owner = self.limb(model);
         let rotation = model.limbs()[owner].rotation;
         let part =
@@ -50,7 +50,7 @@ impl Selection {
 
     /// The joint by which a limb is held: the outermost one that turns with it.
     #[must_use]
-    pub fn joint_of(model: &Model, limb: usize) -> JointId {
+    pub(crate) fn joint_of(model: &Model, limb: usize) -> JointId {
         let rotation = model.limbs().get(limb).map_or(0, |limb| limb.rotation);
         let turns_with =
             |joint: &JointId| matches!(joint, JointId::End(end) if model.limbs()[*end].rotation == rotation);
@@ -62,7 +62,7 @@ impl Selection {
     }
 
     /// Goes to a frame and leaves the run that was looked into.
-    pub fn go_to_frame(&mut self, frame: usize, frame_count: usize) {
+    pub(crate) fn go_to_frame(&mut self, frame: usize, frame_count: usize) {
         self.frame = frame.min(frame_count.saturating_sub(1));
         self.step = None;
     }

@@ -5,22 +5,22 @@
 //! [`MISSING`] for a number that is not finite, and none writes a negative zero.
 
 /// What is written for a number that is not finite.
-pub const MISSING: &str = "–";
+pub(crate) const MISSING: &str = "–";
 
 /// The minus sign of typography, U+2212.
-pub const MINUS: char = '\u{2212}';
+pub(crate) const MINUS: char = '\u{2212}';
 
 /// The space between groups of thousands, U+2009.
-pub const THIN_SPACE: char = '\u{2009}';
+pub(crate) const THIN_SPACE: char = '\u{2009}';
 
 /// The text with a capital letter: `Right wrist`.
-pub fn capitalised(text: &str) -> String {
+pub(crate) fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// `value` with `decimals` digits after the point: `−8.4`.
-pub fn number(value: f64, decimals: usize) -> String {
+pub(crate) fn number(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
         return MISSING.to_owned();
     }
@@ -57,7 +57,7 @@ pub fn cost(value: f64) -> String {
 }
 
 /// A number with as few digits as say it to four figures: `0.01`, `30`, `1.5e−6`.
-pub fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     if !value.is_finite() {
         return MISSING.to_owned();
     }
@@ -91,7 +91,7 @@ pub fn percent(fraction: f64) -> String {
 
 /// A time span given in seconds, in the unit that leaves one to three figures before the point:
 /// `48 µs`, `1.9 ms`, `2.5 s`.
-pub fn duration(seconds: f64) -> String {
+pub(crate) fn duration(seconds: f64) -> String {
     let magnitude = seconds.abs();
     if !seconds.is_finite() {
         MISSING.to_owned()
@@ -108,7 +108,7 @@ pub fn duration(seconds: f64) -> String {
 /// optional unit (`°`, `%`, `m`) behind the number. The unit is dropped, not converted.
 ///
 /// Returns `None` for anything else, and for numbers that are not finite.
-pub fn parse(text: &str) -> Option<f64> {
+pub(crate) fn parse(text: &str) -> Option<f64> {
     let plain: String =
         text.chars().filter(|c| !c.is_whitespace()).map(|c| if c == MINUS { '-' } else { c }).collect();
     let plain = plain.trim_end_matches(['°', '%', 'm']);
@@ -120,7 +120,7 @@ fn with_unit(number: String, unit: &str) -> String {
 }
 
 /// A length in the unit that leaves one to three figures before the point; not finite is without bound.
-pub fn length(metres: f64) -> String {
+pub(crate) fn length(metres: f64) -> String {
     let mm = 1e3 * metres;
     if !mm.is_finite() {
         "no bound".to_owned()
@@ -132,7 +132,7 @@ pub fn length(metres: f64) -> String {
 }
 
 /// "±2.3 mm", or that nothing bounds it.
-pub fn deviation(metres: f64) -> String {
+pub(crate) fn deviation(metres: f64) -> String {
     if metres.is_finite() { format!("±{}", length(metres)) } else { length(metres) }
 }
 

@@ -6,7 +6,7 @@
 //!
 //! All lengths are egui points. [`apply`] hands the tokens to egui.
 
-pub mod data_colours;
+pub(crate) mod data_colours;
 mod style;
 
 use egui::{Color32, Stroke, TextStyle};
@@ -33,7 +33,7 @@ impl Theme {
     pub const ALL: [Self; 2] = [Self::Dark, Self::Light];
 
     /// The theme's colours.
-    pub const fn palette(self) -> &'static Palette {
+    pub(crate) const fn palette(self) -> &'static Palette {
         match self {
             Self::Dark => &DARK,
             Self::Light => &LIGHT,
@@ -49,7 +49,7 @@ impl Theme {
     }
 
     /// The other theme.
-    pub const fn toggled(self) -> Self {
+    pub(crate) const fn toggled(self) -> Self {
         match self {
             Self::Dark => Self::Light,
             Self::Light => Self::Dark,
@@ -68,41 +68,41 @@ pub fn palette(ui: &egui::Ui) -> &'static Palette {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Palette {
     /// Behind pictures, between tiles.
-    pub well: Color32,
+    pub(crate) well: Color32,
     /// Panels, timeline.
-    pub panel: Color32,
+    pub(crate) panel: Color32,
     /// Toolbar, tile header, status bar, cards.
-    pub raised: Color32,
+    pub(crate) raised: Color32,
     /// Button, combo.
-    pub widget: Color32,
+    pub(crate) widget: Color32,
     /// Hovered widget.
-    pub hover: Color32,
+    pub(crate) hover: Color32,
     /// Pressed widget, chosen segment.
-    pub active: Color32,
+    pub(crate) active: Color32,
     /// Number and text fields, slider well.
-    pub field: Color32,
+    pub(crate) field: Color32,
     /// Plot ground.
-    pub plot: Color32,
+    pub(crate) plot: Color32,
     /// Plot grid.
-    pub grid: Color32,
+    pub(crate) grid: Color32,
     /// Hairline separators and field edges; decorative.
-    pub line: Color32,
+    pub(crate) line: Color32,
     /// Edges that must be seen: unticked box, card, window.
-    pub line2: Color32,
+    pub(crate) line2: Color32,
     /// Selected row.
-    pub select: Color32,
+    pub(crate) select: Color32,
     /// Primary text.
-    pub text: Color32,
+    pub(crate) text: Color32,
     /// Labels, secondary text.
     pub text2: Color32,
     /// Hints, summaries, disabled text, figures that are being recomputed.
     pub text3: Color32,
     /// Fill of the selection bar, the primary button, the slider trail and the playhead.
-    pub accent: Color32,
+    pub(crate) accent: Color32,
     /// The accent as text or thin line.
     pub accent_text: Color32,
     /// Text on the accent.
-    pub on_accent: Color32,
+    pub(crate) on_accent: Color32,
     /// Notice.
     pub info: Color32,
     /// Warning.
@@ -112,31 +112,31 @@ pub struct Palette {
     /// Passed check.
     pub ok: Color32,
     /// "Missing" (data without model) as text.
-    pub missing_text: Color32,
+    pub(crate) missing_text: Color32,
     /// "Spurious" (model without data) as text.
-    pub spurious_text: Color32,
+    pub(crate) spurious_text: Color32,
     /// Edge of the primary button: none in the dark theme, whose accent stands out by itself.
-    pub accent_edge: Stroke,
+    pub(crate) accent_edge: Stroke,
 }
 
 impl Palette {
     /// A hairline separator.
-    pub fn hairline(&self) -> Stroke {
+    pub(crate) fn hairline(&self) -> Stroke {
         Stroke::new(size::HAIRLINE, self.line)
     }
 
     /// An edge that must be seen.
-    pub fn edge(&self) -> Stroke {
+    pub(crate) fn edge(&self) -> Stroke {
         Stroke::new(size::HAIRLINE, self.line2)
     }
 
     /// The outline of the active tile.
-    pub fn active_tile(&self) -> Stroke {
+    pub(crate) fn active_tile(&self) -> Stroke {
         Stroke::new(size::ACTIVE_TILE, self.accent_text)
     }
 
     /// The ring around the widget that has the keyboard.
-    pub fn focus_ring(&self) -> Stroke {
+    pub(crate) fn focus_ring(&self) -> Stroke {
         Stroke::new(size::FOCUS_RING, self.accent_text)
     }
 }
@@ -206,42 +206,42 @@ const fn rgb(hex: u32) -> Color32 {
 /// Distances between things, in points.
 pub mod space {
     /// Between tiles.
-    pub const TILE_GAP: f32 = 2.0;
+    pub(crate) const TILE_GAP: f32 = 2.0;
     /// Inside rows.
-    pub const ROW: f32 = 4.0;
+    pub(crate) const ROW: f32 = 4.0;
     /// Between widgets.
     pub const WIDGET: f32 = 8.0;
     /// Between groups.
     pub const GROUP: f32 = 12.0;
     /// Panel margin.
-    pub const PANEL_MARGIN: f32 = 14.0;
+    pub(crate) const PANEL_MARGIN: f32 = 14.0;
     /// Tile gutter margin.
-    pub const GUTTER_MARGIN: f32 = 16.0;
+    pub(crate) const GUTTER_MARGIN: f32 = 16.0;
     /// Page margin of the demonstrate layout.
-    pub const PAGE_MARGIN: f32 = 24.0;
+    pub(crate) const PAGE_MARGIN: f32 = 24.0;
 }
 
 /// Sizes of things, in points.
 pub mod size {
     /// Below this width of the toolbar, renderer and preset are chosen elsewhere only.
-    pub const FOLD_CHOICES: f32 = 1280.0;
+    pub(crate) const FOLD_CHOICES: f32 = 1280.0;
     /// Corner radius of fields and swatches.
-    pub const FIELD_RADIUS: u8 = 3;
+    pub(crate) const FIELD_RADIUS: u8 = 3;
     /// Corner radius of buttons, combos and cards.
-    pub const BUTTON_RADIUS: u8 = 4;
+    pub(crate) const BUTTON_RADIUS: u8 = 4;
     /// Corner radius of windows, menus and laboratory columns.
-    pub const WINDOW_RADIUS: u8 = 6;
+    pub(crate) const WINDOW_RADIUS: u8 = 6;
 
     /// Tree and list rows.
-    pub const ROW: f32 = 22.0;
+    pub(crate) const ROW: f32 = 22.0;
     /// Buttons.
-    pub const BUTTON: f32 = 24.0;
+    pub(crate) const BUTTON: f32 = 24.0;
     /// Tile headers.
     pub const TILE_HEADER: f32 = 26.0;
     /// Slider rows.
-    pub const SLIDER_ROW: f32 = 27.0;
+    pub(crate) const SLIDER_ROW: f32 = 27.0;
     /// Collapsed sections.
-    pub const SECTION: f32 = 30.0;
+    pub(crate) const SECTION: f32 = 30.0;
     /// Toolbar.
     pub const TOOLBAR: f32 = 40.0;
     /// Status bar.
@@ -252,58 +252,58 @@ pub mod size {
     /// Right panel in the debug layout.
     pub const RIGHT_PANEL_DEBUG: f32 = 340.0;
     /// Range of the right panel.
-    pub const RIGHT_PANEL_RANGE: std::ops::RangeInclusive<f32> = 280.0..=460.0;
+    pub(crate) const RIGHT_PANEL_RANGE: std::ops::RangeInclusive<f32> = 280.0..=460.0;
     /// Timeline with three lanes.
     pub const TIMELINE: f32 = 136.0;
     /// Timeline with one lane.
-    pub const TIMELINE_ONE_LANE: f32 = 78.0;
+    pub(crate) const TIMELINE_ONE_LANE: f32 = 78.0;
     /// Timeline when shut.
-    pub const TIMELINE_SHUT: f32 = 40.0;
+    pub(crate) const TIMELINE_SHUT: f32 = 40.0;
     /// Convergence panel.
-    pub const CONVERGENCE: f32 = 330.0;
+    pub(crate) const CONVERGENCE: f32 = 330.0;
     /// Run list beside the convergence plot.
-    pub const RUN_LIST: f32 = 366.0;
+    pub(crate) const RUN_LIST: f32 = 366.0;
     /// Smallest tile.
-    pub const TILE_MIN: egui::Vec2 = egui::vec2(220.0, 200.0);
+    pub(crate) const TILE_MIN: egui::Vec2 = egui::vec2(220.0, 200.0);
     /// A split is taken hold of within this width.
-    pub const SPLIT_HIT: f32 = 8.0;
+    pub(crate) const SPLIT_HIT: f32 = 8.0;
     /// A split leaves a tile at least this, both ways.
-    pub const TILE_LEAST: f32 = 120.0;
+    pub(crate) const TILE_LEAST: f32 = 120.0;
     /// Gutter beside a picture.
-    pub const GUTTER: f32 = 196.0;
+    pub(crate) const GUTTER: f32 = 196.0;
     /// A tile this much wider than its picture has a gutter.
-    pub const GUTTER_FROM: f32 = 180.0;
+    pub(crate) const GUTTER_FROM: f32 = 180.0;
     /// Hover card over a pixel.
-    pub const HOVER_CARD: egui::Vec2 = egui::vec2(196.0, 150.0);
+    pub(crate) const HOVER_CARD: egui::Vec2 = egui::vec2(196.0, 150.0);
     /// Notice cards.
     pub const NOTICE: f32 = 340.0;
     /// The smallest window the layout is made for.
-    pub const WINDOW_MIN: egui::Vec2 = egui::vec2(1100.0, 700.0);
+    pub(crate) const WINDOW_MIN: egui::Vec2 = egui::vec2(1100.0, 700.0);
     /// Scroll bar at rest.
-    pub const SCROLL_BAR: f32 = 6.0;
+    pub(crate) const SCROLL_BAR: f32 = 6.0;
     /// Scroll bar under the pointer.
-    pub const SCROLL_BAR_HOVERED: f32 = 10.0;
+    pub(crate) const SCROLL_BAR_HOVERED: f32 = 10.0;
     /// Box of an icon.
-    pub const ICON: f32 = 14.0;
+    pub(crate) const ICON: f32 = 14.0;
     /// Side of a camera badge.
-    pub const BADGE: f32 = 16.0;
+    pub(crate) const BADGE: f32 = 16.0;
 
     /// Hairlines and field edges.
-    pub const HAIRLINE: f32 = 1.0;
+    pub(crate) const HAIRLINE: f32 = 1.0;
     /// Outline of the active tile.
-    pub const ACTIVE_TILE: f32 = 1.5;
+    pub(crate) const ACTIVE_TILE: f32 = 1.5;
     /// Focus ring.
-    pub const FOCUS_RING: f32 = 1.5;
+    pub(crate) const FOCUS_RING: f32 = 1.5;
     /// Strokes of icons.
-    pub const ICON_STROKE: f32 = 1.4;
+    pub(crate) const ICON_STROKE: f32 = 1.4;
     /// Curves in plots.
-    pub const CURVE: f32 = 1.75;
+    pub(crate) const CURVE: f32 = 1.75;
     /// Curves in the demonstrate layout.
-    pub const CURVE_DEMONSTRATE: f32 = 2.0;
+    pub(crate) const CURVE_DEMONSTRATE: f32 = 2.0;
     /// Limit marks on sliders.
-    pub const LIMIT_MARK: f32 = 2.0;
+    pub(crate) const LIMIT_MARK: f32 = 2.0;
     /// What a casing adds on each side of its line.
-    pub const CASING: f32 = 1.0;
+    pub(crate) const CASING: f32 = 1.0;
 }
 
 /// Laboratory title, empty states, tour: proportional 18.
@@ -332,7 +332,7 @@ pub fn tick() -> TextStyle {
 }
 
 /// Line height of [`caption`] text.
-pub const CAPTION_LINE_HEIGHT: f32 = 24.0;
+pub(crate) const CAPTION_LINE_HEIGHT: f32 = 24.0;
 
 #[cfg(test)]
 mod tests {

@@ -7,9 +7,9 @@
 //! | [`runs`] | the fits that each shows |
 //! | [`take`] | the simulated take of each |
 
-pub mod kind;
-pub mod runs;
-pub mod take;
+pub(crate) mod kind;
+pub(crate) mod runs;
+pub(crate) mod take;
 
 pub use kind::Demonstration;
-pub use runs::PreparedRun;
+pub(crate) use runs::PreparedRun;

@@ -8,7 +8,7 @@ const HEAD: u64 = 4096;
 
 /// What is to be done with files.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Dropped {
+pub(crate) enum Dropped {
     /// A take or a project is opened.
     Open(PathBuf),
     /// Its cameras replace the take's.
@@ -26,7 +26,7 @@ pub enum Dropped {
 impl Dropped {
     /// What these files are. Several are silhouettes, or else the first one counts.
     #[must_use]
-    pub fn of(paths: &[PathBuf]) -> Self {
+    pub(crate) fn of(paths: &[PathBuf]) -> Self {
         let is_png = |path: &PathBuf| ending(path) == "png";
         if !paths.is_empty() && paths.iter().all(|path| is_png(path) && path.is_file()) {
             return Self::Masks(paths.to_vec());
@@ -39,13 +39,13 @@ impl Dropped {
 
     /// Whether a take has to be open for it.
     #[must_use]
-    pub const fn needs_take(&self) -> bool {
+    pub(crate) const fn needs_take(&self) -> bool {
         matches!(self, Self::Calibration(_) | Self::Masks(_) | Self::Pose(_) | Self::Body(_))
     }
 
     /// What will happen, in a few words, and the name of what is dropped.
     #[must_use]
-    pub fn explanation(&self, frame: usize) -> (String, String) {
+    pub(crate) fn explanation(&self, frame: usize) -> (String, String) {
         let name = |path: &Path| {
             path.file_name()
                 .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())

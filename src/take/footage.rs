@@ -25,17 +25,17 @@ const HALF_GREY: u8 = 128;
 #[derive(Debug)]
 pub struct Footage {
     /// Where it came from; `None` for one that was made in memory.
-    pub source: Option<TakeSource>,
+    pub(crate) source: Option<TakeSource>,
     /// What it is called.
-    pub name: String,
+    pub(crate) name: String,
     /// Frames per second.
-    pub frame_rate: f64,
+    pub(crate) frame_rate: f64,
     /// The cameras of the pictures: without distortion.
     pub cameras: Arc<Vec<Arc<Camera>>>,
     /// Cameras in the place of the take's, if there are any.
-    pub calibration: Option<Arc<Calibration>>,
+    pub(crate) calibration: Option<Arc<Calibration>>,
     /// Silhouettes in the place of those that are measured.
-    pub masks: Arc<MaskFiles>,
+    pub(crate) masks: Arc<MaskFiles>,
     inner: Arc<backlit_formats::Footage>,
     /// The take as its files have it.
     original: Arc<backlit_formats::Footage>,
@@ -43,7 +43,7 @@ pub struct Footage {
 
 /// What a frame's pictures and silhouettes depend on, besides the take.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct MadeWith {
+pub(crate) struct MadeWith {
     measurement: Arc<Vec<SegmentOptions>>,
     calibration: Option<Arc<Calibration>>,
     masks: BTreeMap<usize, PathBuf>,
@@ -53,27 +53,27 @@ pub struct MadeWith {
 #[derive(Debug, Clone, Default)]
 pub struct CameraFrame {
     /// The picture.
-    pub image: Option<Arc<RgbImage>>,
+    pub(crate) image: Option<Arc<RgbImage>>,
     /// Its silhouette.
     pub mask: Option<Arc<Mask>>,
     distance: OnceLock<SignedDistance>,
     /// Grey levels D that stand for the silhouette wherever D is looked at as it is; of simulations.
-    pub grey_levels: Option<Arc<Measurement>>,
+    pub(crate) grey_levels: Option<Arc<Measurement>>,
     /// Why something is missing.
-    pub problem: Option<String>,
+    pub(crate) problem: Option<String>,
 }
 
 impl CameraFrame {
     /// Distance from the silhouette's border, measured when it is first asked for; `None` without a silhouette.
     #[must_use]
-    pub fn distance(&self) -> Option<&SignedDistance> {
+    pub(crate) fn distance(&self) -> Option<&SignedDistance> {
         let mask = self.mask.as_ref()?;
         Some(self.distance.get_or_init(|| SignedDistance::from_mask(mask)))
     }
 
     /// What a fit takes of it where D is looked at by `data`; `None` without a silhouette.
     #[must_use]
-    pub fn evidence(&self, data: DataView) -> Option<Evidence> {
+    pub(crate) fn evidence(&self, data: DataView) -> Option<Evidence> {
         match &self.grey_levels {
             Some(levels) if data == DataView::Hard => Some(Evidence::Measurement(levels.clone())),
             _ => self.mask.clone().map(Evidence::Mask),
@@ -99,7 +99,7 @@ impl CameraFrame {
 impl Footage {
     /// The demonstration that it is.
     #[must_use]
-    pub fn demonstration(&self) -> Option<Demonstration> {
+    pub(crate) fn demonstration(&self) -> Option<Demonstration> {
         match self.source {
             Some(TakeSource::Demonstration(which)) => Some(which),
             _ => None,
@@ -108,7 +108,7 @@ impl Footage {
 
     /// Prepares a take.
     #[must_use]
-    pub fn new(take: Take, source: Option<TakeSource>) -> Self {
+    pub(crate) fn new(take: Take, source: Option<TakeSource>) -> Self {
         let (name, frame_rate) = (take.name().to_owned(), take.frame_rate());
         let inner = Arc::new(backlit_formats::Footage::new(take));
         Self {
@@ -125,7 +125,7 @@ impl Footage {
 
     /// The same with other silhouettes in the place of those that are measured.
     #[must_use]
-    pub fn with_masks(&self, masks: Arc<MaskFiles>) -> Self {
+    pub(crate) fn with_masks(&self, masks: Arc<MaskFiles>) -> Self {
         Self {
             source: self.source.clone(),
             name: self.name.clone(),
@@ -141,7 +141,7 @@ impl Footage {
     /// The same seen by the cameras of a calibration, or by the take's own again. A calibration of other cameras than
     /// the take's changes nothing but what is said of it.
     #[must_use]
-    pub fn with_calibration(&self, calibration: Option<Arc<Calibration>>) -> Self {
+    pub(crate) fn with_calibration(&self, calibration: Option<Arc<Calibration>>) -> Self {
         let rig = calibration.as_ref().map(|calibration| calibration.rig.clone());
         let take = rig.and_then(|rig| self.original.take().with_rig(rig));
         let inner =
@@ -152,7 +152,7 @@ impl Footage {
 
     /// What a frame's pictures and silhouettes depend on, besides the take.
     #[must_use]
-    pub fn made_with(&self, measurement: &Arc<Vec<SegmentOptions>>, frame: usize) -> MadeWith {
+    pub(crate) fn made_with(&self, measurement: &Arc<Vec<SegmentOptions>>, frame: usize) -> MadeWith {
         MadeWith {
             measurement: measurement.clone(),
             calibration: self.calibration.clone(),
@@ -162,13 +162,13 @@ impl Footage {
 
     /// Number of frames.
     #[must_use]
-    pub fn frame_count(&self) -> usize {
+    pub(crate) fn frame_count(&self) -> usize {
         self.inner.take().frame_count()
     }
 
     /// The cameras as the take's files have them, with their lenses.
     #[must_use]
-    pub fn take_cameras(&self) -> &[Camera] {
+    pub(crate) fn take_cameras(&self) -> &[Camera] {
         self.original.take().rig().cameras()
     }
 
@@ -197,20 +197,20 @@ impl Footage {
 
     /// How the take says that silhouettes are made, camera by camera.
     #[must_use]
-    pub fn measurement(&self) -> &[SegmentOptions] {
+    pub(crate) fn measurement(&self) -> &[SegmentOptions] {
         self.inner.take().measurement()
     }
 
     /// The take itself.
     #[must_use]
-    pub fn take(&self) -> &Take {
+    pub(crate) fn take(&self) -> &Take {
         self.inner.take()
     }
 
     /// Reads, rectifies and segments one camera's picture. What goes wrong is said in the result: the other
     /// cameras and the picture without its silhouette are still of use.
     #[must_use]
-    pub fn load(&self, camera: usize, frame: usize, options: &SegmentOptions) -> CameraFrame {
+    pub(crate) fn load(&self, camera: usize, frame: usize, options: &SegmentOptions) -> CameraFrame {
         let mut result = CameraFrame {
             image: None,
             mask: None,

@@ -14,18 +14,17 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Calibration {
     /// The file they come from.
-    pub path: PathBuf,
+    pub(crate) path: PathBuf,
     /// As many as the take has, in its order, with its names and picture sizes.
-    pub rig: Rig,
+    pub(crate) rig: Rig,
 }
 
 /// Pictures of silhouettes, white is the subject: by frame, then by camera.
-pub type MaskFiles = BTreeMap<usize, BTreeMap<usize, PathBuf>>;
+pub(crate) type MaskFiles = BTreeMap<usize, BTreeMap<usize, PathBuf>>;
 
 /// Why something cannot stand in the place of the take's own.
 #[derive(Debug, Error)]
-#[expect(missing_docs, reason = "the messages say what each variant and field is")]
-pub enum ReplacementError {
+pub(crate) enum ReplacementError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error("{}: has {found}; the take has {expected}", path.display())]
@@ -58,7 +57,7 @@ pub enum ReplacementError {
 ///
 /// # Errors
 /// It cannot be read, has another number of cameras, or is for pictures of another size.
-pub fn read_calibration(path: &Path, cameras: &[Camera]) -> Result<Calibration, ReplacementError> {
+pub(crate) fn read_calibration(path: &Path, cameras: &[Camera]) -> Result<Calibration, ReplacementError> {
     let size_of = |camera: &Camera| [camera.width(), camera.height()];
     let first = cameras.first().map(size_of);
     let same = first.filter(|first| cameras.iter().all(|camera| size_of(camera) == *first));
@@ -101,7 +100,10 @@ pub fn read_calibration(path: &Path, cameras: &[Camera]) -> Result<Calibration, 
 ///
 /// # Errors
 /// A name that no camera has, two for one camera, or a picture of another size.
-pub fn masks_of(paths: &[PathBuf], cameras: &[Camera]) -> Result<BTreeMap<usize, PathBuf>, ReplacementError> {
+pub(crate) fn masks_of(
+    paths: &[PathBuf],
+    cameras: &[Camera],
+) -> Result<BTreeMap<usize, PathBuf>, ReplacementError> {
     let mut pictures = Vec::new();
     for path in paths {
         if path.is_dir() {
@@ -155,7 +157,7 @@ fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, ReplacementError> {
 ///
 /// # Errors
 /// It cannot be read, or is of another size than the camera's pictures.
-pub fn read_mask(path: &Path, camera: &Camera) -> Result<Mask, ReplacementError> {
+pub(crate) fn read_mask(path: &Path, camera: &Camera) -> Result<Mask, ReplacementError> {
     let picture = images::read_grey(path)?;
     let found = [picture.width() as usize, picture.height() as usize];
     let expected = [camera.width(), camera.height()];

@@ -25,7 +25,7 @@ const LETTER: f32 = 12.0;
 const LETTER_AWAY: f32 = 9.0;
 
 /// Paints the grid under the axes, the lens edge, and the principal point.
-pub fn paint_calibration(painter: &Painter, view: &ViewTransform, marks: &CalibrationMarks) {
+pub(crate) fn paint_calibration(painter: &Painter, view: &ViewTransform, marks: &CalibrationMarks) {
     let bounds = view.rect.expand(MARGIN);
     let on_screen = |ends: [DVec2; 2]| clipped(ends.map(|px| view.screen_from_px(px)), bounds);
     let stroke = Stroke::new(WIDTH, JOINT);

@@ -22,7 +22,7 @@ const SELECTED_PIN_SCALE: f32 = 1.5;
 
 /// What the pointer can take hold of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Grip {
+pub(crate) enum Grip {
     /// A joint.
     Joint(JointId),
     /// The limb of this index, by its body.
@@ -34,7 +34,7 @@ pub enum Grip {
 }
 
 /// What is under `pointer`: the nearest joint within reach, else the nearest to the camera of the limbs there.
-pub fn grip_at(
+pub(crate) fn grip_at(
     pointer: Pos2,
     view: &ViewTransform,
     joints: &[JointMark],
@@ -59,19 +59,19 @@ pub fn grip_at(
 
 /// How a joint is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct JointLook {
+pub(crate) struct JointLook {
     /// It is the one that is held.
-    pub is_selected: bool,
+    pub(crate) is_selected: bool,
     /// The pointer is on it.
-    pub is_hovered: bool,
+    pub(crate) is_hovered: bool,
     /// It is being dragged, or pressed.
-    pub is_dragged: bool,
+    pub(crate) is_dragged: bool,
     /// It makes room for what is drawn about it.
-    pub is_small: bool,
+    pub(crate) is_small: bool,
 }
 
 /// Paints a joint's mark with its casing.
-pub fn paint_joint(painter: &Painter, at: Pos2, is_pinned: bool, look: JointLook) {
+pub(crate) fn paint_joint(painter: &Painter, at: Pos2, is_pinned: bool, look: JointLook) {
     if look.is_dragged {
         let ring = |width: f32, colour| {
             painter.circle_stroke(at, mark::DRAG_RING_RADIUS, Stroke::new(width, colour));
@@ -111,7 +111,12 @@ pub fn paint_joint(painter: &Painter, at: Pos2, is_pinned: bool, look: JointLook
 
 /// Paints limbs that turn together as held (filled and outlined in the accent), or as under the pointer
 /// (outlined like a joint).
-pub fn paint_limbs(painter: &Painter, view: &ViewTransform, limbs: &[&ProjectedLimb], is_selected: bool) {
+pub(crate) fn paint_limbs(
+    painter: &Painter,
+    view: &ViewTransform,
+    limbs: &[&ProjectedLimb],
+    is_selected: bool,
+) {
     let on_screen =
         |points: Vec<DVec2>| points.into_iter().map(|px| view.screen_from_px(px)).collect::<Vec<Pos2>>();
     if is_selected {

@@ -93,12 +93,12 @@ impl Icon {
     ];
 
     /// Paints the icon in the middle of `rect`, in its box of [`size::ICON`] points.
-    pub fn paint(self, painter: &Painter, rect: Rect, colour: Color32) {
+    pub(crate) fn paint(self, painter: &Painter, rect: Rect, colour: Color32) {
         self.paint_scaled(painter, rect, colour, 1.0);
     }
 
     /// Paints the icon in the middle of `rect`, its box scaled by `scale`. The strokes keep their width.
-    pub fn paint_scaled(self, painter: &Painter, rect: Rect, colour: Color32, scale: f32) {
+    pub(crate) fn paint_scaled(self, painter: &Painter, rect: Rect, colour: Color32, scale: f32) {
         let corner = rect.center() - egui::Vec2::splat(size::ICON * 0.5 * scale);
         let at = |x: f32, y: f32| pos2(corner.x + x * scale, corner.y + y * scale);
         let path = |points: &[(f32, f32)]| points.iter().map(|(x, y)| at(*x, *y)).collect::<Vec<Pos2>>();

@@ -48,7 +48,7 @@ pub enum Framing {
 impl Framing {
     /// How a picture of `size_px` pixels lies in `rect`. `subject_px` are the subject's bounds in pixel
     /// coordinates; without them the whole picture stands for it.
-    pub fn view(self, rect: Rect, size_px: [usize; 2], subject_px: Option<Rect>) -> ViewTransform {
+    pub(crate) fn view(self, rect: Rect, size_px: [usize; 2], subject_px: Option<Rect>) -> ViewTransform {
         let picture = picture_bounds(size_px);
         let subject = padded_subject(picture, subject_px);
         let subject_view = ViewTransform::fit(rect, subject, picture);
@@ -68,7 +68,7 @@ impl Framing {
     }
 
     /// The framing that gives `view` again: the inverse of [`view`](Self::view).
-    pub fn of(view: &ViewTransform, size_px: [usize; 2], subject_px: Option<Rect>) -> Self {
+    pub(crate) fn of(view: &ViewTransform, size_px: [usize; 2], subject_px: Option<Rect>) -> Self {
         let picture = picture_bounds(size_px);
         let subject = padded_subject(picture, subject_px);
         let fit = ViewTransform::fit(view.rect, subject, picture);
@@ -78,7 +78,7 @@ impl Framing {
 }
 
 /// What a picture of this size covers, in pixel coordinates.
-pub fn picture_bounds(size_px: [usize; 2]) -> Rect {
+pub(crate) fn picture_bounds(size_px: [usize; 2]) -> Rect {
     let size = vec2(size_px[0].max(1) as f32, size_px[1].max(1) as f32);
     Rect::from_min_size(pos2(-0.5, -0.5), size)
 }
@@ -99,11 +99,11 @@ fn clamp_scale(points_per_px: f32) -> f32 {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewTransform {
     /// The view, in points of the screen.
-    pub rect: Rect,
+    pub(crate) rect: Rect,
     /// The side of a picture pixel, in points.
-    pub points_per_px: f32,
+    pub(crate) points_per_px: f32,
     /// The pixel coordinates in the middle of the view.
-    pub centre_px: Pos2,
+    pub(crate) centre_px: Pos2,
 }
 
 impl ViewTransform {
@@ -128,25 +128,25 @@ impl ViewTransform {
     }
 
     /// The point of the screen at a pixel coordinate.
-    pub fn screen_from_px(&self, px: DVec2) -> Pos2 {
+    pub(crate) fn screen_from_px(&self, px: DVec2) -> Pos2 {
         self.rect.center() + (pos2(px.x as f32, px.y as f32) - self.centre_px) * self.points_per_px
     }
 
     /// The pixel coordinate at a point of the screen.
-    pub fn px_from_screen(&self, point: Pos2) -> DVec2 {
+    pub(crate) fn px_from_screen(&self, point: Pos2) -> DVec2 {
         let px = self.centre_px + (point - self.rect.center()) / self.points_per_px;
         DVec2::new(f64::from(px.x), f64::from(px.y))
     }
 
     /// The pixel under a point of the screen; `None` outside the picture.
-    pub fn pixel_at(&self, point: Pos2, size_px: [usize; 2]) -> Option<[usize; 2]> {
+    pub(crate) fn pixel_at(&self, point: Pos2, size_px: [usize; 2]) -> Option<[usize; 2]> {
         let px = self.px_from_screen(point).round();
         let inside = px.x >= 0.0 && px.y >= 0.0 && px.x < size_px[0] as f64 && px.y < size_px[1] as f64;
         inside.then_some([px.x as usize, px.y as usize])
     }
 
     /// Where the whole picture is on the screen.
-    pub fn picture_rect(&self, size_px: [usize; 2]) -> Rect {
+    pub(crate) fn picture_rect(&self, size_px: [usize; 2]) -> Rect {
         let bounds = picture_bounds(size_px);
         let at = |corner: Pos2| self.screen_from_px(DVec2::new(f64::from(corner.x), f64::from(corner.y)));
         Rect::from_min_max(at(bounds.min), at(bounds.max))
@@ -154,7 +154,7 @@ impl ViewTransform {
 
     /// Magnified by `factor` with the pixel at `point` kept in place.
     #[must_use]
-    pub fn zoomed_at(&self, point: Pos2, factor: f32) -> Self {
+    pub(crate) fn zoomed_at(&self, point: Pos2, factor: f32) -> Self {
         let points_per_px = clamp_scale(self.points_per_px * factor);
         let fixed = self.centre_px + (point - self.rect.center()) / self.points_per_px;
         let centre_px = fixed + (self.centre_px - fixed) * (self.points_per_px / points_per_px);
@@ -163,19 +163,24 @@ impl ViewTransform {
 
     /// The picture moved by `delta` points.
     #[must_use]
-    pub fn panned(&self, delta: Vec2) -> Self {
+    pub(crate) fn panned(&self, delta: Vec2) -> Self {
         Self { centre_px: self.centre_px - delta / self.points_per_px, ..*self }
     }
 
     /// Whether pixels are shown as squares at this magnification.
-    pub fn is_crisp(&self, pixels_per_point: f32) -> bool {
+    pub(crate) fn is_crisp(&self, pixels_per_point: f32) -> bool {
         self.points_per_px * pixels_per_point >= CRISP_FROM
     }
 }
 
 /// Zooms at the pointer with the wheel (or a pinch) and pans with the middle or right button; with the left one too
 /// where that holds nothing (`is_free`). `None` when nothing changed.
-pub fn navigate(ui: &Ui, response: &Response, view: &ViewTransform, is_free: bool) -> Option<ViewTransform> {
+pub(crate) fn navigate(
+    ui: &Ui,
+    response: &Response,
+    view: &ViewTransform,
+    is_free: bool,
+) -> Option<ViewTransform> {
     let mut changed = *view;
     if response.contains_pointer()
         && let Some(pointer) = ui.input(|input| input.pointer.latest_pos())
@@ -205,7 +210,7 @@ struct CachedTexture {
 
 /// The texture of `id`, made anew by `image` only when `key` differs from the last call's. Pixels are squares if
 /// `is_crisp`.
-pub fn cached_texture<I: Into<Arc<ColorImage>>>(
+pub(crate) fn cached_texture<I: Into<Arc<ColorImage>>>(
     ctx: &Context,
     id: Id,
     key: impl Hash,
@@ -231,7 +236,7 @@ pub fn cached_texture<I: Into<Arc<ColorImage>>>(
 }
 
 /// Forgets all textures of [`cached_texture`]: they are made anew when they are next shown.
-pub fn forget_textures(ctx: &Context) {
+pub(crate) fn forget_textures(ctx: &Context) {
     ctx.data_mut(|data| data.remove_by_type::<CachedTexture>());
 }
 
@@ -250,7 +255,12 @@ fn within_side(image: Arc<ColorImage>, side: usize) -> Arc<ColorImage> {
 }
 
 /// Paints a texture as the picture of `view`.
-pub fn paint_picture(painter: &Painter, view: &ViewTransform, size_px: [usize; 2], texture: &TextureHandle) {
+pub(crate) fn paint_picture(
+    painter: &Painter,
+    view: &ViewTransform,
+    size_px: [usize; 2],
+    texture: &TextureHandle,
+) {
     let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
     painter.image(texture.id(), view.picture_rect(size_px), uv, Color32::WHITE);
 }
@@ -262,7 +272,7 @@ const GRID_FROM: f32 = 10.0;
 const GRID_OPACITY: f32 = 0.22;
 
 /// Paints the lines between the pixels of `view` where each of them is large enough.
-pub fn paint_pixel_grid(painter: &Painter, view: &ViewTransform, size_px: [usize; 2]) {
+pub(crate) fn paint_pixel_grid(painter: &Painter, view: &ViewTransform, size_px: [usize; 2]) {
     let share = ((view.points_per_px - GRID_FROM) / GRID_FROM).clamp(0.0, 1.0);
     if share == 0.0 {
         return;

@@ -22,7 +22,7 @@ const MARGIN: Vec2 = vec2(5.0, 2.0);
 const GROUND: f32 = 0.82;
 
 /// Paints arcs and bars: under the joints.
-pub fn paint_limits(painter: &Painter, view: &ViewTransform, marks: &[LimitMark], palette: &Palette) {
+pub(crate) fn paint_limits(painter: &Painter, view: &ViewTransform, marks: &[LimitMark], palette: &Palette) {
     for limit in marks {
         let pivot = view.screen_from_px(limit.pivot);
         let arc: Vec<Pos2> = limit.arc.iter().map(|px| view.screen_from_px(*px)).collect();
@@ -54,7 +54,7 @@ pub fn paint_limits(painter: &Painter, view: &ViewTransform, marks: &[LimitMark]
 }
 
 /// Paints the words over everything else, inside the picture and beside each other; their places with what they say.
-pub fn paint_limit_words<'a>(
+pub(crate) fn paint_limit_words<'a>(
     painter: &Painter,
     view: &ViewTransform,
     marks: &'a [LimitMark],

@@ -13,7 +13,7 @@ use crate::style::theme::data_colours::{
 pub(super) const MARGIN: f32 = 12.0;
 
 /// Paints the outline of the body: closed polylines in pixel coordinates.
-pub fn paint_body_outline(painter: &Painter, view: &ViewTransform, outlines: &[Vec<[f32; 2]>]) {
+pub(crate) fn paint_body_outline(painter: &Painter, view: &ViewTransform, outlines: &[Vec<[f32; 2]>]) {
     let casing = Stroke::new(mark::OUTLINE_CASING_WIDTH, CASING.gamma_multiply(BODY_OUTLINE_CASING));
     for stroke in [casing, Stroke::new(mark::OUTLINE_WIDTH, BODY_OUTLINE)] {
         for outline in outlines {
@@ -24,7 +24,7 @@ pub fn paint_body_outline(painter: &Painter, view: &ViewTransform, outlines: &[V
 }
 
 /// Paints the limbs' own outline: polylines in pixel coordinates, until the body's is there.
-pub fn paint_quick_outline(painter: &Painter, view: &ViewTransform, lines: &[Vec<DVec2>]) {
+pub(crate) fn paint_quick_outline(painter: &Painter, view: &ViewTransform, lines: &[Vec<DVec2>]) {
     let casing = Stroke::new(mark::OUTLINE_CASING_WIDTH, CASING.gamma_multiply(BODY_OUTLINE_CASING));
     for stroke in [casing, Stroke::new(mark::OUTLINE_WIDTH, BODY_OUTLINE)] {
         for line in lines {
@@ -35,7 +35,7 @@ pub fn paint_quick_outline(painter: &Painter, view: &ViewTransform, lines: &[Vec
 }
 
 /// Paints the faint edges of limbs inside the outline.
-pub fn paint_limb_edges(painter: &Painter, view: &ViewTransform, limbs: &[Option<ProjectedLimb>]) {
+pub(crate) fn paint_limb_edges(painter: &Painter, view: &ViewTransform, limbs: &[Option<ProjectedLimb>]) {
     let stroke = Stroke::new(mark::INNER_EDGE_WIDTH, BODY_OUTLINE.gamma_multiply(INNER_EDGE));
     for limb in limbs.iter().flatten() {
         let points = limb.outline().into_iter().map(|px| view.screen_from_px(px)).collect();
@@ -44,7 +44,7 @@ pub fn paint_limb_edges(painter: &Painter, view: &ViewTransform, limbs: &[Option
 }
 
 /// Paints a sight ray: dashed, and solid near the joint's depth.
-pub fn paint_sight_ray(painter: &Painter, view: &ViewTransform, ray: &SightRay) {
+pub(crate) fn paint_sight_ray(painter: &Painter, view: &ViewTransform, ray: &SightRay) {
     let bounds = view.rect.expand(MARGIN);
     let on_screen = |ends: [DVec2; 2]| clipped(ends.map(|px| view.screen_from_px(px)), bounds);
     let Some(line) = on_screen(ray.line_px) else { return };

@@ -13,7 +13,7 @@ const TITLE_GAP: f32 = 8.0;
 
 /// A section named `title` with its contents. `summary` stands at the right of its head: hints when it is
 /// open, the state when it is shut. The head is a button of the title's name.
-pub fn section<R>(
+pub(crate) fn section<R>(
     ui: &mut Ui,
     title: &str,
     summary: &str,
@@ -24,7 +24,7 @@ pub fn section<R>(
 }
 
 /// A [`section`] whose title changes, while it stays open or shut by `key`.
-pub fn named_section<R>(
+pub(crate) fn named_section<R>(
     ui: &mut Ui,
     key: &str,
     title: &str,

@@ -26,7 +26,7 @@ const END_ON: f32 = 10.0;
 
 /// The handles of one limb, in points of the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SizeHandles {
+pub(crate) struct SizeHandles {
     limb: usize,
     /// The limb's second joint and the diamond beyond it.
     length: Option<[Pos2; 2]>,
@@ -36,7 +36,12 @@ pub struct SizeHandles {
 impl SizeHandles {
     /// The handles of the limb of this index, as `projected` in the picture.
     /// The length's keeps clear of `joints`.
-    pub fn new(limb: usize, projected: &ProjectedLimb, view: &ViewTransform, joints: &[JointMark]) -> Self {
+    pub(crate) fn new(
+        limb: usize,
+        projected: &ProjectedLimb,
+        view: &ViewTransform,
+        joints: &[JointMark],
+    ) -> Self {
         let on_screen = |px: DVec2| view.screen_from_px(px);
         let [start, end] = [projected.start_px, projected.end_px].map(on_screen);
         let along = end - start;
@@ -54,7 +59,7 @@ impl SizeHandles {
     }
 
     /// The handle under the pointer.
-    pub fn grip_at(&self, pointer: Pos2) -> Option<Grip> {
+    pub(crate) fn grip_at(&self, pointer: Pos2) -> Option<Grip> {
         let is_near = |at: Pos2| at.distance(pointer) <= REACH;
         if self.length.is_some_and(|[_, at]| is_near(at)) {
             return Some(Grip::Length(self.limb));
@@ -63,13 +68,13 @@ impl SizeHandles {
     }
 
     /// Where the handles are, with what each is called.
-    pub fn places(&self) -> impl Iterator<Item = (Pos2, &'static str)> {
+    pub(crate) fn places(&self) -> impl Iterator<Item = (Pos2, &'static str)> {
         let length = self.length.map(|[_, at]| (at, "length"));
         length.into_iter().chain([(self.radius[0], "radius"), (self.radius[1], "radius, other side")])
     }
 
     /// Paints the diamonds; `held` is the one that is hovered or dragged.
-    pub fn paint(&self, painter: &Painter, held: Option<Grip>) {
+    pub(crate) fn paint(&self, painter: &Painter, held: Option<Grip>) {
         if let Some([from, to]) = self.length {
             let casing = Stroke::new(mark::RAY_WIDTH + 2.0 * size::CASING, CASING);
             painter.line_segment([from, to], casing);

@@ -18,28 +18,28 @@ const DRAG_POINTS: f64 = 300.0;
 
 /// What a row shows.
 #[derive(Debug, Clone)]
-pub struct SliderRow<'a> {
+pub(crate) struct SliderRow<'a> {
     /// The name, also for screen readers.
-    pub name: &'a str,
+    pub(crate) name: &'a str,
     /// The unit behind the number: `°`, ` m`.
-    pub unit: &'a str,
+    pub(crate) unit: &'a str,
     /// Digits after the point.
-    pub decimals: usize,
+    pub(crate) decimals: usize,
     /// Ends of the slider.
-    pub range: RangeInclusive<f64>,
+    pub(crate) range: RangeInclusive<f64>,
     /// Limits that are marked and at which it stops, and how near to them the mark warns.
-    pub limits: Option<(f64, f64, f64)>,
+    pub(crate) limits: Option<(f64, f64, f64)>,
     /// Where the filled part begins.
-    pub origin: f64,
+    pub(crate) origin: f64,
     /// Whether it is of what the user holds.
-    pub is_held: bool,
+    pub(crate) is_held: bool,
     /// What it changes, in a sentence.
-    pub tooltip: &'a str,
+    pub(crate) tooltip: &'a str,
 }
 
 impl SliderRow<'_> {
     /// The row. The response is of the slider and the field together.
-    pub fn show(&self, ui: &mut Ui, value: &mut f64) -> Response {
+    pub(crate) fn show(&self, ui: &mut Ui, value: &mut f64) -> Response {
         let before = *value;
         let row = ui.horizontal(|ui| {
             ui.set_height(size::SLIDER_ROW);
@@ -71,7 +71,7 @@ impl SliderRow<'_> {
 }
 
 /// The name at the start of a row, in a column of its own.
-pub fn row_name(ui: &mut Ui, name: &str, width: f32) {
+pub(crate) fn row_name(ui: &mut Ui, name: &str, width: f32) {
     let palette = theme::palette(ui);
     let (rect, _) = ui.allocate_exact_size(vec2(width, size::ROW), Sense::hover());
     let font = TextStyle::Body.resolve(ui.style());
@@ -79,7 +79,7 @@ pub fn row_name(ui: &mut Ui, name: &str, width: f32) {
 }
 
 /// A row of a section: its name, `width` points wide, and what can be chosen.
-pub fn named_row(ui: &mut Ui, name: &str, width: f32, contents: impl FnOnce(&mut Ui)) {
+pub(crate) fn named_row(ui: &mut Ui, name: &str, width: f32, contents: impl FnOnce(&mut Ui)) {
     ui.horizontal(|ui| {
         ui.set_min_height(size::BUTTON);
         ui.spacing_mut().item_spacing.x = space::ROW;
@@ -89,12 +89,12 @@ pub fn named_row(ui: &mut Ui, name: &str, width: f32, contents: impl FnOnce(&mut
 }
 
 /// What a field is about, or its unit, small behind it.
-pub fn hint(ui: &mut Ui, text: &str) {
+pub(crate) fn hint(ui: &mut Ui, text: &str) {
     ui.label(RichText::new(text).small().color(theme::palette(ui).text3));
 }
 
 /// A field for a number, named for screen readers: drag, or click and type.
-pub fn number_field(
+pub(crate) fn number_field(
     ui: &mut Ui,
     name: &str,
     value: &mut f64,

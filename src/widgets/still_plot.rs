@@ -6,7 +6,7 @@ use egui_plot::Plot;
 use crate::style::theme::Palette;
 
 /// A plot of a size in points: what it shows is what there is, and a click or the pointer over it means a point of it.
-pub fn still_plot<'a>(name: &str, size: Vec2, palette: &Palette) -> Plot<'a> {
+pub(crate) fn still_plot<'a>(name: &str, size: Vec2, palette: &Palette) -> Plot<'a> {
     Plot::new(name)
         .width(size.x)
         .height(size.y)

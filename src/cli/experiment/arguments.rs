@@ -11,32 +11,32 @@ use crate::style::theme::Theme;
 
 /// Where the results go, and how they look.
 #[derive(Debug, Args)]
-pub struct OutputArguments {
+pub(crate) struct OutputArguments {
     /// Folder to write numbers and plots to; made if it is not there
     #[arg(long, value_name = "DIR", default_value = "experiments")]
-    pub out: PathBuf,
+    pub(crate) out: PathBuf,
     /// Print the numbers as JSON instead of a table
     #[arg(long)]
-    pub json: bool,
+    pub(crate) json: bool,
     /// Colours of the plots
     #[arg(long, value_enum, default_value_t = ThemeWord::Light)]
-    pub theme: ThemeWord,
+    pub(crate) theme: ThemeWord,
 }
 
 /// The random starts of an experiment.
 #[derive(Debug, Clone, Copy, Args)]
-pub struct StartArguments {
+pub(crate) struct StartArguments {
     /// Seed of the random starts
     #[arg(long, value_name = "S", default_value_t = 1)]
-    pub seed: u64,
+    pub(crate) seed: u64,
     /// How many starts
     #[arg(long, value_name = "N")]
-    pub starts: Option<usize>,
+    pub(crate) starts: Option<usize>,
 }
 
 /// Dark or light.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum ThemeWord {
+pub(crate) enum ThemeWord {
     /// For screens.
     Dark,
     /// For paper.
@@ -54,7 +54,7 @@ impl From<ThemeWord> for Theme {
 
 /// What the simulated cameras see.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum DataWord {
+pub(crate) enum DataWord {
     /// The renderer's own grey levels of the true pose, as in the report's simulations
     Prediction,
     /// Black-and-white silhouettes, as segmentation gives them
@@ -72,7 +72,7 @@ impl From<DataWord> for Simulation {
 
 /// How far the random starts are from the truth.
 #[derive(Debug, Clone, Copy, Args)]
-pub struct NoiseArguments {
+pub(crate) struct NoiseArguments {
     /// How far every joint of a start is turned and its root moved, e.g. 5deg,3cm [default: the experiment's own]
     #[arg(long, value_name = "ANGLE,DISTANCE")]
     start_noise: Option<StartNoise>,
@@ -81,14 +81,14 @@ pub struct NoiseArguments {
 impl NoiseArguments {
     /// Radians and metres, or those of the experiment.
     #[must_use]
-    pub fn or(&self, angle_rad: f64, distance_m: f64) -> (f64, f64) {
+    pub(crate) fn or(&self, angle_rad: f64, distance_m: f64) -> (f64, f64) {
         self.start_noise.map_or((angle_rad, distance_m), |noise| (noise.angle_rad, noise.distance_m))
     }
 }
 
 /// Pixels across and down.
 #[derive(Debug, Clone, Copy)]
-pub struct PictureSize(pub [u64; 2]);
+pub(crate) struct PictureSize(pub(crate) [u64; 2]);
 
 impl FromStr for PictureSize {
     type Err = &'static str;

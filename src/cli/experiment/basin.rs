@@ -22,7 +22,7 @@ use crate::drawing::plot::{Axis, Figure, Line};
 
 /// What `backlit experiment basin` is told.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Numbers of cameras
     #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [1, 2, 4])]
     cameras: Vec<usize>,
@@ -71,7 +71,7 @@ struct Conditions<'a> {
 ///
 /// # Errors
 /// Options that make no sense, or files that cannot be read or written.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut options = Options { cameras: arguments.cameras.clone(), ..Options::of(arguments.preset) };
     options.renderer = arguments.renderer;
     options.scaled &= !arguments.unscaled;

@@ -18,12 +18,12 @@ use crate::features::basin::settings::{angle_name, direction_name};
 
 /// Two angles of the body: across and up.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct MapAngles(pub [(String, Angle); 2]);
+pub(crate) struct MapAngles(pub(crate) [(String, Angle); 2]);
 
 /// What is wrong with the words of a map.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("expected two angles as JOINT.AXIS,JOINT.AXIS, with flexion, sideways or twist for AXIS")]
-pub struct ParseMapError;
+pub(crate) struct ParseMapError;
 
 impl FromStr for MapAngles {
     type Err = ParseMapError;
@@ -46,7 +46,7 @@ impl FromStr for MapAngles {
 ///
 /// # Errors
 /// Options that make no sense, a take that cannot be read, or files that cannot be written.
-pub fn run(
+pub(crate) fn run(
     arguments: &FrameArguments,
     path: &Path,
     choice: FitChoice,

@@ -12,7 +12,7 @@ use crate::drawing::plot::{Axis, Figure, Line};
 
 /// What `backlit experiment bias` is told.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Numbers of cameras, at most 4
     #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [1, 2, 4])]
     cameras: Vec<usize>,
@@ -33,7 +33,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// Options that make no sense, or files that cannot be written.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let options = Options {
         cameras: arguments.cameras.clone(),
         size_px: arguments.size.0,

@@ -11,7 +11,7 @@ use crate::drawing::plot::{Axis, Figure, Line};
 
 /// What `backlit experiment fig5.1` is told.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Distances of the camera, metres; the limb is as large in all pictures
     #[arg(long, value_name = "M,…", value_delimiter = ',', default_values_t = [10.0, 0.8])]
     distance: Vec<f64>,
@@ -29,7 +29,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// Options that make no sense, or files that cannot be written.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let options = Options {
         distances_m: arguments.distance.clone(),
         offset_m: arguments.offset,

@@ -12,7 +12,7 @@ use crate::drawing::plot::{Axis, Figure, Line};
 
 /// What `backlit experiment fig5.2` and `fig5.3` are told.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     #[command(flatten)]
     start: StartArguments,
     #[command(flatten)]
@@ -28,7 +28,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// Options that make no sense, or files that cannot be written.
-pub fn run(arguments: &Arguments, name: &str, cameras: usize) -> anyhow::Result<()> {
+pub(crate) fn run(arguments: &Arguments, name: &str, cameras: usize) -> anyhow::Result<()> {
     let mut options = Options {
         cameras,
         seed: arguments.start.seed,

@@ -12,7 +12,7 @@ use crate::drawing::plot::{Axis, Figure, Line};
 
 /// What `backlit experiment fig5.5` and `fig5.6` are told.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     #[command(flatten)]
     start: StartArguments,
     #[command(flatten)]
@@ -28,7 +28,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// Options that make no sense, or files that cannot be written.
-pub fn run(arguments: &Arguments, name: &str, size_px: [u64; 2]) -> anyhow::Result<()> {
+pub(crate) fn run(arguments: &Arguments, name: &str, size_px: [u64; 2]) -> anyhow::Result<()> {
     let mut options =
         Options { size_px, frames: arguments.frames, seed: arguments.start.seed, ..Options::default() };
     options.starts = arguments.start.starts.unwrap_or(options.starts);

@@ -26,7 +26,7 @@ struct Document<'a, O, R> {
 ///
 /// # Errors
 /// The folder or a file cannot be written.
-pub fn finish<O: Serialize, R: Serialize>(
+pub(crate) fn finish<O: Serialize, R: Serialize>(
     arguments: &OutputArguments,
     name: &str,
     options: &O,
@@ -44,20 +44,20 @@ pub fn finish<O: Serialize, R: Serialize>(
 
 /// What one result becomes in files.
 #[derive(Debug)]
-pub struct ResultFiles {
+pub(crate) struct ResultFiles {
     /// The numbers, as `NAME.json`.
-    pub json: Vec<u8>,
+    pub(crate) json: Vec<u8>,
     /// The table, as `NAME.csv`.
-    pub csv: Vec<u8>,
+    pub(crate) csv: Vec<u8>,
     /// The picture, as `NAME.png`.
-    pub png: Vec<u8>,
+    pub(crate) png: Vec<u8>,
 }
 
 /// Writes a result's files, then prints the table, or the numbers.
 ///
 /// # Errors
 /// The folder or a file cannot be written.
-pub fn finish_result(
+pub(crate) fn finish_result(
     arguments: &OutputArguments,
     name: &str,
     result: &ResultFiles,
@@ -80,7 +80,7 @@ pub fn finish_result(
 ///
 /// # Errors
 /// The folder or a file cannot be written.
-pub fn write<O: Serialize, R: Serialize>(
+pub(crate) fn write<O: Serialize, R: Serialize>(
     arguments: &OutputArguments,
     name: &str,
     options: &O,

@@ -15,7 +15,7 @@ use crate::cli::track_report::{TrackReport, TrackSummary};
 
 /// What `backlit experiment footage` is told.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Take: its folder or its take.toml. It needs reference keypoints
     take: PathBuf,
     /// Another body than the take's, as from fit-body: a file, or a built-in one by name
@@ -57,7 +57,7 @@ struct OneStart {
 ///
 /// # Errors
 /// A take that cannot be read, or one without reference keypoints.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let smoothing = arguments.follow.smoothing()?;
     let footage = take_options::open_with_model(&arguments.take, arguments.model.as_deref())?;
     let take = footage.take();

@@ -28,10 +28,10 @@ const METRES_A_DEGREE: f64 = 0.005;
 /// One frame of a take in place of drawn scenes.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "One frame of a take")]
-pub struct FrameArguments {
+pub(crate) struct FrameArguments {
     /// Take whose frame is tried with all its cameras, in place of drawn scenes: its folder or its take.toml
     #[arg(long, value_name = "TAKE", conflicts_with_all = ["cameras", "size"])]
-    pub take: Option<PathBuf>,
+    pub(crate) take: Option<PathBuf>,
     /// The frame, counted from 0
     #[arg(long, value_name = "K", default_value_t = 0, requires = "take")]
     frame: usize,
@@ -48,7 +48,7 @@ pub struct FrameArguments {
     root: Vec<f64>,
     /// A fit has found its target when root and leaf joints are less than this off on average, millimetres
     #[arg(long, value_name = "MM", default_value_t = 20.0, requires = "take")]
-    pub within: f64,
+    pub(crate) within: f64,
     /// Fit the same starts in other ways too, three at most: robust, report, or search, which is robust with a search
     /// for other hypotheses; a solid behind a colon if wanted: search:cylinder
     #[arg(long, value_name = "WAY,…", value_delimiter = ',', requires = "take")]
@@ -56,31 +56,31 @@ pub struct FrameArguments {
     /// A map in place of random starts: two angles of the body, across and up, are set off on a grid. By limb and
     /// flexion, sideways or twist: "right forearm.flexion,right forearm.twist"
     #[arg(long, value_name = "JOINT.AXIS,JOINT.AXIS", requires = "take")]
-    pub map: Option<MapAngles>,
+    pub(crate) map: Option<MapAngles>,
     /// How far a map sets the angles off to either side, degrees
     #[arg(long, value_name = "DEG", default_value_t = 60.0, requires = "map")]
-    pub farthest: f64,
+    pub(crate) farthest: f64,
     /// Cells of a map across and up; with an odd number the pose itself is one of them
     #[arg(long, value_name = "N", default_value_t = 11, requires = "map")]
-    pub cells: usize,
+    pub(crate) cells: usize,
 }
 
 /// What is tried of a take: its frame as the fits see it, and where they are to end.
 #[derive(Debug)]
-pub struct Subject {
+pub(crate) struct Subject {
     /// The frame.
-    pub frame: Frame,
+    pub(crate) frame: Frame,
     /// Where fits are to end.
-    pub target: Target,
+    pub(crate) target: Target,
     /// The conditions in one line.
-    pub about: About,
+    pub(crate) about: About,
 }
 
 /// Tries the frame, writes and prints.
 ///
 /// # Errors
 /// Options that make no sense, a take that cannot be read, or files that cannot be written.
-pub fn run(
+pub(crate) fn run(
     arguments: &FrameArguments,
     path: &Path,
     (angles, starts, seed): (&[u32], &str, u64),
@@ -108,7 +108,7 @@ pub fn run(
 ///
 /// # Errors
 /// That of the first fit that fails.
-pub fn all_of<T>(
+pub(crate) fn all_of<T>(
     total: usize,
     mut fit: impl FnMut(usize) -> Result<T, ExperimentError>,
 ) -> anyhow::Result<Vec<T>> {
@@ -126,7 +126,7 @@ pub fn all_of<T>(
 ///
 /// # Errors
 /// The body has no such limb.
-pub fn rotation_of(model: &Model, name: &str, option: &str) -> anyhow::Result<usize> {
+pub(crate) fn rotation_of(model: &Model, name: &str, option: &str) -> anyhow::Result<usize> {
     let limb = model.limb_index(name).with_context(|| format!("{option}: the body has no limb {name}"))?;
     Ok(model.limbs()[limb].rotation)
 }
@@ -136,7 +136,7 @@ impl FrameArguments {
     ///
     /// # Errors
     /// A take or a pose that cannot be read, or a frame that the take does not have.
-    pub fn subject(&self, path: &Path) -> anyhow::Result<Subject> {
+    pub(crate) fn subject(&self, path: &Path) -> anyhow::Result<Subject> {
         let footage = take_options::open(path)?;
         let take = footage.take();
         let count = take.frame_count();
@@ -154,7 +154,7 @@ impl FrameArguments {
     ///
     /// # Errors
     /// Too many of them.
-    pub fn choices(&self, first: FitChoice) -> anyhow::Result<Vec<FitChoice>> {
+    pub(crate) fn choices(&self, first: FitChoice) -> anyhow::Result<Vec<FitChoice>> {
         ensure!(self.compare.len() <= MOST_COMPARED, "--compare: expected {MOST_COMPARED} ways at most");
         let mut choices = vec![first];
         choices.extend(self.compare.iter().map(|compared| compared.choice()));

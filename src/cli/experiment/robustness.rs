@@ -14,7 +14,7 @@ use crate::drawing::plot::{Axis, Figure, Line};
 
 /// What `backlit experiment robustness` is told.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     #[command(flatten)]
     start: StartArguments,
     #[command(flatten)]
@@ -30,7 +30,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// Options that make no sense, or files that cannot be written.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut options = Options { seed: arguments.start.seed, ..Options::default() };
     options.starts = arguments.start.starts.unwrap_or(options.starts);
     options.moments = arguments.moments.clone().unwrap_or(options.moments);

@@ -12,7 +12,7 @@ use crate::cli::table::Table;
 
 /// What `backlit experiment sizes` is told.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Moments of the built-in movement (its frames, 0 to 59) to look at
     #[arg(long, value_name = "K,…", value_delimiter = ',')]
     moments: Option<Vec<f64>>,
@@ -27,7 +27,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// Options that make no sense, or files that cannot be written.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let defaults = Options::default();
     let moments = arguments.moments.clone().unwrap_or(defaults.moments);
     let options = Options { moments, seed: arguments.seed, ..Options::default() };

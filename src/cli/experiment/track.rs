@@ -12,7 +12,7 @@ use crate::drawing::plot::{Axis, Figure, Line};
 
 /// What `backlit experiment track` is told.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     #[command(flatten)]
     start: StartArguments,
     #[command(flatten)]
@@ -34,7 +34,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// Options that make no sense, or files that cannot be written.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut options = Options {
         frames: arguments.frames,
         cameras: arguments.cameras,

@@ -5,7 +5,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 /// The bar. It goes away with this.
 #[derive(Debug)]
-pub struct Waiting(ProgressBar);
+pub(crate) struct Waiting(ProgressBar);
 
 impl Default for Waiting {
     fn default() -> Self {
@@ -16,7 +16,7 @@ impl Default for Waiting {
 impl Waiting {
     /// A bar that waits for the first number.
     #[must_use]
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let bar = ProgressBar::new(1);
         if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} fits, {eta} left") {
             bar.set_style(style);
@@ -25,7 +25,7 @@ impl Waiting {
     }
 
     /// What an experiment tells how far it is.
-    pub fn listener(self) -> impl FnMut(Progress) {
+    pub(crate) fn listener(self) -> impl FnMut(Progress) {
         move |progress| {
             self.0.set_length(progress.total as u64);
             self.0.set_position(progress.done as u64);

@@ -27,26 +27,26 @@ const SCENE: f32 = 0.386;
 
 /// What the automatic arrangement depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Centre {
+pub(crate) struct Centre {
     /// What the window is arranged for.
-    pub layout: Layout,
+    pub(crate) layout: Layout,
     /// Cameras of the take.
-    pub cameras: usize,
+    pub(crate) cameras: usize,
     /// The two cameras that are shown where there is room for two.
-    pub pair: [usize; 2],
+    pub(crate) pair: [usize; 2],
     /// Size of the centre in points.
-    pub size: Vec2,
+    pub(crate) size: Vec2,
 }
 
 /// Whether two cameras are shown, and a strip beneath names the others.
 #[must_use]
-pub fn has_strip(centre: &Centre) -> bool {
+pub(crate) fn has_strip(centre: &Centre) -> bool {
     centre.layout != Layout::Debug && centre.cameras > 2 && centre.size.x < TWO_TILES_BELOW
 }
 
 /// Whether a layout has a pane as long as the user has not closed it.
 #[must_use]
-pub fn is_open_at_first(layout: Layout, pane: Pane) -> bool {
+pub(crate) fn is_open_at_first(layout: Layout, pane: Pane) -> bool {
     match pane {
         Pane::Camera(_) => true,
         Pane::Scene | Pane::Convergence => layout == Layout::Debug,
@@ -56,7 +56,7 @@ pub fn is_open_at_first(layout: Layout, pane: Pane) -> bool {
 
 /// The arrangement of this centre.
 #[must_use]
-pub fn automatic(centre: &Centre) -> Arrangement {
+pub(crate) fn automatic(centre: &Centre) -> Arrangement {
     let mut plan = Plan { tiles: Tiles::default() };
     let root = if centre.layout == Layout::Debug {
         plan.debug(centre)

@@ -10,19 +10,19 @@ const NEW: f32 = 1.0 / 3.0;
 
 /// Whether a pane is there and not closed.
 #[must_use]
-pub fn is_open(tree: &Arrangement, pane: Pane) -> bool {
+pub(crate) fn is_open(tree: &Arrangement, pane: Pane) -> bool {
     tree.tiles.find_pane(&pane).is_some_and(|tile| tree.is_visible(tile))
 }
 
 /// Closes a pane; it keeps its place.
-pub fn close(tree: &mut Arrangement, pane: Pane) {
+pub(crate) fn close(tree: &mut Arrangement, pane: Pane) {
     if let Some(tile) = tree.tiles.find_pane(&pane) {
         tree.set_visible(tile, false);
     }
 }
 
 /// Opens a pane in the place that it had, or at the side where it comes in, before what it shares tabs with.
-pub fn open(tree: &mut Arrangement, pane: Pane) {
+pub(crate) fn open(tree: &mut Arrangement, pane: Pane) {
     match tree.tiles.find_pane(&pane) {
         Some(tile) => tree.set_visible(tile, true),
         None => insert(tree, pane),
@@ -31,13 +31,13 @@ pub fn open(tree: &mut Arrangement, pane: Pane) {
 }
 
 /// Brings a pane before what it shares tabs with.
-pub fn show(tree: &mut Arrangement, pane: Pane) {
+pub(crate) fn show(tree: &mut Arrangement, pane: Pane) {
     tree.make_active(|_, tile| matches!(tile, Tile::Pane(other) if *other == pane));
 }
 
 /// The panes that share tabs with this one, itself among them; none if it has its tile for itself.
 #[must_use]
-pub fn panes_with(tree: &Arrangement, pane: Pane) -> Vec<Pane> {
+pub(crate) fn panes_with(tree: &Arrangement, pane: Pane) -> Vec<Pane> {
     let container = tree
         .tiles
         .find_pane(&pane)

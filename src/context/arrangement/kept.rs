@@ -33,13 +33,13 @@ impl Kept {
     }
 
     /// Keeps an arrangement in the place of the one before.
-    pub fn set(&mut self, layout: Layout, cameras: usize, tree: Arrangement) {
+    pub(crate) fn set(&mut self, layout: Layout, cameras: usize, tree: Arrangement) {
         self.forget(layout, cameras);
         self.entries.push(Entry { layout, cameras, tree });
     }
 
     /// The automatic arrangement comes back.
-    pub fn forget(&mut self, layout: Layout, cameras: usize) {
+    pub(crate) fn forget(&mut self, layout: Layout, cameras: usize) {
         self.entries.retain(|entry| (entry.layout, entry.cameras) != (layout, cameras));
     }
 }
@@ -47,7 +47,7 @@ impl Kept {
 /// Whether an arrangement that was read from a file is whole: every camera once, no pane twice, no way round in
 /// circles, and shares that can be laid out.
 #[must_use]
-pub fn fits(tree: &Arrangement, cameras: usize) -> bool {
+pub(crate) fn fits(tree: &Arrangement, cameras: usize) -> bool {
     let Some(root) = tree.root() else { return false };
     let mut seen = BTreeSet::new();
     let mut panes = BTreeSet::new();

@@ -14,7 +14,7 @@ const LEAST: f32 = 32.0;
 
 /// After a split was dragged: the one that has moved since `before` and is nearest to the pointer snaps to a
 /// third or the half of its container, if it is close to it.
-pub fn snap(before: &Arrangement, after: &mut Arrangement, pointer: Pos2) {
+pub(crate) fn snap(before: &Arrangement, after: &mut Arrangement, pointer: Pos2) {
     let containers: Vec<TileId> = after.tiles.tile_ids().collect();
     for id in containers {
         let (Some(old), Some(new)) = (linear(before, id), linear(after, id)) else { continue };

@@ -53,7 +53,7 @@ group! {
 impl Nudge {
     /// How far it goes in the view.
     #[must_use]
-    pub const fn by_px(self) -> DVec2 {
+    pub(crate) const fn by_px(self) -> DVec2 {
         match self {
             Self::Left => DVec2::new(-1.0, 0.0),
             Self::Right => DVec2::new(1.0, 0.0),

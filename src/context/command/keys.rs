@@ -24,13 +24,13 @@ pub(super) const fn ctrl_shift(key: Key) -> KeyboardShortcut {
 impl Command {
     /// Its first keys as they are written: "Ctrl+K".
     #[must_use]
-    pub fn keys_text(self) -> Option<String> {
+    pub(crate) fn keys_text(self) -> Option<String> {
         self.shortcuts().first().map(keys_text)
     }
 
     /// The commands whose keys were pressed since the last frame; the key events are used up. While text is
     /// typed only commands with Ctrl and function keys act; while a button has the focus, its keys are its own.
-    pub fn pressed(ctx: &egui::Context) -> Vec<Self> {
+    pub(crate) fn pressed(ctx: &egui::Context) -> Vec<Self> {
         let typing = ctx.text_edit_focused();
         let focused = ctx.egui_wants_keyboard_input();
         let commands: Vec<Self> = ctx.input_mut(|input| {
@@ -56,7 +56,7 @@ impl Command {
 
 /// Keys as they are written.
 #[must_use]
-pub fn keys_text(keys: &KeyboardShortcut) -> String {
+pub(crate) fn keys_text(keys: &KeyboardShortcut) -> String {
     match keys.logical_key {
         Key::Questionmark => "?".to_owned(),
         Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown => {

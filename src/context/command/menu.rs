@@ -2,8 +2,7 @@
 
 /// The menus, in their order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[expect(missing_docs, reason = "a menu's name says what is in it")]
-pub enum Menu {
+pub(crate) enum Menu {
     File,
     Edit,
     View,
@@ -15,12 +14,12 @@ pub enum Menu {
 
 impl Menu {
     /// All menus.
-    pub const ALL: [Self; 7] =
+    pub(crate) const ALL: [Self; 7] =
         [Self::File, Self::Edit, Self::View, Self::Fit, Self::Track, Self::Demonstrate, Self::Help];
 
     /// The menu's label.
     #[must_use]
-    pub const fn text(self) -> &'static str {
+    pub(crate) const fn text(self) -> &'static str {
         match self {
             Self::File => "File",
             Self::Edit => "Edit",

@@ -13,7 +13,6 @@ use super::{FORMAT, MAX_BYTES};
 
 /// Why a project cannot be read or written.
 #[derive(Debug, Error)]
-#[expect(missing_docs, reason = "the messages say what each variant and field is")]
 pub enum ProjectError {
     #[error("{}: {}", path.display(), said(.source))]
     Io { path: PathBuf, source: std::io::Error },

@@ -23,31 +23,31 @@ const PAD: f64 = 0.04;
 
 /// One axis: its words with the unit, and how it runs.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Axis {
+pub(crate) struct Axis {
     /// What it counts, with the unit.
-    pub label: String,
+    pub(crate) label: String,
     /// Whether it is logarithmic.
-    pub is_log: bool,
+    pub(crate) is_log: bool,
     /// Its ends; those of the curves where there are none.
-    pub range: Option<[f64; 2]>,
+    pub(crate) range: Option<[f64; 2]>,
 }
 
 impl Axis {
     /// An even axis as long as its curves.
     #[must_use]
-    pub fn linear(label: &str) -> Self {
+    pub(crate) fn linear(label: &str) -> Self {
         Self { label: label.to_owned(), is_log: false, range: None }
     }
 
     /// A logarithmic axis as long as its curves.
     #[must_use]
-    pub fn log(label: &str) -> Self {
+    pub(crate) fn log(label: &str) -> Self {
         Self { label: label.to_owned(), is_log: true, range: None }
     }
 
     /// The same with fixed ends.
     #[must_use]
-    pub fn within(mut self, low: f64, high: f64) -> Self {
+    pub(crate) fn within(mut self, low: f64, high: f64) -> Self {
         self.range = Some([low, high]);
         self
     }
@@ -61,26 +61,26 @@ impl Axis {
 
 /// One curve; where a value is not finite the curve has a gap.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Line {
+pub(crate) struct Line {
     /// Its name in the legend.
-    pub name: String,
+    pub(crate) name: String,
     /// Points, in the order in which they are joined.
-    pub points: Vec<[f64; 2]>,
+    pub(crate) points: Vec<[f64; 2]>,
     /// Index of its colour and dash ([`run_style`]).
-    pub style: usize,
+    pub(crate) style: usize,
     /// Points with a ×, beside the curve.
-    pub crosses: Vec<[f64; 2]>,
+    pub(crate) crosses: Vec<[f64; 2]>,
     /// Upright bars: x, and both ends. They say how sure a point is.
-    pub bars: Vec<[f64; 3]>,
+    pub(crate) bars: Vec<[f64; 3]>,
     /// Whether it is drawn thin and without dots: one of many that a thick curve stands for. It has no name in
     /// the legend.
-    pub is_faint: bool,
+    pub(crate) is_faint: bool,
 }
 
 impl Line {
     /// A curve of values over 0, 1, 2 …
     #[must_use]
-    pub fn of_values(name: &str, style: usize, values: &[f64]) -> Self {
+    pub(crate) fn of_values(name: &str, style: usize, values: &[f64]) -> Self {
         Self::of_points(
             name,
             style,
@@ -90,27 +90,27 @@ impl Line {
 
     /// A curve through points.
     #[must_use]
-    pub fn of_points(name: &str, style: usize, points: Vec<[f64; 2]>) -> Self {
+    pub(crate) fn of_points(name: &str, style: usize, points: Vec<[f64; 2]>) -> Self {
         Self { name: name.to_owned(), points, style, ..Self::default() }
     }
 
     /// The same with a × at each of these points.
     #[must_use]
-    pub fn with_crosses(mut self, crosses: Vec<[f64; 2]>) -> Self {
+    pub(crate) fn with_crosses(mut self, crosses: Vec<[f64; 2]>) -> Self {
         self.crosses = crosses;
         self
     }
 
     /// The same with upright bars: x, and both ends.
     #[must_use]
-    pub fn with_bars(mut self, bars: Vec<[f64; 3]>) -> Self {
+    pub(crate) fn with_bars(mut self, bars: Vec<[f64; 3]>) -> Self {
         self.bars = bars;
         self
     }
 
     /// The same, drawn as one of many.
     #[must_use]
-    pub fn faint(mut self) -> Self {
+    pub(crate) fn faint(mut self) -> Self {
         self.is_faint = true;
         self
     }
@@ -120,21 +120,21 @@ impl Line {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Figure {
     /// What is shown.
-    pub title: String,
+    pub(crate) title: String,
     /// The conditions, in one line.
     pub subtitle: String,
     /// Across.
-    pub x: Axis,
+    pub(crate) x: Axis,
     /// Up.
-    pub y: Axis,
+    pub(crate) y: Axis,
     /// The curves, first ones lowest.
-    pub lines: Vec<Line>,
+    pub(crate) lines: Vec<Line>,
 }
 
 impl Figure {
     /// The figure as a picture. The same figure gives the same bytes.
     #[must_use]
-    pub fn picture(&self, theme: Theme) -> RgbaImage {
+    pub(crate) fn picture(&self, theme: Theme) -> RgbaImage {
         let mut window = Headless::new(SIZE[0], SIZE[1], 1.0);
         theme::apply(&window.ctx, theme);
         let palette = theme.palette();
@@ -148,7 +148,7 @@ impl Figure {
     ///
     /// # Errors
     /// None that is known: the picture is small.
-    pub fn png(&self, theme: Theme) -> anyhow::Result<Vec<u8>> {
+    pub(crate) fn png(&self, theme: Theme) -> anyhow::Result<Vec<u8>> {
         png(self.picture(theme))
     }
 

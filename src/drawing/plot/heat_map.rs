@@ -15,11 +15,11 @@ const AROUND: [f32; 2] = [28.0, 116.0];
 /// Most maps side by side.
 const ACROSS: usize = 2;
 /// Height of a map's name.
-pub const NAME: f32 = 22.0;
+pub(crate) const NAME: f32 = 22.0;
 /// The lightest colour stands for this many times the limit, and more.
-pub const LAST_COLOUR: f64 = 10.0;
+pub(crate) const LAST_COLOUR: f64 = 10.0;
 /// Room for a map's axes, across and up.
-pub const AXES: egui::Vec2 = vec2(52.0, 56.0);
+pub(crate) const AXES: egui::Vec2 = vec2(52.0, 56.0);
 /// Radius of the dot in a cell within the limit, as a part of its side, and at most.
 const DOT: f32 = 0.12;
 const LARGEST_DOT: f32 = 3.0;
@@ -28,27 +28,27 @@ const BAR: f32 = 10.0;
 
 /// A map of distances over two offsets.
 #[derive(Debug, Clone, PartialEq)]
-pub struct HeatMap {
+pub(crate) struct HeatMap {
     /// What is shown.
-    pub title: String,
+    pub(crate) title: String,
     /// The conditions, in one line.
-    pub subtitle: String,
+    pub(crate) subtitle: String,
     /// What is set off across and up.
-    pub labels: [String; 2],
+    pub(crate) labels: [String; 2],
     /// Both axes go from minus this to this.
-    pub ends_degrees: f64,
+    pub(crate) ends_degrees: f64,
     /// Cells across and up.
-    pub columns: usize,
+    pub(crate) columns: usize,
     /// Maps by name: millimetres by row, the lowest first, then by column; nothing where it is not known.
-    pub maps: Vec<(String, Vec<Option<f64>>)>,
+    pub(crate) maps: Vec<(String, Vec<Option<f64>>)>,
     /// What is below this is marked with a dot.
-    pub limit: f64,
+    pub(crate) limit: f64,
 }
 
 impl HeatMap {
     /// The map as a picture. The same map gives the same bytes.
     #[must_use]
-    pub fn picture(&self, theme: Theme) -> RgbaImage {
+    pub(crate) fn picture(&self, theme: Theme) -> RgbaImage {
         let [width, height] = self.size();
         let mut window = Headless::new(width, height, 1.0);
         theme::apply(&window.ctx, theme);
@@ -92,7 +92,7 @@ impl HeatMap {
 
 /// So many places for maps in an area, as large as each other.
 #[must_use]
-pub fn places(area: Rect, count: usize, across: usize) -> Vec<Rect> {
+pub(crate) fn places(area: Rect, count: usize, across: usize) -> Vec<Rect> {
     let across = across.clamp(1, count.max(1));
     let rows = count.div_ceil(across).max(1);
     let size = vec2(area.width() / across as f32, area.height() / rows as f32);
@@ -105,7 +105,7 @@ pub fn places(area: Rect, count: usize, across: usize) -> Vec<Rect> {
 
 /// How many of so many maps stand side by side so that they are as large as can be, and the side of their squares.
 #[must_use]
-pub fn best_across(area: Rect, count: usize) -> (usize, f32) {
+pub(crate) fn best_across(area: Rect, count: usize) -> (usize, f32) {
     let side = |across: usize| {
         let place = places(area, count, across).first().copied().unwrap_or(Rect::ZERO);
         let room = place.size() - AXES - vec2(0.0, NAME);
@@ -117,7 +117,7 @@ pub fn best_across(area: Rect, count: usize) -> (usize, f32) {
 
 /// The square of a map in an area, with room for its axes.
 #[must_use]
-pub fn grid_in(area: Rect) -> Rect {
+pub(crate) fn grid_in(area: Rect) -> Rect {
     let room = Rect::from_min_max(area.min + vec2(44.0, 22.0), area.max - vec2(8.0, 34.0));
     let side = room.width().min(room.height()).max(40.0).floor();
     Rect::from_min_size(pos2(room.left().round(), room.top().round()), vec2(side, side))
@@ -125,7 +125,7 @@ pub fn grid_in(area: Rect) -> Rect {
 
 /// A cell of a map; rows go up.
 #[must_use]
-pub fn cell_in(grid: Rect, columns: usize, [column, row]: [usize; 2]) -> Rect {
+pub(crate) fn cell_in(grid: Rect, columns: usize, [column, row]: [usize; 2]) -> Rect {
     let edge = |place: usize, length: f32| (length * place as f32 / columns.max(1) as f32).round();
     let (left, right) = (edge(column, grid.width()), edge(column + 1, grid.width()));
     let (low, high) = (edge(row, grid.height()), edge(row + 1, grid.height()));
@@ -137,12 +137,12 @@ pub fn cell_in(grid: Rect, columns: usize, [column, row]: [usize; 2]) -> Rect {
 
 /// The colour of a distance: dark at none, lightest from ten times the limit on.
 #[must_use]
-pub fn error_colour(value: f64, limit: f64) -> egui::Color32 {
+pub(crate) fn error_colour(value: f64, limit: f64) -> egui::Color32 {
     gradient_colour((value / (LAST_COLOUR * limit)).clamp(0.0, 1.0).sqrt() as f32)
 }
 
 /// Paints a cell; one that is not known is empty, one that was found has a dot.
-pub fn paint_cell(
+pub(crate) fn paint_cell(
     painter: &Painter,
     cell: Rect,
     colour: Option<egui::Color32>,
@@ -161,7 +161,7 @@ pub fn paint_cell(
 }
 
 /// Names and ends of both axes.
-pub fn axes(ui: &Ui, grid: Rect, labels: &[String; 2], ends_degrees: f64) {
+pub(crate) fn axes(ui: &Ui, grid: Rect, labels: &[String; 2], ends_degrees: f64) {
     let palette = theme::palette(ui);
     let tick = theme::tick().resolve(ui.style());
     let small = TextStyle::Small.resolve(ui.style());
@@ -190,7 +190,7 @@ pub fn axes(ui: &Ui, grid: Rect, labels: &[String; 2], ends_degrees: f64) {
 }
 
 /// The bar that says which colour is which distance.
-pub fn error_legend(ui: &Ui, area: Rect, limit: f64) {
+pub(crate) fn error_legend(ui: &Ui, area: Rect, limit: f64) {
     let palette = theme::palette(ui);
     let bar = Rect::from_min_size(area.min + vec2(0.0, 2.0), vec2(area.width().min(260.0), BAR));
     let last = LAST_COLOUR * limit;

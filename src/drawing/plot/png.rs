@@ -8,7 +8,7 @@ use image::{DynamicImage, RgbaImage};
 ///
 /// # Errors
 /// The picture is larger than a PNG may be.
-pub fn png(picture: RgbaImage) -> anyhow::Result<Vec<u8>> {
+pub(crate) fn png(picture: RgbaImage) -> anyhow::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::NoFilter);
     DynamicImage::ImageRgba8(picture).into_rgb8().write_with_encoder(encoder).context("a plot")?;

@@ -14,7 +14,7 @@ use crate::drawing::plot::{Axis, Figure, HeatMap, Line};
 use crate::style::theme::Theme;
 
 /// Name and version of the files with the numbers.
-pub const FORMAT: &str = "backlit-experiment 1";
+pub(crate) const FORMAT: &str = "backlit-experiment 1";
 
 /// The conditions, behind what is missing if anything is.
 fn subtitle(fits: FitCount, conditions: &str) -> String {
@@ -64,7 +64,7 @@ impl AnglesResult {
     ///
     /// # Errors
     /// A number that is not one, which no experiment gives.
-    pub fn json(&self) -> anyhow::Result<Vec<u8>> {
+    pub(crate) fn json(&self) -> anyhow::Result<Vec<u8>> {
         json("basin of a frame", &self.about.conditions, self.fits(), &self.options, &self.report)
     }
 
@@ -72,7 +72,7 @@ impl AnglesResult {
     ///
     /// # Errors
     /// None that is known.
-    pub fn csv(&self) -> anyhow::Result<Vec<u8>> {
+    pub(crate) fn csv(&self) -> anyhow::Result<Vec<u8>> {
         let titles = ["choice", "angle_deg", "root_m", "start", "error_mm", "found"];
         let made: BTreeMap<[usize; 3], f64> = self
             .trials
@@ -179,7 +179,7 @@ impl MapResult {
 
     /// The map of every choice as one picture, coloured by the error.
     #[must_use]
-    pub fn picture(&self, theme: Theme) -> RgbaImage {
+    pub(crate) fn picture(&self, theme: Theme) -> RgbaImage {
         let map = |(index, choice): (usize, &FitChoice)| {
             let cells = self.cells_of(index).iter();
             let [tried, found] = self.counts(index);

@@ -8,7 +8,7 @@ use crate::context::command::BasinView;
 /// What the cells of the map are coloured by.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum MapColour {
+pub(crate) enum MapColour {
     /// How far from the target the fit ended.
     #[default]
     Error,
@@ -25,5 +25,5 @@ pub struct BasinPreferences {
     /// What is shown.
     pub view: BasinView,
     /// What cells are coloured by.
-    pub colour: MapColour,
+    pub(crate) colour: MapColour,
 }

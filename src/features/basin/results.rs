@@ -9,11 +9,11 @@ use crate::style::format;
 
 /// What an experiment was about.
 #[derive(Debug, Clone, PartialEq)]
-pub struct About {
+pub(crate) struct About {
     /// The frame.
-    pub frame: usize,
+    pub(crate) frame: usize,
     /// The conditions in one line: frame, cameras, what was turned.
-    pub conditions: String,
+    pub(crate) conditions: String,
 }
 
 /// How many of an experiment's fits were made.
@@ -22,7 +22,7 @@ pub struct FitCount {
     /// Fits that were made.
     pub done: usize,
     /// Fits in all.
-    pub total: usize,
+    pub(crate) total: usize,
 }
 
 impl FitCount {
@@ -34,7 +34,7 @@ impl FitCount {
 
     /// What is said of results that are not whole, in the window and in files.
     #[must_use]
-    pub fn partial_text(self) -> Option<String> {
+    pub(crate) fn partial_text(self) -> Option<String> {
         let count = |count: usize| format::count(count as i64);
         (!self.is_whole()).then(|| format!("Partial: {} of {} fits", count(self.done), count(self.total)))
     }
@@ -44,11 +44,11 @@ impl FitCount {
 #[derive(Debug, Clone)]
 pub struct AnglesResult {
     /// What it is about.
-    pub about: About,
+    pub(crate) about: About,
     /// What was tried.
-    pub options: frame_basin::Options,
+    pub(crate) options: frame_basin::Options,
     /// Every fit.
-    pub trials: Vec<Trial>,
+    pub(crate) trials: Vec<Trial>,
     /// What they say together.
     pub report: Report,
 }
@@ -65,7 +65,7 @@ impl AnglesResult {
 #[derive(Debug, Clone)]
 pub struct MapResult {
     /// What it is about.
-    pub about: About,
+    pub(crate) about: About,
     /// What was tried.
     pub options: basin_map::Options,
     /// The frame, so that a cell's start can be made again.
@@ -75,15 +75,20 @@ pub struct MapResult {
     /// By choice of fit, then by row, then by column; nothing where no fit has been.
     pub cells: Vec<Option<Cell>>,
     /// The one choice whose map is shown; `None` shows those of all, side by side.
-    pub shown: Option<usize>,
+    pub(crate) shown: Option<usize>,
     /// The cell whose start was taken.
-    pub taken: Option<[usize; 2]>,
+    pub(crate) taken: Option<[usize; 2]>,
 }
 
 impl MapResult {
     /// No cell is fitted yet.
     #[must_use]
-    pub fn new(about: About, options: basin_map::Options, frame: Frame, directions: [String; 2]) -> Self {
+    pub(crate) fn new(
+        about: About,
+        options: basin_map::Options,
+        frame: Frame,
+        directions: [String; 2],
+    ) -> Self {
         let cells = vec![None; options.trials()];
         Self { about, options, frame, directions, cells, shown: None, taken: None }
     }
@@ -96,13 +101,13 @@ impl MapResult {
 
     /// The cells of a choice, by row, then by column.
     #[must_use]
-    pub fn cells_of(&self, choice: usize) -> &[Option<Cell>] {
+    pub(crate) fn cells_of(&self, choice: usize) -> &[Option<Cell>] {
         let each = self.options.cells * self.options.cells;
         self.cells.get(choice * each..(choice + 1) * each).unwrap_or_default()
     }
 
     /// Takes in a cell.
-    pub fn add(&mut self, cell: Cell) {
+    pub(crate) fn add(&mut self, cell: Cell) {
         let index = self.index(cell.choice, cell.place);
         if let Some(slot) = self.cells.get_mut(index) {
             *slot = Some(cell);
@@ -115,7 +120,7 @@ impl MapResult {
 
     /// Cells that a choice has fitted, and those that found the target.
     #[must_use]
-    pub fn counts(&self, choice: usize) -> [usize; 2] {
+    pub(crate) fn counts(&self, choice: usize) -> [usize; 2] {
         let tried = self.cells_of(choice).iter().flatten();
         let found = tried.clone().filter(|cell| cell.error_mm < self.options.success_mm).count();
         [tried.count(), found]
@@ -132,11 +137,11 @@ impl MapResult {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Running {
     /// Which of the two.
-    pub view: BasinView,
+    pub(crate) view: BasinView,
     /// Fits done.
     pub done: usize,
     /// Fits in all.
-    pub total: usize,
+    pub(crate) total: usize,
     /// Seconds that are left, as far as can be told.
     pub seconds_left: Option<f64>,
 }
@@ -155,7 +160,7 @@ pub struct BasinResults {
 impl BasinResults {
     /// How many fits were made of what a view shows, if that is not all of them and no more is to come.
     #[must_use]
-    pub fn partial(&self, view: BasinView) -> Option<FitCount> {
+    pub(crate) fn partial(&self, view: BasinView) -> Option<FitCount> {
         let fits = match view {
             BasinView::Angles => self.angles.as_ref().map(AnglesResult::fits),
             BasinView::Map => self.map.as_ref().map(MapResult::fits),
@@ -165,7 +170,7 @@ impl BasinResults {
     }
 
     /// Nothing came of a view's experiment: it is as if it had not been begun.
-    pub fn forget(&mut self, view: BasinView) {
+    pub(crate) fn forget(&mut self, view: BasinView) {
         match view {
             BasinView::Angles => self.angles = None,
             BasinView::Map => self.map = None,
@@ -173,7 +178,7 @@ impl BasinResults {
     }
 
     /// Takes in a fit.
-    pub fn add_trial(&mut self, trial: Trial) {
+    pub(crate) fn add_trial(&mut self, trial: Trial) {
         if let Some(angles) = &mut self.angles {
             angles.trials.push(trial);
             angles.report = Report::of(&angles.options, &angles.trials);
@@ -182,7 +187,7 @@ impl BasinResults {
     }
 
     /// Takes in a cell of the map.
-    pub fn add_cell(&mut self, cell: Cell) {
+    pub(crate) fn add_cell(&mut self, cell: Cell) {
         if let Some(map) = &mut self.map {
             map.add(cell);
         }

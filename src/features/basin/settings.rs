@@ -16,9 +16,9 @@ use crate::document::run::{Run, RunChoices};
 use crate::document::run_names::{count_twins, plain_names};
 
 /// Most fits that the current choices are compared with.
-pub const MOST_COMPARED: usize = 3;
+pub(crate) const MOST_COMPARED: usize = 3;
 /// Most starts of an angle.
-pub const MOST_STARTS: usize = 500;
+pub(crate) const MOST_STARTS: usize = 500;
 /// Most angles.
 const MOST_ANGLES: usize = 12;
 
@@ -45,14 +45,15 @@ pub enum ComparedWay {
 
 impl ComparedWay {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Preset(Preset::Robust), Self::Preset(Preset::Report), Self::Search];
+    pub(crate) const ALL: [Self; 3] =
+        [Self::Preset(Preset::Robust), Self::Preset(Preset::Report), Self::Search];
 
     /// In the order in which they are offered for a comparison.
     const OFFERED: [Self; 3] = [Self::Preset(Preset::Report), Self::Search, Self::Preset(Preset::Robust)];
 
     /// Its name.
     #[must_use]
-    pub const fn text(self) -> &'static str {
+    pub(crate) const fn text(self) -> &'static str {
         match self {
             Self::Preset(Preset::Robust) => "Robust",
             Self::Preset(Preset::Report) => "Report 2004",
@@ -83,7 +84,7 @@ pub struct MapDirection {
 impl MapDirection {
     /// The joint's rotation in a body; `held` where it has no such joint.
     #[must_use]
-    pub fn rotation(&self, model: &Model, held: usize) -> usize {
+    pub(crate) fn rotation(&self, model: &Model, held: usize) -> usize {
         let limb = self.joint.as_deref().and_then(|name| model.limb_index(name));
         limb.map_or(held, |limb| model.limbs()[limb].rotation)
     }
@@ -98,15 +99,15 @@ pub struct BasinSettings {
     /// Whether the held joint alone is turned.
     pub only_held: bool,
     /// Angles, degrees, as they are typed.
-    pub angles: String,
+    pub(crate) angles: String,
     /// Moves of the root, centimetres, as they are typed: one for each angle, the last one for all that follow.
-    pub root_cm: String,
+    pub(crate) root_cm: String,
     /// Starts of each angle.
     pub starts: usize,
     /// Seed of the starts.
     pub seed: u64,
     /// A fit that ends nearer than this has found its target, millimetres.
-    pub success_mm: f64,
+    pub(crate) success_mm: f64,
     /// Fits to compare with the current choices.
     pub compared: Vec<Compared>,
     /// What the map sets off across and up.
@@ -120,7 +121,7 @@ pub struct BasinSettings {
 impl Compared {
     /// The choice of fit, without a name yet.
     #[must_use]
-    pub fn choice(self) -> FitChoice {
+    pub(crate) fn choice(self) -> FitChoice {
         let mut choice = match self.way {
             ComparedWay::Preset(preset) => FitChoice::downhill("", FitOptions::preset(preset)),
             ComparedWay::Search => basin::Options::of(Preset::Robust).choice(),
@@ -131,7 +132,7 @@ impl Compared {
 
     /// What to compare with next: the first way that is neither the current choices nor compared already.
     #[must_use]
-    pub fn next(current: &FitOptions, compared: &[Self]) -> Self {
+    pub(crate) fn next(current: &FitOptions, compared: &[Self]) -> Self {
         let renderer = current.renderer;
         let is_new = |way: &ComparedWay| {
             let is_current = matches!(way, ComparedWay::Preset(preset) if FitOptions { renderer, ..FitOptions::preset(*preset) } == *current);
@@ -185,7 +186,7 @@ impl BasinSettings {
     ///
     /// # Errors
     /// What is wrong with the text, in a sentence without its full stop.
-    pub fn levels(&self) -> Result<Vec<Level>, String> {
+    pub(crate) fn levels(&self) -> Result<Vec<Level>, String> {
         let angles = numbers(&self.angles, "Angles", 180.0)?;
         let roots = numbers(&self.root_cm, "Root", 200.0)?;
         if angles.is_empty() {
@@ -212,7 +213,7 @@ impl BasinSettings {
 
     /// The choices of fit: the current ones first, each named by what differs.
     #[must_use]
-    pub fn choices(&self, current: &FitOptions) -> Vec<FitChoice> {
+    pub(crate) fn choices(&self, current: &FitOptions) -> Vec<FitChoice> {
         let mut choices = vec![FitChoice::downhill("", current.clone())];
         choices.extend(self.compared.iter().take(MOST_COMPARED).map(|compared| compared.choice()));
         name_choices(&mut choices);
@@ -223,7 +224,7 @@ impl BasinSettings {
     ///
     /// # Errors
     /// What is wrong with what is typed.
-    pub fn options(&self, current: &FitOptions, held: usize) -> Result<frame_basin::Options, String> {
+    pub(crate) fn options(&self, current: &FitOptions, held: usize) -> Result<frame_basin::Options, String> {
         Ok(frame_basin::Options {
             choices: self.choices(current),
             rotation: self.only_held.then_some(held),
@@ -237,7 +238,7 @@ impl BasinSettings {
 
     /// The options of the map. `held` is the rotation that is held.
     #[must_use]
-    pub fn map_options(&self, current: &FitOptions, model: &Model, held: usize) -> basin_map::Options {
+    pub(crate) fn map_options(&self, current: &FitOptions, model: &Model, held: usize) -> basin_map::Options {
         let direction = |direction: &MapDirection| Direction {
             rotation: direction.rotation(model, held),
             angle: direction.angle,
@@ -261,7 +262,7 @@ impl BasinSettings {
 }
 
 /// Names choices of fit by what differs, and those that search by that.
-pub fn name_choices(choices: &mut [FitChoice]) {
+pub(crate) fn name_choices(choices: &mut [FitChoice]) {
     let run = |choice: &FitChoice| Run {
         choices: RunChoices { fit: choice.fit.clone().into(), ..RunChoices::default() },
         is_shown: true,
@@ -292,7 +293,7 @@ fn numbers(text: &str, name: &str, most: f64) -> Result<Vec<f64>, String> {
 
 /// The name of a direction: "right forearm, flexion".
 #[must_use]
-pub fn direction_name(model: &Model, direction: Direction) -> String {
+pub(crate) fn direction_name(model: &Model, direction: Direction) -> String {
     let owner = model.rotation_owners().get(direction.rotation).and_then(|limb| model.limbs().get(*limb));
     let limb = owner.map_or("", |limb| limb.name.as_str());
     format!("{limb}, {}", angle_name(direction.angle))
@@ -300,7 +301,7 @@ pub fn direction_name(model: &Model, direction: Direction) -> String {
 
 /// The name of an angle.
 #[must_use]
-pub const fn angle_name(angle: Angle) -> &'static str {
+pub(crate) const fn angle_name(angle: Angle) -> &'static str {
     match angle {
         Angle::Flexion => "flexion",
         Angle::Sideways => "sideways",

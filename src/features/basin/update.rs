@@ -21,7 +21,7 @@ use crate::style::theme::Theme;
 
 impl Basin {
     /// Other settings.
-    pub fn set(&mut self, settings: BasinSettings) {
+    pub(crate) fn set(&mut self, settings: BasinSettings) {
         self.preferences.settings = settings;
         self.problem = None;
     }
@@ -179,7 +179,7 @@ impl Basin {
     }
 
     /// Writes what the pane shows to a file.
-    pub fn write(&self, kind: FileKind, path: &Path, theme: Theme, requests: &mut Requests) {
+    pub(crate) fn write(&self, kind: FileKind, path: &Path, theme: Theme, requests: &mut Requests) {
         match (self.preferences.view, self.results.angles.clone(), self.results.map.clone()) {
             (BasinView::Angles, Some(angles), _) => requests.write(path, move || match kind {
                 FileKind::Csv => angles.csv(),
@@ -216,7 +216,7 @@ impl FileKind {
 
     /// What is in it, on the menu.
     #[must_use]
-    pub const fn text(self) -> &'static str {
+    pub(crate) const fn text(self) -> &'static str {
         match self {
             Self::Csv => "Table as CSV…",
             Self::Png => "Picture as PNG…",

@@ -4,9 +4,9 @@ use crate::context::view_settings::ViewSettings;
 
 /// What is chosen for all views.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct CameraViewPreferences {
+pub(crate) struct CameraViewPreferences {
     /// Whether zoom and pan go together in all views.
-    pub linked_zoom: bool,
+    pub(crate) linked_zoom: bool,
     /// What is drawn in them, and what is dragged.
-    pub settings: ViewSettings,
+    pub(crate) settings: ViewSettings,
 }

@@ -119,7 +119,7 @@ pub struct TileResponse {
     /// What the user did.
     pub events: Vec<TileEvent>,
     /// How the picture lies on the screen.
-    pub view: ViewTransform,
+    pub(crate) view: ViewTransform,
 }
 
 /// Shows a camera's tile in all of the space that `ui` has.

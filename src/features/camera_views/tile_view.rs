@@ -33,12 +33,12 @@ impl Default for TileView {
 impl TileView {
     /// Whether a mode is seen, alone or in a comparison.
     #[must_use]
-    pub fn shows(&self, mode: ViewMode) -> bool {
+    pub(crate) fn shows(&self, mode: ViewMode) -> bool {
         self.mode == mode || (self.comparison.is_some() && self.other == mode)
     }
 
     /// Shows a mode. In a comparison the modes trade places rather than be the same.
-    pub fn set_mode(&mut self, mode: ViewMode) {
+    pub(crate) fn set_mode(&mut self, mode: ViewMode) {
         if self.comparison.is_some() && mode == self.other {
             self.other = self.mode;
         }
@@ -46,7 +46,7 @@ impl TileView {
     }
 
     /// Compares with a mode, in the way of now or else by a wipe.
-    pub fn compare_with(&mut self, other: ViewMode) {
+    pub(crate) fn compare_with(&mut self, other: ViewMode) {
         if other == self.mode {
             self.mode = self.other;
         }
@@ -56,7 +56,7 @@ impl TileView {
     }
 
     /// Begins or ends a comparison.
-    pub fn toggle(&mut self, comparison: Comparison) {
+    pub(crate) fn toggle(&mut self, comparison: Comparison) {
         self.comparison = (self.comparison != Some(comparison)).then_some(comparison);
         self.keep_apart();
     }

@@ -11,13 +11,13 @@ const LOG_RANGE: f64 = 1e-6;
 
 /// The end of the axis of steps.
 #[must_use]
-pub fn last_step(steps: f64) -> f64 {
+pub(crate) fn last_step(steps: f64) -> f64 {
     STEPS.into_iter().find(|end| *end >= steps).unwrap_or_else(|| (steps / 200.0).ceil() * 200.0)
 }
 
 /// Ends of the axis of heights, as values: of all values that are finite, and on a logarithmic axis above zero.
 #[must_use]
-pub fn heights(values: impl Iterator<Item = f64>, is_log: bool) -> [f64; 2] {
+pub(crate) fn heights(values: impl Iterator<Item = f64>, is_log: bool) -> [f64; 2] {
     let values = values.filter(|value| value.is_finite() && (!is_log || *value > 0.0));
     let [low, high] = values
         .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);

@@ -11,7 +11,7 @@ const STACK: f64 = 0.035;
 
 /// The plot of the runs that are shown, as the window has it.
 #[must_use]
-pub fn figure(runs: &[Run], preferences: ConvergencePreferences, title: &str) -> Figure {
+pub(crate) fn figure(runs: &[Run], preferences: ConvergencePreferences, title: &str) -> Figure {
     let shown: Vec<&Run> = runs.iter().filter(|run| run.is_shown).collect();
     let quantity = preferences.quantity;
     let ends = heights(&shown, preferences);
@@ -46,13 +46,13 @@ pub fn figure(runs: &[Run], preferences: ConvergencePreferences, title: &str) ->
 
 /// Most accepted steps of a run.
 #[must_use]
-pub fn most_steps(runs: &[&Run]) -> f64 {
+pub(crate) fn most_steps(runs: &[&Run]) -> f64 {
     runs.iter().map(|run| run.accepted_until(run.last_step()) as f64).fold(0.0, f64::max)
 }
 
 /// Ends of the axis of heights, of all that is plotted.
 #[must_use]
-pub fn heights(runs: &[&Run], preferences: ConvergencePreferences) -> [f64; 2] {
+pub(crate) fn heights(runs: &[&Run], preferences: ConvergencePreferences) -> [f64; 2] {
     let own = runs.iter().flat_map(|run| points(run, preferences.quantity));
     let said =
         runs.iter().filter(|_| preferences.quantity == Quantity::Decrease).flat_map(|run| foretold(run));

@@ -9,11 +9,11 @@ use super::Quantity;
 #[serde(default)]
 pub struct ConvergencePreferences {
     /// What is plotted.
-    pub quantity: Quantity,
+    pub(crate) quantity: Quantity,
     /// Whether its axis is logarithmic.
-    pub is_log: bool,
+    pub(crate) is_log: bool,
     /// Whether rejected steps have marks.
-    pub rejected: bool,
+    pub(crate) rejected: bool,
 }
 
 impl Default for ConvergencePreferences {

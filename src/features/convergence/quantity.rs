@@ -8,7 +8,7 @@ use crate::style::format;
 /// A quantity of a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Quantity {
+pub(crate) enum Quantity {
     /// The mismatch in percent of the start's, as in the report's Fig. 5.1.
     #[default]
     Percent,
@@ -27,12 +27,12 @@ pub enum Quantity {
 
 impl Quantity {
     /// All of them, in the order in which they are offered.
-    pub const ALL: [Self; 6] =
+    pub(crate) const ALL: [Self; 6] =
         [Self::Percent, Self::Cost, Self::Rms, Self::StepNorm, Self::Damping, Self::Decrease];
 
     /// Its name.
     #[must_use]
-    pub const fn text(self) -> &'static str {
+    pub(crate) const fn text(self) -> &'static str {
         match self {
             Self::Percent => "Cost, % of start",
             Self::Cost => "Cost",
@@ -45,7 +45,7 @@ impl Quantity {
 
     /// What it is, in a sentence without its full stop.
     #[must_use]
-    pub const fn explanation(self) -> &'static str {
+    pub(crate) const fn explanation(self) -> &'static str {
         match self {
             Self::Percent => {
                 "Squared mismatch of body and silhouettes, in percent of the start’s, by one measure for all runs"
@@ -64,13 +64,13 @@ impl Quantity {
 
     /// Whether a rejected step has a value of its own; else its mark stands above the step before it.
     #[must_use]
-    pub const fn is_of_trials(self) -> bool {
+    pub(crate) const fn is_of_trials(self) -> bool {
         matches!(self, Self::StepNorm | Self::Damping | Self::Decrease)
     }
 
     /// Its value at a step; `None` where it has none.
     #[must_use]
-    pub fn value(self, run: &Run, step: usize) -> Option<f64> {
+    pub(crate) fn value(self, run: &Run, step: usize) -> Option<f64> {
         let record = run.steps.get(step)?;
         let value = match self {
             Self::Percent => 100.0 * run.fraction(step)?,
@@ -86,7 +86,7 @@ impl Quantity {
 
     /// A value as it is written at the axis and beside curves.
     #[must_use]
-    pub fn text_of(self, value: f64) -> String {
+    pub(crate) fn text_of(self, value: f64) -> String {
         match self {
             Self::Percent | Self::Decrease => format!("{} %", format::number(value, decimals(value))),
             Self::Rms => format::number(value, if value.abs() < 10.0 { 2 } else { 1 }),
@@ -110,29 +110,29 @@ fn decimals(percent: f64) -> usize {
 
 /// A point of a run's curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CurvePoint {
+pub(crate) struct CurvePoint {
     /// Index of the step in the run.
-    pub step: usize,
+    pub(crate) step: usize,
     /// Accepted steps up to here. A rejected trial of a quantity [of its own](Quantity::is_of_trials) lies between
     /// the accepted ones.
-    pub x: f64,
+    pub(crate) x: f64,
     /// The quantity.
-    pub y: f64,
+    pub(crate) y: f64,
     /// Whether the step was accepted.
-    pub accepted: bool,
+    pub(crate) accepted: bool,
     /// How many rejected trials stand at this place up to this one, it included; 0 of an accepted step.
-    pub stacked: usize,
+    pub(crate) stacked: usize,
 }
 
 /// The points of a run's curve, in the order of its steps.
 #[must_use]
-pub fn points(run: &Run, quantity: Quantity) -> Vec<CurvePoint> {
+pub(crate) fn points(run: &Run, quantity: Quantity) -> Vec<CurvePoint> {
     points_of(run, quantity, |step| quantity.value(run, step))
 }
 
 /// What the linear model said of every step, in percent of the cost before it.
 #[must_use]
-pub fn foretold(run: &Run) -> Vec<CurvePoint> {
+pub(crate) fn foretold(run: &Run) -> Vec<CurvePoint> {
     let value = |step: &RunStep| step.foretold_share().map(|share| 100.0 * share);
     points_of(run, Quantity::Decrease, |step| if step == 0 { None } else { value(&run.steps[step]) })
 }

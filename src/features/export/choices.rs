@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 /// Pixels of an exported picture across, at most; as much as the readers of pictures take.
-pub const MAX_SIDE: u32 = 16_384;
+pub(crate) const MAX_SIDE: u32 = 16_384;
 /// Footage pixels, or points of the window, become this many pixels.
-pub const SCALES: std::ops::RangeInclusive<f32> = 0.25..=8.0;
+pub(crate) const SCALES: std::ops::RangeInclusive<f32> = 0.25..=8.0;
 /// Time that a picture of a series stays, in milliseconds.
-pub const DELAYS_MS: std::ops::RangeInclusive<u32> = 10..=10_000;
+pub(crate) const DELAYS_MS: std::ops::RangeInclusive<u32> = 10..=10_000;
 
 /// What is painted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -42,7 +42,7 @@ impl SeriesFormat {
 
     /// The format that a path asks for by its ending: a folder where there is none.
     #[must_use]
-    pub fn of_path(path: &std::path::Path) -> Option<Self> {
+    pub(crate) fn of_path(path: &std::path::Path) -> Option<Self> {
         match path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).as_deref() {
             None => Some(Self::Pngs),
             Some("png" | "apng") => Some(Self::AnimatedPng),
@@ -53,7 +53,7 @@ impl SeriesFormat {
 
     /// The ending of its file, with the dot; a folder has none.
     #[must_use]
-    pub const fn ending(self) -> &'static str {
+    pub(crate) const fn ending(self) -> &'static str {
         match self {
             Self::Pngs => "",
             Self::AnimatedPng => ".png",
@@ -115,7 +115,7 @@ impl Default for ExportChoices {
 impl ExportChoices {
     /// Pixels of a view's picture for one pixel of a footage `width` pixels wide, within all limits.
     #[must_use]
-    pub fn view_pixels_per_px(&self, [width, height]: [usize; 2]) -> f32 {
+    pub(crate) fn view_pixels_per_px(&self, [width, height]: [usize; 2]) -> f32 {
         let wanted = match self.view_width {
             Some(pixels) => pixels as f32 / width.max(1) as f32,
             None => self.view_scale,

@@ -21,19 +21,18 @@ const GIF_LEAST_DELAY: u16 = 2;
 
 /// How a series is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SeriesOptions {
+pub(crate) struct SeriesOptions {
     /// What it becomes.
-    pub format: SeriesFormat,
+    pub(crate) format: SeriesFormat,
     /// Time that a picture stays, in milliseconds.
-    pub delay_ms: u32,
+    pub(crate) delay_ms: u32,
     /// Whether it begins again at the end.
-    pub repeats: bool,
+    pub(crate) repeats: bool,
 }
 
 /// Why a series was not written.
 #[derive(Debug, Error)]
-#[expect(missing_docs, reason = "the messages say what each variant and field is")]
-pub enum ExportError {
+pub(crate) enum ExportError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error("{}: the folder cannot be made: {}", path.display(), reason(.source))]
@@ -51,7 +50,7 @@ pub enum ExportError {
 impl ExportError {
     /// What lies behind it: where a file cannot be written, what the disk said.
     #[must_use]
-    pub fn cause(&self) -> &(dyn Error + 'static) {
+    pub(crate) fn cause(&self) -> &(dyn Error + 'static) {
         match self {
             Self::File(error) => error,
             Self::Folder { source, .. } => source,
@@ -62,7 +61,7 @@ impl ExportError {
 
 /// Writes one picture after another to a file or to a folder of files `NAME_0007.png`.
 #[derive(Debug)]
-pub struct SeriesWriter {
+pub(crate) struct SeriesWriter {
     path: PathBuf,
     name: &'static str,
     options: SeriesOptions,
@@ -91,7 +90,7 @@ impl SeriesWriter {
     ///
     /// # Errors
     /// The file or the folder cannot be made, or there are no pictures.
-    pub fn new(
+    pub(crate) fn new(
         path: &Path,
         name: &'static str,
         options: SeriesOptions,
@@ -114,7 +113,7 @@ impl SeriesWriter {
     ///
     /// # Errors
     /// The file system says no, or the picture does not go with the first.
-    pub fn add(&mut self, number: usize, picture: RgbImage) -> Result<(), ExportError> {
+    pub(crate) fn add(&mut self, number: usize, picture: RgbImage) -> Result<(), ExportError> {
         if let Some(film) = &mut self.film {
             let size = picture.dimensions();
             let (expected, mut encoder) = match film.encoder.take() {
@@ -139,7 +138,7 @@ impl SeriesWriter {
     ///
     /// # Errors
     /// The file system says no.
-    pub fn finish(self) -> Result<(), ExportError> {
+    pub(crate) fn finish(self) -> Result<(), ExportError> {
         let Some(Film { encoder, file }) = self.film else { return Ok(()) };
         if let Some((_, encoder)) = encoder {
             encoder.finish().map_err(|error| file.error(error))?;

@@ -4,23 +4,23 @@ use crate::style::format;
 
 /// A refit that has ended.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Refitted {
+pub(crate) struct Refitted {
     /// What was fitted: "Refit right forearm".
-    pub what: String,
+    pub(crate) what: String,
     /// Mismatch before, squared grey levels.
-    pub before: f64,
+    pub(crate) before: f64,
     /// Mismatch after.
-    pub after: f64,
+    pub(crate) after: f64,
     /// Accepted and rejected steps.
-    pub steps: usize,
+    pub(crate) steps: usize,
     /// How it ended, without its full stop.
-    pub ending: String,
+    pub(crate) ending: String,
 }
 
 impl Refitted {
     /// "Refit right forearm: cost fell by 3.1 %, from 1.84e7 to 1.78e7, in 12 steps."
     #[must_use]
-    pub fn sentence(&self) -> String {
+    pub(crate) fn sentence(&self) -> String {
         let change = 100.0 * (self.after / self.before - 1.0);
         let how = match change {
             change if !change.is_finite() || change.abs() < 0.05 => "cost stayed".to_owned(),

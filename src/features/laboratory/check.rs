@@ -10,19 +10,19 @@ use backlit_tracking::render::{Ramp, RendererKind, View, jacobian_along, predict
 
 /// One fit's Jacobian in one camera at one pose.
 #[derive(Debug, Clone)]
-pub struct ColumnCheck {
+pub(crate) struct ColumnCheck {
     /// The body.
-    pub model: Arc<Model>,
+    pub(crate) model: Arc<Model>,
     /// Where it is.
-    pub pose: Pose,
+    pub(crate) pose: Pose,
     /// The camera.
-    pub camera: Arc<Camera>,
+    pub(crate) camera: Arc<Camera>,
     /// The solid of a limb.
-    pub renderer: RendererKind,
+    pub(crate) renderer: RendererKind,
     /// How distance becomes grey.
-    pub ramp: Ramp,
+    pub(crate) ramp: Ramp,
     /// The columns of the state.
-    pub parameters: Parameters,
+    pub(crate) parameters: Parameters,
 }
 
 /// The pixel in which analytic and numeric derivative differ most.
@@ -35,26 +35,26 @@ pub struct Worst {
     /// The column of the state, in words.
     pub column: String,
     /// What the program says, grey levels a metre, radian or coefficient.
-    pub analytic: f64,
+    pub(crate) analytic: f64,
     /// What differences say.
-    pub numeric: f64,
+    pub(crate) numeric: f64,
 }
 
 /// How far a check has come, and what it has found, over all cameras.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CheckProgress {
     /// Columns that were compared, those of every camera counted.
-    pub done: usize,
+    pub(crate) done: usize,
     /// Columns of the state by cameras.
     pub total: usize,
     /// Derivatives that were compared, and those at a kink, where differences cannot tell.
     pub compared: usize,
     /// See there.
-    pub skipped: usize,
+    pub(crate) skipped: usize,
     /// Derivatives that differ by more than the tolerance.
-    pub mismatches: usize,
+    pub(crate) mismatches: usize,
     /// Largest difference over the largest derivative of its column.
-    pub largest_error: f64,
+    pub(crate) largest_error: f64,
     /// Where that is.
     pub worst: Option<Worst>,
 }
@@ -73,7 +73,12 @@ impl CheckProgress {
     }
 
     /// Adds what was found in one column in one camera.
-    pub fn add(&mut self, found: &GradientCheck, check: &ColumnCheck, (camera, column): (usize, usize)) {
+    pub(crate) fn add(
+        &mut self,
+        found: &GradientCheck,
+        check: &ColumnCheck,
+        (camera, column): (usize, usize),
+    ) {
         self.done += 1;
         self.compared += found.compared;
         self.skipped += found.skipped;
@@ -96,13 +101,13 @@ impl CheckProgress {
 impl ColumnCheck {
     /// Columns of the state.
     #[must_use]
-    pub fn columns(&self) -> usize {
+    pub(crate) fn columns(&self) -> usize {
         self.parameters.columns(self.model.rotation_count())
     }
 
     /// What the program says of one column: ∂λ/∂x of every pixel.
     #[must_use]
-    pub fn analytic(&self, column: usize) -> Vec<f64> {
+    pub(crate) fn analytic(&self, column: usize) -> Vec<f64> {
         let kinematics = Kinematics::new(&self.model, &self.pose);
         let view = View::new(&self.model, &kinematics, &self.camera, self.renderer, self.ramp);
         let mut direction = vec![0.0; self.columns()];
@@ -114,7 +119,7 @@ impl ColumnCheck {
 
     /// Compares one column: `analytic` is what [`analytic`](Self::analytic) gives.
     #[must_use]
-    pub fn compare(&self, column: usize, analytic: &[f64]) -> GradientCheck {
+    pub(crate) fn compare(&self, column: usize, analytic: &[f64]) -> GradientCheck {
         let mut kinematics = Kinematics::new(&self.model, &self.pose);
         let mut view = View::new(&self.model, &kinematics, &self.camera, self.renderer, self.ramp);
         let levels = |offset: f64| {
@@ -128,7 +133,7 @@ impl ColumnCheck {
 
 /// "root x", "right forearm ω y": what a column of the state moves.
 #[must_use]
-pub fn column_name(model: &Model, parameters: Parameters, column: usize) -> String {
+pub(crate) fn column_name(model: &Model, parameters: Parameters, column: usize) -> String {
     let Some(in_rotations) = column.checked_sub(3) else {
         return format!("root {}", ["x", "y", "z"][column]);
     };

@@ -13,30 +13,30 @@ use crate::session::prediction::{FitInputs, Predicted};
 #[derive(Debug, Clone)]
 pub struct Basis {
     /// The frame's data; its fit is not looked at.
-    pub scene: FitInputs,
+    pub(crate) scene: FitInputs,
     /// Where all begin.
-    pub start: Pose,
+    pub(crate) start: Pose,
     /// What is compared.
-    pub entrants: Vec<Entrant>,
+    pub(crate) entrants: Vec<Entrant>,
 }
 
 impl Basis {
     /// Whether both make the same comparison.
     #[must_use]
-    pub fn is(&self, other: &Self) -> bool {
+    pub(crate) fn is(&self, other: &Self) -> bool {
         let same_scene = FitInputs { fit: other.scene.fit.clone(), ..self.scene.clone() }.is(&other.scene);
         same_scene && self.start == other.start && self.entrants == other.entrants
     }
 
     /// The scene as one of the fits sees it.
     #[must_use]
-    pub fn scene_of(&self, entrant: &Entrant) -> FitInputs {
+    pub(crate) fn scene_of(&self, entrant: &Entrant) -> FitInputs {
         FitInputs { fit: Arc::new(entrant.fit.clone()), ..self.scene.clone() }
     }
 }
 
 /// What a picture of pushing pixels is of.
-pub type PushKey = (usize, PushAxis, usize);
+pub(crate) type PushKey = (usize, PushAxis, usize);
 
 /// A check of the gradient at one pose in all cameras.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,13 +55,13 @@ pub struct Contestant {
     /// The scene with its choices.
     pub scene: FitInputs,
     /// The start, then every iteration, rejected ones too.
-    pub steps: Vec<RunStep>,
+    pub(crate) steps: Vec<RunStep>,
     /// How it ended, once it has.
-    pub ending: Option<RunEnding>,
+    pub(crate) ending: Option<RunEnding>,
     /// What the step that is looked at predicts; while a newer one is made, the old stays.
-    pub shown: Option<Arc<Predicted>>,
+    pub(crate) shown: Option<Arc<Predicted>>,
     /// What its newest step predicts.
-    pub newest: Option<Arc<Predicted>>,
+    pub(crate) newest: Option<Arc<Predicted>>,
     /// What pushes at the start, and in which camera along which axis of which limb.
     pub pushed: Option<(PushKey, Arc<Pushed>)>,
     /// The newest check of the gradient; while a newer one is made, the old stays.
@@ -97,7 +97,7 @@ impl Contestant {
 
     /// The first step from which on it stays below a share of its start, percent.
     #[must_use]
-    pub fn arrived(&self, percent: f64) -> Option<usize> {
+    pub(crate) fn arrived(&self, percent: f64) -> Option<usize> {
         let percents = self.percents();
         let stays = percents.iter().rev().take_while(|value| **value < percent).count();
         (stays > 0).then(|| percents.len() - stays)
@@ -108,15 +108,15 @@ impl Contestant {
 #[derive(Debug, Clone)]
 pub struct Comparison {
     /// What it is made of.
-    pub basis: Basis,
+    pub(crate) basis: Basis,
     /// The fits.
     pub contestants: Vec<Contestant>,
     /// The step that is looked at.
     pub cursor: usize,
     /// Whether the newest step is looked at as it comes.
-    pub follows: bool,
+    pub(crate) follows: bool,
     /// By camera: where data and starts are, so that the pictures show that and do not jump.
-    pub extents: Vec<Option<Extent>>,
+    pub(crate) extents: Vec<Option<Extent>>,
     /// Which comparison since the program began: pictures of an older one are not shown for this.
     pub id: u64,
 }
@@ -124,7 +124,7 @@ pub struct Comparison {
 impl Comparison {
     /// A comparison without any step yet, not even the start.
     #[must_use]
-    pub fn new(basis: Basis, id: u64) -> Self {
+    pub(crate) fn new(basis: Basis, id: u64) -> Self {
         let contestant = |entrant: &Entrant| Contestant {
             scene: basis.scene_of(entrant),
             entrant: entrant.clone(),
@@ -148,7 +148,7 @@ impl Comparison {
 
     /// Whether every fit has its start or has failed to begin.
     #[must_use]
-    pub fn has_begun(&self) -> bool {
+    pub(crate) fn has_begun(&self) -> bool {
         self.contestants.iter().all(|fit| !fit.steps.is_empty() || fit.ending.is_some())
     }
 
@@ -160,7 +160,7 @@ impl Comparison {
 
     /// Why no fit could begin, if none could.
     #[must_use]
-    pub fn problem(&self) -> Option<&str> {
+    pub(crate) fn problem(&self) -> Option<&str> {
         let all_empty = self.contestants.iter().all(|fit| fit.steps.is_empty());
         let first = self.contestants.first()?.ending.as_ref()?;
         match first {
@@ -170,13 +170,13 @@ impl Comparison {
     }
 
     /// Looks at a step.
-    pub fn go_to(&mut self, step: usize) {
+    pub(crate) fn go_to(&mut self, step: usize) {
         self.cursor = step.min(self.last());
         self.follows = self.cursor == self.last();
     }
 
     /// Takes in where data and start are in every camera.
-    pub fn add_extents(&mut self, found: &[Option<Extent>]) {
+    pub(crate) fn add_extents(&mut self, found: &[Option<Extent>]) {
         for (known, found) in self.extents.iter_mut().zip(found) {
             *known = match (*known, *found) {
                 (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]),
@@ -186,7 +186,7 @@ impl Comparison {
     }
 
     /// Takes in a step of a fit.
-    pub fn add_step(&mut self, index: usize, step: RunStep, predicted: Arc<Predicted>) {
+    pub(crate) fn add_step(&mut self, index: usize, step: RunStep, predicted: Arc<Predicted>) {
         let Some(fit) = self.contestants.get_mut(index) else { return };
         fit.steps.push(step);
         fit.newest = Some(predicted);
@@ -194,7 +194,7 @@ impl Comparison {
     }
 
     /// Takes in that a fit has ended.
-    pub fn end(&mut self, index: usize, ending: RunEnding) {
+    pub(crate) fn end(&mut self, index: usize, ending: RunEnding) {
         if let Some(fit) = self.contestants.get_mut(index) {
             fit.ending = Some(ending);
         }
@@ -202,7 +202,7 @@ impl Comparison {
     }
 
     /// The work on the fits has broken down: those that were going on have ended.
-    pub fn break_down(&mut self, words: &str) {
+    pub(crate) fn break_down(&mut self, words: &str) {
         for fit in self.contestants.iter_mut().filter(|fit| fit.ending.is_none()) {
             fit.ending = Some(RunEnding::Solver(words.to_owned()));
         }

@@ -31,11 +31,11 @@ pub struct Entrant {
     /// Its name at the head of a column.
     pub name: &'static str,
     /// The same within a sentence, with its article.
-    pub subject: &'static str,
+    pub(crate) subject: &'static str,
     /// What it is, in two words.
-    pub note: String,
+    pub(crate) note: String,
     /// Its choices.
-    pub fit: FitOptions,
+    pub(crate) fit: FitOptions,
 }
 
 impl Lineup {
@@ -60,7 +60,7 @@ impl Lineup {
 
     /// What is the same in all of them and what is not, in a sentence.
     #[must_use]
-    pub const fn sentence(self) -> &'static str {
+    pub(crate) const fn sentence(self) -> &'static str {
         match self {
             Self::Renderers => "Three renderers, same start, same solver.",
             Self::Ramps => "Four ramps, same start, same renderer, same solver.",
@@ -71,7 +71,7 @@ impl Lineup {
 
     /// What a choice of it compares, for its tooltip.
     #[must_use]
-    pub const fn tooltip(self) -> &'static str {
+    pub(crate) const fn tooltip(self) -> &'static str {
         match self {
             Self::Renderers => "Cylinder, capsule and sphere tree with the chosen solver",
             Self::Ramps => "How distance becomes grey: thesis, half, width and distance, each in one stage",
@@ -92,7 +92,7 @@ impl Lineup {
 
     /// The fits, made from the document's choices.
     #[must_use]
-    pub fn entrants(self, base: &FitOptions, model: &Model) -> Vec<Entrant> {
+    pub(crate) fn entrants(self, base: &FitOptions, model: &Model) -> Vec<Entrant> {
         match self {
             Self::Renderers => renderers(base, model),
             Self::Ramps => ramps(base),

@@ -13,7 +13,7 @@ use glam::DVec3;
 use crate::drawing::Derivative;
 
 /// A pixel pushes from this share of the scale on.
-pub const LEAST_SHARE: f64 = 0.01;
+pub(crate) const LEAST_SHARE: f64 = 0.01;
 /// Less than this is rounding, whatever the largest is: grey levels a metre or radian, of some 255 a limb's radius.
 const LEAST_PUSH: f64 = 1e-6;
 
@@ -32,7 +32,7 @@ pub enum PushAxis {
 
 impl PushAxis {
     /// All of them, with their names.
-    pub const ALL: [(Self, &'static str); 8] = [
+    pub(crate) const ALL: [(Self, &'static str); 8] = [
         (Self::Slide, "slides along its axis"),
         (Self::Turn(0), "turns about x"),
         (Self::Turn(1), "turns about y"),
@@ -45,19 +45,19 @@ impl PushAxis {
 
     /// What a body is looked at by at first: a single limb's sliding is the lesson of Fig. 5.1.
     #[must_use]
-    pub fn of(model: &Model) -> Self {
+    pub(crate) fn of(model: &Model) -> Self {
         if model.rotation_count() == 1 { Self::Slide } else { Self::Turn(0) }
     }
 
     /// Its name in the box.
     #[must_use]
-    pub fn text(self) -> &'static str {
+    pub(crate) fn text(self) -> &'static str {
         Self::ALL.iter().find(|(axis, _)| *axis == self).map_or("", |(_, text)| text)
     }
 
     /// What pixels do along it, behind "what" and "pixels that".
     #[must_use]
-    pub fn verb(self, limb: &str) -> String {
+    pub(crate) fn verb(self, limb: &str) -> String {
         const AXES: [&str; 3] = ["x", "y", "z"];
         let axis = |index: usize| AXES.get(index).copied().unwrap_or("x");
         match self {
@@ -70,7 +70,7 @@ impl PushAxis {
 
     /// Which pixels are counted, below the picture.
     #[must_use]
-    pub const fn pixels(self) -> &'static str {
+    pub(crate) const fn pixels(self) -> &'static str {
         match self {
             Self::Slide => "Pixels that push along the axis",
             Self::Turn(_) => "Pixels that turn it",
@@ -81,7 +81,7 @@ impl PushAxis {
 
     /// What pixels say about it, in the caption.
     #[must_use]
-    pub const fn way(self) -> &'static str {
+    pub(crate) const fn way(self) -> &'static str {
         match self {
             Self::Slide => "which way to slide",
             Self::Turn(_) => "which way to turn",
@@ -92,7 +92,7 @@ impl PushAxis {
 
     /// The motion v in tangent columns.
     #[must_use]
-    pub fn direction(self, model: &Model, kinematics: &Kinematics, limb: usize) -> Vec<f64> {
+    pub(crate) fn direction(self, model: &Model, kinematics: &Kinematics, limb: usize) -> Vec<f64> {
         let mut v = vec![0.0; Parameters::Tangent.columns(model.rotation_count())];
         let limb = limb.min(model.limbs().len().saturating_sub(1));
         let along = (kinematics.ends()[limb] - kinematics.starts()[limb]).normalize_or_zero();
@@ -111,17 +111,17 @@ impl PushAxis {
 
 /// What every pixel of one camera says about a motion, for one fit.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Push {
+pub(crate) struct Push {
     /// ∂λ/∂v, row by row; zero where the pixel has no gradient.
-    pub values: Vec<f64>,
+    pub(crate) values: Vec<f64>,
     /// The pose's prediction.
-    pub prediction: Prediction,
+    pub(crate) prediction: Prediction,
 }
 
 impl Push {
     /// Looks at a pose in one camera.
     #[must_use]
-    pub fn new(
+    pub(crate) fn new(
         model: &Model,
         pose: &Pose,
         camera: &Camera,
@@ -147,9 +147,9 @@ impl Push {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pushed {
     /// The picture: zero where the pixel does not push.
-    pub picture: Derivative,
+    pub(crate) picture: Derivative,
     /// The prediction that it is of.
-    pub prediction: Prediction,
+    pub(crate) prediction: Prediction,
     /// Pixels that push.
     pub pushing: usize,
     /// Pixels in the ramp.
@@ -163,7 +163,7 @@ fn is_in_ramp(level: &f32) -> bool {
 impl Pushed {
     /// Counts and colours pushes by one measure.
     #[must_use]
-    pub fn all(pushes: Vec<Push>) -> Vec<Self> {
+    pub(crate) fn all(pushes: Vec<Push>) -> Vec<Self> {
         let mut scales: Vec<f64> = pushes.iter().filter_map(Push::scale).collect();
         scales.sort_by(f64::total_cmp);
         let scale = scales.get(scales.len().saturating_sub(1) / 2).copied().unwrap_or(1.0);

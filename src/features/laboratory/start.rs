@@ -17,7 +17,7 @@ const TURNS_DEG: [u32; 4] = [3, 5, 10, 20];
 
 /// A start.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
-pub enum StartChoice {
+pub(crate) enum StartChoice {
     /// The pose on the screen.
     #[default]
     Shown,
@@ -38,21 +38,21 @@ pub enum StartChoice {
 
 /// What starts are made of.
 #[derive(Debug, Clone, Copy)]
-pub struct StartParts<'a> {
+pub(crate) struct StartParts<'a> {
     /// The body.
-    pub model: &'a Model,
+    pub(crate) model: &'a Model,
     /// The pose on the screen.
-    pub shown: &'a Pose,
+    pub(crate) shown: &'a Pose,
     /// The pose that the take begins with.
-    pub take: &'a Pose,
+    pub(crate) take: &'a Pose,
     /// The demonstration that is open, and the frame.
-    pub demonstration: Option<(Demonstration, usize)>,
+    pub(crate) demonstration: Option<(Demonstration, usize)>,
 }
 
 impl StartChoice {
     /// What a demonstration begins with here: Fig. 5.1's own offset, else the pose on the screen.
     #[must_use]
-    pub fn of(demonstration: Option<Demonstration>) -> Self {
+    pub(crate) fn of(demonstration: Option<Demonstration>) -> Self {
         match demonstration {
             Some(Demonstration::SingleLimb) => {
                 Self::Slid { mm: (1000.0 * fig51::Options::default().offset_m).round() as u32 }
@@ -63,7 +63,7 @@ impl StartChoice {
 
     /// The starts that make sense for a take.
     #[must_use]
-    pub fn offered(demonstration: Option<Demonstration>) -> Vec<Self> {
+    pub(crate) fn offered(demonstration: Option<Demonstration>) -> Vec<Self> {
         let mut all = vec![Self::Shown, Self::Take];
         if demonstration == Some(Demonstration::SingleLimb) {
             all = SLIDES_MM.map(|mm| Self::Slid { mm }).to_vec();
@@ -76,7 +76,7 @@ impl StartChoice {
 
     /// Its words in the box.
     #[must_use]
-    pub fn text(self) -> String {
+    pub(crate) fn text(self) -> String {
         match self {
             Self::Shown => "Start at shown pose".to_owned(),
             Self::Take => "Start of the take".to_owned(),
@@ -87,7 +87,7 @@ impl StartChoice {
 
     /// What it is, for its tooltip.
     #[must_use]
-    pub fn tooltip(self) -> String {
+    pub(crate) fn tooltip(self) -> String {
         match self {
             Self::Shown => "The pose of this frame, as the other layouts show it".to_owned(),
             Self::Take => "The pose that the take begins with".to_owned(),
@@ -101,7 +101,7 @@ impl StartChoice {
 
     /// The pose.
     #[must_use]
-    pub fn pose(self, parts: &StartParts<'_>) -> Pose {
+    pub(crate) fn pose(self, parts: &StartParts<'_>) -> Pose {
         match self {
             Self::Shown => parts.shown.clone(),
             Self::Take => parts.take.clone(),

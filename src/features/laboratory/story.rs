@@ -9,7 +9,7 @@ use crate::style::format;
 /// A caption is no longer than this, title left out.
 pub const MOST_WORDS: usize = 70;
 /// A fit has arrived below this share of its start, percent.
-pub const ARRIVED_PERCENT: f64 = 5.0;
+pub(crate) const ARRIVED_PERCENT: f64 = 5.0;
 /// Fits whose ends differ by less, in percent of the start, end alike.
 const ALIKE_PERCENT: f64 = 5.0;
 /// A fit has few pixels that push if its share of them is less than this part of another's.
@@ -211,7 +211,7 @@ fn ends_of(fits: &[Contestant], is_over: bool) -> String {
 
 /// A share of the start with as many figures as can be read at a glance.
 #[must_use]
-pub fn percent_text(percent: f64) -> String {
+pub(crate) fn percent_text(percent: f64) -> String {
     let decimals = match percent.abs() {
         value if value >= 0.95 => 1,
         value if value >= 0.095 => 2,

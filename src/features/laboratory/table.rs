@@ -6,11 +6,11 @@ use super::Comparison;
 use crate::drawing::plot::{Axis, Figure, Line};
 
 /// The least height on the logarithmic axis, percent of the start.
-pub const LEAST_PERCENT: f64 = 0.01;
+pub(crate) const LEAST_PERCENT: f64 = 0.01;
 
 /// One line a step: for every fit its cost and its percent of the start. A field is empty once its fit has ended.
 #[must_use]
-pub fn csv(comparison: &Comparison) -> String {
+pub(crate) fn csv(comparison: &Comparison) -> String {
     let mut text = "step".to_owned();
     for fit in &comparison.contestants {
         let name = fit.entrant.name.to_lowercase().replace(' ', "_");
@@ -37,7 +37,7 @@ pub fn csv(comparison: &Comparison) -> String {
 
 /// The plot as a picture of its own.
 #[must_use]
-pub fn figure(comparison: &Comparison, title: &str, subtitle: &str, is_log: bool) -> Figure {
+pub(crate) fn figure(comparison: &Comparison, title: &str, subtitle: &str, is_log: bool) -> Figure {
     let lines = comparison.contestants.iter().enumerate();
     let label = "cost, % of the start";
     Figure {

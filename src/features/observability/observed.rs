@@ -12,15 +12,15 @@ use crate::session::prediction::FitInputs;
 #[derive(Debug)]
 pub struct Observed {
     /// What it depends on besides the pose.
-    pub inputs: FitInputs,
+    pub(crate) inputs: FitInputs,
     /// The pose.
-    pub pose: Pose,
+    pub(crate) pose: Pose,
     /// Of the cameras that count.
     pub shown: Observability,
     /// Sets of the cameras that have a silhouette, the best first.
-    pub subsets: Vec<SubsetFigures>,
+    pub(crate) subsets: Vec<SubsetFigures>,
     /// How long it took, in seconds.
-    pub seconds: f64,
+    pub(crate) seconds: f64,
 }
 
 impl Observed {
@@ -28,7 +28,7 @@ impl Observed {
     ///
     /// # Errors
     /// See [`FrameInformation::new`].
-    pub fn new(inputs: FitInputs, pose: Pose) -> Result<Self, FitError> {
+    pub(crate) fn new(inputs: FitInputs, pose: Pose) -> Result<Self, FitError> {
         let start = Instant::now();
         let view = |camera: usize| {
             let weight = inputs.uses.get(camera).map_or(1.0, |used| used.weight);

@@ -10,21 +10,21 @@ use crate::document::project::ProjectError;
 /// What a copy's project does not say.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct About {
+pub(crate) struct About {
     /// The frame on the screen.
-    pub frame: usize,
+    pub(crate) frame: usize,
     /// Frames of the take.
-    pub frames: Option<usize>,
+    pub(crate) frames: Option<usize>,
     /// The take's name.
-    pub take: Option<String>,
+    pub(crate) take: Option<String>,
     /// The project file that the work belongs to.
-    pub project: Option<PathBuf>,
+    pub(crate) project: Option<PathBuf>,
 }
 
 impl About {
     /// The file beside a copy.
     #[must_use]
-    pub fn path_of(copy: &Path) -> PathBuf {
+    pub(crate) fn path_of(copy: &Path) -> PathBuf {
         copy.with_extension("about.json")
     }
 
@@ -32,7 +32,7 @@ impl About {
     ///
     /// # Errors
     /// The file system says no.
-    pub fn write(&self, copy: &Path) -> Result<(), ProjectError> {
+    pub(crate) fn write(&self, copy: &Path) -> Result<(), ProjectError> {
         let path = Self::path_of(copy);
         let json =
             serde_json::to_vec(self).map_err(|source| ProjectError::Json { path: path.clone(), source })?;
@@ -41,7 +41,7 @@ impl About {
 
     /// What was written beside a copy; nothing is known if that cannot be read.
     #[must_use]
-    pub fn read(copy: &Path) -> Self {
+    pub(crate) fn read(copy: &Path) -> Self {
         let text = std::fs::read(Self::path_of(copy)).unwrap_or_default();
         serde_json::from_slice(&text).unwrap_or_default()
     }

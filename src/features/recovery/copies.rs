@@ -56,7 +56,7 @@ impl Copies {
     ///
     /// # Errors
     /// The folder cannot be made or written.
-    pub fn own(&mut self) -> io::Result<&Path> {
+    pub(crate) fn own(&mut self) -> io::Result<&Path> {
         if self.own.is_none() {
             std::fs::create_dir_all(&self.folder)?;
             self.own = Some(self.claim_free()?);
@@ -69,13 +69,13 @@ impl Copies {
 
     /// What the system says about the folder, with its name.
     #[must_use]
-    pub fn said(&self, error: &io::Error) -> String {
+    pub(crate) fn said(&self, error: &io::Error) -> String {
         format!("{}: {}", self.folder.display(), reason(error))
     }
 
     /// Leaves this window's copy if its folder was taken away, together with the lock: the next copy has a folder and
     /// a lock of its own.
-    pub fn leave_if_gone(&mut self) {
+    pub(crate) fn leave_if_gone(&mut self) {
         self.own.take_if(|own| !lock_path(&own.path).exists());
     }
 
@@ -95,7 +95,7 @@ impl Copies {
 
     /// Whether a path is this window's copy.
     #[must_use]
-    pub fn is_own(&self, path: &Path) -> bool {
+    pub(crate) fn is_own(&self, path: &Path) -> bool {
         self.own.as_ref().is_some_and(|own| own.path == path)
     }
 
@@ -103,19 +103,19 @@ impl Copies {
     ///
     /// # Errors
     /// The lock cannot be made.
-    pub fn adopt(&mut self, path: &Path) -> io::Result<bool> {
+    pub(crate) fn adopt(&mut self, path: &Path) -> io::Result<bool> {
         let Some(lock) = lock(path)? else { return Ok(false) };
         self.own = Some(Own { path: path.to_owned(), _lock: lock });
         Ok(true)
     }
 
     /// Leaves this window's copy as it is: what comes next is about something else and has a copy of its own.
-    pub fn leave(&mut self) {
+    pub(crate) fn leave(&mut self) {
         self.own = None;
     }
 
     /// Removes this window's copy: everything in it is saved.
-    pub fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         if let Some(own) = self.own.take() {
             remove(&own.path);
         }
@@ -146,7 +146,7 @@ impl Copies {
     ///
     /// # Errors
     /// It cannot be renamed.
-    pub fn put_aside(&self, copy: &Path) -> io::Result<PathBuf> {
+    pub(crate) fn put_aside(&self, copy: &Path) -> io::Result<PathBuf> {
         let aside = self.free(ASIDE, 1)?;
         rename(copy, &aside)?;
         let mut files = self.files(ASIDE);
@@ -161,7 +161,7 @@ impl Copies {
     ///
     /// # Errors
     /// It cannot be renamed.
-    pub fn bring_back(&self, aside: &Path) -> io::Result<()> {
+    pub(crate) fn bring_back(&self, aside: &Path) -> io::Result<()> {
         // The first numbers are left to windows that write.
         rename(aside, &self.free(NAME, 2)?)
     }

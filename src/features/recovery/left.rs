@@ -17,25 +17,25 @@ pub struct Left {
     /// The copy.
     pub path: PathBuf,
     /// When it was written last.
-    pub saved: Option<SystemTime>,
+    pub(crate) saved: Option<SystemTime>,
     /// Where the user was.
-    pub about: About,
+    pub(crate) about: About,
     /// The take: "balancing", "Built-in take".
-    pub take: String,
+    pub(crate) take: String,
     /// Frames whose pose was set by hand.
-    pub by_hand: usize,
+    pub(crate) by_hand: usize,
     /// Frames whose pose was fitted.
-    pub fitted: usize,
+    pub(crate) fitted: usize,
     /// Frames whose pose was tracked.
-    pub tracked: usize,
+    pub(crate) tracked: usize,
     /// What the camera on the screen showed, if that was kept.
-    pub picture: Option<Arc<ColorImage>>,
+    pub(crate) picture: Option<Arc<ColorImage>>,
 }
 
 impl Left {
     /// What a document holds, and when it was written.
     #[must_use]
-    pub fn new(
+    pub(crate) fn new(
         path: PathBuf,
         document: &Document,
         about: About,
@@ -57,7 +57,7 @@ impl Left {
 
     /// When it was written: "today 14:32, 12 minutes ago".
     #[must_use]
-    pub fn when(&self, clock: &Clock) -> String {
+    pub(crate) fn when(&self, clock: &Clock) -> String {
         let when = self.saved.and_then(|saved| clock.when(saved));
         let ago = self.saved.and_then(|saved| clock.ago(saved));
         let parts: Vec<String> = [when, ago].into_iter().flatten().collect();
@@ -66,7 +66,7 @@ impl Left {
 
     /// Where the user was: "At frame 30 of 70".
     #[must_use]
-    pub fn place(&self) -> String {
+    pub(crate) fn place(&self) -> String {
         match self.about.frames {
             Some(frames @ 2..) => format!("At frame {} of {frames}", self.about.frame),
             _ => format!("At frame {}", self.about.frame),
@@ -75,7 +75,7 @@ impl Left {
 
     /// What has been done: "3 poses by hand, 1 fitted, 31 tracked".
     #[must_use]
-    pub fn work(&self) -> String {
+    pub(crate) fn work(&self) -> String {
         let poses = |count: usize| if count == 1 { "1 pose".to_owned() } else { format!("{count} poses") };
         let kinds = [(self.by_hand, "set by hand"), (self.fitted, "fitted"), (self.tracked, "tracked")];
         let mut parts = kinds.iter().filter(|(count, _)| *count > 0);
@@ -87,7 +87,7 @@ impl Left {
 
     /// The file that it belongs to: "Unsaved changes of work.backlit".
     #[must_use]
-    pub fn belongs(&self) -> String {
+    pub(crate) fn belongs(&self) -> String {
         let name = self.about.project.as_deref().and_then(|path| path.file_name());
         match name {
             Some(name) => format!("Unsaved changes of {}", name.to_string_lossy()),

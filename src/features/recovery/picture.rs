@@ -19,17 +19,17 @@ const HALF: f32 = 127.5;
 
 /// What a camera shows of a pose. It holds what is on the screen by reference: it is painted where there is time.
 #[derive(Debug, Clone)]
-pub struct Picture {
+pub(crate) struct Picture {
     /// What the pose predicts.
-    pub predicted: Arc<Predicted>,
+    pub(crate) predicted: Arc<Predicted>,
     /// The camera.
-    pub camera: usize,
+    pub(crate) camera: usize,
 }
 
 impl Picture {
     /// The file beside a copy.
     #[must_use]
-    pub fn path_of(copy: &Path) -> PathBuf {
+    pub(crate) fn path_of(copy: &Path) -> PathBuf {
         copy.with_extension("png")
     }
 
@@ -37,7 +37,7 @@ impl Picture {
     ///
     /// # Errors
     /// The file system says no.
-    pub fn write(&self, copy: &Path) -> Result<(), FileError> {
+    pub(crate) fn write(&self, copy: &Path) -> Result<(), FileError> {
         match self.paint() {
             Some(picture) => images::write_png(&Self::path_of(copy), &DynamicImage::ImageRgb8(picture)),
             None => Ok(()),
@@ -46,7 +46,7 @@ impl Picture {
 
     /// What was written beside a copy, if it is there and can be read.
     #[must_use]
-    pub fn read(copy: &Path) -> Option<ColorImage> {
+    pub(crate) fn read(copy: &Path) -> Option<ColorImage> {
         let picture = images::read(&Self::path_of(copy)).ok()?;
         let (width, height) = picture.dimensions();
         let is_ours = width > 0 && height > 0 && width.max(height) <= SIDE;

@@ -38,62 +38,62 @@ const RAY_WIDTH: f64 = 1.75;
 
 /// What there is to draw.
 #[derive(Debug, Clone, Copy)]
-pub struct ContentsInput<'a> {
+pub(crate) struct ContentsInput<'a> {
     /// What is shown.
-    pub preferences: &'a ScenePreferences,
+    pub(crate) preferences: &'a ScenePreferences,
     /// The body.
-    pub model: &'a Model,
+    pub(crate) model: &'a Model,
     /// Where its limbs are.
-    pub kinematics: &'a Kinematics,
+    pub(crate) kinematics: &'a Kinematics,
     /// The shape of its limbs.
-    pub renderer: RendererKind,
+    pub(crate) renderer: RendererKind,
     /// The rotation whose limbs are marked.
-    pub rotation: Option<usize>,
+    pub(crate) rotation: Option<usize>,
     /// The cameras, and how they are used.
-    pub cameras: &'a [Arc<Camera>],
+    pub(crate) cameras: &'a [Arc<Camera>],
     /// By camera.
-    pub uses: &'a [CameraUse],
+    pub(crate) uses: &'a [CameraUse],
     /// The active camera.
-    pub active: usize,
+    pub(crate) active: usize,
     /// The hull of the frame.
-    pub hull: Option<&'a VisualHull>,
+    pub(crate) hull: Option<&'a VisualHull>,
     /// The camera in whose view a joint is dragged, and that joint.
-    pub ray: Option<(usize, DVec3)>,
+    pub(crate) ray: Option<(usize, DVec3)>,
     /// Which way is up, and the floor's height.
-    pub upright: Upright,
+    pub(crate) upright: Upright,
     /// Height of the floor.
-    pub floor: f64,
+    pub(crate) floor: f64,
     /// A point above the middle of the floor.
-    pub middle: DVec3,
+    pub(crate) middle: DVec3,
     /// Pixels of the picture for a point of the screen.
-    pub scale: f64,
+    pub(crate) scale: f64,
 }
 
 /// A camera in the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Frustum {
+pub(crate) struct Frustum {
     /// The camera, counted from zero.
-    pub camera: usize,
+    pub(crate) camera: usize,
     /// Where it stands.
-    pub apex: DVec3,
+    pub(crate) apex: DVec3,
     /// Upper left, upper right, lower right and lower left of its picture.
-    pub corners: [DVec3; 4],
+    pub(crate) corners: [DVec3; 4],
     /// Opacity of its picture.
-    pub opacity: f32,
+    pub(crate) opacity: f32,
 }
 
 /// What is drawn, but for the pictures on the frusta and the hull's cubes: they are dear to make.
 #[derive(Debug, Clone, Default)]
-pub struct Contents {
+pub(crate) struct Contents {
     /// Limbs, floor and lines.
-    pub scene: Scene<'static>,
+    pub(crate) scene: Scene<'static>,
     /// The cameras.
-    pub frusta: Vec<Frustum>,
+    pub(crate) frusta: Vec<Frustum>,
 }
 
 /// Builds the scene.
 #[must_use]
-pub fn contents(input: &ContentsInput<'_>) -> Contents {
+pub(crate) fn contents(input: &ContentsInput<'_>) -> Contents {
     let mut scene = Scene { limbs: limbs(input), ..Scene::default() };
     if input.preferences.floor {
         scene.floor = Some(floor(input));

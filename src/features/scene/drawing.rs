@@ -17,7 +17,7 @@ pub struct SceneDrawing {
     /// What it shows.
     pub order: SceneOrder,
     /// The [key](SceneOrder::key) of that.
-    pub key: u64,
+    pub(crate) key: u64,
     /// The picture.
     pub image: Arc<ColorImage>,
     /// What stands on the frusta.
@@ -28,7 +28,7 @@ impl SceneDrawing {
     /// Draws what was ordered. The pictures on the frusta are taken from an earlier drawing of the same frame. The same
     /// order gives the same picture bit for bit, whatever was drawn before.
     #[must_use]
-    pub fn new(order: SceneOrder, earlier: Option<&Self>) -> Self {
+    pub(crate) fn new(order: SceneOrder, earlier: Option<&Self>) -> Self {
         let thumbnails = order.pictures.as_ref().map(|frame| {
             let kept = earlier.and_then(|earlier| earlier.thumbnails.as_ref());
             let fits = |kept: &&Arc<Thumbnails>| kept.are_of(frame, order.picture_side);

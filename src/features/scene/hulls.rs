@@ -41,7 +41,7 @@ impl HullCache {
     }
 
     /// Keeps a hull, and drops the oldest if there are too many.
-    pub fn insert(&mut self, frame: Arc<FrameData>, hull: Option<Arc<VisualHull>>) {
+    pub(crate) fn insert(&mut self, frame: Arc<FrameData>, hull: Option<Arc<VisualHull>>) {
         self.hulls.retain(|(other, _)| other.frame != frame.frame);
         if self.hulls.len() == CAPACITY {
             self.hulls.pop_front();

@@ -14,7 +14,7 @@ use crate::session::FrameData;
 #[derive(Debug, Clone)]
 pub struct SceneOrder {
     /// Width and height in pixels.
-    pub size_px: [u32; 2],
+    pub(crate) size_px: [u32; 2],
     /// Whether it is of something that moves: drawn quickly, with rough edges.
     pub is_draft: bool,
     /// Where it is seen from.
@@ -22,22 +22,22 @@ pub struct SceneOrder {
     /// Limbs, floor and lines.
     pub scene: Scene<'static>,
     /// The cameras.
-    pub frusta: Vec<Frustum>,
+    pub(crate) frusta: Vec<Frustum>,
     /// The frame whose pictures stand on the frusta, if they are to be seen.
-    pub pictures: Option<Arc<FrameData>>,
+    pub(crate) pictures: Option<Arc<FrameData>>,
     /// Longest side of these pictures, in pixels.
-    pub picture_side: u32,
+    pub(crate) picture_side: u32,
     /// The hull whose cubes are to be seen.
-    pub shell: Option<Arc<VisualHull>>,
+    pub(crate) shell: Option<Arc<VisualHull>>,
     /// Where the held joint is. It is no part of the picture; its mark goes with it.
-    pub held: Option<DVec3>,
+    pub(crate) held: Option<DVec3>,
 }
 
 impl SceneOrder {
     /// Differs when anything differs. Frames and hulls are told apart by their places in memory: a key says something
     /// only as long as its order is kept.
     #[must_use]
-    pub fn key(&self) -> u64 {
+    pub(crate) fn key(&self) -> u64 {
         egui::util::hash(Fingerprint(self))
     }
 }

@@ -19,7 +19,7 @@ pub enum ShownHull {
 
 impl ShownHull {
     /// All of them with their names.
-    pub const ALL: [(Self, &'static str); 3] =
+    pub(crate) const ALL: [(Self, &'static str); 3] =
         [(Self::Hidden, "No visual hull"), (Self::Bounds, "Hull bounds"), (Self::Shell, "Hull voxels")];
 }
 

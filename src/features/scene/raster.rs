@@ -12,11 +12,11 @@ use egui::Color32;
 use glam::{DMat3, DVec2, DVec3};
 use image::RgbaImage;
 
-pub use frame::SceneFrame;
-pub use limb::{Ends, Limb};
+pub(crate) use frame::SceneFrame;
+pub(crate) use limb::{Ends, Limb};
 
 /// What is closer to the eye than this is not drawn.
-pub const NEAR: f64 = 0.01;
+pub(crate) const NEAR: f64 = 0.01;
 
 /// Where the scene is seen from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,17 +24,17 @@ pub struct SceneCamera {
     /// The eye.
     pub position: DVec3,
     /// The point in the middle of the picture.
-    pub target: DVec3,
+    pub(crate) target: DVec3,
     /// What points up in the picture, more or less.
-    pub up: DVec3,
+    pub(crate) up: DVec3,
     /// Full vertical angle of view, in radians.
-    pub fov_y: f64,
+    pub(crate) fov_y: f64,
 }
 
 impl SceneCamera {
     /// Rotation from the world to the view's axes: x right, y down, z forward. A view along its `up`, or
     /// of its own position, still gets some rotation.
-    pub fn view_from_world(&self) -> DMat3 {
+    pub(crate) fn view_from_world(&self) -> DMat3 {
         let forward = (self.target - self.position).normalize_or(DVec3::Z);
         let right = forward.cross(self.up).normalize_or(forward.any_orthonormal_vector());
         DMat3::from_cols(right, forward.cross(right), forward).transpose()
@@ -42,7 +42,7 @@ impl SceneCamera {
 
     /// Where a point appears in a picture of `size` pixels, and its depth along the view; `None` if that is
     /// less than [`NEAR`]. Pixel centres are at integers.
-    pub fn project(&self, point_in_world: DVec3, size: [u32; 2]) -> Option<(DVec2, f64)> {
+    pub(crate) fn project(&self, point_in_world: DVec3, size: [u32; 2]) -> Option<(DVec2, f64)> {
         let view = View::new(self, size, 1);
         let point = view.in_view(point_in_world);
         (point.z >= NEAR).then(|| (view.on_screen(point), point.z))
@@ -51,59 +51,59 @@ impl SceneCamera {
 
 /// A line of constant width on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
+pub(crate) struct Line {
     /// Its ends.
-    pub ends: [DVec3; 2],
+    pub(crate) ends: [DVec3; 2],
     /// Its width in pixels.
-    pub width_px: f64,
+    pub(crate) width_px: f64,
     /// Its colour, which may be translucent.
-    pub colour: Color32,
+    pub(crate) colour: Color32,
 }
 
 /// A square that faces the viewer, such as a cube of a hull seen from afar.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dot {
+pub(crate) struct Dot {
     /// Its middle.
-    pub at: DVec3,
+    pub(crate) at: DVec3,
     /// Its side, as long as if it were in the scene.
-    pub side: f64,
+    pub(crate) side: f64,
     /// Its colour, which may be translucent.
-    pub colour: Color32,
+    pub(crate) colour: Color32,
 }
 
 /// A flat picture, such as a camera's image on its frustum.
 ///
 /// One texel is picked for each sample: give it at about the size it is seen.
 #[derive(Clone, Copy, Debug)]
-pub struct Picture<'a> {
+pub(crate) struct Picture<'a> {
     /// Where its upper left corner is.
-    pub corner: DVec3,
+    pub(crate) corner: DVec3,
     /// From there to its upper right corner.
-    pub across: DVec3,
+    pub(crate) across: DVec3,
     /// From there to its lower left corner.
-    pub down: DVec3,
+    pub(crate) down: DVec3,
     /// What is shown.
-    pub image: &'a RgbaImage,
+    pub(crate) image: &'a RgbaImage,
     /// From 0 to 1.
-    pub opacity: f32,
+    pub(crate) opacity: f32,
 }
 
 /// A square grid on a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Floor {
+pub(crate) struct Floor {
     /// Its middle.
-    pub centre: DVec3,
+    pub(crate) centre: DVec3,
     /// Two directions in the plane, each as long as a cell.
-    pub cell: [DVec3; 2],
+    pub(crate) cell: [DVec3; 2],
     /// Cells from the middle to each side.
-    pub half_cells: u16,
+    pub(crate) half_cells: u16,
     /// The colour of its lines.
-    pub colour: Color32,
+    pub(crate) colour: Color32,
 }
 
 impl Floor {
     /// The lines of the grid, one pixel wide.
-    pub fn lines(&self) -> impl Iterator<Item = Line> {
+    pub(crate) fn lines(&self) -> impl Iterator<Item = Line> {
         let half = i32::from(self.half_cells);
         let [first, second] = self.cell;
         (-half..=half).flat_map(move |index| {
@@ -127,13 +127,13 @@ pub struct Scene<'a> {
     /// Limbs.
     pub limbs: Vec<Limb>,
     /// The floor, if any.
-    pub floor: Option<Floor>,
+    pub(crate) floor: Option<Floor>,
     /// Pictures. Where they are more than half opaque they hide lines behind them.
-    pub pictures: Vec<Picture<'a>>,
+    pub(crate) pictures: Vec<Picture<'a>>,
     /// Dots. They hide nothing.
-    pub dots: Vec<Dot>,
+    pub(crate) dots: Vec<Dot>,
     /// Lines.
-    pub lines: Vec<Line>,
+    pub(crate) lines: Vec<Line>,
 }
 
 /// The pinhole through which samples look: rays are (x, y, 1) in the view's axes.

@@ -15,9 +15,9 @@ const NEAR_ORIGIN: f64 = 0.25;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Upright {
     /// Away from the floor.
-    pub up: DVec3,
+    pub(crate) up: DVec3,
     /// Along the floor: what azimuths count from.
-    pub ahead: DVec3,
+    pub(crate) ahead: DVec3,
 }
 
 impl Upright {
@@ -35,20 +35,20 @@ impl Upright {
 
     /// To the left of one who looks ahead.
     #[must_use]
-    pub fn left(&self) -> DVec3 {
+    pub(crate) fn left(&self) -> DVec3 {
         self.up.cross(self.ahead)
     }
 
     /// A direction by azimuth and elevation in radians.
     #[must_use]
-    pub fn direction(&self, azimuth: f64, elevation: f64) -> DVec3 {
+    pub(crate) fn direction(&self, azimuth: f64, elevation: f64) -> DVec3 {
         let along = self.ahead * azimuth.cos() + self.left() * azimuth.sin();
         along * elevation.cos() + self.up * elevation.sin()
     }
 
     /// Azimuth and elevation of a direction, in radians.
     #[must_use]
-    pub fn angles(&self, direction: DVec3) -> [f64; 2] {
+    pub(crate) fn angles(&self, direction: DVec3) -> [f64; 2] {
         let azimuth = direction.dot(self.left()).atan2(direction.dot(self.ahead));
         let height = direction.normalize_or(self.ahead).dot(self.up);
         [azimuth, height.clamp(-1.0, 1.0).asin()]
@@ -56,7 +56,7 @@ impl Upright {
 
     /// Height of the floor: the body's lowest point in the start pose, or the origin if that is about the same.
     #[must_use]
-    pub fn floor(&self, model: &Model, start: &Pose) -> f64 {
+    pub(crate) fn floor(&self, model: &Model, start: &Pose) -> f64 {
         let kinematics = Kinematics::new(model, start);
         let joints = kinematics.starts().iter().zip(kinematics.ends()).zip(model.limbs());
         let lowest = joints
@@ -67,7 +67,7 @@ impl Upright {
 
     /// Where the body looks, by its left and right limbs; `None` for a body without sides, or one that lies.
     #[must_use]
-    pub fn facing(&self, model: &Model, kinematics: &Kinematics) -> Option<DVec3> {
+    pub(crate) fn facing(&self, model: &Model, kinematics: &Kinematics) -> Option<DVec3> {
         let ends = kinematics.ends();
         let across: DVec3 = model
             .limbs()

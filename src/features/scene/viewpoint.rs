@@ -49,7 +49,7 @@ impl Orbit {
     /// From where all `eyes` are seen about the middle, in a picture of so much width for its height: out of the
     /// widest gap between them, from above.
     #[must_use]
-    pub fn around(upright: &Upright, target: DVec3, eyes: &[DVec3], aspect: f64) -> Self {
+    pub(crate) fn around(upright: &Upright, target: DVec3, eyes: &[DVec3], aspect: f64) -> Self {
         let mut azimuths: Vec<f64> = eyes.iter().map(|eye| upright.angles(*eye - target)[0]).collect();
         azimuths.sort_by(f64::total_cmp);
         let turn = std::f64::consts::TAU;
@@ -80,21 +80,21 @@ impl Orbit {
 
     /// The view of an eye that looks at a target.
     #[must_use]
-    pub fn looking(upright: &Upright, eye: DVec3, target: DVec3) -> Self {
+    pub(crate) fn looking(upright: &Upright, eye: DVec3, target: DVec3) -> Self {
         let [azimuth, elevation] = upright.angles(eye - target);
         Self { target, azimuth, elevation, distance: eye.distance(target) }.held()
     }
 
     /// The same distance from another side.
     #[must_use]
-    pub fn from_side(self, upright: &Upright, direction: DVec3) -> Self {
+    pub(crate) fn from_side(self, upright: &Upright, direction: DVec3) -> Self {
         let [azimuth, elevation] = upright.angles(direction);
         Self { azimuth, elevation, ..self }.held()
     }
 
     /// Turned by a drag of some points.
     #[must_use]
-    pub fn turned(self, [right, down]: [f64; 2]) -> Self {
+    pub(crate) fn turned(self, [right, down]: [f64; 2]) -> Self {
         let (azimuth, elevation) = (self.azimuth - TURN * right, self.elevation + TURN * down);
         Self { azimuth, elevation, ..self }.held()
     }
@@ -102,7 +102,7 @@ impl Orbit {
     /// Moved parallel to the picture, so that what is at the target follows a drag of some points in a view that is
     /// `height` points high.
     #[must_use]
-    pub fn panned(self, upright: &Upright, [right, down]: [f64; 2], height: f64) -> Self {
+    pub(crate) fn panned(self, upright: &Upright, [right, down]: [f64; 2], height: f64) -> Self {
         let rows = self.camera(upright).view_from_world().transpose();
         let length = 2.0 * self.distance * (0.5 * ANGLE_OF_VIEW).tan() / height.max(1.0);
         Self { target: self.target - (rows.x_axis * right + rows.y_axis * down) * length, ..self }.held()
@@ -110,7 +110,7 @@ impl Orbit {
 
     /// Closer by a factor.
     #[must_use]
-    pub fn zoomed(self, factor: f64) -> Self {
+    pub(crate) fn zoomed(self, factor: f64) -> Self {
         Self { distance: self.distance / factor, ..self }.held()
     }
 
@@ -142,7 +142,12 @@ impl Orbit {
 impl Viewpoint {
     /// The eye, for a picture of so much width for its height.
     #[must_use]
-    pub fn camera(self, upright: &Upright, cameras: &[std::sync::Arc<Camera>], aspect: f64) -> SceneCamera {
+    pub(crate) fn camera(
+        self,
+        upright: &Upright,
+        cameras: &[std::sync::Arc<Camera>],
+        aspect: f64,
+    ) -> SceneCamera {
         match self {
             Self::Orbit(orbit) => orbit.camera(upright),
             Self::Camera(index) => match cameras.get(index) {

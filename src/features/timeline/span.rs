@@ -8,23 +8,23 @@ const LEAST: f64 = 4.0;
 /// The frames on the screen: numbers of frames at the left and the right end, in between two frames while one
 /// zooms.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Span {
+pub(crate) struct Span {
     /// At the left end.
-    pub first: f64,
+    pub(crate) first: f64,
     /// At the right end.
-    pub last: f64,
+    pub(crate) last: f64,
 }
 
 impl Span {
     /// All frames.
     #[must_use]
-    pub fn whole(count: usize) -> Self {
+    pub(crate) fn whole(count: usize) -> Self {
         Self { first: 0.0, last: count.saturating_sub(1).max(1) as f64 }
     }
 
     /// Zoomed by a factor above 1, or out by one below, about a frame that stays in its place. `None` is all frames.
     #[must_use]
-    pub fn zoomed(self, factor: f64, about: f64, count: usize) -> Option<Self> {
+    pub(crate) fn zoomed(self, factor: f64, about: f64, count: usize) -> Option<Self> {
         let whole = Self::whole(count);
         let width = (self.last - self.first) / factor;
         if !width.is_finite() || width >= whole.last {
@@ -37,13 +37,13 @@ impl Span {
 
     /// Moved by so many frames.
     #[must_use]
-    pub fn moved(self, by: f64, count: usize) -> Self {
+    pub(crate) fn moved(self, by: f64, count: usize) -> Self {
         Self { first: self.first + by, last: self.last + by }.inside(Self::whole(count))
     }
 
     /// Moved just so far that a frame is on the screen.
     #[must_use]
-    pub fn containing(self, frame: usize, count: usize) -> Self {
+    pub(crate) fn containing(self, frame: usize, count: usize) -> Self {
         let frame = frame as f64;
         let by = (frame - self.last).max(0.0) + (frame - self.first).min(0.0);
         self.moved(by, count)
@@ -56,7 +56,7 @@ impl Span {
 
     /// The frames that lie on the screen, both ends included.
     #[must_use]
-    pub fn frames(self, count: usize) -> std::ops::RangeInclusive<usize> {
+    pub(crate) fn frames(self, count: usize) -> std::ops::RangeInclusive<usize> {
         let last = count.saturating_sub(1);
         (self.first.floor().max(0.0) as usize).min(last)..=(self.last.ceil().max(0.0) as usize).min(last)
     }

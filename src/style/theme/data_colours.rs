@@ -11,118 +11,118 @@ use egui::Color32;
 use super::rgb;
 
 /// The ground of pictures without footage, and of the scene.
-pub const PICTURE_GROUND: Color32 = rgb(0x17191C);
+pub(crate) const PICTURE_GROUND: Color32 = rgb(0x17191C);
 /// The body in the scene, in full light.
-pub const SCENE_BODY: Color32 = rgb(0xD3D7DC);
+pub(crate) const SCENE_BODY: Color32 = rgb(0xD3D7DC);
 /// The grid of the scene's floor.
-pub const SCENE_FLOOR: Color32 = rgb(0x2F343A);
+pub(crate) const SCENE_FLOOR: Color32 = rgb(0x2F343A);
 /// Data and model agree.
-pub const AGREEMENT: Color32 = rgb(0x84919E);
+pub(crate) const AGREEMENT: Color32 = rgb(0x84919E);
 /// Data without model. [`super::Palette::missing_text`] is its text form.
-pub const MISSING: Color32 = rgb(0xDC6A12);
+pub(crate) const MISSING: Color32 = rgb(0xDC6A12);
 /// Model without data. [`super::Palette::spurious_text`] is its text form.
-pub const SPURIOUS: Color32 = rgb(0x2F80DB);
+pub(crate) const SPURIOUS: Color32 = rgb(0x2F80DB);
 /// Opacity of [`AGREEMENT`] over footage.
-pub const AGREEMENT_TINT: f32 = 0.34;
+pub(crate) const AGREEMENT_TINT: f32 = 0.34;
 /// Opacity of [`MISSING`] and [`SPURIOUS`] over footage.
-pub const MISMATCH_TINT: f32 = 0.62;
+pub(crate) const MISMATCH_TINT: f32 = 0.62;
 /// How much black lies on footage under overlays.
-pub const FOOTAGE_DIM: f32 = 0.18;
+pub(crate) const FOOTAGE_DIM: f32 = 0.18;
 /// The selected or dragged joint, the selected limb and its sight ray.
-pub const SELECTED: Color32 = rgb(0xFFD24A);
+pub(crate) const SELECTED: Color32 = rgb(0xFFD24A);
 /// Opacity of the fill of the selected limb.
-pub const SELECTED_LIMB_FILL: f32 = 0.13;
+pub(crate) const SELECTED_LIMB_FILL: f32 = 0.13;
 /// Joints that are not selected, and pinned ones.
-pub const JOINT: Color32 = rgb(0xF4F6F8);
+pub(crate) const JOINT: Color32 = rgb(0xF4F6F8);
 /// The outline of the body.
-pub const BODY_OUTLINE: Color32 = rgb(0xEAF0F5);
+pub(crate) const BODY_OUTLINE: Color32 = rgb(0xEAF0F5);
 /// Opacity of the casing under the body's outline.
-pub const BODY_OUTLINE_CASING: f32 = 0.55;
+pub(crate) const BODY_OUTLINE_CASING: f32 = 0.55;
 /// Opacity of the limb edges inside the body's outline.
-pub const INNER_EDGE: f32 = 0.13;
+pub(crate) const INNER_EDGE: f32 = 0.13;
 /// Lies under every mark on footage, so that nothing relies on its own contrast.
-pub const CASING: Color32 = rgb(0x0B0D0F);
+pub(crate) const CASING: Color32 = rgb(0x0B0D0F);
 /// Opacity of the casing under a sight ray.
-pub const RAY_CASING: f32 = 0.6;
+pub(crate) const RAY_CASING: f32 = 0.6;
 /// Hatch of pixels inside the ramp that have no gradient.
-pub const NO_GRADIENT: Color32 = rgb(0xC35BB0);
+pub(crate) const NO_GRADIENT: Color32 = rgb(0xC35BB0);
 /// Hatch of don't-know pixels.
-pub const UNKNOWN: Color32 = AGREEMENT;
+pub(crate) const UNKNOWN: Color32 = AGREEMENT;
 /// White digits on badges.
-pub const WHITE: Color32 = rgb(0xFFFFFF);
+pub(crate) const WHITE: Color32 = rgb(0xFFFFFF);
 
 /// Ground of the report's overlay: neither data nor model.
-pub const REPORT_GROUND: u8 = 0x80;
+pub(crate) const REPORT_GROUND: u8 = 0x80;
 /// The report's overlay where only the data is.
-pub const REPORT_DATA: u8 = 0x00;
+pub(crate) const REPORT_DATA: u8 = 0x00;
 /// The report's overlay where only the model is.
-pub const REPORT_MODEL: u8 = 0xFF;
+pub(crate) const REPORT_MODEL: u8 = 0xFF;
 /// The report's overlay where both are.
-pub const REPORT_BOTH: u8 = 0x56;
+pub(crate) const REPORT_BOTH: u8 = 0x56;
 
 /// Marks on pictures: radii and widths in points.
-pub mod mark {
+pub(crate) mod mark {
     /// Disc of the selected joint.
-    pub const SELECTED_RADIUS: f32 = 6.6;
+    pub(crate) const SELECTED_RADIUS: f32 = 6.6;
     /// Its casing.
-    pub const SELECTED_CASING_RADIUS: f32 = 8.2;
+    pub(crate) const SELECTED_CASING_RADIUS: f32 = 8.2;
     /// Its dark core.
-    pub const SELECTED_CORE_RADIUS: f32 = 2.2;
+    pub(crate) const SELECTED_CORE_RADIUS: f32 = 2.2;
     /// The further ring while it is dragged.
-    pub const DRAG_RING_RADIUS: f32 = 11.5;
+    pub(crate) const DRAG_RING_RADIUS: f32 = 11.5;
     /// Width of that ring.
-    pub const DRAG_RING_WIDTH: f32 = 1.6;
+    pub(crate) const DRAG_RING_WIDTH: f32 = 1.6;
     /// Ring of any other joint.
-    pub const JOINT_RADIUS: f32 = 3.4;
+    pub(crate) const JOINT_RADIUS: f32 = 3.4;
     /// Width of that ring.
-    pub const JOINT_WIDTH: f32 = 1.5;
+    pub(crate) const JOINT_WIDTH: f32 = 1.5;
     /// Side of a pinned joint's square.
-    pub const PIN_SIDE: f32 = 8.4;
+    pub(crate) const PIN_SIDE: f32 = 8.4;
     /// Side of its casing.
-    pub const PIN_CASING_SIDE: f32 = 10.8;
+    pub(crate) const PIN_CASING_SIDE: f32 = 10.8;
     /// Body outline.
-    pub const OUTLINE_WIDTH: f32 = 1.25;
+    pub(crate) const OUTLINE_WIDTH: f32 = 1.25;
     /// Its casing.
-    pub const OUTLINE_CASING_WIDTH: f32 = 2.75;
+    pub(crate) const OUTLINE_CASING_WIDTH: f32 = 2.75;
     /// Limb edges inside the outline.
-    pub const INNER_EDGE_WIDTH: f32 = 0.75;
+    pub(crate) const INNER_EDGE_WIDTH: f32 = 0.75;
     /// Outline of the selected limb.
-    pub const SELECTED_LIMB_WIDTH: f32 = 1.5;
+    pub(crate) const SELECTED_LIMB_WIDTH: f32 = 1.5;
     /// Sight ray.
-    pub const RAY_WIDTH: f32 = 1.5;
+    pub(crate) const RAY_WIDTH: f32 = 1.5;
     /// Its casing.
-    pub const RAY_CASING_WIDTH: f32 = 3.6;
+    pub(crate) const RAY_CASING_WIDTH: f32 = 3.6;
     /// Its dash and gap.
-    pub const RAY_DASH: [f32; 2] = [7.0, 4.0];
+    pub(crate) const RAY_DASH: [f32; 2] = [7.0, 4.0];
     /// Width and period of the no-gradient hatch, at 45°.
-    pub const NO_GRADIENT_HATCH: [f32; 2] = [2.0, 6.0];
+    pub(crate) const NO_GRADIENT_HATCH: [f32; 2] = [2.0, 6.0];
     /// Width and period of the don't-know hatch, at −45°.
-    pub const UNKNOWN_HATCH: [f32; 2] = [1.0, 5.0];
+    pub(crate) const UNKNOWN_HATCH: [f32; 2] = [1.0, 5.0];
     /// Width of the mask's outline.
-    pub const MASK_OUTLINE_WIDTH: f32 = 1.0;
+    pub(crate) const MASK_OUTLINE_WIDTH: f32 = 1.0;
     /// Its dash and gap.
-    pub const MASK_OUTLINE_DASH: [f32; 2] = [3.0, 2.0];
+    pub(crate) const MASK_OUTLINE_DASH: [f32; 2] = [3.0, 2.0];
     /// Dot of an accepted step in a plot.
-    pub const ACCEPTED_RADIUS: f32 = 2.3;
+    pub(crate) const ACCEPTED_RADIUS: f32 = 2.3;
     /// Side of a rejected step's cross in a plot.
-    pub const REJECTED_SIZE: f32 = 6.6;
+    pub(crate) const REJECTED_SIZE: f32 = 6.6;
     /// Width of that cross.
-    pub const REJECTED_WIDTH: f32 = 1.5;
+    pub(crate) const REJECTED_WIDTH: f32 = 1.5;
     /// Distance between crosses stacked upward.
-    pub const REJECTED_SPACING: f32 = 9.0;
+    pub(crate) const REJECTED_SPACING: f32 = 9.0;
     /// Ring of the current step in a plot.
-    pub const CURRENT_STEP_RADIUS: f32 = 4.5;
+    pub(crate) const CURRENT_STEP_RADIUS: f32 = 4.5;
 }
 
 /// The colour and dash of one run in a plot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunStyle {
     /// Colour of the curve and its dots.
-    pub colour: Color32,
+    pub(crate) colour: Color32,
     /// Dash and gap lengths in points, alternating; empty for a solid line.
-    pub dash: &'static [f32],
+    pub(crate) dash: &'static [f32],
     /// Width of the line, in points.
-    pub width: f32,
+    pub(crate) width: f32,
 }
 
 const RUNS: [(Color32, &[f32]); 6] = [
@@ -146,9 +146,9 @@ pub fn run_style(index: usize) -> RunStyle {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CameraColours {
     /// Badge and frustum.
-    pub fill: Color32,
+    pub(crate) fill: Color32,
     /// The digit on the badge.
-    pub digit: Color32,
+    pub(crate) digit: Color32,
 }
 
 const CAMERAS: [(Color32, Color32); 8] = [
@@ -169,7 +169,7 @@ pub fn camera_colours(index: usize) -> CameraColours {
 }
 
 /// The owner-limb colour: hue by chain, lightness by depth in the chain.
-pub fn limb_colour(chain: usize, depth: usize) -> Color32 {
+pub(crate) fn limb_colour(chain: usize, depth: usize) -> Color32 {
     const LIGHTNESS: [f32; 3] = [1.0, 0.8, 0.65];
     let colour = camera_colours(chain).fill;
     let lightness = LIGHTNESS[depth % LIGHTNESS.len()];
@@ -178,7 +178,7 @@ pub fn limb_colour(chain: usize, depth: usize) -> Color32 {
 }
 
 /// Entries of a colour map.
-pub const MAP_LEN: usize = 256;
+pub(crate) const MAP_LEN: usize = 256;
 
 /// −255 … 0 … +255: orange where data lacks model, dark at zero, blue where model lacks data.
 const RESIDUAL_STOPS: [u32; 9] =
@@ -230,7 +230,7 @@ fn interpolate(stops: [u32; 9]) -> [Color32; MAP_LEN] {
 
 /// The grey of the report's overlay at one pixel, from the data's and the prediction's grey levels
 /// (0 = subject). The picture goes quiet where both agree; what shines or is pitch black is error.
-pub fn report_grey(data: f32, prediction: f32) -> u8 {
+pub(crate) fn report_grey(data: f32, prediction: f32) -> u8 {
     let coverage = 1.0 - data / 255.0;
     let model = 1.0 - prediction / 255.0;
     let grey = f32::from(REPORT_GROUND) * (1.0 - coverage.max(model))

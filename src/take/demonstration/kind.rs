@@ -34,12 +34,12 @@ pub enum Demonstration {
 
 impl Demonstration {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 6] =
+    pub(crate) const ALL: [Self; 6] =
         [Self::SingleLimb, Self::OneCamera, Self::TwoCameras, Self::Sequence, Self::TinySequence, Self::Bias];
 
     /// What its take is called.
     #[must_use]
-    pub const fn name(self) -> &'static str {
+    pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::SingleLimb => "Fig. 5.1: one limb",
             Self::OneCamera => "Fig. 5.2: one camera",
@@ -52,7 +52,7 @@ impl Demonstration {
 
     /// What is shown, and what to look at and to try.
     #[must_use]
-    pub const fn explanation(self) -> &'static str {
+    pub(crate) const fn explanation(self) -> &'static str {
         match self {
             Self::SingleLimb => {
                 "One limb, seen from the side, begins 10 cm off along its axis. The Demonstrate layout (F3) fits it \

@@ -10,17 +10,17 @@ use super::Demonstration;
 
 /// A fit from the start of the take, and the name of its curve.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PreparedRun {
+pub(crate) struct PreparedRun {
     /// What distinguishes it.
-    pub name: String,
+    pub(crate) name: String,
     /// Its choices.
-    pub fit: FitOptions,
+    pub(crate) fit: FitOptions,
 }
 
 impl Demonstration {
     /// The runs that begin by themselves. The last one's end is what stays on the screen.
     #[must_use]
-    pub fn runs(self) -> Vec<PreparedRun> {
+    pub(crate) fn runs(self) -> Vec<PreparedRun> {
         match self {
             Self::SingleLimb => {
                 // The cylinder last.
@@ -47,7 +47,7 @@ impl Demonstration {
 
     /// The choices that the take begins with.
     #[must_use]
-    pub fn fit(self) -> FitOptions {
+    pub(crate) fn fit(self) -> FitOptions {
         match self {
             Self::Sequence | Self::TinySequence => FitOptions::preset(Preset::Robust),
             _ => self.runs().pop().map(|run| run.fit).unwrap_or_default(),
@@ -56,7 +56,7 @@ impl Demonstration {
 
     /// How many of the take's cameras count, from the first on.
     #[must_use]
-    pub const fn used_cameras(self) -> usize {
+    pub(crate) const fn used_cameras(self) -> usize {
         match self {
             Self::SingleLimb | Self::OneCamera | Self::Bias => 1,
             _ => 2,

@@ -43,7 +43,7 @@ struct Parts {
 impl Demonstration {
     /// What its pictures are: grey levels D as they are, or masks.
     #[must_use]
-    pub const fn simulation(self) -> Simulation {
+    pub(crate) const fn simulation(self) -> Simulation {
         match self {
             Self::SingleLimb | Self::OneCamera | Self::TwoCameras => Simulation::Prediction,
             Self::Sequence | Self::TinySequence | Self::Bias => Simulation::Mask,
@@ -54,7 +54,7 @@ impl Demonstration {
     ///
     /// # Errors
     /// None that a test does not find: conditions that are not a take.
-    pub fn take(self) -> anyhow::Result<Take> {
+    pub(crate) fn take(self) -> anyhow::Result<Take> {
         let Parts { model, cameras, truths, start } = self.parts()?;
         let mut toml = format!(
             "format = \"backlit-take 1\"\nname = \"{}\"\nframe_rate = {:?}\nmodel = \"body.toml\"\n\
@@ -83,7 +83,7 @@ impl Demonstration {
 
     /// The true pose of a frame.
     #[must_use]
-    pub fn truth(self, frame: usize) -> Pose {
+    pub(crate) fn truth(self, frame: usize) -> Pose {
         match self {
             Self::SingleLimb => fig51::truth(),
             _ => upper_body::motion(&builtin::upper_body(), frame),

@@ -16,7 +16,7 @@ const LINE_LIFT: f64 = 0.002;
 
 /// The picture of a scene with its depth buffer, to be kept from frame to frame.
 #[derive(Debug)]
-pub struct SceneFrame {
+pub(crate) struct SceneFrame {
     size: [u32; 2],
     /// Samples across and down a pixel.
     samples: u32,
@@ -37,12 +37,12 @@ pub(crate) struct Bounds {
 
 impl SceneFrame {
     /// A black frame of `width` × `height` pixels.
-    pub fn new(width: u32, height: u32) -> Self {
+    pub(crate) fn new(width: u32, height: u32) -> Self {
         Self::with_samples(width, height, SAMPLES)
     }
 
     /// A frame that is drawn in a quarter of the time, with one sample a pixel: for what moves.
-    pub fn draft(width: u32, height: u32) -> Self {
+    pub(crate) fn draft(width: u32, height: u32) -> Self {
         Self::with_samples(width, height, DRAFT_SAMPLES)
     }
 
@@ -60,7 +60,7 @@ impl SceneFrame {
     }
 
     /// Draws `scene` on `background`, taken as opaque, and forgets what was drawn before.
-    pub fn draw(&mut self, camera: &SceneCamera, background: Color32, scene: &Scene<'_>) {
+    pub(crate) fn draw(&mut self, camera: &SceneCamera, background: Color32, scene: &Scene<'_>) {
         self.colours.fill(channels(background));
         self.depths.fill(f32::INFINITY);
         let view = View::new(camera, self.size, self.samples);
@@ -86,7 +86,7 @@ impl SceneFrame {
     }
 
     /// The picture, opaque.
-    pub fn image(&self) -> RgbaImage {
+    pub(crate) fn image(&self) -> RgbaImage {
         let per_axis = self.samples as usize;
         let share = 1.0 / (per_axis * per_axis) as f32;
         RgbaImage::from_fn(self.size[0], self.size[1], |x, y| {

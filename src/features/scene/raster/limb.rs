@@ -14,7 +14,7 @@ const TO_LAMP: DVec3 = DVec3::new(-0.40, -0.56, -0.725_534_29);
 
 /// How a limb ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Ends {
+pub(crate) enum Ends {
     /// With half a ball: all points within the radius of the segment belong to it.
     Round,
     /// With a disc. Without length there is nothing to see.
@@ -27,11 +27,11 @@ pub struct Limb {
     /// The ends of the segment.
     pub ends: [DVec3; 2],
     /// The radius.
-    pub radius: f64,
+    pub(crate) radius: f64,
     /// What is at the ends.
-    pub shape: Ends,
+    pub(crate) shape: Ends,
     /// Its colour in full light; taken as opaque.
-    pub colour: Color32,
+    pub(crate) colour: Color32,
 }
 
 impl SceneFrame {
