@@ -20,7 +20,6 @@
 pub(crate) mod calibrate_job;
 pub(crate) mod commands;
 pub(crate) mod dropping;
-pub(crate) mod opened;
 pub(crate) mod features;
 pub(crate) mod files;
 pub(crate) mod headless;
@@ -29,6 +28,7 @@ pub(crate) mod layout;
 pub(crate) mod off_screen;
 pub(crate) mod open_job;
 pub(crate) mod open_with_system;
+pub(crate) mod opened;
 pub(crate) mod playing;
 pub(crate) mod refresh;
 pub(crate) mod requests;
@@ -65,7 +65,7 @@ impl App {
         self.take_in_dropped();
         self.take_in_settings();
         self.take_in_written();
-        self.hear_dialogs();
+        self.take_in_chosen_files();
         self.take_dropped_files(ui.ctx());
         self.inspector.frame(ui);
         self.do_errands();

@@ -16,7 +16,7 @@ mod task;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use job::{Job, Once, Step, once};
+pub(crate) use job::{Job, Step, once};
 pub(crate) use outbox::{Failure, News, Outbox};
 pub(crate) use pool::Pool;
 pub(crate) use priority::Priority;

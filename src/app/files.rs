@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use super::App;
-use super::state::{DialogKind, Opening};
+use super::state::{Asked, Opening};
 use crate::app::open_job::{OpenJob, Opened};
 use crate::context::command::{Command, FileCommand};
+use crate::context::file_dialog::Wanted;
 use crate::context::write_advice::remedy;
 use crate::document::project::write_project;
 use crate::jobs::{News, once};
@@ -36,12 +37,12 @@ impl App {
 
     pub(crate) fn file_command(&mut self, command: FileCommand) {
         match command {
-            FileCommand::OpenTake => self.ask_for_file(DialogKind::Take),
+            FileCommand::OpenTake => self.ask_for_file(Asked::Take),
             FileCommand::OpenBuiltIn => self.open(Opening::Take(TakeSource::BuiltIn)),
-            FileCommand::OpenProject => self.ask_for_file(DialogKind::Project),
-            FileCommand::FindTake => self.ask_for_file(DialogKind::FindTake),
+            FileCommand::OpenProject => self.ask_for_file(Asked::Project),
+            FileCommand::FindTake => self.ask_for_file(Asked::FindTake),
             FileCommand::Save => self.save_project(),
-            FileCommand::SaveAs => self.ask_for_file(DialogKind::SaveAs),
+            FileCommand::SaveAs => self.ask_for_file(Asked::SaveAs),
             FileCommand::Quit => self.inspector.state.egui.send_viewport_cmd(egui::ViewportCommand::Close),
         }
     }
@@ -77,7 +78,7 @@ impl App {
     pub(crate) fn save_project(&mut self) {
         match self.inspector.state.project.clone() {
             Some(path) => self.save_to(&path),
-            None => self.ask_for_file(DialogKind::SaveAs),
+            None => self.ask_for_file(Asked::SaveAs),
         }
     }
 
@@ -121,50 +122,29 @@ impl App {
         self.inspector.state.project = Some(path);
     }
 
-    /// Asks for a file in a dialog of the desktop's, on a thread of its own.
-    pub(crate) fn ask_for_file(&mut self, kind: DialogKind) {
-        let answers = self.files.dialog_sender.clone();
-        let context = self.inspector.state.egui.clone();
-        let name = self
-            .inspector
-            .state
-            .session
-            .take
-            .as_ref()
-            .map_or_else(|| "project".to_owned(), |take| take.name.clone());
-        let thread = std::thread::Builder::new().name("backlit file dialog".to_owned()).spawn(move || {
-            let dialog = rfd::FileDialog::new();
-            let path = match kind {
-                DialogKind::Take => dialog.set_title("Open take").pick_folder(),
-                DialogKind::FindTake => dialog.set_title("Find take").pick_folder(),
-                DialogKind::Project => {
-                    dialog.set_title("Open project").add_filter("Backlit", &[PROJECT_EXTENSION]).pick_file()
-                }
-                DialogKind::SaveAs => {
-                    let name = format!("{name}.{PROJECT_EXTENSION}");
-                    dialog.set_title("Save project").set_file_name(name).save_file()
-                }
-            };
-            if let Some(path) = path {
-                // The window may be gone by now.
-                let _ = answers.send((kind, path));
-                context.request_repaint();
-            }
-        });
-        if let Err(error) = thread {
-            self.inspector
-                .state
-                .notices
-                .error(format!("No file dialog can be shown: {error}. Drop the file on the window instead."));
+    /// Asks for a file in a dialog of the desktop's.
+    fn ask_for_file(&mut self, asked: Asked) {
+        let state = &mut self.inspector.state;
+        let take = state.session.take.as_ref();
+        let name = take.map_or("project", |take| take.name.as_str());
+        let (title, wanted) = match asked {
+            Asked::Take => ("Open take", Wanted::Folder),
+            Asked::FindTake => ("Find take", Wanted::Folder),
+            Asked::Project => ("Open project", Wanted::File(&[PROJECT_EXTENSION])),
+            Asked::SaveAs => ("Save project", Wanted::NewFile(format!("{name}.{PROJECT_EXTENSION}"), &[])),
+        };
+        if let Err(why) = self.files.dialogs.ask(&state.egui, asked, title, wanted) {
+            state.notices.error(why);
         }
     }
 
-    pub(crate) fn hear_dialogs(&mut self) {
-        while let Ok((kind, path)) = self.files.dialog_answers.try_recv() {
-            match kind {
-                DialogKind::Take | DialogKind::Project => self.open_path(&path),
-                DialogKind::FindTake => self.find_take(&path),
-                DialogKind::SaveAs => {
+    /// Goes on with the files that were chosen.
+    pub(crate) fn take_in_chosen_files(&mut self) {
+        for (asked, path) in self.files.dialogs.answers() {
+            match asked {
+                Asked::Take | Asked::Project => self.open_path(&path),
+                Asked::FindTake => self.find_take(&path),
+                Asked::SaveAs => {
                     let path = if path.extension().is_none() {
                         path.with_extension(PROJECT_EXTENSION)
                     } else {

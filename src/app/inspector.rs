@@ -89,6 +89,7 @@ impl Inspector {
         self.state.now = ui.input(|input| input.time);
         // Whoever made the inspector may show it in another window's context.
         self.state.egui.clone_from(ui.ctx());
+        self.state.pool.turn();
     }
 
     /// One frame.

@@ -2,7 +2,6 @@
 
 use std::ops::{Deref, DerefMut};
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, Sender, channel};
 
 use backlit_formats::Take;
 
@@ -13,6 +12,7 @@ use crate::app::open_job::Opened;
 use crate::app::writes::Writes;
 use crate::context::Unavailable;
 use crate::context::clock::Clock;
+use crate::context::file_dialog::FileDialogs;
 use crate::context::notices::Notices;
 use crate::context::observability::ObservabilityMarks;
 use crate::context::preferences::Preferences;
@@ -41,6 +41,8 @@ pub struct AppOptions {
     pub offers_tour: bool,
     /// What time it is.
     pub clock: Clock,
+    /// Whether jobs have no threads, and do a step of each kind in every frame: a test is the same every time then.
+    pub is_inline: bool,
 }
 
 /// Something to open.
@@ -77,15 +79,12 @@ impl Opening {
 
 /// What a file dialog was asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum DialogKind {
+pub(crate) enum Asked {
     Take,
     FindTake,
     Project,
     SaveAs,
 }
-
-/// What a file dialog was asked for, and the file that was chosen.
-pub(crate) type DialogAnswer = (DialogKind, PathBuf);
 
 /// What the context lends to features and shell.
 #[derive(Debug)]
@@ -127,20 +126,17 @@ pub(crate) struct Files {
     pub(crate) open: Task<(), Opened>,
     pub(crate) save: Task<PathBuf, Result<u64, ProjectError>>,
     pub(crate) take_in: Task<(), anyhow::Result<(Edit, String)>>,
-    pub(crate) dialog_sender: Sender<DialogAnswer>,
-    pub(crate) dialog_answers: Receiver<DialogAnswer>,
+    pub(crate) dialogs: FileDialogs<Asked>,
 }
 
 impl Default for Files {
     fn default() -> Self {
-        let (dialog_sender, dialog_answers) = channel();
         Self {
             postponed: None,
             open: Task::new(Priority::OPEN),
             save: Task::new(Priority::SAVE),
             take_in: Task::new(Priority::TAKE_IN),
-            dialog_sender,
-            dialog_answers,
+            dialogs: FileDialogs::default(),
         }
     }
 }
@@ -177,7 +173,8 @@ impl App {
     pub fn new(egui: egui::Context, options: AppOptions) -> anyhow::Result<Self> {
         let settings_writer = SettingsWriter::new(options.data_folder.clone(), &options.settings);
         let wake = egui.clone();
-        let pool = Pool::start(move || wake.request_repaint())?;
+        let pool =
+            if options.is_inline { Pool::inline() } else { Pool::start(move || wake.request_repaint())? };
         let mut inspector = Inspector::new(egui, pool, options.clock);
         inspector.features.recovery = Recovery::new(options.data_folder);
         inspector.apply_settings(options.settings);

@@ -39,7 +39,7 @@ pub(crate) fn open(layout: Layout) -> (Headless, App) {
 pub(crate) fn open_take(demonstration: Demonstration, layout: Layout) -> (Headless, App) {
     let mut window = Headless::new(1100.0, 700.0, 1.0);
     let opening = Some(Opening::Take(TakeSource::Demonstration(demonstration)));
-    let options = AppOptions { opening, ..AppOptions::default() };
+    let options = AppOptions { opening, is_inline: true, ..AppOptions::default() };
     let mut app = App::new(window.ctx.clone(), options).unwrap();
     settle(&mut window, &mut app);
     app.state.preferences.layout = layout;

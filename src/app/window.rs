@@ -44,8 +44,15 @@ pub(crate) fn open_window(opening: Option<Opening>, state_file: Option<PathBuf>)
         let offers_tour = state_file.is_none();
         let data_folder = eframe::storage_dir(APP_ID);
         let (settings, unread) = data_folder.as_deref().map(settings_file::read).unwrap_or_default();
-        let options =
-            AppOptions { settings, data_folder, opening, state_file, offers_tour, clock: Clock::default() };
+        let options = AppOptions {
+            settings,
+            data_folder,
+            opening,
+            state_file,
+            offers_tour,
+            clock: Clock::default(),
+            is_inline: false,
+        };
         let mut app = App::new(context.egui_ctx.clone(), options)?;
         app.complain(unread);
         Ok(Box::new(app) as Box<dyn eframe::App>)

@@ -13,8 +13,8 @@ mod kept;
 mod snap;
 
 pub(crate) use automatic::{Centre, automatic, has_strip, is_open_at_first};
-pub(crate) use change::{close, is_open, open, panes_with, show};
-pub(crate) use kept::{Kept, fits};
+pub(crate) use change::{close, is_open, open, panes_with};
+pub(crate) use kept::Kept;
 pub(crate) use snap::snap;
 
 use crate::context::pane::Pane;

@@ -226,17 +226,6 @@ impl History {
         self.saved != Some(self.revision)
     }
 
-    /// Makes a change that is not the user's and cannot be undone, in the past too: the take that was opened
-    /// tells its cameras.
-    pub(crate) fn amend(&mut self, change: impl Fn(&mut Document)) {
-        change(&mut self.document);
-        let done = self.undo.iter_mut().filter_map(|entry| match entry {
-            Entry::Document(snapshot) => Some(&mut **snapshot),
-            Entry::Runs(_) => None,
-        });
-        done.chain(&mut self.redo).for_each(|snapshot| change(&mut snapshot.document));
-    }
-
     /// Puts a snapshot in the place of the document, which is returned as one.
     fn go(&mut self, to: Snapshot) -> Snapshot {
         self.open = None;

@@ -29,7 +29,7 @@ use std::sync::Arc;
 
 use backlit_tracking::visual_hull::VisualHull;
 
-pub(crate) use contents::{Contents, ContentsInput, Frustum, contents};
+pub(crate) use contents::{ContentsInput, Frustum, contents};
 pub use drawing::{SceneDrawing, Thumbnails};
 pub(crate) use hulls::HullCache;
 use hulls::HullInputs;

@@ -263,8 +263,6 @@ pub mod size {
     pub(crate) const CONVERGENCE: f32 = 330.0;
     /// Run list beside the convergence plot.
     pub(crate) const RUN_LIST: f32 = 366.0;
-    /// Smallest tile.
-    pub(crate) const TILE_MIN: egui::Vec2 = egui::vec2(220.0, 200.0);
     /// A split is taken hold of within this width.
     pub(crate) const SPLIT_HIT: f32 = 8.0;
     /// A split leaves a tile at least this, both ways.

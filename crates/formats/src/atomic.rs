@@ -72,7 +72,7 @@ impl NewFile {
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         // Of its error, only the kind: the rest names the temporary file, which says nothing to anybody.
-        let file = builder.tempfile_in(folder).map_err(|error| std::io::Error::from(error.kind()))?;
+        let file = builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))?;
         let (file, temporary) = file.into_parts();
         Ok(Self { path, target, file: Arc::new(file), temporary: Some(temporary) })
     }
@@ -85,7 +85,7 @@ impl NewFile {
 
     /// What went wrong while it was written, with its name.
     #[must_use]
-    pub fn error(&self, error: std::io::Error) -> FileError {
+    pub fn error(&self, error: io::Error) -> FileError {
         FileError::new(&self.path, FileProblem::Write { error })
     }
 

@@ -1,7 +1,5 @@
 //! What the cameras see of a pose, and what they do not.
 
-use std::time::Instant;
-
 use backlit_tracking::body::Pose;
 use backlit_tracking::fit::{Evidence, FitError, FitView};
 use backlit_tracking::observability::{FrameInformation, Observability, SubsetFigures};
@@ -19,8 +17,6 @@ pub struct Observed {
     pub shown: Observability,
     /// Sets of the cameras that have a silhouette, the best first.
     pub(crate) subsets: Vec<SubsetFigures>,
-    /// How long it took, in seconds.
-    pub(crate) seconds: f64,
 }
 
 impl Observed {
@@ -29,7 +25,6 @@ impl Observed {
     /// # Errors
     /// See [`FrameInformation::new`].
     pub(crate) fn new(inputs: FitInputs, pose: Pose) -> Result<Self, FitError> {
-        let start = Instant::now();
         let view = |camera: usize| {
             let weight = inputs.uses.get(camera).map_or(1.0, |used| used.weight);
             let evidence = Evidence::Measurement(inputs.data(camera)?);
@@ -42,7 +37,6 @@ impl Observed {
         let used: Vec<usize> = (0..views.len()).filter(counts).collect();
         let shown = information.observe(&used);
         let subsets = information.compare_subsets(shown.noise);
-        let seconds = start.elapsed().as_secs_f64();
-        Ok(Self { inputs, pose, shown, subsets, seconds })
+        Ok(Self { inputs, pose, shown, subsets })
     }
 }

@@ -138,7 +138,7 @@ pub struct Scene<'a> {
 
 /// The pinhole through which samples look: rays are (x, y, 1) in the view's axes.
 #[derive(Clone, Copy, Debug)]
-struct View {
+pub(crate) struct View {
     view_from_world: DMat3,
     position: DVec3,
     focal: f64,

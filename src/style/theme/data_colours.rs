@@ -98,16 +98,10 @@ pub(crate) mod mark {
     pub(crate) const NO_GRADIENT_HATCH: [f32; 2] = [2.0, 6.0];
     /// Width and period of the don't-know hatch, at −45°.
     pub(crate) const UNKNOWN_HATCH: [f32; 2] = [1.0, 5.0];
-    /// Width of the mask's outline.
-    pub(crate) const MASK_OUTLINE_WIDTH: f32 = 1.0;
-    /// Its dash and gap.
-    pub(crate) const MASK_OUTLINE_DASH: [f32; 2] = [3.0, 2.0];
     /// Dot of an accepted step in a plot.
     pub(crate) const ACCEPTED_RADIUS: f32 = 2.3;
     /// Side of a rejected step's cross in a plot.
     pub(crate) const REJECTED_SIZE: f32 = 6.6;
-    /// Width of that cross.
-    pub(crate) const REJECTED_WIDTH: f32 = 1.5;
     /// Distance between crosses stacked upward.
     pub(crate) const REJECTED_SPACING: f32 = 9.0;
     /// Ring of the current step in a plot.

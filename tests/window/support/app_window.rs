@@ -17,6 +17,7 @@ const ROUNDS: usize = 2;
 /// A window of `size` points, when nothing is being worked on any more.
 pub(crate) fn open_sized(options: AppOptions, size: Vec2) -> Harness<'static, App> {
     let theme = options.settings.theme;
+    let options = AppOptions { is_inline: true, ..options };
     let app = App::new(egui::Context::default(), options).unwrap();
     let builder = crate::support::harness_builder(size, theme);
     let mut harness = builder.build_ui_state(|ui, app: &mut App| app.frame(ui), app);
