@@ -163,7 +163,8 @@ mod tests {
     use egui_tiles::{Behavior, UiResponse};
 
     use super::*;
-    use crate::context::arrangement::{close, fits, open};
+    use crate::context::arrangement::kept::fits;
+    use crate::context::arrangement::{close, open};
 
     /// Lays tiles out and shows nothing in them.
     struct Blank;

@@ -77,7 +77,8 @@ mod tests {
     use egui::vec2;
 
     use super::*;
-    use crate::context::arrangement::{Centre, automatic, fits};
+    use crate::context::arrangement::kept::fits;
+    use crate::context::arrangement::{Centre, automatic};
     use crate::context::preferences::Layout;
 
     #[test]

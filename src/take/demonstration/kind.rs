@@ -33,6 +33,11 @@ pub enum Demonstration {
 }
 
 impl Demonstration {
+    /// All of them, in the order of the menu.
+    #[cfg(test)]
+    pub(crate) const ALL: [Self; 6] =
+        [Self::SingleLimb, Self::OneCamera, Self::TwoCameras, Self::Sequence, Self::TinySequence, Self::Bias];
+
     /// What its take is called.
     #[must_use]
     pub(crate) const fn name(self) -> &'static str {
