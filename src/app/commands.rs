@@ -47,9 +47,14 @@ impl Inspector {
         if self.unavailable(command).is_some() {
             return;
         }
-        if self.with(|all| &mut all.laboratory, |laboratory, context, _| laboratory.takes(command, context)) {
-            return;
+        if !self.with(|all| &mut all.laboratory, |laboratory, context, _| laboratory.takes(command, context))
+        {
+            self.hand_over(command);
         }
+    }
+
+    /// Hands a command to whom it belongs.
+    fn hand_over(&mut self, command: Command) {
         match command {
             Command::File(command) => self.errands.push(Errand::Command(command)),
             Command::History(command) => self.history_command(command),
@@ -180,7 +185,7 @@ impl Inspector {
         match command {
             WindowCommand::Layout(layout) => self.state.preferences.layout = layout,
             WindowCommand::ToggleTheme => {
-                self.state.preferences.theme = self.state.preferences.theme.toggled()
+                self.state.preferences.theme = self.state.preferences.theme.toggled();
             }
             WindowCommand::TogglePanel => self.state.preferences.panel = !self.state.preferences.panel,
             WindowCommand::ToggleTimeline => self.features.timeline.shows_lanes ^= true,

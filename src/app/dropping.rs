@@ -36,7 +36,7 @@ impl App {
         match dropped {
             Dropped::Open(path) => self.open_path(&path),
             Dropped::Unknown(path, why) => {
-                self.inspector.state.notices.error(format!("{}: {why}.", path.display()))
+                self.inspector.state.notices.error(format!("{}: {why}.", path.display()));
             }
             dropped => {
                 let Some(footage) = self.inspector.state.session.take.clone() else {

@@ -128,7 +128,7 @@ impl Inspector {
             }
             Request::InterruptFit => self.interrupt_fit(),
             Request::SwitchCamera { from, to } => {
-                self.dock(|docking, window| docking.switch_camera(window, from, to))
+                self.dock(|docking, window| docking.switch_camera(window, from, to));
             }
             Request::Drag(camera, event) => self.drag(camera, event),
             Request::CancelGesture(gesture) => {

@@ -56,7 +56,7 @@ pub(crate) struct TrackingProgress {
 impl TrackingProgress {
     /// The frames that are still to come, as long as there are any. Between key poses every frame comes twice.
     #[must_use]
-    pub(crate) fn to_come(&self) -> Option<FrameRange> {
+    pub(crate) fn frames_to_come(&self) -> Option<FrameRange> {
         let FrameRange { first, last } = self.range;
         if self.done >= self.total {
             return None;
@@ -96,8 +96,9 @@ mod tests {
             range: FrameRange { first: 4, last: 9 },
             began: Instant::now(),
         };
-        let to_come =
-            |tracking: TrackingProgress| tracking.to_come().map(|FrameRange { first, last }| (first, last));
+        let to_come = |tracking: TrackingProgress| {
+            tracking.frames_to_come().map(|FrameRange { first, last }| (first, last))
+        };
         assert_eq!(to_come(tracking(0, false, None)), Some((4, 9)));
         assert_eq!(to_come(tracking(2, false, None)), Some((6, 9)));
         assert_eq!(to_come(tracking(2, true, None)), Some((4, 7)));

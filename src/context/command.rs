@@ -17,14 +17,13 @@ macro_rules! group {
         impl $name {
             #[cfg(test)]
             pub(super) fn every() -> Vec<Self> {
-                let mut every = Vec::new();
-                $(group!(@add every $variant $($values)?);)*
-                every
+                let groups: Vec<Vec<Self>> = vec![$(group!(@values $variant $($values)?)),*];
+                groups.concat()
             }
         }
     };
-    (@add $every:ident $variant:ident) => { $every.push(Self::$variant) };
-    (@add $every:ident $variant:ident $values:expr) => { $every.extend($values.into_iter().map(Self::$variant)) };
+    (@values $variant:ident) => { vec![Self::$variant] };
+    (@values $variant:ident $values:expr) => { $values.into_iter().map(Self::$variant).collect() };
 }
 
 mod groups;

@@ -49,7 +49,7 @@ fn sections(
     ui.spacing_mut().item_spacing.y = 0.0;
     features.observability.look_at_angle(Posing::limbs(ui, context, requests, posing));
     features.fit.refit_section(ui, context, requests, posing, |ui, requests| {
-        features.tracking.other_poses(ui, context, requests)
+        features.tracking.other_poses(ui, context, requests);
     });
     Posing::sizes(ui, context, requests);
     measurement::ui(ui, context, requests, false);

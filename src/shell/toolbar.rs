@@ -36,7 +36,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &mut Features, re
         };
         side(ui, Direction::left_to_right(Align::Center), &mut |ui| left(ui, context, requests, width));
         side(ui, Direction::right_to_left(Align::Center), &mut |ui| {
-            right(ui, context, features, requests, width)
+            right(ui, context, features, requests, width);
         });
         let middle = egui::Rect::from_center_size(rect.center(), vec2(SWITCH, size::BUTTON));
         ui.scope_builder(UiBuilder::new().max_rect(middle), |ui| {

@@ -118,7 +118,7 @@ mod tests {
         write(&path, b"old").unwrap();
         let result = write_with(&path, |out| {
             out.write_all(b"half of the new")?;
-            Err(std::io::Error::other("disk full"))
+            Err(io::Error::other("disk full"))
         });
         let message = result.unwrap_err().to_string();
         assert!(message.contains("pose.json") && message.contains("disk full"), "{message}");

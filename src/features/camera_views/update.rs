@@ -142,7 +142,7 @@ impl CameraViews {
             TileEvent::SetFraming(framing) => self.frame(pane, framing, before),
             TileEvent::ToggleExpanded => request(Request::Pane(Pane::Camera(camera), PaneEvent::ToggleAlone)),
             TileEvent::Switch(Pane::Camera(other)) => {
-                request(Request::SwitchCamera { from: camera, to: other })
+                request(Request::SwitchCamera { from: camera, to: other });
             }
             TileEvent::Switch(other) => request(Request::Pane(other, PaneEvent::Open)),
             TileEvent::Close => request(Request::Pane(Pane::Camera(camera), PaneEvent::Close)),

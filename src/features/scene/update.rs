@@ -106,6 +106,6 @@ impl Scene {
             Some(Viewpoint::Orbit(orbit)) => Orbit { target: pose.root, ..orbit },
             _ => near,
         };
-        Some(Viewpoint::Orbit(orbit.from_side(&upright, direction(facing, upright.up))))
+        Some(Viewpoint::Orbit(orbit.seen_from_side(&upright, direction(facing, upright.up))))
     }
 }

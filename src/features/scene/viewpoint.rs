@@ -87,7 +87,7 @@ impl Orbit {
 
     /// The same distance from another side.
     #[must_use]
-    pub(crate) fn from_side(self, upright: &Upright, direction: DVec3) -> Self {
+    pub(crate) fn seen_from_side(self, upright: &Upright, direction: DVec3) -> Self {
         let [azimuth, elevation] = upright.angles(direction);
         Self { azimuth, elevation, ..self }.held()
     }

@@ -101,7 +101,9 @@ pub(crate) fn on_ruler(ui: &Ui, context: &Context<'_>, plot: Rect, scale: &Scale
             scale.x(from as f64) - half..=(scale.x(to as f64) + half).max(scale.x(from as f64) + 1.0);
         painter.hline(across, y, Stroke::new(BAR, palette.text3));
     }
-    if let Some(FrameRange { first, last }) = context.busy.track.and_then(|tracking| tracking.to_come()) {
+    if let Some(FrameRange { first, last }) =
+        context.busy.track.and_then(|tracking| tracking.frames_to_come())
+    {
         let across = scale.x(first as f64) - half..=scale.x(last as f64) + half;
         painter.hline(across, y, Stroke::new(BAR, palette.accent_text));
     }
