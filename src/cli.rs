@@ -2,22 +2,22 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`command`] | the commands and their help |
-//! | [`fit_options`] | options that choose renderer, ramp and solver |
-//! | [`render`] | `backlit render` |
-//! | [`fit`] | `backlit fit` |
-//! | [`fit_body`], [`fit_body_report`] | `backlit fit-body` |
-//! | [`evidence`] | silhouettes and grey levels from a folder |
-//! | [`track`] | `backlit track` |
-//! | [`track_report`], [`track_files`] | what a track is worth, and the files with it |
-//! | [`observability`] | `backlit observability` |
-//! | [`silhouettes`] | `backlit silhouettes` |
-//! | [`experiment`] | `backlit experiment`: one file an experiment |
-//! | [`take_options`] | options that choose frames, cameras and start |
-//! | [`inspector`] | `backlit [TAKE]`: the window, or what it would have shown |
-//! | [`screenshot`] | `backlit screenshot` |
-//! | [`table`] | tables for people |
-//! | [`output`] | standard output and folders |
+//! | `command` | the commands and their help |
+//! | `fit_options` | options that choose renderer, ramp and solver |
+//! | `render` | `backlit render` |
+//! | `fit` | `backlit fit` |
+//! | `fit_body`, `fit_body_report` | `backlit fit-body` |
+//! | `evidence` | silhouettes and grey levels from a folder |
+//! | `track` | `backlit track` |
+//! | `track_report`, `track_files` | what a track is worth, and the files with it |
+//! | `observability` | `backlit observability` |
+//! | `silhouettes` | `backlit silhouettes` |
+//! | `experiment` | `backlit experiment`: one file an experiment |
+//! | `take_options` | options that choose frames, cameras and start |
+//! | `inspector` | `backlit [TAKE]`: the window, or what it would have shown |
+//! | `screenshot` | `backlit screenshot` |
+//! | `table` | tables for people |
+//! | `output` | standard output and folders |
 //!
 //! Exit codes: 0 done, 1 an error (on standard error, in one line), 2 a command that makes no sense.
 

@@ -5,22 +5,22 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`mode`] | [`ViewMode`]: the ways to look at a camera, with their names and legends |
+//! | `mode` | [`ViewMode`]: the ways to look at a camera, with their names and legends |
 //! | `comparison` | [`Comparison`]: how two modes are seen in one picture |
-//! | [`input`] | [`PictureInput`]: what there is to look at; [`Sample`]: its values at one pixel |
+//! | `input` | [`PictureInput`]: what there is to look at; [`Sample`]: its values at one pixel |
 //! | `footage` … `owner_limb` | one view mode each |
-//! | [`derivative`] | gradient and Jacobian column: what they are and how they look |
+//! | `derivative` | gradient and Jacobian column: what they are and how they look |
 //! | `drag` | [`Drag`]: how a drag in a picture moves the body |
-//! | [`ellipse_factor`] | how much larger than life ellipses of uncertainty are drawn |
+//! | `ellipse_factor` | how much larger than life ellipses of uncertainty are drawn |
 //! | `hatch` | the hatches of don't-know and of no gradient |
-//! | [`outline`] | the body's outline by marching squares |
-//! | [`limits`] | a joint's limits: the arc of what an angle may be |
-//! | [`limbs`] | limbs projected to capsules of the picture |
-//! | [`joints`] | the joints that can be dragged, and their names |
-//! | [`sway`] | a body that sways, and ellipses of joints |
+//! | `outline` | the body's outline by marching squares |
+//! | `limits` | a joint's limits: the arc of what an angle may be |
+//! | `limbs` | limbs projected to capsules of the picture |
+//! | `joints` | the joints that can be dragged, and their names |
+//! | `sway` | a body that sways, and ellipses of joints |
 //! | [`mod@sight_ray`] | one camera's ray as another camera sees it |
-//! | [`calibration_marks`] | principal point, world axes, grid and lens edge |
-//! | [`state_axis`] | the coefficient whose Jacobian column is looked at |
+//! | `calibration_marks` | principal point, world axes, grid and lens edge |
+//! | `state_axis` | the coefficient whose Jacobian column is looked at |
 
 pub(crate) mod calibration_marks;
 mod comparison;

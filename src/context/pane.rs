@@ -1,10 +1,10 @@
 //! Panes: what can stand in a tile of the centre.
 //!
-//! Another kind of pane is one variant of [`Pane`] with its row in [`Pane::KINDS`], and one arm in
+//! Another kind of pane is one variant of [`Pane`] with its row in `Pane::KINDS`, and one arm in
 //! `panels::dock::contents` that calls the panel's `ui` function. Menus, saving, dragging, closing and the
 //! full window follow from those. A panel fills the `Ui` that it gets. Its first [`size::TILE_HEADER`] points
 //! are the header by which the tile is dragged: the dock puts its own buttons at the right end of it, so a
-//! panel leaves [`HEADER_BUTTONS`] points free there.
+//! panel leaves `HEADER_BUTTONS` points free there.
 //!
 //! [`size::TILE_HEADER`]: crate::style::theme::size::TILE_HEADER
 

@@ -5,7 +5,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `error` | [`ProjectError`]: what can be wrong |
+//! | `error` | `ProjectError`: what can be wrong |
 //! | `record` | the file as it is |
 //! | `reader` | from the file to a document that holds together |
 

@@ -6,13 +6,13 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`settings`] | [`BasinSettings`]: what is typed and chosen, and the options that follow |
-//! | [`preferences`] | [`BasinPreferences`]: the settings and what is shown, kept from start to start |
-//! | [`results`] | [`BasinResults`]: what came of it |
+//! | `settings` | [`BasinSettings`]: what is typed and chosen, and the options that follow |
+//! | `preferences` | `BasinPreferences`: the settings and what is shown, kept from start to start |
+//! | `results` | `BasinResults`: what came of it |
 //! | `update` | begun, stopped, its starts taken, its files written |
 //! | `job` | the fits, one a step |
 //! | `panel` | the pane and the section of the right panel |
-//! | [`export`] | results as CSV, JSON and pictures |
+//! | `export` | results as CSV, JSON and pictures |
 
 pub(crate) mod export;
 mod job;

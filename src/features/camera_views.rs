@@ -2,19 +2,19 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`preferences`] | [`CameraViewPreferences`]: what all views share, kept from start to start |
-//! | [`tile_view`] | [`TileView`]: which view mode or modes a tile shows, and which part of the picture |
+//! | `preferences` | `CameraViewPreferences`: what all views share, kept from start to start |
+//! | `tile_view` | [`TileView`]: which view mode or modes a tile shows, and which part of the picture |
 //! | `update` | commands, and what the user did in a tile |
 //! | `pane` | what a tile is given of the document and the session |
 //! | `alone` | the picture without header and gutter, for exports |
 //! | `linked` | how linked views go along with a zoom or pan |
-//! | [`tile`] | a tile: header, picture, gutter |
-//! | [`event`] | [`TileEvent`]: what the user did in a tile |
+//! | `tile` | a tile: header, picture, gutter |
+//! | `event` | [`TileEvent`]: what the user did in a tile |
 //! | `pointer` | press, travel, modifiers, Esc: the pointer's way to those events |
 //! | `header`, `tile_menu` | badge, name, view mode, link, expand, more |
 //! | `picture_view` | texture, outline, limbs, joints, sight ray |
 //! | `comparison` | wipe and blink between two modes |
-//! | [`observed`] | a body that sways, ellipses of joints |
+//! | `observed` | a body that sways, ellipses of joints |
 //! | `gutter` | overlap, use in the fit, what a drag does |
 //! | `legend`, `legend_block` | the strip under the picture; how to read one mode in it |
 //! | `hover_card` | the numbers of the pixel under the pointer |

@@ -3,12 +3,12 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`choices`] | [`ExportChoices`]: what the card and the command line choose, kept from start to start |
+//! | `choices` | [`ExportChoices`]: what the card and the command line choose, kept from start to start |
 //! | `dialog` | the card on which an export is put together |
 //! | `order` | what is to be exported, and what paints it |
 //! | `update` | asked for, begun, stopped, told |
 //! | `job` | painting and writing, one picture a step |
-//! | [`series`] | numbered PNGs, an animated PNG or a GIF from one picture after another |
+//! | `series` | numbered PNGs, an animated PNG or a GIF from one picture after another |
 
 pub(crate) mod choices;
 mod dialog;

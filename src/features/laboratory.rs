@@ -2,17 +2,17 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`lineup`] | which ways are compared: renderers, ramps, presets, updates |
-//! | [`start`] | where they all begin |
-//! | [`push`] | a direction of the body, and how hard every pixel pushes along it |
-//! | [`check`] | the analytic Jacobian against differences, column by column |
-//! | [`comparison`] | the curves of one comparison, and the step that is looked at |
+//! | `lineup` | which ways are compared: renderers, ramps, presets, updates |
+//! | `start` | where they all begin |
+//! | `push` | a direction of the body, and how hard every pixel pushes along it |
+//! | `check` | the analytic Jacobian against differences, column by column |
+//! | `comparison` | the curves of one comparison, and the step that is looked at |
 //! | `commands` | what commands mean in its layout |
 //! | `update` | begun anew, stepped, what its pictures lack |
 //! | `job` | the steps, the pictures, the checks |
 //! | `panel` | the centre of its layout |
 //! | [`story`] | the caption: told from the numbers |
-//! | [`table`] | the curves as text and as a figure |
+//! | `table` | the curves as text and as a figure |
 
 pub(crate) mod check;
 mod commands;

@@ -3,9 +3,9 @@
 //! | file | holds |
 //! |---|---|
 //! | `copies` | [`Copies`]: the files, who may write which, and which are offered |
-//! | `about` | [`About`]: what is written beside a copy |
-//! | `left` | [`Left`]: a copy that a window has left, in words |
-//! | `picture` | [`Picture`]: what a camera showed, small |
+//! | `about` | `About`: what is written beside a copy |
+//! | `left` | `Left`: a copy that a window has left, in words |
+//! | `picture` | `Picture`: what a camera showed, small |
 //! | `update` | the copy written after every change; what the user decides about what was left |
 //! | `panel` | a card for each of what was left |
 

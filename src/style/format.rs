@@ -1,8 +1,8 @@
 //! Numbers as they are written on the screen.
 //!
 //! A true minus (U+2212) for negative numbers, a thin space (U+2009) between thousands, angles in degrees
-//! with one decimal, lengths in metres with three, costs as `1.8e8`. Every function but [`length`] and [`deviation`] returns
-//! [`MISSING`] for a number that is not finite, and none writes a negative zero.
+//! with one decimal, lengths in metres with three, costs as `1.8e8`. Every function but `length` and `deviation` returns
+//! `MISSING` for a number that is not finite, and none writes a negative zero.
 
 /// What is written for a number that is not finite.
 pub(crate) const MISSING: &str = "–";

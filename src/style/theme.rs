@@ -2,7 +2,7 @@
 //!
 //! A dim room and one warm light: greys carry the interface, the yellow accent marks what the user holds
 //! (the selected joint, its row, its sight ray, the current frame and step, the one primary button) and
-//! nothing else. Colours of pictures and data are the same in both themes: see [`data_colours`].
+//! nothing else. Colours of pictures and data are the same in both themes: see `data_colours`.
 //!
 //! All lengths are egui points. [`apply`] hands the tokens to egui.
 
@@ -63,7 +63,7 @@ pub fn palette(ui: &egui::Ui) -> &'static Palette {
 }
 
 /// The colours of one theme. Every pair of a text colour and a ground passes WCAG AA, except
-/// [`text3`](Self::text3) on [`hover`](Self::hover) and [`active`](Self::active): use
+/// [`text3`](Self::text3) on `hover` and `active`: use
 /// [`text2`](Self::text2) there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Palette {
@@ -314,7 +314,7 @@ pub fn column_heading() -> TextStyle {
     TextStyle::Name("Column heading".into())
 }
 
-/// Explanatory text of the demonstrate layout: proportional 16, on lines of [`CAPTION_LINE_HEIGHT`].
+/// Explanatory text of the demonstrate layout: proportional 16, on lines of `CAPTION_LINE_HEIGHT`.
 pub fn caption() -> TextStyle {
     TextStyle::Name("Caption".into())
 }

@@ -3,9 +3,9 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`kind`] | [`Demonstration`]: which there are, their names and explanations |
-//! | [`runs`] | the fits that each shows |
-//! | [`take`] | the simulated take of each |
+//! | `kind` | [`Demonstration`]: which there are, their names and explanations |
+//! | `runs` | the fits that each shows |
+//! | `take` | the simulated take of each |
 
 pub(crate) mod kind;
 pub(crate) mod runs;
