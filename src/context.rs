@@ -101,27 +101,22 @@ pub(crate) struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
-    /// The document.
-    #[must_use]
     pub(crate) fn document(&self) -> &'a Document {
         self.history.document()
     }
 
     /// The runs of the fit.
-    #[must_use]
     pub(crate) fn runs(&self) -> &'a Runs {
         self.history.runs()
     }
 
     /// The run that is looked at, or else the newest one of the frame.
-    #[must_use]
     pub(crate) fn run(&self) -> Option<&'a Run> {
         let looked_at = self.selection.step.and_then(|step| self.runs().get(step.run));
         looked_at.or_else(|| self.runs().newest_of(self.selection.frame))
     }
 
     /// The pose on the screen: that of the step that is looked at, or of the run that is going on, or the document's.
-    #[must_use]
     pub(crate) fn shown_pose(&self) -> &'a Pose {
         let going_on = || {
             let run = self.runs().get(self.busy.fitted_run?)?;
@@ -132,20 +127,17 @@ impl<'a> Context<'a> {
     }
 
     /// Whether a pane is on the screen.
-    #[must_use]
     pub(crate) fn shows(&self, pane: Pane) -> bool {
         let is_open = || self.preferences.is_open(pane, self.session.camera_count());
         self.alone.map_or_else(is_open, |alone| alone == pane)
     }
 
     /// The name of the take, for files that are made of it.
-    #[must_use]
     pub(crate) fn take_name(&self) -> &'a str {
         self.session.take.as_ref().map_or("project", |take| take.name.as_str())
     }
 
     /// All that a prediction of the frame on the screen depends on, but the pose.
-    #[must_use]
     pub(crate) fn fit_inputs(&self) -> Option<FitInputs> {
         let document = self.document();
         Some(FitInputs {
@@ -299,7 +291,6 @@ pub(crate) enum PaneEvent {
 pub(crate) struct Requests {
     /// Changes of the document, each with its gesture.
     pub(crate) edits: Vec<(Edit, Option<Gesture>)>,
-    /// Commands.
     pub(crate) commands: Vec<Command>,
     /// Everything else.
     pub(crate) others: Vec<Request>,

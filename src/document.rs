@@ -96,7 +96,6 @@ pub struct Document {
 
 impl Document {
     /// A document about a body, without footage.
-    #[must_use]
     pub fn new(model: Model) -> Self {
         let start = Pose::rest(&model);
         Self {
@@ -117,7 +116,6 @@ impl Document {
 
     /// The pose of a frame: found there, or set there by hand, or else that of the nearest frame before, or
     /// else the start.
-    #[must_use]
     pub fn pose_at(&self, frame: usize) -> &Pose {
         let found = self.estimates.range(..=frame).next_back();
         let key = self.keys.range(..=frame).next_back();
@@ -130,7 +128,6 @@ impl Document {
     }
 
     /// Whether a frame has a pose of its own.
-    #[must_use]
     pub fn has_pose(&self, frame: usize) -> bool {
         self.estimates.contains_key(&frame) || self.keys.contains_key(&frame)
     }

@@ -40,39 +40,33 @@ pub struct Session {
 
 impl Session {
     /// Number of frames of the take, zero without one.
-    #[must_use]
     pub fn frame_count(&self) -> usize {
         self.take.as_ref().map_or(0, |take| take.frame_count())
     }
 
     /// Number of cameras, zero without a take.
-    #[must_use]
     pub(crate) fn camera_count(&self) -> usize {
         self.take.as_ref().map_or(0, |take| take.cameras.len())
     }
 
     /// Pixels of a camera's pictures, across and down.
-    #[must_use]
     pub(crate) fn camera_size(&self, camera: usize) -> Option<[usize; 2]> {
         let camera = self.take.as_ref()?.cameras.get(camera)?;
         Some([camera.width(), camera.height()])
     }
 
     /// A frame, or the one that was shown last as long as it is not there.
-    #[must_use]
     pub fn shown_frame(&self, frame: usize) -> Option<&Arc<FrameData>> {
         self.frames.get(frame).or(self.last_frame.as_ref())
     }
 
     /// Whether a prediction's data are those of the frame on the screen.
-    #[must_use]
     pub(crate) fn is_of_shown_frame(&self, predicted: &Predicted, frame: usize) -> bool {
         let shown = self.shown_frame(frame);
         predicted.scene.frame.as_ref().zip(shown).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
     }
 
     /// Intersection over union of all cameras together, of the prediction on the screen.
-    #[must_use]
     pub fn iou(&self) -> Option<f64> {
         self.predicted.as_ref()?.iou()
     }

@@ -72,7 +72,7 @@ fn shares(frame: &FrameData) -> Vec<f64> {
 
 /// Where the feature is made known: a file, a line that is in it once, and what comes after that line.
 const WIRING: [(&str, &str, &str); 7] = [
-    ("src/features.rs", "pub mod convergence;", "pub(crate) mod coverage;"),
+    ("src/features.rs", "pub(crate) mod convergence;", "pub(crate) mod coverage;"),
     (
         "src/features.rs",
         "    pub(crate) convergence: convergence::Convergence,",

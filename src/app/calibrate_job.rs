@@ -9,7 +9,6 @@ use crate::take::replacement::Calibration;
 /// Footage that is to be seen by other cameras.
 #[derive(Debug)]
 pub(crate) struct CalibrateJob {
-    /// The footage.
     pub(crate) footage: Arc<Footage>,
     /// The cameras; the take's own without any.
     pub(crate) calibration: Option<Arc<Calibration>>,

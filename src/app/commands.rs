@@ -215,7 +215,6 @@ impl Inspector {
     }
 
     /// The pose on the screen.
-    #[must_use]
     pub fn shown_pose(&self) -> &Pose {
         self.context().shown_pose()
     }

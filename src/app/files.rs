@@ -7,7 +7,7 @@ use super::state::{Asked, Opening};
 use crate::app::open_job::{OpenJob, Opened};
 use crate::context::command::{Command, FileCommand};
 use crate::context::file_dialog::Wanted;
-use crate::context::write_advice::remedy;
+use crate::context::write_advice::write_advice;
 use crate::document::project::write_project;
 use crate::jobs::{News, once};
 use crate::take::source::TakeSource;
@@ -104,7 +104,7 @@ impl App {
                 News::Output(Err(error)) => {
                     let said = format!(
                         "Not saved: {error}. Your work is still here, and the file is as it was. {}",
-                        remedy(&error)
+                        write_advice(&error)
                     );
                     self.inspector.state.notices.error_with(said, Command::File(FileCommand::SaveAs));
                 }
@@ -158,7 +158,6 @@ impl App {
 }
 
 /// What a path is to be opened as.
-#[must_use]
 pub fn opening_of(path: &Path) -> Opening {
     // A project remembers its take, and is opened from elsewhere another day.
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());

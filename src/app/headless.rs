@@ -28,9 +28,7 @@ pub(crate) struct PictureOptions {
     pub(crate) layout: Layout,
     /// Size of the window in points.
     pub(crate) size: Vec2,
-    /// Pixels per point.
     pub(crate) pixels_per_point: f32,
-    /// The frame.
     pub(crate) frame: usize,
     /// Steps of the fit to do on that frame: `None` runs it to the end.
     pub(crate) steps: Option<usize>,

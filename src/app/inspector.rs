@@ -92,7 +92,6 @@ impl Inspector {
         self.state.pool.turn();
     }
 
-    /// One frame.
     pub(crate) fn frame(&mut self, ui: &mut Ui) {
         let began = Instant::now();
         self.begin_frame(ui);
@@ -120,67 +119,56 @@ impl Inspector {
     }
 
     /// The document as it is.
-    #[must_use]
     pub fn document(&self) -> &Document {
         self.state.history.document()
     }
 
     /// What is selected.
-    #[must_use]
     pub fn selection(&self) -> &Selection {
         &self.state.selection
     }
 
     /// The runs of the fit, the newest last.
-    #[must_use]
     pub fn runs(&self) -> &[Run] {
         self.state.history.runs().all()
     }
 
     /// The derived data.
-    #[must_use]
     pub fn session(&self) -> &Session {
         &self.state.session
     }
 
     /// Whether a pane is open.
-    #[must_use]
     pub fn is_open(&self, pane: Pane) -> bool {
         self.state.preferences.is_open(pane, self.state.session.camera_count())
     }
 
     /// Whether there is work that is in no file.
-    #[must_use]
     pub fn is_unsaved(&self) -> bool {
         self.state.history.is_dirty()
     }
 
     /// The laboratory.
-    #[must_use]
     pub fn laboratory(&self) -> &Laboratory {
         &self.features.laboratory
     }
 
     /// What was said.
-    #[must_use]
     pub fn notices(&self) -> &Notices {
         &self.state.notices
     }
 
     /// What was tried of the basin.
-    #[must_use]
     pub fn basin(&self) -> &Basin {
         &self.features.basin
     }
 
     /// What the cameras see of the pose.
-    #[must_use]
     pub fn observability(&self) -> &Observability {
         &self.features.observability
     }
 
     /// The 3-D scene.
-    #[must_use]
     pub fn shown_scene(&self) -> &Scene {
         &self.features.scene
     }
@@ -191,7 +179,6 @@ impl Inspector {
     }
 
     /// Whether nothing is being read, fitted or drawn anew: what is on the screen is whole.
-    #[must_use]
     pub fn is_idle(&self) -> bool {
         // A body that sways never comes to rest, and neither does its picture.
         let is_at_rest = match self.features.observability.is_playing() {

@@ -30,7 +30,6 @@ pub(crate) enum OpenJob {
     },
 }
 
-/// A project that was opened.
 #[derive(Debug)]
 pub(crate) struct OpenedProject {
     /// What it holds.
@@ -77,7 +76,6 @@ pub(crate) enum Opened {
 }
 
 impl OpenJob {
-    /// Opens it.
     pub(crate) fn open(&self) -> Opened {
         match self.footage() {
             Ok((footage, project)) => Opened::Take(Arc::new(footage), project),
@@ -128,7 +126,6 @@ fn open_project(path: &Path, moved_to: Option<&Path>) -> Result<(Footage, Option
     ))
 }
 
-/// Opens a take from where it is.
 fn open_take(source: &TakeSource) -> anyhow::Result<Footage> {
     let take = match source {
         TakeSource::BuiltIn => crate::take::builtin::open()?,

@@ -11,7 +11,6 @@ const LONGEST_WAIT: f64 = 1.0;
 
 impl Inspector {
     /// Whether frames are being played.
-    #[must_use]
     pub fn is_playing(&self) -> bool {
         self.state.playback.is_playing()
     }

@@ -82,7 +82,6 @@ impl Settings {
     }
 
     /// The same arrangement with what another one remembers that *Reset layout* does not touch.
-    #[must_use]
     pub(crate) fn with_memory_of(self, other: Self) -> Self {
         Self {
             theme: other.theme,
@@ -99,7 +98,6 @@ impl Settings {
 
 impl Inspector {
     /// What is to be kept.
-    #[must_use]
     pub fn settings(&self) -> Settings {
         let preferences = self.state.preferences.clone();
         let views = self.features.camera_views.preferences;

@@ -24,7 +24,6 @@ struct File<'a> {
 }
 
 /// The settings file of a data folder.
-#[must_use]
 pub fn path_in(folder: &Path) -> PathBuf {
     folder.join(NAME)
 }
@@ -43,7 +42,6 @@ pub fn write(folder: &Path, look: &Settings) -> Result<(), FileError> {
 }
 
 /// The settings of a folder, and a sentence about what of them could not be read. Without a file they are as at first.
-#[must_use]
 pub fn read(folder: &Path) -> (Settings, Option<String>) {
     let path = path_in(folder);
     let text = match DiskFiles.read(&path, MAX_TEXT_BYTES) {

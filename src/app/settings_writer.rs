@@ -7,7 +7,7 @@ use backlit_formats::FileError;
 use super::App;
 use crate::app::settings::Settings;
 use crate::app::settings_file;
-use crate::context::write_advice::remedy;
+use crate::context::write_advice::write_advice;
 use crate::jobs::{News, Priority, Task, once};
 
 /// What is in the settings file.
@@ -42,7 +42,7 @@ impl App {
         if self.settings_writer.failed || self.settings_writer.written != settings {
             self.settings_writer.written = settings.clone();
             let write = move |_: &_| {
-                let said = |error: FileError| format!("{error}. {}", remedy(&error));
+                let said = |error: FileError| format!("{error}. {}", write_advice(&error));
                 settings_file::write(&folder, &settings).map_err(said)
             };
             self.settings_writer.task.begin(&self.inspector.state.pool, (), |()| once(write));

@@ -26,7 +26,6 @@ pub(crate) struct SurveyJob {
 
 impl SurveyJob {
     /// Frames spread over the take, all cameras.
-    #[must_use]
     pub(crate) fn new(footage: Arc<Footage>, measurement: Arc<Vec<SegmentOptions>>) -> Self {
         let (count, cameras) = (footage.frame_count(), footage.cameras.len());
         let shown = FRAMES.min(count);

@@ -14,7 +14,6 @@ use crate::style::theme::size;
 const APP_ID: &str = "backlit";
 
 /// Whether there is a display to open a window on.
-#[must_use]
 pub(crate) fn has_display() -> bool {
     if cfg!(any(target_os = "windows", target_os = "macos")) {
         return true;

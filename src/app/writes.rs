@@ -6,7 +6,7 @@ use backlit_formats::atomic;
 
 use super::App;
 use crate::context::Write;
-use crate::context::write_advice::remedy;
+use crate::context::write_advice::write_advice;
 use crate::jobs::{News, Priority, Task, once};
 
 /// The files that are being written.
@@ -22,7 +22,7 @@ impl App {
         task.begin(&self.inspector.state.pool, path, |_| {
             once(move |_| match make() {
                 Ok(bytes) => atomic::write(&file, &bytes)
-                    .map_err(|error| format!("Not written: {error}. {}", remedy(&error))),
+                    .map_err(|error| format!("Not written: {error}. {}", write_advice(&error))),
                 Err(error) => Err(format!("{} was not written: {error:#}.", file.display())),
             })
         });

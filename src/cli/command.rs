@@ -60,7 +60,6 @@ pub(crate) enum Command {
 
 /// The complaint about a word that is neither a command nor something to open. A path with a folder or an ending
 /// is no word, even where there is nothing.
-#[must_use]
 pub(crate) fn no_such_command(word: &Path) -> Option<clap::Error> {
     if word.exists() || word.extension().is_some() || word.components().count() != 1 {
         return None;

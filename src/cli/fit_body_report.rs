@@ -41,8 +41,6 @@ struct SizeReport {
 }
 
 impl BodyReport {
-    /// Of a fit.
-    #[must_use]
     pub(crate) fn new(fit: &BodyFit) -> Self {
         let size = |size: &SizeEstimate| SizeReport {
             limb: size.name.clone(),
@@ -67,7 +65,6 @@ impl BodyReport {
 }
 
 /// The result for people.
-#[must_use]
 pub(crate) fn text(fit: &BodyFit, written: Option<&Path>) -> String {
     let frames: Vec<String> = fit.frames.iter().map(usize::to_string).collect();
     let percent = |factor: f64| format!("{:+.1} %", 100.0 * (factor - 1.0));

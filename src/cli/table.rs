@@ -10,7 +10,6 @@ pub(crate) struct Table {
 
 impl Table {
     /// A table with these column titles.
-    #[must_use]
     pub(crate) fn new<const N: usize>(titles: [&str; N]) -> Self {
         Self { rows: vec![titles.map(str::to_owned).to_vec()] }
     }
@@ -21,7 +20,6 @@ impl Table {
     }
 
     /// The table as lines: the first column to the left, all others to the right.
-    #[must_use]
     pub(crate) fn to_text(&self) -> String {
         let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
         let width = |column: usize| {

@@ -110,7 +110,6 @@ pub(crate) struct StartArguments {
 
 impl StartArguments {
     /// Nothing asked for: the take's own start, else its reference, without noise.
-    #[must_use]
     pub(crate) fn none() -> Self {
         Self { start: None, start_noise: None, seed: 0 }
     }
@@ -167,7 +166,6 @@ fn from_reference(take: &Take, frame: usize) -> Option<Pose> {
 }
 
 /// The take's reference keypoints of a frame; none if it has none.
-#[must_use]
 pub(crate) fn reference_joints(take: &Take, frame: usize) -> ReferenceJoints {
     take.reference().map(|reference| reference.joints(frame)).unwrap_or_default()
 }

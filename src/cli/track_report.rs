@@ -68,7 +68,6 @@ struct TimeSummary {
 
 impl TrackSummary {
     /// Mean and largest joint error, and the mean without constant offsets; none without reference keypoints.
-    #[must_use]
     pub(crate) fn errors_mm(&self) -> [Option<f64>; 3] {
         let errors = self.joint_error_mm.as_ref();
         let without = errors.and_then(|errors| errors.without_offsets.as_ref());
@@ -76,19 +75,16 @@ impl TrackSummary {
     }
 
     /// Mean overlap of all cameras.
-    #[must_use]
     pub(crate) fn iou(&self) -> Option<f64> {
         self.iou.mean
     }
 
     /// Frames in which the subject was lost.
-    #[must_use]
     pub(crate) fn lost(&self) -> usize {
         self.lost
     }
 
     /// Mean second difference of the joints.
-    #[must_use]
     pub(crate) fn jitter_mm(&self) -> Option<f64> {
         self.jitter_mm
     }
@@ -110,7 +106,6 @@ pub(crate) struct Smoothing {
 
 impl TrackReport {
     /// A report of these cameras (indices in the take).
-    #[must_use]
     pub(crate) fn new(take: &Take, cameras: &[usize]) -> Self {
         let names = cameras.iter().map(|&camera| take.rig().cameras()[camera].name().to_owned());
         Self {
@@ -148,31 +143,26 @@ impl TrackReport {
     }
 
     /// The estimates so far.
-    #[must_use]
     pub(crate) fn track(&self) -> &Track {
         &self.track
     }
 
     /// Distances from the reference keypoints so far.
-    #[must_use]
     pub(crate) fn errors(&self) -> &JointErrors {
         &self.errors
     }
 
     /// Names of the cameras, in the order of the estimates' overlaps.
-    #[must_use]
     pub(crate) fn cameras(&self) -> &[String] {
         &self.cameras
     }
 
     /// A few words while it goes on.
-    #[must_use]
     pub(crate) fn progress_text(&self) -> String {
         self.last_iou.map(|iou| format!("IoU {iou:.3}")).unwrap_or_default()
     }
 
     /// Everything in numbers.
-    #[must_use]
     pub(crate) fn summary(&self) -> TrackSummary {
         let frames = || self.track.frames.values();
         let of_camera = |camera: usize| {
@@ -212,7 +202,6 @@ impl TrackReport {
     }
 
     /// Everything as tables for people.
-    #[must_use]
     pub(crate) fn text(&self) -> String {
         let summary = self.summary();
         let lost = if summary.lost == 0 { "none".to_owned() } else { summary.lost.to_string() };

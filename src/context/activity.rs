@@ -30,7 +30,6 @@ pub(crate) struct Activity {
 
 impl Activity {
     /// Whether a bar under the toolbar says that something takes its time.
-    #[must_use]
     pub(crate) fn is_long(self) -> bool {
         self.opening || self.fitting || self.tracking
     }
@@ -55,7 +54,6 @@ pub(crate) struct TrackingProgress {
 
 impl TrackingProgress {
     /// The frames that are still to come, as long as there are any. Between key poses every frame comes twice.
-    #[must_use]
     pub(crate) fn frames_to_come(&self) -> Option<FrameRange> {
         let FrameRange { first, last } = self.range;
         if self.done >= self.total {
@@ -75,7 +73,6 @@ impl TrackingProgress {
     }
 
     /// Frames a second so far, once there is something to tell.
-    #[must_use]
     pub(crate) fn rate(&self) -> Option<f64> {
         let seconds = self.began.elapsed().as_secs_f64();
         (self.done > 2 && seconds > 0.0).then(|| self.done as f64 / seconds)

@@ -19,5 +19,4 @@ pub(crate) use snap::snap;
 
 use crate::context::pane::Pane;
 
-/// An arrangement.
 pub(crate) type Arrangement = egui_tiles::Tree<Pane>;

@@ -27,21 +27,17 @@ impl Default for Clock {
 
 impl Clock {
     /// A clock that stands still, so many seconds east of Greenwich; `None` if there is no such place.
-    #[must_use]
     pub fn fixed(now: SystemTime, seconds_east: i32) -> Option<Self> {
         let zone = TimeZone::fixed(Offset::from_seconds(seconds_east).ok()?);
         Some(Self { fixed: Some(now), zone: Some(zone) })
     }
 
-    /// Now.
-    #[must_use]
     pub(crate) fn now(&self) -> SystemTime {
         self.fixed.unwrap_or_else(SystemTime::now)
     }
 
     /// Day and time of day: "today 14:32", "Friday 09:05", "12 November 2025 14:32". Without a time zone the time is
     /// Greenwich's, and says so. `None` for times that no calendar has.
-    #[must_use]
     pub(crate) fn when(&self, time: SystemTime) -> Option<String> {
         let (time, now) = (self.local(time)?, self.local(self.now())?);
         let days_ago = time.date().until(now.date()).ok()?.get_days();
@@ -62,7 +58,6 @@ impl Clock {
     }
 
     /// How long ago, roughly: "12 minutes ago"; `None` for what is yet to come.
-    #[must_use]
     pub(crate) fn ago(&self, time: SystemTime) -> Option<String> {
         let seconds = self.now().duration_since(time).ok().as_ref().map(Duration::as_secs)?;
         let rounded = |unit: u64| (seconds + unit / 2) / unit;

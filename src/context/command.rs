@@ -80,19 +80,16 @@ impl Command {
     }
 
     /// The command's name on buttons and in menus.
-    #[must_use]
     pub(crate) fn text(self) -> &'static str {
         self.row().map_or("", |row| row.text)
     }
 
     /// One sentence about what it does, without its full stop.
-    #[must_use]
     pub(crate) fn explanation(self) -> &'static str {
         self.row().map_or("", |row| row.tooltip)
     }
 
     /// The explanation and the keys, for a tooltip.
-    #[must_use]
     pub(crate) fn tooltip(self) -> String {
         match self.keys_text() {
             Some(keys) => format!("{}   {keys}", self.explanation()),
@@ -101,13 +98,11 @@ impl Command {
     }
 
     /// The menu it stands in.
-    #[must_use]
     pub(crate) fn menu(self) -> Option<Menu> {
         self.row().map(|row| row.menu)
     }
 
     /// Its keys.
-    #[must_use]
     pub(crate) fn shortcuts(self) -> &'static [KeyboardShortcut] {
         self.row().map_or(&[], |row| row.keys)
     }

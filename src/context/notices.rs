@@ -69,7 +69,6 @@ impl Notices {
     }
 
     /// All messages, the newest last.
-    #[must_use]
     pub fn all(&self) -> &[Notice] {
         &self.kept
     }

@@ -19,7 +19,6 @@ pub(crate) struct ObservabilityMarks {
     pub(crate) is_playing: bool,
     /// The body on its way, if it sways or is held there.
     pub(crate) swaying: Option<Swaying>,
-    /// Its pose.
     pub(crate) swayed_pose: Option<Pose>,
     /// What is known of the joints, if that is to be seen.
     pub(crate) uncertainty: Option<Uncertainty>,
@@ -34,7 +33,6 @@ pub(crate) struct ObservabilityMarks {
 pub(crate) struct Uncertainty {
     /// The body.
     pub(crate) model: Arc<Model>,
-    /// Its joints.
     pub(crate) joints: Vec<JointUncertainty>,
     /// Whether the cameras are others than those in use.
     pub(crate) is_of_others: bool,
@@ -42,7 +40,6 @@ pub(crate) struct Uncertainty {
 
 impl Uncertainty {
     /// Ellipses of the joints in a camera's view.
-    #[must_use]
     pub(crate) fn ellipses(&self, camera: &Camera) -> Vec<JointEllipse> {
         joint_ellipses(&self.model, &self.joints, camera)
     }

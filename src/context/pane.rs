@@ -56,8 +56,6 @@ impl Pane {
         Self::KINDS.iter().position(|kind| kind.0 == self)
     }
 
-    /// Its title.
-    #[must_use]
     pub(crate) fn title(self) -> String {
         match (self, self.row()) {
             (Self::Camera(index), _) => format!("Camera {}", index + 1),
@@ -66,26 +64,22 @@ impl Pane {
     }
 
     /// What it shows, in words.
-    #[must_use]
     pub(crate) fn explanation(self) -> &'static str {
         self.row().map_or("The camera's picture, silhouette and fit", |row| Self::KINDS[row].3)
     }
 
     /// The scope of its widgets: of the pane, not of its place, so that a pane that is moved keeps its state and its
     /// textures.
-    #[must_use]
     pub(crate) fn scope(self) -> egui::Id {
         egui::Id::unique(("pane", self))
     }
 
     /// Where it comes in when it has no place yet.
-    #[must_use]
     pub(crate) fn side(self) -> Side {
         self.row().map_or(Side::Right, |row| Self::KINDS[row].2)
     }
 
     /// Names its tile: the same in every arrangement, so that a pane that is moved stays the same for egui.
-    #[must_use]
     pub(crate) fn tile_id(self) -> TileId {
         const CAMERAS_FROM: u64 = 2000;
         const KINDS_FROM: u64 = 1000;

@@ -3,7 +3,6 @@
 /// What an exported picture of a camera has besides the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct PictureAlone {
-    /// The camera.
     pub(crate) camera: usize,
     /// Joints, limbs and rays.
     pub(crate) marks: bool,

@@ -28,7 +28,6 @@ impl Layout {
         [(Self::Pose, "Pose"), (Self::Debug, "Debug"), (Self::Demonstrate, "Demonstrate")];
 
     /// Width of the right panel at first.
-    #[must_use]
     pub(crate) const fn panel_width(self) -> f32 {
         match self {
             Self::Pose | Self::Demonstrate => size::RIGHT_PANEL,
@@ -89,7 +88,6 @@ impl Preferences {
     }
 
     /// Whether a pane is open in the layout, for a take with so many cameras.
-    #[must_use]
     pub(crate) fn is_open(&self, pane: Pane, cameras: usize) -> bool {
         match self.kept.get(self.layout, cameras) {
             Some(tree) => arrangement::is_open(tree, pane),

@@ -25,7 +25,6 @@ impl Unavailable {
 }
 
 /// Why a command that is shown cannot be used now, in a sentence without its full stop; `None` if it can.
-#[must_use]
 pub(crate) fn unavailable(command: Command, context: &Context<'_>) -> Option<&'static str> {
     context.unavailable.0.iter().find(|(other, _)| *other == command).map(|(_, why)| *why)
 }

@@ -30,7 +30,6 @@ impl ViewSettings {
     pub(crate) const BLINK_HZ: RangeInclusive<f64> = 0.5..=8.0;
 
     /// Seconds that a blinking view stays as it is.
-    #[must_use]
     pub(crate) fn blink_seconds(&self) -> f64 {
         let hz = f64::from(self.blink_hz);
         let hz = if hz.is_finite() { hz } else { 2.0 };

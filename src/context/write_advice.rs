@@ -8,8 +8,7 @@ use backlit_formats::FileError;
 use crate::document::project::ProjectError;
 
 /// A sentence for the user about what to do next; `error` or one of its causes is what the disk said.
-#[must_use]
-pub(crate) fn remedy(error: &(dyn Error + 'static)) -> &'static str {
+pub(crate) fn write_advice(error: &(dyn Error + 'static)) -> &'static str {
     let mut cause = Some(error);
     while let Some(error) = cause {
         if let Some(said) = said_by_disk(error) {
@@ -55,10 +54,10 @@ mod tests {
         let all: [&(dyn Error + 'static); 4] =
             [&full(), &file(), &ProjectError::from(file()), wrapped.as_ref()];
         for error in all {
-            assert!(remedy(error).starts_with("Free some space"), "{error}");
+            assert!(write_advice(error).starts_with("Free some space"), "{error}");
         }
         assert!(file().to_string().ends_with("a.png: cannot be written: the disk is full"));
-        assert!(remedy(&io::Error::from(ErrorKind::NotADirectory)).contains("another folder"));
-        assert!(remedy(&std::fmt::Error).contains("another place"));
+        assert!(write_advice(&io::Error::from(ErrorKind::NotADirectory)).contains("another folder"));
+        assert!(write_advice(&std::fmt::Error).contains("another place"));
     }
 }

@@ -148,7 +148,6 @@ pub(crate) enum EditError {
 
 impl Edit {
     /// What was done, as the undo menu says it.
-    #[must_use]
     pub(crate) fn text(&self) -> String {
         match self {
             Self::SetPose { what, .. } | Self::SetFit { what, .. } => what.clone(),
@@ -180,7 +179,6 @@ impl Edit {
 
 impl Document {
     /// Whether there is anything that a change would change.
-    #[must_use]
     pub(crate) fn would_change(&self, edit: &Edit) -> bool {
         let mut after = self.clone();
         after.apply(edit.clone()).is_ok() && after != *self

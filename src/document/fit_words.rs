@@ -59,7 +59,6 @@ pub(crate) fn short_ramp(ramp: Ramp) -> String {
     }
 }
 
-/// The name of a renderer.
 pub(crate) fn renderer_name(renderer: RendererKind) -> &'static str {
     match renderer {
         RendererKind::Capsule => "Capsule",

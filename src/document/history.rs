@@ -52,7 +52,6 @@ impl Entry {
     }
 }
 
-/// What was undone.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Undone {
     /// A change of the document, in words.
@@ -66,7 +65,6 @@ const MAX_ENTRIES: usize = 500;
 
 impl History {
     /// Begins with a document that needs no saving.
-    #[must_use]
     pub(crate) fn new(document: Document) -> Self {
         Self {
             document,
@@ -81,31 +79,26 @@ impl History {
     }
 
     /// Begins with a document that is in no file.
-    #[must_use]
     pub(crate) fn unsaved(document: Document) -> Self {
         Self { saved: None, ..Self::new(document) }
     }
 
     /// The same document, as one that needs no saving, with its runs and without its past.
-    #[must_use]
     pub(crate) fn without_past(&self) -> Self {
         Self { runs: self.runs.clone(), ..Self::new(self.document.clone()) }
     }
 
     /// The document as it is now.
-    #[must_use]
     pub(crate) fn document(&self) -> &Document {
         &self.document
     }
 
     /// The runs of the fit.
-    #[must_use]
     pub(crate) fn runs(&self) -> &Runs {
         &self.runs
     }
 
     /// Changes with every edit, undo and redo; the same number means the same document.
-    #[must_use]
     pub(crate) fn revision(&self) -> u64 {
         self.revision
     }
@@ -174,32 +167,27 @@ impl History {
     }
 
     /// Whether there is something to [`undo`](Self::undo).
-    #[must_use]
     pub(crate) fn can_undo(&self) -> bool {
         !self.undo.is_empty()
     }
 
     /// Whether [`undo`](Self::undo) would bring runs back and leave the document as it is.
-    #[must_use]
     pub(crate) fn undo_brings_runs_back(&self) -> bool {
         matches!(self.undo.last(), Some(Entry::Runs(_)))
     }
 
     /// Whether runs were removed that can be brought back.
-    #[must_use]
     pub(crate) fn has_removed_runs(&self) -> bool {
         self.undo.iter().any(|entry| entry.snapshot().is_none())
     }
 
     /// The newest change of the document that can be undone.
-    #[must_use]
     pub(crate) fn undo_text(&self) -> Option<&str> {
         let newest = self.undo[self.newest_edit()?].snapshot()?;
         Some(&newest.what)
     }
 
     /// What [`redo`](Self::redo) would do again.
-    #[must_use]
     pub(crate) fn redo_text(&self) -> Option<&str> {
         self.redo.last().map(|snapshot| snapshot.what.as_str())
     }
@@ -221,7 +209,6 @@ impl History {
     }
 
     /// Whether there is work that is in no file.
-    #[must_use]
     pub(crate) fn is_dirty(&self) -> bool {
         self.saved != Some(self.revision)
     }

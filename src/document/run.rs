@@ -42,19 +42,16 @@ pub struct RunStep {
 
 impl RunStep {
     /// The cost before the step, by the measure of its stage.
-    #[must_use]
     pub(crate) fn cost_before(&self) -> f64 {
         if self.accepted { self.cost + self.fell } else { self.cost }
     }
 
     /// By which fraction of the cost before it the step lowered the cost; a rejected one would have.
-    #[must_use]
     pub(crate) fn fell_share(&self) -> Option<f64> {
         self.share(if self.accepted { self.fell } else { self.cost - self.trial_cost })
     }
 
     /// By which fraction of the cost before it the linear model said that the cost would fall.
-    #[must_use]
     pub(crate) fn foretold_share(&self) -> Option<f64> {
         self.share(self.foretold)
     }
@@ -76,7 +73,6 @@ pub enum RunEnding {
 
 impl RunEnding {
     /// The end of a fit whose solver has ended; an annealed one has several stages.
-    #[must_use]
     pub(crate) fn of(termination: Termination, is_annealed: bool) -> Self {
         match termination {
             Termination::StepLimit { steps } if is_annealed => {
@@ -88,7 +84,6 @@ impl RunEnding {
     }
 
     /// A sentence without its full stop.
-    #[must_use]
     pub(crate) fn text(&self) -> String {
         match self {
             Self::Solver(words) => format!("Stopped: {words}"),
@@ -123,7 +118,6 @@ pub struct Run {
     pub(crate) choices: RunChoices,
     /// Renderer, ramp and the other choices, in one line.
     pub(crate) detail: String,
-    /// The frame.
     pub(crate) frame: usize,
     /// Index of its colour and dash.
     pub(crate) colour: usize,
@@ -139,13 +133,11 @@ pub struct Run {
 
 impl Run {
     /// Number of accepted steps among the first `step` ones: the place in the plot.
-    #[must_use]
     pub(crate) fn accepted_until(&self, step: usize) -> usize {
         self.steps.iter().take(step + 1).skip(1).filter(|step| step.accepted).count()
     }
 
     /// The mismatch after a step, as a fraction of the start's.
-    #[must_use]
     pub fn fraction(&self, step: usize) -> Option<f64> {
         let start = self.steps.first()?.mismatch;
         let here = self.steps.get(step)?.mismatch;
@@ -153,20 +145,17 @@ impl Run {
     }
 
     /// The index of the last step, 0 of a run that has not begun.
-    #[must_use]
     pub(crate) fn last_step(&self) -> usize {
         self.steps.len().saturating_sub(1)
     }
 
     /// How it ended, in a sentence without its full stop.
-    #[must_use]
     pub(crate) fn ending_text(&self) -> String {
         let so_far = || format!("{} so far", steps_text(self.last_step()));
         self.ending.as_ref().map_or_else(so_far, RunEnding::text)
     }
 
     /// The figures it has reached: steps, what is left of the start's mismatch, and the RMS.
-    #[must_use]
     pub(crate) fn reached_text(&self) -> String {
         let mut text = steps_text(self.last_step());
         if let Some(share) = self.fraction(self.last_step()) {

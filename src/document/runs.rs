@@ -51,37 +51,28 @@ pub(crate) enum RunChange {
 
 impl Runs {
     /// All of them, by number.
-    #[must_use]
     pub(crate) fn all(&self) -> &[Run] {
         &self.all
     }
 
     /// The number of the run that is begun next.
-    #[must_use]
     pub(crate) fn next_number(&self) -> usize {
         self.begun + 1
     }
 
-    /// The run of this number.
-    #[must_use]
     pub(crate) fn get(&self, number: usize) -> Option<&Run> {
         self.all.iter().find(|run| run.number == number)
     }
 
-    /// A step of a run.
-    #[must_use]
     pub(crate) fn step(&self, at: StepRef) -> Option<&RunStep> {
         self.get(at.run)?.steps.get(at.step)
     }
 
-    /// The newest run of a frame.
-    #[must_use]
     pub(crate) fn newest_of(&self, frame: usize) -> Option<&Run> {
         self.all.iter().rfind(|run| run.frame == frame)
     }
 
     /// The first step of a run on a frame that ended at this pose, if it is not that run's start.
-    #[must_use]
     pub(crate) fn step_with_pose(&self, frame: usize, pose: &Pose) -> Option<StepRef> {
         let found = |run: &Run| {
             let step = run.steps.iter().position(|step| step.pose == *pose)?;
@@ -91,7 +82,6 @@ impl Runs {
     }
 
     /// The first colour that no run has.
-    #[must_use]
     pub(crate) fn free_colour(&self) -> usize {
         (0..).find(|colour| self.all.iter().all(|run| run.colour != *colour)).unwrap_or_default()
     }

@@ -24,7 +24,6 @@ pub(crate) enum Following {
 
 impl Following {
     /// What the tracker is told.
-    #[must_use]
     pub(crate) fn motion(self) -> Motion {
         match self {
             Self::Still => Motion::Still,
@@ -46,7 +45,6 @@ pub struct TrackingChoices {
 
 impl TrackingChoices {
     /// What goes with a preset: the report never looks for other poses, everything else does where a fit is poor.
-    #[must_use]
     pub(crate) fn of_preset(preset: Option<Preset>) -> Self {
         let search =
             if preset == Some(Preset::Report) { WhenToSearch::Never } else { WhenToSearch::WhenPoor };

@@ -31,7 +31,6 @@ pub(crate) struct CalibrationMarks {
 
 impl CalibrationMarks {
     /// The marks of a camera without distortion; `raw` is the camera as it was calibrated.
-    #[must_use]
     pub(crate) fn new(camera: &Camera, raw: Option<&Camera>) -> Self {
         let intrinsics = camera.intrinsics();
         let axes = [DVec3::X, DVec3::Y, DVec3::Z];

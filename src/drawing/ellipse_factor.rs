@@ -13,7 +13,6 @@ const LARGEST_M: f64 = 0.5;
 
 /// The largest round factor by which ellipses stay within reason, from the joints' deviations in their worst directions
 /// (metres). Joints without bound do not count; 1 if there are no others.
-#[must_use]
 pub(crate) fn automatic_factor(deviations_m: impl Iterator<Item = f64>) -> u32 {
     let mut deviations: Vec<f64> = deviations_m.filter(|deviation| deviation.is_finite()).collect();
     deviations.sort_by(f64::total_cmp);

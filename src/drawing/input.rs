@@ -40,7 +40,6 @@ pub struct PictureInput<'a> {
 pub struct Sample {
     /// D.
     pub(crate) data: Option<f32>,
-    /// Λ.
     pub(crate) prediction: Option<f32>,
     /// D − Λ.
     pub(crate) residual: Option<f32>,

@@ -52,7 +52,6 @@ impl ProjectedLimb {
     }
 
     /// The same limb with other radii.
-    #[must_use]
     pub(crate) fn widened(&self, factor: f64) -> Self {
         Self {
             start_radius_px: self.start_radius_px * factor,

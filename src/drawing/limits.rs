@@ -30,7 +30,6 @@ const TWIST_RADII: f64 = 1.9;
 pub struct BoundedAngle {
     /// The limb that owns the rotation.
     pub(crate) limb: usize,
-    /// Which of its angles.
     pub(crate) angle: LimitedAngle,
     /// What it may be, radians.
     pub(crate) range: Range,
@@ -40,7 +39,6 @@ pub struct BoundedAngle {
 
 impl BoundedAngle {
     /// An angle of a limb in a pose; `None` where it has no limits, or cannot move at all.
-    #[must_use]
     pub fn new(model: &Model, pose: &Pose, limb: usize, angle: LimitedAngle) -> Option<Self> {
         let owner = model.limbs().get(limb)?;
         let limits = owner.limits?;
@@ -55,7 +53,6 @@ impl BoundedAngle {
 
     /// The angles at their limits, or within [`WARN_WITHIN`] of them, of limbs that have turned between two poses:
     /// first those that are there, then those of the limbs that turned most; three at most.
-    #[must_use]
     pub(crate) fn met(model: &Model, before: &Pose, now: &Pose) -> Vec<Self> {
         let mut met: Vec<(f64, Self)> = Vec::new();
         for (rotation, &limb) in model.rotation_owners().iter().enumerate() {
@@ -74,13 +71,11 @@ impl BoundedAngle {
     }
 
     /// How far it is from the nearer limit, radians; negative beyond.
-    #[must_use]
     pub(crate) fn left_rad(&self) -> f64 {
         (self.value_rad - self.range.0).min(self.range.1 - self.value_rad)
     }
 
     /// Whether it is at a limit, or beyond.
-    #[must_use]
     pub(crate) fn is_reached(&self) -> bool {
         self.left_rad() <= AT_LIMIT_RAD
     }
@@ -99,7 +94,6 @@ impl BoundedAngle {
     }
 
     /// "right knee: limit, flexion 145°", or how far it is from there; far from it, what it may be.
-    #[must_use]
     pub(crate) fn words(&self, model: &Model) -> String {
         let joint = joint_of(model, self.limb);
         let degrees = |angle: f64| format!("{}°", format::number(angle.to_degrees(), 0));
@@ -136,7 +130,6 @@ pub struct LimitMark {
     pub(crate) pivot: DVec2,
     /// All that it may be, from its lower limit to its upper.
     pub(crate) arc: Vec<DVec2>,
-    /// What it is.
     pub(crate) now: DVec2,
     /// The limit that it is at.
     pub(crate) reached: Option<DVec2>,
@@ -146,7 +139,6 @@ pub struct LimitMark {
 
 impl LimitMark {
     /// Projects an angle of a posed body. `None` where some of the arc is behind the camera.
-    #[must_use]
     pub fn new(
         model: &Model,
         pose: &Pose,

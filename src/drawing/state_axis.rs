@@ -25,7 +25,6 @@ impl StateAxis {
         [Self::TurnX, Self::TurnY, Self::TurnZ, Self::RootX, Self::RootY, Self::RootZ];
 
     /// The name in menus.
-    #[must_use]
     pub(crate) const fn label(self) -> &'static str {
         match self {
             Self::TurnX => "Turn about x",
@@ -38,7 +37,6 @@ impl StateAxis {
     }
 
     /// The name where there is little room.
-    #[must_use]
     pub(crate) const fn short_label(self) -> &'static str {
         match self {
             Self::TurnX => "turn x",
@@ -51,19 +49,16 @@ impl StateAxis {
     }
 
     /// What the column is divided by: radian or metre.
-    #[must_use]
     pub(crate) const fn unit(self) -> &'static str {
         if self.is_of_root() { "m" } else { "rad" }
     }
 
     /// Whether it moves the root, whatever is selected.
-    #[must_use]
     pub(crate) const fn is_of_root(self) -> bool {
         matches!(self, Self::RootX | Self::RootY | Self::RootZ)
     }
 
     /// The column of the tangent state, for the limb with this rotation.
-    #[must_use]
     pub(crate) fn column(self, rotation: usize) -> usize {
         let turn = Parameters::Tangent.first_column(rotation);
         match self {
@@ -77,7 +72,6 @@ impl StateAxis {
     }
 
     /// The next of the three axes of the same kind.
-    #[must_use]
     pub(crate) const fn next(self) -> Self {
         match self {
             Self::TurnX => Self::TurnY,

@@ -17,7 +17,6 @@ const SHORTEST_PATH_PX: f64 = 1.5;
 /// A body on its way.
 #[derive(Debug, Clone)]
 pub struct Swaying {
-    /// Where it is.
     pub(crate) now: Kinematics,
     /// Where it is along the whole way, from one end to the other.
     pub(crate) way: Vec<Kinematics>,
@@ -38,7 +37,6 @@ pub struct SwayMarks {
 
 impl SwayMarks {
     /// Projects a body that sways.
-    #[must_use]
     pub(crate) fn new(model: &Model, swaying: &Swaying, camera: &Camera, renderer: RendererKind) -> Self {
         let limbs: Vec<ProjectedLimb> =
             project_limbs(model, &swaying.now, camera, renderer).into_iter().flatten().collect();

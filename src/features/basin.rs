@@ -73,7 +73,6 @@ impl Default for Basin {
 
 impl Basin {
     /// The same without any work that is going on, for a picture of it.
-    #[must_use]
     pub(crate) fn at_rest(&self) -> Self {
         let results = BasinResults { running: None, ..self.results.clone() };
         Self {
@@ -90,13 +89,11 @@ impl Basin {
     }
 
     /// Whether fits are being made.
-    #[must_use]
     pub(crate) fn is_running(&self) -> bool {
         self.results.running.is_some()
     }
 
     /// How far it is, for the status bar.
-    #[must_use]
     pub(crate) fn progress(&self) -> Option<String> {
         self.results.running.map(panel::progress_text)
     }

@@ -46,7 +46,6 @@ pub(crate) struct Convergence {
 
 impl Convergence {
     /// The same without open dialogs, for a picture of it.
-    #[must_use]
     pub(crate) fn at_rest(&self) -> Self {
         Self { preferences: self.preferences, typing: self.typing.clone(), ..Self::default() }
     }

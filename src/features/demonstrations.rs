@@ -33,7 +33,6 @@ pub(crate) struct Demonstrations {
 
 impl Demonstrations {
     /// The same without any run to come, for a picture of it.
-    #[must_use]
     pub(crate) fn at_rest(&self) -> Self {
         Self { prepared: None, explanation: self.explanation }
     }
@@ -44,7 +43,6 @@ impl Demonstrations {
     }
 
     /// Whether runs begin by themselves.
-    #[must_use]
     pub(crate) fn is_running(&self) -> bool {
         self.prepared.is_some()
     }

@@ -81,7 +81,6 @@ impl Default for Fit {
 
 impl Fit {
     /// The same without any work that is going on, for a picture of it.
-    #[must_use]
     pub(crate) fn at_rest(&self) -> Self {
         Self { refits: self.refits.clone(), step_seconds: self.step_seconds, ..Self::default() }
     }
@@ -92,13 +91,11 @@ impl Fit {
     }
 
     /// Whether steps are being made.
-    #[must_use]
     pub(crate) const fn is_running(&self) -> bool {
         self.task.is_busy()
     }
 
     /// The number of the run whose steps are being made.
-    #[must_use]
     pub(crate) fn fitted_run(&self) -> Option<usize> {
         self.live.as_ref().filter(|_| self.is_running()).map(|live| live.number)
     }

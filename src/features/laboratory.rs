@@ -101,7 +101,6 @@ impl Default for Laboratory {
 
 impl Laboratory {
     /// The same without any work that is going on, for a picture of it.
-    #[must_use]
     pub(crate) fn at_rest(&self) -> Self {
         Self {
             lineup: self.lineup,
@@ -129,7 +128,6 @@ impl Laboratory {
     }
 
     /// Whether fits are being stepped.
-    #[must_use]
     pub(crate) fn is_running(&self) -> bool {
         self.steps.is_busy()
     }
@@ -158,7 +156,6 @@ impl Laboratory {
     }
 
     /// What it does, for the status bar.
-    #[must_use]
     pub(crate) fn sentence(&self) -> String {
         let all = self.lineup.all_text();
         let Some(comparison) = self.begun() else { return "Preparing the laboratory…".to_owned() };

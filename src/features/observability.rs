@@ -93,19 +93,16 @@ impl Default for Observability {
 
 impl Observability {
     /// The figures, perhaps of an older pose.
-    #[must_use]
     pub fn found(&self) -> Option<&Observed> {
         self.found.as_deref()
     }
 
     /// Whether the figures are of an older pose, frame or set of cameras than the one on the screen.
-    #[must_use]
     pub fn is_stale(&self) -> bool {
         self.is_stale
     }
 
     /// Index of the direction that is looked at: the one picked, or else the weakest that is seen at all.
-    #[must_use]
     pub fn picked(&self) -> Option<usize> {
         let shown = &self.found()?.shown;
         let count = shown.directions.len();
@@ -114,14 +111,12 @@ impl Observability {
     }
 
     /// The direction that is looked at.
-    #[must_use]
     pub fn direction(&self) -> Option<(&Figures, &Direction)> {
         let shown = &self.found()?.shown;
         Some((shown, shown.directions.get(self.picked()?)?))
     }
 
     /// The joints whose ellipses are shown, and the cameras that they are of, where these are not the ones in use.
-    #[must_use]
     pub fn ellipses(&self) -> Option<(&[JointUncertainty], Option<&[usize]>)> {
         let found = self.found()?;
         if let Some(subset) = self.shown.subset.and_then(|place| found.subsets.get(place)) {
@@ -131,7 +126,6 @@ impl Observability {
     }
 
     /// How much larger than life ellipses are drawn; the same for every set of cameras, so that they can be compared.
-    #[must_use]
     pub fn ellipse_factor(&self) -> u32 {
         self.choices.factor.unwrap_or_else(|| self.automatic_factor())
     }

@@ -68,7 +68,6 @@ impl Default for Scene {
 
 impl Scene {
     /// The same without any work that is going on, for a picture of it.
-    #[must_use]
     pub(crate) fn at_rest(&self) -> Self {
         let (hulls, drawing) = (self.hulls.clone(), self.drawing.clone());
         Self { preferences: self.preferences, hulls, drawing, ..Self::default() }
@@ -81,7 +80,6 @@ impl Scene {
     }
 
     /// Whether nothing but the picture of the scene is being worked on.
-    #[must_use]
     pub(crate) fn is_all_that_works(&self, pool: &Pool) -> bool {
         pool.is_idle_but(&self.draw)
     }

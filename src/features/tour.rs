@@ -76,7 +76,6 @@ impl Tour {
     }
 
     /// The step on the screen, counted from one; zero while the tour is offered.
-    #[must_use]
     pub(crate) fn step(&self, context: &Context<'_>) -> Option<usize> {
         match self.stage {
             Stage::Offered => can_offer(context).then_some(0),

@@ -112,7 +112,6 @@ impl Default for Tracking {
 
 impl Tracking {
     /// The same without any work that is going on, for a picture of it.
-    #[must_use]
     pub(crate) fn at_rest(&self) -> Self {
         Self { other_poses: self.other_poses.clone(), ..Self::default() }
     }
@@ -123,13 +122,11 @@ impl Tracking {
     }
 
     /// Whether there is work under way, of any kind.
-    #[must_use]
     pub(crate) const fn is_busy(&self) -> bool {
         self.task.is_busy()
     }
 
     /// How far the tracker is.
-    #[must_use]
     pub(crate) fn progress(&self) -> Option<TrackingProgress> {
         self.work.and_then(|work| if let Work::Track(progress) = work { Some(progress) } else { None })
     }
@@ -145,7 +142,6 @@ impl Tracking {
     }
 
     /// What is being done, for the status bar.
-    #[must_use]
     pub(crate) fn sentence(&self) -> Option<String> {
         let tracking = match self.work? {
             Work::Search(_) => {

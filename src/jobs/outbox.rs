@@ -56,7 +56,6 @@ impl<O> Outbox<O> {
     }
 
     /// What a job asks while it works.
-    #[must_use]
     pub(crate) const fn cancel(&self) -> &CancelToken {
         &self.cancel
     }

@@ -34,7 +34,6 @@ impl Pool {
     }
 
     /// A pool without threads, whose jobs work in [`Self::turn`].
-    #[must_use]
     pub(crate) fn inline() -> Self {
         Self(Arc::new(Owner::new(Arc::new(|| {}))))
     }
@@ -49,13 +48,11 @@ impl Pool {
     }
 
     /// Whether no task has work or news that it has not read.
-    #[must_use]
     pub(crate) fn is_idle(&self) -> bool {
         Arc::strong_count(&self.0.shared.open) == 1
     }
 
     /// Whether no other task has; what is written counts as another's.
-    #[must_use]
     pub(crate) fn is_idle_but<Inputs, Output>(&self, task: &Task<Inputs, Output>) -> bool {
         Arc::strong_count(&self.0.shared.open) == 1 + usize::from(task.is_busy())
     }

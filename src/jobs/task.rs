@@ -29,7 +29,6 @@ struct Work<O> {
 
 impl<I, O> Task<I, O> {
     /// A task that has nothing to do yet.
-    #[must_use]
     pub(crate) const fn new(priority: Priority) -> Self {
         Self { priority, inputs: None, work: None, failure: None }
     }
@@ -74,19 +73,16 @@ impl<I, O> Task<I, O> {
     }
 
     /// Whether there is work whose end [`Self::poll`] has not told yet.
-    #[must_use]
     pub(crate) const fn is_busy(&self) -> bool {
         self.work.is_some()
     }
 
     /// What was asked for last.
-    #[must_use]
     pub(crate) const fn inputs(&self) -> Option<&I> {
         self.inputs.as_ref()
     }
 
     /// Why the work on these inputs broke down, if it did.
-    #[must_use]
     pub(crate) const fn failure(&self) -> Option<&Failure> {
         self.failure.as_ref()
     }

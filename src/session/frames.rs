@@ -16,7 +16,6 @@ const CAPACITY: usize = 48;
 /// All cameras' pictures of one frame.
 #[derive(Debug, Clone)]
 pub struct FrameData {
-    /// The frame.
     pub(crate) frame: usize,
     /// By camera.
     pub cameras: Vec<CameraFrame>,
@@ -26,7 +25,6 @@ pub struct FrameData {
 
 impl FrameData {
     /// Whether at least one camera has a silhouette.
-    #[must_use]
     pub(crate) fn has_mask(&self) -> bool {
         self.cameras.iter().any(|camera| camera.mask.is_some())
     }
@@ -40,7 +38,6 @@ pub struct FrameCache {
 
 impl FrameCache {
     /// A frame, if it is there.
-    #[must_use]
     pub fn get(&self, frame: usize) -> Option<&Arc<FrameData>> {
         self.frames.iter().find(|data| data.frame == frame)
     }

@@ -16,13 +16,11 @@ pub(crate) struct FrameRange {
 
 impl FrameRange {
     /// The range between two frames, whichever is the earlier.
-    #[must_use]
     pub(crate) fn between(a: usize, b: usize) -> Self {
         Self { first: a.min(b), last: a.max(b) }
     }
 
     /// Number of frames.
-    #[must_use]
     pub(crate) fn count(self) -> usize {
         self.last - self.first + 1
     }
@@ -84,7 +82,6 @@ impl Default for Playback {
 
 impl Playback {
     /// Whether frames are being played.
-    #[must_use]
     pub(crate) fn is_playing(&self) -> bool {
         self.film.is_some()
     }
@@ -97,7 +94,6 @@ impl Playback {
         from
     }
 
-    /// Stops.
     pub(crate) fn stop(&mut self) {
         self.film = None;
     }
@@ -111,7 +107,6 @@ impl Playback {
     }
 
     /// The next of the offered speeds.
-    #[must_use]
     pub(crate) fn next_speed(&self, faster: bool) -> f64 {
         let next = if faster {
             SPEEDS.into_iter().find(|speed| *speed > self.speed)
@@ -122,7 +117,6 @@ impl Playback {
     }
 
     /// The frames that are played: those that are marked, else all.
-    #[must_use]
     pub(crate) fn played(&self, count: usize) -> FrameRange {
         let end = count.saturating_sub(1);
         let range = self.range.unwrap_or(FrameRange { first: 0, last: end });
@@ -166,7 +160,6 @@ impl Playback {
     }
 
     /// Seconds until the next frame is due; `None` while nothing is played.
-    #[must_use]
     pub(crate) fn next_in(&self, rate: f64, now: f64) -> Option<f64> {
         let film = self.film?;
         let rate = (rate * self.speed).max(f64::MIN_POSITIVE);
@@ -175,7 +168,6 @@ impl Playback {
     }
 
     /// The frame that will be due in so many seconds, to be read ahead.
-    #[must_use]
     pub(crate) fn due_in(&self, seconds: f64, count: usize, rate: f64, now: f64) -> Option<usize> {
         let film = self.film?;
         let ahead = passed(film, rate * self.speed, now + seconds) + 1;

@@ -44,7 +44,6 @@ pub struct Derivatives {
 
 impl FitInputs {
     /// Whether both are of the very same parts, whatever derivatives are looked at.
-    #[must_use]
     pub(crate) fn is(&self, other: &Self) -> bool {
         let same_frame = match (&self.frame, &other.frame) {
             (Some(a), Some(b)) => Arc::ptr_eq(a, b),
@@ -59,7 +58,6 @@ impl FitInputs {
     }
 
     /// What the cameras that count contribute to a fit.
-    #[must_use]
     pub(crate) fn views(&self) -> Vec<FitView> {
         let Some(frame) = &self.frame else { return Vec::new() };
         let looks = self.fit.stages.last().map(|stage| stage.data).unwrap_or_default();
@@ -114,7 +112,6 @@ pub struct Predicted {
     pub scene: FitInputs,
     /// The pose.
     pub pose: Pose,
-    /// By camera.
     pub(crate) cameras: Vec<CameraPrediction>,
     /// Σ w (D − Λ)² over the cameras that count: one measure for all stages and runs.
     pub(crate) mismatch: f64,
@@ -128,7 +125,6 @@ pub struct Predicted {
 
 impl Predicted {
     /// Predicts and compares. `data` is reused from an earlier prediction of the same scene.
-    #[must_use]
     pub(crate) fn new(scene: &FitInputs, pose: &Pose, earlier: Option<&Self>) -> Self {
         let start = Instant::now();
         let kinematics = Kinematics::new(&scene.model, pose);
@@ -172,14 +168,12 @@ impl Predicted {
     }
 
     /// Intersection over union of the cameras that count, all together.
-    #[must_use]
     pub(crate) fn iou(&self) -> Option<f64> {
         let used = self.cameras.iter().zip(self.scene.uses.iter()).filter(|(_, used)| used.used);
         used.filter_map(|(camera, _)| camera.overlap).reduce(Overlap::merge)?.iou()
     }
 
     /// The start of a fit, which predicts this.
-    #[must_use]
     pub(crate) fn start_of(&self, fit: &Fit) -> RunStep {
         RunStep {
             pose: self.pose.clone(),
@@ -198,7 +192,6 @@ impl Predicted {
     }
 
     /// A step of a fit that ends at what predicts this.
-    #[must_use]
     pub(crate) fn step_of(&self, record: &IterationRecord, seconds: f64) -> RunStep {
         RunStep {
             pose: record.pose.clone(),
@@ -217,7 +210,6 @@ impl Predicted {
     }
 
     /// Whether it is of this pose and these parts.
-    #[must_use]
     pub(crate) fn is_of(&self, scene: &FitInputs, pose: &Pose) -> bool {
         self.pose == *pose && self.scene.is(scene) && self.scene.derivatives == scene.derivatives
     }

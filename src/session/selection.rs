@@ -29,7 +29,6 @@ impl Default for Selection {
 
 impl Selection {
     /// The limb that turns when the held joint is moved: the one that owns its rotation.
-    #[must_use]
     pub(crate) fn limb(&self, model: &Model) -> usize {
         let rotation = match self.joint {
             JointId::Root => 0,
@@ -39,7 +38,6 @@ impl Selection {
     }
 
     /// The limb whose size is looked at.
-    #[must_use]
     pub(crate) fn sized_limb(&self, model: &Model) -> usize {
         let owner = self.limb(model);
         let rotation = model.limbs()[owner].rotation;
@@ -49,7 +47,6 @@ impl Selection {
     }
 
     /// The joint by which a limb is held: the outermost one that turns with it.
-    #[must_use]
     pub(crate) fn joint_of(model: &Model, limb: usize) -> JointId {
         let rotation = model.limbs().get(limb).map_or(0, |limb| limb.rotation);
         let turns_with =

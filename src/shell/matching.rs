@@ -13,7 +13,6 @@ const LONGER: i32 = 4;
 
 /// How well `typed` fits `name`: more is better, `None` if it does not. Every word that was typed must be found, in any
 /// order, its letters one after the other: "trf" and "for tra" both find "Track forward". Case does not matter.
-#[must_use]
 pub(crate) fn fuzzy(typed: &str, name: &str) -> Option<i32> {
     let name: Vec<char> = name.to_lowercase().chars().collect();
     let typed = typed.to_lowercase();

@@ -25,7 +25,6 @@ pub(crate) enum Dropped {
 
 impl Dropped {
     /// What these files are. Several are silhouettes, or else the first one counts.
-    #[must_use]
     pub(crate) fn of(paths: &[PathBuf]) -> Self {
         let is_png = |path: &PathBuf| ending(path) == "png";
         if !paths.is_empty() && paths.iter().all(|path| is_png(path) && path.is_file()) {
@@ -38,13 +37,11 @@ impl Dropped {
     }
 
     /// Whether a take has to be open for it.
-    #[must_use]
     pub(crate) const fn needs_take(&self) -> bool {
         matches!(self, Self::Calibration(_) | Self::Masks(_) | Self::Pose(_) | Self::Body(_))
     }
 
     /// What will happen, in a few words, and the name of what is dropped.
-    #[must_use]
     pub(crate) fn explanation(&self, frame: usize) -> (String, String) {
         let name = |path: &Path| {
             path.file_name()

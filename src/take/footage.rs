@@ -65,14 +65,12 @@ pub struct CameraFrame {
 
 impl CameraFrame {
     /// Distance from the silhouette's border, measured when it is first asked for; `None` without a silhouette.
-    #[must_use]
     pub(crate) fn distance(&self) -> Option<&SignedDistance> {
         let mask = self.mask.as_ref()?;
         Some(self.distance.get_or_init(|| SignedDistance::from_mask(mask)))
     }
 
     /// What a fit takes of it where D is looked at by `data`; `None` without a silhouette.
-    #[must_use]
     pub(crate) fn evidence(&self, data: DataView) -> Option<Evidence> {
         match &self.grey_levels {
             Some(levels) if data == DataView::Hard => Some(Evidence::Measurement(levels.clone())),
@@ -97,8 +95,6 @@ impl CameraFrame {
 }
 
 impl Footage {
-    /// The demonstration that it is.
-    #[must_use]
     pub(crate) fn demonstration(&self) -> Option<Demonstration> {
         match self.source {
             Some(TakeSource::Demonstration(which)) => Some(which),
@@ -107,7 +103,6 @@ impl Footage {
     }
 
     /// Prepares a take.
-    #[must_use]
     pub(crate) fn new(take: Take, source: Option<TakeSource>) -> Self {
         let (name, frame_rate) = (take.name().to_owned(), take.frame_rate());
         let inner = Arc::new(backlit_formats::Footage::new(take));
@@ -124,7 +119,6 @@ impl Footage {
     }
 
     /// The same with other silhouettes in the place of those that are measured.
-    #[must_use]
     pub(crate) fn with_masks(&self, masks: Arc<MaskFiles>) -> Self {
         Self {
             source: self.source.clone(),
@@ -140,7 +134,6 @@ impl Footage {
 
     /// The same seen by the cameras of a calibration, or by the take's own again. A calibration of other cameras than
     /// the take's changes nothing but what is said of it.
-    #[must_use]
     pub(crate) fn with_calibration(&self, calibration: Option<Arc<Calibration>>) -> Self {
         let rig = calibration.as_ref().map(|calibration| calibration.rig.clone());
         let take = rig.and_then(|rig| self.original.take().with_rig(rig));
@@ -151,7 +144,6 @@ impl Footage {
     }
 
     /// What a frame's pictures and silhouettes depend on, besides the take.
-    #[must_use]
     pub(crate) fn made_with(&self, measurement: &Arc<Vec<SegmentOptions>>, frame: usize) -> MadeWith {
         MadeWith {
             measurement: measurement.clone(),
@@ -161,26 +153,22 @@ impl Footage {
     }
 
     /// Number of frames.
-    #[must_use]
     pub(crate) fn frame_count(&self) -> usize {
         self.inner.take().frame_count()
     }
 
     /// The cameras as the take's files have them, with their lenses.
-    #[must_use]
     pub(crate) fn take_cameras(&self) -> &[Camera] {
         self.original.take().rig().cameras()
     }
 
     /// The body of the take.
-    #[must_use]
     pub fn model(&self) -> &Arc<Model> {
         self.inner.take().model()
     }
 
     /// The pose to start from: the take's own, else the one that its reference shows in the first frame, else
     /// one at rest before the cameras.
-    #[must_use]
     pub fn start(&self) -> Pose {
         let from_reference = || {
             self.inner
@@ -196,20 +184,17 @@ impl Footage {
     }
 
     /// How the take says that silhouettes are made, camera by camera.
-    #[must_use]
     pub(crate) fn measurement(&self) -> &[SegmentOptions] {
         self.inner.take().measurement()
     }
 
     /// The take itself.
-    #[must_use]
     pub(crate) fn take(&self) -> &Take {
         self.inner.take()
     }
 
     /// Reads, rectifies and segments one camera's picture. What goes wrong is said in the result: the other
     /// cameras and the picture without its silhouette are still of use.
-    #[must_use]
     pub(crate) fn load(&self, camera: usize, frame: usize, options: &SegmentOptions) -> CameraFrame {
         let mut result = CameraFrame {
             image: None,

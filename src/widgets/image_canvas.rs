@@ -153,7 +153,6 @@ impl ViewTransform {
     }
 
     /// Magnified by `factor` with the pixel at `point` kept in place.
-    #[must_use]
     pub(crate) fn zoomed_at(&self, point: Pos2, factor: f32) -> Self {
         let points_per_px = clamp_scale(self.points_per_px * factor);
         let fixed = self.centre_px + (point - self.rect.center()) / self.points_per_px;
@@ -162,7 +161,6 @@ impl ViewTransform {
     }
 
     /// The picture moved by `delta` points.
-    #[must_use]
     pub(crate) fn panned(&self, delta: Vec2) -> Self {
         Self { centre_px: self.centre_px - delta / self.points_per_px, ..*self }
     }

@@ -29,7 +29,6 @@ pub(crate) struct StartArguments {
     /// Seed of the random starts
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// How many starts
     #[arg(long, value_name = "N")]
     pub(crate) starts: Option<usize>,
 }
@@ -80,7 +79,6 @@ pub(crate) struct NoiseArguments {
 
 impl NoiseArguments {
     /// Radians and metres, or those of the experiment.
-    #[must_use]
     pub(crate) fn or(&self, angle_rad: f64, distance_m: f64) -> (f64, f64) {
         self.start_noise.map_or((angle_rad, distance_m), |noise| (noise.angle_rad, noise.distance_m))
     }

@@ -68,7 +68,6 @@ pub(crate) struct FrameArguments {
 /// What is tried of a take: its frame as the fits see it, and where they are to end.
 #[derive(Debug)]
 pub(crate) struct Subject {
-    /// The frame.
     pub(crate) frame: Frame,
     /// Where fits are to end.
     pub(crate) target: Target,

@@ -20,7 +20,6 @@ pub(crate) struct Arguments {
     /// Frames of every track
     #[arg(long, value_name = "N", default_value_t = 50)]
     frames: usize,
-    /// Cameras
     #[arg(long, value_name = "N", default_value_t = 2)]
     cameras: usize,
     /// Times the movement's own speed

@@ -15,7 +15,6 @@ impl Default for Waiting {
 
 impl Waiting {
     /// A bar that waits for the first number.
-    #[must_use]
     pub(crate) fn new() -> Self {
         let bar = ProgressBar::new(1);
         if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} fits, {eta} left") {

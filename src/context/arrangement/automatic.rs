@@ -39,13 +39,11 @@ pub(crate) struct Centre {
 }
 
 /// Whether two cameras are shown, and a strip beneath names the others.
-#[must_use]
 pub(crate) fn has_strip(centre: &Centre) -> bool {
     centre.layout != Layout::Debug && centre.cameras > 2 && centre.size.x < TWO_TILES_BELOW
 }
 
 /// Whether a layout has a pane as long as the user has not closed it.
-#[must_use]
 pub(crate) fn is_open_at_first(layout: Layout, pane: Pane) -> bool {
     match pane {
         Pane::Camera(_) => true,
@@ -54,8 +52,6 @@ pub(crate) fn is_open_at_first(layout: Layout, pane: Pane) -> bool {
     }
 }
 
-/// The arrangement of this centre.
-#[must_use]
 pub(crate) fn automatic(centre: &Centre) -> Arrangement {
     let mut plan = Plan { tiles: Tiles::default() };
     let root = if centre.layout == Layout::Debug {

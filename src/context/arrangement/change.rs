@@ -9,7 +9,6 @@ use crate::context::pane::{Pane, Side};
 const NEW: f32 = 1.0 / 3.0;
 
 /// Whether a pane is there and not closed.
-#[must_use]
 pub(crate) fn is_open(tree: &Arrangement, pane: Pane) -> bool {
     tree.tiles.find_pane(&pane).is_some_and(|tile| tree.is_visible(tile))
 }
@@ -36,7 +35,6 @@ pub(crate) fn show(tree: &mut Arrangement, pane: Pane) {
 }
 
 /// The panes that share tabs with this one, itself among them; none if it has its tile for itself.
-#[must_use]
 pub(crate) fn panes_with(tree: &Arrangement, pane: Pane) -> Vec<Pane> {
     let container = tree
         .tiles

@@ -26,7 +26,6 @@ struct Entry {
 
 impl Kept {
     /// The user's arrangement, if there is one and it holds exactly these cameras.
-    #[must_use]
     pub fn get(&self, layout: Layout, cameras: usize) -> Option<&Arrangement> {
         let entry = self.entries.iter().find(|entry| (entry.layout, entry.cameras) == (layout, cameras));
         entry.map(|entry| &entry.tree).filter(|tree| fits(tree, cameras))
@@ -46,7 +45,6 @@ impl Kept {
 
 /// Whether an arrangement that was read from a file is whole: every camera once, no pane twice, no way round in
 /// circles, and shares that can be laid out.
-#[must_use]
 pub(crate) fn fits(tree: &Arrangement, cameras: usize) -> bool {
     let Some(root) = tree.root() else { return false };
     let mut seen = BTreeSet::new();

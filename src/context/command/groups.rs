@@ -52,7 +52,6 @@ group! {
 
 impl Nudge {
     /// How far it goes in the view.
-    #[must_use]
     pub(crate) const fn by_px(self) -> DVec2 {
         match self {
             Self::Left => DVec2::new(-1.0, 0.0),

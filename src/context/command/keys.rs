@@ -23,7 +23,6 @@ pub(super) const fn ctrl_shift(key: Key) -> KeyboardShortcut {
 
 impl Command {
     /// Its first keys as they are written: "Ctrl+K".
-    #[must_use]
     pub(crate) fn keys_text(self) -> Option<String> {
         self.shortcuts().first().map(keys_text)
     }
@@ -55,7 +54,6 @@ impl Command {
 }
 
 /// Keys as they are written.
-#[must_use]
 pub(crate) fn keys_text(keys: &KeyboardShortcut) -> String {
     match keys.logical_key {
         Key::Questionmark => "?".to_owned(),

@@ -18,7 +18,6 @@ impl Menu {
         [Self::File, Self::Edit, Self::View, Self::Fit, Self::Track, Self::Demonstrate, Self::Help];
 
     /// The menu's label.
-    #[must_use]
     pub(crate) const fn text(self) -> &'static str {
         match self {
             Self::File => "File",

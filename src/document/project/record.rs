@@ -97,7 +97,6 @@ pub(crate) struct CameraRecord {
     pub(crate) weight: f64,
 }
 
-/// The file of a document.
 pub(crate) fn to_file(document: &Document) -> ProjectFile {
     let model = &*document.model;
     ProjectFile {

@@ -34,19 +34,16 @@ pub(crate) struct Axis {
 
 impl Axis {
     /// An even axis as long as its curves.
-    #[must_use]
     pub(crate) fn linear(label: &str) -> Self {
         Self { label: label.to_owned(), is_log: false, range: None }
     }
 
     /// A logarithmic axis as long as its curves.
-    #[must_use]
     pub(crate) fn log(label: &str) -> Self {
         Self { label: label.to_owned(), is_log: true, range: None }
     }
 
     /// The same with fixed ends.
-    #[must_use]
     pub(crate) fn within(mut self, low: f64, high: f64) -> Self {
         self.range = Some([low, high]);
         self
@@ -79,7 +76,6 @@ pub(crate) struct Line {
 
 impl Line {
     /// A curve of values over 0, 1, 2 …
-    #[must_use]
     pub(crate) fn of_values(name: &str, style: usize, values: &[f64]) -> Self {
         Self::of_points(
             name,
@@ -89,27 +85,23 @@ impl Line {
     }
 
     /// A curve through points.
-    #[must_use]
     pub(crate) fn of_points(name: &str, style: usize, points: Vec<[f64; 2]>) -> Self {
         Self { name: name.to_owned(), points, style, ..Self::default() }
     }
 
     /// The same with a × at each of these points.
-    #[must_use]
     pub(crate) fn with_crosses(mut self, crosses: Vec<[f64; 2]>) -> Self {
         self.crosses = crosses;
         self
     }
 
     /// The same with upright bars: x, and both ends.
-    #[must_use]
     pub(crate) fn with_bars(mut self, bars: Vec<[f64; 3]>) -> Self {
         self.bars = bars;
         self
     }
 
     /// The same, drawn as one of many.
-    #[must_use]
     pub(crate) fn faint(mut self) -> Self {
         self.is_faint = true;
         self
@@ -133,7 +125,6 @@ pub struct Figure {
 
 impl Figure {
     /// The figure as a picture. The same figure gives the same bytes.
-    #[must_use]
     pub(crate) fn picture(&self, theme: Theme) -> RgbaImage {
         let mut window = Headless::new(SIZE[0], SIZE[1], 1.0);
         theme::apply(&window.ctx, theme);

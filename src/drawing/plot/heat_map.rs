@@ -47,7 +47,6 @@ pub(crate) struct HeatMap {
 
 impl HeatMap {
     /// The map as a picture. The same map gives the same bytes.
-    #[must_use]
     pub(crate) fn picture(&self, theme: Theme) -> RgbaImage {
         let [width, height] = self.size();
         let mut window = Headless::new(width, height, 1.0);
@@ -91,7 +90,6 @@ impl HeatMap {
 }
 
 /// So many places for maps in an area, as large as each other.
-#[must_use]
 pub(crate) fn places(area: Rect, count: usize, across: usize) -> Vec<Rect> {
     let across = across.clamp(1, count.max(1));
     let rows = count.div_ceil(across).max(1);
@@ -104,7 +102,6 @@ pub(crate) fn places(area: Rect, count: usize, across: usize) -> Vec<Rect> {
 }
 
 /// How many of so many maps stand side by side so that they are as large as can be, and the side of their squares.
-#[must_use]
 pub(crate) fn best_across(area: Rect, count: usize) -> (usize, f32) {
     let side = |across: usize| {
         let place = places(area, count, across).first().copied().unwrap_or(Rect::ZERO);
@@ -116,7 +113,6 @@ pub(crate) fn best_across(area: Rect, count: usize) -> (usize, f32) {
 }
 
 /// The square of a map in an area, with room for its axes.
-#[must_use]
 pub(crate) fn grid_in(area: Rect) -> Rect {
     let room = Rect::from_min_max(area.min + vec2(44.0, 22.0), area.max - vec2(8.0, 34.0));
     let side = room.width().min(room.height()).max(40.0).floor();
@@ -124,7 +120,6 @@ pub(crate) fn grid_in(area: Rect) -> Rect {
 }
 
 /// A cell of a map; rows go up.
-#[must_use]
 pub(crate) fn cell_in(grid: Rect, columns: usize, [column, row]: [usize; 2]) -> Rect {
     let edge = |place: usize, length: f32| (length * place as f32 / columns.max(1) as f32).round();
     let (left, right) = (edge(column, grid.width()), edge(column + 1, grid.width()));
@@ -136,7 +131,6 @@ pub(crate) fn cell_in(grid: Rect, columns: usize, [column, row]: [usize; 2]) -> 
 }
 
 /// The colour of a distance: dark at none, lightest from ten times the limit on.
-#[must_use]
 pub(crate) fn error_colour(value: f64, limit: f64) -> egui::Color32 {
     gradient_colour((value / (LAST_COLOUR * limit)).clamp(0.0, 1.0).sqrt() as f32)
 }

@@ -16,7 +16,6 @@ const MARK_SPACING: f64 = 10.0;
 
 /// Marks at 1, 2 and 5 of each decade, or at whole decades where there is less room, or even ones where those are
 /// too few; the axis is of logarithms.
-#[must_use]
 pub(crate) fn decade_marks(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let decade = DIVISION / input.base_step_size;
@@ -41,7 +40,6 @@ pub(crate) fn decade_marks(input: GridInput) -> Vec<GridMark> {
 }
 
 /// Marks at even steps of 1, 2 or 5 times a power of ten.
-#[must_use]
 pub(crate) fn even_marks(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let rough = ((high - low) / 5.0).max(f64::MIN_POSITIVE);
@@ -53,7 +51,6 @@ pub(crate) fn even_marks(input: GridInput) -> Vec<GridMark> {
 }
 
 /// Marks at whole steps.
-#[must_use]
 pub(crate) fn step_marks(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let apart = MARK_SPACING * input.base_step_size;
@@ -64,7 +61,6 @@ pub(crate) fn step_marks(input: GridInput) -> Vec<GridMark> {
 }
 
 /// A mark's number with as many digits as its axis needs.
-#[must_use]
 pub(crate) fn number(value: f64, step: f64) -> String {
     if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) {
         return format!("{value:.0e}");

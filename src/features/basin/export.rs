@@ -100,7 +100,6 @@ impl AnglesResult {
     }
 
     /// The plot of success over angle.
-    #[must_use]
     pub fn figure(&self) -> Figure {
         let line = |(style, choice): (usize, &ChoiceReport)| {
             let tried = choice.levels.iter().filter(|level| level.tried > 0);
@@ -178,7 +177,6 @@ impl MapResult {
     }
 
     /// The map of every choice as one picture, coloured by the error.
-    #[must_use]
     pub(crate) fn picture(&self, theme: Theme) -> RgbaImage {
         let map = |(index, choice): (usize, &FitChoice)| {
             let cells = self.cells_of(index).iter();

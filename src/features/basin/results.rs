@@ -10,7 +10,6 @@ use crate::style::format;
 /// What an experiment was about.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct About {
-    /// The frame.
     pub(crate) frame: usize,
     /// The conditions in one line: frame, cameras, what was turned.
     pub(crate) conditions: String,
@@ -27,13 +26,11 @@ pub struct FitCount {
 
 impl FitCount {
     /// Whether none is missing.
-    #[must_use]
     pub const fn is_whole(self) -> bool {
         self.done >= self.total
     }
 
     /// What is said of results that are not whole, in the window and in files.
-    #[must_use]
     pub(crate) fn partial_text(self) -> Option<String> {
         let count = |count: usize| format::count(count as i64);
         (!self.is_whole()).then(|| format!("Partial: {} of {} fits", count(self.done), count(self.total)))
@@ -43,7 +40,6 @@ impl FitCount {
 /// Success over angle, as far as it has come.
 #[derive(Debug, Clone)]
 pub struct AnglesResult {
-    /// What it is about.
     pub(crate) about: About,
     /// What was tried.
     pub(crate) options: frame_basin::Options,
@@ -55,7 +51,6 @@ pub struct AnglesResult {
 
 impl AnglesResult {
     /// How many fits were made.
-    #[must_use]
     pub fn fits(&self) -> FitCount {
         FitCount { done: self.trials.len(), total: self.options.trials() }
     }
@@ -64,7 +59,6 @@ impl AnglesResult {
 /// The map, as far as it has come.
 #[derive(Debug, Clone)]
 pub struct MapResult {
-    /// What it is about.
     pub(crate) about: About,
     /// What was tried.
     pub options: basin_map::Options,
@@ -82,7 +76,6 @@ pub struct MapResult {
 
 impl MapResult {
     /// No cell is fitted yet.
-    #[must_use]
     pub(crate) fn new(
         about: About,
         options: basin_map::Options,
@@ -94,13 +87,11 @@ impl MapResult {
     }
 
     /// A cell that was fitted by a choice.
-    #[must_use]
     pub fn cell(&self, choice: usize, place: [usize; 2]) -> Option<&Cell> {
         self.cells.get(self.index(choice, place))?.as_ref()
     }
 
     /// The cells of a choice, by row, then by column.
-    #[must_use]
     pub(crate) fn cells_of(&self, choice: usize) -> &[Option<Cell>] {
         let each = self.options.cells * self.options.cells;
         self.cells.get(choice * each..(choice + 1) * each).unwrap_or_default()
@@ -119,7 +110,6 @@ impl MapResult {
     }
 
     /// Cells that a choice has fitted, and those that found the target.
-    #[must_use]
     pub(crate) fn counts(&self, choice: usize) -> [usize; 2] {
         let tried = self.cells_of(choice).iter().flatten();
         let found = tried.clone().filter(|cell| cell.error_mm < self.options.success_mm).count();
@@ -127,7 +117,6 @@ impl MapResult {
     }
 
     /// How many fits were made.
-    #[must_use]
     pub fn fits(&self) -> FitCount {
         FitCount { done: self.cells.iter().flatten().count(), total: self.options.trials() }
     }
@@ -159,7 +148,6 @@ pub struct BasinResults {
 
 impl BasinResults {
     /// How many fits were made of what a view shows, if that is not all of them and no more is to come.
-    #[must_use]
     pub(crate) fn partial(&self, view: BasinView) -> Option<FitCount> {
         let fits = match view {
             BasinView::Angles => self.angles.as_ref().map(AnglesResult::fits),

@@ -52,7 +52,6 @@ impl ComparedWay {
     const OFFERED: [Self; 3] = [Self::Preset(Preset::Report), Self::Search, Self::Preset(Preset::Robust)];
 
     /// Its name.
-    #[must_use]
     pub(crate) const fn text(self) -> &'static str {
         match self {
             Self::Preset(Preset::Robust) => "Robust",
@@ -83,7 +82,6 @@ pub struct MapDirection {
 
 impl MapDirection {
     /// The joint's rotation in a body; `held` where it has no such joint.
-    #[must_use]
     pub(crate) fn rotation(&self, model: &Model, held: usize) -> usize {
         let limb = self.joint.as_deref().and_then(|name| model.limb_index(name));
         limb.map_or(held, |limb| model.limbs()[limb].rotation)
@@ -120,7 +118,6 @@ pub struct BasinSettings {
 
 impl Compared {
     /// The choice of fit, without a name yet.
-    #[must_use]
     pub(crate) fn choice(self) -> FitChoice {
         let mut choice = match self.way {
             ComparedWay::Preset(preset) => FitChoice::downhill("", FitOptions::preset(preset)),
@@ -131,7 +128,6 @@ impl Compared {
     }
 
     /// What to compare with next: the first way that is neither the current choices nor compared already.
-    #[must_use]
     pub(crate) fn next(current: &FitOptions, compared: &[Self]) -> Self {
         let renderer = current.renderer;
         let is_new = |way: &ComparedWay| {
@@ -212,7 +208,6 @@ impl BasinSettings {
     }
 
     /// The choices of fit: the current ones first, each named by what differs.
-    #[must_use]
     pub(crate) fn choices(&self, current: &FitOptions) -> Vec<FitChoice> {
         let mut choices = vec![FitChoice::downhill("", current.clone())];
         choices.extend(self.compared.iter().take(MOST_COMPARED).map(|compared| compared.choice()));
@@ -237,7 +232,6 @@ impl BasinSettings {
     }
 
     /// The options of the map. `held` is the rotation that is held.
-    #[must_use]
     pub(crate) fn map_options(&self, current: &FitOptions, model: &Model, held: usize) -> basin_map::Options {
         let direction = |direction: &MapDirection| Direction {
             rotation: direction.rotation(model, held),
@@ -292,15 +286,12 @@ fn numbers(text: &str, name: &str, most: f64) -> Result<Vec<f64>, String> {
 }
 
 /// The name of a direction: "right forearm, flexion".
-#[must_use]
 pub(crate) fn direction_name(model: &Model, direction: Direction) -> String {
     let owner = model.rotation_owners().get(direction.rotation).and_then(|limb| model.limbs().get(*limb));
     let limb = owner.map_or("", |limb| limb.name.as_str());
     format!("{limb}, {}", angle_name(direction.angle))
 }
 
-/// The name of an angle.
-#[must_use]
 pub(crate) const fn angle_name(angle: Angle) -> &'static str {
     match angle {
         Angle::Flexion => "flexion",

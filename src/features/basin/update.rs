@@ -201,7 +201,6 @@ impl FileKind {
     pub const ALL: [Self; 3] = [Self::Csv, Self::Png, Self::Json];
 
     /// The ending of its files.
-    #[must_use]
     pub const fn extension(self) -> &'static str {
         self.endings()[0]
     }
@@ -215,7 +214,6 @@ impl FileKind {
     }
 
     /// What is in it, on the menu.
-    #[must_use]
     pub(crate) const fn text(self) -> &'static str {
         match self {
             Self::Csv => "Table as CSV…",

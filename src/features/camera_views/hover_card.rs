@@ -26,7 +26,6 @@ const MARGIN: f32 = 12.0;
 
 /// The card of one pixel.
 pub(crate) struct HoverCard {
-    /// The pixel.
     pub(crate) pixel: [usize; 2],
     /// It is held by a key.
     pub(crate) is_frozen: bool,

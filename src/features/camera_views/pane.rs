@@ -35,7 +35,6 @@ pub(super) fn subject(session: &Session, camera: usize) -> Option<Rect> {
 /// Where a camera's tile stands.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Place<'a> {
-    /// The camera.
     pub(crate) camera: usize,
     /// It fills the centre.
     pub(crate) is_alone: bool,

@@ -23,7 +23,6 @@ const TWIST_PER_POINT: f64 = PI / 360.0;
 /// The pointer in this frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PointerInput {
-    /// Where it is.
     pub(crate) at: Pos2,
     /// The button went down on the picture in this frame.
     pub(crate) is_pressed: bool,

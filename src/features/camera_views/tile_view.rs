@@ -32,7 +32,6 @@ impl Default for TileView {
 
 impl TileView {
     /// Whether a mode is seen, alone or in a comparison.
-    #[must_use]
     pub(crate) fn shows(&self, mode: ViewMode) -> bool {
         self.mode == mode || (self.comparison.is_some() && self.other == mode)
     }

@@ -10,13 +10,11 @@ const EVEN_DIGITS: [f64; 9] = [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
 const LOG_RANGE: f64 = 1e-6;
 
 /// The end of the axis of steps.
-#[must_use]
 pub(crate) fn last_step(steps: f64) -> f64 {
     STEPS.into_iter().find(|end| *end >= steps).unwrap_or_else(|| (steps / 200.0).ceil() * 200.0)
 }
 
 /// Ends of the axis of heights, as values: of all values that are finite, and on a logarithmic axis above zero.
-#[must_use]
 pub(crate) fn heights(values: impl Iterator<Item = f64>, is_log: bool) -> [f64; 2] {
     let values = values.filter(|value| value.is_finite() && (!is_log || *value > 0.0));
     let [low, high] = values

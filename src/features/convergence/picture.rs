@@ -10,7 +10,6 @@ use crate::drawing::plot::{Axis, Figure, Line};
 const STACK: f64 = 0.035;
 
 /// The plot of the runs that are shown, as the window has it.
-#[must_use]
 pub(crate) fn figure(runs: &[Run], preferences: ConvergencePreferences, title: &str) -> Figure {
     let shown: Vec<&Run> = runs.iter().filter(|run| run.is_shown).collect();
     let quantity = preferences.quantity;
@@ -45,13 +44,11 @@ pub(crate) fn figure(runs: &[Run], preferences: ConvergencePreferences, title: &
 }
 
 /// Most accepted steps of a run.
-#[must_use]
 pub(crate) fn most_steps(runs: &[&Run]) -> f64 {
     runs.iter().map(|run| run.accepted_until(run.last_step()) as f64).fold(0.0, f64::max)
 }
 
 /// Ends of the axis of heights, of all that is plotted.
-#[must_use]
 pub(crate) fn heights(runs: &[&Run], preferences: ConvergencePreferences) -> [f64; 2] {
     let own = runs.iter().flat_map(|run| points(run, preferences.quantity));
     let said =

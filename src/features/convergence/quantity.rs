@@ -31,7 +31,6 @@ impl Quantity {
         [Self::Percent, Self::Cost, Self::Rms, Self::StepNorm, Self::Damping, Self::Decrease];
 
     /// Its name.
-    #[must_use]
     pub(crate) const fn text(self) -> &'static str {
         match self {
             Self::Percent => "Cost, % of start",
@@ -44,7 +43,6 @@ impl Quantity {
     }
 
     /// What it is, in a sentence without its full stop.
-    #[must_use]
     pub(crate) const fn explanation(self) -> &'static str {
         match self {
             Self::Percent => {
@@ -63,13 +61,11 @@ impl Quantity {
     }
 
     /// Whether a rejected step has a value of its own; else its mark stands above the step before it.
-    #[must_use]
     pub(crate) const fn is_of_trials(self) -> bool {
         matches!(self, Self::StepNorm | Self::Damping | Self::Decrease)
     }
 
     /// Its value at a step; `None` where it has none.
-    #[must_use]
     pub(crate) fn value(self, run: &Run, step: usize) -> Option<f64> {
         let record = run.steps.get(step)?;
         let value = match self {
@@ -85,7 +81,6 @@ impl Quantity {
     }
 
     /// A value as it is written at the axis and beside curves.
-    #[must_use]
     pub(crate) fn text_of(self, value: f64) -> String {
         match self {
             Self::Percent | Self::Decrease => format!("{} %", format::number(value, decimals(value))),
@@ -125,13 +120,11 @@ pub(crate) struct CurvePoint {
 }
 
 /// The points of a run's curve, in the order of its steps.
-#[must_use]
 pub(crate) fn points(run: &Run, quantity: Quantity) -> Vec<CurvePoint> {
     points_of(run, quantity, |step| quantity.value(run, step))
 }
 
 /// What the linear model said of every step, in percent of the cost before it.
-#[must_use]
 pub(crate) fn foretold(run: &Run) -> Vec<CurvePoint> {
     let value = |step: &RunStep| step.foretold_share().map(|share| 100.0 * share);
     points_of(run, Quantity::Decrease, |step| if step == 0 { None } else { value(&run.steps[step]) })

@@ -23,7 +23,6 @@ const SAMPLE: f32 = 20.0;
 const RIGHT: f32 = 62.0 + 3.0 * (size::BUTTON + 2.0);
 
 impl Convergence {
-    /// The list.
     pub(super) fn list(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, height: f32) {
         ScrollArea::vertical().max_height(height).auto_shrink(false).show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 2.0;

@@ -26,7 +26,6 @@ const TITLES: [&str; 18] = [
 
 /// Every step of the runs as CSV, one row a step; mismatch and costs in squared grey levels, RMS in grey levels, the
 /// step in metres and radians together. `ending` is in a run's last row.
-#[must_use]
 pub(crate) fn csv<'a>(runs: impl IntoIterator<Item = &'a Run>) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     // A vector takes all that is written to it.

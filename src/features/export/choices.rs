@@ -41,7 +41,6 @@ impl SeriesFormat {
         [(Self::Pngs, "PNGs"), (Self::AnimatedPng, "Animated PNG"), (Self::Gif, "GIF")];
 
     /// The format that a path asks for by its ending: a folder where there is none.
-    #[must_use]
     pub(crate) fn of_path(path: &std::path::Path) -> Option<Self> {
         match path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).as_deref() {
             None => Some(Self::Pngs),
@@ -52,7 +51,6 @@ impl SeriesFormat {
     }
 
     /// The ending of its file, with the dot; a folder has none.
-    #[must_use]
     pub(crate) const fn ending(self) -> &'static str {
         match self {
             Self::Pngs => "",
@@ -114,7 +112,6 @@ impl Default for ExportChoices {
 
 impl ExportChoices {
     /// Pixels of a view's picture for one pixel of a footage `width` pixels wide, within all limits.
-    #[must_use]
     pub(crate) fn view_pixels_per_px(&self, [width, height]: [usize; 2]) -> f32 {
         let wanted = match self.view_width {
             Some(pixels) => pixels as f32 / width.max(1) as f32,

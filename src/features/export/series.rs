@@ -49,7 +49,6 @@ pub(crate) enum ExportError {
 
 impl ExportError {
     /// What lies behind it: where a file cannot be written, what the disk said.
-    #[must_use]
     pub(crate) fn cause(&self) -> &(dyn Error + 'static) {
         match self {
             Self::File(error) => error,
@@ -265,7 +264,7 @@ mod tests {
     use image::Rgb;
 
     use super::*;
-    use crate::context::write_advice::remedy;
+    use crate::context::write_advice::write_advice;
 
     const NUMBERS: [usize; 3] = [0, 5, 17];
 
@@ -354,8 +353,8 @@ mod tests {
         let full = || io::Error::from(io::ErrorKind::StorageFull);
         let file = FileError::new(Path::new("a.png"), FileProblem::Write { error: full() });
         for error in [file.into(), ExportError::Folder { path: "a".into(), source: full() }] {
-            assert!(remedy(error.cause()).starts_with("Free some space"), "{error}");
+            assert!(write_advice(error.cause()).starts_with("Free some space"), "{error}");
         }
-        assert!(remedy(ExportError::Empty.cause()).contains("another place"));
+        assert!(write_advice(ExportError::Empty.cause()).contains("another place"));
     }
 }

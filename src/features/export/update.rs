@@ -10,7 +10,7 @@ use super::{Export, ExportOrder, Running, Subject};
 use crate::context::command::{Command, ExportCommand};
 use crate::context::file_dialog::Wanted;
 use crate::context::unavailable::{because, no_take};
-use crate::context::write_advice::remedy;
+use crate::context::write_advice::write_advice;
 use crate::context::{Context, Request, Requests};
 use crate::jobs::{News, Pool};
 
@@ -86,7 +86,6 @@ impl Export {
         self.order.take()
     }
 
-    /// Begins an export.
     pub(crate) fn begin(&mut self, job: ExportJob, order: ExportOrder, pool: &Pool) {
         self.running =
             Some(Running { path: order.path, done: 0, total: job.len(), outcome: Exported::Stopped });
@@ -143,8 +142,8 @@ impl Export {
                 requests.inform(format!("Stopped the export{kept}."), None);
             }
             Exported::Failed(error) => {
-                let remedy = remedy(error.cause());
-                requests.complain(format!("Not exported: {:#}. {remedy}", anyhow::Error::from(error)));
+                let advice = write_advice(error.cause());
+                requests.complain(format!("Not exported: {:#}. {advice}", anyhow::Error::from(error)));
             }
         }
     }

@@ -19,7 +19,6 @@ pub(crate) struct Refitted {
 
 impl Refitted {
     /// "Refit right forearm: cost fell by 3.1 %, from 1.84e7 to 1.78e7, in 12 steps."
-    #[must_use]
     pub(crate) fn sentence(&self) -> String {
         let change = 100.0 * (self.after / self.before - 1.0);
         let how = match change {

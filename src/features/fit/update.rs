@@ -21,7 +21,6 @@ use crate::document::{Estimate, Origin};
 use crate::jobs::News;
 use crate::session::prediction::{FitInputs, Predicted};
 
-/// What a run is to be.
 #[derive(Debug, Default)]
 struct NewRun {
     /// Its own name; otherwise one is made of its choices.

@@ -13,9 +13,7 @@ use backlit_tracking::render::{Ramp, RendererKind, View, jacobian_along, predict
 pub(crate) struct ColumnCheck {
     /// The body.
     pub(crate) model: Arc<Model>,
-    /// Where it is.
     pub(crate) pose: Pose,
-    /// The camera.
     pub(crate) camera: Arc<Camera>,
     /// The solid of a limb.
     pub(crate) renderer: RendererKind,
@@ -61,13 +59,11 @@ pub struct CheckProgress {
 
 impl CheckProgress {
     /// Whether all columns were compared.
-    #[must_use]
     pub fn is_whole(&self) -> bool {
         self.total > 0 && self.done == self.total
     }
 
     /// Whether nothing differs so far.
-    #[must_use]
     pub fn passes(&self) -> bool {
         self.mismatches == 0
     }
@@ -100,13 +96,11 @@ impl CheckProgress {
 
 impl ColumnCheck {
     /// Columns of the state.
-    #[must_use]
     pub(crate) fn columns(&self) -> usize {
         self.parameters.columns(self.model.rotation_count())
     }
 
     /// What the program says of one column: ∂λ/∂x of every pixel.
-    #[must_use]
     pub(crate) fn analytic(&self, column: usize) -> Vec<f64> {
         let kinematics = Kinematics::new(&self.model, &self.pose);
         let view = View::new(&self.model, &kinematics, &self.camera, self.renderer, self.ramp);
@@ -118,7 +112,6 @@ impl ColumnCheck {
     }
 
     /// Compares one column: `analytic` is what [`analytic`](Self::analytic) gives.
-    #[must_use]
     pub(crate) fn compare(&self, column: usize, analytic: &[f64]) -> GradientCheck {
         let mut kinematics = Kinematics::new(&self.model, &self.pose);
         let mut view = View::new(&self.model, &kinematics, &self.camera, self.renderer, self.ramp);
@@ -132,7 +125,6 @@ impl ColumnCheck {
 }
 
 /// "root x", "right forearm ω y": what a column of the state moves.
-#[must_use]
 pub(crate) fn column_name(model: &Model, parameters: Parameters, column: usize) -> String {
     let Some(in_rotations) = column.checked_sub(3) else {
         return format!("root {}", ["x", "y", "z"][column]);

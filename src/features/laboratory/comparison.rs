@@ -22,14 +22,12 @@ pub struct Basis {
 
 impl Basis {
     /// Whether both make the same comparison.
-    #[must_use]
     pub(crate) fn is(&self, other: &Self) -> bool {
         let same_scene = FitInputs { fit: other.scene.fit.clone(), ..self.scene.clone() }.is(&other.scene);
         same_scene && self.start == other.start && self.entrants == other.entrants
     }
 
     /// The scene as one of the fits sees it.
-    #[must_use]
     pub(crate) fn scene_of(&self, entrant: &Entrant) -> FitInputs {
         FitInputs { fit: Arc::new(entrant.fit.clone()), ..self.scene.clone() }
     }
@@ -70,13 +68,11 @@ pub struct Contestant {
 
 impl Contestant {
     /// The last step that there is.
-    #[must_use]
     pub fn last(&self) -> usize {
         self.steps.len().saturating_sub(1)
     }
 
     /// The mismatch after a step in percent of the start's. After its end a fit stays where it is.
-    #[must_use]
     pub fn percent(&self, step: usize) -> Option<f64> {
         let start = self.steps.first()?.mismatch;
         let here = self.steps.get(step.min(self.last()))?.mismatch;
@@ -84,19 +80,16 @@ impl Contestant {
     }
 
     /// The mismatch of every step in percent of the start's.
-    #[must_use]
     pub fn percents(&self) -> Vec<f64> {
         (0..self.steps.len()).filter_map(|step| self.percent(step)).collect()
     }
 
     /// The pose after a step.
-    #[must_use]
     pub fn pose(&self, step: usize) -> Option<&Pose> {
         self.steps.get(step.min(self.last())).map(|step| &step.pose)
     }
 
     /// The first step from which on it stays below a share of its start, percent.
-    #[must_use]
     pub(crate) fn arrived(&self, percent: f64) -> Option<usize> {
         let percents = self.percents();
         let stays = percents.iter().rev().take_while(|value| **value < percent).count();
@@ -123,7 +116,6 @@ pub struct Comparison {
 
 impl Comparison {
     /// A comparison without any step yet, not even the start.
-    #[must_use]
     pub(crate) fn new(basis: Basis, id: u64) -> Self {
         let contestant = |entrant: &Entrant| Contestant {
             scene: basis.scene_of(entrant),
@@ -141,25 +133,21 @@ impl Comparison {
     }
 
     /// The last step that any fit has.
-    #[must_use]
     pub fn last(&self) -> usize {
         self.contestants.iter().map(Contestant::last).max().unwrap_or(0)
     }
 
     /// Whether every fit has its start or has failed to begin.
-    #[must_use]
     pub(crate) fn has_begun(&self) -> bool {
         self.contestants.iter().all(|fit| !fit.steps.is_empty() || fit.ending.is_some())
     }
 
     /// Whether every fit has ended by itself.
-    #[must_use]
     pub fn is_over(&self) -> bool {
         self.contestants.iter().all(|fit| fit.ending.is_some())
     }
 
     /// Why no fit could begin, if none could.
-    #[must_use]
     pub(crate) fn problem(&self) -> Option<&str> {
         let all_empty = self.contestants.iter().all(|fit| fit.steps.is_empty());
         let first = self.contestants.first()?.ending.as_ref()?;

@@ -226,7 +226,6 @@ pub(super) struct CheckJob {
     fits: Vec<FitCheck>,
 }
 
-/// The check of one fit.
 #[derive(Debug)]
 pub(super) struct FitCheck {
     /// The fit.

@@ -48,7 +48,6 @@ impl Lineup {
     ];
 
     /// What the laboratory is called.
-    #[must_use]
     pub const fn title(self) -> &'static str {
         match self {
             Self::Renderers => "Renderer laboratory",
@@ -59,7 +58,6 @@ impl Lineup {
     }
 
     /// What is the same in all of them and what is not, in a sentence.
-    #[must_use]
     pub(crate) const fn sentence(self) -> &'static str {
         match self {
             Self::Renderers => "Three renderers, same start, same solver.",
@@ -70,7 +68,6 @@ impl Lineup {
     }
 
     /// What a choice of it compares, for its tooltip.
-    #[must_use]
     pub(crate) const fn tooltip(self) -> &'static str {
         match self {
             Self::Renderers => "Cylinder, capsule and sphere tree with the chosen solver",
@@ -81,7 +78,6 @@ impl Lineup {
     }
 
     /// How many there are, as a word of a button.
-    #[must_use]
     pub const fn all_text(self) -> &'static str {
         match self {
             Self::Renderers | Self::Updates => "all three",
@@ -91,7 +87,6 @@ impl Lineup {
     }
 
     /// The fits, made from the document's choices.
-    #[must_use]
     pub(crate) fn entrants(self, base: &FitOptions, model: &Model) -> Vec<Entrant> {
         match self {
             Self::Renderers => renderers(base, model),

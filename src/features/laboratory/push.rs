@@ -44,19 +44,16 @@ impl PushAxis {
     ];
 
     /// What a body is looked at by at first: a single limb's sliding is the lesson of Fig. 5.1.
-    #[must_use]
     pub(crate) fn of(model: &Model) -> Self {
         if model.rotation_count() == 1 { Self::Slide } else { Self::Turn(0) }
     }
 
     /// Its name in the box.
-    #[must_use]
     pub(crate) fn text(self) -> &'static str {
         Self::ALL.iter().find(|(axis, _)| *axis == self).map_or("", |(_, text)| text)
     }
 
     /// What pixels do along it, behind "what" and "pixels that".
-    #[must_use]
     pub(crate) fn verb(self, limb: &str) -> String {
         const AXES: [&str; 3] = ["x", "y", "z"];
         let axis = |index: usize| AXES.get(index).copied().unwrap_or("x");
@@ -69,7 +66,6 @@ impl PushAxis {
     }
 
     /// Which pixels are counted, below the picture.
-    #[must_use]
     pub(crate) const fn pixels(self) -> &'static str {
         match self {
             Self::Slide => "Pixels that push along the axis",
@@ -80,7 +76,6 @@ impl PushAxis {
     }
 
     /// What pixels say about it, in the caption.
-    #[must_use]
     pub(crate) const fn way(self) -> &'static str {
         match self {
             Self::Slide => "which way to slide",
@@ -91,7 +86,6 @@ impl PushAxis {
     }
 
     /// The motion v in tangent columns.
-    #[must_use]
     pub(crate) fn direction(self, model: &Model, kinematics: &Kinematics, limb: usize) -> Vec<f64> {
         let mut v = vec![0.0; Parameters::Tangent.columns(model.rotation_count())];
         let limb = limb.min(model.limbs().len().saturating_sub(1));
@@ -120,7 +114,6 @@ pub(crate) struct Push {
 
 impl Push {
     /// Looks at a pose in one camera.
-    #[must_use]
     pub(crate) fn new(
         model: &Model,
         pose: &Pose,
@@ -148,7 +141,6 @@ impl Push {
 pub struct Pushed {
     /// The picture: zero where the pixel does not push.
     pub(crate) picture: Derivative,
-    /// The prediction that it is of.
     pub(crate) prediction: Prediction,
     /// Pixels that push.
     pub pushing: usize,
@@ -162,7 +154,6 @@ fn is_in_ramp(level: &f32) -> bool {
 
 impl Pushed {
     /// Counts and colours pushes by one measure.
-    #[must_use]
     pub(crate) fn all(pushes: Vec<Push>) -> Vec<Self> {
         let mut scales: Vec<f64> = pushes.iter().filter_map(Push::scale).collect();
         scales.sort_by(f64::total_cmp);

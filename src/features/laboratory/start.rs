@@ -15,7 +15,6 @@ const SLIDES_MM: [u32; 5] = [30, 60, 100, 120, 200];
 /// Degrees of every joint that are offered.
 const TURNS_DEG: [u32; 4] = [3, 5, 10, 20];
 
-/// A start.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub(crate) enum StartChoice {
     /// The pose on the screen.
@@ -51,7 +50,6 @@ pub(crate) struct StartParts<'a> {
 
 impl StartChoice {
     /// What a demonstration begins with here: Fig. 5.1's own offset, else the pose on the screen.
-    #[must_use]
     pub(crate) fn of(demonstration: Option<Demonstration>) -> Self {
         match demonstration {
             Some(Demonstration::SingleLimb) => {
@@ -62,7 +60,6 @@ impl StartChoice {
     }
 
     /// The starts that make sense for a take.
-    #[must_use]
     pub(crate) fn offered(demonstration: Option<Demonstration>) -> Vec<Self> {
         let mut all = vec![Self::Shown, Self::Take];
         if demonstration == Some(Demonstration::SingleLimb) {
@@ -75,7 +72,6 @@ impl StartChoice {
     }
 
     /// Its words in the box.
-    #[must_use]
     pub(crate) fn text(self) -> String {
         match self {
             Self::Shown => "Start at shown pose".to_owned(),
@@ -85,8 +81,6 @@ impl StartChoice {
         }
     }
 
-    /// What it is, for its tooltip.
-    #[must_use]
     pub(crate) fn tooltip(self) -> String {
         match self {
             Self::Shown => "The pose of this frame, as the other layouts show it".to_owned(),
@@ -99,8 +93,6 @@ impl StartChoice {
         }
     }
 
-    /// The pose.
-    #[must_use]
     pub(crate) fn pose(self, parts: &StartParts<'_>) -> Pose {
         match self {
             Self::Shown => parts.shown.clone(),

@@ -25,7 +25,6 @@ pub struct Story {
 }
 
 /// Tells a comparison. `key` says which pushes are shown.
-#[must_use]
 pub fn tell(comparison: &Comparison, lineup: Lineup, key: PushKey) -> Story {
     let fits = &comparison.contestants;
     if let Some(problem) = comparison.problem() {
@@ -210,7 +209,6 @@ fn ends_of(fits: &[Contestant], is_over: bool) -> String {
 }
 
 /// A share of the start with as many figures as can be read at a glance.
-#[must_use]
 pub(crate) fn percent_text(percent: f64) -> String {
     let decimals = match percent.abs() {
         value if value >= 0.95 => 1,
@@ -221,7 +219,6 @@ pub(crate) fn percent_text(percent: f64) -> String {
 }
 
 /// Words of a caption, title left out.
-#[must_use]
 pub fn words(story: &Story) -> usize {
     story.paragraphs.iter().map(|paragraph| paragraph.split_whitespace().count()).sum()
 }

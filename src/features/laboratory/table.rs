@@ -9,7 +9,6 @@ use crate::drawing::plot::{Axis, Figure, Line};
 pub(crate) const LEAST_PERCENT: f64 = 0.01;
 
 /// One line a step: for every fit its cost and its percent of the start. A field is empty once its fit has ended.
-#[must_use]
 pub(crate) fn csv(comparison: &Comparison) -> String {
     let mut text = "step".to_owned();
     for fit in &comparison.contestants {
@@ -36,7 +35,6 @@ pub(crate) fn csv(comparison: &Comparison) -> String {
 }
 
 /// The plot as a picture of its own.
-#[must_use]
 pub(crate) fn figure(comparison: &Comparison, title: &str, subtitle: &str, is_log: bool) -> Figure {
     let lines = comparison.contestants.iter().enumerate();
     let label = "cost, % of the start";

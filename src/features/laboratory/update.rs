@@ -170,7 +170,6 @@ impl Laboratory {
     }
 
     /// Whether nothing that its layout shows is still to be made.
-    #[must_use]
     pub(crate) fn is_settled(&self, context: &Context<'_>) -> bool {
         if context.preferences.layout != Layout::Demonstrate || context.session.take.is_none() {
             return true;
@@ -257,7 +256,6 @@ impl Laboratory {
     }
 }
 
-/// Whether all that is wanted was asked for.
 fn is_asked(asked: Option<&Vec<(usize, Pose)>>, wanted: &[(usize, Pose)]) -> bool {
     asked.is_some_and(|asked| wanted.iter().all(|one| asked.contains(one)))
 }

@@ -11,7 +11,6 @@ use crate::session::prediction::FitInputs;
 pub struct Observed {
     /// What it depends on besides the pose.
     pub(crate) inputs: FitInputs,
-    /// The pose.
     pub(crate) pose: Pose,
     /// Of the cameras that count.
     pub shown: Observability,

@@ -50,13 +50,11 @@ impl Sway {
 
 impl Observability {
     /// Whether the body sways or is held on its way.
-    #[must_use]
     pub fn is_swaying(&self) -> bool {
         self.sway.is_some()
     }
 
     /// Whether it is on its way.
-    #[must_use]
     pub fn is_playing(&self) -> bool {
         self.sway.as_ref().is_some_and(|sway| !sway.is_paused)
     }
@@ -96,13 +94,11 @@ impl Observability {
     }
 
     /// Where the body is on its way.
-    #[must_use]
     pub fn swayed_pose(&self) -> Option<Pose> {
         self.pose_at(self.sway.as_ref()?.phase.sin())
     }
 
     /// The body on its way, if it sways.
-    #[must_use]
     pub fn swaying(&self) -> Option<Swaying> {
         let now = self.swayed_pose()?;
         let (shown, direction) = self.direction()?;

@@ -154,7 +154,6 @@ fn its(story: &Story<'_>) -> &'static str {
     if story.limbs.len() == 1 { "its" } else { "their" }
 }
 
-/// "camera 1", "cameras 1 and 3", "cameras 1, 2 and 4".
 fn names(cameras: &[usize]) -> String {
     let numbers: Vec<String> = cameras.iter().map(|camera| (camera + 1).to_string()).collect();
     match numbers.split_last() {

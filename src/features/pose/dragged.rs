@@ -36,7 +36,6 @@ pub(super) enum Dragged {
     },
 }
 
-/// Where a joint is in a pose.
 pub(super) fn joint_position(model: &Model, pose: &Pose, joint: JointId) -> DVec3 {
     match joint {
         JointId::Root => pose.root,

@@ -23,7 +23,6 @@ pub(crate) struct About {
 
 impl About {
     /// The file beside a copy.
-    #[must_use]
     pub(crate) fn path_of(copy: &Path) -> PathBuf {
         copy.with_extension("about.json")
     }
@@ -40,7 +39,6 @@ impl About {
     }
 
     /// What was written beside a copy; nothing is known if that cannot be read.
-    #[must_use]
     pub(crate) fn read(copy: &Path) -> Self {
         let text = std::fs::read(Self::path_of(copy)).unwrap_or_default();
         serde_json::from_slice(&text).unwrap_or_default()

@@ -45,7 +45,6 @@ struct Own {
 
 impl Copies {
     /// The copies in a folder, which is made when the first is written.
-    #[must_use]
     pub fn new(folder: PathBuf) -> Self {
         // What is opened is known by its whole path.
         let folder = std::path::absolute(&folder).unwrap_or(folder);
@@ -68,7 +67,6 @@ impl Copies {
     }
 
     /// What the system says about the folder, with its name.
-    #[must_use]
     pub(crate) fn said(&self, error: &io::Error) -> String {
         format!("{}: {}", self.folder.display(), reason(error))
     }
@@ -94,7 +92,6 @@ impl Copies {
     }
 
     /// Whether a path is this window's copy.
-    #[must_use]
     pub(crate) fn is_own(&self, path: &Path) -> bool {
         self.own.as_ref().is_some_and(|own| own.path == path)
     }
@@ -122,7 +119,6 @@ impl Copies {
     }
 
     /// What windows that are gone have left, the newest first, and what cannot be read.
-    #[must_use]
     pub fn left(&self) -> (Vec<Left>, Vec<ProjectError>) {
         let (mut found, mut wrong) = (Vec::new(), Vec::new());
         for path in self.files(NAME) {

@@ -34,7 +34,6 @@ pub struct Left {
 
 impl Left {
     /// What a document holds, and when it was written.
-    #[must_use]
     pub(crate) fn new(
         path: PathBuf,
         document: &Document,
@@ -56,7 +55,6 @@ impl Left {
     }
 
     /// When it was written: "today 14:32, 12 minutes ago".
-    #[must_use]
     pub(crate) fn when(&self, clock: &Clock) -> String {
         let when = self.saved.and_then(|saved| clock.when(saved));
         let ago = self.saved.and_then(|saved| clock.ago(saved));
@@ -65,7 +63,6 @@ impl Left {
     }
 
     /// Where the user was: "At frame 30 of 70".
-    #[must_use]
     pub(crate) fn place(&self) -> String {
         match self.about.frames {
             Some(frames @ 2..) => format!("At frame {} of {frames}", self.about.frame),
@@ -74,7 +71,6 @@ impl Left {
     }
 
     /// What has been done: "3 poses by hand, 1 fitted, 31 tracked".
-    #[must_use]
     pub(crate) fn work(&self) -> String {
         let poses = |count: usize| if count == 1 { "1 pose".to_owned() } else { format!("{count} poses") };
         let kinds = [(self.by_hand, "set by hand"), (self.fitted, "fitted"), (self.tracked, "tracked")];
@@ -86,7 +82,6 @@ impl Left {
     }
 
     /// The file that it belongs to: "Unsaved changes of work.backlit".
-    #[must_use]
     pub(crate) fn belongs(&self) -> String {
         let name = self.about.project.as_deref().and_then(|path| path.file_name());
         match name {

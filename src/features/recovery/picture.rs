@@ -22,13 +22,11 @@ const HALF: f32 = 127.5;
 pub(crate) struct Picture {
     /// What the pose predicts.
     pub(crate) predicted: Arc<Predicted>,
-    /// The camera.
     pub(crate) camera: usize,
 }
 
 impl Picture {
     /// The file beside a copy.
-    #[must_use]
     pub(crate) fn path_of(copy: &Path) -> PathBuf {
         copy.with_extension("png")
     }
@@ -45,7 +43,6 @@ impl Picture {
     }
 
     /// What was written beside a copy, if it is there and can be read.
-    #[must_use]
     pub(crate) fn read(copy: &Path) -> Option<ColorImage> {
         let picture = images::read(&Self::path_of(copy)).ok()?;
         let (width, height) = picture.dimensions();

@@ -51,7 +51,6 @@ pub(crate) struct ContentsInput<'a> {
     pub(crate) rotation: Option<usize>,
     /// The cameras, and how they are used.
     pub(crate) cameras: &'a [Arc<Camera>],
-    /// By camera.
     pub(crate) uses: &'a [CameraUse],
     /// The active camera.
     pub(crate) active: usize,
@@ -92,7 +91,6 @@ pub(crate) struct Contents {
 }
 
 /// Builds the scene.
-#[must_use]
 pub(crate) fn contents(input: &ContentsInput<'_>) -> Contents {
     let mut scene = Scene { limbs: limbs(input), ..Scene::default() };
     if input.preferences.floor {

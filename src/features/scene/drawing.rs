@@ -27,7 +27,6 @@ pub struct SceneDrawing {
 impl SceneDrawing {
     /// Draws what was ordered. The pictures on the frusta are taken from an earlier drawing of the same frame. The same
     /// order gives the same picture bit for bit, whatever was drawn before.
-    #[must_use]
     pub(crate) fn new(order: SceneOrder, earlier: Option<&Self>) -> Self {
         let thumbnails = order.pictures.as_ref().map(|frame| {
             let kept = earlier.and_then(|earlier| earlier.thumbnails.as_ref());

@@ -34,7 +34,6 @@ pub struct HullCache {
 
 impl HullCache {
     /// A frame's hull: `None` while it is not carved, `Some(None)` if its silhouettes leave none.
-    #[must_use]
     pub fn get(&self, frame: &Arc<FrameData>) -> Option<Option<&Arc<VisualHull>>> {
         let found = self.hulls.iter().find(|(other, _)| Arc::ptr_eq(other, frame));
         found.map(|(_, hull)| hull.as_ref())

@@ -36,7 +36,6 @@ pub struct SceneOrder {
 impl SceneOrder {
     /// Differs when anything differs. Frames and hulls are told apart by their places in memory: a key says something
     /// only as long as its order is kept.
-    #[must_use]
     pub(crate) fn key(&self) -> u64 {
         egui::util::hash(Fingerprint(self))
     }

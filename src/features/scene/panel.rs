@@ -153,7 +153,6 @@ impl Stage {
         }
     }
 
-    /// Where a joint is.
     fn position(&self, joint: JointId) -> Option<DVec3> {
         match joint {
             JointId::Root => Some(self.root),

@@ -52,7 +52,6 @@ impl SceneCamera {
 /// A line of constant width on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Line {
-    /// Its ends.
     pub(crate) ends: [DVec3; 2],
     /// Its width in pixels.
     pub(crate) width_px: f64,
@@ -84,7 +83,6 @@ pub(crate) struct Picture<'a> {
     pub(crate) down: DVec3,
     /// What is shown.
     pub(crate) image: &'a RgbaImage,
-    /// From 0 to 1.
     pub(crate) opacity: f32,
 }
 
@@ -132,7 +130,6 @@ pub struct Scene<'a> {
     pub(crate) pictures: Vec<Picture<'a>>,
     /// Dots. They hide nothing.
     pub(crate) dots: Vec<Dot>,
-    /// Lines.
     pub(crate) lines: Vec<Line>,
 }
 

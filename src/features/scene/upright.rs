@@ -22,7 +22,6 @@ pub struct Upright {
 
 impl Upright {
     /// Cameras are held upright, on the whole: the world axis nearest to the mean of their up directions.
-    #[must_use]
     pub fn of(cameras: &[Arc<Camera>]) -> Self {
         let mean: DVec3 =
             cameras.iter().map(|camera| -camera.camera_from_world().rotation.transpose().y_axis).sum();
@@ -34,20 +33,17 @@ impl Upright {
     }
 
     /// To the left of one who looks ahead.
-    #[must_use]
     pub(crate) fn left(&self) -> DVec3 {
         self.up.cross(self.ahead)
     }
 
     /// A direction by azimuth and elevation in radians.
-    #[must_use]
     pub(crate) fn direction(&self, azimuth: f64, elevation: f64) -> DVec3 {
         let along = self.ahead * azimuth.cos() + self.left() * azimuth.sin();
         along * elevation.cos() + self.up * elevation.sin()
     }
 
     /// Azimuth and elevation of a direction, in radians.
-    #[must_use]
     pub(crate) fn angles(&self, direction: DVec3) -> [f64; 2] {
         let azimuth = direction.dot(self.left()).atan2(direction.dot(self.ahead));
         let height = direction.normalize_or(self.ahead).dot(self.up);
@@ -55,7 +51,6 @@ impl Upright {
     }
 
     /// Height of the floor: the body's lowest point in the start pose, or the origin if that is about the same.
-    #[must_use]
     pub(crate) fn floor(&self, model: &Model, start: &Pose) -> f64 {
         let kinematics = Kinematics::new(model, start);
         let joints = kinematics.starts().iter().zip(kinematics.ends()).zip(model.limbs());
@@ -66,7 +61,6 @@ impl Upright {
     }
 
     /// Where the body looks, by its left and right limbs; `None` for a body without sides, or one that lies.
-    #[must_use]
     pub(crate) fn facing(&self, model: &Model, kinematics: &Kinematics) -> Option<DVec3> {
         let ends = kinematics.ends();
         let across: DVec3 = model

@@ -48,7 +48,6 @@ pub struct Orbit {
 impl Orbit {
     /// From where all `eyes` are seen about the middle, in a picture of so much width for its height: out of the
     /// widest gap between them, from above.
-    #[must_use]
     pub(crate) fn around(upright: &Upright, target: DVec3, eyes: &[DVec3], aspect: f64) -> Self {
         let mut azimuths: Vec<f64> = eyes.iter().map(|eye| upright.angles(*eye - target)[0]).collect();
         azimuths.sort_by(f64::total_cmp);
@@ -79,21 +78,18 @@ impl Orbit {
     }
 
     /// The view of an eye that looks at a target.
-    #[must_use]
     pub(crate) fn looking(upright: &Upright, eye: DVec3, target: DVec3) -> Self {
         let [azimuth, elevation] = upright.angles(eye - target);
         Self { target, azimuth, elevation, distance: eye.distance(target) }.held()
     }
 
     /// The same distance from another side.
-    #[must_use]
     pub(crate) fn seen_from_side(self, upright: &Upright, direction: DVec3) -> Self {
         let [azimuth, elevation] = upright.angles(direction);
         Self { azimuth, elevation, ..self }.held()
     }
 
     /// Turned by a drag of some points.
-    #[must_use]
     pub(crate) fn turned(self, [right, down]: [f64; 2]) -> Self {
         let (azimuth, elevation) = (self.azimuth - TURN * right, self.elevation + TURN * down);
         Self { azimuth, elevation, ..self }.held()
@@ -101,7 +97,6 @@ impl Orbit {
 
     /// Moved parallel to the picture, so that what is at the target follows a drag of some points in a view that is
     /// `height` points high.
-    #[must_use]
     pub(crate) fn panned(self, upright: &Upright, [right, down]: [f64; 2], height: f64) -> Self {
         let rows = self.camera(upright).view_from_world().transpose();
         let length = 2.0 * self.distance * (0.5 * ANGLE_OF_VIEW).tan() / height.max(1.0);
@@ -109,13 +104,11 @@ impl Orbit {
     }
 
     /// Closer by a factor.
-    #[must_use]
     pub(crate) fn zoomed(self, factor: f64) -> Self {
         Self { distance: self.distance / factor, ..self }.held()
     }
 
     /// The eye.
-    #[must_use]
     pub fn camera(&self, upright: &Upright) -> SceneCamera {
         let direction = upright.direction(self.azimuth, self.elevation);
         SceneCamera {
@@ -141,7 +134,6 @@ impl Orbit {
 
 impl Viewpoint {
     /// The eye, for a picture of so much width for its height.
-    #[must_use]
     pub(crate) fn camera(
         self,
         upright: &Upright,

@@ -17,13 +17,11 @@ pub(crate) struct Span {
 
 impl Span {
     /// All frames.
-    #[must_use]
     pub(crate) fn whole(count: usize) -> Self {
         Self { first: 0.0, last: count.saturating_sub(1).max(1) as f64 }
     }
 
     /// Zoomed by a factor above 1, or out by one below, about a frame that stays in its place. `None` is all frames.
-    #[must_use]
     pub(crate) fn zoomed(self, factor: f64, about: f64, count: usize) -> Option<Self> {
         let whole = Self::whole(count);
         let width = (self.last - self.first) / factor;
@@ -36,13 +34,11 @@ impl Span {
     }
 
     /// Moved by so many frames.
-    #[must_use]
     pub(crate) fn moved(self, by: f64, count: usize) -> Self {
         Self { first: self.first + by, last: self.last + by }.inside(Self::whole(count))
     }
 
     /// Moved just so far that a frame is on the screen.
-    #[must_use]
     pub(crate) fn containing(self, frame: usize, count: usize) -> Self {
         let frame = frame as f64;
         let by = (frame - self.last).max(0.0) + (frame - self.first).min(0.0);
@@ -55,7 +51,6 @@ impl Span {
     }
 
     /// The frames that lie on the screen, both ends included.
-    #[must_use]
     pub(crate) fn frames(self, count: usize) -> std::ops::RangeInclusive<usize> {
         let last = count.saturating_sub(1);
         (self.first.floor().max(0.0) as usize).min(last)..=(self.last.ceil().max(0.0) as usize).min(last)
@@ -74,7 +69,6 @@ impl Scale {
         Self { span, across: area.x_range() }
     }
 
-    /// Where a frame is.
     pub(crate) fn x(&self, frame: f64) -> f32 {
         let share = (frame - self.span.first) / (self.span.last - self.span.first);
         self.across.min + self.across.span() * share as f32

@@ -39,7 +39,6 @@ impl Demonstration {
         [Self::SingleLimb, Self::OneCamera, Self::TwoCameras, Self::Sequence, Self::TinySequence, Self::Bias];
 
     /// What its take is called.
-    #[must_use]
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::SingleLimb => "Fig. 5.1: one limb",
@@ -52,7 +51,6 @@ impl Demonstration {
     }
 
     /// What is shown, and what to look at and to try.
-    #[must_use]
     pub(crate) const fn explanation(self) -> &'static str {
         match self {
             Self::SingleLimb => {

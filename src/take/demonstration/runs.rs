@@ -19,7 +19,6 @@ pub(crate) struct PreparedRun {
 
 impl Demonstration {
     /// The runs that begin by themselves. The last one's end is what stays on the screen.
-    #[must_use]
     pub(crate) fn runs(self) -> Vec<PreparedRun> {
         match self {
             Self::SingleLimb => {
@@ -46,7 +45,6 @@ impl Demonstration {
     }
 
     /// The choices that the take begins with.
-    #[must_use]
     pub(crate) fn fit(self) -> FitOptions {
         match self {
             Self::Sequence | Self::TinySequence => FitOptions::preset(Preset::Robust),
@@ -55,7 +53,6 @@ impl Demonstration {
     }
 
     /// How many of the take's cameras count, from the first on.
-    #[must_use]
     pub(crate) const fn used_cameras(self) -> usize {
         match self {
             Self::SingleLimb | Self::OneCamera | Self::Bias => 1,

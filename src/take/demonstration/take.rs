@@ -42,7 +42,6 @@ struct Parts {
 
 impl Demonstration {
     /// What its pictures are: grey levels D as they are, or masks.
-    #[must_use]
     pub(crate) const fn simulation(self) -> Simulation {
         match self {
             Self::SingleLimb | Self::OneCamera | Self::TwoCameras => Simulation::Prediction,
@@ -82,7 +81,6 @@ impl Demonstration {
     }
 
     /// The true pose of a frame.
-    #[must_use]
     pub(crate) fn truth(self, frame: usize) -> Pose {
         match self {
             Self::SingleLimb => fig51::truth(),

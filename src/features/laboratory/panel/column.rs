@@ -205,7 +205,6 @@ fn done_percent(progress: &CheckProgress) -> usize {
     100 * progress.done / progress.total.max(1)
 }
 
-/// The worst pixel in words.
 fn pixel_words(worst: &Worst) -> String {
     let [x, y] = worst.pixel;
     format!(

@@ -63,7 +63,6 @@ fn left(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     ui.with_layout(Direction::left_to_right(Align::Center), add);
 }
 
-/// What it is of.
 fn sentence(laboratory: &Laboratory, context: &Context<'_>) -> String {
     let Some(take) = &context.session.take else { return String::new() };
     let frames = take.frame_count();

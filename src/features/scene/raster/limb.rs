@@ -26,9 +26,7 @@ pub(crate) enum Ends {
 pub struct Limb {
     /// The ends of the segment.
     pub ends: [DVec3; 2],
-    /// The radius.
     pub(crate) radius: f64,
-    /// What is at the ends.
     pub(crate) shape: Ends,
     /// Its colour in full light; taken as opaque.
     pub(crate) colour: Color32,
