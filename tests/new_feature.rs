@@ -71,7 +71,12 @@ fn shares(frame: &FrameData) -> Vec<f64> {
 "#;
 
 /// Where the feature is made known: a file, a line that is in it once, and what comes after that line.
-const WIRING: [(&str, &str, &str); 7] = [
+const WIRING: [(&str, &str, &str); 8] = [
+    (
+        "src/context/arrangement/automatic.rs",
+        "        Pane::Basin => false,",
+        "        Pane::Coverage => false,",
+    ),
     ("src/features.rs", "pub(crate) mod convergence;", "pub(crate) mod coverage;"),
     (
         "src/features.rs",

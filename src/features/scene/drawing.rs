@@ -1,4 +1,4 @@
-//! The scene's picture. Drawing one takes longer than a frame of the window may, so the worker does it.
+//! The scene's picture. Drawing one takes longer than a frame of the window may, so a job does it.
 
 use std::sync::Arc;
 
