@@ -1,5 +1,7 @@
 //! Which panels there are, and where.
 
+use std::mem::swap;
+
 use egui::{CentralPanel, Frame, Ui, pos2};
 
 use super::Inspector;
@@ -116,37 +118,23 @@ impl Inspector {
         self.show_drop(ui);
     }
 
-    /// The features that are shown with their own state in hand, while the rest of the app is read.
+    /// The features to be shown with their own state in hand, while the rest of the app is read.
     fn lend(&mut self) -> Features {
-        let features = &mut self.features;
-        Features {
-            basin: std::mem::take(&mut features.basin),
-            camera_views: std::mem::take(&mut features.camera_views),
-            convergence: std::mem::take(&mut features.convergence),
-            demonstrations: std::mem::take(&mut features.demonstrations),
-            fit: std::mem::take(&mut features.fit),
-            laboratory: std::mem::take(&mut features.laboratory),
-            observability: std::mem::take(&mut features.observability),
-            scene: std::mem::take(&mut features.scene),
-            timeline: std::mem::take(&mut features.timeline),
-            tour: std::mem::take(&mut features.tour),
-            tracking: std::mem::take(&mut features.tracking),
-            ..Features::default()
-        }
+        let mut features = Features::default();
+        self.exchange(&mut features);
+        features
     }
 
-    fn take_back(&mut self, features: Features) {
-        self.features.basin = features.basin;
-        self.features.observability = features.observability;
-        self.features.scene = features.scene;
-        self.features.timeline = features.timeline;
-        self.features.tracking = features.tracking;
-        self.features.camera_views = features.camera_views;
-        self.features.convergence = features.convergence;
-        self.features.fit = features.fit;
-        self.features.laboratory = features.laboratory;
-        self.features.demonstrations = features.demonstrations;
-        self.features.tour = features.tour;
+    fn take_back(&mut self, mut features: Features) {
+        self.exchange(&mut features);
+    }
+
+    /// Gives all features for others, but those that the context reads while the rest is shown.
+    fn exchange(&mut self, others: &mut Features) {
+        swap(&mut self.features, others);
+        swap(&mut self.features.export, &mut others.export);
+        swap(&mut self.features.pose, &mut others.pose);
+        swap(&mut self.features.recovery, &mut others.recovery);
     }
 
     fn show_overlay(&mut self, ui: &Ui, requests: &mut Requests) {

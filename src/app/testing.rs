@@ -25,7 +25,6 @@ pub(crate) fn settle(window: &mut Headless, app: &mut App) {
     window.run(2, Vec::new(), |ui| app.frame(ui));
     while !app.is_idle() {
         assert!(began.elapsed() < Duration::from_secs(60), "it waits for ever");
-        std::thread::sleep(Duration::from_millis(1));
         window.run(1, Vec::new(), |ui| app.frame(ui));
     }
 }

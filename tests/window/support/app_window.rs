@@ -33,7 +33,6 @@ pub(crate) fn settle(harness: &mut Harness<'_, App>) {
     for _ in 0..ROUNDS {
         while !harness.state().is_idle() {
             assert!(start.elapsed() < PATIENCE, "the worker hangs");
-            std::thread::sleep(Duration::from_millis(1));
             harness.step();
         }
         harness.run_steps(2);
