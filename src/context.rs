@@ -38,14 +38,14 @@ use crate::document::edit::Edit;
 use crate::document::history::{Gesture, History};
 use crate::document::run::Run;
 use crate::document::runs::{RunChange, Runs, StepRef};
-use crate::drawing::{DragEvent, JointId, ViewMode};
-use crate::jobs::{Failure, Pool};
 use crate::session::playback::{Playback, PlaybackChange};
 use crate::session::prediction::{Derivatives, FitInputs, Predicted};
 use crate::session::selection::Selection;
 use crate::session::{FrameData, Session};
 use crate::take::source::TakeSource;
+use backlit_jobs::{Failure, Pool};
 use backlit_tracking::body::Pose;
+use backlit_ui::drawing::{DragEvent, JointId, ViewMode};
 
 /// All that a panel may look at while a frame is drawn.
 #[derive(Debug, Clone, Copy)]

@@ -16,7 +16,7 @@ pub(crate) mod shortcuts;
 pub(crate) mod status_bar;
 pub(crate) mod toolbar;
 
-use crate::style::theme::Theme;
+use backlit_ui::style::theme::Theme;
 
 /// The state of what stands around the features.
 #[derive(Debug, Default)]

@@ -14,14 +14,14 @@ const MOST_FILES: usize = 6;
 /// The feature itself.
 const FEATURE: &str = r#"//! How much of each camera's picture the subject covers.
 
+use backlit_jobs::{News, Priority, Task, once};
+use backlit_tracking::silhouette::Label;
+use backlit_ui::style::format;
 use egui::Ui;
 
 use crate::context::pane::Pane;
 use crate::context::{Context, Requests, pane_title};
-use crate::jobs::{News, Priority, Task, once};
 use crate::session::FrameData;
-use crate::style::format;
-use backlit_tracking::silhouette::Label;
 
 /// The feature.
 #[derive(Debug)]

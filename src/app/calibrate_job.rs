@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::jobs::{Job, Outbox, Step};
+use backlit_jobs::{Job, Outbox, Step};
+
 use crate::take::footage::Footage;
 use crate::take::replacement::Calibration;
 

@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
+use backlit_jobs::{News, once};
+
 use super::{App, Inspector};
 use crate::app::take_in_job::TakeInJob;
 use crate::context::command::{Command, HistoryCommand};
 use crate::document::edit::Edit;
-use crate::jobs::{News, once};
 use crate::shell::drop_overlay::{self, Hovering};
 use crate::take::dropped::Dropped;
 

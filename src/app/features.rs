@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use backlit_ui::drawing::DragEvent;
+
 use super::Inspector;
-use crate::drawing::DragEvent;
 use crate::features::basin::{BasinSettings, FileKind};
 use crate::features::convergence::CurvesFile;
 

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use backlit_jobs::{News, once};
+
 use super::App;
 use super::state::{Asked, Opening};
 use crate::app::open_job::{OpenJob, Opened};
@@ -9,7 +11,6 @@ use crate::context::command::{Command, FileCommand};
 use crate::context::file_dialog::Wanted;
 use crate::context::write_advice::write_advice;
 use crate::document::project::write_project;
-use crate::jobs::{News, once};
 use crate::take::source::TakeSource;
 
 /// Ending of project files.

@@ -4,6 +4,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::ensure;
 use backlit_tracking::cancel::CancelToken;
+use backlit_ui::drawing::ViewMode;
+use backlit_ui::style::theme::Theme;
 use egui::Vec2;
 use egui_painter::Headless;
 use image::RgbaImage;
@@ -12,9 +14,7 @@ use super::{App, AppOptions, Inspector, Opening};
 use crate::app::settings::Settings;
 use crate::context::command::{Command, FitCommand, TimelineCommand, TrackingCommand};
 use crate::context::preferences::Layout;
-use crate::drawing::ViewMode;
 use crate::features::export::ExportOrder;
-use crate::style::theme::Theme;
 
 /// What has come to rest so often is at rest; what plays never is.
 const ROUNDS: usize = 2;

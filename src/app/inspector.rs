@@ -3,6 +3,7 @@
 
 use std::time::Instant;
 
+use backlit_jobs::Pool;
 use backlit_tracking::body::builtin;
 use egui::Ui;
 
@@ -25,7 +26,6 @@ use crate::features::basin::Basin;
 use crate::features::laboratory::Laboratory;
 use crate::features::observability::Observability;
 use crate::features::scene::Scene;
-use crate::jobs::Pool;
 use crate::session::Session;
 use crate::session::playback::Playback;
 use crate::session::selection::Selection;
@@ -202,7 +202,7 @@ impl Inspector {
     /// Hands the theme to egui when it has changed.
     pub(crate) fn apply_theme(&mut self, ui: &mut Ui) {
         if self.shell.shown_theme != Some(self.state.preferences.theme) {
-            crate::style::theme::apply(ui.ctx(), self.state.preferences.theme);
+            backlit_ui::style::theme::apply(ui.ctx(), self.state.preferences.theme);
             // This frame has begun in the old one.
             let style = ui.ctx().style_of(self.state.preferences.theme.to_egui());
             ui.set_style(style);

@@ -3,7 +3,9 @@
 
 use std::time::Duration;
 
+use backlit_jobs::Pool;
 use backlit_tracking::cancel::CancelToken;
+use backlit_ui::widgets::image_canvas;
 use egui::{Memory, Vec2, vec2};
 use egui_painter::Headless;
 use image::{DynamicImage, RgbImage};
@@ -14,8 +16,6 @@ use crate::context::Request;
 use crate::context::pane::Pane;
 use crate::features::export::choices::MAX_SIDE;
 use crate::features::export::{ExportJob, ExportOrder, Painter, PictureOf, Shot};
-use crate::jobs::Pool;
-use crate::widgets::image_canvas;
 
 /// How long a picture is waited for.
 const PATIENCE: Duration = Duration::from_secs(300);

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
+use backlit_jobs::{Failure, News, Priority, Task, once};
 use backlit_tracking::segment::SegmentOptions;
 
 use super::Inspector;
 use super::calibrate_job::CalibrateJob;
 use super::survey_job::SurveyJob;
-use crate::jobs::{Failure, News, Priority, Task, once};
 use crate::session::prediction::{PosedInputs, Predicted};
 use crate::session::{Extent, FrameData, load_frame};
 use crate::take::footage::{Footage, MadeWith};

@@ -2,6 +2,7 @@
 
 use std::mem::swap;
 
+use backlit_ui::style::theme::size;
 use egui::{CentralPanel, Frame, Ui, pos2};
 
 use super::Inspector;
@@ -11,7 +12,6 @@ use crate::context::{Context, Request, Requests, Unavailable};
 use crate::features::Features;
 use crate::shell::Overlay;
 use crate::shell::{about, dock, empty, messages, notice_cards, right_panel, shortcuts, status_bar, toolbar};
-use crate::style::theme::size;
 
 impl Inspector {
     /// What the panels may look at.

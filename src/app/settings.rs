@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use backlit_ui::style::theme::Theme;
 use serde::{Deserialize, Serialize};
 
 use super::Inspector;
@@ -13,7 +14,6 @@ use crate::features::camera_views::CameraViewPreferences;
 use crate::features::convergence::ConvergencePreferences;
 use crate::features::export::ExportChoices;
 use crate::features::scene::ScenePreferences;
-use crate::style::theme::Theme;
 
 /// All that is kept. It is in the settings file as it is here.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -89,7 +89,7 @@ fn read_fields(fields: Map<String, Value>) -> (Settings, Vec<String>) {
 mod tests {
     use super::*;
     use crate::context::preferences::Layout;
-    use crate::style::theme::Theme;
+    use backlit_ui::style::theme::Theme;
 
     fn look() -> Settings {
         let recent = vec![PathBuf::from("/takes/balancing")];

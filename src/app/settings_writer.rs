@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use backlit_formats::FileError;
+use backlit_jobs::{News, Priority, Task, once};
 
 use super::App;
 use crate::app::settings::Settings;
 use crate::app::settings_file;
 use crate::context::write_advice::write_advice;
-use crate::jobs::{News, Priority, Task, once};
 
 /// What is in the settings file.
 #[derive(Debug)]

@@ -4,6 +4,7 @@ use std::ops::{Deref, DerefMut};
 use std::path::PathBuf;
 
 use backlit_formats::Take;
+use backlit_jobs::{Pool, Priority, Task};
 
 use super::inspector::Inspector;
 use super::settings::Settings;
@@ -20,7 +21,6 @@ use crate::document::edit::Edit;
 use crate::document::history::History;
 use crate::document::project::ProjectError;
 use crate::features::recovery::Recovery;
-use crate::jobs::{Pool, Priority, Task};
 use crate::session::Session;
 use crate::session::playback::Playback;
 use crate::session::selection::Selection;

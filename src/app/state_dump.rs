@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use backlit_ui::drawing::{Comparison, joint_name};
+use backlit_ui::widgets::accessible::{Named, named};
 use egui::{Context, FullOutput};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -12,10 +14,8 @@ use serde_json::{Value, json};
 use super::App;
 use crate::context::notices::{Notice, Severity};
 use crate::document::run::Run;
-use crate::drawing::{Comparison, joint_name};
 use crate::shell::Overlay;
 use crate::take::source::TakeSource;
-use crate::widgets::accessible::{Named, named};
 
 /// Name and version of the file's format.
 const FORMAT: &str = "backlit-state 1";

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
+use backlit_jobs::{Job, Outbox, Step};
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::silhouette::{Label, Mask};
 
-use crate::jobs::{Job, Outbox, Step};
 use crate::session::Extent;
 use crate::take::footage::Footage;
 

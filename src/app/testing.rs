@@ -13,8 +13,8 @@ use crate::take::source::TakeSource;
 /// A job that breaks down.
 pub(crate) struct Breaks;
 
-impl<O> crate::jobs::Job<O> for Breaks {
-    fn step(&mut self, _: &crate::jobs::Outbox<O>) -> crate::jobs::Step {
+impl<O> backlit_jobs::Job<O> for Breaks {
+    fn step(&mut self, _: &backlit_jobs::Outbox<O>) -> backlit_jobs::Step {
         panic!("thirteen");
     }
 }

@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use anyhow::anyhow;
+use backlit_ui::style::theme::size;
 use egui::ViewportBuilder;
 
 use crate::app::settings_file;
 use crate::app::{App, AppOptions, Opening};
 use crate::context::clock::Clock;
-use crate::style::theme::size;
 
 /// The name that the desktop knows the program by.
 const APP_ID: &str = "backlit";

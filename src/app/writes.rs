@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use backlit_formats::atomic;
+use backlit_jobs::{News, Priority, Task, once};
 
 use super::App;
 use crate::context::Write;
 use crate::context::write_advice::write_advice;
-use crate::jobs::{News, Priority, Task, once};
 
 /// The files that are being written.
 #[derive(Debug, Default)]

@@ -7,6 +7,8 @@ use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Fit, FitView};
 use backlit_tracking::observability::{Direction, FrameInformation, Observability, SubsetFigures};
+use backlit_ui::drawing::joint_name;
+use backlit_ui::style::format;
 use clap::Args;
 use serde::Serialize;
 
@@ -14,9 +16,7 @@ use super::fit_options::SolverArguments;
 use super::output;
 use super::table::Table;
 use super::take_options::{self, StartArguments};
-use crate::drawing::joint_name;
 use crate::features::observability::words;
-use crate::style::format;
 
 const NOTES: &str = "\
 Singular values of JᵀJ are of the silhouettes alone, without priors, at every pixel, by the last stage's ramp.

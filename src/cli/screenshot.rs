@@ -5,6 +5,8 @@ use std::str::FromStr;
 
 use anyhow::Context;
 use backlit_formats::images;
+use backlit_ui::drawing::ViewMode;
+use backlit_ui::style::theme::Theme;
 use clap::{Args, ValueEnum};
 use egui::Vec2;
 use image::DynamicImage;
@@ -12,11 +14,9 @@ use image::DynamicImage;
 use super::output;
 use crate::app::{Opening, PictureOptions, headless_export, headless_picture, opening_of};
 use crate::context::preferences::Layout;
-use crate::drawing::ViewMode;
 use crate::features::export::choices::{DELAYS_MS, MAX_SIDE};
 use crate::features::export::{ExportChoices, Part, SeriesFormat};
 use crate::features::export::{ExportOrder, Subject};
-use crate::style::theme::Theme;
 use crate::take::demonstration::Demonstration;
 use crate::take::source::TakeSource;
 

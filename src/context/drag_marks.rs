@@ -1,8 +1,7 @@
 //! What the views, and others who wait for it, must know of a drag.
 
 use backlit_tracking::body::Pose;
-
-use crate::drawing::JointId;
+use backlit_ui::drawing::JointId;
 
 /// A drag that goes on in a camera's view, as others see it.
 #[derive(Debug, Clone, Copy, Default)]

@@ -7,8 +7,7 @@ use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::observability::JointUncertainty;
 use backlit_tracking::posing::LimitedAngle;
-
-use crate::drawing::{JointEllipse, Swaying, joint_ellipses};
+use backlit_ui::drawing::{JointEllipse, Swaying, joint_ellipses};
 
 /// What is drawn in a frame.
 #[derive(Debug, Clone, Default)]

@@ -6,12 +6,11 @@
 //! are the header by which the tile is dragged: the dock puts its own buttons at the right end of it, so a
 //! panel leaves `HEADER_BUTTONS` points free there.
 //!
-//! [`size::TILE_HEADER`]: crate::style::theme::size::TILE_HEADER
+//! [`size::TILE_HEADER`]: backlit_ui::style::theme::size::TILE_HEADER
 
+use backlit_ui::style::theme::size;
 use egui_tiles::TileId;
 use serde::{Deserialize, Serialize};
-
-use crate::style::theme::size;
 
 /// Room that is left free at the right end of a pane's header, in points.
 pub(crate) const HEADER_BUTTONS: f32 = 2.0 * size::BUTTON + 4.0;

@@ -1,12 +1,12 @@
 //! The title in a pane's header with the panes that stand behind it: one row for both, whatever they are.
 
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::size;
+use backlit_ui::widgets::camera_badge;
 use egui::{Button, Label, Response, RichText, Role, TextStyle, TextWrapMode, Ui, WidgetInfo, WidgetText};
 
 use crate::context::pane::Pane;
 use crate::context::{PaneEvent, Request, Requests};
-use crate::style::theme;
-use crate::style::theme::size;
-use crate::widgets::camera_badge;
 
 /// The title of a pane that is no camera, and the panes behind it.
 pub(crate) fn show(ui: &mut Ui, pane: Pane, siblings: &[Pane], requests: &mut Requests) {

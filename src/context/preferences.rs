@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
+use backlit_ui::style::theme::{Theme, size};
 use serde::{Deserialize, Serialize};
 
 use crate::context::arrangement;
 use crate::context::arrangement::Kept;
 use crate::context::pane::Pane;
-use crate::style::theme::{Theme, size};
 
 /// What the window is arranged for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]

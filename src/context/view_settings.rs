@@ -2,9 +2,8 @@
 
 use std::ops::RangeInclusive;
 
+use backlit_ui::drawing::StateAxis;
 use serde::{Deserialize, Serialize};
-
-use crate::drawing::StateAxis;
 
 /// The settings that all camera views share.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -3,8 +3,7 @@
 use backlit_tracking::fit::{DataView, FitOptions, Preset};
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::{Ramp, RendererKind};
-
-use crate::style::format;
+use backlit_ui::style::format;
 
 /// The preset whose choices these are, apart from the renderer, which is chosen by itself.
 pub(crate) fn preset_like(options: &FitOptions) -> Option<Preset> {

@@ -6,10 +6,10 @@ use backlit_formats::export::ending_text;
 use backlit_tracking::body::Pose;
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::optimize::Termination;
+use backlit_ui::style::format;
 
 use crate::document::CameraUse;
 use crate::document::runs::StepRef;
-use crate::style::format;
 
 /// One step of a run. The first is the start.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,11 +4,11 @@ use backlit_tracking::body::{Parameters, Pose};
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::RendererKind;
+use backlit_ui::style::format;
 
 use crate::document::fit_words as words;
 use crate::document::run::Run;
 use crate::document::runs::StepRef;
-use crate::style::format;
 
 /// Names every run that was not named by hand by its differences from the runs whose curves are shown. A run
 /// that is hidden is named as if it were shown.

@@ -24,6 +24,7 @@ pub(crate) mod settings;
 mod tests;
 mod update;
 
+use backlit_jobs::{Priority, Task};
 use job::Fitted;
 pub(crate) use preferences::{BasinPreferences, MapColour};
 pub(crate) use results::{About, AnglesResult, BasinResults, FitCount, MapResult, Running};
@@ -31,7 +32,6 @@ pub use settings::{BasinSettings, Compared, ComparedWay, MapDirection, Reference
 use std::time::Instant;
 
 use crate::context::file_dialog::FileDialogs;
-use crate::jobs::{Priority, Task};
 
 /// What a result is written as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

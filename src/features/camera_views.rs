@@ -50,13 +50,13 @@ pub use tile::{CameraTileInput, TileResponse, camera_tile};
 pub use tile_view::TileView;
 
 use backlit_tracking::body::Model;
+use backlit_ui::drawing::{Comparison, ViewMode};
+use backlit_ui::widgets::{Framing, ViewTransform};
 
 use crate::context::picture_alone::PictureAlone;
 use crate::context::preferences::Layout;
-use crate::drawing::{Comparison, ViewMode};
 use crate::session::prediction::Derivatives;
 use crate::session::selection::Selection;
-use crate::widgets::{Framing, ViewTransform};
 
 /// The feature.
 #[derive(Debug, Clone, Default)]

@@ -8,7 +8,7 @@
 //! | `update` | runs removed and brought back, files written |
 //! | `panel`, `runs`, `steps` | the pane: the plot, the list of runs, the steps of one |
 //! | [`table`] | all steps of all runs as CSV |
-//! | [`picture`] | the plot as a [`Figure`](crate::drawing::plot::Figure) |
+//! | [`picture`] | the plot as a [`Figure`](backlit_ui::drawing::plot::Figure) |
 
 pub(crate) mod axis;
 mod panel;

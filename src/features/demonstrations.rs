@@ -4,6 +4,7 @@ mod explanation;
 
 use std::collections::VecDeque;
 
+use backlit_ui::drawing::ViewMode;
 use egui::Ui;
 
 use crate::context::command_button::next_gesture;
@@ -11,7 +12,6 @@ use crate::context::preferences::Layout;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
 use crate::document::history::Gesture;
-use crate::drawing::ViewMode;
 use crate::take::demonstration::{Demonstration, PreparedRun};
 use crate::take::source::TakeSource;
 

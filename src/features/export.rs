@@ -26,8 +26,9 @@ pub(crate) use series::{ExportError, SeriesOptions, SeriesWriter};
 
 use std::path::PathBuf;
 
+use backlit_jobs::{Priority, Task};
+
 use crate::context::file_dialog::FileDialogs;
-use crate::jobs::{Priority, Task};
 
 /// The feature.
 #[derive(Debug)]

@@ -22,12 +22,12 @@ mod update;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use backlit_jobs::{Priority, Task};
 use job::{Fitted, Running};
 use refitted::Refitted;
 
 use crate::document::history::Gesture;
 use crate::document::run::RunStep;
-use crate::jobs::{Priority, Task};
 use crate::session::prediction::{FitInputs, Predicted};
 
 /// The feature.

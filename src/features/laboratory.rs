@@ -28,6 +28,7 @@ pub(crate) mod table;
 mod tests;
 mod update;
 
+use backlit_jobs::{Priority, Task};
 use backlit_tracking::body::{Model, Pose};
 
 pub(crate) use check::{CheckProgress, ColumnCheck, Worst};
@@ -39,7 +40,6 @@ pub(crate) use start::StartChoice;
 
 use crate::context::file_dialog::FileDialogs;
 use crate::document::run::RunStep;
-use crate::jobs::{Priority, Task};
 use crate::take::footage::Footage;
 
 /// The feature.

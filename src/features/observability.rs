@@ -20,16 +20,16 @@ pub(crate) mod words;
 
 use std::sync::Arc;
 
+use backlit_jobs::{Priority, Task};
 use backlit_tracking::fit::FitError;
 use backlit_tracking::observability::{Direction, JointUncertainty, Observability as Figures};
 use backlit_tracking::posing::LimitedAngle;
+use backlit_ui::drawing::ellipse_factor::automatic_factor;
 
 pub(crate) use observed::Observed;
 use sway::Sway;
 
 use crate::context::observability::{ObservabilityMarks, Uncertainty};
-use crate::drawing::ellipse_factor::automatic_factor;
-use crate::jobs::{Priority, Task};
 use crate::session::prediction::PosedInputs;
 
 /// What was chosen. It outlives the take.

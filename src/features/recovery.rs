@@ -27,8 +27,9 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
+use backlit_jobs::{Priority, Task};
+
 use crate::document::project::ProjectError;
-use crate::jobs::{Priority, Task};
 
 /// The feature.
 #[derive(Debug)]

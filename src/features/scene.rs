@@ -27,6 +27,7 @@ mod viewpoint;
 
 use std::sync::Arc;
 
+use backlit_jobs::{Pool, Priority, Task};
 use backlit_tracking::visual_hull::VisualHull;
 
 pub(crate) use contents::{ContentsInput, Frustum, contents};
@@ -37,8 +38,6 @@ pub(crate) use order::SceneOrder;
 pub use preferences::{ScenePreferences, ShownHull};
 pub use upright::Upright;
 pub use viewpoint::{Orbit, Viewpoint};
-
-use crate::jobs::{Pool, Priority, Task};
 
 /// The feature.
 #[derive(Debug)]

@@ -18,6 +18,8 @@ mod span;
 mod transport;
 mod update;
 
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::size;
 use egui::{Frame, Margin, Panel, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2};
 
 use crate::context::command::{Command, TimelineCommand, TrackingCommand};
@@ -25,8 +27,6 @@ use crate::context::command_button::menu_row;
 use crate::context::preferences::Layout;
 use crate::context::{Context, Request, Requests};
 use crate::session::playback::{FrameRange, PlaybackChange};
-use crate::style::theme;
-use crate::style::theme::size;
 use lanes::Lane;
 use marks::RULER;
 use span::{Scale, Span};

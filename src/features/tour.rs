@@ -3,6 +3,8 @@
 mod card;
 
 use backlit_tracking::body::Kinematics;
+use backlit_ui::drawing::{JointId, ViewMode, draggable_joints, joint_name};
+use backlit_ui::widgets::accessible::Names;
 use egui::accesskit::Role;
 use egui::{Rect, Ui};
 use glam::DVec3;
@@ -12,9 +14,7 @@ use card::{Card, STEPS, Wish};
 use crate::context::preferences::Layout;
 use crate::context::{Context, Request, Requests};
 use crate::document::Origin;
-use crate::drawing::{JointId, ViewMode, draggable_joints, joint_name};
 use crate::take::source::TakeSource;
-use crate::widgets::accessible::Names;
 
 /// The joint that is dragged.
 const JOINT: &str = "right wrist";

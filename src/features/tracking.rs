@@ -28,9 +28,11 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
+use backlit_jobs::{Priority, Task};
 use backlit_tracking::body_fit::BodyFit;
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::search::Hypothesis;
+use backlit_ui::style::format;
 
 use crate::context::Context;
 use crate::context::activity::TrackingProgress;
@@ -38,9 +40,7 @@ use crate::context::command::TrackingCommand;
 use crate::context::unavailable::{Why, because, no_take, not_tracked};
 use crate::document::Estimate;
 use crate::document::history::Gesture;
-use crate::jobs::{Priority, Task};
 use crate::session::FrameData;
-use crate::style::format;
 use keys::keys_around;
 
 /// The feature.

@@ -8,12 +8,12 @@ use backlit_tracking::camera::Camera;
 use backlit_tracking::fit::{Fit, FitOptions, FitView, IterationRecord};
 use backlit_tracking::render::{BodyMotion, Prediction, View, Wanted, draw};
 use backlit_tracking::silhouette::{Measurement, Overlap};
+use backlit_ui::drawing::{Derivative, body_outline};
 
 use rayon::prelude::*;
 
 use crate::document::CameraUse;
 use crate::document::run::RunStep;
-use crate::drawing::{Derivative, body_outline};
 use crate::session::FrameData;
 
 /// All that a prediction depends on, but the pose.

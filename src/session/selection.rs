@@ -1,9 +1,9 @@
 //! What the user looks at and holds: frame, camera, limb, step of a run.
 
 use backlit_tracking::body::Model;
+use backlit_ui::drawing::{JointId, draggable_joints};
 
 use crate::document::runs::StepRef;
-use crate::drawing::{JointId, draggable_joints};
 
 /// What is selected. Nothing here is saved or undone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,11 +1,11 @@
 //! About: version, licence, and the method's source to be cited.
 
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space, title};
+use backlit_ui::widgets::{card, primary_button};
 use egui::{Align, Button, Layout as Direction, RichText, Ui, vec2};
 
 use crate::context::{Request, Requests};
-use crate::style::theme;
-use crate::style::theme::{size, space, title};
-use crate::widgets::{card, primary_button};
 
 /// The report whose method this is.
 const CITATION: &str = "P. Kaimakis, “Markerless Motion Capture”, University of Cambridge, 2004.";

@@ -1,6 +1,9 @@
 //! The centre: panes in tiles that are split, dragged by their headers, stacked, closed and filled the window
 //! with.
 
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{Palette, size, space};
+use backlit_ui::widgets::{Icon, camera_badge, icon_button};
 use egui::{
     Align, Button, Color32, Layout as Direction, Popup, Rect, Role, Sense, Stroke, Ui, UiBuilder, Visuals,
     WidgetInfo, pos2, vec2,
@@ -14,9 +17,6 @@ use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::{Context, PaneEvent, Request, Requests};
 use crate::features::Features;
 use crate::features::camera_views::Place;
-use crate::style::theme;
-use crate::style::theme::{Palette, size, space};
-use crate::widgets::{Icon, camera_badge, icon_button};
 
 /// Height of the strip that names the cameras where two are shown.
 const STRIP: f32 = 30.0;

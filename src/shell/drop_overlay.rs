@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 
 use crate::take::dropped::Dropped;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::size;
+use backlit_ui::widgets::Icon;
 use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, Role, Sense, StrokeKind, Ui, WidgetInfo};
-
-use crate::style::theme;
-use crate::style::theme::size;
-use crate::widgets::Icon;
 
 /// The files over the window, and what they are.
 #[derive(Debug)]

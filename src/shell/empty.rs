@@ -1,5 +1,7 @@
 //! The window before a take is open.
 
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::title;
 use egui::{Align, CentralPanel, Frame, Layout as Direction, RichText, Ui, vec2};
 
 use super::recent;
@@ -7,8 +9,6 @@ use crate::context::command::{Command, FileCommand};
 use crate::context::command_button::{button, named_button, primary};
 use crate::context::{Context, Requests};
 use crate::features::recovery::Recovery;
-use crate::style::theme;
-use crate::style::theme::title;
 
 /// The empty state, or work that an earlier start left unsaved, if there is any.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, recovery: &Recovery, requests: &mut Requests) {

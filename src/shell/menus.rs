@@ -2,6 +2,9 @@
 
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
+use backlit_ui::drawing::{Comparison, ViewMode};
+use backlit_ui::style::theme;
+use backlit_ui::widgets::checkbox;
 use egui::Ui;
 
 use crate::context::command::{
@@ -12,10 +15,7 @@ use crate::context::command_button::menu_row;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 use crate::context::{Context, PaneEvent, Request, Requests};
-use crate::drawing::{Comparison, ViewMode};
-use crate::style::theme;
 use crate::take::demonstration::Demonstration;
-use crate::widgets::checkbox;
 
 /// All menus in a row, or one menu of menus where there is little room.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, folded: bool) {

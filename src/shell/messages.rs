@@ -1,12 +1,12 @@
 //! All that was said since the start.
 
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space, title};
+use backlit_ui::widgets::{Icon, card, primary_button};
 use egui::{Align, Button, Label, Layout as Direction, RichText, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 
 use crate::context::notices::{Notices, Severity};
 use crate::context::{Request, Requests};
-use crate::style::theme;
-use crate::style::theme::{size, space, title};
-use crate::widgets::{Icon, card, primary_button};
 
 /// Shows all messages, the newest first, and says whether they stay open.
 pub(crate) fn messages(ui: &Ui, notices: &Notices, now: f64, requests: &mut Requests) -> bool {

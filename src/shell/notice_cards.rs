@@ -1,5 +1,8 @@
 //! Notices as cards, bottom right above the timeline.
 
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::{Icon, icon_button};
 use egui::{
     Align, Area, Button, Frame, Id, Layout as Direction, Margin, Order, RichText, Role, Sense, Ui, vec2,
 };
@@ -7,9 +10,6 @@ use egui::{
 use crate::context::command::{Command, HistoryCommand, WindowCommand};
 use crate::context::notices::{Notice, Severity};
 use crate::context::{Context, Request, Requests};
-use crate::style::theme;
-use crate::style::theme::{size, space};
-use crate::widgets::{Icon, icon_button};
 
 /// The cards, upwards from the corner `bottom_right`. Returns the cards under the pointer.
 pub(crate) fn ui(

@@ -1,13 +1,13 @@
 //! The command palette: a few letters of any command.
 
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::size;
+use backlit_ui::widgets::{search_card, text_field};
 use egui::{Button, Key, RichText, ScrollArea, Ui, vec2};
 
 use crate::context::command::{Command, Menu, WindowCommand};
 use crate::context::{Context, Request, Requests, unavailable};
 use crate::shell::matching::fuzzy;
-use crate::style::theme;
-use crate::style::theme::size;
-use crate::widgets::{search_card, text_field};
 
 /// Width of the card.
 const WIDTH: f32 = 580.0;

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::size;
+use backlit_ui::widgets::{Icon, icon_button};
 use egui::{Id, RichText, Ui};
 
 use crate::context::{Context, Request, Requests};
-use crate::style::theme;
-use crate::style::theme::size;
-use crate::widgets::{Icon, icon_button};
 
 /// How long it is believed that a file is still there, in seconds: asking may take time on some disks.
 const BELIEVED: f64 = 5.0;

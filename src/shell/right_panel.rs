@@ -1,5 +1,7 @@
 //! The column on the right: one order in all layouts, only what is open differs.
 
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
 use egui::{Frame, Margin, Panel, ScrollArea, Ui};
 
 use crate::context::preferences::Layout;
@@ -8,8 +10,6 @@ use crate::features::Features;
 use crate::features::fit::{measurement, renderer, solver};
 use crate::features::pose::Posing;
 use crate::features::tracking::choices as tracking_choices;
-use crate::style::theme;
-use crate::style::theme::{size, space};
 
 /// Below this width of the window the panel takes its smallest width.
 const NARROW: f32 = 1200.0;

@@ -1,12 +1,12 @@
 //! All keys, searchable, and the gestures of the pointer.
 
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::size;
+use backlit_ui::widgets::{Icon, icon_button, search_card, text_field};
 use egui::{Align, Label, RichText, ScrollArea, Ui, vec2};
 
 use crate::context::command::{Command, Menu, keys_text};
 use crate::features::scene::panel as scene;
-use crate::style::theme;
-use crate::style::theme::size;
-use crate::widgets::{Icon, icon_button, search_card, text_field};
 
 /// Width of the card, and of the columns of keys and of names.
 const WIDTH: f32 = 760.0;

@@ -1,5 +1,10 @@
 //! The status bar: one sentence on the left, four numbers on the right that stay in their places.
 
+use backlit_ui::drawing::joint_name;
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::Icon;
 use egui::{Align, Frame, Layout as Direction, Margin, Panel, RichText, Sense, Ui, vec2};
 
 use crate::context::command::{BasinCommand, Command, ExportCommand, FitCommand};
@@ -7,12 +12,7 @@ use crate::context::command_button as command;
 use crate::context::preferences::Layout;
 use crate::context::{Context, Requests};
 use crate::document::run::Run;
-use crate::drawing::joint_name;
 use crate::features::Features;
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::{size, space};
-use crate::widgets::Icon;
 
 /// The status bar.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &Features, requests: &mut Requests) {

@@ -1,5 +1,9 @@
 //! The toolbar: the choices that are made all day, and the one button that is the likely next act.
 
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::{Icon, segmented};
 use egui::{Align, Frame, Layout as Direction, Margin, Panel, RichText, Sense, Ui, UiBuilder, vec2};
 
 use super::menus;
@@ -11,10 +15,6 @@ use crate::context::preferences::Layout;
 use crate::context::{Context, Request, Requests, preset_box};
 use crate::features::Features;
 use crate::features::fit::renderer;
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::{size, space};
-use crate::widgets::{Icon, segmented};
 
 /// Below this width the take's second line and the menus' labels fold.
 const FOLD_MENUS: f32 = 1440.0;

@@ -9,7 +9,6 @@ use backlit::app::settings_file as settings;
 use backlit::context::preferences::Layout;
 use backlit::document::Origin;
 use backlit::document::project::read_project;
-use backlit::style::theme::Theme;
 use backlit::take::source::TakeSource;
 use backlit_formats::calibration::{self, CalibrationOptions};
 use backlit_formats::pose_file::{self, Quaternions};
@@ -17,6 +16,7 @@ use backlit_formats::{MemoryFiles, Take, model_file};
 use backlit_tracking::body::{Model, builtin};
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::segment::SegmentOptions;
+use backlit_ui::style::theme::Theme;
 use image::{DynamicImage, ImageFormat};
 use serde_json::Value;
 

@@ -2,15 +2,8 @@
 
 use crate::support;
 use backlit::context::view_settings::ViewSettings;
-use backlit::drawing::{
-    BoundedAngle, Comparison, Derivative, Drag, DragEvent, JointEllipse, JointId, JointMark, LimitMark,
-    PictureInput, ProjectedLimb, SightRay, ViewMode, body_outline, limb_colours, project_joints,
-    project_limbs, sight_ray,
-};
 use backlit::features::camera_views as camera_tile;
 use backlit::features::camera_views::{CameraTileInput, ObservedMarks, TileEvent, TileView};
-use backlit::style::theme::Theme;
-use backlit::widgets::Framing;
 use backlit_tracking::body::builtin::full_body;
 use backlit_tracking::body::{JointAngles, Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
@@ -18,6 +11,13 @@ use backlit_tracking::observability::ImageEllipse;
 use backlit_tracking::posing::LimitedAngle;
 use backlit_tracking::render::{BodyMotion, Prediction, Ramp, RendererKind, View, Wanted, predict};
 use backlit_tracking::silhouette::{Label, Mask, Measurement, Overlap, SignedDistance};
+use backlit_ui::drawing::{
+    BoundedAngle, Comparison, Derivative, Drag, DragEvent, JointEllipse, JointId, JointMark, LimitMark,
+    PictureInput, ProjectedLimb, SightRay, ViewMode, body_outline, limb_colours, project_joints,
+    project_limbs, sight_ray,
+};
+use backlit_ui::style::theme::Theme;
+use backlit_ui::widgets::Framing;
 use egui::{Color32, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Role, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};

@@ -6,7 +6,7 @@ use crate::support::take;
 use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, Opening};
 use backlit::context::preferences::Layout;
-use backlit::style::theme::Theme;
+use backlit_ui::style::theme::Theme;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, Rect, Vec2, pos2, vec2};
 use egui_kittest::Harness;

@@ -8,7 +8,7 @@ use backlit::app::{App, AppOptions, Opening};
 use backlit::context::pane::Pane;
 use backlit::context::preferences::Layout;
 use backlit::features::scene::{ScenePreferences, ShownHull, Viewpoint};
-use backlit::style::theme::{Theme, size};
+use backlit_ui::style::theme::{Theme, size};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2, pos2, vec2};
 use egui_kittest::Harness;

@@ -8,7 +8,7 @@ use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, Opening};
 use backlit::features::export::{ExportChoices, SeriesFormat};
-use backlit::style::theme::Theme;
+use backlit_ui::style::theme::Theme;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;

@@ -165,7 +165,7 @@ fn widgets_without_names_are_found() {
     assert!(finds(|ui| drop(ui.add(egui::Checkbox::without_text(&mut true)))));
     assert!(finds(|ui| drop(egui::ComboBox::from_id_salt("box").selected_text("1×").show_ui(ui, |_| ()))));
     let mut text = "typed".to_owned();
-    assert!(!finds(|ui| drop(backlit::widgets::text_field(ui, "Find", "Search", &mut text))));
+    assert!(!finds(|ui| drop(backlit_ui::widgets::text_field(ui, "Find", "Search", &mut text))));
     let mut text = String::new();
-    assert!(!finds(|ui| drop(backlit::widgets::text_field(ui, "Find", "Search", &mut text))));
+    assert!(!finds(|ui| drop(backlit_ui::widgets::text_field(ui, "Find", "Search", &mut text))));
 }

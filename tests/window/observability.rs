@@ -6,7 +6,7 @@ use crate::support::take;
 use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, Opening};
 use backlit::context::preferences::Layout;
-use backlit::style::theme::{Theme, size};
+use backlit_ui::style::theme::{Theme, size};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Rect, vec2};
 use egui_kittest::Harness;

@@ -1,10 +1,10 @@
 //! A gallery of the theme in both of its versions.
 
 use crate::support;
-use backlit::style::format;
-use backlit::style::theme;
-use backlit::style::theme::Theme;
-use backlit::widgets::{
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::Theme;
+use backlit_ui::widgets::{
     Icon, ValueSlider, camera_badge, checkbox, icon_button, icon_toggle, primary_button, segmented,
 };
 use egui::{ComboBox, Grid, ProgressBar, Rect, RichText, Slider, TextStyle, Ui, vec2};

@@ -8,7 +8,7 @@ use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, Opening, opening_of};
 use backlit::context::preferences::Layout;
-use backlit::style::theme::{Theme, size};
+use backlit_ui::style::theme::{Theme, size};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Rect, pos2, vec2};
 use egui_kittest::Harness;

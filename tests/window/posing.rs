@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 
 use crate::support::app_window::{click, open_sized, press, settle};
 use backlit::app::{App, AppOptions, Opening};
-use backlit::drawing::JointId;
 use backlit::take::source::TakeSource;
 use backlit_tracking::body::{Kinematics, Pose};
+use backlit_ui::drawing::JointId;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, OutputCommand, PointerButton, Pos2, Rect, Vec2, vec2};
 use egui_kittest::Harness;

@@ -11,7 +11,7 @@ use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, opening_of};
 use backlit::context::clock::Clock;
 use backlit::document::Document;
-use backlit::style::theme::{Theme, size};
+use backlit_ui::style::theme::{Theme, size};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;

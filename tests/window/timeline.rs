@@ -5,7 +5,7 @@ use std::time::Instant;
 use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, Opening};
 use backlit::document::Document;
-use backlit::style::theme::{Theme, size};
+use backlit_ui::style::theme::{Theme, size};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Vec2, pos2, vec2};
 use egui_kittest::Harness;
@@ -452,7 +452,7 @@ fn lanes_say_their_values_and_their_ends() {
     window.get_by_label("IoU: not known, lane from 0.4 to 1");
     press(&mut window, Modifiers::COMMAND, Key::Enter);
     let found = document(&window).estimates[&(FRAMES - 1)].clone();
-    let iou = backlit::style::format::ratio(found.iou.unwrap());
+    let iou = backlit_ui::style::format::ratio(found.iou.unwrap());
     window.get_by_label(&format!("IoU: {iou}, lane from 0.4 to 1"));
     let steps = format!("Steps: {}, lane from 0 to", found.steps);
     window.get_by_label_contains(&steps).hover();

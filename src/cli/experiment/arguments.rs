@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use backlit_lab::experiment::Simulation;
+use backlit_ui::style::theme::Theme;
 use clap::{Args, ValueEnum};
 
 use crate::cli::take_options::StartNoise;
-use crate::style::theme::Theme;
 
 /// Where the results go, and how they look.
 #[derive(Debug, Args)]

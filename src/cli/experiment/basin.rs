@@ -8,6 +8,7 @@ use backlit_lab::experiment::starts::{Draw, LEVELS, Level};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
+use backlit_ui::drawing::plot::{Axis, Figure, Line};
 use clap::Args;
 use serde::Serialize;
 
@@ -18,7 +19,6 @@ use super::frame_basin::{self, FrameArguments};
 use super::waiting::Waiting;
 use crate::cli::output;
 use crate::cli::table::Table;
-use crate::drawing::plot::{Axis, Figure, Line};
 
 /// What `backlit experiment basin` is told.
 #[derive(Debug, Args)]

@@ -8,11 +8,11 @@ use backlit_lab::experiment::FitChoice;
 use backlit_lab::experiment::basin_map::{Angle, BasinMap, Direction, Options};
 use backlit_tracking::body::Model;
 use backlit_tracking::cancel::CancelToken;
+use backlit_ui::drawing::plot;
 
 use super::arguments::OutputArguments;
 use super::files::{self, ResultFiles};
 use super::frame_basin::{FrameArguments, Subject, all_of, rotation_of};
-use crate::drawing::plot;
 use crate::features::basin::MapResult;
 use crate::features::basin::settings::{angle_name, direction_name};
 

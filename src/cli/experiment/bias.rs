@@ -2,13 +2,13 @@
 
 use backlit_lab::experiment::bias::{self, Options, Report};
 use backlit_tracking::cancel::CancelToken;
+use backlit_ui::drawing::plot::{Axis, Figure, Line};
 use clap::Args;
 
 use super::arguments::{OutputArguments, PictureSize};
 use super::files;
 use super::waiting::Waiting;
 use crate::cli::table::Table;
-use crate::drawing::plot::{Axis, Figure, Line};
 
 /// What `backlit experiment bias` is told.
 #[derive(Debug, Args)]

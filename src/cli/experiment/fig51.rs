@@ -2,12 +2,12 @@
 
 use backlit_lab::experiment::fig51::{self, Options, Part, Report};
 use backlit_tracking::cancel::CancelToken;
+use backlit_ui::drawing::plot::{Axis, Figure, Line};
 use clap::Args;
 
 use super::arguments::{DataWord, OutputArguments};
 use super::files;
 use crate::cli::table::Table;
-use crate::drawing::plot::{Axis, Figure, Line};
 
 /// What `backlit experiment fig5.1` is told.
 #[derive(Debug, Args)]

@@ -2,13 +2,13 @@
 
 use backlit_lab::experiment::fig52::{self, GOOD_MM, Options, Report, WayReport};
 use backlit_tracking::cancel::CancelToken;
+use backlit_ui::drawing::plot::{Axis, Figure, Line};
 use clap::Args;
 
 use super::arguments::{DataWord, NoiseArguments, OutputArguments, StartArguments};
 use super::files;
 use super::waiting::Waiting;
 use crate::cli::table::Table;
-use crate::drawing::plot::{Axis, Figure, Line};
 
 /// What `backlit experiment fig5.2` and `fig5.3` are told.
 #[derive(Debug, Args)]

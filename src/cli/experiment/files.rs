@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use backlit_formats::atomic;
+use backlit_ui::drawing::plot::Figure;
 use serde::Serialize;
 
 use super::arguments::OutputArguments;
 use crate::cli::output;
-use crate::drawing::plot::Figure;
 
 /// Name and version of the files with the numbers.
 const FORMAT: &str = "backlit-experiment 1";

@@ -4,13 +4,13 @@ use std::mem::discriminant;
 
 use backlit_lab::experiment::robustness::{self, Options, Report};
 use backlit_tracking::cancel::CancelToken;
+use backlit_ui::drawing::plot::{Axis, Figure, Line};
 use clap::Args;
 
 use super::arguments::{NoiseArguments, OutputArguments, StartArguments};
 use super::files;
 use super::waiting::Waiting;
 use crate::cli::table::Table;
-use crate::drawing::plot::{Axis, Figure, Line};
 
 /// What `backlit experiment robustness` is told.
 #[derive(Debug, Args)]

@@ -4,13 +4,13 @@
 //! two, the other cameras stand behind those. The debug layout has two cameras, the scene, and the
 //! convergence plot beneath.
 
+use backlit_ui::style::theme::{size, space};
 use egui::{Id, Vec2};
 use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles};
 
 use super::Arrangement;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
-use crate::style::theme::{size, space};
 
 /// The centre is one row from this ratio of width to height on, and one column below this width.
 const ONE_ROW_FROM: f32 = 2.2;

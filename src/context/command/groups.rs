@@ -2,12 +2,12 @@
 
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
+use backlit_ui::drawing::{Comparison, ViewMode};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
-use crate::drawing::{Comparison, ViewMode};
 
 group! {
     /// Takes and projects.

@@ -2,6 +2,7 @@
 
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
+use backlit_ui::drawing::{Comparison, ViewMode};
 use egui::{Key, KeyboardShortcut};
 
 use super::Command::{
@@ -16,7 +17,6 @@ use super::{
 };
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
-use crate::drawing::{Comparison, ViewMode};
 use crate::take::demonstration::Demonstration;
 
 /// All about a command.

@@ -6,12 +6,12 @@ use std::collections::BTreeMap;
 use backlit_lab::experiment::FitChoice;
 use backlit_lab::experiment::basin_map::Cell;
 use backlit_lab::experiment::frame_basin::ChoiceReport;
+use backlit_ui::drawing::plot::{Axis, Figure, HeatMap, Line};
+use backlit_ui::style::theme::Theme;
 use image::RgbaImage;
 use serde::Serialize;
 
 use super::{AnglesResult, FitCount, MapResult};
-use crate::drawing::plot::{Axis, Figure, HeatMap, Line};
-use crate::style::theme::Theme;
 
 /// Name and version of the files with the numbers.
 pub(crate) const FORMAT: &str = "backlit-experiment 1";

@@ -1,5 +1,6 @@
 //! The basin of a frame, one fit a step.
 
+use backlit_jobs::{Job, Outbox, Step};
 use backlit_lab::experiment::ExperimentError;
 use backlit_lab::experiment::basin_map::{self, BasinMap};
 use backlit_lab::experiment::frame_basin::{self, Frame, FrameBasin};
@@ -7,8 +8,6 @@ use backlit_tracking::cancel::CancelToken;
 
 use backlit_lab::experiment::basin_map::Cell;
 use backlit_lab::experiment::frame_basin::Trial;
-
-use crate::jobs::{Job, Outbox, Step};
 
 /// A fit that was made, or why none can be.
 #[derive(Debug)]

@@ -4,6 +4,10 @@ mod map;
 mod section;
 mod success;
 
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::segmented;
 use egui::{Align, Button, Layout as Direction, Rect, RichText, Ui, UiBuilder, vec2};
 
 use super::{Basin, FileKind, FitCount, MapColour, MapResult, Running};
@@ -12,10 +16,6 @@ use crate::context::command_button::named_button;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::pane_title;
 use crate::context::{Context, Requests};
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::{size, space};
-use crate::widgets::segmented;
 
 /// A pane narrower than this has two rows above the plot.
 const ONE_ROW: f32 = 470.0;

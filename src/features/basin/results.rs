@@ -2,10 +2,10 @@
 
 use backlit_lab::experiment::basin_map::{self, Cell};
 use backlit_lab::experiment::frame_basin::{self, Frame, Report, Trial};
+use backlit_ui::style::format;
 use serde::Serialize;
 
 use crate::context::command::BasinView;
-use crate::style::format;
 
 /// What an experiment was about.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,8 +3,12 @@
 use std::path::Path;
 use std::time::Instant;
 
+use backlit_jobs::News;
 use backlit_lab::experiment::frame_basin::{Frame, Report};
 use backlit_tracking::search::start;
+use backlit_ui::drawing::plot;
+use backlit_ui::style::format;
+use backlit_ui::style::theme::Theme;
 
 use super::job::{BasinJob, BasinWork, Fitted};
 use super::settings::direction_name;
@@ -14,10 +18,6 @@ use crate::context::file_dialog::Wanted;
 use crate::context::pane::Pane;
 use crate::context::{Context, PaneEvent, Request, Requests};
 use crate::document::edit::Edit;
-use crate::drawing::plot;
-use crate::jobs::News;
-use crate::style::format;
-use crate::style::theme::Theme;
 
 impl Basin {
     /// Other settings.
@@ -183,12 +183,12 @@ impl Basin {
         match (self.preferences.view, self.results.angles.clone(), self.results.map.clone()) {
             (BasinView::Angles, Some(angles), _) => requests.write(path, move || match kind {
                 FileKind::Csv => angles.csv(),
-                FileKind::Png => angles.figure().png(theme),
+                FileKind::Png => Ok(angles.figure().png(theme)?),
                 FileKind::Json => angles.json(),
             }),
             (BasinView::Map, _, Some(map)) => requests.write(path, move || match kind {
                 FileKind::Csv => map.csv(),
-                FileKind::Png => plot::png(map.picture(theme)),
+                FileKind::Png => Ok(plot::png(map.picture(theme))?),
                 FileKind::Json => map.json(),
             }),
             _ => requests.complain("There is no basin to write yet."),

@@ -2,6 +2,9 @@
 
 use std::sync::Arc;
 
+use backlit_ui::drawing::{Comparison, JointId, ViewMode};
+use backlit_ui::style::theme::data_colours::{CASING, JOINT};
+use backlit_ui::style::theme::{Theme, size};
 use egui::{
     CursorIcon, Galley, Id, Painter, Pos2, Rect, Sense, Stroke, StrokeKind, TextStyle, Ui, Vec2, WidgetInfo,
     pos2, vec2,
@@ -9,9 +12,6 @@ use egui::{
 
 use super::pointer::rotation_owner;
 use super::{CameraTileInput, TileEvent};
-use crate::drawing::{Comparison, JointId, ViewMode};
-use crate::style::theme::data_colours::{CASING, JOINT};
-use crate::style::theme::{Theme, size};
 
 /// Radius of the wipe's handle.
 const WIPE_RADIUS: f32 = 11.0;

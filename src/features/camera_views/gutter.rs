@@ -1,6 +1,12 @@
 //! Beside a portrait picture: how model and data overlap, the camera's use in the fit, and what a drag does.
 
 use backlit_tracking::silhouette::Overlap;
+use backlit_ui::drawing::{SightRay, joint_name};
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::data_colours::{AGREEMENT, MISSING, SELECTED, SPURIOUS, mark};
+use backlit_ui::style::theme::{headline, size, space};
+use backlit_ui::widgets::{Grip, ValueSlider, checkbox};
 use egui::{
     Align, Color32, CornerRadius, Layout, Rect, RichText, Role, Sense, Shape, Stroke, StrokeKind, TextStyle,
     Ui, UiBuilder, WidgetInfo, pos2, vec2,
@@ -9,12 +15,6 @@ use egui::{
 use super::pointer::{Action, Pointer};
 use super::{CameraTileInput, TileEvent};
 use crate::context::command_button::gesture;
-use crate::drawing::{SightRay, joint_name};
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::data_colours::{AGREEMENT, MISSING, SELECTED, SPURIOUS, mark};
-use crate::style::theme::{headline, size, space};
-use crate::widgets::{Grip, ValueSlider, checkbox};
 
 /// Height of a row of words and numbers.
 const ROW: f32 = 20.0;

@@ -1,6 +1,10 @@
 //! A tile's header: badge, name, view mode, link, expand, more.
 
 use backlit_tracking::camera::Camera;
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::{Icon, camera_badge, icon_button};
 use egui::{
     Align, CornerRadius, Layout, Popup, Rect, Role, Sense, TextStyle, TextWrapMode, Ui, UiBuilder,
     WidgetInfo, WidgetText, pos2, vec2,
@@ -11,10 +15,6 @@ use super::tile::TileLayout;
 use super::{CameraTileInput, TileEvent, gutter, tile_menu};
 use crate::context::command::{Command, ViewCommand};
 use crate::context::pane_title;
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::{size, space};
-use crate::widgets::{Icon, camera_badge, icon_button};
 
 /// In a narrower header the link button folds into the menu.
 const LINK_FROM: f32 = 300.0;

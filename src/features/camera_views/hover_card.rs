@@ -1,5 +1,11 @@
 //! The numbers of the pixel under the pointer, on a card beside it. Holding H keeps the card while the pointer moves.
 
+use backlit_ui::drawing::{Sample, ViewMode};
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::data_colours::{CASING, JOINT};
+use backlit_ui::style::theme::size;
+use backlit_ui::widgets::{Grip, ViewTransform};
 use egui::{
     Area, Color32, CornerRadius, Frame, Id, Margin, Order, Pos2, Rect, Role, Sense, Stroke, TextStyle, Ui,
     Vec2, WidgetInfo, pos2, vec2,
@@ -8,12 +14,6 @@ use glam::DVec2;
 
 use super::CameraTileInput;
 use super::gutter::grip_name;
-use crate::drawing::{Sample, ViewMode};
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::data_colours::{CASING, JOINT};
-use crate::style::theme::size;
-use crate::widgets::{Grip, ViewTransform};
 
 /// From the pixel to the card, across.
 const DISTANCE: f32 = 26.0;

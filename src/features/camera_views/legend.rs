@@ -3,16 +3,16 @@
 
 use std::sync::Arc;
 
+use backlit_ui::drawing::{Legend, ViewMode};
+use backlit_ui::style::format;
+use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
+use backlit_ui::style::theme::{Theme, space};
 use egui::{Galley, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
 
 use super::CameraTileInput;
 use super::comparison::Seen;
 use super::legend_block::{Block, Item, ROW};
 use super::tile::TileLayout;
-use crate::drawing::{Legend, ViewMode};
-use crate::style::format;
-use crate::style::theme::data_colours::PICTURE_GROUND;
-use crate::style::theme::{Theme, space};
 
 /// Above and below the rows.
 const MARGIN: f32 = 2.0;

@@ -2,18 +2,20 @@
 
 use std::sync::Arc;
 
+use backlit_ui::drawing::{
+    Derivative, Legend, NO_CHANGE_LEGEND, NO_PULL_LEGEND, Swatch, UNKNOWN_LEGEND, ViewMode, limb_chains,
+};
+use backlit_ui::style::format;
+use backlit_ui::style::theme::data_colours::{
+    JOINT, MAP_LEN, PICTURE_GROUND, gradient_map, mark, residual_map,
+};
+use backlit_ui::style::theme::{Palette, Theme, space};
 use egui::{
     Align2, Color32, CornerRadius, FontId, Galley, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind,
     pos2, vec2,
 };
 
 use super::CameraTileInput;
-use crate::drawing::{
-    Derivative, Legend, NO_CHANGE_LEGEND, NO_PULL_LEGEND, Swatch, UNKNOWN_LEGEND, ViewMode, limb_chains,
-};
-use crate::style::format;
-use crate::style::theme::data_colours::{JOINT, MAP_LEN, PICTURE_GROUND, gradient_map, mark, residual_map};
-use crate::style::theme::{Palette, Theme, space};
 
 /// Height of a row.
 pub(crate) const ROW: f32 = 18.0;

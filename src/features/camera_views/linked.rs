@@ -5,10 +5,9 @@
 //! as their pictures of the world's point in the middle move: along their own optical axis, that is nothing.
 
 use backlit_tracking::camera::Camera;
+use backlit_ui::drawing::point_at;
+use backlit_ui::widgets::ViewTransform;
 use glam::{DVec2, DVec3};
-
-use crate::drawing::point_at;
-use crate::widgets::ViewTransform;
 
 /// A smaller relative change of magnification is a pan.
 const SAME_SCALE: f32 = 1e-4;

@@ -1,12 +1,11 @@
 //! What the cameras see and do not see, drawn in a view: a body that sways along a direction, and ellipses of its joints.
 
+use backlit_ui::drawing::ellipse_factor::DEVIATIONS;
+use backlit_ui::drawing::{JointEllipse, JointMark, SwayMarks};
+use backlit_ui::style::theme::data_colours::{CASING, JOINT, SELECTED, mark};
+use backlit_ui::widgets::ViewTransform;
 use egui::{Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 use glam::DVec2;
-
-use crate::drawing::ellipse_factor::DEVIATIONS;
-use crate::drawing::{JointEllipse, JointMark, SwayMarks};
-use crate::style::theme::data_colours::{CASING, JOINT, SELECTED, mark};
-use crate::widgets::ViewTransform;
 
 /// Points of an ellipse.
 const POINTS: usize = 48;

@@ -6,6 +6,12 @@ use backlit_tracking::body::{Kinematics, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::posing::LimitedAngle;
 use backlit_tracking::render::Ramp;
+use backlit_ui::drawing::{
+    BoundedAngle, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SightRay,
+    SwayMarks, Swaying, joined_outline, limb_colours, project_joints, project_limbs, sight_ray,
+};
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::size;
 use egui::{Color32, Rect, Role, Ui, WidgetInfo, pos2};
 use glam::DVec2;
 
@@ -15,13 +21,7 @@ use super::{
 };
 use crate::context::pane::Pane;
 use crate::context::{Context, Requests};
-use crate::drawing::{
-    BoundedAngle, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SightRay,
-    SwayMarks, Swaying, joined_outline, limb_colours, project_joints, project_limbs, sight_ray,
-};
 use crate::session::Session;
-use crate::style::theme;
-use crate::style::theme::size;
 
 /// The report's ramp is half grey at this many radii.
 const THESIS_HALF: f64 = 1.118_034;

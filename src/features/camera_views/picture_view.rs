@@ -1,5 +1,14 @@
 //! The picture with its marks, and what the pointer does in it.
 
+use backlit_ui::drawing::{CalibrationMarks, JointId, ProjectedLimb, ViewMode, compose};
+use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
+use backlit_ui::style::theme::{Theme, size};
+use backlit_ui::widgets::image_canvas::{cached_texture, navigate, paint_picture, paint_pixel_grid};
+use backlit_ui::widgets::{
+    Framing, Grip, JointLook, SizeHandles, ViewTransform, grip_at, paint_body_outline, paint_calibration,
+    paint_joint, paint_limb_edges, paint_limbs, paint_limit_words, paint_limits, paint_quick_outline,
+    paint_sight_ray,
+};
 use egui::{
     Align2, CursorIcon, Id, Key, Painter, Rect, Response, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
@@ -11,16 +20,6 @@ use super::pointer::{Grips, PointerInput, rotation_owner};
 use super::tile::{TileLayout, TileState};
 use super::{CameraTileInput, TileEvent, legend};
 use glam::DVec2;
-
-use crate::drawing::{CalibrationMarks, JointId, ProjectedLimb, ViewMode, compose};
-use crate::style::theme::data_colours::PICTURE_GROUND;
-use crate::style::theme::{Theme, size};
-use crate::widgets::image_canvas::{cached_texture, navigate, paint_picture, paint_pixel_grid};
-use crate::widgets::{
-    Framing, Grip, JointLook, SizeHandles, ViewTransform, grip_at, paint_body_outline, paint_calibration,
-    paint_joint, paint_limb_edges, paint_limbs, paint_limit_words, paint_limits, paint_quick_outline,
-    paint_sight_ray,
-};
 
 /// Shows the picture; says how it lies on the screen and how high its legend is.
 pub(crate) fn show(

@@ -4,12 +4,12 @@
 use std::f64::consts::{PI, TAU};
 
 use backlit_tracking::body::Model;
+use backlit_ui::drawing::{Drag, DragEvent, JointId, JointMark, ProjectedLimb, draggable_joints};
+use backlit_ui::widgets::{Grip, ViewTransform};
 use egui::{Modifiers, Pos2};
 use glam::DVec2;
 
 use super::TileEvent;
-use crate::drawing::{Drag, DragEvent, JointId, JointMark, ProjectedLimb, draggable_joints};
-use crate::widgets::{Grip, ViewTransform};
 
 /// Travel that makes a press a drag, in points.
 const TRAVEL: f32 = 3.0;
@@ -310,7 +310,7 @@ mod tests {
         fn frame(&mut self, at: Pos2, button: &str, modifiers: Modifiers) -> Vec<TileEvent> {
             let view = ViewTransform { rect: RECT, points_per_px: 2.0, centre_px: pos2(50.0, 50.0) };
             let grips = Grips { body: &self.body, joints: &self.joints, limbs: &self.limbs, view };
-            let under = crate::widgets::grip_at(at, &view, &self.joints, &self.limbs);
+            let under = backlit_ui::widgets::grip_at(at, &view, &self.joints, &self.limbs);
             let pointer = PointerInput {
                 at,
                 is_pressed: button == "press",

@@ -1,10 +1,11 @@
 //! The camera views in the window.
 
+use backlit_ui::drawing::ViewMode;
+use backlit_ui::widgets::Framing;
+
 use crate::app::testing::open;
 use crate::context::command::{Command, ViewCommand};
 use crate::context::preferences::Layout;
-use crate::drawing::ViewMode;
-use crate::widgets::Framing;
 
 #[test]
 fn linked_views_zoom_together_and_others_alone() {

@@ -3,6 +3,10 @@
 use backlit_tracking::body::Model;
 use backlit_tracking::camera::Camera;
 use backlit_tracking::silhouette::Overlap;
+use backlit_ui::drawing::{JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SightRay};
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::size;
+use backlit_ui::widgets::{Framing, ViewTransform};
 use egui::{Id, Rect, StrokeKind, Ui, UiBuilder, pos2};
 use glam::DVec2;
 
@@ -10,10 +14,6 @@ use super::pointer::Pointer;
 use super::{ObservedMarks, TileEvent, TileView, gutter, header, legend, picture_view};
 use crate::context::pane::Pane;
 use crate::context::view_settings::ViewSettings;
-use crate::drawing::{JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SightRay};
-use crate::style::theme;
-use crate::style::theme::size;
-use crate::widgets::{Framing, ViewTransform};
 
 /// All that a tile shows. It keeps nothing but the pointer's state and its textures.
 #[derive(Clone, Copy, Debug)]
@@ -48,13 +48,13 @@ pub struct CameraTileInput<'a> {
     pub raw_camera: Option<&'a Camera>,
     /// The body that is posed.
     pub body: &'a Model,
-    /// The body's outline: see [`body_outline`](crate::drawing::body_outline).
+    /// The body's outline: see [`body_outline`](backlit_ui::drawing::body_outline).
     pub outlines: &'a [Vec<[f32; 2]>],
     /// What is drawn instead while that is of an earlier pose: the outline of `limbs`.
     pub quick_outline: Option<&'a [Vec<DVec2>]>,
-    /// Its limbs: see [`project_limbs`](crate::drawing::project_limbs). Empty for none.
+    /// Its limbs: see [`project_limbs`](backlit_ui::drawing::project_limbs). Empty for none.
     pub limbs: &'a [Option<ProjectedLimb>],
-    /// Its joints: see [`project_joints`](crate::drawing::project_joints). Empty where nothing is to be dragged.
+    /// Its joints: see [`project_joints`](backlit_ui::drawing::project_joints). Empty where nothing is to be dragged.
     pub joints: &'a [JointMark],
     /// The joint that is held; its limb is marked too.
     pub selected: Option<JointId>,

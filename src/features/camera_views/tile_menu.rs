@@ -1,13 +1,13 @@
 //! The two menus of a tile's header: what the picture shows, and all the rest.
 
+use backlit_ui::drawing::{Comparison, StateAxis, ViewMode};
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::{Framing, ValueSlider, checkbox};
 use egui::{Button, RichText, Ui};
 
 use super::{CameraTileInput, TileEvent, gutter};
 use crate::context::view_settings::ViewSettings;
-use crate::drawing::{Comparison, StateAxis, ViewMode};
-use crate::style::theme;
-use crate::style::theme::{size, space};
-use crate::widgets::{Framing, ValueSlider, checkbox};
 
 /// Width of the slider of the blink's rate.
 const RATE_SLIDER: f32 = 96.0;
@@ -77,7 +77,7 @@ fn blink_rate(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEve
             let settings = ViewSettings { blink_hz: rate as f32, ..input.settings };
             events.push(TileEvent::SetSettings(settings));
         }
-        let text = format!("{} / s", crate::style::format::number(rate, 1));
+        let text = format!("{} / s", backlit_ui::style::format::number(rate, 1));
         ui.label(RichText::new(text).monospace().color(palette.text2));
     });
 }

@@ -1,7 +1,7 @@
 //! What a camera's tile shows, and how.
 
-use crate::drawing::{Comparison, ViewMode};
-use crate::widgets::Framing;
+use backlit_ui::drawing::{Comparison, ViewMode};
+use backlit_ui::widgets::Framing;
 
 /// What a tile shows and how.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,5 +1,7 @@
 //! The views' commands, and what the user did in a tile.
 
+use backlit_ui::drawing::ViewMode;
+use backlit_ui::widgets::{Framing, ViewTransform};
 use glam::DVec2;
 
 use super::linked::follow;
@@ -10,9 +12,7 @@ use crate::context::pane::Pane;
 use crate::context::unavailable::{because, no_take};
 use crate::context::{Context, PaneEvent, Request, Requests};
 use crate::document::edit::Edit;
-use crate::drawing::ViewMode;
 use crate::session::selection::Selection;
-use crate::widgets::{Framing, ViewTransform};
 
 /// What one press of a zoom's key magnifies by.
 const ZOOM_STEP: f32 = 1.25;

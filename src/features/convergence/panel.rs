@@ -4,6 +4,9 @@
 mod plot;
 mod read_out;
 
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::{checkbox, segmented};
 use egui::{Align, Layout as Direction, Ui, UiBuilder, vec2};
 
 use super::{Convergence, ConvergencePreferences, Quantity, steps};
@@ -12,9 +15,6 @@ use crate::context::command_button::menu_row;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::pane_title;
 use crate::context::{Context, Requests};
-use crate::style::theme;
-use crate::style::theme::{size, space};
-use crate::widgets::{checkbox, segmented};
 
 /// Height of the row of steps.
 const STEPS: f32 = 52.0;
@@ -79,7 +79,7 @@ impl Convergence {
 fn choices(ui: &mut Ui, preferences: &mut ConvergencePreferences) {
     let all = Quantity::ALL.map(|quantity| (quantity, quantity.text(), quantity.explanation().to_owned()));
     if let Some(quantity) =
-        crate::widgets::choice(ui, "Quantity", QUANTITY, preferences.quantity.text(), &all)
+        backlit_ui::widgets::choice(ui, "Quantity", QUANTITY, preferences.quantity.text(), &all)
     {
         preferences.quantity = quantity;
     }

@@ -1,9 +1,10 @@
 //! The convergence plot as a picture.
 
+use backlit_ui::drawing::plot::{Axis, Figure, Line};
+
 use super::quantity::foretold;
 use super::{ConvergencePreferences, CurvePoint, Quantity, axis, points};
 use crate::document::run::Run;
-use crate::drawing::plot::{Axis, Figure, Line};
 
 /// A rejected step's × stands so much above the one below it: a factor on a logarithmic axis, a part of the axis on
 /// an even one.
@@ -79,7 +80,7 @@ fn label(quantity: Quantity) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::style::theme::Theme;
+    use backlit_ui::style::theme::Theme;
 
     #[test]
     fn the_figure_has_a_curve_a_shown_run_and_its_rejected_steps() {

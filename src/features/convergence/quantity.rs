@@ -1,9 +1,9 @@
 //! What is plotted over the steps of a run.
 
+use backlit_ui::style::format;
 use serde::{Deserialize, Serialize};
 
 use crate::document::run::{Run, RunStep};
-use crate::style::format;
 
 /// A quantity of a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]

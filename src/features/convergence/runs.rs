@@ -1,5 +1,9 @@
 //! The list of runs beside the convergence plot: named by what differs, shown or hidden, renamed, removed.
 
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{run_style, size};
+use backlit_ui::widgets::{Icon, icon_button};
 use egui::{
     Align, Key, Layout as Direction, Rect, Response, RichText, Role, ScrollArea, Sense, Stroke, TextEdit, Ui,
     WidgetInfo, vec2,
@@ -10,10 +14,6 @@ use super::update::remove;
 use crate::context::{Context, Request, Requests};
 use crate::document::run::Run;
 use crate::document::runs::{RunChange, StepRef};
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::{run_style, size};
-use crate::widgets::{Icon, icon_button};
 
 /// Height of a run's card.
 const CARD: f32 = 64.0;

@@ -1,5 +1,9 @@
 //! The steps of a run as a slider: accepted ones are ticks, rejected ones ×, stages stand above.
 
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::Icon;
 use egui::{Align, Align2, Layout as Direction, Rect, RichText, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 use crate::context::command::{Command, FitCommand};
@@ -8,10 +12,6 @@ use crate::context::{Context, Request, Requests};
 use crate::document::run::{Run, RunStep};
 use crate::document::runs::StepRef;
 use crate::features::convergence::Quantity;
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::{size, space};
-use crate::widgets::Icon;
 
 /// Room for the words about the step.
 const WORDS: f32 = 380.0;

@@ -60,7 +60,7 @@ impl Convergence {
                 let title = format!("{name}, frame {}", context.selection.frame);
                 let figure = picture::figure(runs, self.preferences, &title);
                 let theme = context.preferences.theme;
-                requests.write(path, move || figure.png(theme));
+                requests.write(path, move || Ok(figure.png(theme)?));
             }
         }
     }

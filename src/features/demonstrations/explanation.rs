@@ -1,12 +1,11 @@
 //! What a demonstration shows and what to try.
 
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::{Icon, icon_button};
 use egui::{
     Align, Frame, Label, Layout as Direction, Margin, Panel, RichText, Role, Sense, Ui, WidgetInfo, vec2,
 };
-
-use crate::style::theme;
-use crate::style::theme::{size, space};
-use crate::widgets::{Icon, icon_button};
 
 /// The sentences, as wide as the centre; whether they are closed.
 pub(super) fn ui(ui: &mut Ui, text: &str) -> bool {

@@ -2,15 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::{card, checkbox, number_field, primary_button, row_name, segmented, text_field};
 use egui::{Align, Button, Layout as Direction, RichText, Ui, vec2};
 
 use super::choices::{DELAYS_MS, MAX_SIDE, SCALES};
 use super::{ExportChoices, ExportOrder, Part, SeriesFormat, Subject};
 use crate::context::Context;
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::{size, space};
-use crate::widgets::{card, checkbox, number_field, primary_button, row_name, segmented, text_field};
 
 /// Width of the card, and of the names in it.
 const WIDTH: f32 = 460.0;

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use backlit_formats::images;
+use backlit_jobs::{Job, Outbox, Step};
 use backlit_tracking::cancel::CancelToken;
 use image::DynamicImage;
 
 use super::order::{Painter, Shot};
 use super::{ExportError, ExportOrder, SeriesOptions, SeriesWriter};
 use crate::context::Context;
-use crate::jobs::{Job, Outbox, Step};
 
 /// What an export says.
 #[derive(Debug)]

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use backlit_jobs::{News, Pool};
 use egui::Ui;
 
 use super::dialog::{Answer, ExportDialog};
@@ -12,7 +13,6 @@ use crate::context::file_dialog::Wanted;
 use crate::context::unavailable::{because, no_take};
 use crate::context::write_advice::write_advice;
 use crate::context::{Context, Request, Requests};
-use crate::jobs::{News, Pool};
 
 impl Export {
     /// Does a command.

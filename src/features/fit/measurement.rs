@@ -1,13 +1,13 @@
 //! The Measurement section: how silhouettes are made from footage.
 
 use backlit_tracking::segment::{DontKnowOptions, SegmentOptions, ShadowOptions};
+use backlit_ui::style::format;
+use backlit_ui::widgets::{SliderRow, checkbox, section};
 use egui::Ui;
 
 use crate::context::command_button::gesture;
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
-use crate::style::format;
-use crate::widgets::{SliderRow, checkbox, section};
 
 /// The Measurement section.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {

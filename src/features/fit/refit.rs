@@ -1,14 +1,14 @@
 //! The Refit section: fit one limb, its chain, or the whole body from the pose on the screen.
 
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::space;
+use backlit_ui::widgets::section;
 use egui::{RichText, Ui};
 
 use super::Fit;
 use crate::context::command::{Command, FitCommand, Part};
 use crate::context::command_button::named_button;
 use crate::context::{Context, Requests};
-use crate::style::theme;
-use crate::style::theme::space;
-use crate::widgets::section;
 
 impl Fit {
     /// The Refit section, with what else it holds at its end.

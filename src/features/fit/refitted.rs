@@ -1,6 +1,6 @@
 //! What a refit has done to the cost, in words that stay.
 
-use crate::style::format;
+use backlit_ui::style::format;
 
 /// A refit that has ended.
 #[derive(Debug, Clone, PartialEq)]

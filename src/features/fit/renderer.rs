@@ -1,15 +1,15 @@
 //! The Renderer section: which solid stands for a limb.
 
 use backlit_tracking::render::RendererKind;
+use backlit_ui::style::theme;
+use backlit_ui::widgets::choice;
+use backlit_ui::widgets::{SliderRow, section};
 use egui::{RichText, Ui};
 
 use crate::context::command::{Command, FitCommand};
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
-use crate::style::theme;
-use crate::widgets::choice;
-use crate::widgets::{SliderRow, section};
 
 /// The renderers that are offered.
 const KINDS: [RendererKind; 3] =

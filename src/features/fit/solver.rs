@@ -4,6 +4,8 @@ use backlit_tracking::body::Parameters;
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::Ramp;
+use backlit_ui::style::theme;
+use backlit_ui::widgets::{hint, named_row, number_field, section, segmented};
 use egui::{RichText, Ui};
 
 use crate::context::preset_box;
@@ -11,8 +13,6 @@ use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
 use crate::document::fit_words::preset_like;
-use crate::style::theme;
-use crate::widgets::{hint, named_row, number_field, section, segmented};
 
 /// Width of the names in this section.
 const NAME: f32 = 78.0;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use backlit_jobs::News;
 use backlit_tracking::fit::{FitOptions, Preset};
 
 use super::job::{FitJob, FitStart, Fitted};
@@ -18,7 +19,6 @@ use crate::document::run::{Run, RunChoices, RunEnding, RunStep};
 use crate::document::runs::{RunChange, StepRef};
 use crate::document::tracking_choices::TrackingChoices;
 use crate::document::{Estimate, Origin};
-use crate::jobs::News;
 use crate::session::prediction::{FitInputs, Predicted};
 
 #[derive(Debug, Default)]

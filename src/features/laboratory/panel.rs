@@ -14,6 +14,8 @@ mod curves;
 mod header;
 mod picture;
 
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
 use egui::{
     CentralPanel, Frame, Rect, RichText, Role, Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
@@ -23,8 +25,6 @@ use super::{Comparison, Laboratory, Lineup, PushAxis, StartChoice, table};
 use crate::context::file_dialog::Wanted;
 use crate::context::{Context, Request, Requests};
 use crate::session::selection::Selection;
-use crate::style::theme;
-use crate::style::theme::{size, space};
 
 /// Below this height of the centre, type and distances are those of the other layouts.
 const COMPACT_BELOW: f32 = 760.0;

@@ -8,9 +8,8 @@
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::render::{Prediction, Ramp, RendererKind, View, jacobian_along};
+use backlit_ui::drawing::Derivative;
 use glam::DVec3;
-
-use crate::drawing::Derivative;
 
 /// A pixel pushes from this share of the scale on.
 pub(crate) const LEAST_SHARE: f64 = 0.01;

@@ -1,10 +1,10 @@
 //! The caption: why the fits differ, told from the numbers that were computed. At most [`MOST_WORDS`] words.
 
 use backlit_tracking::render::RendererKind;
+use backlit_ui::style::format;
 
 use super::comparison::PushKey;
 use super::{Comparison, Contestant, Lineup};
-use crate::style::format;
 
 /// A caption is no longer than this, title left out.
 pub const MOST_WORDS: usize = 70;
@@ -231,9 +231,9 @@ mod tests {
 
     use super::*;
     use crate::document::run::RunEnding;
-    use crate::drawing::Derivative;
     use crate::features::laboratory::comparison::tests::comparison;
     use crate::features::laboratory::{PushAxis, Pushed};
+    use backlit_ui::drawing::Derivative;
 
     const KEY: PushKey = (0, PushAxis::Slide, 0);
 

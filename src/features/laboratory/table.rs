@@ -2,8 +2,9 @@
 
 use std::fmt::Write as _;
 
+use backlit_ui::drawing::plot::{Axis, Figure, Line};
+
 use super::Comparison;
-use crate::drawing::plot::{Axis, Figure, Line};
 
 /// The least height on the logarithmic axis, percent of the start.
 pub(crate) const LEAST_PERCENT: f64 = 0.01;

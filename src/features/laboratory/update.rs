@@ -5,6 +5,7 @@ use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
 
+use backlit_jobs::{News, Pool};
 use backlit_tracking::body::Pose;
 use image::{DynamicImage, ImageFormat};
 
@@ -14,7 +15,6 @@ use super::start::StartParts;
 use super::{Basis, ColumnCheck, Comparison, Contestant, Laboratory, table};
 use crate::context::preferences::Layout;
 use crate::context::{Context, Requests};
-use crate::jobs::{News, Pool};
 
 impl Laboratory {
     /// Takes in what was made, and keeps the comparison going while its layout is on the screen.

@@ -1,16 +1,16 @@
 //! The Camera subsets section: what each set of cameras would see of this pose, the best first.
 
 use backlit_tracking::observability::SubsetFigures;
+use backlit_ui::drawing::joint_name;
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::{paint_camera_badge, section};
 use egui::{Align2, Rect, Response, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 use super::{Observability, Observed};
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
-use crate::drawing::joint_name;
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::{size, space};
-use crate::widgets::{paint_camera_badge, section};
 
 /// Between two badges.
 const BADGE_GAP: f32 = 3.0;

@@ -3,6 +3,12 @@
 mod chart;
 
 use backlit_tracking::observability::{Direction, Observability as Figures};
+use backlit_ui::drawing::ellipse_factor::FACTORS;
+use backlit_ui::drawing::joint_name;
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::{Icon, SliderRow, checkbox, icon_button, named_row, section};
 use egui::{Align, ComboBox, Layout, Rect, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 
 use super::Observability;
@@ -10,13 +16,7 @@ use super::sway::{AMPLITUDES_MM, SPEEDS};
 use crate::context::command::{Command, ObservabilityCommand};
 use crate::context::command_button::named_button;
 use crate::context::{Context, Requests, unavailable};
-use crate::drawing::ellipse_factor::FACTORS;
-use crate::drawing::joint_name;
 use crate::features::observability::words;
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::{size, space};
-use crate::widgets::{Icon, SliderRow, checkbox, icon_button, named_row, section};
 
 /// Width of the name of the ellipses' factor.
 const FACTOR_NAME: f32 = 68.0;

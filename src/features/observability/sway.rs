@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Pose};
 use backlit_tracking::observability::{Cause, Direction};
+use backlit_ui::drawing::Swaying;
 
 use super::{Observability, Observed};
 use crate::context::Context;
-use crate::drawing::Swaying;
 
 /// Farthest that a joint sways at first, millimetres, and the ends of its slider.
 pub(super) const AMPLITUDE_MM: f64 = 60.0;

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use backlit_jobs::{News, once};
+
 use super::{Observability, Observed};
 use crate::context::command::ObservabilityCommand;
 use crate::context::unavailable::{because, no_take};
 use crate::context::{Context, Requests};
-use crate::jobs::{News, once};
 use crate::session::prediction::PosedInputs;
 
 impl Observability {

@@ -2,6 +2,7 @@
 
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::posing;
+use backlit_ui::drawing::JointId;
 
 use super::Posing;
 use super::panel::rotation_tree;
@@ -9,7 +10,6 @@ use crate::context::command::{Command, HistoryCommand, PoseCommand};
 use crate::context::unavailable::no_take;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
-use crate::drawing::JointId;
 use crate::session::selection::Selection;
 
 impl Posing {

@@ -4,6 +4,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use backlit_tracking::body::{Model, Pose};
+use backlit_ui::drawing::{Drag, DragEvent, JointId, joint_name};
+use backlit_ui::style::format;
 use glam::DVec2;
 
 use super::Posing;
@@ -13,8 +15,6 @@ use crate::context::drag_marks::DragMarks;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
 use crate::document::history::Gesture;
-use crate::drawing::{Drag, DragEvent, JointId, joint_name};
-use crate::style::format;
 
 /// Nudges that follow each other within so many seconds are one.
 pub(super) const NUDGE_SECONDS: f64 = 2.0;

@@ -6,10 +6,9 @@ use std::ops::RangeInclusive;
 use backlit_tracking::body::{Kinematics, Model, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::posing;
+use backlit_ui::drawing::{Drag, JointId, joint_name, point_at};
+use backlit_ui::style::format;
 use glam::{DQuat, DVec2, DVec3};
-
-use crate::drawing::{Drag, JointId, joint_name, point_at};
-use crate::style::format;
 
 /// Shortest and longest limb, metres.
 pub(super) const LENGTHS_M: RangeInclusive<f64> = 0.02..=0.8;

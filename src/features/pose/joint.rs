@@ -2,6 +2,11 @@
 
 use backlit_tracking::body::{Kinematics, Limb, Pose};
 use backlit_tracking::posing::LimitedAngle;
+use backlit_ui::drawing::limits::WARN_WITHIN;
+use backlit_ui::drawing::{JointId, joint_name};
+use backlit_ui::style::theme::space;
+use backlit_ui::style::{format, theme};
+use backlit_ui::widgets::{SliderRow, named_section, number_field, row_name};
 use egui::{Align2, RichText, TextStyle, Ui, vec2};
 
 use super::dragged::moved;
@@ -9,11 +14,6 @@ use crate::context::command::{Command, PoseCommand};
 use crate::context::command_button::{gesture, named_button};
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
-use crate::drawing::limits::WARN_WITHIN;
-use crate::drawing::{JointId, joint_name};
-use crate::style::theme::space;
-use crate::style::{format, theme};
-use crate::widgets::{SliderRow, named_section, number_field, row_name};
 
 /// Degrees by which a slider reaches beyond a joint's limits.
 const BEYOND_LIMITS: f64 = 20.0;

@@ -1,16 +1,16 @@
 //! The Pose section: the tree of limbs, with each one's share of the mismatch and its pin.
 
 use backlit_tracking::body::Model;
+use backlit_ui::drawing::JointId;
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::size;
+use backlit_ui::widgets::section;
 use egui::{Align2, Rect, Response, Role, Sense, StrokeKind, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
-use crate::drawing::JointId;
 use crate::session::selection::Selection;
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::size;
-use crate::widgets::section;
 
 /// Indent of a level of the tree.
 const INDENT: f32 = 11.0;

@@ -1,15 +1,15 @@
 //! The Size section: length and radius of the selected limb, and the scale of the whole body.
 
 use backlit_tracking::body::Model;
+use backlit_ui::style::format;
+use backlit_ui::style::theme::space;
+use backlit_ui::widgets::{SliderRow, checkbox, section};
 use egui::Ui;
 
 use super::dragged::{LENGTHS_M, RADII_M};
 use crate::context::command_button::gesture;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
-use crate::style::format;
-use crate::style::theme::space;
-use crate::widgets::{SliderRow, checkbox, section};
 
 /// Ends of the slider of the whole body, in percent of the take's own body.
 const SCALES: std::ops::RangeInclusive<f64> = 60.0..=150.0;

@@ -1,5 +1,6 @@
 //! Posing in the window.
 
+use backlit_ui::drawing::{Drag, DragEvent, JointId};
 use glam::DVec2;
 
 use crate::app::App;
@@ -7,7 +8,6 @@ use crate::app::testing::open;
 use crate::context::Request;
 use crate::context::command::{Command, HistoryCommand, Nudge, PoseCommand};
 use crate::context::preferences::Layout;
-use crate::drawing::{Drag, DragEvent, JointId};
 
 /// A drag of the tip of the limb by so many pixels of the first camera's picture.
 fn drag(app: &App, by_px: DVec2) -> Drag {

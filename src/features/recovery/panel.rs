@@ -1,5 +1,11 @@
 //! Work that an earlier start of the program left unsaved: a card for each copy, the newest first.
 
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
+use backlit_ui::style::theme::{size, space, title};
+use backlit_ui::widgets::image_canvas::cached_texture;
+use backlit_ui::widgets::primary_button;
 use egui::{
     Align, Button, Color32, CornerRadius, Frame, Id, Label, Layout as Direction, Margin, Rect, RichText,
     Role, ScrollArea, Sense, Stroke, Ui, UiBuilder, WidgetInfo, pos2, vec2,
@@ -8,12 +14,6 @@ use egui::{
 use super::{Left, Recovery};
 use crate::context::clock::Clock;
 use crate::context::{Context, Decision, Request, Requests};
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::data_colours::PICTURE_GROUND;
-use crate::style::theme::{size, space, title};
-use crate::widgets::image_canvas::cached_texture;
-use crate::widgets::primary_button;
 
 /// Width of a card.
 const WIDTH: f32 = 560.0;

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use backlit_formats::{FileError, images};
+use backlit_ui::drawing::{PictureInput, ViewMode, compose};
 use egui::{Color32, ColorImage};
 use image::{DynamicImage, RgbImage, imageops};
 
-use crate::drawing::{PictureInput, ViewMode, compose};
 use crate::session::prediction::Predicted;
 
 /// Longest side, pixels: two a point of the card.

@@ -4,13 +4,14 @@ use std::path::Path;
 use std::sync::PoisonError;
 use std::time::{Duration, Instant};
 
+use backlit_jobs::{News, once};
+
 use super::{About, Left, Picture, Recovery};
 use crate::context::command::{Command, FileCommand, RecoveryCommand};
 use crate::context::unavailable::because;
 use crate::context::{Context, Decision, Request, Requests};
 use crate::document::Document;
 use crate::document::project::{ProjectError, write_project};
-use crate::jobs::{News, once};
 
 /// The copy is written this often while there is something new: with the time of writing, less than a second of work
 /// can be lost.

@@ -6,14 +6,14 @@ use backlit_tracking::body::{Kinematics, Model};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::visual_hull::VisualHull;
+use backlit_ui::style::theme::camera_colours;
+use backlit_ui::style::theme::data_colours::{AGREEMENT, SCENE_BODY, SCENE_FLOOR, SELECTED};
 use egui::Color32;
 use glam::{DVec2, DVec3};
 
 use super::{ScenePreferences, ShownHull, Upright, Viewpoint};
 use crate::document::CameraUse;
 use crate::features::scene::raster::{Dot, Ends, Floor, Limb, Line, Scene};
-use crate::style::theme::camera_colours;
-use crate::style::theme::data_colours::{AGREEMENT, SCENE_BODY, SCENE_FLOOR, SELECTED};
 
 /// Depth of a frustum, as a share of the middle camera's distance from the body, and its limits.
 const FRUSTUM: f64 = 0.2;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
 use egui::ColorImage;
 use image::{DynamicImage, RgbImage, RgbaImage};
 
@@ -9,7 +10,6 @@ use super::contents::shell;
 use super::{Frustum, SceneOrder};
 use crate::features::scene::raster::{Picture, Scene, SceneFrame};
 use crate::session::FrameData;
-use crate::style::theme::data_colours::PICTURE_GROUND;
 
 /// A picture of the scene.
 #[derive(Debug, Clone)]

@@ -15,17 +15,17 @@ mod marks;
 
 use backlit_tracking::body::Kinematics;
 use backlit_tracking::visual_hull::VisualHull;
+use backlit_ui::drawing::JointId;
+use backlit_ui::style::theme::size;
 use egui::{Rect, Ui, pos2};
 use glam::DVec3;
 
 use crate::context::pane::Pane;
 use crate::context::{Context, Requests};
-use crate::drawing::JointId;
 use crate::features::scene::raster::SceneCamera;
 use crate::features::scene::{
     ContentsInput, Frustum, Orbit, Scene, SceneDrawing, ScenePreferences, Upright, Viewpoint,
 };
-use crate::style::theme::size;
 
 impl Scene {
     /// The tile, in all of the space that is left.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use backlit_jobs::{News, Pool, once};
 use backlit_tracking::body::Kinematics;
 use backlit_tracking::visual_hull::{HullOptions, HullView, VisualHull};
 use glam::DVec3;
@@ -13,7 +14,6 @@ use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 use crate::context::unavailable::{because, no_take};
 use crate::context::{Context, PaneEvent, Request, Requests};
-use crate::jobs::{News, Pool, once};
 
 /// Views of a side of the body are from so far away, metres.
 const BODY_FROM: f64 = 4.5;

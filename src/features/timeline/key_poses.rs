@@ -1,11 +1,11 @@
 //! Key poses: diamonds on the ruler, each a button that goes to its frame.
 
+use backlit_ui::style::theme;
 use egui::{Id, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
 
 use super::marks;
 use super::span::Scale;
 use crate::context::{Context, Request, Requests};
-use crate::style::theme;
 
 /// Half a diamond.
 const HALF: f32 = 5.0;

@@ -3,13 +3,13 @@
 
 use std::ops::RangeInclusive;
 
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::tick;
 use egui::{Align2, Color32, Mesh, Pos2, Rect, Shape, Stroke, TextStyle, Ui, pos2, vec2};
 
 use super::span::Scale;
 use crate::document::{Document, Estimate};
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::tick;
 use backlit_tracking::track::LOST_BELOW_IOU;
 
 /// Width of a curve.

@@ -1,6 +1,9 @@
 //! The ruler, and what is marked on it and in the lane of the overlap: tracked and marked frames, lost and worst
 //! frames, the frame on the screen.
 
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::tick;
 use egui::{
     Align2, Id, Pos2, Rect, Role, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, Vec2, WidgetInfo, pos2,
     vec2,
@@ -10,9 +13,6 @@ use super::span::{Scale, Span};
 use crate::context::Context;
 use crate::document::Document;
 use crate::session::playback::FrameRange;
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::tick;
 
 /// Height of the ruler.
 pub(crate) const RULER: f32 = 18.0;

@@ -1,6 +1,8 @@
 //! What is known of the frame under the pointer.
 
 use backlit_tracking::track::LOST_BELOW_IOU;
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
 use egui::{Grid, PopupAnchor, Pos2, RichText, Tooltip, Ui, pos2};
 
 use super::lanes::Lane;
@@ -8,8 +10,6 @@ use super::marks::worst;
 use super::transport::seconds;
 use crate::context::Context;
 use crate::document::Origin;
-use crate::style::format;
-use crate::style::theme;
 
 /// Width that words may take.
 const WIDTH: f32 = 210.0;

@@ -1,5 +1,10 @@
 //! The row above the lanes: going, playing, tracking, key poses, worst frames.
 
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::choice;
+use backlit_ui::widgets::{Icon, checkbox, number_field};
 use egui::{Align, Layout as Direction, RichText, Sense, Ui, vec2};
 
 use crate::context::command::{Command, TimelineCommand, TrackingCommand};
@@ -7,11 +12,6 @@ use crate::context::command_button::{icon, named_button, sized_button};
 use crate::context::{Context, Request, Requests};
 use crate::document::Document;
 use crate::session::playback::{PlaybackChange, SPEEDS};
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::{size, space};
-use crate::widgets::choice;
-use crate::widgets::{Icon, checkbox, number_field};
 
 /// Height of the row.
 pub(crate) const HEIGHT: f32 = 28.0;

@@ -1,13 +1,12 @@
 //! The cards of the tour: each beside what it is about, with an arrow to it, and never over it.
 
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{Palette, size, space};
+use backlit_ui::widgets::primary_button;
 use egui::{
     Align, Area, Button, Frame, Id, Layout as Direction, Margin, Order, Pos2, Rect, RichText, Role, Sense,
     Shape, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
-
-use crate::style::theme;
-use crate::style::theme::{Palette, size, space};
-use crate::widgets::primary_button;
 
 /// What the cards say: what is to be done, and what is to be seen.
 pub(super) const STEPS: [(&str, &str); 7] = [

@@ -3,12 +3,12 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use backlit_jobs::{Job, Outbox, Step};
 use backlit_tracking::body::Pose;
 use backlit_tracking::body_fit::{BodyFitError, BodyFitOptions, BodyFrame, CLOTHED, fit_body};
 use backlit_tracking::segment::SegmentOptions;
 
 use super::Found;
-use crate::jobs::{Job, Outbox, Step};
 use crate::session::load_frame;
 use crate::session::prediction::FitInputs;
 use crate::take::footage::Footage;

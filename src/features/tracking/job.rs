@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
+use backlit_jobs::{Job, Outbox, Step};
 use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::FitError;
@@ -15,7 +16,6 @@ use super::Found;
 use super::read_ahead::ReadAhead;
 use crate::document::tracking_choices::{Following, TrackingChoices};
 use crate::document::{Estimate, Origin};
-use crate::jobs::{Job, Outbox, Step};
 use crate::session::prediction::FitInputs;
 use crate::session::{FrameData, load_frame};
 use crate::take::footage::Footage;

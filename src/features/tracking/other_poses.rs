@@ -1,5 +1,7 @@
 //! Other poses that fit the frame, as a search has found them: a click gives the frame one of them.
 
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
 use egui::{RichText, TextStyle, Ui};
 
 use super::{Tracking, Work};
@@ -8,8 +10,6 @@ use crate::context::command_button::button;
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::features::tracking::pose_words;
-use crate::style::format;
-use crate::style::theme;
 
 /// Two poses whose rotations differ by less are the same, radians and metres.
 const SAME: f64 = 1e-6;

@@ -1,10 +1,10 @@
 //! The search for other poses that fit one frame.
 
+use backlit_jobs::{Job, Outbox, Step};
 use backlit_tracking::body::Pose;
 use backlit_tracking::search::{self, SearchOptions};
 
 use super::Found;
-use crate::jobs::{Job, Outbox, Step};
 use crate::session::prediction::FitInputs;
 
 /// A search to be made.

@@ -3,8 +3,10 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
+use backlit_jobs::{Job, News};
 use backlit_tracking::body::Pose;
 use backlit_tracking::search::Hypothesis;
+use backlit_ui::style::format;
 
 use super::body_job::BodyJob;
 use super::job::{Leg, TrackInputs, TrackJob};
@@ -16,9 +18,7 @@ use crate::context::command::{Command, HistoryCommand, TrackingCommand};
 use crate::context::command_button::next_gesture;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
-use crate::jobs::{Job, News};
 use crate::session::playback::{FrameRange, PlaybackChange};
-use crate::style::format;
 
 /// While the tracker is at work, the screen goes on to its newest frame this often: drawing every one would take
 /// the tracker's time.

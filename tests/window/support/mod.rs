@@ -5,7 +5,7 @@ pub(crate) mod snapshots;
 pub(crate) mod storage;
 pub(crate) mod take;
 
-use backlit::style::theme::{self, Theme};
+use backlit_ui::style::theme::{self, Theme};
 use egui::Vec2;
 use egui_kittest::HarnessBuilder;
 use egui_painter::Painter;

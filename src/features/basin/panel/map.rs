@@ -1,20 +1,20 @@
 //! The maps of two directions, one a choice of fit: a click on a cell takes its start.
 
+use backlit_ui::drawing::plot::heat_map::{
+    AXES, NAME, axes, best_across, cell_in, error_colour, error_legend, grid_in, paint_cell, places,
+};
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{gradient_colour, run_style, size, space};
+use backlit_ui::widgets::choice;
+use backlit_ui::widgets::segmented;
 use egui::{
     Align, Color32, Id, Layout as Direction, Rect, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo,
     pos2, vec2,
 };
 
 use super::Wish;
-use crate::drawing::plot::heat_map::{
-    AXES, NAME, axes, best_across, cell_in, error_colour, error_legend, grid_in, paint_cell, places,
-};
 use crate::features::basin::{MapColour, MapResult};
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::{gradient_colour, run_style, size, space};
-use crate::widgets::choice;
-use crate::widgets::segmented;
 
 /// Width of the legend beside the map; where there is less than `FOLD` in all it stands below, so high.
 const LEGEND: f32 = 230.0;

@@ -3,6 +3,10 @@
 use backlit_lab::experiment::basin_map::Angle;
 use backlit_tracking::body::Model;
 use backlit_tracking::render::RendererKind;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{run_style, size, space};
+use backlit_ui::widgets::choice;
+use backlit_ui::widgets::{Icon, hint, icon_button, named_row, number_field, section, segmented};
 use egui::{Button, ComboBox, RichText, TextEdit, Ui, vec2};
 
 use super::run_or_cancel;
@@ -15,10 +19,6 @@ use crate::features::basin::settings::{MOST_COMPARED, MOST_STARTS, angle_name};
 use crate::features::basin::{
     Basin, BasinResults, BasinSettings, Compared, ComparedWay, MapDirection, Reference,
 };
-use crate::style::theme;
-use crate::style::theme::{run_style, size, space};
-use crate::widgets::choice;
-use crate::widgets::{Icon, hint, icon_button, named_row, number_field, section, segmented};
 
 /// Width of the names in this section.
 const NAME: f32 = 64.0;

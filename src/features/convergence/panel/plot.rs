@@ -1,5 +1,11 @@
 //! The plot: curves, dots, ×, the step on the screen, and what a click goes to.
 
+use backlit_ui::drawing::plot::marks::{decade_marks, even_marks, step_marks};
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::data_colours::mark;
+use backlit_ui::style::theme::{Palette, run_style, size, space};
+use backlit_ui::widgets::still_plot;
 use egui::{Pos2, Rect, RichText, Role, Ui, Vec2, WidgetInfo, pos2, vec2};
 use egui_plot::{
     GridMark, Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotTransform, PlotUi, Points, VLine,
@@ -9,15 +15,9 @@ use super::read_out;
 use crate::context::{Context, Request, Requests};
 use crate::document::run::Run;
 use crate::document::runs::StepRef;
-use crate::drawing::plot::marks::{decade_marks, even_marks, step_marks};
 use crate::features::convergence::{
     ConvergencePreferences, CurvePoint, Quantity, axis, picture, points, quantity,
 };
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::data_colours::mark;
-use crate::style::theme::{Palette, run_style, size, space};
-use crate::widgets::still_plot;
 
 /// Room of the axis of heights, and the least that is left for the curves.
 const AXIS: f64 = 56.0;

@@ -1,14 +1,14 @@
 //! The card beside a step under the pointer: all its figures.
 
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{run_style, size};
 use egui::{Align, Area, Frame, Id, Layout as Direction, Margin, Order, Pos2, Rect, RichText, Ui, vec2};
 
 use super::plot::step_title;
 use crate::context::Context;
 use crate::document::run::{Run, RunStep};
 use crate::document::runs::StepRef;
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::{run_style, size};
 
 /// Width of the card, and its usual height.
 const CARD: egui::Vec2 = vec2(216.0, 168.0);

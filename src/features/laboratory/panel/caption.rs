@@ -1,5 +1,10 @@
 //! Why they differ, in words, and what the colours of the pictures mean.
 
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::data_colours::{
+    NO_GRADIENT, PICTURE_GROUND, REPORT_BOTH, REPORT_DATA, REPORT_MODEL,
+};
+use backlit_ui::style::theme::residual_colour;
 use egui::{
     Color32, Rect, RichText, ScrollArea, Sense, Separator, StrokeKind, TextFormat, Ui, text::LayoutJob, vec2,
 };
@@ -7,11 +12,6 @@ use egui::{
 use super::{Bench, Wish};
 use crate::features::laboratory::story::tell;
 use crate::features::laboratory::{Lineup, StartChoice};
-use crate::style::theme;
-use crate::style::theme::data_colours::{
-    NO_GRADIENT, PICTURE_GROUND, REPORT_BOTH, REPORT_DATA, REPORT_MODEL,
-};
-use crate::style::theme::residual_colour;
 
 /// Size of a swatch.
 const SWATCH: egui::Vec2 = vec2(40.0, 11.0);

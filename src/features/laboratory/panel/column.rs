@@ -1,5 +1,8 @@
 //! One fit: percent of its start, its two pictures, its counts and the check of its gradient.
 
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{Palette, run_style, size, space};
 use egui::{
     Align, Layout as Direction, Rect, RichText, Role, Sense, Shape, Stroke, Ui, UiBuilder, WidgetInfo, pos2,
     vec2,
@@ -9,9 +12,6 @@ use super::{Bench, Wish, picture};
 use crate::document::run::RunEnding;
 use crate::features::laboratory::story::percent_text;
 use crate::features::laboratory::{CheckProgress, Contestant, Worst};
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::{Palette, run_style, size, space};
 
 /// Heights of head and foot.
 const HEAD: f32 = 36.0;

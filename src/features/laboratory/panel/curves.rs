@@ -1,18 +1,18 @@
 //! The plot of all fits: percent of the start against the step. A click or a drag goes to that step.
 
+use backlit_ui::drawing::plot::marks::{decade_marks, even_marks, step_marks};
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::data_colours::mark;
+use backlit_ui::style::theme::{run_style, size};
+use backlit_ui::widgets::{segmented, still_plot};
 use egui::{Align, Align2, Layout as Direction, Pos2, Rect, RichText, Role, Stroke, Ui, pos2, vec2};
 use egui_plot::{Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotTransform, PlotUi, Points, VLine};
 
 use super::{Bench, Wish, named};
-use crate::drawing::plot::marks::{decade_marks, even_marks, step_marks};
 use crate::features::laboratory::Contestant;
 use crate::features::laboratory::story::percent_text;
 use crate::features::laboratory::table::LEAST_PERCENT;
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::data_colours::mark;
-use crate::style::theme::{run_style, size};
-use crate::widgets::{segmented, still_plot};
 
 /// Height of the row above the plot.
 const HEAD: f32 = 30.0;

@@ -1,5 +1,10 @@
 //! What is compared, and the controls of the step.
 
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::choice;
+use backlit_ui::widgets::{Icon, icon_button};
 use egui::{Align, Frame, Label, Layout as Direction, Margin, Panel, RichText, Ui, vec2};
 
 use super::Wish;
@@ -8,11 +13,6 @@ use crate::context::command_button as command;
 use crate::context::{Context, Requests, preset_box, unavailable};
 use crate::document::fit_words::preset_like;
 use crate::features::laboratory::{Laboratory, Lineup, PushAxis, StartChoice};
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::{size, space};
-use crate::widgets::choice;
-use crate::widgets::{Icon, icon_button};
 
 /// Height of the header, and of its rows.
 const HEIGHT: f32 = 66.0;

@@ -2,17 +2,17 @@
 
 use std::hash::Hash;
 
+use backlit_ui::drawing::{PictureInput, ViewMode, compose};
+use backlit_ui::style::theme::Theme;
+use backlit_ui::style::theme::data_colours::{CASING, PICTURE_GROUND, REPORT_GROUND, SELECTED};
+use backlit_ui::widgets::ViewTransform;
+use backlit_ui::widgets::image_canvas::{cached_texture, paint_picture, picture_bounds};
 use egui::{Align2, Color32, Rect, Role, Sense, Stroke, TextStyle, Ui, pos2, vec2};
 use glam::DVec2;
 
 use super::{Bench, named};
-use crate::drawing::{PictureInput, ViewMode, compose};
 use crate::features::laboratory::{Contestant, Worst};
 use crate::session::Extent;
-use crate::style::theme::Theme;
-use crate::style::theme::data_colours::{CASING, PICTURE_GROUND, REPORT_GROUND, SELECTED};
-use crate::widgets::ViewTransform;
-use crate::widgets::image_canvas::{cached_texture, paint_picture, picture_bounds};
 
 /// Space around data and start, as a share of their larger side.
 const PADDING: f32 = 0.12;

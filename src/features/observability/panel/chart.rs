@@ -2,6 +2,9 @@
 //! line of what is nothing but rounding.
 
 use backlit_tracking::observability::Observability as Figures;
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
 use egui::text::{LayoutJob, TextFormat};
 use egui::{
     Align, Align2, Color32, EventFilter, FontId, Key, Painter, Rect, Response, Role, Sense, Shape, Stroke,
@@ -10,9 +13,6 @@ use egui::{
 
 use crate::features::observability::Observability;
 use crate::features::observability::words;
-use crate::style::format;
-use crate::style::theme;
-use crate::style::theme::{size, space};
 
 /// Height of the chart.
 const HEIGHT: f32 = 124.0;

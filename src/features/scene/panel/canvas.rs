@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
+use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
+use backlit_ui::widgets::image_canvas::cached_texture;
 use egui::{Color32, Rect, Ui, pos2, vec2};
 
 use super::Stage;
 use crate::context::Context;
 use crate::features::scene::{Scene, SceneDrawing, SceneOrder, ShownHull, contents};
-use crate::style::theme::data_colours::PICTURE_GROUND;
-use crate::widgets::image_canvas::cached_texture;
 
 /// Longest side of a picture on a frustum, in points: about the size that it is seen.
 const PICTURE_SIDE: f32 = 120.0;

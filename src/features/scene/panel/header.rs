@@ -1,5 +1,8 @@
 //! Title and menu of the scene's tile.
 
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::{Icon, checkbox};
 use egui::{Align, Button, Layout, Popup, Rect, Role, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
 
 use crate::context::command::{Command, SceneCommand};
@@ -7,9 +10,6 @@ use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::pane_title;
 use crate::context::{Context, Requests};
 use crate::features::scene::{ScenePreferences, ShownHull, Viewpoint};
-use crate::style::theme;
-use crate::style::theme::{size, space};
-use crate::widgets::{Icon, checkbox};
 
 /// Space for the chevron behind the menu's name.
 const CHEVRON: f32 = 18.0;

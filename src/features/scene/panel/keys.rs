@@ -1,11 +1,11 @@
 //! Keys of the scene, while the pointer is over it or it has the focus: then they are not the commands' that they are
 //! elsewhere.
 
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::size;
 use egui::{Context, Event, EventFilter, Id, Key, Rect, Response, Stroke, StrokeKind, Ui};
 
 use crate::context::pane::Pane;
-use crate::style::theme;
-use crate::style::theme::size;
 
 /// A key turns the scene as a drag over so many points would.
 const TURN: f64 = 16.0;

@@ -1,15 +1,15 @@
 //! What lies over the scene's picture: badges, the held joint, axes, and words about the hull.
 
+use backlit_ui::style::format;
+use backlit_ui::style::theme::data_colours::{CASING, SELECTED};
+use backlit_ui::style::theme::{Palette, Theme, run_style, size};
+use backlit_ui::widgets::paint_camera_badge;
 use egui::{Align2, FontId, Pos2, Rect, Role, Sense, Stroke, TextStyle, Ui, Vec2, WidgetInfo, pos2, vec2};
 use glam::DVec3;
 
 use super::Seen;
 use crate::context::Context;
 use crate::features::scene::{Frustum, Scene, ShownHull, Viewpoint};
-use crate::style::format;
-use crate::style::theme::data_colours::{CASING, SELECTED};
-use crate::style::theme::{Palette, Theme, run_style, size};
-use crate::widgets::paint_camera_badge;
 
 /// A badge stands so far above its camera, in points.
 const BADGE_ABOVE: f32 = 14.0;

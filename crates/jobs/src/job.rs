@@ -1,0 +1,38 @@
+//! What is done on another thread.
+
+use backlit_tracking::cancel::CancelToken;
+
+use super::Outbox;
+
+/// Whether a job wants another turn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// Call again, after more urgent work.
+    Again,
+    /// Done.
+    Done,
+}
+
+/// Work that is done in short steps.
+pub trait Job<O>: Send {
+    /// Does a little, and sends what came of it.
+    fn step(&mut self, out: &Outbox<O>) -> Step;
+}
+
+/// Work that is done in one step, see [`once`].
+#[derive(Debug)]
+pub struct Once<F>(Option<F>);
+
+/// A job of one step and one output.
+pub const fn once<O, F: FnOnce(&CancelToken) -> O + Send>(work: F) -> Once<F> {
+    Once(Some(work))
+}
+
+impl<O, F: FnOnce(&CancelToken) -> O + Send> Job<O> for Once<F> {
+    fn step(&mut self, out: &Outbox<O>) -> Step {
+        if let Some(work) = self.0.take() {
+            out.send(work(out.cancel()));
+        }
+        Step::Done
+    }
+}

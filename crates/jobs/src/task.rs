@@ -1,0 +1,171 @@
+//! What a feature owns: one kind of work, at most one piece of it at a time.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+
+use backlit_tracking::cancel::CancelToken;
+
+use super::pool::{Place, Pool, Run, Shared, Slot};
+use super::priority::{Crew, Priority};
+use super::{Failure, Job, News, Outbox, Step};
+
+/// One kind of work of a feature, known by its inputs. Dropping it cancels the work, except what is to be saved.
+pub struct Task<Inputs, Output> {
+    priority: Priority,
+    inputs: Option<Inputs>,
+    work: Option<Work<Output>>,
+    failure: Option<Failure>,
+}
+
+/// A job whose end has not been heard yet.
+struct Work<O> {
+    shared: Arc<Shared>,
+    place: Place,
+    cancel: CancelToken,
+    news: Receiver<News<O>>,
+    _open: Arc<()>,
+}
+
+impl<I, O> Task<I, O> {
+    /// A task that has nothing to do yet.
+    pub const fn new(priority: Priority) -> Self {
+        Self { priority, inputs: None, work: None, failure: None }
+    }
+
+    /// What has happened since the last call, in order. The last of a piece of work is its end or its failure.
+    pub fn poll(&mut self) -> Vec<News<O>> {
+        let mut all = Vec::new();
+        while let Some(work) = &self.work {
+            let news = match work.news.try_recv() {
+                Ok(news) => news,
+                Err(TryRecvError::Empty) => break,
+                // The pool is gone.
+                Err(TryRecvError::Disconnected) => News::Ended,
+            };
+            if !matches!(news, News::Output(_)) {
+                self.work = None;
+            }
+            if let News::Failed(failure) = &news {
+                self.failure = Some(failure.clone());
+            }
+            all.push(news);
+        }
+        all
+    }
+
+    /// Asks the job to end soon; its last outputs still arrive. To ask for the same again stays free: who wants it anew
+    /// begins it.
+    pub fn stop(&self) {
+        if let Some(work) = &self.work {
+            work.cancel.cancel();
+        }
+    }
+
+    /// Cancels the job, also one that saves, and forgets its inputs; nothing more is heard of it.
+    pub fn forget(&mut self) {
+        if let Some(work) = self.work.take() {
+            work.cancel.cancel();
+            work.shared.withdraw(work.place);
+        }
+        self.inputs = None;
+        self.failure = None;
+    }
+
+    /// Whether there is work whose end [`Self::poll`] has not told yet.
+    pub const fn is_busy(&self) -> bool {
+        self.work.is_some()
+    }
+
+    /// What was asked for last.
+    pub const fn inputs(&self) -> Option<&I> {
+        self.inputs.as_ref()
+    }
+
+    /// Why the work on these inputs broke down, if it did.
+    pub const fn failure(&self) -> Option<&Failure> {
+        self.failure.as_ref()
+    }
+}
+
+impl<I, O: Send + 'static> Task<I, O> {
+    /// Asks for work, unless the last was for the same inputs: then it is under way, or done, or has broken down and would do
+    /// so again. Whether it was begun.
+    pub fn ask<J: Job<O> + 'static>(&mut self, pool: &Pool, inputs: I, job: impl FnOnce(&I) -> J) -> bool
+    where
+        I: PartialEq,
+    {
+        let is_new = self.inputs.as_ref() != Some(&inputs);
+        if is_new {
+            self.begin(pool, inputs, job);
+        }
+        is_new
+    }
+
+    /// Asks for work whose result is not there, or not any more: as [`Self::ask`], but work that is done is done again.
+    pub fn need<J: Job<O> + 'static>(&mut self, pool: &Pool, inputs: I, job: impl FnOnce(&I) -> J)
+    where
+        I: PartialEq,
+    {
+        let is_same = self.inputs.as_ref() == Some(&inputs);
+        if !(is_same && (self.is_busy() || self.failure.is_some())) {
+            self.begin(pool, inputs, job);
+        }
+    }
+
+    /// Begins work, whatever was before: it is superseded and nothing more is heard of it.
+    pub fn begin<J: Job<O> + 'static>(&mut self, pool: &Pool, inputs: I, job: impl FnOnce(&I) -> J) {
+        let shared = pool.shared();
+        let (sender, news) = channel();
+        let cancel = CancelToken::new();
+        let out = Outbox::new(cancel.clone(), sender, shared.wake.clone());
+        // What is to be saved is under way also when its task is gone.
+        let open = (self.priority.crew == Crew::Files).then(|| shared.open.clone());
+        let run = run(job(&inputs), out, open);
+        if self.work.as_ref().is_some_and(|work| !Arc::ptr_eq(&work.shared, shared)) {
+            self.forget();
+        }
+        let superseded = self.work.take().map(|old| {
+            old.cancel.cancel();
+            old.place
+        });
+        let place = shared.put(self.priority, superseded, Slot { cancel: cancel.clone(), run });
+        let (shared, open) = (shared.clone(), shared.open.clone());
+        self.work = Some(Work { shared, place, cancel, news, _open: open });
+        self.inputs = Some(inputs);
+        self.failure = None;
+    }
+}
+
+impl<I, O> Drop for Task<I, O> {
+    fn drop(&mut self) {
+        if self.priority.crew != Crew::Files {
+            self.forget();
+        }
+    }
+}
+
+impl<I, O> std::fmt::Debug for Task<I, O> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut task = f.debug_struct("Task");
+        task.field("priority", &self.priority).field("is_busy", &self.is_busy());
+        task.field("failure", &self.failure).finish_non_exhaustive()
+    }
+}
+
+/// A job as the queue sees it: does a step, and tells the end. Until then it keeps the pool `open`, if it is given that.
+fn run<O: Send + 'static>(job: impl Job<O> + 'static, out: Outbox<O>, open: Option<Arc<()>>) -> Run {
+    let mut job = Some((job, open));
+    Box::new(move || {
+        let Some((steps, _)) = &mut job else { return Step::Done };
+        let end = match catch_unwind(AssertUnwindSafe(|| steps.step(&out))) {
+            Ok(Step::Again) => return Step::Again,
+            Ok(Step::Done) => News::Ended,
+            Err(panic) => News::Failed(Failure::of_panic(&*panic)),
+        };
+        // Whoever hears of the end may rely on it.
+        job = None;
+        out.tell(end);
+        Step::Done
+    })
+}

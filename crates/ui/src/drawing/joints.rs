@@ -1,0 +1,145 @@
+//! The joints that can be dragged, their names, and where a camera sees them.
+//!
+//! A joint is the second joint of a limb; the root is its own.
+
+use std::collections::BTreeSet;
+
+use backlit_tracking::body::{Kinematics, Model};
+use backlit_tracking::camera::Camera;
+use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// A joint of a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum JointId {
+    /// Where the chains grow from.
+    Root,
+    /// The second joint of the limb of this index.
+    End(usize),
+}
+
+impl From<Option<usize>> for JointId {
+    /// The joint at the end of a limb; `None` is the root.
+    fn from(limb: Option<usize>) -> Self {
+        limb.map_or(Self::Root, Self::End)
+    }
+}
+
+/// A joint as one camera sees it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointMark {
+    /// Which joint.
+    pub id: JointId,
+    /// What people call it: "right wrist".
+    pub name: String,
+    /// Where it is in the picture.
+    pub px: DVec2,
+    /// Its depth along the optical axis, metres.
+    pub depth_m: f64,
+    /// It does not follow drags of other joints.
+    pub is_pinned: bool,
+}
+
+/// The joints worth a handle: the root, every joint at which a limb with a rotation of its own grows, and the
+/// end of every limb with a rotation of its own that carries no other.
+pub fn draggable_joints(model: &Model) -> Vec<JointId> {
+    let limbs = model.limbs();
+    let mut joints = BTreeSet::from([JointId::Root]);
+    let carried = |rotation: usize| {
+        limbs.iter().any(|limb| {
+            limb.has_own_rotation && limb.parent.is_some_and(|parent| limbs[parent].rotation == rotation)
+        })
+    };
+    for (index, limb) in limbs.iter().enumerate() {
+        if limb.has_own_rotation {
+            joints.extend(limb.parent.map(JointId::End));
+            if !carried(limb.rotation) {
+                joints.insert(JointId::End(index));
+            }
+        }
+    }
+    joints.into_iter().collect()
+}
+
+/// What people call the end of a limb, by the limb's name; other limbs' joints are "end of …".
+pub fn joint_name(model: &Model, joint: JointId) -> String {
+    const NAMES: [(&str, &str); 13] = [
+        ("spine", "waist"),
+        ("chest", "neck"),
+        ("torso", "neck"),
+        ("neck", "head"),
+        ("head", "head"),
+        ("clavicle", "shoulder"),
+        ("shoulder", "shoulder"),
+        ("upper arm", "elbow"),
+        ("forearm", "wrist"),
+        ("hip", "hip"),
+        ("thigh", "knee"),
+        ("calf", "ankle"),
+        ("foot", "toes"),
+    ];
+    let limb = match joint {
+        JointId::Root => return "root".to_owned(),
+        JointId::End(limb) => model.limbs().get(limb).map_or("", |limb| limb.name.as_str()),
+    };
+    let (side, part) = ["right ", "left "]
+        .into_iter()
+        .find_map(|side| limb.strip_prefix(side).map(|part| (side, part)))
+        .unwrap_or(("", limb));
+    let part = part.strip_prefix("lower ").unwrap_or(part);
+    match NAMES.iter().find(|(name, _)| *name == part) {
+        Some((_, joint)) => format!("{side}{joint}"),
+        None => format!("end of {limb}"),
+    }
+}
+
+/// The draggable joints in front of a camera. `root` is the root's position in the world.
+pub fn project_joints(
+    model: &Model,
+    kinematics: &Kinematics,
+    root: DVec3,
+    camera: &Camera,
+    is_pinned: impl Fn(JointId) -> bool,
+) -> Vec<JointMark> {
+    let mark = |id: JointId| {
+        let point = match id {
+            JointId::Root => root,
+            JointId::End(limb) => *kinematics.ends().get(limb)?,
+        };
+        let px = camera.project(point).filter(|px| px.is_finite())?;
+        let depth_m = camera.depth(point);
+        Some(JointMark { id, name: joint_name(model, id), px, depth_m, is_pinned: is_pinned(id) })
+    };
+    draggable_joints(model).into_iter().filter_map(mark).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use backlit_tracking::body::builtin::{full_body, single_limb, upper_body};
+
+    use super::*;
+
+    #[test]
+    fn the_full_body_has_a_handle_at_each_joint_and_no_more() {
+        let model = full_body();
+        let names: Vec<String> =
+            draggable_joints(&model).into_iter().map(|joint| joint_name(&model, joint)).collect();
+        let both = ["shoulder", "elbow", "wrist", "hip", "knee", "ankle", "toes"];
+        let mut expected = vec!["root".to_owned(), "waist".into(), "neck".into(), "head".into()];
+        expected.extend(both.iter().flat_map(|name| [format!("right {name}"), format!("left {name}")]));
+        let (mut found, mut expected) = (names.clone(), expected);
+        found.sort();
+        expected.sort();
+        assert_eq!(found, expected);
+        assert_eq!(names[0], "root");
+    }
+
+    #[test]
+    fn every_model_can_be_held() {
+        assert_eq!(draggable_joints(&single_limb()), [JointId::Root, JointId::End(0)]);
+        let model = upper_body();
+        let names: Vec<String> = draggable_joints(&model).iter().map(|j| joint_name(&model, *j)).collect();
+        assert!(names.contains(&"right wrist".to_owned()) && names.contains(&"head".to_owned()), "{names:?}");
+    }
+}

@@ -1,0 +1,246 @@
+//! Limbs projected to capsules of the picture, for outlines and for finding the limb under the pointer.
+//!
+//! The projection of a sphere is taken as a disc of radius f r / z about its centre: within a percent for limbs
+//! that are not at the very edge of a wide picture.
+
+use std::f64::consts::TAU;
+
+use backlit_tracking::body::{Kinematics, Model};
+use backlit_tracking::camera::Camera;
+use backlit_tracking::render::RendererKind;
+use glam::DVec2;
+
+/// Limbs with an end nearer than this to the camera plane are not drawn (metres).
+const NEAREST_M: f64 = 0.05;
+
+/// Points on a whole circle of an outline.
+const CIRCLE_POINTS: usize = 32;
+
+/// A limb as one camera sees it: two discs and what lies between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProjectedLimb {
+    /// Its first joint.
+    pub start_px: DVec2,
+    /// Its second joint.
+    pub end_px: DVec2,
+    /// Radius at the first joint.
+    pub start_radius_px: f64,
+    /// Radius at the second joint.
+    pub end_radius_px: f64,
+    /// Depth of the first joint, metres.
+    pub start_depth_m: f64,
+    /// Depth of the second joint, metres.
+    pub end_depth_m: f64,
+    /// Whether its outline ends straight at the joints, as a cylinder's does from the side.
+    pub has_flat_ends: bool,
+}
+
+impl ProjectedLimb {
+    /// Distance of a pixel from the capsule's border, in pixels; negative inside.
+    pub fn distance_px(&self, px: DVec2) -> f64 {
+        let share = self.nearest_share(px);
+        let radius = self.start_radius_px + share * (self.end_radius_px - self.start_radius_px);
+        px.distance(self.start_px.lerp(self.end_px, share)) - radius
+    }
+
+    /// A point of the border beside the middle of the limb: to the right of its direction on the screen for 1, to the
+    /// left for −1.
+    pub fn side_px(&self, side: f64) -> DVec2 {
+        let across = (self.end_px - self.start_px).try_normalize().unwrap_or(DVec2::X).perp();
+        let radius = 0.5 * (self.start_radius_px + self.end_radius_px);
+        self.start_px.lerp(self.end_px, 0.5) + across * (side * radius)
+    }
+
+    /// The same limb with other radii.
+    pub fn widened(&self, factor: f64) -> Self {
+        Self {
+            start_radius_px: self.start_radius_px * factor,
+            end_radius_px: self.end_radius_px * factor,
+            ..*self
+        }
+    }
+
+    /// Whether the boxes around two limbs meet.
+    fn is_near(&self, other: &Self) -> bool {
+        let [(min, max), (other_min, other_max)] = [self, other].map(Self::bounds);
+        min.cmple(other_max).all() && other_min.cmple(max).all()
+    }
+
+    fn bounds(&self) -> (DVec2, DVec2) {
+        let (start, end) = (DVec2::splat(self.start_radius_px), DVec2::splat(self.end_radius_px));
+        let min = (self.start_px - start).min(self.end_px - end);
+        (min, (self.start_px + start).max(self.end_px + end))
+    }
+
+    /// Depth of the axis where it passes nearest to a pixel, metres.
+    pub fn depth_at(&self, px: DVec2) -> f64 {
+        // Along a line, 1/z is linear in the picture.
+        let share = self.nearest_share(px);
+        1.0 / ((1.0 - share) / self.start_depth_m + share / self.end_depth_m)
+    }
+
+    /// The limb's border as a convex polygon, clockwise on the screen: a capsule's, or a cylinder's seen from the side.
+    pub fn outline(&self) -> Vec<DVec2> {
+        let along = self.end_px - self.start_px;
+        let (distance, difference) = (along.length(), self.start_radius_px - self.end_radius_px);
+        if distance <= difference.abs() {
+            let larger = if difference > 0.0 {
+                (self.start_px, self.start_radius_px)
+            } else {
+                (self.end_px, self.end_radius_px)
+            };
+            return arc(larger, 0.0, TAU).collect();
+        }
+        // The common tangents touch both discs at this angle from the axis.
+        let (heading, touch) = (along.to_angle(), (difference / distance).acos());
+        if self.has_flat_ends {
+            let corner = |centre: DVec2, radius: f64, angle: f64| centre + radius * DVec2::from_angle(angle);
+            return vec![
+                corner(self.end_px, self.end_radius_px, heading - touch),
+                corner(self.end_px, self.end_radius_px, heading + touch),
+                corner(self.start_px, self.start_radius_px, heading + touch),
+                corner(self.start_px, self.start_radius_px, heading - touch),
+            ];
+        }
+        let end = arc((self.end_px, self.end_radius_px), heading - touch, heading + touch);
+        let start = arc((self.start_px, self.start_radius_px), heading + touch, heading + TAU - touch);
+        end.chain(start).collect()
+    }
+
+    fn nearest_share(&self, px: DVec2) -> f64 {
+        let along = self.end_px - self.start_px;
+        let share = (px - self.start_px).dot(along) / along.length_squared();
+        if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 }
+    }
+}
+
+/// The borders of limbs that turn together, without what lies inside another of them: polylines, the first and
+/// last point of a closed one being the same.
+pub fn joined_outline(limbs: &[&ProjectedLimb]) -> Vec<Vec<DVec2>> {
+    let mut lines = Vec::new();
+    for (index, limb) in limbs.iter().enumerate() {
+        let others = limbs.iter().enumerate().filter(|(other, _)| *other != index);
+        let near: Vec<_> = others.map(|(_, other)| other).filter(|other| limb.is_near(other)).collect();
+        let mut border = subdivided(&limb.outline());
+        let is_hidden = |px: &DVec2| near.iter().any(|other| other.distance_px(*px) < -HIDDEN_PX);
+        // Starting behind a hidden point, every visible run is whole.
+        if let Some(hidden) = border.iter().position(is_hidden) {
+            border.rotate_left(hidden);
+        } else {
+            border.extend(border.first().copied());
+        }
+        lines.extend(border.split(is_hidden).filter(|run| run.len() > 1).map(<[DVec2]>::to_vec));
+    }
+    lines
+}
+
+/// Depth inside another limb at which a border is hidden, pixels: two limbs that are equal still show one.
+const HIDDEN_PX: f64 = 0.25;
+
+/// Longest side of a subdivided border, pixels.
+const LONGEST_SIDE_PX: f64 = 2.0;
+
+fn subdivided(polygon: &[DVec2]) -> Vec<DVec2> {
+    let next = polygon.iter().cycle().skip(1);
+    let sides = polygon.iter().zip(next).flat_map(|(from, to)| {
+        let steps = (from.distance(*to) / LONGEST_SIDE_PX).ceil().clamp(1.0, 1000.0) as usize;
+        (0..steps).map(move |step| from.lerp(*to, step as f64 / steps as f64))
+    });
+    sides.collect()
+}
+
+fn arc((centre, radius): (DVec2, f64), from: f64, to: f64) -> impl Iterator<Item = DVec2> {
+    let steps = (((to - from) / TAU * CIRCLE_POINTS as f64).ceil() as usize).max(1);
+    (0..=steps)
+        .map(move |step| centre + radius * DVec2::from_angle(from + (to - from) * step as f64 / steps as f64))
+}
+
+/// Every limb as a camera sees it; `None` for one that reaches behind the camera.
+pub fn project_limbs(
+    model: &Model,
+    kinematics: &Kinematics,
+    camera: &Camera,
+    renderer: RendererKind,
+) -> Vec<Option<ProjectedLimb>> {
+    let focal = camera.intrinsics().mean_focal_px();
+    let ends = kinematics.starts().iter().zip(kinematics.ends());
+    model
+        .limbs()
+        .iter()
+        .zip(ends)
+        .map(|(limb, (start, end))| {
+            let depths = [camera.depth(*start), camera.depth(*end)];
+            if !depths.iter().all(|depth| *depth > NEAREST_M) {
+                return None;
+            }
+            let [start_depth_m, end_depth_m] = depths;
+            let projected = ProjectedLimb {
+                start_px: camera.project(*start)?,
+                end_px: camera.project(*end)?,
+                start_radius_px: focal * limb.radius / start_depth_m,
+                end_radius_px: focal * limb.radius / end_depth_m,
+                start_depth_m,
+                end_depth_m,
+                has_flat_ends: renderer == RendererKind::Cylinder,
+            };
+            (projected.start_px.is_finite() && projected.end_px.is_finite()).then_some(projected)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMB: ProjectedLimb = ProjectedLimb {
+        start_px: DVec2::new(10.0, 20.0),
+        end_px: DVec2::new(50.0, 20.0),
+        start_radius_px: 8.0,
+        end_radius_px: 4.0,
+        start_depth_m: 2.0,
+        end_depth_m: 4.0,
+        has_flat_ends: false,
+    };
+
+    #[test]
+    fn distances_and_depths_follow_the_limb() {
+        assert!((LIMB.distance_px(DVec2::new(30.0, 20.0)) + 6.0).abs() < 1e-9);
+        assert!((LIMB.distance_px(DVec2::new(57.0, 20.0)) - 3.0).abs() < 1e-9);
+        assert!((LIMB.depth_at(DVec2::new(30.0, 0.0)) - 8.0 / 3.0).abs() < 1e-9);
+        let point = ProjectedLimb { end_px: LIMB.start_px, ..LIMB };
+        assert!(point.distance_px(DVec2::new(10.0, 30.0)).is_finite());
+    }
+
+    #[test]
+    fn joined_limbs_show_no_edge_between_them() {
+        let alone = joined_outline(&[&LIMB]);
+        assert_eq!(alone.len(), 1);
+        assert_eq!(alone[0].first(), alone[0].last());
+        let next = ProjectedLimb {
+            start_px: LIMB.end_px,
+            end_px: DVec2::new(90.0, 20.0),
+            start_radius_px: 4.0,
+            ..LIMB
+        };
+        let lines = joined_outline(&[&LIMB, &next]);
+        assert_eq!(lines.len(), 2);
+        let joint = LIMB.end_px;
+        assert!(lines.iter().flatten().all(|px| px.distance(joint) > 3.7), "nothing crosses the joint");
+    }
+
+    #[test]
+    fn the_outline_touches_both_discs_and_is_convex() {
+        let near = ProjectedLimb { end_px: DVec2::new(12.0, 21.0), ..LIMB };
+        for limb in [LIMB, near, ProjectedLimb { has_flat_ends: true, ..LIMB }] {
+            let outline = limb.outline();
+            for (index, point) in outline.iter().enumerate() {
+                let on_start = (point.distance(limb.start_px) - limb.start_radius_px).abs();
+                let on_end = (point.distance(limb.end_px) - limb.end_radius_px).abs();
+                assert!(on_start.min(on_end) < 1e-9);
+                let ahead = outline[(index + 1) % outline.len()] - *point;
+                let next = outline[(index + 2) % outline.len()] - *point;
+                assert!(ahead.perp_dot(next) > -1e-9, "clockwise on the screen at {index}");
+            }
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Agreement, missing and spurious as tints over dimmed footage, or in full on the ground where there is none.
+
+use std::sync::OnceLock;
+
+use backlit_tracking::silhouette::Label;
+use egui::{Color32, ColorImage};
+
+use super::input::HALF;
+use super::{PictureInput, hatch};
+use crate::style::theme::data_colours::{
+    AGREEMENT, AGREEMENT_TINT, FOOTAGE_DIM, MISMATCH_TINT, MISSING, PICTURE_GROUND, SPURIOUS, UNKNOWN,
+};
+
+/// Opacity of the don't-know hatch over footage.
+const HATCH_TINT: f32 = 0.5;
+
+pub(super) fn compose(input: &PictureInput<'_>) -> ColorImage {
+    let tints = TINTS.get_or_init(Tints::new);
+    let (Some(frame), Some(mask), Some(prediction)) = (input.frame, input.mask, input.prediction) else {
+        return input.map(|x, y, index| {
+            let tint = tints.of(input.label(index), input.lambda(index) < HALF, x, y);
+            input.footage(x, y).map_or(tint.flat, |colour| tint.over([colour.r(), colour.g(), colour.b()]))
+        });
+    };
+    // Slices side by side: what every frame of the window does for every view is to be quick.
+    let width = input.size[0];
+    let footage = frame.as_raw().as_chunks::<3>().0;
+    let weights = input.data.map(|data| data.weights());
+    let mut pixels = Vec::with_capacity(footage.len());
+    for (y, (footage, lambda)) in
+        footage.chunks_exact(width).zip(prediction.lambda.chunks_exact(width)).enumerate()
+    {
+        let row = y * width..(y + 1) * width;
+        let weights = weights.map(|weights| &weights[row.clone()]);
+        let known = footage.iter().zip(&mask.labels()[row]).zip(lambda).enumerate();
+        pixels.extend(known.map(|(x, ((colour, label), lambda))| {
+            let is_known = weights.is_none_or(|weights| weights[x] > 0.0);
+            let label = if is_known { *label } else { Label::Unknown };
+            tints.of(label, *lambda < HALF, x, y).over(*colour)
+        }));
+    }
+    ColorImage::new(input.size, pixels)
+}
+
+/// The tints of what a pixel may be.
+#[derive(Debug)]
+struct Tints {
+    ground: Tint,
+    agreement: Tint,
+    missing: Tint,
+    spurious: Tint,
+    unknown: Tint,
+}
+
+static TINTS: OnceLock<Tints> = OnceLock::new();
+
+impl Tints {
+    fn new() -> Self {
+        Self {
+            ground: Tint::new(PICTURE_GROUND, 0.0),
+            agreement: Tint::new(AGREEMENT, AGREEMENT_TINT),
+            missing: Tint::new(MISSING, MISMATCH_TINT),
+            spurious: Tint::new(SPURIOUS, MISMATCH_TINT),
+            unknown: Tint::new(UNKNOWN, HATCH_TINT),
+        }
+    }
+
+    #[inline]
+    fn of(&self, label: Label, is_model: bool, x: usize, y: usize) -> &Tint {
+        match (label, is_model) {
+            (Label::Background, false) => &self.ground,
+            (Label::Subject, true) => &self.agreement,
+            (Label::Subject, false) => &self.missing,
+            (Label::Background, true) => &self.spurious,
+            (Label::Unknown, _) if hatch::is_unknown_line(x, y) => &self.unknown,
+            (Label::Unknown, _) => &self.ground,
+        }
+    }
+}
+
+/// A tint, and what dimmed footage becomes under it: each channel is looked up, since mixing four pictures pixel by pixel
+/// would take longer than all else in a frame of the window.
+#[derive(Debug)]
+struct Tint {
+    /// Where there is no footage.
+    flat: Color32,
+    channels: [[u8; 256]; 3],
+}
+
+impl Tint {
+    fn new(flat: Color32, opacity: f32) -> Self {
+        let mut channels = [[0; 256]; 3];
+        for level in 0..=u8::MAX {
+            let ground = mix(Color32::from_gray(level), Color32::BLACK, FOOTAGE_DIM);
+            let mixed = mix(ground, flat, opacity);
+            for (channel, value) in channels.iter_mut().zip([mixed.r(), mixed.g(), mixed.b()]) {
+                channel[usize::from(level)] = value;
+            }
+        }
+        Self { flat, channels }
+    }
+
+    #[inline]
+    fn over(&self, footage: [u8; 3]) -> Color32 {
+        let [red, green, blue] = &self.channels;
+        let [r, g, b] = footage.map(usize::from);
+        Color32::from_rgb(red[r], green[g], blue[b])
+    }
+}
+
+/// `over` on `under` with this opacity, in sRGB.
+pub(super) fn mix(under: Color32, over: Color32, opacity: f32) -> Color32 {
+    let channel = |a: u8, b: u8| (f32::from(a) * (1.0 - opacity) + f32::from(b) * opacity).round() as u8;
+    Color32::from_rgb(
+        channel(under.r(), over.r()),
+        channel(under.g(), over.g()),
+        channel(under.b(), over.b()),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use backlit_tracking::silhouette::Mask;
+    use image::{Rgb, RgbImage};
+
+    use super::*;
+    use crate::drawing::input::tests::prediction;
+    use crate::drawing::{ViewMode, compose as compose_mode};
+
+    #[test]
+    fn tints_lie_over_footage_that_is_18_percent_darker() {
+        let mask = Mask::from_ascii("##..?").unwrap();
+        let prediction = prediction(&[0.0, 200.0, 100.0, 255.0, 0.0], &[0; 5]);
+        let frame = RgbImage::from_pixel(5, 1, Rgb([100, 100, 100]));
+        let input = PictureInput {
+            mask: Some(&mask),
+            prediction: Some(&prediction),
+            frame: Some(&frame),
+            ..PictureInput::empty([5, 1])
+        };
+        let dimmed = Color32::from_gray(82);
+        let expected = [
+            mix(dimmed, AGREEMENT, 0.34),
+            mix(dimmed, MISSING, 0.62),
+            mix(dimmed, SPURIOUS, 0.62),
+            dimmed,
+            dimmed,
+        ];
+        assert_eq!(compose_mode(ViewMode::Tinted, &input).pixels, expected);
+        let flat = compose_mode(ViewMode::Tinted, &PictureInput { frame: None, ..input }).pixels;
+        assert_eq!(flat, [AGREEMENT, MISSING, SPURIOUS, PICTURE_GROUND, PICTURE_GROUND]);
+        assert_ne!(flat[4], UNKNOWN, "the hatch passes every fifth pixel");
+    }
+}

@@ -1,0 +1,276 @@
+//! Colours of pictures and data: one set for both themes.
+//!
+//! Pictures and the 3-D scene lie on their own dark ground in both themes, so what is drawn in them never
+//! changes with the theme. Orange is data without model, blue is model without data, here, in the
+//! residual map and in every bar that counts them.
+
+use std::sync::LazyLock;
+
+use egui::Color32;
+
+use super::rgb;
+
+/// The ground of pictures without footage, and of the scene.
+pub const PICTURE_GROUND: Color32 = rgb(0x17191C);
+/// The body in the scene, in full light.
+pub const SCENE_BODY: Color32 = rgb(0xD3D7DC);
+/// The grid of the scene's floor.
+pub const SCENE_FLOOR: Color32 = rgb(0x2F343A);
+/// Data and model agree.
+pub const AGREEMENT: Color32 = rgb(0x84919E);
+/// Data without model. [`super::Palette::missing_text`] is its text form.
+pub const MISSING: Color32 = rgb(0xDC6A12);
+/// Model without data. [`super::Palette::spurious_text`] is its text form.
+pub const SPURIOUS: Color32 = rgb(0x2F80DB);
+/// Opacity of [`AGREEMENT`] over footage.
+pub const AGREEMENT_TINT: f32 = 0.34;
+/// Opacity of [`MISSING`] and [`SPURIOUS`] over footage.
+pub const MISMATCH_TINT: f32 = 0.62;
+/// How much black lies on footage under overlays.
+pub const FOOTAGE_DIM: f32 = 0.18;
+/// The selected or dragged joint, the selected limb and its sight ray.
+pub const SELECTED: Color32 = rgb(0xFFD24A);
+/// Opacity of the fill of the selected limb.
+pub const SELECTED_LIMB_FILL: f32 = 0.13;
+/// Joints that are not selected, and pinned ones.
+pub const JOINT: Color32 = rgb(0xF4F6F8);
+/// The outline of the body.
+pub const BODY_OUTLINE: Color32 = rgb(0xEAF0F5);
+/// Opacity of the casing under the body's outline.
+pub const BODY_OUTLINE_CASING: f32 = 0.55;
+/// Opacity of the limb edges inside the body's outline.
+pub const INNER_EDGE: f32 = 0.13;
+/// Lies under every mark on footage, so that nothing relies on its own contrast.
+pub const CASING: Color32 = rgb(0x0B0D0F);
+/// Opacity of the casing under a sight ray.
+pub const RAY_CASING: f32 = 0.6;
+/// Hatch of pixels inside the ramp that have no gradient.
+pub const NO_GRADIENT: Color32 = rgb(0xC35BB0);
+/// Hatch of don't-know pixels.
+pub const UNKNOWN: Color32 = AGREEMENT;
+/// White digits on badges.
+pub const WHITE: Color32 = rgb(0xFFFFFF);
+
+/// Ground of the report's overlay: neither data nor model.
+pub const REPORT_GROUND: u8 = 0x80;
+/// The report's overlay where only the data is.
+pub const REPORT_DATA: u8 = 0x00;
+/// The report's overlay where only the model is.
+pub const REPORT_MODEL: u8 = 0xFF;
+/// The report's overlay where both are.
+pub const REPORT_BOTH: u8 = 0x56;
+
+/// Marks on pictures: radii and widths in points.
+pub mod mark {
+    /// Disc of the selected joint.
+    pub const SELECTED_RADIUS: f32 = 6.6;
+    /// Its casing.
+    pub const SELECTED_CASING_RADIUS: f32 = 8.2;
+    /// Its dark core.
+    pub const SELECTED_CORE_RADIUS: f32 = 2.2;
+    /// The further ring while it is dragged.
+    pub const DRAG_RING_RADIUS: f32 = 11.5;
+    /// Width of that ring.
+    pub const DRAG_RING_WIDTH: f32 = 1.6;
+    /// Ring of any other joint.
+    pub const JOINT_RADIUS: f32 = 3.4;
+    /// Width of that ring.
+    pub const JOINT_WIDTH: f32 = 1.5;
+    /// Side of a pinned joint's square.
+    pub const PIN_SIDE: f32 = 8.4;
+    /// Side of its casing.
+    pub const PIN_CASING_SIDE: f32 = 10.8;
+    /// Body outline.
+    pub const OUTLINE_WIDTH: f32 = 1.25;
+    /// Its casing.
+    pub const OUTLINE_CASING_WIDTH: f32 = 2.75;
+    /// Limb edges inside the outline.
+    pub const INNER_EDGE_WIDTH: f32 = 0.75;
+    /// Outline of the selected limb.
+    pub const SELECTED_LIMB_WIDTH: f32 = 1.5;
+    /// Sight ray.
+    pub const RAY_WIDTH: f32 = 1.5;
+    /// Its casing.
+    pub const RAY_CASING_WIDTH: f32 = 3.6;
+    /// Its dash and gap.
+    pub const RAY_DASH: [f32; 2] = [7.0, 4.0];
+    /// Width and period of the no-gradient hatch, at 45°.
+    pub const NO_GRADIENT_HATCH: [f32; 2] = [2.0, 6.0];
+    /// Width and period of the don't-know hatch, at −45°.
+    pub const UNKNOWN_HATCH: [f32; 2] = [1.0, 5.0];
+    /// Dot of an accepted step in a plot.
+    pub const ACCEPTED_RADIUS: f32 = 2.3;
+    /// Side of a rejected step's cross in a plot.
+    pub const REJECTED_SIZE: f32 = 6.6;
+    /// Distance between crosses stacked upward.
+    pub const REJECTED_SPACING: f32 = 9.0;
+    /// Ring of the current step in a plot.
+    pub const CURRENT_STEP_RADIUS: f32 = 4.5;
+}
+
+/// The colour and dash of one run in a plot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunStyle {
+    /// Colour of the curve and its dots.
+    pub colour: Color32,
+    /// Dash and gap lengths in points, alternating; empty for a solid line.
+    pub dash: &'static [f32],
+    /// Width of the line, in points.
+    pub width: f32,
+}
+
+const RUNS: [(Color32, &[f32]); 6] = [
+    (rgb(0x4182DE), &[]),
+    (rgb(0xD06911), &[7.0, 3.0]),
+    (rgb(0x117865), &[2.0, 3.5]),
+    (rgb(0xBF7FA5), &[10.0, 3.0, 2.0, 3.0]),
+    (rgb(0xC43037), &[4.0, 4.0]),
+    (rgb(0x6D5CA1), &[1.0, 3.0]),
+];
+
+/// How the run of this index, counted from zero, is drawn. From the seventh on the list is reused with a
+/// thinner line.
+pub fn run_style(index: usize) -> RunStyle {
+    let (colour, dash) = RUNS[index % RUNS.len()];
+    let width = if index < RUNS.len() { super::size::CURVE } else { 1.0 };
+    RunStyle { colour, dash, width }
+}
+
+/// The colour of a camera's badge and frustum, and that of the digit on the badge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CameraColours {
+    /// Badge and frustum.
+    pub fill: Color32,
+    /// The digit on the badge.
+    pub digit: Color32,
+}
+
+const CAMERAS: [(Color32, Color32); 8] = [
+    (rgb(0x488BD3), CASING),
+    (rgb(0xC9742B), CASING),
+    (rgb(0x25754E), WHITE),
+    (rgb(0xCD376C), WHITE),
+    (rgb(0x6C5DDC), WHITE),
+    (rgb(0xAC4A13), WHITE),
+    (rgb(0xEE6588), CASING),
+    (rgb(0x9846A3), WHITE),
+];
+
+/// The colours of the camera of this index, counted from zero. The ninth and later reuse the list.
+pub fn camera_colours(index: usize) -> CameraColours {
+    let (fill, digit) = CAMERAS[index % CAMERAS.len()];
+    CameraColours { fill, digit }
+}
+
+/// The owner-limb colour: hue by chain, lightness by depth in the chain.
+pub fn limb_colour(chain: usize, depth: usize) -> Color32 {
+    const LIGHTNESS: [f32; 3] = [1.0, 0.8, 0.65];
+    let colour = camera_colours(chain).fill;
+    let lightness = LIGHTNESS[depth % LIGHTNESS.len()];
+    let scale = |channel: u8| (f32::from(channel) * lightness).round() as u8;
+    Color32::from_rgb(scale(colour.r()), scale(colour.g()), scale(colour.b()))
+}
+
+/// Entries of a colour map.
+pub const MAP_LEN: usize = 256;
+
+/// −255 … 0 … +255: orange where data lacks model, dark at zero, blue where model lacks data.
+const RESIDUAL_STOPS: [u32; 9] =
+    [0xFFB066, 0xE8862F, 0xB8601A, 0x6E3C16, 0x17191C, 0x173E66, 0x2467AE, 0x4C96EA, 0x9CC8FF];
+
+/// Zero to the largest magnitude shown.
+const GRADIENT_STOPS: [u32; 9] =
+    [0x101417, 0x12312F, 0x134E49, 0x176C62, 0x26897A, 0x4CA690, 0x7FC2A9, 0xB4DCC6, 0xE8F6E6];
+
+static RESIDUAL_MAP: LazyLock<[Color32; MAP_LEN]> = LazyLock::new(|| interpolate(RESIDUAL_STOPS));
+static GRADIENT_MAP: LazyLock<[Color32; MAP_LEN]> = LazyLock::new(|| interpolate(GRADIENT_STOPS));
+
+/// The diverging map for residuals D − Λ and Jacobian columns, from its most negative to its most positive
+/// entry.
+pub fn residual_map() -> &'static [Color32; MAP_LEN] {
+    &RESIDUAL_MAP
+}
+
+/// The sequential map for gradient magnitudes, from zero to the largest.
+pub fn gradient_map() -> &'static [Color32; MAP_LEN] {
+    &GRADIENT_MAP
+}
+
+/// The colour of a residual in grey levels, −255 to 255 (clamped; zero for NaN).
+pub fn residual_colour(value: f32) -> Color32 {
+    let value = if value.is_nan() { 0.0 } else { value.clamp(-255.0, 255.0) };
+    residual_map()[entry((value + 255.0) / 510.0)]
+}
+
+/// The colour of a gradient magnitude as a fraction of the largest shown (clamped; zero for NaN).
+pub fn gradient_colour(fraction: f32) -> Color32 {
+    gradient_map()[entry(if fraction.is_nan() { 0.0 } else { fraction.clamp(0.0, 1.0) })]
+}
+
+fn entry(fraction: f32) -> usize {
+    (fraction * (MAP_LEN - 1) as f32).round() as usize
+}
+
+fn interpolate(stops: [u32; 9]) -> [Color32; MAP_LEN] {
+    std::array::from_fn(|index| {
+        let position = index as f32 / (MAP_LEN - 1) as f32 * (stops.len() - 1) as f32;
+        let lower = (position as usize).min(stops.len() - 2);
+        let weight = position - lower as f32;
+        let (from, to) = (rgb(stops[lower]), rgb(stops[lower + 1]));
+        let mix = |a: u8, b: u8| (f32::from(a) * (1.0 - weight) + f32::from(b) * weight).round() as u8;
+        Color32::from_rgb(mix(from.r(), to.r()), mix(from.g(), to.g()), mix(from.b(), to.b()))
+    })
+}
+
+/// The grey of the report's overlay at one pixel, from the data's and the prediction's grey levels
+/// (0 = subject). The picture goes quiet where both agree; what shines or is pitch black is error.
+pub fn report_grey(data: f32, prediction: f32) -> u8 {
+    let coverage = 1.0 - data / 255.0;
+    let model = 1.0 - prediction / 255.0;
+    let grey = f32::from(REPORT_GROUND) * (1.0 - coverage.max(model))
+        + f32::from(REPORT_MODEL) * (model - coverage).max(0.0)
+        + f32::from(REPORT_BOTH) * coverage.min(model);
+    grey.round() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn maps_meet_their_stops() {
+        assert_eq!(residual_map()[0], rgb(RESIDUAL_STOPS[0]));
+        assert_eq!(residual_map()[255], rgb(RESIDUAL_STOPS[8]));
+        assert_eq!(gradient_map()[0], rgb(GRADIENT_STOPS[0]));
+        assert_eq!(gradient_map()[255], rgb(GRADIENT_STOPS[8]));
+        assert_eq!(residual_colour(-900.0), rgb(RESIDUAL_STOPS[0]));
+        assert_eq!(residual_colour(255.0), rgb(RESIDUAL_STOPS[8]));
+        assert_eq!(gradient_colour(2.0), rgb(GRADIENT_STOPS[8]));
+    }
+
+    #[test]
+    fn the_residual_map_is_dark_at_zero_and_warm_below() {
+        let zero = residual_colour(0.0);
+        assert_eq!(zero, residual_colour(f32::NAN));
+        for channel in 0..3 {
+            assert!(zero[channel].abs_diff(PICTURE_GROUND[channel]) <= 1, "{zero:?}");
+        }
+        let (missing, spurious) = (residual_colour(-120.0), residual_colour(120.0));
+        assert!(missing.r() > missing.b() && spurious.b() > spurious.r());
+    }
+
+    #[test]
+    fn lists_are_reused_with_a_second_sign() {
+        assert_eq!(camera_colours(8), camera_colours(0));
+        assert_eq!(run_style(6).colour, run_style(0).colour);
+        assert!(run_style(6).width < run_style(0).width);
+    }
+
+    #[test]
+    fn the_report_overlay_has_its_four_greys() {
+        assert_eq!(report_grey(255.0, 255.0), REPORT_GROUND);
+        assert_eq!(report_grey(0.0, 255.0), REPORT_DATA);
+        assert_eq!(report_grey(255.0, 0.0), REPORT_MODEL);
+        assert_eq!(report_grey(0.0, 0.0), REPORT_BOTH);
+    }
+}

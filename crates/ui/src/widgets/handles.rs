@@ -1,0 +1,173 @@
+//! Joints and limbs as things to take hold of: what is under the pointer, and the marks that show it.
+
+use egui::{Painter, Pos2, Rect, Shape, Stroke, Vec2};
+use glam::DVec2;
+
+use super::ViewTransform;
+use crate::drawing::{JointId, JointMark, ProjectedLimb, joined_outline};
+use crate::style::theme::data_colours::{CASING, JOINT, SELECTED, SELECTED_LIMB_FILL, mark};
+use crate::style::theme::size;
+
+/// A joint is taken hold of within this distance, in points.
+const REACH: f32 = 12.0;
+
+/// A hovered joint's ring is this much larger.
+const HOVER_GROWTH: f32 = 1.6;
+
+/// A joint that makes room is a dot of this radius.
+const SMALL_RADIUS: f32 = 2.0;
+
+/// A selected joint's square, if it is pinned, is this much larger than any other's.
+const SELECTED_PIN_SCALE: f32 = 1.5;
+
+/// What the pointer can take hold of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grip {
+    /// A joint.
+    Joint(JointId),
+    /// The limb of this index, by its body.
+    Limb(usize),
+    /// The length of the limb of this index, by the handle beyond its end.
+    Length(usize),
+    /// The radius of the limb of this index, by a handle on its outline.
+    Radius(usize),
+}
+
+/// What is under `pointer`: the nearest joint within reach, else the nearest to the camera of the limbs there.
+pub fn grip_at(
+    pointer: Pos2,
+    view: &ViewTransform,
+    joints: &[JointMark],
+    limbs: &[Option<ProjectedLimb>],
+) -> Option<Grip> {
+    let nearest = joints
+        .iter()
+        .map(|joint| (joint.id, view.screen_from_px(joint.px).distance(pointer)))
+        .filter(|(_, distance)| *distance <= REACH)
+        .min_by(|a, b| a.1.total_cmp(&b.1));
+    if let Some((joint, _)) = nearest {
+        return Some(Grip::Joint(joint));
+    }
+    let px = view.px_from_screen(pointer);
+    let limbs = limbs.iter().enumerate().filter_map(|(index, limb)| Some((index, limb.as_ref()?)));
+    limbs
+        .filter(|(_, limb)| limb.distance_px(px) <= 0.0)
+        .map(|(index, limb)| (index, limb.depth_at(px)))
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(index, _)| Grip::Limb(index))
+}
+
+/// How a joint is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct JointLook {
+    /// It is the one that is held.
+    pub is_selected: bool,
+    /// The pointer is on it.
+    pub is_hovered: bool,
+    /// It is being dragged, or pressed.
+    pub is_dragged: bool,
+    /// It makes room for what is drawn about it.
+    pub is_small: bool,
+}
+
+/// Paints a joint's mark with its casing.
+pub fn paint_joint(painter: &Painter, at: Pos2, is_pinned: bool, look: JointLook) {
+    if look.is_dragged {
+        let ring = |width: f32, colour| {
+            painter.circle_stroke(at, mark::DRAG_RING_RADIUS, Stroke::new(width, colour));
+        };
+        ring(mark::DRAG_RING_WIDTH + 2.0 * size::CASING, CASING);
+        ring(mark::DRAG_RING_WIDTH, SELECTED);
+    }
+    match (is_pinned, look.is_selected) {
+        (true, is_selected) => {
+            let scale = if is_selected || look.is_hovered { SELECTED_PIN_SCALE } else { 1.0 };
+            let square = |side: f32| Rect::from_center_size(at, Vec2::splat(side));
+            let margin = mark::PIN_CASING_SIDE - mark::PIN_SIDE;
+            painter.rect_filled(square(mark::PIN_SIDE * scale + margin), 0.0, CASING);
+            let colour = if is_selected { SELECTED } else { JOINT };
+            painter.rect_filled(square(mark::PIN_SIDE * scale), 0.0, colour);
+            if is_selected {
+                painter.circle_filled(at, mark::SELECTED_CORE_RADIUS, CASING);
+            }
+        }
+        (false, _) if look.is_small && !look.is_dragged && !look.is_hovered => {
+            let colour = if look.is_selected { SELECTED } else { JOINT };
+            painter.circle_filled(at, SMALL_RADIUS + size::CASING, CASING);
+            painter.circle_filled(at, SMALL_RADIUS, colour);
+        }
+        (false, true) => {
+            painter.circle_filled(at, mark::SELECTED_CASING_RADIUS, CASING);
+            painter.circle_filled(at, mark::SELECTED_RADIUS, SELECTED);
+            painter.circle_filled(at, mark::SELECTED_CORE_RADIUS, CASING);
+        }
+        (false, false) => {
+            let radius = mark::JOINT_RADIUS + if look.is_hovered { HOVER_GROWTH } else { 0.0 };
+            painter.circle_filled(at, radius + mark::JOINT_WIDTH * 0.5 + size::CASING, CASING);
+            painter.circle_stroke(at, radius, Stroke::new(mark::JOINT_WIDTH, JOINT));
+        }
+    }
+}
+
+/// Paints limbs that turn together as held (filled and outlined in the accent), or as under the pointer
+/// (outlined like a joint).
+pub fn paint_limbs(painter: &Painter, view: &ViewTransform, limbs: &[&ProjectedLimb], is_selected: bool) {
+    let on_screen =
+        |points: Vec<DVec2>| points.into_iter().map(|px| view.screen_from_px(px)).collect::<Vec<Pos2>>();
+    if is_selected {
+        let fill = SELECTED.gamma_multiply(SELECTED_LIMB_FILL);
+        for limb in limbs {
+            painter.add(Shape::convex_polygon(on_screen(limb.outline()), fill, Stroke::NONE));
+        }
+    }
+    let lines: Vec<Vec<Pos2>> = joined_outline(limbs).into_iter().map(on_screen).collect();
+    let casing = Stroke::new(mark::SELECTED_LIMB_WIDTH + 2.0 * size::CASING, CASING);
+    let colour = if is_selected { SELECTED } else { JOINT };
+    for stroke in [casing, Stroke::new(mark::SELECTED_LIMB_WIDTH, colour)] {
+        painter.extend(lines.iter().map(|line| Shape::line(line.clone(), stroke)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::{pos2, vec2};
+
+    use super::*;
+
+    fn view() -> ViewTransform {
+        ViewTransform {
+            rect: Rect::from_min_size(pos2(0.0, 0.0), vec2(200.0, 200.0)),
+            points_per_px: 2.0,
+            centre_px: pos2(50.0, 50.0),
+        }
+    }
+
+    fn joint(id: JointId, x: f64, y: f64) -> JointMark {
+        JointMark { id, name: String::new(), px: DVec2::new(x, y), depth_m: 2.0, is_pinned: false }
+    }
+
+    fn limb(y: f64, depth_m: f64) -> Option<ProjectedLimb> {
+        Some(ProjectedLimb {
+            start_px: DVec2::new(20.0, y),
+            end_px: DVec2::new(80.0, y),
+            start_radius_px: 5.0,
+            end_radius_px: 5.0,
+            start_depth_m: depth_m,
+            end_depth_m: depth_m,
+            has_flat_ends: false,
+        })
+    }
+
+    #[test]
+    fn joints_come_before_limbs_and_near_limbs_before_far_ones() {
+        let joints = [joint(JointId::Root, 20.0, 50.0), joint(JointId::End(0), 25.0, 50.0)];
+        let limbs = [None, limb(50.0, 3.0), limb(52.0, 2.0)];
+        let at = |x: f32, y: f32| grip_at(pos2(x, y), &view(), &joints, &limbs);
+        assert_eq!(at(44.0, 100.0), Some(Grip::Joint(JointId::Root)));
+        assert_eq!(at(46.0, 100.0), Some(Grip::Joint(JointId::End(0))));
+        assert_eq!(at(61.9, 100.0), Some(Grip::Joint(JointId::End(0))));
+        assert_eq!(at(63.0, 100.0), Some(Grip::Limb(2)));
+        assert_eq!(at(100.0, 92.0), Some(Grip::Limb(1)));
+        assert_eq!(at(100.0, 130.0), None);
+    }
+}
