@@ -5,6 +5,8 @@
 mod experiment;
 mod fit;
 mod fit_body;
+#[path = "../../crates/tracking/tests/tracking/footage.rs"]
+mod footage;
 mod formats;
 mod golden;
 mod observability;

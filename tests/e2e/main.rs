@@ -8,7 +8,7 @@
 //! | `BACKLIT_BIN` | the program [default: the one that is tested] |
 //! | `BACKLIT_SHOTS` | folder for pictures of what the tests see [default: none are kept] |
 //! | `BACKLIT_SCREENSHOTS` | folder for the README's pictures of the window [default: none are made] |
-//! | `BACKLIT_DATA` | where the real footage lies; without it that part is skipped |
+//! | `BACKLIT_DATA` | where the real footage lies; without it that part is skipped, or fails where `BACKLIT_REQUIRE_DATA=1` |
 //!
 //! The README's pictures are made anew by
 //!
@@ -21,6 +21,8 @@
 
 mod clipboard;
 mod desk;
+#[path = "../../crates/tracking/tests/tracking/footage.rs"]
+mod footage;
 mod readme;
 mod window;
 
@@ -254,9 +256,7 @@ fn a_path_that_is_not_there_is_named() {
 
 #[test]
 fn real_footage_is_fitted() {
-    let data = std::env::var_os("BACKLIT_DATA").map(PathBuf::from);
-    if !data.is_some_and(|data| data.join("balancing").is_dir()) {
-        println!("skipped: no footage (set BACKLIT_DATA)");
+    if footage::footage().is_none() {
         return;
     }
     let Some(desk) = Desk::new() else { return };

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use backlit_formats::calibration::{self, CalibrationOptions};
 use backlit_formats::{Take, model_file};
 use backlit_tracking::body::builtin;
+use glam::DVec2;
 
 use crate::footage::footage;
 
@@ -65,10 +66,29 @@ fn two_formats_of_one_calibration_agree() {
         let qualisys = calibration::read(&footage.join("calib/Calib.qca.txt"), options).unwrap();
         assert_eq!(matrices.count(), 4);
         for (a, b) in matrices.cameras().iter().zip(qualisys.cameras()) {
-            assert_eq!((a.name(), a.width(), a.height()), (b.name(), b.width(), b.height()));
-            let point = glam::DVec3::new(-1.4, 0.1, 1.0);
-            let (p, q) = (a.project(point).unwrap(), b.project(point).unwrap());
-            assert!(p.distance(q) < 1e-6, "{}: {p} {q}", a.name());
+            let name = a.name();
+            assert_eq!((name, a.width(), a.height()), (b.name(), b.width(), b.height()));
+            assert!(a.centre().distance(b.centre()) < 1e-6, "{name}: {} {}", a.centre(), b.centre());
+            // Corners and edges of the picture, where a lens bends most, at several depths.
+            let mut compared = 0;
+            for (column, row, metres) in every(5, 5, [1.0, 3.0, 8.0]) {
+                let pixel = DVec2::new(column * (a.width() as f64 - 1.0), row * (a.height() as f64 - 1.0));
+                let Some(ray) = a.ray_in_world(pixel) else { continue };
+                let point = a.centre() + metres * ray;
+                let (p, q) = (a.project(point).unwrap(), b.project(point).unwrap());
+                assert!(p.distance(pixel) < 1e-6 && p.distance(q) < 1e-6, "{name}: {pixel} {p} {q}");
+                compared += 1;
+            }
+            assert_eq!(compared, 75, "{name}");
         }
     }
+}
+
+/// Places across and down a picture, 0 to 1, each at these depths.
+fn every(across: usize, down: usize, depths: [f64; 3]) -> impl Iterator<Item = (f64, f64, f64)> {
+    let place = |index: usize, count: usize| index as f64 / (count - 1) as f64;
+    (0..across * down * depths.len()).map(move |index| {
+        let (at, depth) = (index / depths.len(), depths[index % depths.len()]);
+        (place(at % across, across), place(at / across, down), depth)
+    })
 }
