@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use backlit_tracking::fit::Preset;
+use backlit_tracking::track::WhenToSearch;
 
 use super::Inspector;
 use crate::app::open_job::OpenedProject;
@@ -92,7 +92,8 @@ fn document_of(footage: &Footage) -> Document {
     if let Some(TakeSource::Demonstration(which)) = &footage.source {
         document.fit = Arc::new(which.fit());
         // As in the report: downhill, and nowhere else.
-        document.tracking = TrackingChoices::of_preset(Some(Preset::Report));
+        let tracking = TrackingChoices::of_preset(document.fit.as_preset());
+        document.tracking = TrackingChoices { search: WhenToSearch::Never, ..tracking };
         cameras.iter_mut().skip(which.used_cameras()).for_each(|camera| camera.used = false);
     }
     document.cameras = Arc::new(cameras);

@@ -70,9 +70,9 @@ pub(crate) struct FollowArguments {
     /// The fit of a frame.
     #[command(flatten)]
     pub(crate) solver: SolverArguments,
-    /// How motion is carried from frame to frame
-    #[arg(long, value_enum, default_value_t = MotionWord::Velocity)]
-    pub(crate) motion: MotionWord,
+    /// How motion is carried from frame to frame [default: velocity, with the report preset still]
+    #[arg(long, value_enum)]
+    pub(crate) motion: Option<MotionWord>,
     /// Smooth every frame by so many frames after it, not by all: what a live track could show that late
     #[arg(long, value_name = "FRAMES")]
     pub(crate) lag: Option<usize>,
@@ -94,7 +94,8 @@ impl FollowArguments {
         };
         let tracker = Tracker::new(Arc::clone(take.model()), self.solver.options()?, start)?;
         let search = self.search.unwrap_or(default).into();
-        Ok(tracker.with_motion(self.motion.into(), take.frame_rate()).with_search(search))
+        let motion = self.motion.map_or_else(|| Motion::of_preset(Some(self.solver.preset)), Motion::from);
+        Ok(tracker.with_motion(motion, take.frame_rate()).with_search(search))
     }
 
     /// How later frames smooth earlier ones, if they do.
@@ -102,7 +103,7 @@ impl FollowArguments {
     /// # Errors
     /// A lag of what is not smoothed.
     pub(crate) fn smoothing(&self) -> anyhow::Result<Option<Smoothing>> {
-        let is_smoothed = self.motion == MotionWord::Smoothed;
+        let is_smoothed = self.motion == Some(MotionWord::Smoothed);
         if self.lag.is_some() && !is_smoothed {
             bail!("--lag is for --motion smoothed");
         }

@@ -44,17 +44,26 @@ pub struct TrackingChoices {
 }
 
 impl TrackingChoices {
-    /// What goes with a preset: the report never looks for other poses, everything else does where a fit is poor.
+    /// What goes with a preset: the report begins every frame at the last pose and never looks for others; everything
+    /// else carries the motion on, and looks where a fit is poor.
     pub(crate) fn of_preset(preset: Option<Preset>) -> Self {
-        let search =
-            if preset == Some(Preset::Report) { WhenToSearch::Never } else { WhenToSearch::WhenPoor };
-        Self { motion: Following::default(), search }
+        match preset {
+            Some(Preset::Report) => Self { motion: Following::Still, search: WhenToSearch::Never },
+            _ => Self { motion: Following::default(), search: WhenToSearch::WhenPoor },
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn presets_follow_as_the_core_says() {
+        for preset in Preset::ALL.map(Some).into_iter().chain([None]) {
+            assert_eq!(TrackingChoices::of_preset(preset).motion.motion(), Motion::of_preset(preset));
+        }
+    }
 
     #[test]
     fn choices_are_read_back() {

@@ -14,7 +14,7 @@ use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::silhouette::{Label, Mask, Measurement, SignedDistance};
 use image::{DynamicImage, RgbImage};
 
-use crate::take::demonstration::Demonstration;
+use crate::take::demonstration::{Demonstration, UNKNOWN_GREY};
 use crate::take::replacement::{Calibration, MaskFiles, read_mask};
 use crate::take::source::TakeSource;
 
@@ -70,10 +70,11 @@ impl CameraFrame {
         Some(self.distance.get_or_init(|| SignedDistance::from_mask(mask)))
     }
 
-    /// What a fit takes of it where D is looked at by `data`; `None` without a silhouette.
+    /// What a fit takes of it where D is looked at by `data`; `None` without a silhouette. Grey levels of a simulation are
+    /// smooth as they are.
     pub(crate) fn evidence(&self, data: DataView) -> Option<Evidence> {
         match &self.grey_levels {
-            Some(levels) if data == DataView::Hard => Some(Evidence::Measurement(levels.clone())),
+            Some(levels) if data != DataView::Distance => Some(Evidence::Measurement(levels.clone())),
             _ => self.mask.clone().map(Evidence::Mask),
         }
     }
@@ -81,7 +82,11 @@ impl CameraFrame {
     /// Takes a simulated picture, whose grey levels are the silhouette: no segmentation.
     fn simulate(&mut self, image: RgbImage, simulation: Simulation) {
         let grey = DynamicImage::ImageRgb8(image.clone()).into_luma8();
-        let label = |pixel: &u8| if *pixel < HALF_GREY { Label::Subject } else { Label::Background };
+        let label = |pixel: &u8| match *pixel {
+            UNKNOWN_GREY if simulation == Simulation::Mask => Label::Unknown,
+            level if level < HALF_GREY => Label::Subject,
+            _ => Label::Background,
+        };
         let labels = grey.as_raw().iter().map(label).collect();
         match Mask::new(grey.width() as usize, grey.height() as usize, labels) {
             Ok(mask) => self.mask = Some(Arc::new(mask)),

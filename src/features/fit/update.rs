@@ -281,7 +281,13 @@ fn set_preset(preset: Preset, context: &Context<'_>, requests: &mut Requests) {
     let options = FitOptions { renderer: document.fit.renderer, ..FitOptions::preset(preset) };
     let what = format!("Switch to {}", preset.label());
     requests.drag(Edit::SetFit { options: Box::new(options), what }, gesture);
+    let mut choices = TrackingChoices::of_preset(Some(preset));
     let motion = document.tracking.motion;
-    let choices = TrackingChoices { motion, ..TrackingChoices::of_preset(Some(preset)) };
+    // A filter that was chosen stays; but the report has none.
+    if preset != Preset::Report
+        && motion != TrackingChoices::of_preset(words::preset_like(&document.fit)).motion
+    {
+        choices.motion = motion;
+    }
     requests.drag(Edit::SetTracking(choices), gesture);
 }

@@ -2,8 +2,8 @@
 //!
 //! Three views of one mask, from the plainest to the most helpful to an optimiser:
 //!
-//! - hard: D = 0 on the subject, 255 elsewhere (4.24, 4.25);
-//! - area-averaged: D = 255 · (background pixels) / (known pixels) in a small box, which gives the border sub-pixel grey levels;
+//! - hard: D = 0 on the subject, 255 elsewhere (4.24);
+//! - area-averaged, which also stands for the smoothing of section 4.3: D = 255 · (background pixels) / (known pixels) in a small box, which gives the border sub-pixel grey levels;
 //! - by distance: D = 255 · clip((sd + wᵢ) / (wᵢ + wₒ), 0, 1), with sd the signed distance and wᵢ, wₒ the widths of the
 //!   ramp inside and outside the border, in pixels.
 //!

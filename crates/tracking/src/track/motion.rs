@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::body::{Model, Parameters, Pose};
 use crate::filter::{Belief, ConstantVelocity, update};
+use crate::fit::Preset;
 use crate::residual::motion_prior::MotionPrior;
 
 /// How a frame's fit learns from the frames before.
@@ -21,6 +22,14 @@ pub enum Motion {
     Velocity,
     /// The iterated extended Kalman filter (6.1): pose and velocity, and how sure they are.
     Kalman(KalmanOptions),
+}
+
+impl Motion {
+    /// What goes with a preset: in the report every frame begins at the last one's pose (section 5.2).
+    #[must_use]
+    pub fn of_preset(preset: Option<Preset>) -> Self {
+        if preset == Some(Preset::Report) { Self::Still } else { Self::default() }
+    }
 }
 
 /// Noise of the filter.

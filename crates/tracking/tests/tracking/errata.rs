@@ -38,7 +38,8 @@ fn disturbed(model: &Model) -> Pose {
     perturb(model, &upper_body::motion(model, 0), 5f64.to_radians(), 0.03, 1)
 }
 
-/// The limb with the darkest λ owns a pixel. The nearest one need not: radii differ.
+/// The limb with the darkest λ owns a pixel, as the text about (4.19) says. The nearest one need not: radii differ. And the
+/// greatest λ, which (4.19) writes, would leave of two limbs only what they have in common.
 #[test]
 fn the_darkest_limb_wins_not_the_nearest() {
     let text = "format = \"backlit-body 1\"\nname = \"two\"\n\
@@ -62,10 +63,11 @@ fn the_darkest_limb_wins_not_the_nearest() {
         let sight = views[limb].seen_limb(pixel % both.width, pixel / both.width);
         sight.map_or(f64::INFINITY, |sight| sight.distance_over_radius * model.limbs()[limb].radius)
     };
-    let mut told_apart = 0;
+    let (mut told_apart, mut lost) = (0, 0);
     for pixel in 0..both.lambda.len() {
         let [thick, thin] = [0, 1].map(|limb| each[limb].lambda[pixel]);
         assert_eq!(both.lambda[pixel], thick.min(thin), "pixel {pixel}");
+        lost += usize::from(thick.min(thin) == 0.0 && thick.max(thin) == 255.0);
         let is_touched = thick < 255.0 && thin < 255.0 && thick != thin;
         let darkest = usize::from(thin < thick);
         let nearest = usize::from(metres(1, pixel) < metres(0, pixel));
@@ -75,6 +77,7 @@ fn the_darkest_limb_wins_not_the_nearest() {
         }
     }
     assert!(told_apart > 20, "only {told_apart} pixels tell the rules apart");
+    assert!(lost > 100, "by the greatest λ only {lost} pixels of the subject would be background");
 }
 
 /// A limb that is round about its axis may turn about it, if its children turn back: no pixel changes. So JᵀJ of
