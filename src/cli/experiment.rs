@@ -7,7 +7,10 @@
 //! | [`waiting`] | the bar while one runs |
 //! | [`fig51`] | `backlit experiment fig5.1` |
 //! | [`fig52`] | `backlit experiment fig5.2` and `fig5.3` |
+//! | [`sequence`] | options of those that run on a sequence: a take, or the simulated one |
+//! | [`fig54`] | `backlit experiment fig5.4` |
 //! | [`fig55`] | `backlit experiment fig5.5` and `fig5.6` |
+//! | [`inverse`] | `backlit experiment inverse` |
 //! | [`bias`] | `backlit experiment bias` |
 //! | [`sizes`] | `backlit experiment sizes` |
 //! | [`track`] | `backlit experiment track` |
@@ -23,11 +26,14 @@ pub(crate) mod basin_map;
 pub(crate) mod bias;
 pub(crate) mod fig51;
 pub(crate) mod fig52;
+pub(crate) mod fig54;
 pub(crate) mod fig55;
 pub(crate) mod files;
 pub(crate) mod footage;
 pub(crate) mod frame_basin;
+pub(crate) mod inverse;
 pub(crate) mod robustness;
+pub(crate) mod sequence;
 pub(crate) mod sizes;
 pub(crate) mod track;
 pub(crate) mod waiting;
@@ -57,12 +63,17 @@ enum Experiment {
     /// The same from the same starts before two cameras
     #[command(name = "fig5.3")]
     Fig53(fig52::Arguments),
-    /// The upper body followed through a simulated sequence, 192 × 144 pixels: joint error and overlap per frame
+    /// One frame of a take, or of the simulated upper body, iteration by iteration: D and Λ of two cameras
+    #[command(name = "fig5.4")]
+    Fig54(fig54::Arguments),
+    /// A take, or the simulated upper body, followed in 192 × 144 pixels: joint error and overlap per frame
     #[command(name = "fig5.5")]
     Fig55(fig55::Arguments),
     /// The same with 48 × 36 pixels
     #[command(name = "fig5.6")]
     Fig56(fig55::Arguments),
+    /// The step (4.10) as written, and the pseudo-inverse and dampings that can stand for it
+    Inverse(inverse::Arguments),
     /// Where a fit ends that began at the truth: the bias of each ramp on hard masks, by number of cameras
     Bias(bias::Arguments),
     /// Lengths and radii of people of several builds, from silhouettes and an average adult's body
@@ -86,8 +97,10 @@ pub(crate) fn run(arguments: &ExperimentArguments) -> anyhow::Result<()> {
         Experiment::Fig51(arguments) => fig51::run(arguments),
         Experiment::Fig52(arguments) => fig52::run(arguments, "fig5.2", 1),
         Experiment::Fig53(arguments) => fig52::run(arguments, "fig5.3", 2),
+        Experiment::Fig54(arguments) => fig54::run(arguments),
         Experiment::Fig55(arguments) => fig55::run(arguments, "fig5.5", [192, 144]),
         Experiment::Fig56(arguments) => fig55::run(arguments, "fig5.6", [48, 36]),
+        Experiment::Inverse(arguments) => inverse::run(arguments),
         Experiment::Bias(arguments) => bias::run(arguments),
         Experiment::Sizes(arguments) => sizes::run(arguments),
         Experiment::Track(arguments) => track::run(arguments),

@@ -27,8 +27,10 @@ fn every_experiment_writes_its_numbers_and_plots() {
     let commands = [
         ("fig5.2", "--starts 2", "fig5.2-cost.png", "capsule, tangent LM"),
         ("fig5.3", "--starts 2 --start-noise 3deg,1cm --data mask", "fig5.3-joints.png", "2 of 2"),
+        ("fig5.4", "", "fig5.4-report.png", "Robust, masks"),
         ("fig5.5", "--starts 1 --frames 3", "fig5.5-joints.png", "Robust, masks"),
         ("fig5.6", "--starts 1 --frames 3", "fig5.6-overlap.png", "Report 2004, masks"),
+        ("inverse", "--starts 2 --data mask", "inverse.json", "inverse, as written"),
         ("bias", "--starts 1 --cameras 1,2 --size 48x36", "bias.png", "thesis, hard mask: 2"),
     ];
     for (name, options, plot, words) in commands {
@@ -40,6 +42,28 @@ fn every_experiment_writes_its_numbers_and_plots() {
         scene.ok(&format!("experiment {name} {options} --out results"));
         assert!(first == read(), "{name} gave other numbers the second time");
     }
+}
+
+/// The report's real sequence on a take: its own cameras in small pictures, errors where there are keypoints.
+#[test]
+fn sequences_run_on_a_take() {
+    let scene = Scene::new();
+    let take = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/take");
+    let said = scene.ok(&format!("experiment fig5.4 --take {take} --out one"));
+    assert!(said.contains("fig5.4-robust.png"), "{said}");
+    let sheet = images::read(&scene.path("one/fig5.4-report.png")).unwrap();
+    assert!(sheet.width() > 4 * 144 && sheet.height() > 4 * 192, "{} × {}", sheet.width(), sheet.height());
+    let ask = format!("experiment fig5.6 --take {take} --cameras cam2,cam4 --frames 9 --starts 1");
+    let said = scene.ok(&format!("{ask} --out two"));
+    assert!(!said.contains("own grey levels") && said.contains("fig5.6-report.png"), "{said}");
+    let numbers: Value =
+        serde_json::from_str(&std::fs::read_to_string(scene.path("two/fig5.6.json")).unwrap()).unwrap();
+    assert_eq!(numbers["options"]["cameras"], serde_json::json!(["cam2", "cam4"]));
+    assert_eq!(numbers["options"]["size_px"], serde_json::json!([36, 48]));
+    assert!(numbers["report"]["ways"][0]["joint_error_mm"]["mean"].as_f64().unwrap() > 0.0);
+    scene.fails(&format!("experiment fig5.5 --take {take} --frames 999"), 1, &["--frames 999", "60"]);
+    scene.fails(&format!("experiment fig5.5 --take {take} --cameras cam9"), 1, &["cam9"]);
+    scene.fails("experiment fig5.5 --cameras cam1", 2, &["--take"]);
 }
 
 #[test]

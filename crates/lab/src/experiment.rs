@@ -8,7 +8,11 @@
 //! |---|---|
 //! | [`fig51`] | Fig. 5.1: one limb seen from the side, three renderers |
 //! | [`fig52`] | Figs. 5.2 and 5.3: the upper body from many starts, one camera and two |
-//! | [`fig55`] | Figs. 5.5 and 5.6: a simulated sequence, large and tiny pictures |
+//! | [`fig54`] | Fig. 5.4: one frame of a sequence, iteration by iteration |
+//! | [`fig55`] | Figs. 5.5 and 5.6: a sequence, large and tiny pictures |
+//! | [`sequence`] | a sequence, simulated or a take's, in the report's small pictures |
+//! | [`looks`] | D and Λ of a pose as pictures |
+//! | [`inverse`] | (4.10) as written, the pseudo-inverse, and dampings |
 //! | [`bias`] | where fits go that begin at the truth, by ramp, data and cameras |
 //! | [`basin`] | how far off a start may be, and still end at the truth |
 //! | [`frame_basin`] | the same about one frame's pose, on its own evidence |
@@ -29,13 +33,17 @@ pub mod bias;
 pub mod curve;
 pub mod fig51;
 pub mod fig52;
+pub mod fig54;
 pub mod fig55;
 pub mod fit_choice;
 pub mod frame_basin;
 pub mod interval;
+pub mod inverse;
+pub mod looks;
 pub mod progress;
 pub mod robustness;
 pub mod scene;
+pub mod sequence;
 pub mod sizes;
 pub mod starts;
 pub mod track;

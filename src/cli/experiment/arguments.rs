@@ -29,8 +29,20 @@ pub(crate) struct StartArguments {
     /// Seed of the random starts
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
+    /// Number of starts [default: the experiment's own]
     #[arg(long, value_name = "N")]
     pub(crate) starts: Option<usize>,
+    /// How far every joint of a start is turned and its root moved, e.g. 5deg,3cm [default: the experiment's own]
+    #[arg(long, value_name = "ANGLE,DISTANCE")]
+    pub(crate) start_noise: Option<StartNoise>,
+}
+
+impl StartArguments {
+    /// How many starts, or as many as the experiment has; and radians and metres that they are off, likewise.
+    pub(crate) fn or(&self, starts: usize, angle_rad: f64, distance_m: f64) -> (usize, f64, f64) {
+        let noise = self.start_noise.unwrap_or(StartNoise { angle_rad, distance_m });
+        (self.starts.unwrap_or(starts), noise.angle_rad, noise.distance_m)
+    }
 }
 
 /// Dark or light.
@@ -66,21 +78,6 @@ impl From<DataWord> for Simulation {
             DataWord::Prediction => Self::Prediction,
             DataWord::Mask => Self::Mask,
         }
-    }
-}
-
-/// How far the random starts are from the truth.
-#[derive(Debug, Clone, Copy, Args)]
-pub(crate) struct NoiseArguments {
-    /// How far every joint of a start is turned and its root moved, e.g. 5deg,3cm [default: the experiment's own]
-    #[arg(long, value_name = "ANGLE,DISTANCE")]
-    start_noise: Option<StartNoise>,
-}
-
-impl NoiseArguments {
-    /// Radians and metres, or those of the experiment.
-    pub(crate) fn or(&self, angle_rad: f64, distance_m: f64) -> (f64, f64) {
-        self.start_noise.map_or((angle_rad, distance_m), |noise| (noise.angle_rad, noise.distance_m))
     }
 }
 

@@ -5,7 +5,7 @@ use backlit_tracking::cancel::CancelToken;
 use backlit_ui::drawing::plot::{Axis, Figure, Line};
 use clap::Args;
 
-use super::arguments::{DataWord, NoiseArguments, OutputArguments, StartArguments};
+use super::arguments::{DataWord, OutputArguments, StartArguments};
 use super::files;
 use super::waiting::Waiting;
 use crate::cli::table::Table;
@@ -15,8 +15,6 @@ use crate::cli::table::Table;
 pub(crate) struct Arguments {
     #[command(flatten)]
     start: StartArguments,
-    #[command(flatten)]
-    noise: NoiseArguments,
     /// What the cameras see
     #[arg(long, value_enum, default_value_t = DataWord::Prediction)]
     data: DataWord,
@@ -35,8 +33,8 @@ pub(crate) fn run(arguments: &Arguments, name: &str, cameras: usize) -> anyhow::
         simulation: arguments.data.into(),
         ..Options::default()
     };
-    options.starts = arguments.start.starts.unwrap_or(options.starts);
-    (options.angle_rad, options.distance_m) = arguments.noise.or(options.angle_rad, options.distance_m);
+    (options.starts, options.angle_rad, options.distance_m) =
+        arguments.start.or(options.starts, options.angle_rad, options.distance_m);
     let report = fig52::run(&options, &CancelToken::new(), Waiting::new().listener())?;
     let conditions = format!(
         "{}, {} starts {:.0}° and {:.0} cm off, medians; data are Λ of the truth",

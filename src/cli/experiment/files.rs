@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use backlit_formats::atomic;
-use backlit_ui::drawing::plot::Figure;
+use backlit_ui::drawing::plot::{AsPicture, png};
 use serde::Serialize;
 
 use super::arguments::OutputArguments;
@@ -26,12 +26,12 @@ struct Document<'a, O, R> {
 ///
 /// # Errors
 /// The folder or a file cannot be written.
-pub(crate) fn finish<O: Serialize, R: Serialize>(
+pub(crate) fn finish<O: Serialize, R: Serialize, P: AsPicture>(
     arguments: &OutputArguments,
     name: &str,
     options: &O,
     report: &R,
-    figures: &[(String, Figure)],
+    figures: &[(String, P)],
     table: &str,
 ) -> anyhow::Result<()> {
     let (numbers, written) = write(arguments, name, options, report, figures)?;
@@ -80,12 +80,12 @@ pub(crate) fn finish_result(
 ///
 /// # Errors
 /// The folder or a file cannot be written.
-pub(crate) fn write<O: Serialize, R: Serialize>(
+pub(crate) fn write<O: Serialize, R: Serialize, P: AsPicture>(
     arguments: &OutputArguments,
     name: &str,
     options: &O,
     report: &R,
-    figures: &[(String, Figure)],
+    figures: &[(String, P)],
 ) -> anyhow::Result<(String, Vec<PathBuf>)> {
     let document = Document { format: FORMAT, experiment: name, options, report };
     output::make_folder(&arguments.out)?;
@@ -95,7 +95,7 @@ pub(crate) fn write<O: Serialize, R: Serialize>(
     let mut written = vec![path];
     for (name, figure) in figures {
         let path = arguments.out.join(format!("{name}.png"));
-        atomic::write(&path, &figure.png(arguments.theme.into())?)?;
+        atomic::write(&path, &png(figure.picture(arguments.theme.into()))?)?;
         written.push(path);
     }
     Ok((numbers, written))

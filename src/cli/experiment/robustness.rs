@@ -7,7 +7,7 @@ use backlit_tracking::cancel::CancelToken;
 use backlit_ui::drawing::plot::{Axis, Figure, Line};
 use clap::Args;
 
-use super::arguments::{NoiseArguments, OutputArguments, StartArguments};
+use super::arguments::{OutputArguments, StartArguments};
 use super::files;
 use super::waiting::Waiting;
 use crate::cli::table::Table;
@@ -17,8 +17,6 @@ use crate::cli::table::Table;
 pub(crate) struct Arguments {
     #[command(flatten)]
     start: StartArguments,
-    #[command(flatten)]
-    noise: NoiseArguments,
     /// Moments of the built-in movement (its frames, 0 to 59) to look at
     #[arg(long, value_name = "K,…", value_delimiter = ',')]
     moments: Option<Vec<f64>>,
@@ -32,9 +30,9 @@ pub(crate) struct Arguments {
 /// Options that make no sense, or files that cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut options = Options { seed: arguments.start.seed, ..Options::default() };
-    options.starts = arguments.start.starts.unwrap_or(options.starts);
     options.moments = arguments.moments.clone().unwrap_or(options.moments);
-    (options.angle_rad, options.distance_m) = arguments.noise.or(options.angle_rad, options.distance_m);
+    (options.starts, options.angle_rad, options.distance_m) =
+        arguments.start.or(options.starts, options.angle_rad, options.distance_m);
     let report = robustness::run(&options, &CancelToken::new(), Waiting::new().listener())?;
     let figure = Figure {
         title: "Full body, one thing wrong at a time: mean joint error".to_owned(),

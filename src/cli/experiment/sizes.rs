@@ -3,6 +3,7 @@
 use backlit_lab::experiment::sizes::{self, Options, PersonReport, Report};
 use backlit_tracking::body::SizeKind;
 use backlit_tracking::cancel::CancelToken;
+use backlit_ui::drawing::plot::Figure;
 use clap::Args;
 
 use super::arguments::OutputArguments;
@@ -23,6 +24,9 @@ pub(crate) struct Arguments {
     output: OutputArguments,
 }
 
+/// Its table says all.
+const NO_PLOTS: [(String, Figure); 0] = [];
+
 /// Runs the experiment, writes and prints.
 ///
 /// # Errors
@@ -32,7 +36,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let moments = arguments.moments.clone().unwrap_or(defaults.moments);
     let options = Options { moments, seed: arguments.seed, ..Options::default() };
     let report = sizes::run(&options, &CancelToken::new(), Waiting::new().listener())?;
-    files::finish(&arguments.output, "sizes", &options, &report, &[], &table(&report))
+    files::finish(&arguments.output, "sizes", &options, &report, &NO_PLOTS, &table(&report))
 }
 
 fn table(report: &Report) -> String {

@@ -5,7 +5,7 @@ use backlit_tracking::cancel::CancelToken;
 use backlit_ui::drawing::plot::{Axis, Figure, Line};
 use clap::Args;
 
-use super::arguments::{NoiseArguments, OutputArguments, StartArguments};
+use super::arguments::{OutputArguments, StartArguments};
 use super::files;
 use super::waiting::Waiting;
 use crate::cli::table::Table;
@@ -15,8 +15,6 @@ use crate::cli::table::Table;
 pub(crate) struct Arguments {
     #[command(flatten)]
     start: StartArguments,
-    #[command(flatten)]
-    noise: NoiseArguments,
     /// Frames of every track
     #[arg(long, value_name = "N", default_value_t = 50)]
     frames: usize,
@@ -41,8 +39,8 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         seed: arguments.start.seed,
         ..Options::default()
     };
-    options.starts = arguments.start.starts.unwrap_or(options.starts);
-    (options.angle_rad, options.distance_m) = arguments.noise.or(options.angle_rad, options.distance_m);
+    (options.starts, options.angle_rad, options.distance_m) =
+        arguments.start.or(options.starts, options.angle_rad, options.distance_m);
     let report = track::run(&options, &CancelToken::new(), Waiting::new().listener())?;
     let figure = Figure {
         title: "Upper body followed through noisy masks: worst frame".to_owned(),

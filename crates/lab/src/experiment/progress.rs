@@ -1,5 +1,6 @@
 //! How far an experiment is, and why one cannot run.
 
+use backlit_formats::FootageError;
 use backlit_tracking::body::ModelError;
 use backlit_tracking::body_fit::BodyFitError;
 use backlit_tracking::camera::CameraError;
@@ -40,4 +41,12 @@ pub enum ExperimentError {
     Mask(#[from] MaskError),
     #[error(transparent)]
     Measurement(#[from] MeasurementError),
+    #[error("{0}")]
+    Footage(String),
+}
+
+impl From<FootageError> for ExperimentError {
+    fn from(error: FootageError) -> Self {
+        Self::Footage(error.to_string())
+    }
 }

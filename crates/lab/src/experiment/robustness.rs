@@ -333,8 +333,9 @@ fn case(
             evidence: Evidence::Mask(Arc::new(mask.clone())),
             weight: 1.0,
         };
-        let views = scene.cameras.iter().zip(&scene.masks).map(view).collect();
-        let mut fit = Fit::new(Arc::clone(&scene.believed), views, scene.start.clone(), way.fit.clone())?;
+        let views: Vec<FitView> = scene.cameras.iter().zip(&scene.masks).map(view).collect();
+        let (model, start) = (Arc::clone(&scene.believed), scene.start.clone());
+        let mut fit = Fit::new(model, views.clone(), start, way.fit.clone())?;
         let pose = fit.run(cancel, |_| {}).pose;
         if cancel.is_cancelled() {
             return Err(ExperimentError::Cancelled);
@@ -342,9 +343,7 @@ fn case(
         let found = Kinematics::new(&scene.believed, &pose);
         let joints = found.ends().iter().zip(&scene.true_joints);
         errors.extend(joints.map(|(found, truth)| 1000.0 * found.distance(*truth)));
-        let renderer = way.fit.renderer;
-        let seen = scene::overlap(&scene.believed, &pose, &scene.cameras, &scene.masks, renderer);
-        overlap = overlap.merge(seen);
+        overlap = overlap.merge(scene::overlap(&scene.believed, &pose, &views, way.fit.renderer));
     }
     let (mean_mm, p95_mm, max_mm) =
         Statistics::of(&errors).map_or((0.0, 0.0, 0.0), |all| (all.mean, all.p95, all.max));

@@ -6,7 +6,7 @@ use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::fit::{Evidence, FitView};
 use backlit_tracking::render::{Ramp, RendererKind};
-use backlit_tracking::silhouette::{Mask, Overlap};
+use backlit_tracking::silhouette::Overlap;
 use serde::{Deserialize, Serialize};
 
 use super::ExperimentError;
@@ -45,20 +45,15 @@ pub fn view(
     Ok(FitView { camera: Arc::clone(camera), evidence, weight: 1.0 })
 }
 
-/// How well a pose, drawn with hard edges, covers masks: all cameras together. A mask that is not of its camera's
-/// size does not count.
+/// How well a pose, drawn with hard edges, covers masks: all cameras together. A camera without a mask, or with one that
+/// is not of its size, does not count.
 #[must_use]
-pub fn overlap(
-    model: &Model,
-    pose: &Pose,
-    cameras: &[Arc<Camera>],
-    masks: &[Mask],
-    renderer: RendererKind,
-) -> Overlap {
+pub fn overlap(model: &Model, pose: &Pose, views: &[FitView], renderer: RendererKind) -> Overlap {
     let mut all = Overlap::default();
-    for (camera, mask) in cameras.iter().zip(masks) {
-        let drawn: Vec<f32> =
-            levels(model, pose, camera, renderer, Ramp::Half).into_iter().map(|level| level as f32).collect();
+    for view in views {
+        let Evidence::Mask(mask) = &view.evidence else { continue };
+        let drawn = levels(model, pose, &view.camera, renderer, Ramp::Half);
+        let drawn: Vec<f32> = drawn.into_iter().map(|level| level as f32).collect();
         if let Ok(one) = Overlap::between(mask, &drawn) {
             all = all.merge(one);
         }

@@ -97,7 +97,7 @@ pub fn ways() -> Vec<Way> {
     };
     let kalman = Motion::Kalman(KalmanOptions::default());
     vec![
-        way("Report 2004, constant velocity", Preset::Report, Motion::Velocity, false),
+        way("Report 2004, from the last pose", Preset::Report, Motion::Still, false),
         way("Robust, from the last pose", Preset::Robust, Motion::Still, false),
         way("Robust, constant velocity", Preset::Robust, Motion::Velocity, false),
         way("Robust, Kalman", Preset::Robust, kalman, false),

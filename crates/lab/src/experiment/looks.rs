@@ -1,0 +1,47 @@
+//! D and Λ of a pose as pictures, as the report lays them out for its real data.
+
+use backlit_tracking::body::{Kinematics, Model, Pose};
+use backlit_tracking::fit::{FitOptions, FitView, Stage};
+use backlit_tracking::render::{RendererKind, predict};
+use image::GrayImage;
+
+/// What one camera is shown of a pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Look {
+    /// The measurement, as the fit looks at it.
+    pub data: GrayImage,
+    /// The prediction.
+    pub prediction: GrayImage,
+}
+
+impl Look {
+    /// A pose in every camera, as a stage of a fit looks at it.
+    #[must_use]
+    pub fn of_views(
+        model: &Model,
+        pose: &Pose,
+        views: &[FitView],
+        stage: &Stage,
+        renderer: RendererKind,
+    ) -> Vec<Self> {
+        let kinematics = Kinematics::new(model, pose);
+        let look = |view: &FitView| {
+            let distance = view.distance(&[*stage]);
+            let drawn = predict(model, &kinematics, &view.camera, renderer, stage.ramp);
+            let pixel = |x: u32, y: u32| drawn.lambda[y as usize * drawn.width + x as usize].round() as u8;
+            let prediction = GrayImage::from_fn(drawn.width as u32, drawn.height as u32, |x, y| {
+                image::Luma([pixel(x, y)])
+            });
+            Self { data: view.data(stage, distance.as_ref()).to_gray(), prediction }
+        };
+        views.iter().map(look).collect()
+    }
+
+    /// A pose in every camera, as the last stage of a fit looks at it.
+    #[must_use]
+    pub fn at_the_end(model: &Model, pose: &Pose, views: &[FitView], fit: &FitOptions) -> Vec<Self> {
+        let fit = fit.clone().at_scale(model, views, pose);
+        let Some(stage) = fit.stages.last() else { return Vec::new() };
+        Self::of_views(model, pose, views, stage, fit.renderer)
+    }
+}
