@@ -47,8 +47,10 @@ pub(crate) fn why(command: Command, context: &Context<'_>) -> Why {
         | Command::Pose(_)
         | Command::View(_)
         | Command::Laboratory(_)
-        | Command::Demonstration(_)
         | Command::Tour => None,
+        Command::Demonstration(which) => {
+            because(!which.is_available(), "BACKLIT_DATA does not name a folder that has the real footage")
+        }
     }
 }
 

@@ -64,6 +64,7 @@ fn with_object(verb: &str, object: Option<&str>) -> String {
 fn is_hidden(command: Command, context: &Context<'_>) -> bool {
     match command {
         Command::Scene(_) | Command::Pose(PoseCommand::Nudge(_)) => true,
+        Command::Demonstration(which) => !which.is_available(),
         Command::View(ViewCommand::CameraAlone(camera)) => camera >= context.session.camera_count(),
         _ => false,
     }

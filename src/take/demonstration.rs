@@ -6,10 +6,13 @@
 //! | `kind` | [`Demonstration`]: which there are, their names and explanations |
 //! | `runs` | the fits that each shows |
 //! | `take` | the simulated take of each |
+//! | `real` | the real footage in small pictures |
 
 pub(crate) mod kind;
+pub(crate) mod real;
 pub(crate) mod runs;
 pub(crate) mod take;
 
 pub use kind::Demonstration;
 pub(crate) use runs::PreparedRun;
+pub(crate) use take::UNKNOWN_GREY;

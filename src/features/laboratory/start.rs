@@ -99,7 +99,7 @@ impl StartChoice {
             Self::Take => parts.take.clone(),
             Self::Slid { mm } => fig51::start(f64::from(mm) / 1000.0),
             Self::Turned { degrees } => {
-                let truth = parts.demonstration.map(|(which, frame)| which.truth(frame));
+                let truth = parts.demonstration.and_then(|(which, frame)| which.truth(frame));
                 let from = truth.as_ref().unwrap_or(parts.shown);
                 perturb(parts.model, from, f64::from(degrees).to_radians(), ROOT_OFF_M, SEED)
             }
@@ -142,7 +142,7 @@ mod tests {
         let rest = Pose::rest(&model);
         let which = Demonstration::TwoCameras;
         let parts = StartParts { model: &model, shown: &rest, take: &rest, demonstration: Some((which, 0)) };
-        let off = StartChoice::Turned { degrees: 10 }.pose(&parts).local(&which.truth(0));
+        let off = StartChoice::Turned { degrees: 10 }.pose(&parts).local(&which.truth(0).unwrap());
         let angle = glam::DVec3::from_slice(&off[3..6]).length();
         assert!((angle.to_degrees() - 10.0).abs() < 1e-9);
     }

@@ -26,6 +26,10 @@ pub enum Demonstration {
     #[serde(rename = "fig5.6")]
     #[value(name = "fig5.6")]
     TinySequence,
+    /// The real footage in the report's small pictures.
+    #[serde(rename = "footage")]
+    #[value(name = "footage")]
+    RealFootage,
     /// Fits that begin at the truth, by ramp.
     #[serde(rename = "bias")]
     #[value(name = "bias")]
@@ -35,8 +39,15 @@ pub enum Demonstration {
 impl Demonstration {
     /// All of them, in the order of the menu.
     #[cfg(test)]
-    pub(crate) const ALL: [Self; 6] =
-        [Self::SingleLimb, Self::OneCamera, Self::TwoCameras, Self::Sequence, Self::TinySequence, Self::Bias];
+    pub(crate) const ALL: [Self; 7] = [
+        Self::SingleLimb,
+        Self::OneCamera,
+        Self::TwoCameras,
+        Self::Sequence,
+        Self::TinySequence,
+        Self::RealFootage,
+        Self::Bias,
+    ];
 
     /// What its take is called.
     pub(crate) const fn name(self) -> &'static str {
@@ -44,10 +55,16 @@ impl Demonstration {
             Self::SingleLimb => "Fig. 5.1: one limb",
             Self::OneCamera => "Fig. 5.2: one camera",
             Self::TwoCameras => "Fig. 5.3: two cameras",
-            Self::Sequence => "Fig. 5.5: a sequence",
-            Self::TinySequence => "Fig. 5.6: tiny pictures",
+            Self::Sequence => "Fig. 5.5, simulated: a sequence",
+            Self::TinySequence => "Fig. 5.6, simulated: tiny pictures",
+            Self::RealFootage => "Figs. 5.4 and 5.5: real footage",
             Self::Bias => "Bias of a ramp",
         }
+    }
+
+    /// Whether it can be shown here: the real footage does not come with the program.
+    pub(crate) fn is_available(self) -> bool {
+        self != Self::RealFootage || super::real::is_there()
     }
 
     /// What is shown, and what to look at and to try.
@@ -69,13 +86,19 @@ impl Demonstration {
                  start: backlit experiment fig5.3 tries a hundred. Press Comma and Period to go through the steps."
             }
             Self::Sequence => {
-                "50 frames of silhouettes in two cameras. Track forward follows them with the robust preset. \
-                 Then choose Report 2004 as the preset, go to the first frame and track again: N leads to the \
+                "50 simulated frames of silhouettes in two cameras, of the size of the report's real ones. Track \
+                 forward follows them with the robust preset. Then choose Report 2004 as the preset, go to the first frame and track again: N leads to the \
                  worst frames."
             }
             Self::TinySequence => {
-                "The same 50 frames in pictures of 48 × 36 pixels. Track forward follows them; an arm is two \
+                "The same 50 simulated frames in pictures of 48 × 36 pixels. Track forward follows them; an arm is two \
                  pixels wide here, and that is all there is to go by."
+            }
+            Self::RealFootage => {
+                "A person on a beam, two cameras, 144 × 192 pixels, 50 frames: what the report's section 5.2 had. Run \
+                 the fit (Enter) and go through its steps with Comma and Period for Fig. 5.4; Track forward for Fig. \
+                 5.5, where each frame begins at the last one's pose. Then choose Robust as the preset, go to the \
+                 first frame and track again."
             }
             Self::Bias => {
                 "Only camera 1 counts, and every run began at the true pose: without bias it would stay there. The \

@@ -31,7 +31,7 @@ impl Demonstration {
             }
             Self::OneCamera => vec![report()],
             Self::TwoCameras => vec![report(), tangent()],
-            Self::Sequence | Self::TinySequence => Vec::new(),
+            Self::Sequence | Self::TinySequence | Self::RealFootage => Vec::new(),
             Self::Bias => {
                 let looks =
                     bias::Options::default().looks.into_iter().filter(|look| look.data != bias::Data::Area);
@@ -48,6 +48,7 @@ impl Demonstration {
     pub(crate) fn fit(self) -> FitOptions {
         match self {
             Self::Sequence | Self::TinySequence => FitOptions::preset(Preset::Robust),
+            Self::RealFootage => FitOptions::preset(Preset::Report),
             _ => self.runs().pop().map(|run| run.fit).unwrap_or_default(),
         }
     }

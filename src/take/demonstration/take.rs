@@ -15,11 +15,13 @@ use backlit_tracking::body::{Model, Pose, builtin};
 use backlit_tracking::camera::{Camera, Rig};
 use backlit_tracking::render::{Ramp, RendererKind};
 use backlit_tracking::search::start::perturb;
-use backlit_tracking::silhouette::Label;
+use backlit_tracking::silhouette::{Label, Mask};
 use image::{GrayImage, ImageFormat, Luma};
 
 use super::Demonstration;
 
+/// The level of pixels of which nothing is known, in a picture of a mask.
+pub(crate) const UNKNOWN_GREY: u8 = 128;
 /// Size of the pictures, but of the tiny ones.
 const SIZE_PX: [u64; 2] = [192, 144];
 /// Size of the tiny pictures.
@@ -45,46 +47,33 @@ impl Demonstration {
     pub(crate) const fn simulation(self) -> Simulation {
         match self {
             Self::SingleLimb | Self::OneCamera | Self::TwoCameras => Simulation::Prediction,
-            Self::Sequence | Self::TinySequence | Self::Bias => Simulation::Mask,
+            Self::Sequence | Self::TinySequence | Self::RealFootage | Self::Bias => Simulation::Mask,
         }
     }
 
     /// Makes its take.
     ///
     /// # Errors
-    /// None that a test does not find: conditions that are not a take.
+    /// None that a test does not find: conditions that are not a take; or footage that is not there.
     pub(crate) fn take(self) -> anyhow::Result<Take> {
-        let Parts { model, cameras, truths, start } = self.parts()?;
-        let mut toml = format!(
-            "format = \"backlit-take 1\"\nname = \"{}\"\nframe_rate = {:?}\nmodel = \"body.toml\"\n\
-             start = \"start.json\"\n[cameras]\ncalibration = \"cameras.json\"\n",
-            self.name(),
-            upper_body::FRAME_RATE,
-        );
-        let mut files: Vec<(PathBuf, Vec<u8>)> = Vec::new();
-        for camera in &cameras {
-            let name = camera.name();
-            toml += &format!("[[camera]]\nname = \"{name}\"\nframes = \"{name}/%03d.png\"\n");
-            for (frame, truth) in truths.iter().enumerate() {
-                let picture = self.picture(&model, truth, camera)?;
-                let mut bytes = Cursor::new(Vec::new());
-                picture.write_to(&mut bytes, ImageFormat::Png)?;
-                files.push((PathBuf::from(format!("{name}/{frame:03}.png")), bytes.into_inner()));
-            }
+        if self == Self::RealFootage {
+            return super::real::take(self.name());
         }
-        let rig = Rig::new(cameras.iter().map(|camera| (**camera).clone()).collect())?;
-        files.push(("take.toml".into(), toml.into_bytes()));
-        files.push(("body.toml".into(), model_file::to_text(&model).into_bytes()));
-        files.push(("start.json".into(), pose_file::to_text(&model, &start).into_bytes()));
-        files.push(("cameras.json".into(), backlit::to_text(&rig).into_bytes()));
-        Ok(Take::from_files(Arc::new(MemoryFiles::new(files)), Path::new("take.toml"))?)
+        let Parts { model, cameras, truths, start } = self.parts()?;
+        let film = |camera: &Arc<Camera>| {
+            let pictures = truths.iter().map(|truth| self.picture(&model, truth, camera));
+            Ok(Film { camera: (**camera).clone(), pictures: pictures.collect::<anyhow::Result<_>>()? })
+        };
+        let films = cameras.iter().map(film).collect::<anyhow::Result<Vec<_>>>()?;
+        assemble(self.name(), upper_body::FRAME_RATE, &model, &start, films, None)
     }
 
-    /// The true pose of a frame.
-    pub(crate) fn truth(self, frame: usize) -> Pose {
+    /// The true pose of a frame; nobody knows that of real footage.
+    pub(crate) fn truth(self, frame: usize) -> Option<Pose> {
         match self {
-            Self::SingleLimb => fig51::truth(),
-            _ => upper_body::motion(&builtin::upper_body(), frame),
+            Self::SingleLimb => Some(fig51::truth()),
+            Self::RealFootage => None,
+            _ => Some(upper_body::motion(&builtin::upper_body(), frame)),
         }
     }
 
@@ -121,15 +110,61 @@ impl Demonstration {
             Simulation::Prediction => {
                 capsules::grey_levels(model, truth, camera, RendererKind::Capsule, Ramp::Thesis)?.to_gray()
             }
-            Simulation::Mask => {
-                let mask = capsules::hard_mask(model, truth, camera)?;
-                let level = |subject| if subject { Luma([0]) } else { Luma([u8::MAX]) };
-                GrayImage::from_fn(camera.width() as u32, camera.height() as u32, |x, y| {
-                    level(mask.get(x as usize, y as usize) == Some(Label::Subject))
-                })
-            }
+            Simulation::Mask => picture_of(&capsules::hard_mask(model, truth, camera)?),
         })
     }
+}
+
+/// What a camera films.
+pub(super) struct Film {
+    pub(super) camera: Camera,
+    pub(super) pictures: Vec<GrayImage>,
+}
+
+/// A mask as a picture: the subject black, background white, what is not known between them.
+pub(super) fn picture_of(mask: &Mask) -> GrayImage {
+    GrayImage::from_fn(mask.width() as u32, mask.height() as u32, |x, y| {
+        Luma([match mask.get(x as usize, y as usize) {
+            Some(Label::Subject) => 0,
+            Some(Label::Background) => u8::MAX,
+            Some(Label::Unknown) | None => UNKNOWN_GREY,
+        }])
+    })
+}
+
+/// A take of these films; `joints` is a table of reference joints.
+pub(super) fn assemble(
+    name: &str,
+    frame_rate: f64,
+    model: &Model,
+    start: &Pose,
+    films: Vec<Film>,
+    joints: Option<String>,
+) -> anyhow::Result<Take> {
+    let mut toml = format!(
+        "format = \"backlit-take 1\"\nname = \"{name}\"\nframe_rate = {frame_rate:?}\nmodel = \"body.toml\"\n\
+         start = \"start.json\"\n[cameras]\ncalibration = \"cameras.json\"\n",
+    );
+    let mut files: Vec<(PathBuf, Vec<u8>)> = Vec::new();
+    for Film { camera, pictures } in &films {
+        let name = camera.name();
+        toml += &format!("[[camera]]\nname = \"{name}\"\nframes = \"{name}/%03d.png\"\n");
+        for (frame, picture) in pictures.iter().enumerate() {
+            let mut bytes = Cursor::new(Vec::new());
+            picture.write_to(&mut bytes, ImageFormat::Png)?;
+            files.push((PathBuf::from(format!("{name}/{frame:03}.png")), bytes.into_inner()));
+        }
+    }
+    if let Some(joints) = joints {
+        toml += "[reference]\nkeypoints = \"joints.csv\"\n";
+        files.push(("joints.csv".into(), joints.into_bytes()));
+    }
+    let rig = Rig::new(films.into_iter().map(|film| film.camera).collect())?;
+    files.push(("take.toml".into(), toml.into_bytes()));
+    files.push(("body.toml".into(), model_file::to_text(model).into_bytes()));
+    files.push(("start.json".into(), pose_file::to_text(model, start).into_bytes()));
+    files.push(("cameras.json".into(), backlit::to_text(&rig).into_bytes()));
+    Ok(Take::from_files(Arc::new(MemoryFiles::new(files)), Path::new("take.toml"))?)
 }
 
 #[cfg(test)]
@@ -138,7 +173,7 @@ mod tests {
 
     #[test]
     fn every_demonstration_is_a_take() {
-        for demonstration in Demonstration::ALL {
+        for demonstration in Demonstration::ALL.into_iter().filter(|which| which.is_available()) {
             let take = demonstration.take().unwrap();
             assert_eq!(take.name(), demonstration.name());
             assert!(take.start().is_some());
