@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::arguments::{OutputArguments, PictureSize, StartArguments};
 use super::files;
-use super::sequence::{Conditions, SequenceArguments, rows, short_name};
+use super::sequence::{Conditions, SequenceArguments, legend, rows, short_name};
 use crate::cli::table::Table;
 
 /// What `backlit experiment fig5.4` is told.
@@ -48,7 +48,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         };
         let sheet = Sheet {
             title: format!("One frame, iteration by iteration: {}", way.name),
-            subtitle: conditions.text(),
+            subtitle: conditions.text() + legend(&looks),
             columns: way.shown.iter().map(column).collect(),
             rows: rows(&conditions.cameras, &looks),
         };

@@ -10,7 +10,7 @@ use clap::Args;
 
 use super::arguments::{OutputArguments, StartArguments};
 use super::files;
-use super::sequence::{Conditions, SequenceArguments, rows, short_name};
+use super::sequence::{Conditions, SequenceArguments, legend, rows, short_name};
 use super::waiting::Waiting;
 use crate::cli::table::Table;
 
@@ -74,7 +74,7 @@ fn sheet(sequence: &Sequence, way: &Way, found: &WayReport, conditions: &Conditi
     }
     Sheet {
         title: format!("A sequence followed: {}", way.name),
-        subtitle: conditions.text(),
+        subtitle: conditions.text() + legend(&looks),
         columns,
         rows: rows(&conditions.cameras, &looks),
     }

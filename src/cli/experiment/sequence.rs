@@ -94,6 +94,11 @@ impl SequenceArguments {
     }
 }
 
+/// What a reader must know of a sheet's pictures.
+pub(crate) fn legend(columns: &[Vec<Look>]) -> &'static str {
+    if columns.iter().flatten().any(|look| look.hides) { "; light grey in D: not known" } else { "" }
+}
+
 /// Rows of D and Λ, camera by camera, from the columns of a sheet.
 pub(crate) fn rows(cameras: &[&str], columns: &[Vec<Look>]) -> Vec<(String, Vec<image::GrayImage>)> {
     let row = |name: String, picture: &dyn Fn(&Look) -> image::GrayImage, camera: usize| {

@@ -5,11 +5,16 @@ use backlit_tracking::fit::{FitOptions, FitView, Stage};
 use backlit_tracking::render::{RendererKind, predict};
 use image::GrayImage;
 
+/// The level of pixels that weigh nothing, in a picture of the measurement.
+pub const NOT_KNOWN: u8 = 208;
+
 /// What one camera is shown of a pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Look {
-    /// The measurement, as the fit looks at it.
+    /// The measurement, as the fit looks at it; [`NOT_KNOWN`] where it does not.
     pub data: GrayImage,
+    /// Whether there are such pixels.
+    pub hides: bool,
     /// The prediction.
     pub prediction: GrayImage,
 }
@@ -32,7 +37,15 @@ impl Look {
             let prediction = GrayImage::from_fn(drawn.width as u32, drawn.height as u32, |x, y| {
                 image::Luma([pixel(x, y)])
             });
-            Self { data: view.data(stage, distance.as_ref()).to_gray(), prediction }
+            let measured = view.data(stage, distance.as_ref());
+            let mut data = measured.to_gray();
+            let mut hides = false;
+            for (pixel, _) in data.pixels_mut().zip(measured.weights()).filter(|(_, weight)| **weight == 0.0)
+            {
+                *pixel = image::Luma([NOT_KNOWN]);
+                hides = true;
+            }
+            Self { data, hides, prediction }
         };
         views.iter().map(look).collect()
     }

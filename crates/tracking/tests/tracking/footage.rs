@@ -20,6 +20,7 @@ pub(crate) fn footage() -> Option<PathBuf> {
     let test = std::thread::current();
     let name = test.name().unwrap_or("a test");
     // Not by a macro: what those print of a test that passes is not shown.
-    writeln!(std::io::stderr(), "SKIPPED {name}: no footage in {}", footage.display()).unwrap();
+    let mut screen = std::io::stderr();
+    writeln!(screen, "SKIPPED {name}: no footage in {}", footage.display()).unwrap();
     None
 }
