@@ -135,7 +135,7 @@ impl App {
             Asked::SaveAs => ("Save project", Wanted::NewFile(format!("{name}.{PROJECT_EXTENSION}"), &[])),
         };
         if let Err(why) = self.files.dialogs.ask(&state.egui, asked, title, wanted) {
-            state.notices.error(why);
+            state.notices.error(why.to_string());
         }
     }
 

@@ -17,7 +17,7 @@ pub(crate) struct SettingsWriter {
     folder: Option<PathBuf>,
     written: Settings,
     failed: bool,
-    task: Task<(), Result<(), String>>,
+    task: Task<(), Result<(), FileError>>,
 }
 
 impl SettingsWriter {
@@ -41,10 +41,7 @@ impl App {
         let Some(folder) = self.settings_writer.folder.clone() else { return };
         if self.settings_writer.failed || self.settings_writer.written != settings {
             self.settings_writer.written = settings.clone();
-            let write = move |_: &_| {
-                let said = |error: FileError| format!("{error}. {}", write_advice(&error));
-                settings_file::write(&folder, &settings).map_err(said)
-            };
+            let write = move |_: &_| settings_file::write(&folder, &settings);
             self.settings_writer.task.begin(&self.inspector.state.pool, (), |()| once(write));
         }
     }
@@ -60,11 +57,13 @@ impl App {
         }
     }
 
-    fn settings_written(&mut self, result: Result<(), String>) {
+    fn settings_written(&mut self, result: Result<(), FileError>) {
         match result {
             Ok(()) => self.settings_writer.failed = false,
             Err(why) if !std::mem::replace(&mut self.settings_writer.failed, true) => {
-                let text = format!("The arrangement of the window is not kept for the next start: {why}");
+                let advice = write_advice(&why);
+                let text =
+                    format!("The arrangement of the window is not kept for the next start: {why}. {advice}");
                 self.inspector.state.notices.error(text);
             }
             Err(_) => {}

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use anyhow::anyhow;
 use backlit_formats::atomic;
 use backlit_jobs::{News, Priority, Task, once};
 
@@ -11,7 +12,7 @@ use crate::context::write_advice::write_advice;
 
 /// The files that are being written.
 #[derive(Debug, Default)]
-pub(crate) struct Writes(Vec<Task<PathBuf, Result<(), String>>>);
+pub(crate) struct Writes(Vec<Task<PathBuf, anyhow::Result<()>>>);
 
 impl App {
     /// Has a file written.
@@ -22,8 +23,8 @@ impl App {
         task.begin(&self.inspector.state.pool, path, |_| {
             once(move |_| match make() {
                 Ok(bytes) => atomic::write(&file, &bytes)
-                    .map_err(|error| format!("Not written: {error}. {}", write_advice(&error))),
-                Err(error) => Err(format!("{} was not written: {error:#}.", file.display())),
+                    .map_err(|error| anyhow!("Not written: {error}. {}", write_advice(&error))),
+                Err(error) => Err(anyhow!("{} was not written: {error:#}.", file.display())),
             })
         });
         self.writes.0.push(task);
@@ -44,7 +45,7 @@ impl App {
                             None,
                         );
                     }
-                    News::Output(Err(said)) => self.inspector.state.notices.error(said),
+                    News::Output(Err(said)) => self.inspector.state.notices.error(said.to_string()),
                     News::Ended => {}
                     News::Failed(failure) => self.failed("Writing a file", &failure),
                 }

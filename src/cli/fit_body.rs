@@ -136,10 +136,10 @@ impl FitBodyArguments {
 }
 
 /// A finite number above 0.
-fn factor(text: &str) -> Result<f64, &'static str> {
+fn factor(text: &str) -> anyhow::Result<f64> {
     match text.parse() {
         Ok(factor) if factor > 0.0 && f64::is_finite(factor) => Ok(factor),
-        _ => Err("expected a number above 0"),
+        _ => bail!("expected a number above 0"),
     }
 }
 

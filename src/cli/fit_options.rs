@@ -1,5 +1,6 @@
 //! Options that choose renderer, ramp and solver, as `fit` and `track` share them.
 
+use anyhow::bail;
 use std::str::FromStr;
 
 use backlit_tracking::body::Parameters;
@@ -123,9 +124,9 @@ impl SolverArguments {
 }
 
 /// Reads a finite number, 0 or more.
-fn not_negative(text: &str) -> Result<f64, String> {
+fn not_negative(text: &str) -> anyhow::Result<f64> {
     match f64::from_str(text) {
         Ok(number) if number.is_finite() && number >= 0.0 => Ok(number),
-        _ => Err("expected a finite number, 0 or more".to_owned()),
+        _ => bail!("expected a finite number, 0 or more"),
     }
 }

@@ -14,6 +14,11 @@ pub(crate) enum Wanted {
     NewFile(String, &'static [&'static str]),
 }
 
+/// A dialog that cannot be shown.
+#[derive(Debug, thiserror::Error)]
+#[error("No file dialog can be shown: {0}. Drop the file on the window instead.")]
+pub(crate) struct NoDialog(std::io::Error);
+
 /// The dialogs of a feature. `Asked` says what for; it comes back with the answer.
 #[derive(Debug)]
 pub(crate) struct FileDialogs<Asked> {
@@ -32,14 +37,14 @@ impl<Asked: Send + 'static> FileDialogs<Asked> {
     /// Asks, on a thread that lives as long as the dialog.
     ///
     /// # Errors
-    /// A sentence for the user where no dialog can be shown.
+    /// The system gives no thread for it.
     pub(crate) fn ask(
         &self,
         egui: &egui::Context,
         asked: Asked,
         title: &'static str,
         wanted: Wanted,
-    ) -> Result<(), String> {
+    ) -> Result<(), NoDialog> {
         let (sender, egui) = (self.sender.clone(), egui.clone());
         let thread = std::thread::Builder::new().name("backlit file dialog".to_owned()).spawn(move || {
             if let Some(path) = show(title, &wanted) {
@@ -48,9 +53,7 @@ impl<Asked: Send + 'static> FileDialogs<Asked> {
                 egui.request_repaint();
             }
         });
-        let said =
-            |error| format!("No file dialog can be shown: {error}. Drop the file on the window instead.");
-        thread.map(drop).map_err(said)
+        thread.map(drop).map_err(NoDialog)
     }
 
     /// The answers since the last call.

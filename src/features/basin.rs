@@ -28,7 +28,7 @@ use backlit_jobs::{Priority, Task};
 use job::Fitted;
 pub(crate) use preferences::{BasinPreferences, MapColour};
 pub(crate) use results::{About, AnglesResult, BasinResults, FitCount, MapResult, Running};
-pub use settings::{BasinSettings, Compared, ComparedWay, MapDirection, Reference};
+pub use settings::{BasinProblem, BasinSettings, Compared, ComparedWay, MapDirection, Reference};
 use std::time::Instant;
 
 use crate::context::file_dialog::FileDialogs;
@@ -52,7 +52,7 @@ pub struct Basin {
     /// What came of it.
     pub results: BasinResults,
     /// Why nothing could be begun, until something else is tried.
-    pub problem: Option<String>,
+    pub problem: Option<BasinProblem>,
     task: Task<(), Fitted>,
     began: Option<Instant>,
     dialogs: FileDialogs<FileKind>,

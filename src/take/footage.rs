@@ -219,7 +219,7 @@ impl Footage {
             Ok(image) => {
                 match self.mask(camera, frame, &image, options) {
                     Ok(mask) => result.mask = Some(Arc::new(mask)),
-                    Err(problem) => result.problem = Some(problem),
+                    Err(problem) => result.problem = Some(problem.to_string()),
                 }
                 result.image = Some(Arc::new(image));
             }
@@ -237,13 +237,13 @@ impl Footage {
         frame: usize,
         image: &RgbImage,
         options: &SegmentOptions,
-    ) -> Result<Mask, String> {
+    ) -> anyhow::Result<Mask> {
         match self.masks.get(&frame).and_then(|masks| masks.get(&camera)) {
             Some(path) => {
                 let lens = &self.inner.take().rig().cameras()[camera];
-                read_mask(path, lens).map_err(|problem| problem.to_string())
+                Ok(read_mask(path, lens)?)
             }
-            None => self.inner.mask(camera, image, options).map_err(|problem| problem.to_string()),
+            None => Ok(self.inner.mask(camera, image, options)?),
         }
     }
 }

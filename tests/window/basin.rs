@@ -98,7 +98,7 @@ fn what_is_typed_wrong_is_said_and_nothing_runs() {
     assert!(
         harness.state().basin().results.angles.is_none() && harness.state().basin().results.running.is_none()
     );
-    assert!(harness.state().basin().problem.as_ref().unwrap().contains("many"));
+    assert!(harness.state().basin().problem.as_ref().unwrap().to_string().contains("many"));
 }
 
 #[test]

@@ -177,28 +177,64 @@ impl Default for BasinSettings {
     }
 }
 
+/// Why a basin cannot be tried, in a sentence without its full stop.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum BasinProblem {
+    /// There are no cameras.
+    #[error("Open a take first")]
+    NoTake,
+    /// No camera shows anything.
+    #[error("No camera that is used has a silhouette of this frame")]
+    NoSilhouettes,
+    /// No reference, but its pose is to be found.
+    #[error("The take does not say where the joints are in this frame")]
+    NoTruth,
+    /// No angle is typed.
+    #[error("Angles: expected degrees, as 5 10 20")]
+    NoAngles,
+    /// More angles than a plot has room for.
+    #[error("Angles: expected {MOST_ANGLES} at most")]
+    TooManyAngles,
+    /// An angle, in degrees, that is not whole.
+    #[error("Angles: {0} is no whole number of degrees above 0")]
+    NoWholeAngle(f64),
+    /// An angle, in degrees, that is typed twice.
+    #[error("Angles: {0} stands there twice")]
+    AngleTwice(u32),
+    /// A word that is no number.
+    #[error("{name}: “{word}” is no number from 0 to {most}")]
+    NoNumber {
+        /// The field it is typed in.
+        name: &'static str,
+        /// What is typed.
+        word: String,
+        /// The greatest number that is taken.
+        most: f64,
+    },
+}
+
 impl BasinSettings {
     /// The levels that are typed.
     ///
     /// # Errors
-    /// What is wrong with the text, in a sentence without its full stop.
-    pub(crate) fn levels(&self) -> Result<Vec<Level>, String> {
+    /// What is wrong with the text.
+    pub(crate) fn levels(&self) -> Result<Vec<Level>, BasinProblem> {
         let angles = numbers(&self.angles, "Angles", 180.0)?;
         let roots = numbers(&self.root_cm, "Root", 200.0)?;
         if angles.is_empty() {
-            return Err("Angles: expected degrees, as 5 10 20".to_owned());
+            return Err(BasinProblem::NoAngles);
         }
         if angles.len() > MOST_ANGLES {
-            return Err(format!("Angles: expected {MOST_ANGLES} at most"));
+            return Err(BasinProblem::TooManyAngles);
         }
         let mut levels: Vec<Level> = Vec::with_capacity(angles.len());
         for (index, angle) in angles.into_iter().enumerate() {
             if angle.fract() != 0.0 || angle == 0.0 {
-                return Err(format!("Angles: {angle} is no whole number of degrees above 0"));
+                return Err(BasinProblem::NoWholeAngle(angle));
             }
             let degrees = angle as u32;
             if levels.iter().any(|level| level.degrees == degrees) {
-                return Err(format!("Angles: {degrees} stands there twice"));
+                return Err(BasinProblem::AngleTwice(degrees));
             }
             let metres = roots.get(index).or(roots.last()).map_or(0.0, |cm| 0.01 * cm);
             levels.push(Level { degrees, metres });
@@ -219,7 +255,11 @@ impl BasinSettings {
     ///
     /// # Errors
     /// What is wrong with what is typed.
-    pub(crate) fn options(&self, current: &FitOptions, held: usize) -> Result<frame_basin::Options, String> {
+    pub(crate) fn options(
+        &self,
+        current: &FitOptions,
+        held: usize,
+    ) -> Result<frame_basin::Options, BasinProblem> {
         Ok(frame_basin::Options {
             choices: self.choices(current),
             rotation: self.only_held.then_some(held),
@@ -273,14 +313,14 @@ pub(crate) fn name_choices(choices: &mut [FitChoice]) {
 }
 
 /// The numbers of a list with blanks or commas between them.
-fn numbers(text: &str, name: &str, most: f64) -> Result<Vec<f64>, String> {
+fn numbers(text: &str, name: &'static str, most: f64) -> Result<Vec<f64>, BasinProblem> {
     let words =
         text.split(|c: char| c.is_whitespace() || c == ',' || c == ';').filter(|word| !word.is_empty());
     let number = |word: &str| {
         let value = word.trim_end_matches(['°', 'c', 'm']).parse::<f64>().ok();
         value
             .filter(|value| value.is_finite() && (0.0..=most).contains(value))
-            .ok_or_else(|| format!("{name}: “{word}” is no number from 0 to {most}"))
+            .ok_or_else(|| BasinProblem::NoNumber { name, word: word.to_owned(), most })
     };
     words.map(number).collect()
 }
@@ -326,7 +366,7 @@ mod tests {
             ("5", "900", "900"),
         ] {
             let error = levels(angles, root).unwrap_err();
-            assert!(error.contains(said), "{angles}: {error}");
+            assert!(error.to_string().contains(said), "{angles}: {error}");
         }
     }
 

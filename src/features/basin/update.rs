@@ -11,7 +11,7 @@ use backlit_ui::style::format;
 use backlit_ui::style::theme::Theme;
 
 use super::job::{BasinJob, BasinWork, Fitted};
-use super::settings::direction_name;
+use super::settings::{BasinProblem, direction_name};
 use super::{About, AnglesResult, Basin, BasinSettings, FileKind, MapResult, Reference, Running};
 use crate::context::command::{BasinCommand, BasinView};
 use crate::context::file_dialog::Wanted;
@@ -46,7 +46,7 @@ impl Basin {
         self.problem = self.try_to_begin(view, context).err();
     }
 
-    fn try_to_begin(&mut self, view: BasinView, context: &Context<'_>) -> Result<(), String> {
+    fn try_to_begin(&mut self, view: BasinView, context: &Context<'_>) -> Result<(), BasinProblem> {
         let frame = self.frame(context)?;
         let document = context.document();
         let held = document.model.limbs()[context.selection.limb(&document.model)].rotation;
@@ -76,11 +76,11 @@ impl Basin {
     }
 
     /// What the cameras see of the frame on the screen, and the pose that its basin is about.
-    fn frame(&self, context: &Context<'_>) -> Result<Frame, String> {
-        let Some(inputs) = context.fit_inputs() else { return Err("Open a take first".to_owned()) };
+    fn frame(&self, context: &Context<'_>) -> Result<Frame, BasinProblem> {
+        let Some(inputs) = context.fit_inputs() else { return Err(BasinProblem::NoTake) };
         let views = inputs.views();
         if views.is_empty() {
-            return Err("No camera that is used has a silhouette of this frame".to_owned());
+            return Err(BasinProblem::NoSilhouettes);
         }
         let reference = match self.preferences.settings.reference {
             Reference::Pose => context.shown_pose().clone(),
@@ -89,7 +89,7 @@ impl Basin {
                 let joints =
                     take.and_then(|take| take.take().reference()).map(|r| r.joints(context.selection.frame));
                 let pose = joints.and_then(|joints| start::from_joints(&inputs.model, &joints));
-                pose.ok_or("The take does not say where the joints are in this frame")?
+                pose.ok_or(BasinProblem::NoTruth)?
             }
         };
         Ok(Frame { model: inputs.model, views, reference })
@@ -174,7 +174,7 @@ impl Basin {
         let name = format!("{} basin.{}", context.take_name(), kind.extension());
         let wanted = Wanted::NewFile(name, kind.endings());
         if let Err(why) = self.dialogs.ask(context.egui, kind, "Export basin", wanted) {
-            requests.complain(why);
+            requests.complain(why.to_string());
         }
     }
 

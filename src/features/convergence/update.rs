@@ -37,7 +37,7 @@ impl Convergence {
         };
         let wanted = Wanted::NewFile(format!("{} {name}", context.take_name()), endings);
         if let Err(why) = self.dialogs.ask(context.egui, file, title, wanted) {
-            requests.complain(why);
+            requests.complain(why.to_string());
         }
     }
 

@@ -67,7 +67,7 @@ impl Export {
                 ("Export", Wanted::NewFile(name, &[]))
             };
             if let Err(why) = self.dialogs.ask(context.egui, (), title, wanted) {
-                requests.complain(why);
+                requests.complain(why.to_string());
             }
         }
         if let Some(order) = order {

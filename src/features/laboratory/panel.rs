@@ -129,7 +129,7 @@ impl Laboratory {
             (Wish::SavePlot, _) => {
                 let wanted = Wanted::NewFile("laboratory.png".to_owned(), &[]);
                 if let Err(why) = self.dialogs.ask(context.egui, (), "Save plot", wanted) {
-                    requests.complain(why);
+                    requests.complain(why.to_string());
                 }
             }
         }

@@ -1,5 +1,6 @@
 //! The copy of unsaved work, and what earlier windows have left.
 
+use anyhow::anyhow;
 use std::path::Path;
 use std::sync::PoisonError;
 use std::time::{Duration, Instant};
@@ -172,7 +173,7 @@ impl Recovery {
     }
 
     /// Writes the copy at once, when the window closes or something else is opened. Says why that is impossible.
-    pub(crate) fn keep(&mut self, context: &Context<'_>, requests: &mut Requests) -> Result<(), String> {
+    pub(crate) fn keep(&mut self, context: &Context<'_>, requests: &mut Requests) -> anyhow::Result<()> {
         let Some(copies) = &mut self.copies else { return Ok(()) };
         // What is just being written is older: it must not come after this.
         self.task.forget();
@@ -184,12 +185,12 @@ impl Recovery {
             }
             return Ok(());
         }
-        let path = copies.own().map(Path::to_owned).map_err(|error| copies.said(&error));
+        let path = copies.own().map(Path::to_owned).map_err(|error| anyhow!(copies.said(&error)));
         let work = Work::new(context);
-        let written = path.and_then(|path| work.write(&path).map_err(|error| error.to_string()));
+        let written = path.and_then(|path| Ok(work.write(&path)?));
         match &written {
             Ok(()) => self.wrote(context.history.revision(), requests),
-            Err(why) => self.copy_failed(why, requests),
+            Err(why) => self.copy_failed(&why.to_string(), requests),
         }
         written
     }
