@@ -8,11 +8,12 @@
 //! | `update` | runs removed and brought back, files written |
 //! | `panel`, `runs`, `steps` | the pane: the plot, the list of runs, the steps of one |
 //! | [`table`] | all steps of all runs as CSV |
-//! | [`picture`] | the plot as a [`Figure`](backlit_ui::drawing::plot::Figure) |
+//! | `plot`, `picture` | the plot, on the screen and as a file |
 
 pub(crate) mod axis;
 mod panel;
-pub(crate) mod picture;
+mod picture;
+mod plot;
 pub(crate) mod preferences;
 pub(crate) mod quantity;
 mod runs;

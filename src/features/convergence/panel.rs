@@ -1,20 +1,24 @@
 //! The convergence panel: a quantity of the fit against its steps, one curve a run, rejected steps as ×; the list of
 //! runs beside it, the steps of the run on the screen below.
 
-mod plot;
 mod read_out;
 
 use backlit_ui::style::theme;
+use backlit_ui::style::theme::data_colours::mark;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::{checkbox, segmented};
-use egui::{Align, Layout as Direction, Ui, UiBuilder, vec2};
+use egui::{Align, Layout as Direction, Role, Ui, UiBuilder, Vec2, WidgetInfo, vec2};
+use egui_plot::PlotResponse;
 
+use super::plot::Plot;
 use super::{Convergence, ConvergencePreferences, Quantity, steps};
 use crate::context::command::{Command, ConvergenceCommand};
 use crate::context::command_button::menu_row;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::pane_title;
-use crate::context::{Context, Requests};
+use crate::context::{Context, Request, Requests};
+use crate::document::run::Run;
+use crate::document::runs::StepRef;
 
 /// Height of the row of steps.
 const STEPS: f32 = 52.0;
@@ -22,6 +26,8 @@ const STEPS: f32 = 52.0;
 const LIST_FROM: f32 = 760.0;
 /// The list takes no more than this part of the width.
 const LIST_SHARE: f32 = 0.4;
+/// A step is read out when the pointer is so near to its dot.
+const REACH: f32 = 40.0;
 /// Width of the box of quantities.
 const QUANTITY: f32 = 124.0;
 
@@ -49,7 +55,7 @@ impl Convergence {
         let plot_height = (ui.available_height() - STEPS).max(80.0);
         ui.horizontal_top(|ui| {
             let width = ui.available_width() - list_width;
-            plot::ui(ui, context, preferences, requests, vec2(width - space::WIDGET, plot_height), !list);
+            curves(ui, context, preferences, requests, vec2(width - space::WIDGET, plot_height), !list);
             if list {
                 let area = vec2(list_width - space::WIDGET, plot_height);
                 let down = Direction::top_down(Align::Min);
@@ -74,6 +80,57 @@ impl Convergence {
             },
         );
     }
+}
+
+/// The plot, or why there is none. A click goes to a step, the pointer over one reads it out.
+fn curves(
+    ui: &mut Ui,
+    context: &Context<'_>,
+    preferences: ConvergencePreferences,
+    requests: &mut Requests,
+    area: Vec2,
+    names: bool,
+) {
+    let runs: Vec<&Run> = context.runs().all().iter().filter(|run| run.is_shown).collect();
+    if runs.is_empty() {
+        return empty(ui, context, area);
+    }
+    let current = context.selection.step.or_else(|| newest(context));
+    let current = current.and_then(|step| Some((context.runs().get(step.run)?, step.step)));
+    let plot = Plot::of(&runs, preferences, current);
+    let PlotResponse { response, transform, .. } = plot.show(ui, area, names);
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Convergence plot"));
+    let pointer = response.hover_pos().or_else(|| response.interact_pointer_pos());
+    let Some(pointer) = pointer.filter(|pointer| transform.frame().contains(*pointer)) else { return };
+    let Some((step, at)) = plot.nearest(&transform, pointer) else { return };
+    if response.clicked() {
+        requests.request(Request::Step(step));
+    }
+    if at.distance(pointer) <= REACH {
+        let ring = egui::Stroke::new(1.5, theme::palette(ui).text);
+        ui.painter().circle_stroke(at, mark::CURRENT_STEP_RADIUS, ring);
+        read_out::show(ui, context, step, at, *transform.frame());
+    }
+}
+
+fn empty(ui: &mut Ui, context: &Context<'_>, area: Vec2) {
+    let (rect, response) = ui.allocate_exact_size(area, egui::Sense::hover());
+    let palette = theme::palette(ui);
+    ui.painter().rect_filled(rect, f32::from(size::FIELD_RADIUS), palette.plot);
+    let text = match (context.session.take.is_some(), context.runs().all().is_empty()) {
+        (false, _) => "No take, no steps",
+        (true, true) => "Press Space to step",
+        (true, false) => "All curves are hidden",
+    };
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, text, font, palette.text3);
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
+}
+
+/// The last step of the newest run of the frame.
+fn newest(context: &Context<'_>) -> Option<StepRef> {
+    let run = context.run()?;
+    Some(StepRef { run: run.number, step: run.steps.len().checked_sub(1)? })
 }
 
 fn choices(ui: &mut Ui, preferences: &mut ConvergencePreferences) {

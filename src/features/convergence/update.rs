@@ -58,9 +58,9 @@ impl Convergence {
             CurvesFile::Plot => {
                 let name = context.session.take.as_ref().map_or("", |take| take.name.as_str());
                 let title = format!("{name}, frame {}", context.selection.frame);
-                let figure = picture::figure(runs, self.preferences, &title);
-                let theme = context.preferences.theme;
-                requests.write(path, move || Ok(figure.png(theme)?));
+                let runs: Vec<Run> = runs.iter().filter(|run| run.is_shown).cloned().collect();
+                let (preferences, theme) = (self.preferences, context.preferences.theme);
+                requests.write(path, move || Ok(picture::bytes(&runs, preferences, &title, theme)?));
             }
         }
     }

@@ -5,7 +5,6 @@ use backlit_ui::style::theme;
 use backlit_ui::style::theme::{run_style, size};
 use egui::{Align, Area, Frame, Id, Layout as Direction, Margin, Order, Pos2, Rect, RichText, Ui, vec2};
 
-use super::plot::step_title;
 use crate::context::Context;
 use crate::document::run::{Run, RunStep};
 use crate::document::runs::StepRef;
@@ -97,4 +96,11 @@ fn row(ui: &mut Ui, name: &str, value: &str) {
             ui.label(RichText::new(value).monospace().color(palette.text));
         });
     });
+}
+
+/// The number of a step's run and its place, as the read-out has it.
+fn step_title(run: &Run, step: usize) -> RichText {
+    let stage = run.steps.get(step).and_then(|record| run.stages.get(record.stage));
+    let stage = stage.filter(|_| run.stages.len() > 1).map_or_else(String::new, |s| format!(", ramp {s} px"));
+    RichText::new(format!("Step {step}{stage}"))
 }

@@ -1,0 +1,268 @@
+//! The plot, on the screen and in a file: curves, dots, ×, the step on the screen.
+
+use backlit_ui::drawing::plot::marks::{decade_marks, even_marks, step_marks};
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::data_colours::mark;
+use backlit_ui::style::theme::{Palette, run_style, space};
+use backlit_ui::widgets::still_plot;
+use egui::{Pos2, Rect, Ui, Vec2, pos2, vec2};
+use egui_plot::{
+    GridMark, Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotResponse, PlotTransform, PlotUi,
+    Points, VLine,
+};
+
+use super::{ConvergencePreferences, CurvePoint, Quantity, axis, points, quantity};
+use crate::document::run::Run;
+use crate::document::runs::StepRef;
+
+/// Room of the axis of heights, and the least that is left for the curves.
+const AXIS: f64 = 56.0;
+const LEAST_CURVES: f64 = 120.0;
+/// Room for what stands at the ends of the curves: figures, or names and figures.
+const FIGURES: f32 = 64.0;
+const NAMES: f32 = 190.0;
+/// What stands at the ends of curves keeps so far apart.
+const LABEL_SPACING: f32 = 14.0;
+/// Room around the curves, as a part of the axis of heights; it holds the ×.
+const BELOW: f64 = 0.05;
+const ABOVE: f64 = 0.09;
+
+/// The curves of runs, ready to be drawn.
+pub(super) struct Plot<'a> {
+    curves: Vec<Curve<'a>>,
+    scale: Scale,
+    /// The step on the screen.
+    current: Option<(&'a Run, usize)>,
+}
+
+struct Curve<'a> {
+    run: &'a Run,
+    points: Vec<CurvePoint>,
+}
+
+/// Which ends the axes have, and how heights lie on theirs.
+#[derive(Clone, Copy)]
+struct Scale {
+    preferences: ConvergencePreferences,
+    heights: [f64; 2],
+    last_step: f64,
+}
+
+impl Scale {
+    fn of(runs: &[&Run], preferences: ConvergencePreferences) -> Self {
+        let steps = runs.iter().map(|run| run.accepted_until(run.last_step()) as f64).fold(0.0, f64::max);
+        let is_drawn = |point: &CurvePoint| point.accepted || preferences.rejected;
+        let own = runs.iter().flat_map(|run| points(run, preferences.quantity));
+        let has_foretold = preferences.quantity == Quantity::Decrease;
+        let foretold = runs.iter().filter(|_| has_foretold).flat_map(|run| quantity::foretold(run));
+        let values = own.chain(foretold).filter(is_drawn).map(|point| point.y);
+        Self {
+            preferences,
+            heights: axis::heights(values, preferences.is_log),
+            last_step: axis::last_step(steps),
+        }
+    }
+
+    /// Height in the plot of a value; what is too small for a logarithmic axis lies at its end.
+    fn y(&self, value: f64) -> f64 {
+        if self.preferences.is_log { value.max(self.heights[0]).log10() } else { value }
+    }
+
+    /// What stands at a mark of the axis.
+    fn mark(&self, mark: GridMark) -> String {
+        let unit = if matches!(self.preferences.quantity, Quantity::Percent | Quantity::Decrease) {
+            " %"
+        } else {
+            ""
+        };
+        if self.preferences.quantity == Quantity::Cost {
+            let value = if self.preferences.is_log { 10f64.powf(mark.value) } else { mark.value };
+            self.preferences.quantity.text_of(value)
+        } else if self.preferences.is_log {
+            format!("{}{unit}", format::short(10f64.powf(mark.value)))
+        } else {
+            let decimals = (-mark.step_size.log10().floor()).clamp(0.0, 6.0) as usize;
+            format!("{}{unit}", format::number(mark.value, decimals))
+        }
+    }
+
+    fn bounds(&self, width: f64, label_room: f64) -> [[f64; 2]; 2] {
+        let room = (width - AXIS).max(label_room + LEAST_CURVES);
+        let last = self.last_step * room / (room - label_room);
+        let [low, high] = self.heights.map(|end| self.y(end));
+        let high_room = ABOVE * (high - low);
+        [[-0.02 * last, last], [low - BELOW * (high - low), high + high_room]]
+    }
+}
+
+impl<'a> Plot<'a> {
+    /// The plot of runs with a mark at the step on the screen.
+    pub(super) fn of(
+        runs: &[&'a Run],
+        preferences: ConvergencePreferences,
+        current: Option<(&'a Run, usize)>,
+    ) -> Self {
+        let curve = |run: &&'a Run| Curve { run, points: points(run, preferences.quantity) };
+        Self { curves: runs.iter().map(curve).collect(), scale: Scale::of(runs, preferences), current }
+    }
+
+    /// Draws it. `names` says whether the runs' names stand at the ends of their curves.
+    pub(super) fn show(&self, ui: &mut Ui, area: Vec2, names: bool) -> PlotResponse<()> {
+        let palette = theme::palette(ui);
+        let scale = self.scale;
+        let bounds = scale.bounds(f64::from(area.x), f64::from(if names { NAMES } else { FIGURES }));
+        let is_log = scale.preferences.is_log;
+        let response = still_plot("convergence plot", area, palette)
+            .y_axis_min_width(52.0)
+            .x_grid_spacer(step_marks)
+            .y_grid_spacer(move |input| if is_log { decade_marks(input) } else { even_marks(input) })
+            .y_axis_formatter(move |mark, _| scale.mark(mark))
+            .x_axis_formatter(|mark, _| format::number(mark.value, 0))
+            .show(ui, |plot| {
+                plot.set_plot_bounds_x(bounds[0][0]..=bounds[0][1]);
+                plot.set_plot_bounds_y(bounds[1][0]..=bounds[1][1]);
+                for curve in &self.curves {
+                    let is_current = self.current.is_some_and(|(run, _)| run.number == curve.run.number);
+                    draw(plot, curve, scale, is_current);
+                }
+                self.playhead(plot, palette);
+            });
+        self.labels(ui, &response.transform, names);
+        response
+    }
+
+    fn playhead(&self, plot: &mut PlotUi<'_>, palette: &Palette) {
+        let Some((run, step)) = self.current else { return };
+        let x = run.accepted_until(step) as f64;
+        plot.vline(VLine::new("", x).color(palette.accent_text).width(1.5));
+        let curve = self.curves.iter().find(|curve| curve.run.number == run.number);
+        let Some(point) = curve.and_then(|curve| curve.points.iter().find(|p| p.step == step)) else {
+            return;
+        };
+        let at = vec![[point.x, self.scale.y(point.y)]];
+        let ring = Points::new("", PlotPoints::from(at)).color(palette.accent_text).filled(false);
+        plot.points(ring.radius(mark::CURRENT_STEP_RADIUS));
+    }
+
+    /// What stands at the end of each curve, moved apart where curves end together.
+    fn labels(&self, ui: &Ui, transform: &PlotTransform, names: bool) {
+        let frame = *transform.frame();
+        let mut ends: Vec<(Pos2, String, egui::Color32)> = self
+            .curves
+            .iter()
+            .filter_map(|curve| {
+                let last = curve.points.iter().rfind(|point| point.accepted)?;
+                let at = transform.position_from_point(&PlotPoint::new(last.x, self.scale.y(last.y)));
+                let value = self.scale.preferences.quantity.text_of(last.y);
+                let text = if names { format!("{value}  {}", curve.run.name) } else { value };
+                Some((at, text, run_style(curve.run.colour).colour))
+            })
+            .collect();
+        ends.sort_by(|a, b| a.0.y.total_cmp(&b.0.y));
+        let heights = apart(&ends.iter().map(|(at, ..)| at.y).collect::<Vec<_>>(), frame.y_range());
+        let painter = ui.painter().with_clip_rect(frame);
+        for ((at, text, colour), y) in ends.iter().zip(heights) {
+            let left = pos2(at.x + space::WIDGET + 2.0, y);
+            let font = egui::TextStyle::Small.resolve(ui.style());
+            let mut job = egui::text::LayoutJob::simple_singleline(text.clone(), font, *colour);
+            job.wrap = egui::text::TextWrapping::truncate_at_width((frame.right() - left.x - 2.0).max(24.0));
+            let galley = painter.layout_job(job);
+            painter.galley(left - vec2(0.0, 0.5 * galley.size().y), galley, *colour);
+        }
+    }
+
+    /// The step whose mark is nearest to the pointer, and where that is.
+    pub(super) fn nearest(&self, transform: &PlotTransform, pointer: Pos2) -> Option<(StepRef, Pos2)> {
+        let mut best: Option<(f32, StepRef, Pos2)> = None;
+        for curve in &self.curves {
+            let is_drawn = |point: &&CurvePoint| point.accepted || self.scale.preferences.rejected;
+            for point in curve.points.iter().filter(is_drawn) {
+                let mut at = transform.position_from_point(&PlotPoint::new(point.x, self.scale.y(point.y)));
+                if !point.accepted {
+                    at = cross_at(point, self.scale, at, *transform.frame());
+                }
+                let away = at - pointer;
+                // Time runs across: what lies beneath the pointer counts more than what lies beside it.
+                let distance = away.x.abs() * 3.0 + away.y.abs();
+                if best.is_none_or(|(least, ..)| distance < least) {
+                    best = Some((distance, StepRef { run: curve.run.number, step: point.step }, at));
+                }
+            }
+        }
+        best.map(|(_, step, at)| (step, at))
+    }
+}
+
+fn draw(plot: &mut PlotUi<'_>, curve: &Curve<'_>, scale: Scale, is_current: bool) {
+    let style = run_style(curve.run.colour);
+    let dash = match style.dash {
+        [] => LineStyle::Solid,
+        [length, ..] => LineStyle::Dashed { length: *length },
+    };
+    let place = |point: &CurvePoint| [point.x, scale.y(point.y)];
+    if scale.preferences.quantity == Quantity::Decrease {
+        let said: Vec<[f64; 2]> =
+            quantity::foretold(curve.run).iter().filter(|p| p.accepted).map(place).collect();
+        let rings = Points::new("", PlotPoints::from(said)).color(style.colour).filled(false);
+        plot.points(rings.radius(mark::CURRENT_STEP_RADIUS - 1.0).shape(MarkerShape::Circle));
+    }
+    let line: Vec<[f64; 2]> = curve.points.iter().filter(|point| point.accepted).map(place).collect();
+    let width = if is_current { style.width + 0.25 } else { style.width };
+    plot.line(Line::new("", PlotPoints::from(line.clone())).color(style.colour).width(width).style(dash));
+    let dots = Points::new("", PlotPoints::from(line)).color(style.colour).radius(mark::ACCEPTED_RADIUS);
+    plot.points(dots.shape(MarkerShape::Circle).filled(true));
+    if scale.preferences.rejected {
+        let frame = plot.response().rect;
+        let crosses: Vec<[f64; 2]> = curve
+            .points
+            .iter()
+            .filter(|point| !point.accepted)
+            .map(|point| {
+                let screen = plot.screen_from_plot(PlotPoint::new(point.x, scale.y(point.y)));
+                let at = plot.plot_from_screen(cross_at(point, scale, screen, frame));
+                [at.x, at.y]
+            })
+            .collect();
+        let points = Points::new("", PlotPoints::from(crosses)).color(style.colour);
+        plot.points(points.radius(0.5 * mark::REJECTED_SIZE).shape(MarkerShape::Cross));
+    }
+}
+
+/// Where a rejected step's × stands: stacked upwards above the last accepted dot, unless it has a value of its own.
+fn cross_at(point: &CurvePoint, scale: Scale, on_screen: Pos2, frame: Rect) -> Pos2 {
+    if scale.preferences.quantity.is_of_trials() {
+        return on_screen;
+    }
+    let y = on_screen.y - mark::REJECTED_SPACING * point.stacked as f32;
+    pos2(on_screen.x, y.max(frame.top() + 0.5 * mark::REJECTED_SIZE))
+}
+
+/// The same heights in the same order, each at least a line from the one before.
+fn apart(sorted: &[f32], range: egui::Rangef) -> Vec<f32> {
+    let half = 0.5 * LABEL_SPACING;
+    let mut heights: Vec<f32> = Vec::with_capacity(sorted.len());
+    for &y in sorted {
+        let least = heights.last().map_or(range.min + half, |above| above + LABEL_SPACING);
+        heights.push(y.max(least));
+    }
+    let mut most = range.max - half;
+    for y in heights.iter_mut().rev() {
+        *y = y.min(most);
+        most = *y - LABEL_SPACING;
+    }
+    heights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_keep_apart_and_inside() {
+        let range = egui::Rangef::new(0.0, 100.0);
+        assert_eq!(apart(&[20.0, 60.0], range), [20.0, 60.0]);
+        assert_eq!(apart(&[20.0, 22.0, 23.0], range), [20.0, 34.0, 48.0]);
+        assert_eq!(apart(&[92.0, 95.0], range), [79.0, 93.0]);
+    }
+}
