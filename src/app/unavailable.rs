@@ -3,7 +3,10 @@
 use super::Inspector;
 use crate::context::command::Command;
 use crate::context::unavailable::why;
+use crate::features::basin::Basin;
 use crate::features::camera_views::CameraViews;
+use crate::features::convergence::Convergence;
+use crate::features::fit::Fit;
 use crate::features::pose::Posing;
 use crate::features::scene::Scene;
 
@@ -24,6 +27,9 @@ impl Inspector {
             Command::Scene(_) => Scene::unavailable(context),
             Command::Pose(command) => Posing::unavailable(command, context),
             Command::View(command) => CameraViews::unavailable(command, context),
+            Command::Fit(command) => Fit::unavailable(command, context),
+            Command::Convergence(command) => Convergence::unavailable(command, context),
+            Command::Basin(command) => Basin::unavailable(command, context),
             other => why(other, context),
         }
     }

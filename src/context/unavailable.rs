@@ -4,11 +4,8 @@
 //! command need not know who does it.
 
 use super::Context;
-use super::command::{
-    BasinCommand, Command, ConvergenceCommand, FileCommand, FitCommand, HistoryCommand, WindowCommand,
-};
+use super::command::{Command, FileCommand, HistoryCommand, WindowCommand};
 use super::preferences::Layout;
-use crate::document::runs::StepRef;
 
 /// A sentence without its full stop; `None` if nothing stands in the way.
 pub(crate) type Why = Option<&'static str>;
@@ -35,10 +32,10 @@ pub(crate) fn why(command: Command, context: &Context<'_>) -> Why {
         Command::File(command) => file(command, context),
         Command::History(command) => history(command, context),
         Command::Window(command) => window(command, context),
-        Command::Fit(command) => fit(command, context),
-        Command::Convergence(command) => convergence(command, context),
-        Command::Basin(command) => basin(command, context),
-        Command::Scene(_)
+        Command::Fit(_)
+        | Command::Convergence(_)
+        | Command::Basin(_)
+        | Command::Scene(_)
         | Command::Observability(_)
         | Command::Tracking(_)
         | Command::Timeline(_)
@@ -68,7 +65,7 @@ fn no_tiles(context: &Context<'_>) -> Why {
 }
 
 /// Why this frame cannot be fitted.
-fn no_fit(context: &Context<'_>) -> Why {
+pub(crate) fn no_fit(context: &Context<'_>) -> Why {
     let no_camera = context.document().used_cameras().next().is_none();
     let no_mask = context.session.frames.get(context.selection.frame).is_none_or(|frame| !frame.has_mask());
     no_take(context)
@@ -107,45 +104,6 @@ fn window(command: WindowCommand, context: &Context<'_>) -> Why {
         | WindowCommand::Shortcuts
         | WindowCommand::Messages
         | WindowCommand::About => None,
-    }
-}
-
-fn fit(command: FitCommand, context: &Context<'_>) -> Why {
-    let busy = context.busy;
-    match command {
-        FitCommand::Step | FitCommand::SearchPoses => no_fit(context),
-        FitCommand::Run | FitCommand::Refit(_) | FitCommand::FitBody => {
-            no_fit(context).or(because(busy.fitting, "The fit is running"))
-        }
-        FitCommand::Stop => {
-            let is_behind = busy.exporting.is_some() || context.busy.basin;
-            because(!(busy.fitting || busy.tracking || is_behind), "Nothing is running")
-        }
-        FitCommand::StepBack | FitCommand::EarlierStep => match (context.run(), context.selection.step) {
-            (None, _) => Some("This frame has no run yet: press Space to step"),
-            (Some(_), Some(StepRef { step: 0, .. })) => Some("This is the start of the run"),
-            (Some(run), _) => because(run.steps.len() < 2, "The run has no step yet"),
-        },
-        FitCommand::LaterStep | FitCommand::Branch => {
-            because(context.selection.step.is_none(), "This is the newest step of the run")
-        }
-        FitCommand::Renderer(_) | FitCommand::Preset(_) => None,
-    }
-}
-
-fn convergence(command: ConvergenceCommand, context: &Context<'_>) -> Why {
-    match command {
-        ConvergenceCommand::RestoreRuns => because(!context.history.has_removed_runs(), "No run was removed"),
-        ConvergenceCommand::ClearRuns | ConvergenceCommand::ExportCurves | ConvergenceCommand::ExportPlot => {
-            because(context.runs().all().is_empty(), "There are no runs")
-        }
-    }
-}
-
-fn basin(command: BasinCommand, context: &Context<'_>) -> Why {
-    match command {
-        BasinCommand::Run(_) => no_fit(context).or(because(context.busy.basin, "A basin is being tried")),
-        BasinCommand::Cancel => because(!context.busy.basin, "No basin is being tried"),
     }
 }
 

@@ -5,6 +5,7 @@
 //! | `update` | begun, gone on with, its steps taken in, stopped |
 //! | `job` | the fit, one iteration a step |
 //! | `part` | which rotations a refit may move |
+//! | `unavailable` | why a command cannot be used now |
 //! | `refit`, [`refitted`] | the section of that name, and what the last refit has done |
 //! | `solver`, `renderer`, `measurement` | the sections of those names |
 
@@ -17,6 +18,7 @@ pub(crate) mod renderer;
 pub(crate) mod solver;
 #[cfg(test)]
 mod tests;
+mod unavailable;
 mod update;
 
 use std::collections::BTreeMap;

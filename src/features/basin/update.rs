@@ -16,6 +16,7 @@ use super::{About, AnglesResult, Basin, BasinSettings, FileKind, MapResult, Refe
 use crate::context::command::{BasinCommand, BasinView};
 use crate::context::file_dialog::Wanted;
 use crate::context::pane::Pane;
+use crate::context::unavailable::{Why, because, no_fit};
 use crate::context::{Context, PaneEvent, Request, Requests};
 use crate::document::edit::Edit;
 
@@ -31,6 +32,14 @@ impl Basin {
         match command {
             BasinCommand::Run(view) => self.begin(view, context, requests),
             BasinCommand::Cancel => self.cancel(),
+        }
+    }
+
+    /// Why a command cannot be used now.
+    pub(crate) fn unavailable(command: BasinCommand, context: &Context<'_>) -> Why {
+        match command {
+            BasinCommand::Run(_) => no_fit(context).or(because(context.busy.basin, "A basin is being tried")),
+            BasinCommand::Cancel => because(!context.busy.basin, "No basin is being tried"),
         }
     }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::{Convergence, CurvesFile, picture, table};
 use crate::context::command::{Command, ConvergenceCommand};
 use crate::context::file_dialog::Wanted;
+use crate::context::unavailable::{Why, because};
 use crate::context::{Context, Request, Requests};
 use crate::document::run::Run;
 use crate::document::runs::{BROUGHT_BACK, RunChange};
@@ -20,6 +21,18 @@ impl Convergence {
             }
             ConvergenceCommand::ExportCurves => self.ask_for_file(CurvesFile::Table, context, requests),
             ConvergenceCommand::ExportPlot => self.ask_for_file(CurvesFile::Plot, context, requests),
+        }
+    }
+
+    /// Why a command cannot be used now.
+    pub(crate) fn unavailable(command: ConvergenceCommand, context: &Context<'_>) -> Why {
+        match command {
+            ConvergenceCommand::RestoreRuns => {
+                because(!context.history.has_removed_runs(), "No run was removed")
+            }
+            ConvergenceCommand::ClearRuns
+            | ConvergenceCommand::ExportCurves
+            | ConvergenceCommand::ExportPlot => because(context.runs().all().is_empty(), "There are no runs"),
         }
     }
 

@@ -65,8 +65,6 @@ pub struct Line {
     pub points: Vec<[f64; 2]>,
     /// Index of its colour and dash ([`run_style`]).
     pub style: usize,
-    /// Points with a ×, beside the curve.
-    pub crosses: Vec<[f64; 2]>,
     /// Upright bars: x, and both ends. They say how sure a point is.
     pub bars: Vec<[f64; 3]>,
     /// Whether it is drawn thin and without dots: one of many that a thick curve stands for. It has no name in
@@ -87,12 +85,6 @@ impl Line {
     /// A curve through points.
     pub fn of_points(name: &str, style: usize, points: Vec<[f64; 2]>) -> Self {
         Self { name: name.to_owned(), points, style, ..Self::default() }
-    }
-
-    /// The same with a × at each of these points.
-    pub fn with_crosses(mut self, crosses: Vec<[f64; 2]>) -> Self {
-        self.crosses = crosses;
-        self
     }
 
     /// The same with upright bars: x, and both ends.
@@ -251,9 +243,6 @@ impl Figure {
         let (name, width) =
             if line.is_faint { ("", theme::size::HAIRLINE) } else { (line.name.as_str(), style.width) };
         let colour = if line.is_faint { style.colour.gamma_multiply(0.45) } else { style.colour };
-        let crosses: Vec<[f64; 2]> = line.crosses.iter().map(place).collect();
-        let crosses = Points::new(name, PlotPoints::from(crosses)).color(colour);
-        plot.points(crosses.radius(0.5 * mark::REJECTED_SIZE).shape(MarkerShape::Cross));
         for &[x, low, high] in &line.bars {
             let ends: Vec<[f64; 2]> = [[x, low], [x, high]].iter().map(place).collect();
             plot.line(egui_plot::Line::new(name, PlotPoints::from(ends)).color(colour).width(1.0));

@@ -1,0 +1,33 @@
+//! Why a command of the fit cannot be used now.
+
+use super::Fit;
+use crate::context::Context;
+use crate::context::command::FitCommand;
+use crate::context::unavailable::{Why, because, no_fit};
+use crate::document::runs::StepRef;
+
+impl Fit {
+    /// Why a command cannot be used now.
+    pub(crate) fn unavailable(command: FitCommand, context: &Context<'_>) -> Why {
+        let busy = context.busy;
+        match command {
+            FitCommand::Step | FitCommand::SearchPoses => no_fit(context),
+            FitCommand::Run | FitCommand::Refit(_) | FitCommand::FitBody => {
+                no_fit(context).or(because(busy.fitting, "The fit is running"))
+            }
+            FitCommand::Stop => {
+                let is_behind = busy.exporting.is_some() || context.busy.basin;
+                because(!(busy.fitting || busy.tracking || is_behind), "Nothing is running")
+            }
+            FitCommand::StepBack | FitCommand::EarlierStep => match (context.run(), context.selection.step) {
+                (None, _) => Some("This frame has no run yet: press Space to step"),
+                (Some(_), Some(StepRef { step: 0, .. })) => Some("This is the start of the run"),
+                (Some(run), _) => because(run.steps.len() < 2, "The run has no step yet"),
+            },
+            FitCommand::LaterStep | FitCommand::Branch => {
+                because(context.selection.step.is_none(), "This is the newest step of the run")
+            }
+            FitCommand::Renderer(_) | FitCommand::Preset(_) => None,
+        }
+    }
+}
