@@ -47,6 +47,8 @@ impl Inspector {
         if self.unavailable(command).is_some() {
             return;
         }
+        // What was said was about the command before.
+        self.state.status = None;
         if !self.with(|all| &mut all.laboratory, |laboratory, context, _| laboratory.takes(command, context))
         {
             self.hand_over(command);

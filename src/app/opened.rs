@@ -26,6 +26,7 @@ impl Inspector {
         self.refresh = Refresh::default();
         self.features.laboratory.reset(footage);
         self.state.session.reset(Some(footage.clone()));
+        self.state.status = None;
         self.features.observability.reset();
         self.features.scene.reset();
         self.features.basin.reset();

@@ -60,12 +60,6 @@ impl Inspector {
 
     /// Shows all panels.
     pub(crate) fn show(&mut self, ui: &mut Ui, requests: &mut Requests) {
-        if ui.input(|input| !input.events.is_empty())
-            && !self.context().drag.is_dragging()
-            && !requests.commands.is_empty()
-        {
-            self.state.status = None;
-        }
         if let Some(next) = self.state.notices.tick(self.state.now) {
             ui.ctx()
                 .request_repaint_after(std::time::Duration::from_secs_f64((next - self.state.now).max(0.0)));

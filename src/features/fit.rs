@@ -64,6 +64,8 @@ struct LiveRun {
     steps: usize,
     /// The last of them, or the start, with what it predicts.
     last: Option<(RunStep, Arc<Predicted>)>,
+    /// The solver itself has ended it: there are no more steps.
+    is_over: bool,
 }
 
 impl Default for Fit {

@@ -1,8 +1,12 @@
 //! The fit in the window.
 
+use crate::app::Opening;
 use crate::app::testing::{Breaks, errors, open, settle};
-use crate::context::command::{Command, FitCommand};
+use crate::context::command::{Command, FitCommand, HistoryCommand};
 use crate::context::preferences::Layout;
+use crate::document::run::RunEnding;
+use crate::take::demonstration::Demonstration;
+use crate::take::source::TakeSource;
 
 #[test]
 fn a_fit_that_breaks_down_leaves_what_it_has_done_and_the_next_run_is_a_new_one() {
@@ -24,4 +28,38 @@ fn a_fit_that_breaks_down_leaves_what_it_has_done_and_the_next_run_is_a_new_one(
     settle(&mut window, &mut app);
     assert_eq!(app.runs().len(), 2);
     assert!(app.runs()[1].steps.len() > 1);
+}
+
+#[test]
+fn a_run_that_has_ended_stays_as_it_ended() {
+    let (mut window, mut app) = open(Layout::Pose);
+    let context = window.ctx.clone();
+    app.run(Command::Fit(FitCommand::Run), &context);
+    settle(&mut window, &mut app);
+    let ended = app.runs()[0].clone();
+    assert!(matches!(ended.ending, Some(RunEnding::Solver(_))), "{:?}", ended.ending);
+    for again in [FitCommand::Step, FitCommand::Run] {
+        app.run(Command::Fit(again), &context);
+        settle(&mut window, &mut app);
+        assert_eq!(app.runs(), [ended.clone()]);
+        assert!(app.state.status.as_ref().unwrap().starts_with("This run has ended"));
+    }
+}
+
+#[test]
+fn words_about_a_command_go_with_the_next_one_and_with_the_take() {
+    let (mut window, mut app) = open(Layout::Pose);
+    let context = window.ctx.clone();
+    app.run(Command::Fit(FitCommand::Step), &context);
+    settle(&mut window, &mut app);
+    let undo = Command::History(HistoryCommand::Undo);
+    app.run(undo, &context);
+    assert!(app.state.status.as_ref().unwrap().starts_with("Undid"));
+    app.run(Command::Fit(FitCommand::Step), &context);
+    settle(&mut window, &mut app);
+    assert_eq!(app.state.status, None);
+    app.run(undo, &context);
+    app.open(Opening::Take(TakeSource::Demonstration(Demonstration::SingleLimb)));
+    settle(&mut window, &mut app);
+    assert_eq!(app.state.status, None);
 }

@@ -89,6 +89,10 @@ impl Fit {
         }
         self.gesture = Some(next_gesture(context.egui));
         match self.live.as_ref().filter(|live| live.can_go_on(context)) {
+            Some(live) if live.is_over => {
+                requests
+                    .status("This run has ended. Move the body or choose otherwise, and a new one begins.");
+            }
             Some(live) => {
                 requests.request(Request::LeaveStep);
                 requests.request(Request::Runs(RunChange::End(live.number, None)));
@@ -233,7 +237,8 @@ impl Fit {
             let edit = Edit::AddEstimate { frame: live.frame, estimate: Arc::new(estimate) };
             requests.edits.push((edit, self.gesture));
         }
-        if ending.is_some() {
+        if let Some(live) = self.live.as_mut().filter(|_| ending.is_some()) {
+            live.is_over = matches!(ending, Some(RunEnding::Solver(_)));
             self.pending_steps = 0;
         }
     }
@@ -241,7 +246,7 @@ impl Fit {
 
 impl LiveRun {
     const fn new(number: usize, frame: usize, inputs: FitInputs) -> Self {
-        Self { number, frame, inputs, before: 0.0, steps: 0, last: None }
+        Self { number, frame, inputs, before: 0.0, steps: 0, last: None, is_over: false }
     }
 
     /// Whether the pose on the screen is its last one, and nothing else that it depends on has changed.
