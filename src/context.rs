@@ -110,10 +110,22 @@ impl<'a> Context<'a> {
         self.history.runs()
     }
 
-    /// The run that is looked at, or else the newest one of the frame.
+    /// The run whose step is on the screen, or else the newest one of the frame.
     pub(crate) fn run(&self) -> Option<&'a Run> {
-        let looked_at = self.selection.step.and_then(|step| self.runs().get(step.run));
-        looked_at.or_else(|| self.runs().newest_of(self.selection.frame))
+        let shown = self.shown_step().and_then(|step| self.runs().get(step.run));
+        shown.or_else(|| self.runs().newest_of(self.selection.frame))
+    }
+
+    /// The step on the screen: the one that is looked at, or the last one of the run that is going on, or the one whose pose is
+    /// the frame's. A body that was moved since stands at none.
+    pub(crate) fn shown_step(&self) -> Option<StepRef> {
+        let frame = self.selection.frame;
+        let going_on = || {
+            let run = self.runs().get(self.busy.fitted_run?).filter(|run| run.frame == frame)?;
+            Some(StepRef { run: run.number, step: run.last_step() })
+        };
+        let of_pose = || self.runs().last_step_with_pose(frame, self.document().pose_at(frame));
+        self.selection.step.or_else(going_on).or_else(of_pose)
     }
 
     /// The pose on the screen: that of the step that is looked at, or of the run that is going on, or the document's.

@@ -81,6 +81,14 @@ impl Runs {
         self.all.iter().filter(|run| run.frame == frame).find_map(found)
     }
 
+    /// The last step of the newest run on a frame that stands at this pose, its start included.
+    pub(crate) fn last_step_with_pose(&self, frame: usize, pose: &Pose) -> Option<StepRef> {
+        self.all.iter().rev().filter(|run| run.frame == frame).find_map(|run| {
+            let step = run.steps.iter().rposition(|step| step.pose == *pose)?;
+            Some(StepRef { run: run.number, step })
+        })
+    }
+
     /// The first colour that no run has.
     pub(crate) fn free_colour(&self) -> usize {
         (0..).find(|colour| self.all.iter().all(|run| run.colour != *colour)).unwrap_or_default()

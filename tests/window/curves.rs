@@ -122,6 +122,30 @@ fn the_slider_takes_arrow_keys_once_it_has_the_focus() {
     press(&mut harness, Modifiers::NONE, Key::ArrowRight);
     assert_eq!(harness.state().selection().step.unwrap().step, at + 1);
     assert_eq!(harness.state().selection().frame, frame);
+    // Keys that it has no use for are the window's.
+    press(&mut harness, Modifiers::NONE, Key::Space);
+    settle(&mut harness);
+    assert_eq!(names(&harness).len(), 2);
+}
+
+#[test]
+fn the_plot_stands_where_the_views_do() {
+    let mut harness = open_dark();
+    click(&mut harness, "Run");
+    let last = harness.state().runs()[0].steps.len() - 1;
+    harness.get_by_label(&format!("Step {last} of {last}"));
+    for _ in 0..3 {
+        press(&mut harness, Modifiers::NONE, Key::Comma);
+    }
+    let step = harness.state().selection().step.unwrap().step;
+    click(&mut harness, "Branch");
+    assert_eq!(harness.state().selection().step, None);
+    harness.get_by_label(&format!("Step {step} of {last}"));
+    // Undone is the branch, then the fit.
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    harness.get_by_label(&format!("Step {last} of {last}"));
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    harness.get_by_label(&format!("Step 0 of {last}"));
 }
 
 #[test]

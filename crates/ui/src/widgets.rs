@@ -36,7 +36,7 @@ pub use picture_marks::{paint_body_outline, paint_limb_edges, paint_quick_outlin
 pub use section::{named_section, section};
 pub use segmented::segmented;
 pub use size_handles::SizeHandles;
-pub use slider::ValueSlider;
+pub use slider::{ValueSlider, focus_holds_arrows_only, hold_arrows};
 pub use slider_row::{SliderRow, hint, named_row, number_field, row_name};
 pub use still_plot::still_plot;
 pub use text_field::text_field;

@@ -1,5 +1,6 @@
 //! The keys of commands: which were pressed, and how they are written.
 
+use backlit_ui::widgets::focus_holds_arrows_only;
 use egui::{Key, KeyboardShortcut, ModifierNames, Modifiers};
 
 use super::table::TABLE;
@@ -32,13 +33,14 @@ impl Command {
     pub(crate) fn pressed(ctx: &egui::Context) -> Vec<Self> {
         let typing = ctx.text_edit_focused();
         let focused = ctx.egui_wants_keyboard_input();
+        let arrows_only = focus_holds_arrows_only(ctx);
         let commands: Vec<Self> = ctx.input_mut(|input| {
             // Longer combinations first, or Ctrl+Shift+Z would be taken for Ctrl+Z.
             let mut rows: Vec<(&KeyboardShortcut, Self)> =
                 TABLE.iter().flat_map(|row| row.keys.iter().map(move |keys| (keys, row.command))).collect();
             rows.sort_by_key(|(keys, _)| std::cmp::Reverse(modifier_count(keys.modifiers)));
             rows.retain(|(keys, _)| !typing || acts_while_typing(keys));
-            rows.retain(|(keys, _)| !focused || !belongs_to_focus(keys));
+            rows.retain(|(keys, _)| !focused || !belongs_to_focus(keys, arrows_only));
             rows.retain(|(keys, _)| input.consume_shortcut(keys));
             rows.into_iter().map(|(_, command)| command).collect()
         });
@@ -76,9 +78,10 @@ fn acts_while_typing(keys: &KeyboardShortcut) -> bool {
     (keys.modifiers.command && !is_text_command) || matches!(keys.logical_key, Key::F1 | Key::F2 | Key::F3)
 }
 
-fn belongs_to_focus(keys: &KeyboardShortcut) -> bool {
+fn belongs_to_focus(keys: &KeyboardShortcut, arrows_only: bool) -> bool {
     use Key::{ArrowDown, ArrowLeft, ArrowRight, ArrowUp, Enter, Space, Tab};
-    let own = [ArrowDown, ArrowLeft, ArrowRight, ArrowUp, Enter, Space, Tab];
+    let own = [ArrowDown, ArrowLeft, ArrowRight, ArrowUp, Tab, Enter, Space];
+    let own = if arrows_only { &own[..5] } else { &own };
     !keys.modifiers.command && own.contains(&keys.logical_key)
 }
 

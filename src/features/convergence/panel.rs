@@ -18,7 +18,6 @@ use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::pane_title;
 use crate::context::{Context, Request, Requests};
 use crate::document::run::Run;
-use crate::document::runs::StepRef;
 
 /// Height of the row of steps.
 const STEPS: f32 = 52.0;
@@ -95,7 +94,7 @@ fn curves(
     if runs.is_empty() {
         return empty(ui, context, area);
     }
-    let current = context.selection.step.or_else(|| newest(context));
+    let current = context.shown_step();
     let current = current.and_then(|step| Some((context.runs().get(step.run)?, step.step)));
     let plot = Plot::of(&runs, preferences, current);
     let PlotResponse { response, transform, .. } = plot.show(ui, area, names);
@@ -125,12 +124,6 @@ fn empty(ui: &mut Ui, context: &Context<'_>, area: Vec2) {
     let font = egui::TextStyle::Body.resolve(ui.style());
     ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, text, font, palette.text3);
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
-}
-
-/// The last step of the newest run of the frame.
-fn newest(context: &Context<'_>) -> Option<StepRef> {
-    let run = context.run()?;
-    Some(StepRef { run: run.number, step: run.steps.len().checked_sub(1)? })
 }
 
 fn choices(ui: &mut Ui, preferences: &mut ConvergencePreferences) {

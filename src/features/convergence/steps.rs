@@ -3,7 +3,7 @@
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
-use backlit_ui::widgets::Icon;
+use backlit_ui::widgets::{Icon, hold_arrows};
 use egui::{Align, Align2, Layout as Direction, Rect, RichText, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 use crate::context::command::{Command, FitCommand};
@@ -31,8 +31,12 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
                 return;
             };
             let last = run.last_step();
-            let at = context.selection.step.filter(|at| at.run == run.number).map_or(last, |at| at.step);
-            let text = RichText::new(format!("Step {at} of {last}")).monospace();
+            let at = context.shown_step().map(|at| at.step);
+            let text = match at {
+                Some(at) => format!("Step {at} of {last}"),
+                None => format!("{last} steps"),
+            };
+            let text = RichText::new(text).monospace();
             let (rect, _) = ui.allocate_exact_size(vec2(104.0, size::ROW), Sense::hover());
             ui.put(rect, egui::Label::new(text));
             let width = (ui.available_width() - WORDS).max(120.0);
@@ -42,26 +46,28 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     );
 }
 
-fn slider(ui: &mut Ui, requests: &mut Requests, run: &Run, at: usize, width: f32) {
+fn slider(ui: &mut Ui, requests: &mut Requests, run: &Run, at: Option<usize>, width: f32) {
     let (rect, response) = ui.allocate_exact_size(vec2(width, 40.0), Sense::click_and_drag());
     let last = run.steps.len().saturating_sub(1).max(1);
-    response.widget_info(|| WidgetInfo::slider(true, at as f64, "Step"));
+    response.widget_info(|| WidgetInfo::slider(true, at.unwrap_or(last) as f64, "Step"));
     let rail = Rect::from_center_size(rect.center() + vec2(0.0, 2.0), vec2(rect.width() - 2.0 * HANDLE, 3.0));
     let x = |step: usize| rail.left() + rail.width() * step as f32 / last as f32;
     if let Some(pointer) = response.interact_pointer_pos() {
         let share = ((pointer.x - rail.left()) / rail.width()).clamp(0.0, 1.0);
         let step = (share * last as f32).round() as usize;
-        if step != at && step < run.steps.len() {
+        if Some(step) != at && step < run.steps.len() {
             requests.request(Request::Step(StepRef { run: run.number, step }));
         }
     }
-    if let Some(step) = step_by_key(ui, &response, at, run.last_step()) {
+    if let Some(step) = step_by_key(ui, &response, at.unwrap_or(last), run.last_step()) {
         requests.request(Request::Step(StepRef { run: run.number, step }));
     }
     let palette = theme::palette(ui);
     let painter = ui.painter();
     painter.rect_filled(rail, 1.5, palette.widget);
-    painter.rect_filled(Rect::from_x_y_ranges(rail.left()..=x(at), rail.y_range()), 1.5, palette.accent);
+    if let Some(at) = at {
+        painter.rect_filled(Rect::from_x_y_ranges(rail.left()..=x(at), rail.y_range()), 1.5, palette.accent);
+    }
     let colour = theme::run_style(run.colour).colour;
     let (mut stage, mut free_from) = (usize::MAX, f32::NEG_INFINITY);
     for (step, record) in run.steps.iter().enumerate() {
@@ -89,7 +95,9 @@ fn slider(ui: &mut Ui, requests: &mut Requests, run: &Run, at: usize, width: f32
     let response =
         response.on_hover_text("Drag or click to look at a step; the arrow keys once it has the focus");
     let fill = if response.hovered() || response.has_focus() { palette.text } else { palette.text2 };
-    painter.circle(pos2(x(at), rail.center().y), HANDLE, fill, Stroke::new(1.0, palette.panel));
+    if let Some(at) = at {
+        painter.circle(pos2(x(at), rail.center().y), HANDLE, fill, Stroke::new(1.0, palette.panel));
+    }
 }
 
 /// The step that the arrow keys go to while the slider has the focus.
@@ -100,8 +108,7 @@ fn step_by_key(ui: &Ui, response: &egui::Response, at: usize, last: usize) -> Op
     if !response.has_focus() {
         return None;
     }
-    let filter = egui::EventFilter { horizontal_arrows: true, ..egui::EventFilter::default() };
-    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+    hold_arrows(ui, response);
     let pressed = |key| ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, key));
     let step = if pressed(egui::Key::ArrowLeft) {
         at.saturating_sub(1)
@@ -113,10 +120,13 @@ fn step_by_key(ui: &Ui, response: &egui::Response, at: usize, last: usize) -> Op
     (step != at).then_some(step)
 }
 
-fn words(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, run: &Run, at: usize) {
+fn words(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, run: &Run, at: Option<usize>) {
     ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
         button(ui, context, requests, Command::Fit(FitCommand::Branch));
-        let text = run.steps.get(at).map_or_else(String::new, |step| sentence(step, at));
+        let text = at.map_or_else(
+            || "The body has moved since.".to_owned(),
+            |at| run.steps.get(at).map_or_else(String::new, |step| sentence(step, at)),
+        );
         let text = RichText::new(text).small().color(theme::palette(ui).text2);
         ui.add(egui::Label::new(text).truncate());
     });

@@ -19,14 +19,19 @@ impl Fit {
                 let is_behind = busy.exporting.is_some() || context.busy.basin;
                 because(!(busy.fitting || busy.tracking || is_behind), "Nothing is running")
             }
-            FitCommand::StepBack | FitCommand::EarlierStep => match (context.run(), context.selection.step) {
+            FitCommand::StepBack | FitCommand::EarlierStep => match (context.run(), context.shown_step()) {
                 (None, _) => Some("This frame has no run yet: press Space to step"),
                 (Some(_), Some(StepRef { step: 0, .. })) => Some("This is the start of the run"),
                 (Some(run), _) => because(run.steps.len() < 2, "The run has no step yet"),
             },
-            FitCommand::LaterStep | FitCommand::Branch => {
-                because(context.selection.step.is_none(), "This is the newest step of the run")
+            FitCommand::LaterStep => {
+                let is_last = |at: StepRef| context.run().is_none_or(|run| run.last_step() == at.step);
+                because(context.shown_step().is_none_or(is_last), "This is the newest step of the run")
             }
+            FitCommand::Branch => because(
+                context.selection.step.is_none(),
+                "The frame's pose is on the screen: go to a step of a run first",
+            ),
             FitCommand::Renderer(_) | FitCommand::Preset(_) => None,
         }
     }

@@ -262,8 +262,12 @@ impl LiveRun {
 fn look_at_neighbour(later: bool, context: &Context<'_>, requests: &mut Requests) {
     let Some(run) = context.run().filter(|run| !run.steps.is_empty()) else { return };
     let last = run.last_step();
-    let at = context.selection.step.map_or(last, |step| step.step);
-    let step = if later { (at + 1).min(last) } else { at.saturating_sub(1) };
+    let step = match context.shown_step() {
+        Some(at) if later => (at.step + 1).min(last),
+        Some(at) => at.step.saturating_sub(1),
+        // The body was moved since: back to where the run left it.
+        None => last,
+    };
     // The newest step is the document's pose, as long as nobody has changed that.
     let is_newest =
         step == last && run.steps[last].pose == *context.document().pose_at(context.selection.frame);

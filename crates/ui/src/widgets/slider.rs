@@ -3,8 +3,8 @@
 use std::ops::RangeInclusive;
 
 use egui::{
-    Color32, CornerRadius, EventFilter, Key, Rect, Response, Sense, Stroke, Ui, Widget, WidgetInfo, pos2,
-    vec2,
+    Color32, Context, CornerRadius, EventFilter, Id, Key, Rect, Response, Sense, Stroke, Ui, Widget,
+    WidgetInfo, pos2, vec2,
 };
 
 use super::button::focus_ring;
@@ -85,8 +85,7 @@ impl<'a> ValueSlider<'a> {
             self.set(self.range.start() + share.clamp(0.0, 1.0) * span);
         }
         if response.has_focus() {
-            let arrows = EventFilter { horizontal_arrows: true, ..EventFilter::default() };
-            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
+            hold_arrows(ui, response);
             let presses = |key| ui.input(|input| input.num_presses(key)) as f64;
             let steps = presses(Key::ArrowRight) - presses(Key::ArrowLeft);
             if steps != 0.0 {
@@ -132,6 +131,24 @@ impl<'a> ValueSlider<'a> {
         painter.circle(pos2(handle, rail.center().y), HANDLE_RADIUS, fill, edge);
         focus_ring(ui, response);
     }
+}
+
+/// The widget that takes the arrow keys while it has the focus, and no others.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct HoldsArrows(Id);
+
+/// Keeps the left and right arrow keys for a slider that has the focus. Space and Enter, which a slider has no use for, stay
+/// the window's, see [`focus_holds_arrows_only`].
+pub fn hold_arrows(ui: &Ui, slider: &Response) {
+    let arrows = EventFilter { horizontal_arrows: true, ..EventFilter::default() };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(slider.id, arrows));
+    ui.data_mut(|data| data.insert_temp(Id::NULL, HoldsArrows(slider.id)));
+}
+
+/// Whether what has the focus takes the arrow keys and no others.
+pub fn focus_holds_arrows_only(ctx: &Context) -> bool {
+    let holder = ctx.data(|data| data.get_temp::<HoldsArrows>(Id::NULL));
+    holder.is_some_and(|HoldsArrows(id)| ctx.memory(|memory| memory.has_focus(id)))
 }
 
 fn handle_colours(palette: &theme::Palette, enabled: bool, is_touched: bool) -> (Color32, Stroke) {
