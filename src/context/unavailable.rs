@@ -94,12 +94,17 @@ fn history(command: HistoryCommand, context: &Context<'_>) -> Why {
 fn window(command: WindowCommand, context: &Context<'_>) -> Why {
     match command {
         WindowCommand::TogglePane(_) | WindowCommand::ArrangeTiles => no_tiles(context),
+        WindowCommand::NormalSize => {
+            because(context.egui.zoom_factor() == 1.0, "The window has its usual size")
+        }
         WindowCommand::RestoreLayout => because(!context.can_restore_layout, "The layout was not reset"),
         WindowCommand::Layout(_)
         | WindowCommand::ToggleTheme
         | WindowCommand::TogglePanel
         | WindowCommand::ToggleTimeline
         | WindowCommand::ResetLayout
+        | WindowCommand::Enlarge
+        | WindowCommand::Shrink
         | WindowCommand::Palette
         | WindowCommand::Shortcuts
         | WindowCommand::Messages

@@ -4,6 +4,7 @@ use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
 use backlit_ui::drawing::{Comparison, ViewMode};
 use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::checkbox;
 use egui::Ui;
 
@@ -34,6 +35,13 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, fo
 
 fn contents(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, menu: Menu) {
     ui.set_min_width(230.0);
+    // A menu that is longer than the window scrolls.
+    let most = ui.ctx().content_rect().height() - size::TOOLBAR - 2.0 * space::ROW;
+    let area = egui::ScrollArea::vertical().max_height(most).auto_shrink(true);
+    area.show(ui, |ui| rows(ui, context, requests, menu));
+}
+
+fn rows(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, menu: Menu) {
     for command in Command::in_menu(menu) {
         if is_hidden(command, context) {
             continue;
@@ -78,7 +86,10 @@ fn begins_group(command: Command) -> bool {
             | Command::Export(ExportCommand::View)
             | Command::Pose(P::Copy | P::Mirror | P::NextJoint)
             | Command::Window(
-                WindowCommand::ToggleTheme | WindowCommand::TogglePane(Pane::Scene) | WindowCommand::Messages
+                WindowCommand::ToggleTheme
+                    | WindowCommand::TogglePane(Pane::Scene)
+                    | WindowCommand::Enlarge
+                    | WindowCommand::Messages
             )
             | Command::View(V::FitSubject | V::LinkZoom | V::Mode(ViewMode::Footage))
             | Command::View(V::Compare(Comparison::Wipe) | V::CameraAlone(0))

@@ -77,6 +77,9 @@ group! {
         ArrangeTiles,
         ResetLayout,
         RestoreLayout,
+        Enlarge,
+        Shrink,
+        NormalSize,
         Palette,
         Shortcuts,
         Messages,
@@ -182,8 +185,9 @@ group! {
         Slower,
         Faster,
         WholeTake,
-        NextWorst,
-        PreviousWorst,
+        WorstFrame,
+        NextPoor,
+        PreviousPoor,
     }
 }
 

@@ -43,9 +43,9 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         key_pose(ui, context, requests);
         icon(ui, context, requests, Command::Timeline(TimelineCommand::NextKey), Icon::NextKey);
         ui.add_space(space::WIDGET);
-        icon(ui, context, requests, Command::Timeline(TimelineCommand::PreviousWorst), Icon::Previous);
-        let worst = if folded { "Worst" } else { "Next worst" };
-        named_button(ui, context, requests, Command::Timeline(TimelineCommand::NextWorst), worst);
+        icon(ui, context, requests, Command::Timeline(TimelineCommand::PreviousPoor), Icon::Previous);
+        named_button(ui, context, requests, Command::Timeline(TimelineCommand::WorstFrame), "Worst");
+        icon(ui, context, requests, Command::Timeline(TimelineCommand::NextPoor), Icon::Next);
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
             let (short, full) = (short_summary(context), summary(context));
             let text = if folded { &short } else { &full };

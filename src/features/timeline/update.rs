@@ -31,9 +31,12 @@ impl Timeline {
                 let key = neighbour(&keys, here, command == TimelineCommand::NextKey);
                 key.into_iter().for_each(go_to);
             }
-            TimelineCommand::NextWorst | TimelineCommand::PreviousWorst => {
-                let worst = neighbour(&worst(document), here, command == TimelineCommand::NextWorst);
-                requests.others.extend(worst.map(Request::Visit));
+            TimelineCommand::WorstFrame => {
+                requests.others.extend(next_in_rank(&by_fit(document), here).map(Request::Visit));
+            }
+            TimelineCommand::NextPoor | TimelineCommand::PreviousPoor => {
+                let poor = neighbour(&poor(document), here, command == TimelineCommand::NextPoor);
+                requests.others.extend(poor.map(Request::Visit));
             }
             TimelineCommand::SetKeyPose => {
                 let is_key = document.keys.contains_key(&here);
@@ -68,7 +71,7 @@ impl Timeline {
                 because(document.keys.is_empty(), "There is no key pose yet: K sets one")
                     .or(because(is_only, "This frame has the only key pose"))
             }
-            TimelineCommand::NextWorst | TimelineCommand::PreviousWorst => {
+            TimelineCommand::WorstFrame | TimelineCommand::NextPoor | TimelineCommand::PreviousPoor => {
                 not_tracked(context).or(because(document.estimates.len() < 2, "Only one frame is fitted"))
             }
             TimelineCommand::ClearRange => match context.playback.range {
@@ -122,15 +125,28 @@ impl Timeline {
     }
 }
 
-/// The tenth of all frames that overlaps least.
-fn worst(document: &Document) -> Vec<usize> {
+/// All fitted frames, the worst first: lost ones, then those that overlap least.
+fn by_fit(document: &Document) -> Vec<usize> {
     let overlaps = document.estimates.iter();
     let overlaps =
         overlaps.map(|(frame, found)| (if found.lost { -1.0 } else { found.iou.unwrap_or(1.0) }, *frame));
     let mut found: Vec<(f64, usize)> = overlaps.collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    found.truncate(found.len().div_ceil(10));
     found.into_iter().map(|(_, frame)| frame).collect()
+}
+
+/// The tenth of them that fits worst.
+fn poor(document: &Document) -> Vec<usize> {
+    let mut frames = by_fit(document);
+    frames.truncate(frames.len().div_ceil(10));
+    frames
+}
+
+/// The first of some frames, or from one of the poor ones the next in rank; after the poor ones the first again.
+fn next_in_rank(frames: &[usize], here: usize) -> Option<usize> {
+    let poor = &frames[..frames.len().div_ceil(10)];
+    let rank = poor.iter().position(|frame| *frame == here);
+    rank.and_then(|rank| poor.get(rank + 1)).or(poor.first()).copied()
 }
 
 /// The next of some frames on a side, or the one at the other end.
@@ -146,6 +162,16 @@ fn neighbour(frames: &[usize], here: usize, later: bool) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_worst_frame_comes_first_and_then_the_next_worst() {
+        let mut frames: Vec<usize> = vec![7, 2];
+        frames.extend(10..20);
+        assert_eq!(next_in_rank(&frames, 3), Some(7));
+        assert_eq!(next_in_rank(&frames, 7), Some(2));
+        assert_eq!(next_in_rank(&frames, 2), Some(7), "and round");
+        assert_eq!(next_in_rank(&[], 3), None);
+    }
 
     #[test]
     fn neighbours_go_round() {
