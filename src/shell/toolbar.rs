@@ -32,13 +32,19 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &mut Features, re
         let rect = ui.max_rect();
         let width = rect.width();
         let side = |ui: &mut Ui, direction, add: &mut dyn FnMut(&mut Ui)| {
-            ui.scope_builder(UiBuilder::new().max_rect(rect).layout(direction), |ui| add(ui));
+            let builder = UiBuilder::new().max_rect(rect).layout(direction);
+            ui.scope_builder(builder, |ui| add(ui)).response.rect
         };
-        side(ui, Direction::left_to_right(Align::Center), &mut |ui| left(ui, context, requests, width));
-        side(ui, Direction::right_to_left(Align::Center), &mut |ui| {
+        let left_side =
+            side(ui, Direction::left_to_right(Align::Center), &mut |ui| left(ui, context, requests, width));
+        let right_side = side(ui, Direction::right_to_left(Align::Center), &mut |ui| {
             right(ui, context, features, requests, width);
         });
-        let middle = egui::Rect::from_center_size(rect.center(), vec2(SWITCH, size::BUTTON));
+        // The switch stands in the middle of the window, or where the two sides leave room.
+        let aside = 0.5 * SWITCH + space::ROW;
+        let centre = rect.center().x.max(left_side.right() + aside).min(right_side.left() - aside);
+        let middle =
+            egui::Rect::from_center_size(egui::pos2(centre, rect.center().y), vec2(SWITCH, size::BUTTON));
         ui.scope_builder(UiBuilder::new().max_rect(middle), |ui| {
             let mut layout = context.preferences.layout;
             if segmented(ui, &mut layout, &Layout::ALL).changed() {
