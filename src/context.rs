@@ -195,8 +195,6 @@ pub(crate) enum Request {
     Drag(usize, DragEvent),
     /// Undo all of a gesture that goes on, as if it had not begun.
     CancelGesture(Gesture),
-    /// Find the silhouettes of the frame anew.
-    Segment,
     /// Look at the size of this limb, of those that turn with the held joint.
     Part(usize),
     /// What all camera views share.

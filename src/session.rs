@@ -81,10 +81,4 @@ impl Session {
         self.frames.insert(frame);
         self.generation += 1;
     }
-
-    /// Forgets silhouettes and what follows from them: the measurement's settings have changed.
-    pub(crate) fn forget_measurements(&mut self) {
-        self.frames.clear();
-        self.predicted = None;
-    }
 }

@@ -134,7 +134,6 @@ impl Inspector {
             Request::CancelGesture(gesture) => {
                 self.state.history.cancel(gesture);
             }
-            Request::Segment => self.state.session.forget_measurements(),
             Request::RunLaboratory => self.features.laboratory.run_when_begun(),
             Request::BeginRun { name, gesture } => {
                 self.pause();

@@ -64,13 +64,25 @@ fn no_tiles(context: &Context<'_>) -> Why {
         .or(because(context.preferences.layout == Layout::Demonstrate, "This layout has no tiles"))
 }
 
+/// Where no camera that counts has a silhouette of this frame: what to do about it.
+pub(crate) fn no_silhouette(context: &Context<'_>) -> Why {
+    let frame = context.session.frames.get(context.selection.frame)?;
+    let mut cameras = context.document().used_cameras().filter_map(|camera| frame.cameras.get(camera));
+    because(
+        cameras.all(|camera| camera.mask.is_none()),
+        "No camera that counts has a silhouette of this frame: drop masks on the window, or name background \
+         pictures in take.toml",
+    )
+}
+
 /// Why this frame cannot be fitted.
 pub(crate) fn no_fit(context: &Context<'_>) -> Why {
     let no_camera = context.document().used_cameras().next().is_none();
-    let no_mask = context.session.frames.get(context.selection.frame).is_none_or(|frame| !frame.has_mask());
+    let is_read = context.session.frames.get(context.selection.frame).is_some();
     no_take(context)
         .or(because(no_camera, "No camera is used in the fit: tick one beside its view"))
-        .or(because(no_mask, "This frame has no silhouette yet"))
+        .or(because(!is_read, "This frame is still being read"))
+        .or(no_silhouette(context))
         .or(because(context.busy.tracking, "The tracker is at work"))
 }
 

@@ -37,7 +37,7 @@ use backlit_ui::style::format;
 use crate::context::Context;
 use crate::context::activity::TrackingProgress;
 use crate::context::command::TrackingCommand;
-use crate::context::unavailable::{Why, because, no_take, not_tracked};
+use crate::context::unavailable::{Why, because, no_silhouette, no_take, not_tracked};
 use crate::document::Estimate;
 use crate::document::history::Gesture;
 use crate::session::FrameData;
@@ -170,6 +170,7 @@ impl Tracking {
             no_take(context)
                 .or(because(document.used_cameras().next().is_none(), "No camera is used in the fit"))
                 .or(because(self.is_busy(), "The tracker is at work"))
+                .or(no_silhouette(context))
         };
         match command {
             TrackingCommand::Forward => {

@@ -480,6 +480,16 @@ fn a_take_of_one_frame_neither_plays_nor_tracks() {
     refuses(&mut window, "Worst frame", "Only one frame is fitted");
 }
 
+#[test]
+fn without_silhouettes_nothing_is_tracked_or_fitted_and_what_is_missing_is_said() {
+    let mut window = open_as(take::take_without_backgrounds(), Settings::default(), vec2(1500.0, 900.0));
+    for command in ["Track forward", "Step", "Run"] {
+        refuses(&mut window, command, "No camera that counts has a silhouette of this frame");
+    }
+    press(&mut window, Modifiers::COMMAND, Key::Enter);
+    assert!(document(&window).estimates.is_empty());
+}
+
 /// Compares the timeline, with its row of buttons.
 fn part(snapshots: &mut Snapshots, window: &mut Window, name: &str) {
     window.remove_cursor();

@@ -44,6 +44,4 @@ pub enum TileEvent {
     Switch(Pane),
     /// Asked to close the tile.
     Close,
-    /// Asked for silhouettes.
-    Segment,
 }

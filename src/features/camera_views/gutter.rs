@@ -56,15 +56,18 @@ pub(crate) fn show(
         show_overlap(ui, input);
         if input.picture.mask.is_none() && input.picture.data.is_none() {
             ui.add_space(space::ROW);
-            if ui.button("Segment").on_hover_text("Find the silhouettes of this take.").clicked() {
-                events.push(TileEvent::Segment);
-            }
+            let text = RichText::new(NO_SILHOUETTE).small().color(theme::palette(ui).text2);
+            ui.add(egui::Label::new(text).wrap());
         }
         separator(ui);
         show_fit_use(ui, input, events);
         show_drag(ui, input, pointer);
     });
 }
+
+/// What a user can do where a camera has no silhouette.
+const NO_SILHOUETTE: &str =
+    "Drop a mask of this frame on the window, or name a background picture in take.toml.";
 
 /// Overlap in words and numbers, for the gutter and for the header's tooltip.
 pub(crate) fn show_overlap(ui: &mut Ui, input: &CameraTileInput<'_>) {

@@ -146,7 +146,6 @@ impl CameraViews {
             }
             TileEvent::Switch(other) => request(Request::Pane(other, PaneEvent::Open)),
             TileEvent::Close => request(Request::Pane(Pane::Camera(camera), PaneEvent::Close)),
-            TileEvent::Segment => request(Request::Segment),
             // That is its caller's.
             TileEvent::DragTile => {}
         }

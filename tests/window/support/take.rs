@@ -102,6 +102,14 @@ pub(crate) fn take_of(frames: usize, empty: &[usize]) -> Take {
     Take::from_files(Arc::new(files), Path::new("take.toml")).unwrap()
 }
 
+/// A take without silhouettes: neither masks nor pictures of the empty room.
+pub(crate) fn take_without_backgrounds() -> Take {
+    let mut files = files();
+    let toml = TAKE.lines().filter(|line| !line.starts_with("background")).collect::<Vec<_>>().join("\n");
+    files[0].1 = toml.into_bytes();
+    Take::from_files(Arc::new(MemoryFiles::new(files)), Path::new("take.toml")).unwrap()
+}
+
 /// The pose in which a frame was drawn.
 pub(crate) fn truth(model: &Model, frame: usize) -> Pose {
     let mut pose = Pose::rest(model);
