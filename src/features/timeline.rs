@@ -1,4 +1,4 @@
-//! The timeline: transport, and the frames with lanes of cost, overlap and steps.
+//! The timeline: transport, and the frames with lanes of RMS, overlap and steps.
 //!
 //! | file | holds |
 //! |---|---|
@@ -77,7 +77,7 @@ impl Timeline {
         } else if window_height < ONE_LANE_BELOW || context.preferences.layout == Layout::Debug {
             &[Lane::Overlap]
         } else {
-            &[Lane::Cost, Lane::Overlap, Lane::Steps]
+            &[Lane::Rms, Lane::Overlap, Lane::Steps]
         };
         let height = match lanes.len() {
             0 => size::TIMELINE_SHUT,

@@ -450,7 +450,7 @@ fn lost_and_worst_frames_are_marked_and_gone_to() {
 #[test]
 fn lanes_say_their_values_and_their_ends() {
     let mut window = open_as(take::take_of(FRAMES, &[]), Settings::default(), vec2(1500.0, 900.0));
-    window.get_by_label("Cost, grey²: not known, lane from 0 to 1");
+    window.get_by_label("RMS, grey: not known, lane from 0 to 1");
     window.get_by_label("IoU: not known, lane from 0.4 to 1");
     press(&mut window, Modifiers::COMMAND, Key::Enter);
     let found = document(&window).estimates[&(FRAMES - 1)].clone();
@@ -460,9 +460,9 @@ fn lanes_say_their_values_and_their_ends() {
     window.get_by_label_contains(&steps).hover();
     window.run_steps(6);
     window.get_by_label_contains("how many steps the fit of each frame took");
-    window.get_by_label_contains("Cost, grey²: ").hover();
+    window.get_by_label_contains("RMS, grey: ").hover();
     window.run_steps(6);
-    window.get_by_label_contains("squared grey levels summed over all pixels");
+    window.get_by_label_contains("one measure for tracked and for fitted frames");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The lanes: cost, overlap and steps by frame. Where several frames share a point of the screen, their range is
+//! The lanes: RMS, overlap and steps by frame. Where several frames share a point of the screen, their range is
 //! drawn, so a take of thousands of frames is as quick as a short one.
 
 use std::ops::RangeInclusive;
@@ -16,7 +16,7 @@ use backlit_tracking::track::LOST_BELOW_IOU;
 const CURVE: f32 = 1.5;
 /// Frames farther apart than this on the screen have dots.
 const DOTS_FROM: f32 = 20.0;
-/// The cost's axis ends at most at so many times the median: one bad frame must not flatten all others.
+/// The RMS's axis ends at most at so many times the median: one bad frame must not flatten all others.
 const MOST_MEDIANS: f64 = 4.0;
 /// From this height on both ends of an axis stand at their places; below, beside each other.
 const BOTH_ENDS_FROM: f32 = 30.0;
@@ -24,7 +24,7 @@ const BOTH_ENDS_FROM: f32 = 30.0;
 /// What a lane shows.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Lane {
-    Cost,
+    Rms,
     Overlap,
     Steps,
 }
@@ -32,7 +32,7 @@ pub(crate) enum Lane {
 impl Lane {
     pub(crate) const fn name(self) -> &'static str {
         match self {
-            Self::Cost => "Cost, grey²",
+            Self::Rms => "RMS, grey",
             Self::Overlap => "IoU",
             Self::Steps => "Steps",
         }
@@ -41,9 +41,10 @@ impl Lane {
     /// What is drawn, what is good, and where the lane ends.
     pub(crate) fn explanation(self, document: &Document) -> String {
         let what = match self {
-            Self::Cost => {
-                "Cost: what the fit of each frame has left over, in squared grey levels summed over all pixels. \
-                 Less is better; one frame that stands out has gone wrong."
+            Self::Rms => {
+                "RMS: what the fit of each frame has left over, as the root mean square of the pixels that it saw, \
+                 in grey levels. It is one measure for tracked and for fitted frames. Less is better; one frame \
+                 that stands out has gone wrong."
             }
             Self::Overlap => {
                 "IoU: the area that body and silhouettes share, over the area that either covers, all cameras \
@@ -73,7 +74,7 @@ impl Lane {
 
     pub(crate) fn value(self, estimate: &Estimate) -> Option<f64> {
         let value = match self {
-            Self::Cost => Some(estimate.cost),
+            Self::Rms => Some(estimate.rms),
             Self::Overlap => estimate.iou,
             Self::Steps => Some(estimate.steps as f64),
         };
@@ -83,7 +84,7 @@ impl Lane {
     pub(crate) fn text(self, value: Option<f64>) -> String {
         let Some(value) = value else { return format::MISSING.to_owned() };
         match self {
-            Self::Cost => format::cost(value),
+            Self::Rms => format::number(value, 1),
             Self::Overlap => format::ratio(value),
             Self::Steps => format::number(value, 0),
         }
@@ -93,7 +94,7 @@ impl Lane {
     pub(crate) fn axis(self, document: &Document) -> [f64; 2] {
         match self {
             Self::Overlap => [LOST_BELOW_IOU, 1.0],
-            Self::Cost | Self::Steps => {
+            Self::Rms | Self::Steps => {
                 let mut values: Vec<f64> =
                     document.estimates.values().filter_map(|estimate| self.value(estimate)).collect();
                 if values.is_empty() {
@@ -109,7 +110,6 @@ impl Lane {
 
     fn axis_text(self, value: f64) -> String {
         match self {
-            Self::Cost if value >= 1e4 => format!("{value:.0e}").replace('-', &format::MINUS.to_string()),
             Self::Overlap if value.fract() != 0.0 => format::number(value, 1),
             _ => format::number(value, 0),
         }
@@ -265,16 +265,16 @@ mod tests {
     fn document(frames: impl Iterator<Item = (usize, f64)>) -> Document {
         let model = builtin::single_limb();
         let pose = Pose::rest(&model);
-        let estimate = |cost| Estimate {
+        let estimate = |rms| Estimate {
             pose: pose.clone(),
             origin: Origin::Track,
-            cost,
-            rms: 1.0,
+            cost: 1.0,
+            rms,
             iou: Some(0.8),
             steps: 3,
             lost: false,
         };
-        let found = frames.map(|(frame, cost)| (frame, Arc::new(estimate(cost)))).collect();
+        let found = frames.map(|(frame, rms)| (frame, Arc::new(estimate(rms)))).collect();
         let mut document = Document::new(model);
         document.apply(Edit::AddTrack(found)).unwrap();
         document
@@ -289,7 +289,7 @@ mod tests {
         assert_eq!([0.7, 1.0, 1.2, 3.6e8, 7e8].map(round_up), [1.0, 1.0, 2.0, 5e8, 1e9]);
         assert_eq!(round_up(0.0), 1.0);
         let document = document((0..50).map(|frame| (frame, if frame == 9 { 1e9 } else { 3.0 })));
-        assert_eq!(Lane::Cost.axis(&document), [0.0, 20.0]);
+        assert_eq!(Lane::Rms.axis(&document), [0.0, 20.0]);
     }
 
     #[test]
@@ -299,7 +299,7 @@ mod tests {
         let document = document((0..count).filter(is_known).map(|frame| (frame, (frame % 7) as f64)));
         let scale = Scale::new(Span::whole(count), area());
         let began = Instant::now();
-        let columns = columns(Lane::Cost, &document, 0..=count - 1, &scale);
+        let columns = columns(Lane::Rms, &document, 0..=count - 1, &scale);
         assert!(began.elapsed().as_millis() < 200, "{:?}", began.elapsed());
         assert!(columns.len() < 1005, "{}", columns.len());
         assert_eq!(columns.iter().filter(|column| column.is_none()).count(), 1);

@@ -64,7 +64,7 @@ fn overview(ui: &Ui, plot: Rect, scale: &Scale, count: usize) {
 pub(crate) fn first_steps(ui: &Ui, lanes: Rect, has_no_key: bool) {
     let palette = theme::palette(ui);
     let track =
-        "Ctrl+Enter tracks from this frame on: cost, overlap and steps of every frame stand here then.";
+        "Ctrl+Enter tracks from this frame on: RMS, overlap and steps of every frame stand here then.";
     let key = "K keeps this frame\u{2019}s pose as a key pose, a diamond above.";
     let text = if has_no_key && lanes.width() > WIDE { format!("{track} {key}") } else { track.to_owned() };
     let font = TextStyle::Small.resolve(ui.style());

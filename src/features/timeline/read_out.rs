@@ -30,7 +30,7 @@ pub(crate) fn ui(ui: &Ui, context: &Context<'_>, frame: usize, at: Pos2) {
         let document = context.document();
         let estimate = document.estimates.get(&frame);
         Grid::new("values").num_columns(2).spacing([16.0, 2.0]).show(ui, |ui| {
-            for lane in [Lane::Cost, Lane::Overlap, Lane::Steps] {
+            for lane in [Lane::Rms, Lane::Overlap, Lane::Steps] {
                 let value = estimate.and_then(|estimate| lane.value(estimate));
                 ui.label(RichText::new(lane.name()).small().color(palette.text2));
                 ui.label(RichText::new(lane.text(value)).monospace().color(palette.text));
