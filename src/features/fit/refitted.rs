@@ -18,13 +18,24 @@ pub(crate) struct Refitted {
 }
 
 impl Refitted {
+    /// Whether the pose that it found fits worse than the one before.
+    pub(crate) fn is_worse(&self) -> bool {
+        self.after > self.before
+    }
+
     /// "Refit right forearm: cost fell by 3.1 %, from 1.84e7 to 1.78e7, in 12 steps."
     pub(crate) fn sentence(&self) -> String {
         let change = 100.0 * (self.after / self.before - 1.0);
         let how = match change {
             change if !change.is_finite() || change.abs() < 0.05 => "cost stayed".to_owned(),
             change if change < 0.0 => format!("cost fell by {} %", format::number(-change, 1)),
-            change => format!("cost rose by {} %", format::number(change, 1)),
+            change => {
+                let share = format::number(change, 1);
+                return format!(
+                    "{}: no better pose was found (cost {share} % higher), so the body stays.",
+                    self.what
+                );
+            }
         };
         let (before, after) = (format::cost(self.before), format::cost(self.after));
         let plural = if self.steps == 1 { "" } else { "s" };
@@ -47,7 +58,8 @@ mod tests {
         };
         let said = refit(1.5e7).sentence();
         assert_eq!(said, "Refit right forearm: cost fell by 25.0 %, from 2.0e7 to 1.5e7, in 12 steps.");
-        assert!(refit(2.2e7).sentence().contains("rose by 10.0 %"));
+        assert!(refit(2.2e7).sentence().contains("no better pose was found (cost 10.0 % higher)"));
+        assert!(refit(2.2e7).is_worse() && !refit(2e7).is_worse());
         assert!(refit(2e7).sentence().contains("cost stayed, from"));
     }
 }

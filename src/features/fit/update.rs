@@ -221,7 +221,14 @@ impl Fit {
             && let Some(what) = self.refitting.take()
         {
             let (before, after, ending) = (live.before, last.mismatch, ending.text());
-            self.refits.insert(live.frame, Refitted { what, before, after, steps: live.steps, ending });
+            let refitted = Refitted { what, before, after, steps: live.steps, ending };
+            let (is_worse, frame) = (refitted.is_worse(), live.frame);
+            self.refits.insert(frame, refitted);
+            if is_worse {
+                // The run stays to be looked at; the body stays as it was.
+                self.live = None;
+                return;
+            }
         }
         if live.steps > 0 {
             let predicted = Some(predicted).filter(|predicted| predicted.pose == last.pose);
