@@ -193,7 +193,8 @@ fn strip_of_cameras(
                 requests.request(Request::Camera(camera));
             }
         }
-        let text = egui::RichText::new("Two views fit; the others are here").small();
+        let text =
+            egui::RichText::new("There is room for two views. Click a number to see another camera").small();
         ui.label(text.color(palette.text3));
     });
 }

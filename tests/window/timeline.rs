@@ -314,7 +314,7 @@ fn key_poses_are_set_cleared_and_gone_to() {
     assert_eq!(keys(&window), [2, 9]);
     window.get_by_label("Key pose of frame 9").hover();
     window.run_steps(3);
-    window.get_by_label_contains("The tracker begins anew from it");
+    window.get_by_label_contains("The tracker starts again from it");
 }
 
 #[test]

@@ -59,6 +59,8 @@ impl Command {
 pub(crate) fn keys_text(keys: &KeyboardShortcut) -> String {
     match keys.logical_key {
         Key::Questionmark => "?".to_owned(),
+        Key::OpenBracket => "[".to_owned(),
+        Key::CloseBracket => "]".to_owned(),
         Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown => {
             keys.format(&ModifierNames::NAMES, false).replace("Arrow", "")
         }

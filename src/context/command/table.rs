@@ -151,7 +151,7 @@ pub(super) const TABLE: &[Row] = &[
     row(Menu::Track, Tracking(TrackingCommand::Forward), "Track forward", "Fit frame after frame from here to the end", &[ctrl(Key::Enter)]),
     row(Menu::Track, Tracking(TrackingCommand::Back), "Track back", "Fit frame after frame from here to the beginning", &[ctrl_shift(Key::Enter)]),
     row(Menu::Track, Tracking(TrackingCommand::Between), "Track between keys", "Fit from the key pose before on and from the one after back; both tracks are joined where their joints lie nearest, and the frames about the join are blended and fitted again", &[ctrl_shift(Key::K)]),
-    row(Menu::Track, Timeline(TimelineCommand::SetKeyPose), "Set or clear key pose", "Keep the pose of this frame as one that was set by hand, a diamond in the timeline: the tracker begins anew from it. Dragging a joint sets one too; again clears it", &[key(Key::K)]),
+    row(Menu::Track, Timeline(TimelineCommand::SetKeyPose), "Set or clear key pose", "Keep the pose of this frame as one that was set by hand, a diamond in the timeline: the tracker starts again from it. Dragging a joint sets one too; again clears it", &[key(Key::K)]),
     row(Menu::Track, Timeline(TimelineCommand::PreviousKey), "Previous key pose", "Go to the key pose before", &[key(Key::OpenBracket)]),
     row(Menu::Track, Timeline(TimelineCommand::NextKey), "Next key pose", "Go to the next key pose", &[key(Key::CloseBracket)]),
     row(Menu::Track, Tracking(TrackingCommand::Clear), "Clear track", "Forget all tracked poses; key poses stay", &[]),

@@ -139,7 +139,7 @@ fn few_and_many(
         _ => "",
     };
     format!(
-        "{pixels} in the ramp of {} {verb} {way}; the hatched ones say nothing.{ends} Of {} {} do.",
+        "{pixels} in the ramp of {} {verb} {way}; the hatched ones say nothing.{ends} For {}, {} do.",
         few.entrant.subject,
         many.entrant.subject,
         count(*more)
@@ -260,7 +260,7 @@ mod tests {
         let text = story.paragraphs.join(" ");
         for part in [
             "Only 26 of 614 pixels in the ramp of the cylinder say which way to slide",
-            "Of the capsule 240 do",
+            "For the capsule, 240 do",
             "The cylinder ends at 98.0 %",
             "the capsule is below 5 % from step 2 on",
         ] {

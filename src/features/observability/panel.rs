@@ -148,9 +148,13 @@ fn known(shown: &Figures, direction: &Direction) -> String {
     let moved = moved * direction.deviation;
     let turned = direction.largest_turn() * direction.deviation;
     if direction.moves_no_joint() {
-        format!("Known to ±{}.", format::degrees(turned))
+        format!("One standard deviation along it: ±{}.", format::degrees(turned))
     } else {
-        format!("Known to ±{} at the {}.", format::length(moved), joint_name(&shown.model, limb.into()))
+        format!(
+            "One standard deviation along it: ±{} at the {}.",
+            format::length(moved),
+            joint_name(&shown.model, limb.into())
+        )
     }
 }
 

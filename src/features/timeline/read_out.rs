@@ -15,7 +15,7 @@ use crate::document::Origin;
 const WIDTH: f32 = 210.0;
 
 /// What a key pose is.
-const KEY_POSE: &str = "Key pose: set by hand. The tracker begins anew from it; K clears it.";
+const KEY_POSE: &str = "Key pose: set by hand. The tracker starts again from it; K clears it.";
 
 /// The card above the timeline, over a frame.
 pub(crate) fn ui(ui: &Ui, context: &Context<'_>, frame: usize, at: Pos2) {

@@ -6,8 +6,8 @@ use backlit_tracking::search::Origin;
 pub(crate) fn origin(origin: &Origin) -> String {
     match origin {
         Origin::Start => "the start".to_owned(),
-        Origin::Trunk => "another trunk".to_owned(),
-        Origin::Chain { limb } => format!("{limb} anew"),
-        Origin::Pair { limbs: [one, other] } => format!("{one} and {other} anew"),
+        Origin::Trunk => "trunk turned or moved".to_owned(),
+        Origin::Chain { limb } => format!("{limb} searched"),
+        Origin::Pair { limbs: [one, other] } => format!("{one} and {other} searched"),
     }
 }

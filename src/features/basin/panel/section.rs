@@ -63,7 +63,8 @@ fn contents(
                 run_or_cancel(ui, basin, context, requests, BasinView::Map);
             }
             let tile = Command::Window(WindowCommand::TogglePane(Pane::Basin));
-            named_button(ui, context, requests, tile, "Open tile");
+            let text = if context.shows(Pane::Basin) { "Close tile" } else { "Open tile" };
+            named_button(ui, context, requests, tile, text);
         });
         starts(ui, context, &mut settings);
         compared(ui, context, &mut settings);
