@@ -16,7 +16,7 @@ use super::take::{Film, assemble, picture_of};
 /// Frames and size of the pictures, as in Figs. 5.4 and 5.5.
 const FRAMES: usize = 50;
 const SIZE_PX: [u64; 2] = [144, 192];
-/// The cameras that are used: they hold depth best.
+/// The cameras that are used, as in `docs/report.md`.
 const CAMERAS: [&str; 2] = ["cam03", "cam04"];
 
 /// What of the take comes with the program.
