@@ -41,7 +41,7 @@ fn a_run_that_has_ended_stays_as_it_ended() {
     for again in [FitCommand::Step, FitCommand::Run] {
         app.run(Command::Fit(again), &context);
         settle(&mut window, &mut app);
-        assert_eq!(app.runs(), [ended.clone()]);
+        assert_eq!(app.runs(), std::slice::from_ref(&ended));
         assert!(app.state.status.as_ref().unwrap().starts_with("This run has ended"));
     }
 }
