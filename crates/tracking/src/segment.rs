@@ -1,7 +1,7 @@
 //! From footage to silhouettes: background subtraction for a camera that stands still.
 //!
 //! [`Background`] is what the camera sees without the subject. [`segment`] compares a frame with it, pixel by pixel
-//! (report section 6: foreground where |i − µ| > βσ), takes shadows and undecidable dark places out of the decision,
+//! (report section 6: foreground where |i − µ| > βσ), takes shadows (6.12) and undecidable dark places out of the decision,
 //! cleans the result with morphology and by the size of its components, and returns a [`Mask`](crate::silhouette::Mask).
 //!
 //! Equation numbers are those of P. Kaimakis, "Markerless Motion Capture", University of Cambridge, 2004.
@@ -11,12 +11,15 @@ mod bit_image;
 mod components;
 mod dont_know;
 mod exposure;
+mod gradient;
 mod morphology;
+mod options;
 mod shadow;
 mod subtraction;
 mod threshold;
 
 pub use background::{Background, BackgroundError};
 pub use dont_know::DontKnowOptions;
-pub use shadow::ShadowOptions;
-pub use subtraction::{BETA, SegmentError, SegmentOptions, Segmenter, segment};
+pub use options::{BETA, SegmentOptions};
+pub use shadow::{ShadowOptions, ShadowTest};
+pub use subtraction::{SegmentError, Segmenter, segment};

@@ -1,6 +1,7 @@
 //! Silhouettes: what the footage says about where the subject is.
 //!
-//! A [`Mask`] is the evidence: every pixel is background, subject or unknown. Everything else here is a view of it:
+//! A [`Mask`] is the evidence: every pixel is background, subject or unknown; background and unknown may be so because of a
+//! shadow, which is a [class](PixelClass) of its own. Everything else here is a view of it:
 //!
 //! - [`Measurement`] is D of the cost ‖D − Λ‖²: a grey level and a weight for each pixel, made from the mask as it is,
 //!   from its area averages, or from its [`SignedDistance`];
@@ -21,6 +22,6 @@ mod row_search;
 
 pub use contour::contours;
 pub use distance::SignedDistance;
-pub use mask::{Label, MAX_PIXELS, Mask, MaskError, PixelBox};
+pub use mask::{Label, MAX_PIXELS, Mask, MaskError, PixelBox, PixelClass};
 pub use measurement::{Measurement, MeasurementError, Region};
 pub use overlap::{Overlap, OverlapError};

@@ -1,6 +1,9 @@
-//! What a camera sees without the subject: per pixel and channel a mean µ and a standard deviation σ, in grey levels.
+//! What a camera sees without the subject: per pixel and channel a mean µ and a standard deviation σ, in grey levels, and
+//! those of the gradient's magnitude, |∇B|µ and |∇B|σ, in grey levels a pixel.
 
 use image::RgbImage;
+
+use super::gradient;
 
 /// Why a background could not be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -42,14 +45,23 @@ pub struct Background {
     height: usize,
     mean: Vec<[f32; 3]>,
     deviation: Vec<[f32; 3]>,
+    gradient_mean: Vec<[f32; 3]>,
+    gradient_deviation: Vec<[f32; 3]>,
 }
 
 impl Background {
     /// One clean picture of the scene, with no knowledge of its noise.
     pub fn from_plate(plate: &RgbImage) -> Self {
         let mean: Vec<[f32; 3]> = plate.pixels().map(|pixel| pixel.0.map(f32::from)).collect();
-        let deviation = vec![[0.0; 3]; mean.len()];
-        Self { width: plate.width() as usize, height: plate.height() as usize, mean, deviation }
+        let none = vec![[0.0; 3]; mean.len()];
+        Self {
+            width: plate.width() as usize,
+            height: plate.height() as usize,
+            mean,
+            deviation: none.clone(),
+            gradient_mean: gradient::magnitudes(plate),
+            gradient_deviation: none,
+        }
     }
 
     /// Mean and (sample) standard deviation over frames of the empty scene.
@@ -63,6 +75,7 @@ impl Background {
         let expected = first.dimensions();
         let mut sums: Vec<u32> = first.as_raw().iter().map(|&level| u32::from(level)).collect();
         let mut squares: Vec<u64> = first.as_raw().iter().map(|&level| u64::from(level).pow(2)).collect();
+        let mut gradient = GradientSums::new(first);
         let mut count = 1_u32;
         for frame in frames {
             if frame.dimensions() != expected {
@@ -76,6 +89,7 @@ impl Background {
                 *sum += u32::from(level);
                 *square += u64::from(level).pow(2);
             }
+            gradient.add(frame);
             count += 1;
         }
         if count < 2 {
@@ -88,6 +102,7 @@ impl Background {
             let spread = u64::from(count) * square - u64::from(sum).pow(2);
             (spread as f64 / (n * (n - 1.0))).sqrt() as f32
         };
+        let (gradient_mean, gradient_deviation) = gradient.mean_and_deviation(n);
         Ok(Self {
             width: expected.0 as usize,
             height: expected.1 as usize,
@@ -97,6 +112,8 @@ impl Background {
                 .zip(squares.chunks_exact(3))
                 .map(|(s, q)| [0, 1, 2].map(|c| deviation(s[c], q[c])))
                 .collect(),
+            gradient_mean,
+            gradient_deviation,
         })
     }
 
@@ -118,6 +135,54 @@ impl Background {
     /// The standard deviation σ of each pixel and channel in grey levels, row by row.
     pub fn deviation(&self) -> &[[f32; 3]] {
         &self.deviation
+    }
+
+    /// |∇B|µ: the mean magnitude of the gradient of each pixel and channel in grey levels a pixel, row by row. Gradients are
+    /// central differences; at the border the picture is continued by its outermost pixels.
+    pub fn gradient_mean(&self) -> &[[f32; 3]] {
+        &self.gradient_mean
+    }
+
+    /// |∇B|σ: the standard deviation of that magnitude in grey levels a pixel, row by row.
+    pub fn gradient_deviation(&self) -> &[[f32; 3]] {
+        &self.gradient_deviation
+    }
+}
+
+/// Sums of the gradient's magnitude over frames, counted from the first frame's: so a still pixel has exactly no deviation.
+struct GradientSums {
+    first: Vec<[f32; 3]>,
+    sums: Vec<[f32; 3]>,
+    squares: Vec<[f32; 3]>,
+}
+
+impl GradientSums {
+    fn new(first: &RgbImage) -> Self {
+        let first = gradient::magnitudes(first);
+        let none = vec![[0.0; 3]; first.len()];
+        Self { first, sums: none.clone(), squares: none }
+    }
+
+    fn add(&mut self, frame: &RgbImage) {
+        let sums = self.sums.as_flattened_mut().iter_mut().zip(self.squares.as_flattened_mut());
+        let found = gradient::magnitudes(frame);
+        let pairs = found.as_flattened().iter().zip(self.first.as_flattened());
+        for ((sum, square), (found, first)) in sums.zip(pairs) {
+            let off = found - first;
+            *sum += off;
+            *square += off * off;
+        }
+    }
+
+    /// Of `n` frames.
+    fn mean_and_deviation(mut self, n: f64) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
+        let numbers = self.first.as_flattened_mut().iter_mut().zip(self.sums.as_flattened());
+        for ((mean, &sum), square) in numbers.zip(self.squares.as_flattened_mut()) {
+            let (sum, all) = (f64::from(sum), f64::from(*square));
+            *mean = (f64::from(*mean) + sum / n) as f32;
+            *square = ((all - sum * sum / n).max(0.0) / (n - 1.0)).sqrt() as f32;
+        }
+        (self.first, self.squares)
     }
 }
 
@@ -141,6 +206,24 @@ mod tests {
         assert_eq!((background.width(), background.height()), (2, 3));
         assert_eq!(background.mean(), [[1.0, 2.0, 3.0]; 6]);
         assert_eq!(background.deviation(), [[0.0; 3]; 6]);
+    }
+
+    /// Three frames of one row whose slope is 2, 4 and 9 levels a pixel in red; green is still and steep, blue flat.
+    #[test]
+    fn gradients_have_their_own_mean_and_deviation() {
+        let ramp = |slope: u8| RgbImage::from_fn(5, 1, |x, _| Rgb([slope * x as u8, 30 * x as u8, 77]));
+        let frames = [2, 4, 9].map(ramp);
+        let background = Background::from_frames(&frames).unwrap();
+        // One-sided at the border, where half of the difference is left.
+        assert_eq!(background.gradient_mean()[0], [2.5, 15.0, 0.0]);
+        for x in 1..4 {
+            assert_eq!(background.gradient_mean()[x], [5.0, 30.0, 0.0]);
+            let [red, green, blue] = background.gradient_deviation()[x];
+            assert!((red - 13_f32.sqrt()).abs() < 1e-6, "{red}");
+            assert_eq!([green, blue], [0.0, 0.0]);
+        }
+        let plate = Background::from_plate(&ramp(3));
+        assert_eq!((plate.gradient_mean()[2], plate.gradient_deviation()[2]), ([3.0, 30.0, 0.0], [0.0; 3]));
     }
 
     #[test]

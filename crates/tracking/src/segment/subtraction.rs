@@ -7,19 +7,15 @@
 use std::sync::Arc;
 
 use image::RgbImage;
-use serde::{Deserialize, Serialize};
 
 use super::background::Background;
-use super::dont_know::{DontKnowOptions, dark_places};
-use super::shadow::{ShadowOptions, clear_shadows};
+use super::bit_image::BitImage;
+use super::dont_know::dark_places;
+use super::options::SegmentOptions;
+use super::shadow::clear_shadows;
 use super::threshold::{Limits, Threshold};
 use super::{components, exposure};
-use crate::silhouette::{Label, Mask, MaskError, Region};
-
-/// The z-score that normal noise exceeds, on either side, once in 10⁴ pixels.
-pub const BETA: f32 = 3.891;
-/// Longer than the side of any picture: growing a mask by more means nothing.
-const MAX_DISTANCE_PX: usize = 16_384;
+use crate::silhouette::{Label, Mask, MaskError};
 
 /// Why a frame could not be segmented.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -43,90 +39,6 @@ pub enum SegmentError {
     /// The frame has no pixels or too many.
     #[error(transparent)]
     Mask(#[from] MaskError),
-}
-
-/// How a frame is segmented. The defaults suit indoor footage of a few hundred pixels' height with JPEG noise.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct SegmentOptions {
-    /// β: how many deviations a pixel must be off to be foreground.
-    pub z_threshold: f32,
-    /// The smallest deviation that is believed, grey levels: noise of compression and of a plate made from few frames.
-    pub noise_floor: f32,
-    /// Whether the frame's exposure may differ from the background's; then one gain per channel is found by a median.
-    pub match_exposure: bool,
-    /// Shadow test; none leaves shadows in the foreground.
-    pub shadow: Option<ShadowOptions>,
-    /// Opening by a square of (2n + 1)² pixels, against specks.
-    pub opening_px: usize,
-    /// Closing by a square of (2n + 1)² pixels, against gaps.
-    pub closing_px: usize,
-    /// The smallest component that is kept, pixels.
-    pub min_component_px: usize,
-    /// Components that meet when each is grown by this much form a group: a body may fall apart. Pixels.
-    pub group_px: usize,
-    /// The smallest group that is kept, as a fraction of the largest one's area (both grown by `group_px`).
-    pub min_group_fraction: f32,
-    /// The largest hole that is filled, pixels.
-    pub fill_holes_px: usize,
-    /// Don't-know test; none decides every pixel.
-    pub dont_know: Option<DontKnowOptions>,
-    /// Where the subject may be; all else is background.
-    pub region: Option<Region>,
-}
-
-impl Default for SegmentOptions {
-    fn default() -> Self {
-        Self {
-            z_threshold: BETA,
-            noise_floor: 5.0,
-            match_exposure: true,
-            shadow: Some(ShadowOptions::default()),
-            opening_px: 1,
-            closing_px: 2,
-            min_component_px: 40,
-            group_px: 4,
-            min_group_fraction: 0.2,
-            fill_holes_px: 30,
-            dont_know: Some(DontKnowOptions::default()),
-            region: None,
-        }
-    }
-}
-
-impl SegmentOptions {
-    /// Checks the numbers.
-    ///
-    /// # Errors
-    ///
-    /// The first option that is negative, not finite, or a distance longer than any picture.
-    pub fn check(&self) -> Result<(), SegmentError> {
-        let shadow = self.shadow.unwrap_or_default();
-        let dont_know = self.dont_know.unwrap_or_default();
-        let numbers = [
-            ("z_threshold", self.z_threshold),
-            ("noise_floor", self.noise_floor),
-            ("min_group_fraction", self.min_group_fraction),
-            ("shadow.darkest", shadow.darkest),
-            ("shadow.brightest", shadow.brightest),
-            ("shadow.colour_tolerance", shadow.colour_tolerance),
-            ("shadow.gradient_tolerance", shadow.gradient_tolerance),
-            ("dont_know.dark_level", dont_know.dark_level),
-            ("dont_know.sure_z", dont_know.sure_z),
-        ];
-        let distances = [
-            ("opening_px", self.opening_px),
-            ("closing_px", self.closing_px),
-            ("group_px", self.group_px),
-            ("dont_know.grow_px", dont_know.grow_px),
-        ];
-        let bad_number = numbers.into_iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0));
-        let bad_distance = distances.into_iter().find(|(_, px)| *px > MAX_DISTANCE_PX);
-        match bad_number.or(bad_distance.map(|(option, px)| (option, px as f32))) {
-            Some((option, value)) => Err(SegmentError::InvalidOption { option, value }),
-            None => Ok(()),
-        }
-    }
 }
 
 /// Finds the subject in a frame. For many frames of one camera [`Segmenter`] does the same.
@@ -202,10 +114,9 @@ fn find_subject(
     if let Some(region) = options.region {
         subject.retain(|x, y| region.contains(x, y));
     }
-    if let Some(shadow) = &options.shadow {
-        let (labels, label) = (mask.labels_mut(), shadow.label());
-        clear_shadows(&mut subject, frame, background, gains, shadow, |index| labels[index] = label);
-    }
+    let shadow = options.shadow.as_ref().map(|options| {
+        (clear_shadows(&mut subject, frame, background, &threshold, options), options.label())
+    });
     subject.open_and_close(options.opening_px, options.closing_px);
     if options.min_component_px > 1 {
         components::drop_small(&mut subject, options.min_component_px, 0.0);
@@ -220,15 +131,21 @@ fn find_subject(
         components::fill_holes(&mut subject, options.fill_holes_px);
     }
 
-    for (y, row) in mask.labels_mut().chunks_exact_mut(width).enumerate() {
-        subject.runs(y, true).for_each(|run| row[run].fill(Label::Subject));
-    }
-    if let Some(dont_know) = &options.dont_know {
+    paint(&mut mask, &subject, Label::Subject);
+    let dark = options.dont_know.as_ref().map(|dont_know| {
         let surely = Threshold { z: dont_know.sure_z, ..threshold };
         let mut dark = dark_places(frame, background, gains, dont_know);
         dark.retain(|x, y| !(subject.get(x, y) && surely.is_off(frame, background, y * width + x)));
-        for (y, row) in mask.labels_mut().chunks_exact_mut(width).enumerate() {
-            dark.runs(y, true).for_each(|run| row[run].fill(Label::Unknown));
+        paint(&mut mask, &dark, Label::Unknown);
+        dark
+    });
+    if let Some((mut shadow, label)) = shadow {
+        // What was closed or filled is subject all the same.
+        shadow.subtract(&subject);
+        dark.iter().for_each(|dark| shadow.subtract(dark));
+        paint(&mut mask, &shadow, label);
+        for y in 0..height {
+            shadow.runs(y, true).flatten().for_each(|x| mask.mark_shadow(y * width + x));
         }
     }
     if let Some(region) = options.region {
@@ -241,11 +158,24 @@ fn find_subject(
     Ok(mask)
 }
 
+/// Labels the pixels that are set.
+fn paint(mask: &mut Mask, pixels: &BitImage, label: Label) {
+    let width = mask.width();
+    for (y, row) in mask.labels_mut().chunks_exact_mut(width).enumerate() {
+        pixels.runs(y, true).for_each(|run| row[run].fill(label));
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use image::Rgb;
+    use rand::RngExt;
+    use rand_pcg::Pcg64Mcg;
+    use rand_pcg::rand_core::SeedableRng;
 
     use super::*;
+    use crate::segment::{BETA, DontKnowOptions, ShadowOptions, ShadowTest};
+    use crate::silhouette::Region;
 
     const WALL: Rgb<u8> = Rgb([120, 130, 110]);
 
@@ -303,12 +233,32 @@ mod tests {
     fn noise_within_the_deviation_is_background() {
         let frames = [100, 140].map(|level| RgbImage::from_pixel(8, 4, Rgb([level; 3])));
         let background = Background::from_frames(&frames).unwrap();
-        // µ = 120, σ = 28.3, βσ = 110.
-        for (level, expected) in [(229, 0), (231, 32)] {
+        // µ = 120, σ = 28.3, βσ = 117.4.
+        for (level, expected) in [(237, 0), (238, 32)] {
             let frame = RgbImage::from_pixel(8, 4, Rgb([120, level, 120]));
             let mask = segment(&frame, &background, &plain()).unwrap();
             assert_eq!(mask.count(Label::Subject), expected, "at level {level}");
         }
+    }
+
+    /// β promises one pixel in 10⁴, whichever channel is off. Levels are whole numbers, so σ puts the limit between two of them.
+    #[test]
+    fn one_pixel_of_noise_in_ten_thousand_is_subject() {
+        let deviation = 42.5 / BETA;
+        let mut random = Pcg64Mcg::seed_from_u64(6);
+        let background = Background::from_plate(&RgbImage::from_pixel(1000, 1000, Rgb([128; 3])));
+        let mut frame = RgbImage::new(1000, 1000);
+        for pair in frame.as_mut().chunks_mut(2) {
+            let [u, v]: [f32; 2] = [random.random(), random.random()];
+            let (radius, turn) = ((-2.0 * (1.0 - u).ln()).sqrt(), std::f32::consts::TAU * v);
+            for (level, normal) in pair.iter_mut().zip([radius * turn.cos(), radius * turn.sin()]) {
+                *level = (128.0 + deviation * normal).round() as u8;
+            }
+        }
+        let options = SegmentOptions { noise_floor: deviation, ..plain() };
+        let found = segment(&frame, &background, &options).unwrap().count(Label::Subject);
+        // A hundred, give or take four deviations.
+        assert!(found.abs_diff(100) <= 40, "{found} of a million");
     }
 
     #[test]
@@ -319,13 +269,51 @@ mod tests {
         assert_mask(&frame, &plate, &options, "###.......\n###.......\n..........\n#.........\n..........");
     }
 
+    /// A shirt, a shadow, and cloth of the wall's own colour and a shadow's brightness but with stripes, before a chequered wall.
+    /// The shadow's edge is steeper than the wall, so it stays foreground until the opening.
     #[test]
-    fn shadow_is_background_or_unknown() {
-        let frame = scene("........ .##ssss. .##ssss. ........");
-        for (unknown, character) in [(false, "."), (true, "?")] {
-            let shadow = Some(ShadowOptions { unknown, gradient_tolerance: 1e3, ..ShadowOptions::default() });
-            let expected = "........\n.##ssss.\n.##ssss.\n........".replace('s', character);
-            assert_mask(&frame, &wall(), &SegmentOptions { shadow, ..plain() }, &expected);
+    fn shadow_is_a_class_and_cloth_of_another_texture_is_not() {
+        let text = "
+            ....................
+            .#####sssss...ttttt.
+            .#####sssss...ttttt.
+            .#####sssss...ttttt.
+            .#####sssss...ttttt.
+            .#####sssss...ttttt.
+            ....................
+        ";
+        let rows: Vec<&[u8]> = text.split_whitespace().map(str::as_bytes).collect();
+        let wall = |x: u32, y: u32| [0, 20, -30].map(|tint| 100 + tint + 12 * ((x / 2 + y / 2) % 2) as i32);
+        let picture = |light: &dyn Fn(u8, u32) -> f32| {
+            RgbImage::from_fn(rows[0].len() as u32, rows.len() as u32, |x, y| {
+                let what = rows[y as usize][x as usize];
+                let colour = if what == b'#' { [200, 90, 80] } else { wall(x, y) };
+                Rgb(colour.map(|level| (light(what, x) * level as f32).round() as u8))
+            })
+        };
+        let stripes = |x: u32| if x % 4 < 2 { 0.65 } else { 0.85 };
+        let frame = picture(&|what, x| match what {
+            b's' => 0.75,
+            b't' => stripes(x),
+            _ => 1.0,
+        });
+        let plate =
+            RgbImage::from_fn(frame.width(), frame.height(), |x, y| Rgb(wall(x, y).map(|level| level as u8)));
+        let expected = "
+            ....................
+            .######.......#####.
+            .######sss....#####.
+            .######sss....#####.
+            .######sss....#####.
+            .######.......#####.
+            ....................
+        ";
+        for test in [ShadowTest::Brightness, ShadowTest::Gradient] {
+            for (unknown, character) in [(false, "-"), (true, "~")] {
+                let shadow = Some(ShadowOptions { test, unknown, ..ShadowOptions::default() });
+                let options = SegmentOptions { shadow, noise_floor: 1.0, opening_px: 1, ..plain() };
+                assert_mask(&frame, &plate, &options, &expected.replace('s', character));
+            }
         }
     }
 
@@ -371,13 +359,5 @@ mod tests {
         let none = RgbImage::new(0, 0);
         let result = segment(&none, &Background::from_plate(&none), &plain());
         assert!(matches!(result, Err(SegmentError::Mask(MaskError::Empty { .. }))));
-    }
-
-    #[test]
-    fn options_are_read_with_defaults_and_without_guessing() {
-        let options: SegmentOptions = toml::from_str("closing_px = 3\n[shadow]\ndarkest = 0.5").unwrap();
-        assert_eq!((options.closing_px, options.opening_px), (3, SegmentOptions::default().opening_px));
-        assert_eq!(options.shadow.unwrap().darkest, 0.5);
-        assert!(toml::from_str::<SegmentOptions>("closing = 3").is_err());
     }
 }

@@ -33,6 +33,14 @@ impl Threshold {
         (0..3).any(|c| self.is_level_off(levels[c], self.gains[c], mean[c], deviation[c]))
     }
 
+    /// Whether the magnitude of one pixel's gradient is off in some channel: ||∇i| − g |∇B|µ| > β max(|∇B|σ, floor / √2). Half the
+    /// difference of two pixels has 1/√2 of a pixel's deviation.
+    pub(super) fn is_gradient_off(&self, found: [f32; 3], background: &Background, index: usize) -> bool {
+        let (mean, deviation) = (background.gradient_mean()[index], background.gradient_deviation()[index]);
+        let floor = self.noise_floor * std::f32::consts::FRAC_1_SQRT_2;
+        (0..3).any(|c| (found[c] - self.gains[c] * mean[c]).abs() > self.z * deviation[c].max(floor))
+    }
+
     #[inline(always)]
     fn is_level_off(&self, level: u8, gain: f32, mean: f32, deviation: f32) -> bool {
         (f32::from(level) - gain * mean).abs() > self.z * deviation.max(self.noise_floor)

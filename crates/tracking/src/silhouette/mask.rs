@@ -20,16 +20,27 @@ pub enum Label {
     Unknown = 2,
 }
 
-impl Label {
-    /// The character of this label in [`Mask::from_ascii`].
-    fn to_char(self) -> char {
-        match self {
-            Self::Background => '.',
-            Self::Subject => '#',
-            Self::Unknown => '?',
-        }
-    }
+/// What a pixel shows, whatever it weighs: the labels, and the subject's shadow as a class of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum PixelClass {
+    /// The scene without the subject.
+    Background,
+    /// The subject.
+    Subject,
+    /// The scene, darker or brighter than without the subject. Its label says what that counts as: background, or unknown.
+    Shadow,
+    /// Nobody can tell.
+    Unknown,
 }
+
+/// A label, whether the pixel is marked as shadow, its character in [`Mask::from_ascii`] and its level in [`Mask::to_gray`].
+const SIGNS: [(Label, bool, char, u8); 5] = [
+    (Label::Background, false, '.', 0),
+    (Label::Subject, false, '#', 255),
+    (Label::Unknown, false, '?', 128),
+    (Label::Background, true, '-', 32),
+    (Label::Unknown, true, '~', 96),
+];
 
 /// Why a mask could not be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -70,8 +81,8 @@ pub enum MaskError {
         /// Length of this row.
         found: usize,
     },
-    /// A character of an ASCII mask is none of `#`, `.` and `?`.
-    #[error("row {row}, column {column} of the mask is '{character}', not one of '#', '.', '?'")]
+    /// A character of an ASCII mask is none of `#`, `.`, `?`, `-` and `~`.
+    #[error("row {row}, column {column} of the mask is '{character}', not one of '#', '.', '?', '-', '~'")]
     UnknownCharacter {
         /// Row, counted from 0.
         row: usize,
@@ -111,11 +122,13 @@ pub struct PixelBox {
 /// assert_eq!(mask.to_string(), "..#.\n.##?\n");
 /// # Ok::<(), backlit_tracking::silhouette::MaskError>(())
 /// ```
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct Mask {
     width: usize,
     height: usize,
     labels: Vec<Label>,
+    /// Which pixels are marked as shadow; empty as long as none is.
+    shadows: Vec<bool>,
 }
 
 impl Mask {
@@ -129,7 +142,7 @@ impl Mask {
         if labels.len() != pixels {
             return Err(MaskError::WrongLength { width, height, labels: labels.len() });
         }
-        Ok(Self { width, height, labels })
+        Ok(Self { width, height, labels, shadows: Vec::new() })
     }
 
     /// A mask of one label.
@@ -139,26 +152,28 @@ impl Mask {
     /// If the size is empty or too large.
     pub fn filled(width: usize, height: usize, label: Label) -> Result<Self, MaskError> {
         let pixels = checked_pixels(width, height)?;
-        Ok(Self { width, height, labels: vec![label; pixels] })
+        Ok(Self { width, height, labels: vec![label; pixels], shadows: Vec::new() })
     }
 
-    /// Reads rows of `#` (subject), `.` (background) and `?` (unknown). Space around a row and empty rows are ignored.
+    /// Reads rows of `#` (subject), `.` (background), `?` (unknown), `-` (shadow that counts as background) and `~` (shadow
+    /// that counts as unknown). Space around a row and empty rows are ignored.
     ///
     /// # Errors
     ///
     /// If a row has another character or another length than the first, or if there is no row at all.
     pub fn from_ascii(text: &str) -> Result<Self, MaskError> {
-        let mut labels = Vec::new();
+        let (mut labels, mut shadows) = (Vec::new(), Vec::new());
         let (mut width, mut height) = (0, 0);
         for (row, line) in text.lines().map(str::trim).filter(|line| !line.is_empty()).enumerate() {
             let start = labels.len();
             for (column, character) in line.chars().enumerate() {
-                labels.push(match character {
-                    '.' => Label::Background,
-                    '#' => Label::Subject,
-                    '?' => Label::Unknown,
-                    _ => return Err(MaskError::UnknownCharacter { row, column, character }),
-                });
+                let Some((label, is_shadow, ..)) = SIGNS.into_iter().find(|sign| sign.2 == character) else {
+                    return Err(MaskError::UnknownCharacter { row, column, character });
+                };
+                if is_shadow {
+                    shadows.push(labels.len());
+                }
+                labels.push(label);
             }
             let found = labels.len() - start;
             if row == 0 {
@@ -168,10 +183,13 @@ impl Mask {
             }
             height += 1;
         }
-        Self::new(width, height, labels)
+        let mut mask = Self::new(width, height, labels)?;
+        shadows.into_iter().for_each(|index| mask.mark_shadow(index));
+        Ok(mask)
     }
 
     /// Reads a grey image in which the subject is white: 0 to 63 is background, 64 to 191 unknown, 192 to 255 subject.
+    /// Exactly 32 and 96 are marked as shadow besides.
     ///
     /// # Errors
     ///
@@ -186,18 +204,61 @@ impl Mask {
                 192..=255 => Label::Subject,
             })
             .collect();
-        Self::new(image.width() as usize, image.height() as usize, labels)
+        let mut mask = Self::new(image.width() as usize, image.height() as usize, labels)?;
+        let is_shadow = |level: &u8| SIGNS.iter().any(|sign| sign.1 && sign.3 == *level);
+        for (index, _) in image.as_raw().iter().enumerate().filter(|(_, level)| is_shadow(level)) {
+            mask.mark_shadow(index);
+        }
+        Ok(mask)
     }
 
-    /// A grey image in which the subject is white (255), background black (0) and unknown grey (128).
+    /// A grey image in which the subject is white (255), background black (0) and unknown grey (128). Shadow is 32 where it
+    /// counts as background and 96 where it counts as unknown: [`from_gray`](Self::from_gray) reads the same mask.
     pub fn to_gray(&self) -> GrayImage {
         // MAX_PIXELS keeps both sides far below the range of u32.
         GrayImage::from_fn(self.width as u32, self.height as u32, |x, y| {
-            Luma([match self.labels[y as usize * self.width + x as usize] {
-                Label::Background => 0,
-                Label::Subject => 255,
-                Label::Unknown => 128,
-            }])
+            Luma([self.sign(y as usize * self.width + x as usize).1])
+        })
+    }
+
+    /// The character and the grey level of a pixel.
+    fn sign(&self, index: usize) -> (char, u8) {
+        let (label, is_shadow) = (self.labels[index], self.is_shadow(index));
+        let found = SIGNS.into_iter().find(|sign| (sign.0, sign.1) == (label, is_shadow));
+        found.map_or(('?', 128), |(_, _, character, level)| (character, level))
+    }
+
+    /// Marks a pixel as shadow. Its label stays: background or unknown, which is what the shadow counts as. Subject is
+    /// never shadow, so there the mark means nothing.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such pixel.
+    pub fn mark_shadow(&mut self, index: usize) {
+        if self.shadows.is_empty() {
+            self.shadows = vec![false; self.labels.len()];
+        }
+        self.shadows[index] = true;
+    }
+
+    /// Whether a pixel is marked as shadow and is not subject; false outside the mask.
+    #[inline]
+    pub fn is_shadow(&self, index: usize) -> bool {
+        self.shadows.get(index).is_some_and(|&is_marked| is_marked) && self.labels[index] != Label::Subject
+    }
+
+    /// Whether some pixel is shadow.
+    pub fn has_shadow(&self) -> bool {
+        (0..self.shadows.len()).any(|index| self.is_shadow(index))
+    }
+
+    /// What a pixel shows, or none outside the mask.
+    pub fn class(&self, x: usize, y: usize) -> Option<PixelClass> {
+        Some(match self.get(x, y)? {
+            _ if self.is_shadow(y * self.width + x) => PixelClass::Shadow,
+            Label::Background => PixelClass::Background,
+            Label::Subject => PixelClass::Subject,
+            Label::Unknown => PixelClass::Unknown,
         })
     }
 
@@ -258,10 +319,21 @@ impl Mask {
 }
 
 /// The rows as [`Mask::from_ascii`] reads them, each ended by a line break.
+impl PartialEq for Mask {
+    fn eq(&self, other: &Self) -> bool {
+        let marks = 0..self.shadows.len().max(other.shadows.len());
+        (self.width, &self.labels) == (other.width, &other.labels)
+            && marks.into_iter().all(|index| self.is_shadow(index) == other.is_shadow(index))
+    }
+}
+
+impl Eq for Mask {}
+
 impl fmt::Display for Mask {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for row in self.labels.chunks_exact(self.width) {
-            writeln!(f, "{}", row.iter().map(|label| label.to_char()).collect::<String>())?;
+        for y in 0..self.height {
+            let row = y * self.width..(y + 1) * self.width;
+            writeln!(f, "{}", row.map(|index| self.sign(index).0).collect::<String>())?;
         }
         Ok(())
     }
@@ -298,6 +370,28 @@ mod tests {
         let mask = Mask::from_gray(&image).unwrap();
         assert_eq!(mask.to_string(), "..??##\n");
         assert_eq!(Mask::from_gray(&mask.to_gray()).unwrap(), mask);
+    }
+
+    #[test]
+    fn shadow_is_a_class_of_its_own_and_weighs_what_its_label_says() {
+        let text = "#.-~?\n";
+        let mask = Mask::from_ascii(text).unwrap();
+        assert_eq!(mask.to_string(), text);
+        let classes = ["Subject", "Background", "Shadow", "Shadow", "Unknown"];
+        let labels = [Label::Subject, Label::Background, Label::Background, Label::Unknown, Label::Unknown];
+        for x in 0..5 {
+            assert_eq!(format!("{:?}", mask.class(x, 0).unwrap()), classes[x]);
+            assert_eq!(mask.get(x, 0), Some(labels[x]));
+        }
+        assert_eq!(mask.class(5, 0), None);
+        assert_eq!(mask.to_gray().into_raw(), [255, 0, 32, 96, 128]);
+        assert_eq!(Mask::from_gray(&mask.to_gray()).unwrap(), mask);
+        let mut other = mask.clone();
+        other.labels_mut()[2] = Label::Subject;
+        assert_eq!((other.class(2, 0), other.has_shadow()), (Some(PixelClass::Subject), true));
+        other.labels_mut()[3] = Label::Subject;
+        assert!(!other.has_shadow());
+        assert_eq!(other, Mask::from_ascii("#.##?").unwrap());
     }
 
     #[test]

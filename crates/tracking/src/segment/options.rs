@@ -1,0 +1,112 @@
+//! How a frame is segmented.
+
+use serde::{Deserialize, Serialize};
+
+use super::dont_know::DontKnowOptions;
+use super::shadow::ShadowOptions;
+use super::subtraction::SegmentError;
+use crate::silhouette::Region;
+
+/// β: the z-score that some of three independent channels of normal noise exceeds, on either side, once in 10⁴ pixels. Each
+/// has the share 1 − (1 − 10⁻⁴)^⅓ (Šidák); where their noise goes together, fewer pixels exceed it. One channel alone would have
+/// the report's 3.891, and three of those three times as many false pixels.
+pub const BETA: f32 = 4.149_4;
+/// Longer than the side of any picture: growing a mask by more means nothing.
+const MAX_DISTANCE_PX: usize = 16_384;
+
+/// How a frame is segmented. The defaults suit indoor footage of a few hundred pixels' height with JPEG noise.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SegmentOptions {
+    /// β: how many deviations a pixel must be off in some channel to be foreground.
+    pub z_threshold: f32,
+    /// The smallest deviation that is believed, grey levels: noise of compression and of a plate made from few frames.
+    pub noise_floor: f32,
+    /// Whether the frame's exposure may differ from the background's; then one gain per channel is found by a median.
+    pub match_exposure: bool,
+    /// Shadow test; none leaves shadows in the foreground. By default shadow weighs nothing.
+    pub shadow: Option<ShadowOptions>,
+    /// Opening by a square of (2n + 1)² pixels, against specks.
+    pub opening_px: usize,
+    /// Closing by a square of (2n + 1)² pixels, against gaps.
+    pub closing_px: usize,
+    /// The smallest component that is kept, pixels.
+    pub min_component_px: usize,
+    /// Components that meet when each is grown by this much form a group: a body may fall apart. Pixels.
+    pub group_px: usize,
+    /// The smallest group that is kept, as a fraction of the largest one's area (both grown by `group_px`).
+    pub min_group_fraction: f32,
+    /// The largest hole that is filled, pixels.
+    pub fill_holes_px: usize,
+    /// Don't-know test; none decides every pixel.
+    pub dont_know: Option<DontKnowOptions>,
+    /// Where the subject may be; all else is background.
+    pub region: Option<Region>,
+}
+
+impl Default for SegmentOptions {
+    fn default() -> Self {
+        Self {
+            z_threshold: BETA,
+            noise_floor: 5.0,
+            match_exposure: true,
+            shadow: Some(ShadowOptions::default()),
+            opening_px: 1,
+            closing_px: 2,
+            min_component_px: 40,
+            group_px: 4,
+            min_group_fraction: 0.2,
+            fill_holes_px: 30,
+            dont_know: Some(DontKnowOptions::default()),
+            region: None,
+        }
+    }
+}
+
+impl SegmentOptions {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    ///
+    /// The first option that is negative, not finite, or a distance longer than any picture.
+    pub fn check(&self) -> Result<(), SegmentError> {
+        let shadow = self.shadow.unwrap_or_default();
+        let dont_know = self.dont_know.unwrap_or_default();
+        let numbers = [
+            ("z_threshold", self.z_threshold),
+            ("noise_floor", self.noise_floor),
+            ("min_group_fraction", self.min_group_fraction),
+            ("shadow.darkest", shadow.darkest),
+            ("shadow.brightest", shadow.brightest),
+            ("shadow.colour_tolerance", shadow.colour_tolerance),
+            ("shadow.gradient_tolerance", shadow.gradient_tolerance),
+            ("dont_know.dark_level", dont_know.dark_level),
+            ("dont_know.sure_z", dont_know.sure_z),
+        ];
+        let distances = [
+            ("opening_px", self.opening_px),
+            ("closing_px", self.closing_px),
+            ("group_px", self.group_px),
+            ("dont_know.grow_px", dont_know.grow_px),
+        ];
+        let bad_number = numbers.into_iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0));
+        let bad_distance = distances.into_iter().find(|(_, px)| *px > MAX_DISTANCE_PX);
+        match bad_number.or(bad_distance.map(|(option, px)| (option, px as f32))) {
+            Some((option, value)) => Err(SegmentError::InvalidOption { option, value }),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_are_read_with_defaults_and_without_guessing() {
+        let options: SegmentOptions = toml::from_str("closing_px = 3\n[shadow]\ndarkest = 0.5").unwrap();
+        assert_eq!((options.closing_px, options.opening_px), (3, SegmentOptions::default().opening_px));
+        assert_eq!(options.shadow.unwrap().darkest, 0.5);
+        assert!(toml::from_str::<SegmentOptions>("closing = 3").is_err());
+    }
+}
