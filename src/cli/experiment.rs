@@ -12,6 +12,7 @@
 //! | [`fig55`] | `backlit experiment fig5.5` and `fig5.6` |
 //! | [`inverse`] | `backlit experiment inverse` |
 //! | [`bias`] | `backlit experiment bias` |
+//! | [`shadow`] | `backlit experiment shadow` |
 //! | [`sizes`] | `backlit experiment sizes` |
 //! | [`track`] | `backlit experiment track` |
 //! | [`robustness`] | `backlit experiment robustness` |
@@ -34,6 +35,7 @@ pub(crate) mod frame_basin;
 pub(crate) mod inverse;
 pub(crate) mod robustness;
 pub(crate) mod sequence;
+pub(crate) mod shadow;
 pub(crate) mod sizes;
 pub(crate) mod track;
 pub(crate) mod waiting;
@@ -76,6 +78,8 @@ enum Experiment {
     Inverse(inverse::Arguments),
     /// Where a fit ends that began at the truth: the bias of each ramp on hard masks, by number of cameras
     Bias(bias::Arguments),
+    /// Simulated rooms with shadows: what each shadow test makes of subject, shadow and joints; what noise makes of β
+    Shadow(shadow::Arguments),
     /// Lengths and radii of people of several builds, from silhouettes and an average adult's body
     Sizes(sizes::Arguments),
     /// The upper body followed at one to four times its speed through noisy masks, by kind of motion
@@ -102,6 +106,7 @@ pub(crate) fn run(arguments: &ExperimentArguments) -> anyhow::Result<()> {
         Experiment::Fig56(arguments) => fig55::run(arguments, "fig5.6", [48, 36]),
         Experiment::Inverse(arguments) => inverse::run(arguments),
         Experiment::Bias(arguments) => bias::run(arguments),
+        Experiment::Shadow(arguments) => shadow::run(arguments),
         Experiment::Sizes(arguments) => sizes::run(arguments),
         Experiment::Track(arguments) => track::run(arguments),
         Experiment::Robustness(arguments) => robustness::run(arguments),

@@ -21,6 +21,7 @@
 //! | [`interval`] | how sure a share of successes is |
 //! | [`track`] | the upper body followed at several speeds through noise: what carrying motion on is worth |
 //! | [`robustness`] | the full body with one thing wrong at a time: masks, cameras, sizes |
+//! | [`shadow`] | simulated rooms with shadows: pixels found and joints, by test; noise that passes for a subject |
 //! | [`starts`] | starts of known distance from their truth |
 //! | [`curve`] | one fit, iteration by iteration, against its truth |
 //! | [`sizes`] | the sizes of people of several builds, from silhouettes |
@@ -44,6 +45,7 @@ pub mod progress;
 pub mod robustness;
 pub mod scene;
 pub mod sequence;
+pub mod shadow;
 pub mod sizes;
 pub mod starts;
 pub mod track;

@@ -33,4 +33,5 @@ pub use figure::{Build, Figure, Material};
 pub use noise::Sensor;
 pub use render::{Picture, Plate};
 pub use room::Room;
+pub use shading::Lighting;
 pub use silhouettes::silhouette;

@@ -5,6 +5,7 @@ use backlit_tracking::body::ModelError;
 use backlit_tracking::body_fit::BodyFitError;
 use backlit_tracking::camera::CameraError;
 use backlit_tracking::fit::FitError;
+use backlit_tracking::segment::{BackgroundError, SegmentError};
 use backlit_tracking::silhouette::{MaskError, MeasurementError};
 use thiserror::Error;
 
@@ -39,6 +40,10 @@ pub enum ExperimentError {
     Model(#[from] ModelError),
     #[error(transparent)]
     Mask(#[from] MaskError),
+    #[error(transparent)]
+    Background(#[from] BackgroundError),
+    #[error(transparent)]
+    Segment(#[from] SegmentError),
     #[error(transparent)]
     Measurement(#[from] MeasurementError),
     #[error("{0}")]

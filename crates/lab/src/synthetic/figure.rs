@@ -34,6 +34,8 @@ pub struct Build {
     pub folds: f64,
     /// Thickness of the hair, metres.
     pub hair: f64,
+    /// Reflectance of a shirt of one colour (linear red, green, blue); none for the red one with pale stripes.
+    pub shirt: Option<DVec3>,
 }
 
 impl Default for Build {
@@ -47,6 +49,7 @@ impl Default for Build {
             cloth: 1.0,
             folds: 0.0035,
             hair: 0.014,
+            shirt: None,
         }
     }
 }
