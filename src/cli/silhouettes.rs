@@ -14,7 +14,8 @@ use super::take_options::{self, PartArguments};
 
 const NOTES: &str = "\
 Writes to the folder of --out:
-  NAME/frame_000000.png  the silhouette of camera NAME: white subject, black background, middle grey unknown
+  NAME/frame_000000.png  the silhouette of camera NAME: white subject, black background, middle grey (128) unknown;
+                         shadow is 32 where it counts as background and 96 where it weighs nothing
   cameras.json           the cameras of these pictures: lens distortion has been taken out of them
 
 Example:

@@ -137,7 +137,12 @@ fn pixel_rows(
     let number = |value: Option<f32>, decimals: usize| {
         value.map_or(format::MISSING.to_owned(), |value| format::number(f64::from(value), decimals))
     };
-    let data = if sample.is_unknown { "don’t know".to_owned() } else { number(sample.data, 0) };
+    let data = match (sample.is_unknown, sample.is_shadow) {
+        (true, true) => "shadow".to_owned(),
+        (true, false) => "don’t know".to_owned(),
+        (false, true) => format!("{}, shadow", number(sample.data, 0)),
+        (false, false) => number(sample.data, 0),
+    };
     let owner = sample.owner.and_then(|owner| input.body.limbs().get(owner));
     let owner = owner.map_or(format::MISSING, |limb| limb.name.as_str());
     let depth = match sample.depth_m {

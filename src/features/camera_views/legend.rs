@@ -56,11 +56,11 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, se
     let names: Vec<Arc<Galley>> = modes.iter().filter(|_| is_compared).map(name).collect();
     let column = names.iter().map(|name| name.size().x + space::WIDGET).fold(0.0, f32::max);
     let last = modes.len().saturating_sub(1);
-    let has_unknown = has_unknown(ui, input);
+    let hatches = hatches(ui, input);
     let block = |(index, mode): (usize, &ViewMode)| {
         let is_told = !is_compared && says_nothing(*mode);
         let mut items =
-            if is_told { Vec::new() } else { Item::all_of(*mode, input, has_unknown, &painter, small) };
+            if is_told { Vec::new() } else { Item::all_of(*mode, input, hatches, &painter, small) };
         items.extend(observed.iter().filter(|_| index == last).map(|text| Item::ring(text, &painter, small)));
         if index == last && has_marks {
             items.extend(Item::calibration(&painter, small));
@@ -100,16 +100,16 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, se
     height
 }
 
-/// Whether some pixel of the picture is unknown, looked up when the picture changes.
-fn has_unknown(ui: &Ui, input: &CameraTileInput<'_>) -> bool {
-    let id = ui.scope_id().with("has unknown");
-    let known = ui.data(|data| data.get_temp::<(u64, bool)>(id));
+/// Whether some pixel of the picture is unknown, and whether one is shadow, looked up when the picture changes.
+fn hatches(ui: &Ui, input: &CameraTileInput<'_>) -> [bool; 2] {
+    let id = ui.scope_id().with("hatches");
+    let known = ui.data(|data| data.get_temp::<(u64, [bool; 2])>(id));
     if let Some((_, known)) = known.filter(|(generation, _)| *generation == input.generation) {
         return known;
     }
-    let has_unknown = input.picture.has_unknown();
-    ui.data_mut(|data| data.insert_temp(id, (input.generation, has_unknown)));
-    has_unknown
+    let hatches = [input.picture.has_unknown(), input.picture.has_shadow()];
+    ui.data_mut(|data| data.insert_temp(id, (input.generation, hatches)));
+    hatches
 }
 
 /// What the colours mean, in sentences.

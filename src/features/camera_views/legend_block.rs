@@ -61,7 +61,7 @@ impl Item {
     pub(crate) fn all_of(
         mode: ViewMode,
         input: &CameraTileInput<'_>,
-        has_unknown: bool,
+        [has_unknown, has_shadow]: [bool; 2],
         painter: &Painter,
         font: &FontId,
     ) -> Vec<Self> {
@@ -78,7 +78,11 @@ impl Item {
             }
         };
         // A hatch is explained where there is one to be seen.
-        let is_seen = |swatch: Swatch| !matches!(swatch, Swatch::Hatch(_)) || has_unknown;
+        let is_seen = |swatch: Swatch| match swatch {
+            Swatch::Hatch(_) => has_unknown,
+            Swatch::Shadow(_) => has_shadow,
+            _ => true,
+        };
         let seen = entries.iter().filter(|entry| is_seen(entry.swatch));
         seen.map(|entry| Self::new(entry.text.to_owned(), entry.swatch, painter, font)).collect()
     }
@@ -172,6 +176,15 @@ fn paint_swatch(painter: &Painter, at: Pos2, swatch: Swatch, palette: &Palette) 
         Swatch::Hatch(colour) => {
             painter.rect(square, radius, PICTURE_GROUND, palette.edge(), StrokeKind::Inside);
             hatch(painter, square, mark::UNKNOWN_HATCH, colour, false);
+        }
+        Swatch::Shadow(colour) => {
+            painter.rect(square, radius, PICTURE_GROUND, palette.edge(), StrokeKind::Inside);
+            let [width, period] = mark::SHADOW_HATCH;
+            let inside = square.shrink(1.0);
+            for line in 0..(inside.height() / period) as usize {
+                let y = inside.top() + (line as f32 + 0.5) * period;
+                painter.hline(inside.x_range(), y, Stroke::new(width, colour));
+            }
         }
         Swatch::NoGradient(colour) => {
             painter.rect(square, radius, PICTURE_GROUND, palette.edge(), StrokeKind::Inside);

@@ -1,8 +1,8 @@
 //! The Measurement section: how silhouettes are made from footage.
 
-use backlit_tracking::segment::{DontKnowOptions, SegmentOptions, ShadowOptions};
+use backlit_tracking::segment::{DontKnowOptions, SegmentOptions, ShadowOptions, ShadowTest};
 use backlit_ui::style::format;
-use backlit_ui::widgets::{SliderRow, checkbox, section};
+use backlit_ui::widgets::{SliderRow, checkbox, section, segmented};
 use egui::Ui;
 
 use crate::context::command_button::gesture;
@@ -61,11 +61,7 @@ fn numbers(ui: &mut Ui, requests: &mut Requests, options: &mut SegmentOptions) {
 }
 
 fn switches(ui: &mut Ui, options: &mut SegmentOptions) {
-    let mut shadow = options.shadow.is_some();
-    let tip = "Foreground that is only darker than the background, not differently coloured, is shadow";
-    if checkbox(ui, &mut shadow, "Take out shadows").on_hover_text(tip).changed() {
-        options.shadow = shadow.then(ShadowOptions::default);
-    }
+    shadows(ui, options);
     let mut dont_know = options.dont_know.is_some();
     let tip = "Where plate and frame are both dark, a pixel says nothing and weighs nothing";
     if checkbox(ui, &mut dont_know, "Don’t know where both are dark").on_hover_text(tip).changed() {
@@ -73,4 +69,29 @@ fn switches(ui: &mut Ui, options: &mut SegmentOptions) {
     }
     let tip = "The frame may be exposed differently from the background";
     checkbox(ui, &mut options.match_exposure, "Match exposure").on_hover_text(tip);
+}
+
+/// Which shadow test there is, and what a shadow counts as.
+fn shadows(ui: &mut Ui, options: &mut SegmentOptions) {
+    let before = options.shadow.map(|shadow| shadow.test);
+    let mut test = before;
+    ui.label("Shadows");
+    let choices = [
+        (None, "Off"),
+        (Some(ShadowTest::Brightness), "Brightness"),
+        (Some(ShadowTest::Gradient), "Gradient"),
+    ];
+    segmented(ui, &mut test, &choices).on_hover_text(
+        "What foreground is shadow.\nBrightness: only darker or brighter than the background, of its colour and texture; takes \
+         grey cloth before a grey wall for shadow.\nGradient: as steep as the background (6.12); takes any plain cloth before a \
+         plain wall for shadow",
+    );
+    if test != before {
+        let kept = options.shadow.unwrap_or_default();
+        options.shadow = test.map(|test| ShadowOptions { test, ..kept });
+    }
+    if let Some(shadow) = &mut options.shadow {
+        let tip = "A shadow neither pulls nor pushes; otherwise it counts as background";
+        checkbox(ui, &mut shadow.unknown, "Shadow weighs nothing").on_hover_text(tip);
+    }
 }

@@ -52,6 +52,8 @@ pub struct Sample {
     pub depth_m: Option<f32>,
     /// The data says nothing here, and the pixel weighs nothing.
     pub is_unknown: bool,
+    /// The subject's shadow falls here.
+    pub is_shadow: bool,
 }
 
 impl<'a> PictureInput<'a> {
@@ -85,11 +87,17 @@ impl<'a> PictureInput<'a> {
         if can_show { mode } else { ViewMode::Footage }
     }
 
-    /// Whether the data says nothing of some pixel.
+    /// Whether the data says nothing of some pixel that is no shadow.
     pub fn has_unknown(&self) -> bool {
         let input = self.fitting();
-        let in_mask = input.mask.is_some_and(|mask| mask.labels().contains(&Label::Unknown));
-        in_mask || input.data.is_some_and(|data| data.weights().iter().any(|weight| *weight <= 0.0))
+        let pixels =
+            if input.mask.is_some() || input.data.is_some() { self.size[0] * self.size[1] } else { 0 };
+        (0..pixels).any(|index| input.label(index) == Label::Unknown && !input.is_shadow(index))
+    }
+
+    /// Whether some pixel is shadow.
+    pub fn has_shadow(&self) -> bool {
+        self.fitting().mask.is_some_and(Mask::has_shadow)
     }
 
     /// The numbers at a pixel; `None` outside the picture.
@@ -115,6 +123,7 @@ impl<'a> PictureInput<'a> {
             distance_over_radius: sight.and_then(|sight| finite(sight.distance_over_radius as f32)),
             depth_m: sight.and_then(|sight| finite(sight.depth as f32)),
             is_unknown,
+            is_shadow: input.is_shadow(index),
         })
     }
 
@@ -174,6 +183,12 @@ impl<'a> PictureInput<'a> {
             (false, None, Some(data)) if data.values()[index] < HALF => Label::Subject,
             (false, None, Some(_)) => Label::Background,
         }
+    }
+
+    /// Whether a pixel of a fitting input is shadow.
+    #[inline]
+    pub(super) fn is_shadow(&self, index: usize) -> bool {
+        self.mask.is_some_and(|mask| mask.is_shadow(index))
     }
 
     /// The grey level Λ of a pixel of a fitting input; background where it is not a number.

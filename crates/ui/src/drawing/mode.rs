@@ -4,7 +4,7 @@ use egui::Color32;
 use serde::{Deserialize, Serialize};
 
 use crate::style::theme::data_colours::{
-    AGREEMENT, MISSING, NO_GRADIENT, REPORT_BOTH, REPORT_DATA, REPORT_MODEL, SPURIOUS, UNKNOWN,
+    AGREEMENT, MISSING, NO_GRADIENT, REPORT_BOTH, REPORT_DATA, REPORT_MODEL, SHADOW, SPURIOUS, UNKNOWN,
 };
 
 /// What a camera's tile shows.
@@ -65,6 +65,8 @@ pub enum Swatch {
     Fill(Color32),
     /// The don't-know hatch.
     Hatch(Color32),
+    /// The hatch of shadows.
+    Shadow(Color32),
     /// The hatch of no gradient.
     NoGradient(Color32),
     /// The line of an ellipse.
@@ -78,20 +80,27 @@ const fn fill(text: &'static str, colour: Color32) -> LegendEntry {
 }
 
 const UNKNOWN_ENTRY: LegendEntry = LegendEntry { text: "Don’t know", swatch: Swatch::Hatch(UNKNOWN) };
-/// Pixels of which the data says nothing.
-pub const UNKNOWN_LEGEND: &[LegendEntry] = &[UNKNOWN_ENTRY];
+const SHADOW_ENTRY: LegendEntry = LegendEntry { text: "Shadow", swatch: Swatch::Shadow(SHADOW) };
+/// Pixels in the subject's shadow, and those of which the data says nothing.
+pub const UNKNOWN_LEGEND: &[LegendEntry] = &[SHADOW_ENTRY, UNKNOWN_ENTRY];
 const DATA_LEGEND: &[LegendEntry] =
-    &[fill("Subject 0", Color32::BLACK), fill("Background 255", Color32::WHITE), UNKNOWN_ENTRY];
+    &[fill("Subject 0", Color32::BLACK), fill("Background 255", Color32::WHITE), SHADOW_ENTRY, UNKNOWN_ENTRY];
 const PREDICTION_LEGEND: &[LegendEntry] =
     &[fill("Body 0", Color32::BLACK), fill("Background 255", Color32::WHITE)];
 const REPORT_LEGEND: &[LegendEntry] = &[
     fill("Data only", Color32::from_gray(REPORT_DATA)),
     fill("Model only", Color32::from_gray(REPORT_MODEL)),
     fill("Both", Color32::from_gray(REPORT_BOTH)),
+    SHADOW_ENTRY,
     UNKNOWN_ENTRY,
 ];
-const TINTED_LEGEND: &[LegendEntry] =
-    &[fill("Agreement", AGREEMENT), fill("Missing", MISSING), fill("Spurious", SPURIOUS), UNKNOWN_ENTRY];
+const TINTED_LEGEND: &[LegendEntry] = &[
+    fill("Agreement", AGREEMENT),
+    fill("Missing", MISSING),
+    fill("Spurious", SPURIOUS),
+    SHADOW_ENTRY,
+    UNKNOWN_ENTRY,
+];
 /// Pixels of the ramp that pull at nothing.
 pub const NO_PULL_LEGEND: &[LegendEntry] =
     &[LegendEntry { text: "No pull", swatch: Swatch::NoGradient(NO_GRADIENT) }];

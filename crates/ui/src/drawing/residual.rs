@@ -1,6 +1,5 @@
 //! D − Λ in two hues on a fixed scale: orange where data lacks model, blue where model lacks data, dark at zero.
 
-use backlit_tracking::silhouette::Label;
 use egui::ColorImage;
 
 use super::{PictureInput, hatch};
@@ -8,8 +7,8 @@ use crate::style::theme::data_colours::PICTURE_GROUND;
 use crate::style::theme::residual_colour;
 
 pub(super) fn compose(input: &PictureInput<'_>) -> ColorImage {
-    input.map(|x, y, index| match (input.label(index), input.level(index)) {
-        (Label::Unknown, _) | (_, None) => hatch::unknown(x, y, PICTURE_GROUND),
-        (_, Some(level)) => residual_colour(level - input.lambda(index)),
+    input.map(|x, y, index| {
+        let colour = |level| residual_colour(level - input.lambda(index));
+        hatch::data(input, [x, y, index], PICTURE_GROUND, colour)
     })
 }

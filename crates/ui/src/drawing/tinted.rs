@@ -8,17 +8,18 @@ use egui::{Color32, ColorImage};
 use super::input::HALF;
 use super::{PictureInput, hatch};
 use crate::style::theme::data_colours::{
-    AGREEMENT, AGREEMENT_TINT, FOOTAGE_DIM, MISMATCH_TINT, MISSING, PICTURE_GROUND, SPURIOUS, UNKNOWN,
+    AGREEMENT, AGREEMENT_TINT, FOOTAGE_DIM, MISMATCH_TINT, MISSING, PICTURE_GROUND, SHADOW, SPURIOUS, UNKNOWN,
 };
 
-/// Opacity of the don't-know hatch over footage.
+/// Opacity of the hatches of shadow and don't-know pixels over footage.
 const HATCH_TINT: f32 = 0.5;
 
 pub(super) fn compose(input: &PictureInput<'_>) -> ColorImage {
     let tints = TINTS.get_or_init(Tints::new);
     let (Some(frame), Some(mask), Some(prediction)) = (input.frame, input.mask, input.prediction) else {
         return input.map(|x, y, index| {
-            let tint = tints.of(input.label(index), input.lambda(index) < HALF, x, y);
+            let label = (input.label(index), input.is_shadow(index));
+            let tint = tints.of(label, input.lambda(index) < HALF, x, y);
             input.footage(x, y).map_or(tint.flat, |colour| tint.over([colour.r(), colour.g(), colour.b()]))
         });
     };
@@ -32,11 +33,12 @@ pub(super) fn compose(input: &PictureInput<'_>) -> ColorImage {
     {
         let row = y * width..(y + 1) * width;
         let weights = weights.map(|weights| &weights[row.clone()]);
+        let start = row.start;
         let known = footage.iter().zip(&mask.labels()[row]).zip(lambda).enumerate();
         pixels.extend(known.map(|(x, ((colour, label), lambda))| {
             let is_known = weights.is_none_or(|weights| weights[x] > 0.0);
             let label = if is_known { *label } else { Label::Unknown };
-            tints.of(label, *lambda < HALF, x, y).over(*colour)
+            tints.of((label, mask.is_shadow(start + x)), *lambda < HALF, x, y).over(*colour)
         }));
     }
     ColorImage::new(input.size, pixels)
@@ -50,6 +52,7 @@ struct Tints {
     missing: Tint,
     spurious: Tint,
     unknown: Tint,
+    shadow: Tint,
 }
 
 static TINTS: OnceLock<Tints> = OnceLock::new();
@@ -62,12 +65,16 @@ impl Tints {
             missing: Tint::new(MISSING, MISMATCH_TINT),
             spurious: Tint::new(SPURIOUS, MISMATCH_TINT),
             unknown: Tint::new(UNKNOWN, HATCH_TINT),
+            shadow: Tint::new(SHADOW, HATCH_TINT),
         }
     }
 
+    /// Of a label, and whether the pixel is shadow.
     #[inline]
-    fn of(&self, label: Label, is_model: bool, x: usize, y: usize) -> &Tint {
+    fn of(&self, (label, is_shadow): (Label, bool), is_model: bool, x: usize, y: usize) -> &Tint {
         match (label, is_model) {
+            _ if is_shadow && hatch::is_shadow_line(y) => &self.shadow,
+            (Label::Unknown, _) if is_shadow => &self.ground,
             (Label::Background, false) => &self.ground,
             (Label::Subject, true) => &self.agreement,
             (Label::Subject, false) => &self.missing,

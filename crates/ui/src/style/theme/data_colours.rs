@@ -48,6 +48,8 @@ pub const RAY_CASING: f32 = 0.6;
 pub const NO_GRADIENT: Color32 = rgb(0xC35BB0);
 /// Hatch of don't-know pixels.
 pub const UNKNOWN: Color32 = AGREEMENT;
+/// Hatch of pixels in the subject's shadow.
+pub const SHADOW: Color32 = rgb(0x3E9A5B);
 /// White digits on badges.
 pub const WHITE: Color32 = rgb(0xFFFFFF);
 
@@ -98,6 +100,8 @@ pub mod mark {
     pub const NO_GRADIENT_HATCH: [f32; 2] = [2.0, 6.0];
     /// Width and period of the don't-know hatch, at −45°.
     pub const UNKNOWN_HATCH: [f32; 2] = [1.0, 5.0];
+    /// Width and period of the shadow hatch, level.
+    pub const SHADOW_HATCH: [f32; 2] = [1.0, 3.0];
     /// Dot of an accepted step in a plot.
     pub const ACCEPTED_RADIUS: f32 = 2.3;
     /// Side of a rejected step's cross in a plot.
