@@ -2,7 +2,14 @@
 //!
 //! Pixel numbers are in 1/64 pixel, lengths in millimetres. `transform` has the camera's axes in rows, y up and z
 //! backwards, and the camera's place in the world: R = diag(1, −1, −1) `R_q`, t = −R c. Distortion coefficients are
-//! OpenCV's. Cameras that are not active are left out; a camera's name is its serial.
+//! OpenCV's. A camera's name is its serial. Left out are cameras that are not active, and those whose model only sees
+//! markers: of Qualisys' models "Miqus Video", "Miqus Video Underwater", "Miqus Video Plus" and the like film.
+//!
+//! All numbers are of the sensor, which is how QTM writes the videos of a camera that lies on its side. `viewrotation`
+//! says by how many degrees clockwise its picture must be turned to stand upright. Where the pictures asked for have the
+//! proportions of the turned picture, they were turned, and the camera is turned with them:
+//! (u, v) → (height − 1 − v, u) for 90°. A half turn leaves the proportions as they are: such pictures are taken to be
+//! the sensor's own.
 
 use std::path::Path;
 use std::str::FromStr;
@@ -32,8 +39,9 @@ pub fn parse(path: &Path, text: &str, options: CalibrationOptions) -> Result<Rig
     })?;
     let mut cameras = Vec::new();
     for node in document.descendants().filter(|node| node.has_tag_name("camera")) {
-        if node.attribute("active") != Some("0") {
-            cameras.push(Source { path, node }.camera()?);
+        let source = Source { path, node };
+        if source.films() {
+            cameras.push(source.camera(options.size)?);
         }
     }
     rig(path, cameras, options.size)
@@ -45,7 +53,15 @@ struct Source<'a, 'input> {
 }
 
 impl Source<'_, '_> {
-    fn camera(&self) -> Result<Camera, FileError> {
+    /// Whether it takes pictures. A file that other tools have made need not say the model.
+    fn films(&self) -> bool {
+        let model = self.node.attribute("model").unwrap_or_default().trim().to_lowercase();
+        let takes_video = model.is_empty() || model == "none" || model.contains("video");
+        self.node.attribute("active") != Some("0") && takes_video
+    }
+
+    /// The camera, turned as the pictures of this size are.
+    fn camera(&self, pictures: Option<[u64; 2]>) -> Result<Camera, FileError> {
         let name = self.node.attribute("serial").unwrap_or_default();
         let side = |first, last| -> Result<(u64, f64), FileError> {
             let (first, last): (i32, i32) =
@@ -78,10 +94,34 @@ impl Source<'_, '_> {
         let rotation = rows.transpose();
         let centre = row("x", "y", "z")? * 0.001;
         let camera_from_world = CameraFromWorld { rotation, translation: -(rotation * centre) };
-        Camera::new(name, [width, height], intrinsics, distortion, camera_from_world).map_err(|error| {
+        let mut camera = Turned { size: [width, height], intrinsics, distortion, camera_from_world };
+        let turns = self.quarter_turns()?;
+        if turns % 2 == 1 && pictures.is_some_and(|size| is_portrait(size) != is_portrait(camera.size)) {
+            (0..turns).for_each(|_| camera = camera.clockwise());
+        }
+        let Turned { size, intrinsics, distortion, camera_from_world } = camera;
+        Camera::new(name, size, intrinsics, distortion, camera_from_world).map_err(|error| {
             let problem = FileProblem::Camera { camera: name.to_owned(), error };
             FileError::new(self.path, problem).at_line(Some(self.line(self.node)))
         })
+    }
+
+    /// Clockwise, from the sensor's picture to the upright one.
+    fn quarter_turns(&self) -> Result<u32, FileError> {
+        match self.node.attribute("viewrotation").map(str::trim) {
+            None | Some("" | "0") => Ok(0),
+            Some("90") => Ok(1),
+            Some("180") => Ok(2),
+            Some("270") => Ok(3),
+            Some(other) => {
+                let problem = FileProblem::Field {
+                    field: "camera.viewrotation".to_owned(),
+                    found: format!("{other:?}"),
+                    expected: "0, 90, 180 or 270".to_owned(),
+                };
+                Err(FileError::new(self.path, problem).at_line(Some(self.line(self.node))))
+            }
+        }
     }
 
     fn number<T: FromStr>(&self, element: &str, attribute: &str) -> Result<T, FileError> {
@@ -99,6 +139,43 @@ impl Source<'_, '_> {
 
     fn line(&self, node: Node<'_, '_>) -> usize {
         node.document().text_pos_at(node.range().start).row as usize
+    }
+}
+
+fn is_portrait([width, height]: [u64; 2]) -> bool {
+    height > width
+}
+
+/// What a camera is made of, while its picture is turned.
+#[derive(Clone, Copy)]
+struct Turned {
+    size: [u64; 2],
+    intrinsics: Intrinsics,
+    distortion: Distortion,
+    camera_from_world: CameraFromWorld,
+}
+
+impl Turned {
+    /// The camera of the picture turned by a quarter clockwise: (u, v) becomes (height − 1 − v, u).
+    fn clockwise(self) -> Self {
+        let [width, height] = self.size;
+        let Intrinsics { fx, fy, cx, cy } = self.intrinsics;
+        let turn = DMat3::from_cols(DVec3::Y, -DVec3::X, DVec3::Z);
+        Self {
+            size: [height, width],
+            intrinsics: Intrinsics { fx: fy, fy: fx, cx: height as f64 - 1.0 - cy, cy: cx },
+            distortion: match self.distortion {
+                // Radial terms look the same from all sides; the tangential pair turns with the picture.
+                Distortion::OpenCv { k1, k2, p1, p2, k3 } => {
+                    Distortion::OpenCv { k1, k2, p1: p2, p2: -p1, k3 }
+                }
+                other => other,
+            },
+            camera_from_world: CameraFromWorld {
+                rotation: turn * self.camera_from_world.rotation,
+                translation: turn * self.camera_from_world.translation,
+            },
+        }
     }
 }
 
@@ -130,6 +207,69 @@ mod tests {
         assert!(point.distance(DVec3::new(0.2, -0.2, 1.0)) < 1e-12, "{point}");
     }
 
+    fn read(text: &str, size: Option<[u64; 2]>) -> Rig {
+        let options = CalibrationOptions { size, ..CalibrationOptions::default() };
+        parse(Path::new("c.qca.txt"), text, options).unwrap()
+    }
+
+    #[test]
+    fn cameras_that_only_see_markers_are_left_out() {
+        for (model, films) in [
+            ("Miqus Video", true),
+            ("Miqus Video UnderWater", true),
+            ("Miqus Video Plus", true),
+            ("none", true),
+            ("", true),
+            ("Miqus M3", false),
+            ("Oqus 300+", false),
+            ("Arqus A12", false),
+        ] {
+            let [from, to] =
+                ["<camera active=\"1\"", "<camera active=\"0\""].map(|tag| GOOD.find(tag).unwrap());
+            let said = format!("model=\"{model}\" serial=\"other\"");
+            let other = GOOD[from..to].replace("serial=\"cam01\"", &said);
+            let both = GOOD.replace("</cameras>", &format!("{other}</cameras>"));
+            let rig = read(&both, None);
+            let names: Vec<&str> = rig.cameras().iter().map(Camera::name).collect();
+            assert_eq!(names, if films { vec!["cam01", "other"] } else { vec!["cam01"] }, "{model}");
+        }
+        // A marker camera is left out before its numbers are looked at.
+        let marker =
+            GOOD.replace("active=\"0\" serial=\"off\"", "active=\"1\" model=\"Miqus M5\" serial=\"m\"");
+        assert_eq!(read(&marker, None).count(), 1);
+    }
+
+    #[test]
+    fn a_camera_on_its_side_is_turned_with_its_pictures() {
+        let [width, height] = [1088.0, 1920.0];
+        let upright = &read(GOOD, None).cameras()[0].clone();
+        for (degrees, turn) in [(90, 1), (270, 3), (180, 0), (0, 0)] {
+            let text = GOOD.replace("viewrotation=\"0\"", &format!("viewrotation=\"{degrees}\""));
+            // As the sensor has it, unless the pictures lie the other way.
+            assert_eq!(read(&text, None).cameras()[0], *upright, "{degrees}°");
+            assert_eq!(read(&text, Some([1088, 1920])).cameras()[0], *upright, "{degrees}°");
+            let options = CalibrationOptions { size: Some([1920, 1088]), ..CalibrationOptions::default() };
+            let turned = parse(Path::new("c"), &text, options);
+            if turn == 0 {
+                let message = turned.unwrap_err().to_string();
+                assert!(message.contains("the proportions of 1920×1088"), "{message}");
+                continue;
+            }
+            let rig = turned.unwrap();
+            let camera = &rig.cameras()[0];
+            assert_eq!((camera.width(), camera.height()), (1920, 1088));
+            assert!(camera.centre().distance(upright.centre()) < 1e-12);
+            for point in [DVec3::new(1.0, 0.3, 1.7), DVec3::new(-1.0, -0.2, 1.1), DVec3::new(0.5, 0.0, 1.3)] {
+                let (before, after) = (upright.project(point).unwrap(), camera.project(point).unwrap());
+                let expected = match turn {
+                    1 => glam::DVec2::new(height - 1.0 - before.y, before.x),
+                    _ => glam::DVec2::new(before.y, width - 1.0 - before.x),
+                };
+                assert!(after.distance(expected) < 1e-9, "{degrees}°: {after} for {expected}");
+            }
+        }
+    }
+
     #[test]
     fn errors_name_line_and_field() {
         let cases = [
@@ -138,6 +278,10 @@ mod tests {
             (GOOD.replace("r33=\"0\"", "r33=\"5\""), "line 3: camera \"cam01\": `rotation`"),
             (GOOD.replace("right=\"1087\"", "right=\"-7\""), "line 3: camera \"cam01\": `width` is 0"),
             (GOOD.replace("</cameras>", ""), "line 10: is not valid XML"),
+            (
+                GOOD.replace("viewrotation=\"0\"", "viewrotation=\"45\""),
+                "line 3: `camera.viewrotation` is \"45\"; expected 0, 90, 180 or 270",
+            ),
             ("<calibration/>".to_owned(), "there is no camera"),
         ];
         for (text, expected) in cases {
