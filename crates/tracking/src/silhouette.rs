@@ -14,6 +14,7 @@
 mod box_average;
 mod contour;
 mod distance;
+pub(crate) mod distance_ramp;
 mod mask;
 pub(crate) mod measurement;
 mod near_distance;

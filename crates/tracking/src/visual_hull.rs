@@ -24,7 +24,7 @@ const HALF_DIAGONAL: f64 = 0.866_025_403_784_438_6;
 pub struct HullView<C, M> {
     /// The camera, of the same picture as the silhouette: without distortion if that was rectified.
     pub camera: C,
-    /// What it sees of the subject. Unknown pixels do not hold the subject.
+    /// What it sees of the subject. Of what lies behind unknown pixels it cannot say whether that is the subject's.
     pub silhouette: M,
 }
 
@@ -62,10 +62,11 @@ pub struct VisualHull {
 }
 
 impl VisualHull {
-    /// Carves the hull. A place beyond the border of a picture does not belong to it either, unless the silhouette
-    /// reaches that picture's border: then that camera says nothing about it. At least two cameras must see a
-    /// place. `None` with fewer than two
-    /// silhouettes, with silhouettes that do not meet, or when cancelled.
+    /// Carves the hull. A place beyond the border of a picture does not belong to it either, unless the silhouette, or
+    /// what is unknown, reaches that picture's border: then that camera says nothing about it. A place must be in two
+    /// pictures or more, within the silhouette in two of them, and in none of them on background; unknown pixels neither
+    /// carve nor bear witness. With two silhouettes in all one witness is enough where the other cannot say. `None` with
+    /// fewer than two silhouettes, with silhouettes that do not meet, or when cancelled.
     #[must_use]
     pub fn carve<C: Borrow<Camera>, M: Borrow<Mask>>(
         views: &[HullView<C, M>],
@@ -106,7 +107,7 @@ impl VisualHull {
 struct Seen<'a> {
     camera: &'a Camera,
     distance: SignedDistance,
-    /// Nothing of it is cut off by the picture's border.
+    /// Nothing of it is cut off by the picture's border, not even what is unknown.
     is_whole: bool,
     /// The ray of the middle of what it shows, and half the diagonal of that in focal lengths.
     ray: DVec3,
@@ -121,24 +122,20 @@ impl<'a> Seen<'a> {
         let (low, high) = (corner(found.x_min, found.y_min), corner(found.x_max, found.y_max));
         let ray = camera.ray_in_world(0.5 * (low + high)).filter(|_| fits)?;
         let spread = 0.5 * (high - low + DVec2::ONE).length() / camera.intrinsics().mean_focal_px();
-        // Unknown pixels are background: only what is seen to be the subject may hold it.
-        let known = if silhouette.count(Label::Unknown) > 0 {
-            let label = |label: &Label| if *label == Label::Subject { *label } else { Label::Background };
-            let labels = silhouette.labels().iter().map(label).collect();
-            SignedDistance::from_mask(&Mask::new(silhouette.width(), silhouette.height(), labels).ok()?)
-        } else {
-            SignedDistance::from_mask(silhouette)
-        };
-        let is_whole = found.x_min > 0
-            && found.y_min > 0
-            && found.x_max + 1 < silhouette.width()
-            && found.y_max + 1 < silhouette.height();
-        Some(Self { camera, distance: known, is_whole, ray, spread })
+        let width = silhouette.width();
+        let is_background = |label: &Label| *label == Label::Background;
+        let mut rows = silhouette.labels().chunks_exact(width);
+        let ends_are = |row: &[Label]| is_background(&row[0]) && is_background(&row[width - 1]);
+        let is_whole = rows.clone().all(ends_are)
+            && rows.next().is_some_and(|row| row.iter().all(is_background))
+            && rows.next_back().is_none_or(|row| row.iter().all(is_background));
+        let distance = SignedDistance::from_mask(silhouette);
+        Some(Self { camera, distance, is_whole, ray, spread })
     }
 
-    /// Whether a ball about a point may be the subject's; `None` where this camera cannot say.
-    fn holds(&self, point: DVec3, radius: f64) -> Option<bool> {
-        let unseen = if self.is_whole { Some(false) } else { None };
+    /// What this camera says about a ball.
+    fn says(&self, point: DVec3, radius: f64) -> Says {
+        let unseen = if self.is_whole { Says::Empty } else { Says::Nothing };
         let Some(pixel) = self.camera.project(point) else { return unseen };
         let reach = radius * self.camera.intrinsics().mean_focal_px() / self.camera.depth(point);
         let (width, height) = (self.distance.width(), self.distance.height());
@@ -148,9 +145,26 @@ impl<'a> Seen<'a> {
             return unseen;
         }
         let pixel = inside.round();
-        let away = self.distance.values()[pixel.y as usize * width + pixel.x as usize];
-        Some(f64::from(away) <= reach)
+        let away = self.distance.range(pixel.y as usize * width + pixel.x as usize).map(f64::from);
+        match away.map(|away| away <= reach) {
+            [_, true] => Says::Subject,
+            [true, false] => Says::Unknown,
+            [false, false] => Says::Empty,
+        }
     }
+}
+
+/// What a camera says about a ball.
+#[derive(Clone, Copy, PartialEq)]
+enum Says {
+    /// It may hold some of the subject.
+    Subject,
+    /// It may, if what is unknown there is the subject.
+    Unknown,
+    /// It holds nothing of it.
+    Empty,
+    /// It is not in the picture, and the subject may reach beyond that.
+    Nothing,
 }
 
 /// A cube that holds the subject: its middle, nearest to all middle rays, and half its side.
@@ -194,21 +208,22 @@ impl Grid {
 
     /// Which cubes every camera leaves; `reach` is in sides of a cube.
     fn carve(&self, seen: &[Seen<'_>], reach: f64, cancel: &CancelToken) -> Option<Vec<bool>> {
+        // Among many cameras one witness alone lets the hull grow along its rays over all that is dark.
+        let enough = if seen.len() > 2 { 2 } else { 1 };
         let mut held = vec![false; self.counts.iter().product()];
         for cell in self.cells() {
             if cell[1] == 0 && cell[2] == 0 && cancel.is_cancelled() {
                 return None;
             }
             let point = self.centre(cell);
-            let mut witnesses = 0;
-            let is_held = seen.iter().all(|view| match view.holds(point, reach * self.side) {
-                Some(holds) => {
-                    witnesses += 1;
-                    holds
-                }
-                None => true,
+            let (mut pictures, mut witnesses) = (0, 0);
+            let is_possible = seen.iter().all(|view| {
+                let says = view.says(point, reach * self.side);
+                pictures += usize::from(says != Says::Nothing);
+                witnesses += usize::from(says == Says::Subject);
+                says != Says::Empty
             });
-            held[self.index(cell)] = is_held && witnesses >= 2;
+            held[self.index(cell)] = is_possible && pictures >= 2 && witnesses >= enough;
         }
         Some(held)
     }
@@ -348,15 +363,53 @@ mod tests {
         assert_eq!(VisualHull::carve(&two, &HullOptions::default(), &cancelled), None);
     }
 
+    /// Makes everything between two heights unknown.
+    fn veil(view: &mut HullView<Camera, Mask>, heights: std::ops::Range<f64>) {
+        let rows = [heights.start, heights.end].map(|z| {
+            let middle = (0.5 * (LOW + HIGH)).with_z(z);
+            view.camera.project(middle).unwrap().y as usize
+        });
+        let width = view.silhouette.width();
+        view.silhouette.labels_mut()[rows[1] * width..rows[0] * width].fill(Label::Unknown);
+    }
+
     #[test]
-    fn what_is_unknown_holds_nothing() {
-        let two = views(&[(DVec3::new(5.0, 0.0, 0.8), DVec3::Z), (DVec3::new(0.0, 5.0, 0.8), DVec3::Z)]);
-        let mut veiled = two.clone();
-        for label in veiled[0].silhouette.labels_mut() {
-            if *label == Label::Background {
-                *label = Label::Unknown;
+    fn what_is_unknown_neither_carves_nor_bears_witness() {
+        let far = [DVec3::new(8.0, 0.05, 0.8), DVec3::new(0.05, -8.0, 0.8), DVec3::new(-6.0, -6.0, 0.8)];
+        let all = views(&far.map(|at| (at, DVec3::Z)));
+        for count in [2, 3] {
+            let whole = carve(&all[..count]).unwrap();
+            // Dark shorts before a dark floor, in one picture, then in all.
+            let mut views = all[..count].to_vec();
+            veil(&mut views[0], 0.6..0.9);
+            let veiled = carve(&views).unwrap();
+            let between = |hull: &VisualHull| {
+                let heights = hull.shell.iter().map(|voxel| voxel.centre.z);
+                heights.filter(|z| (0.65..0.85).contains(z)).count()
+            };
+            assert!(between(&veiled) >= between(&whole), "{} of {}", between(&veiled), between(&whole));
+            for (end, whole) in veiled.bounds.iter().zip(whole.bounds) {
+                // The others carve where one cannot: no farther than their silhouettes' own ends, in height.
+                assert!((end.z - whole.z).abs() < 2.0 * veiled.voxel, "{:?}", veiled.bounds);
             }
+            (1..count).for_each(|view| veil(&mut views[view], 0.6..0.9));
+            assert_eq!(between(&carve(&views).unwrap()), 0, "nobody sees anything there");
         }
-        assert_eq!(carve(&veiled), carve(&two));
+        let mut blind = all[..2].to_vec();
+        blind.iter_mut().for_each(|view| view.silhouette.labels_mut().fill(Label::Unknown));
+        assert_eq!(carve(&blind), None);
+    }
+
+    #[test]
+    fn what_is_unknown_at_the_border_may_go_on_beyond() {
+        let far = [DVec3::new(3.0, 0.05, 0.8), DVec3::new(0.05, -8.0, 0.8), DVec3::new(-6.0, -6.0, 0.8)];
+        let mut all = views(&far.map(|at| (at, DVec3::Z)));
+        let whole = carve(&all).unwrap();
+        let labels = all[0].silhouette.labels_mut();
+        assert!(labels[..320].contains(&Label::Subject), "it is cut off");
+        labels[..10 * 320].fill(Label::Unknown);
+        labels[230 * 320..].fill(Label::Unknown);
+        let veiled = carve(&all).unwrap();
+        assert!((veiled.size().z - whole.size().z).abs() < 2.0 * veiled.voxel, "{:?}", veiled.bounds);
     }
 }

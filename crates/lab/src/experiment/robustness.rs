@@ -45,6 +45,8 @@ pub enum Trouble {
     Speckle(f64),
     /// Three ellipses in every silhouette are missing; long half axis in pixels.
     Holes(f64),
+    /// Three ellipses about pixels of every silhouette are unknown; long half axis in pixels.
+    Hidden(f64),
     /// Three ellipses in every background are spurious; long half axis in pixels.
     Blobs(f64),
     /// Only the first cameras see.
@@ -66,6 +68,7 @@ impl Trouble {
             Self::Border(share) => format!("border noise {:.0} %", 100.0 * share),
             Self::Speckle(share) => format!("speckle {:.0} %", 100.0 * share),
             Self::Holes(radius) => format!("holes of {radius:.0} px"),
+            Self::Hidden(radius) => format!("hidden by {radius:.0} px"),
             Self::Blobs(radius) => format!("blobs of {radius:.0} px"),
             Self::Cameras(1) => "1 camera".to_owned(),
             Self::Cameras(count) => format!("{count} cameras"),
@@ -122,11 +125,12 @@ impl Default for Options {
 }
 
 fn troubles() -> Vec<Trouble> {
-    use Trouble::{Blobs, Border, Cameras, Holes, Lengths, Radii, Speckle, Turned};
+    use Trouble::{Blobs, Border, Cameras, Hidden, Holes, Lengths, Radii, Speckle, Turned};
     let mut troubles = vec![Trouble::None];
     troubles.extend([0.1, 0.3].map(Border));
     troubles.extend([0.01, 0.03].map(Speckle));
     troubles.extend([4.0, 8.0, 16.0].map(Holes));
+    troubles.extend([8.0, 16.0, 32.0].map(Hidden));
     troubles.extend([4.0, 8.0, 16.0].map(Blobs));
     troubles.extend([3, 2, 1].map(Cameras));
     troubles.extend([0.9, 1.1].map(Lengths));
@@ -291,6 +295,7 @@ fn troubled(mut mask: Mask, trouble: Trouble, random: &mut Pcg64Mcg) -> Result<M
         Trouble::Border(value) => mask = noisy(&mask, share("border", value)?, 0.0, random),
         Trouble::Speckle(value) => mask = noisy(&mask, 0.0, share("speckle", value)?, random),
         Trouble::Holes(radius) => paint(&mut mask, Label::Subject, Label::Background, radius, random),
+        Trouble::Hidden(radius) => paint(&mut mask, Label::Subject, Label::Unknown, radius, random),
         Trouble::Blobs(radius) => paint(&mut mask, Label::Background, Label::Subject, radius, random),
         _ => {}
     }
@@ -392,6 +397,8 @@ mod tests {
         // An ellipse of half axes 4 and 2 has 25 pixels; three may overlap or leave the picture.
         assert!((12..=90).contains(&holed.count(Label::Background)), "{holed:?}");
         assert!((12..=90).contains(&blobbed.count(Label::Subject)), "{blobbed:?}");
+        let hidden = troubled(full.clone(), Trouble::Hidden(4.0), &mut random).unwrap();
+        assert!((12..=90).contains(&hidden.count(Label::Unknown)), "{hidden:?}");
         assert_eq!(troubled(empty.clone(), Trouble::Holes(4.0), &mut random).unwrap(), empty);
         assert_eq!(troubled(full.clone(), Trouble::Blobs(4.0), &mut random).unwrap(), full);
     }

@@ -9,7 +9,8 @@ use crate::body::PoseError;
 use crate::camera::Camera;
 use crate::render::Ramp;
 use crate::residual::silhouette::SampledData;
-use crate::silhouette::measurement::{self, DistanceRamp};
+use crate::silhouette::distance_ramp::DistanceRamp;
+use crate::silhouette::measurement;
 use crate::silhouette::{Label, Mask, Measurement, SignedDistance};
 
 /// The data of one camera in one frame.
@@ -142,8 +143,14 @@ impl FitView {
                 let Ok(ramp) = DistanceRamp::new(inner_px as f32, outer_px as f32) else { return whole() };
                 // As long as the labels, which spares looking twice.
                 let sd = &distance.values()[..labels.len()];
-                let data = |pixel: usize| (ramp.level(sd[pixel]), measurement::weight(&labels[pixel]));
-                SampledData::of_pixels(size, stage.stride, data)
+                match distance.to_unknown() {
+                    None => SampledData::of_pixels(size, stage.stride, |pixel| {
+                        (ramp.level(sd[pixel]), measurement::weight(&labels[pixel]))
+                    }),
+                    Some(unknown) => SampledData::of_pixels(size, stage.stride, |pixel| {
+                        ramp.level_and_weight(sd[pixel], unknown[pixel], &labels[pixel])
+                    }),
+                }
             }
             (DataView::Averaged { .. }, ..) => whole(),
             _ => SampledData::of_pixels(size, stage.stride, |pixel| {

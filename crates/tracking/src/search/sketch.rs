@@ -307,9 +307,11 @@ impl SketchView {
                         (grey.values()[at] / BACKGROUND as f32, grey.weights()[at])
                     }
                     (Evidence::Mask(mask), Some(distance)) => {
-                        let coarse = distance.values()[at] / stride as f32;
-                        let level = ((coarse + INNER_PX) / (INNER_PX + OUTER_PX)).clamp(0.0, 1.0);
-                        (level, f32::from(mask.labels()[at] != Label::Unknown))
+                        // As the fit's data: the middle and the certainty of what unknown pixels leave open.
+                        let level = |sd: f32| (sd / stride as f32 + INNER_PX) / (INNER_PX + OUTER_PX);
+                        let [least, most] = distance.range(at).map(|sd| level(sd).clamp(0.0, 1.0));
+                        let known = f32::from(mask.labels()[at] != Label::Unknown);
+                        (0.5 * (least + most), known * (1.0 - (most - least).powi(2)))
                     }
                     (Evidence::Mask(mask), None) => {
                         let label = mask.labels()[at];

@@ -1,4 +1,4 @@
-//! The share of background among the known pixels of a small box around each pixel.
+//! The share of background among the known pixels of a small box around each pixel, and that of known pixels.
 //!
 //! Counts of a box of at most 15² pixels fit a byte, so sums run over 16 or 32 pixels at once: first down the columns,
 //! row by row, then along the row.
@@ -6,18 +6,33 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::mask::{Label, Mask};
+use super::measurement::weight;
 
 /// The largest radius whose counts fit a byte.
 const MAX_RADIUS: usize = 7;
 
 /// Replaces the values by, for each pixel, the first level · (background pixels) / (known pixels), counted in the box of
-/// (2 · `radius` + 1)² around it and in the image; by the second level where none is known.
-pub(super) fn box_average(mask: &Mask, radius: usize, levels: [f32; 2], values: &mut Vec<f32>) {
+/// (2 · `radius` + 1)² around it and in the image; by the second level where none is known. The weight of a known pixel
+/// becomes (known pixels) / (pixels) of its box, that of an unknown one nothing.
+pub(super) fn box_average(
+    mask: &Mask,
+    radius: usize,
+    levels: [f32; 2],
+    values: &mut Vec<f32>,
+    weights: &mut Vec<f32>,
+) {
+    values.clear();
+    weights.clear();
     if radius <= MAX_RADIUS {
-        Arch::new().dispatch(BoxAverage { mask, radius, levels, values });
+        Arch::new().dispatch(BoxAverage { mask, radius, levels, values, weights });
     } else {
-        wide_box_average(mask, radius, levels, values);
+        wide_box_average(mask, radius, levels, values, weights);
     }
+}
+
+/// How many entries of a row of so many lie within a radius of one of them.
+fn within(radius: usize, size: usize, at: usize) -> usize {
+    at.saturating_add(radius + 1).min(size) - at.saturating_sub(radius)
 }
 
 /// The arguments of [`box_average`] for a small box, whose work is compiled once more for wider vectors.
@@ -26,6 +41,7 @@ struct BoxAverage<'a> {
     radius: usize,
     levels: [f32; 2],
     values: &'a mut Vec<f32>,
+    weights: &'a mut Vec<f32>,
 }
 
 impl WithSimd for BoxAverage<'_> {
@@ -33,15 +49,16 @@ impl WithSimd for BoxAverage<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { mask, radius, levels: [level, unknown_level], values } = self;
+        let Self { mask, radius, levels: [level, unknown_level], values, weights } = self;
         let (width, height) = (mask.width(), mask.height());
         // Counts of each column within the rows of the box, with the radius on both sides.
         let [mut known, mut background] =
             [const { Vec::<u8>::new() }; 2].map(|_| vec![0; width + 2 * radius]);
         let [mut known_in_box, mut background_in_box] =
             [const { Vec::<u8>::new() }; 2].map(|_| vec![0; width]);
-        values.clear();
         values.reserve_exact(width * height);
+        weights.reserve_exact(width * height);
+        let columns_in_box: Vec<f32> = (0..width).map(|x| within(radius, width, x) as f32).collect();
         let row = |y: usize| &mask.labels()[y * width..][..width];
         for y in 0..height + radius {
             if y < height {
@@ -68,6 +85,11 @@ impl WithSimd for BoxAverage<'_> {
                 let share = level * f32::from(background) / f32::from(known);
                 if known == 0 { unknown_level } else { share }
             }));
+            let rows_in_box = within(radius, height, y - radius) as f32;
+            let known = known_in_box.iter().zip(&columns_in_box).zip(row(y - radius));
+            weights.extend(known.map(|((&known, &columns), label)| {
+                weight(label) * f32::from(known) / (columns * rows_in_box)
+            }));
         }
     }
 }
@@ -84,13 +106,18 @@ fn sum_windows(counts: &[u8], length: usize, sums: &mut [u8]) {
 }
 
 /// [`box_average`] for a box of any size.
-fn wide_box_average(mask: &Mask, radius_px: usize, [level, unknown_level]: [f32; 2], values: &mut Vec<f32>) {
+fn wide_box_average(
+    mask: &Mask,
+    radius_px: usize,
+    [level, unknown_level]: [f32; 2],
+    values: &mut Vec<f32>,
+    weights: &mut Vec<f32>,
+) {
     let (width, height) = (mask.width(), mask.height());
     let mut sums = ColumnSums::new(width);
     let mut prefix = Vec::with_capacity(width + 1);
     let row = |y: usize| &mask.labels()[y * width..(y + 1) * width];
     (0..radius_px.min(height)).for_each(|y| sums.add(row(y)));
-    values.clear();
     for y in 0..height {
         if let Some(entering) = y.checked_add(radius_px).filter(|&entering| entering < height) {
             sums.add(row(entering));
@@ -106,6 +133,8 @@ fn wide_box_average(mask: &Mask, radius_px: usize, [level, unknown_level]: [f32;
                 0 => unknown_level,
                 _ => level * background as f32 / known as f32,
             });
+            let pixels = within(radius_px, width, x) * within(radius_px, height, y);
+            weights.push(weight(&row(y)[x]) * known as f32 / pixels as f32);
         }
     }
 }

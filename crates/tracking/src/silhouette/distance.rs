@@ -5,7 +5,10 @@
 //! - outside: sd(p) = min over q in S of ‖p − q‖ − ½,
 //! - inside: sd(p) = ½ − min over q in B of ‖p − q‖,
 //!
-//! so the border lies halfway between neighbouring pixel centres and sd is negative inside. The squared distance splits
+//! so the border lies halfway between neighbouring pixel centres and sd is negative inside. With U those of the unknown
+//! pixels, B is B ∪ U if all of them are background, and S is S ∪ U if all are subject: sd lies between what the two
+//! give. For a known pixel one of them is sd as above, and the other has min(|sd|, min over q in U of ‖p − q‖ − ½) for
+//! its length. The squared distance splits
 //! (Felzenszwalb & Huttenlocher, "Distance Transforms of Sampled Functions", Theory of Computing 8, 2012):
 //!
 //! d²(x, y) = min over x' of (x − x')² + g(x', y)², where g(x', y) is the distance to the nearest seed in column x'.
@@ -27,27 +30,26 @@ const NO_SEED: i32 = 1 << 28;
 
 /// The signed distance of every pixel from the border of the subject, in pixels; negative inside.
 ///
-/// Unknown pixels are seeds for nobody: a subject pixel's distance is to the nearest pixel *known* to be background, and
-/// the other way round. An unknown pixel itself has its distance to the nearest subject pixel. Values are exact up to the
-/// rounding of `f32`. Where there is no border, because no pixel is subject (or none is background), the distance is
-/// `width + height` (or its negative), farther than any real one: it is never infinite and never NaN.
+/// A subject pixel's distance is to the nearest pixel *known* to be background, and the other way round; what the unknown
+/// pixels between them could change is the other end of its [`range`](Self::range). An unknown pixel itself has its
+/// distance to the nearest subject pixel. Values are exact up to the rounding of `f32`. Where there is no border, because
+/// no pixel is subject (or none is background), the distance is `width + height` (or its negative), farther than any real
+/// one: it is never infinite and never NaN.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignedDistance {
     width: usize,
     height: usize,
     values: Vec<f32>,
+    /// Distance from the nearest unknown pixel, less a half; empty where every pixel is known.
+    to_unknown: Vec<f32>,
 }
 
 impl SignedDistance {
     /// The signed distances of a mask.
     pub fn from_mask(mask: &Mask) -> Self {
         let (width, height) = (mask.width(), mask.height());
-        let far = (width + height) as f32;
-        let mut values = vec![far; width * height];
-        if let Some(subject) = mask.bounds() {
-            Arch::new().dispatch(Transform { mask, subject, far, values: &mut values });
-        }
-        Self { width, height, values }
+        let (values, to_unknown) = Arch::new().dispatch(Transform { mask });
+        Self { width, height, values, to_unknown }
     }
 
     /// The signed distances of a mask, exact where they are at most `reach_px` on either side. Beyond that they have the
@@ -57,8 +59,8 @@ impl SignedDistance {
         let margin = (reach_px.ceil() as usize).saturating_add(1);
         match mask.bounds() {
             Some(bounds) if margin <= MAX_MARGIN && mask.labels().contains(&Label::Background) => {
-                let values = near_distances(mask, bounds, margin, (mask.width() + mask.height()) as f32);
-                Self { width: mask.width(), height: mask.height(), values }
+                let (values, to_unknown) = near_distances(mask, bounds, margin, far(mask));
+                Self { width: mask.width(), height: mask.height(), values, to_unknown }
             }
             _ => Self::from_mask(mask),
         }
@@ -78,31 +80,64 @@ impl SignedDistance {
     pub fn values(&self) -> &[f32] {
         &self.values
     }
-}
 
-/// The work of a transform. It is compiled once more for wider vectors, and that copy runs where the processor has them.
-struct Transform<'a> {
-    mask: &'a Mask,
-    subject: PixelBox,
-    far: f32,
-    values: &'a mut [f32],
-}
+    /// The least and the greatest distance that a pixel may have: with all unknown pixels subject, and with all
+    /// background. Of a pixel that is unknown itself −½ stands for the least: it may lie anywhere inside.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such pixel.
+    pub fn range(&self, pixel: usize) -> [f32; 2] {
+        let known = self.values[pixel];
+        match self.to_unknown.get(pixel) {
+            None => [known; 2],
+            Some(&unknown) if known > 0.0 => [known.min(unknown), known],
+            Some(&unknown) => [known, known.max(-unknown)],
+        }
+    }
 
-impl WithSimd for Transform<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        write_outside(simd, self.mask, self.subject, self.values);
-        write_inside(simd, self.mask, self.subject, self.far, self.values);
+    /// Distances from the nearest unknown pixel, less a half, row by row; none where every pixel is known.
+    pub(crate) fn to_unknown(&self) -> Option<&[f32]> {
+        (!self.to_unknown.is_empty()).then_some(&self.to_unknown)
     }
 }
 
-/// Writes the distance from the nearest subject pixel, less a half, to every pixel.
+/// Farther than any distance in an image.
+fn far(mask: &Mask) -> f32 {
+    (mask.width() + mask.height()) as f32
+}
+
+/// The work of a transform: signed distances, and those from unknown pixels if there are any. It is compiled once more for
+/// wider vectors, and that copy runs where the processor has them.
+struct Transform<'a> {
+    mask: &'a Mask,
+}
+
+impl WithSimd for Transform<'_> {
+    type Output = (Vec<f32>, Vec<f32>);
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> (Vec<f32>, Vec<f32>) {
+        let (mask, far) = (self.mask, far(self.mask));
+        let mut values = vec![far; mask.labels().len()];
+        if let Some(subject) = mask.bounds() {
+            write_distances_from(simd, mask, Label::Subject, subject, &mut values);
+            write_inside(simd, mask, subject, far, &mut values);
+        }
+        let mut to_unknown = Vec::new();
+        if let Some(unknown) = mask.bounds_of(Label::Unknown) {
+            to_unknown.resize(values.len(), far);
+            write_distances_from(simd, mask, Label::Unknown, unknown, &mut to_unknown);
+        }
+        (values, to_unknown)
+    }
+}
+
+/// Writes the distance from the nearest pixel with a label, all of which lie in a box, less a half, to every pixel.
 #[inline(always)]
-fn write_outside<S: Simd>(simd: S, mask: &Mask, subject: PixelBox, values: &mut [f32]) {
-    let (width, columns) = (mask.width(), subject.x_min..subject.x_max + 1);
-    let mut scan = ColumnScan::new(mask, Label::Subject, columns.clone(), 0..mask.height());
+fn write_distances_from<S: Simd>(simd: S, mask: &Mask, label: Label, bounds: PixelBox, values: &mut [f32]) {
+    let (width, columns) = (mask.width(), bounds.x_min..bounds.x_max + 1);
+    let mut scan = ColumnScan::new(mask, label, columns.clone(), 0..mask.height());
     let mut search = RowSearch::new(simd, width);
     for y in (0..mask.height()).rev() {
         let (above, below) = scan.up(y);
@@ -249,6 +284,31 @@ mod tests {
         }
     }
 
+    /// The mask with all unknown pixels given a label.
+    fn filled(mask: &Mask, label: Label) -> Mask {
+        let fill = |&old: &Label| if old == Label::Unknown { label } else { old };
+        Mask::new(mask.width(), mask.height(), mask.labels().iter().map(fill).collect()).unwrap()
+    }
+
+    proptest! {
+        #[test]
+        fn the_range_is_what_the_unknown_could_change(mask in any_mask(), reach in 0.0..12_f32) {
+            let [least, greatest] = [Label::Subject, Label::Background].map(|label| brute_force(&filled(&mask, label)));
+            let (all, near) = (SignedDistance::from_mask(&mask), SignedDistance::from_mask_within(&mask, reach));
+            for (i, label) in mask.labels().iter().enumerate() {
+                let found = all.range(i);
+                if *label == Label::Unknown {
+                    prop_assert!(found[0] == -0.5 && found[1] == all.values()[i], "{found:?} in\n{mask}");
+                    continue;
+                }
+                prop_assert_eq!(found, [least[i], greatest[i]], "pixel {} in\n{}", i, mask);
+                for (near, all) in near.range(i).into_iter().zip(found) {
+                    prop_assert!(near == all || near.signum() == all.signum() && near.abs().min(all.abs()) >= reach);
+                }
+            }
+        }
+    }
+
     /// Wide and sparse, so that a row has several blocks and the nearest seed is often far.
     fn wide_mask() -> impl Strategy<Value = Mask> {
         let seeds = proptest::collection::vec((0..160_usize, 0..7_usize, 0..3_usize), 0..9);
@@ -262,13 +322,9 @@ mod tests {
         })
     }
 
-    fn by_scalars(mask: &Mask) -> Vec<f32> {
-        let far = (mask.width() + mask.height()) as f32;
-        let mut values = vec![far; mask.labels().len()];
-        if let Some(subject) = mask.bounds() {
-            Transform { mask, subject, far, values: &mut values }.with_simd(pulp::Scalar::new());
-        }
-        values
+    fn by_scalars(mask: &Mask) -> SignedDistance {
+        let (values, to_unknown) = Transform { mask }.with_simd(pulp::Scalar::new());
+        SignedDistance { width: mask.width(), height: mask.height(), values, to_unknown }
     }
 
     proptest! {
@@ -278,7 +334,7 @@ mod tests {
         fn wide_rows_equal_brute_force(mask in wide_mask()) {
             let (distance, expected) = (SignedDistance::from_mask(&mask), brute_force(&mask));
             prop_assert_eq!(distance.values(), &expected, "in\n{}", mask);
-            prop_assert_eq!(by_scalars(&mask), expected, "in\n{}", mask);
+            prop_assert_eq!(by_scalars(&mask), distance, "in\n{}", mask);
         }
     }
 

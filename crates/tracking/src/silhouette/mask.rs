@@ -299,17 +299,22 @@ impl Mask {
 
     /// The smallest box that holds every subject pixel, or none if there is no such pixel.
     pub fn bounds(&self) -> Option<PixelBox> {
+        self.bounds_of(Label::Subject)
+    }
+
+    /// The smallest box that holds every pixel with a label.
+    pub(super) fn bounds_of(&self, label: Label) -> Option<PixelBox> {
         let any = |labels: &[Label]| {
-            labels.iter().map(|&label| u8::from(label == Label::Subject)).fold(0, |any, one| any | one) != 0
+            labels.iter().map(|&other| u8::from(other == label)).fold(0, |any, one| any | one) != 0
         };
         let mut rows = self.labels.chunks_exact(self.width);
         let y_min = rows.position(any)?;
         let y_max = rows.rposition(any).map_or(y_min, |y| y_min + 1 + y);
-        // All rows on top of each other: the columns with a subject.
+        // All rows on top of each other: the columns with such a pixel.
         let mut columns = vec![0_u8; self.width];
         for row in self.labels.chunks_exact(self.width).take(y_max + 1).skip(y_min) {
-            for (column, &label) in columns.iter_mut().zip(row) {
-                *column |= u8::from(label == Label::Subject);
+            for (column, &other) in columns.iter_mut().zip(row) {
+                *column |= u8::from(other == label);
             }
         }
         let x_min = columns.iter().position(|&column| column != 0)?;

@@ -7,6 +7,8 @@
 //! - by distance: D = 255 · clip((sd + wᵢ) / (wᵢ + wₒ), 0, 1), with sd the signed distance and wᵢ, wₒ the widths of the
 //!   ramp inside and outside the border, in pixels.
 //!
+//! Unknown pixels weigh nothing, and a known one counts less where they could change its D ([`super::distance_ramp`]).
+//!
 //! Equation numbers are those of P. Kaimakis, "Markerless Motion Capture", University of Cambridge, 2004.
 
 use image::GrayImage;
@@ -14,10 +16,11 @@ use serde::{Deserialize, Serialize};
 
 use super::box_average::box_average;
 use super::distance::SignedDistance;
+use super::distance_ramp::DistanceRamp;
 use super::mask::{Label, Mask};
 
 /// Grey level of background, and of everything that is surely not the subject.
-const BACKGROUND_LEVEL: f32 = 255.0;
+pub(super) const BACKGROUND_LEVEL: f32 = 255.0;
 
 /// Grey level shown for pixels about which nothing is known. It weighs nothing.
 const UNKNOWN_LEVEL: f32 = 127.5;
@@ -150,8 +153,8 @@ impl Measurement {
         Self { width: mask.width(), height: mask.height(), values, weights: mask_weights(mask) }
     }
 
-    /// The share of background among the known pixels of the box of (2 · `radius_px` + 1)² around each pixel. The box is
-    /// cut at the image's border. Radius 0 is [`Self::from_mask_hard`].
+    /// The share of background among the known pixels of the box of (2 · `radius_px` + 1)² around each pixel, weighed by
+    /// the share of known ones. The box is cut at the image's border. Radius 0 is [`Self::from_mask_hard`].
     pub fn from_mask_averaged(mask: &Mask, radius_px: usize) -> Self {
         let mut averaged = Self { width: 0, height: 0, values: Vec::new(), weights: Vec::new() };
         averaged.average(mask, radius_px);
@@ -161,12 +164,11 @@ impl Measurement {
     /// Becomes [`Self::from_mask_averaged`], in the memory that it has: for one frame after the other.
     pub fn average(&mut self, mask: &Mask, radius_px: usize) {
         (self.width, self.height) = (mask.width(), mask.height());
-        self.weights.clear();
-        self.weights.extend(mask.labels().iter().map(weight));
-        box_average(mask, radius_px, [BACKGROUND_LEVEL, UNKNOWN_LEVEL], &mut self.values);
+        let levels = [BACKGROUND_LEVEL, UNKNOWN_LEVEL];
+        box_average(mask, radius_px, levels, &mut self.values, &mut self.weights);
     }
 
-    /// D = 255 · clip((sd + `inner_px`) / (`inner_px` + `outer_px`), 0, 1), weighed by the mask.
+    /// D = 255 · clip((sd + `inner_px`) / (`inner_px` + `outer_px`), 0, 1), weighed by what unknown pixels could change.
     ///
     /// # Errors
     ///
@@ -183,8 +185,14 @@ impl Measurement {
             return Err(MeasurementError::SizeMismatch { distance, mask: (width, height) });
         }
         let ramp = DistanceRamp::new(inner_px, outer_px)?;
-        let values = distance.values().iter().map(|&sd| ramp.level(sd)).collect();
-        Ok(Self { width, height, values, weights: mask_weights(mask) })
+        let Some(to_unknown) = distance.to_unknown() else {
+            let values = distance.values().iter().map(|&sd| ramp.level(sd)).collect();
+            return Ok(Self { width, height, values, weights: mask_weights(mask) });
+        };
+        let pixels = distance.values().iter().zip(to_unknown).zip(mask.labels());
+        let (values, weights) =
+            pixels.map(|((&sd, &to_unknown), label)| ramp.level_and_weight(sd, to_unknown, label)).unzip();
+        Ok(Self { width, height, values, weights })
     }
 
     /// Grey levels as they are (0 = subject), each of full weight.
@@ -239,35 +247,6 @@ impl Measurement {
     }
 }
 
-/// The grey level of a signed distance: D = 255 · clip((sd + wᵢ) / (wᵢ + wₒ), 0, 1).
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct DistanceRamp {
-    inner_px: f32,
-    /// Grey levels a pixel.
-    slope: f32,
-}
-
-impl DistanceRamp {
-    /// A ramp of these widths inside and outside the border.
-    pub(crate) fn new(inner_px: f32, outer_px: f32) -> Result<Self, MeasurementError> {
-        let total_px = inner_px + outer_px;
-        if !(inner_px >= 0.0
-            && outer_px >= 0.0
-            && total_px.is_normal()
-            && (BACKGROUND_LEVEL / total_px).is_normal())
-        {
-            return Err(MeasurementError::InvalidRamp { inner_px, outer_px });
-        }
-        Ok(Self { inner_px, slope: BACKGROUND_LEVEL / total_px })
-    }
-
-    /// D at a signed distance in pixels.
-    #[inline(always)]
-    pub(crate) fn level(self, sd: f32) -> f32 {
-        ((sd + self.inner_px) * self.slope).clamp(0.0, BACKGROUND_LEVEL)
-    }
-}
-
 /// Black for the subject, white for background, grey where nothing is known.
 pub(crate) fn hard_level(label: &Label) -> f32 {
     match label {
@@ -318,8 +297,14 @@ mod tests {
             for (i, &value) in averaged.values().iter().enumerate() {
                 let near = |j: usize| (i % 5).abs_diff(j % 5) <= radius && (i / 5).abs_diff(j / 5) <= radius;
                 let count = |label| (0..15).filter(|&j| near(j) && mask.labels()[j] == label).count() as f32;
-                let [b, s] = [Label::Background, Label::Subject].map(count);
+                let [b, s, u] = [Label::Background, Label::Subject, Label::Unknown].map(count);
                 assert_eq!(value, 255.0 * b / (b + s), "radius {radius}, pixel {i}");
+                let known = f32::from(u8::from(mask.labels()[i] != Label::Unknown));
+                assert_eq!(
+                    averaged.weights()[i],
+                    known * (b + s) / (b + s + u),
+                    "radius {radius}, pixel {i}"
+                );
             }
         }
     }
@@ -342,12 +327,15 @@ mod tests {
                 let rows = y.saturating_sub(radius)..(y + radius + 1).min(height);
                 let columns = x.saturating_sub(radius)..(x + radius + 1).min(width);
                 let near = rows.flat_map(|y| mask.row(y).unwrap()[columns.clone()].iter());
-                let (mut b, mut known) = (0.0, 0.0);
+                let (mut b, mut known, mut all) = (0.0, 0.0, 0.0);
                 for &label in near {
                     b += f32::from(u8::from(label == Label::Background));
                     known += f32::from(u8::from(label != Label::Unknown));
+                    all += 1.0;
                 }
                 assert_eq!(value, 255.0 * b / known, "radius {radius}, pixel {i}");
+                let weight = weight(&mask.labels()[i]) * known / all;
+                assert_eq!(averaged.weights()[i], weight, "radius {radius}, pixel {i}");
             }
         }
     }

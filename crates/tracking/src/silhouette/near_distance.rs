@@ -4,6 +4,8 @@
 //! branches: for the few dozen pixels that a ramp needs this beats the envelope of parabolas. A block of pixels stops
 //! looking once k² reaches its largest d², so pixels near the border are cheap.
 
+use std::ops::Range;
+
 use pulp::{Arch, Simd, WithSimd};
 
 use super::mask::{Label, Mask, PixelBox};
@@ -21,8 +23,14 @@ const BLOCK: usize = 32;
 const STEPS: usize = 4;
 
 /// The signed distances of a mask, row by row: exact up to `margin` − ½, at least that beyond, and `far` outside the box
-/// of the subject grown by `margin`. The margin is at most [`MAX_MARGIN`].
-pub(super) fn near_distances(mask: &Mask, subject: PixelBox, margin: usize, far: f32) -> Vec<f32> {
+/// of the subject grown by `margin`; and in the same way those from the nearest unknown pixel, if there is any. The margin
+/// is at most [`MAX_MARGIN`].
+pub(super) fn near_distances(
+    mask: &Mask,
+    subject: PixelBox,
+    margin: usize,
+    far: f32,
+) -> (Vec<f32>, Vec<f32>) {
     Arch::new().dispatch(NearDistances { mask, subject, margin, far })
 }
 
@@ -35,41 +43,76 @@ struct NearDistances<'a> {
 }
 
 impl WithSimd for NearDistances<'_> {
-    type Output = Vec<f32>;
+    type Output = (Vec<f32>, Vec<f32>);
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Vec<f32> {
+    fn with_simd<S: Simd>(self, _: S) -> (Vec<f32>, Vec<f32>) {
         let Self { mask, subject, margin, far } = self;
-        distances(mask, subject, margin, far)
+        let mut values = vec![far; mask.labels().len()];
+        let window = Window::new(mask, subject, margin);
+        window.write_distances_from(Label::Subject, &mut values);
+        window.write_inside(&mut values);
+        let mut to_unknown = Vec::new();
+        if let Some(unknown) = mask.bounds_of(Label::Unknown) {
+            to_unknown.resize(values.len(), far);
+            Window::new(mask, unknown, margin).write_distances_from(Label::Unknown, &mut to_unknown);
+        }
+        (values, to_unknown)
     }
 }
 
-#[inline(always)]
-fn distances(mask: &Mask, subject: PixelBox, margin: usize, far: f32) -> Vec<f32> {
-    let width = mask.width();
-    let span = |min: usize, max: usize, size: usize| min.saturating_sub(margin)..(max + margin + 1).min(size);
-    let columns = span(subject.x_min, subject.x_max, width);
-    let rows = span(subject.y_min, subject.y_max, mask.height());
-    let labels: Vec<&[Label]> = rows.clone().map(|y| &mask.labels()[y * width..][columns.clone()]).collect();
-    let outside = column_distances(&labels, Label::Subject);
-    let inside = column_distances(&labels, Label::Background);
-    let mut search = NearSearch::new(columns.len(), margin);
-    let mut values = vec![far; mask.labels().len()];
-    for (row, (y, labels)) in rows.zip(labels).enumerate() {
-        let values = &mut values[y * width..][columns.clone()];
-        let g = row * columns.len()..(row + 1) * columns.len();
-        let squared = search.squared_distances(&outside[g.clone()]);
-        for (value, &squared) in values.iter_mut().zip(squared) {
-            *value = f32::from(squared).sqrt() - 0.5;
+/// The part of a mask that is looked at: a box grown by the margin.
+struct Window<'a> {
+    rows: Range<usize>,
+    columns: Range<usize>,
+    labels: Vec<&'a [Label]>,
+    image_width: usize,
+    margin: usize,
+}
+
+impl<'a> Window<'a> {
+    fn new(mask: &'a Mask, bounds: PixelBox, margin: usize) -> Self {
+        let width = mask.width();
+        let span =
+            |min: usize, max: usize, size: usize| min.saturating_sub(margin)..(max + margin + 1).min(size);
+        let columns = span(bounds.x_min, bounds.x_max, width);
+        let rows = span(bounds.y_min, bounds.y_max, mask.height());
+        let labels = rows.clone().map(|y| &mask.labels()[y * width..][columns.clone()]).collect();
+        Self { rows, columns, labels, image_width: width, margin }
+    }
+
+    /// Writes the distance from the nearest pixel with a label, less a half.
+    #[inline(always)]
+    fn write_distances_from(&self, label: Label, values: &mut [f32]) {
+        let width = self.columns.len();
+        let distances = column_distances(&self.labels, label);
+        let mut search = NearSearch::new(width, self.margin);
+        for (y, g) in self.rows.clone().zip(distances.chunks_exact(width)) {
+            let squared = search.squared_distances(g);
+            let values = &mut values[y * self.image_width..][self.columns.clone()];
+            for (value, &squared) in values.iter_mut().zip(squared) {
+                *value = f32::from(squared).sqrt() - 0.5;
+            }
         }
-        if labels.contains(&Label::Subject) {
-            let squared = search.squared_distances(&inside[g]);
-            for ((value, &squared), &label) in values.iter_mut().zip(squared).zip(labels) {
+    }
+
+    /// Writes a half less the distance from the nearest background pixel to every subject pixel.
+    #[inline(always)]
+    fn write_inside(&self, values: &mut [f32]) {
+        let width = self.columns.len();
+        let distances = column_distances(&self.labels, Label::Background);
+        let mut search = NearSearch::new(width, self.margin);
+        for ((y, g), labels) in self.rows.clone().zip(distances.chunks_exact(width)).zip(&self.labels) {
+            if !labels.contains(&Label::Subject) {
+                continue;
+            }
+            let squared = search.squared_distances(g);
+            let values = &mut values[y * self.image_width..][self.columns.clone()];
+            for ((value, &squared), &label) in values.iter_mut().zip(squared).zip(*labels) {
                 *value = if label == Label::Subject { 0.5 - f32::from(squared).sqrt() } else { *value };
             }
         }
     }
-    values
 }
 
 /// For each pixel the distance to the nearest pixel with label `seed` in the same column, at most [`FAR_PX`].
@@ -119,6 +162,11 @@ impl NearSearch {
             *square = g * g;
         }
         for (start, found) in (margin..).step_by(BLOCK).zip(self.found.chunks_exact_mut(BLOCK)) {
+            let in_reach = &self.squares[start - margin..start + BLOCK + margin];
+            if in_reach.iter().fold(i16::MAX, |a, &b| a.min(b)) as usize > margin * margin {
+                found.fill(FAR_PX * FAR_PX);
+                continue;
+            }
             let mut best = [0; BLOCK];
             best.copy_from_slice(&self.squares[start..start + BLOCK]);
             for first in (1..=margin).step_by(STEPS) {
