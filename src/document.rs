@@ -51,10 +51,10 @@ pub struct Estimate {
     pub pose: Pose,
     /// What found it.
     pub origin: Origin,
-    /// Cost in squared grey levels.
-    pub(crate) cost: f64,
-    /// Root mean square residual per pixel, grey levels.
-    pub(crate) rms: f64,
+    /// Cost in squared grey levels; `None` where nobody was in the picture.
+    pub(crate) cost: Option<f64>,
+    /// Root mean square residual per pixel, grey levels; `None` likewise.
+    pub(crate) rms: Option<f64>,
     /// Intersection over union of body and silhouettes, all cameras together, where it is known.
     pub iou: Option<f64>,
     /// Accepted and rejected steps.

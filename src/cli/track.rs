@@ -177,7 +177,15 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
         }
         Ok(())
     });
-    report.finish(take, smoothing);
+    if let Some(smoothing) = smoothing {
+        report.smooth(take, smoothing);
+        let (done, renderer) = (report.frames(), arguments.follow.solver.options()?.renderer);
+        each_frame(&footage, &cameras, &done, |frame, views, _| {
+            report.measure_overlap(take, frame, &views, renderer);
+            Ok(())
+        })?;
+    }
+    report.finish(take);
     if !report.track().frames.is_empty() {
         track_files::write(&arguments.out, take, &report)?;
     }

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use backlit_formats::Take;
+use backlit_tracking::fit::FitView;
 use backlit_tracking::metrics::{self, JointErrors, Statistics};
+use backlit_tracking::render::RendererKind;
 use backlit_tracking::track::{FrameEstimate, Track, smoothed};
 use serde::Serialize;
 
@@ -127,19 +129,37 @@ impl TrackReport {
         self.track.frames.insert(estimate.frame, estimate);
     }
 
-    /// Ends the report: frames are smoothed by later ones, if that is asked for, and judged together.
-    ///
-    /// Overlaps and costs stay those of the poses before smoothing.
-    pub(crate) fn finish(&mut self, take: &Take, smoothing: Option<Smoothing>) {
-        if let Some(Smoothing { lag }) = smoothing {
-            self.track = smoothed(&self.track, lag);
-            self.errors = JointErrors::default();
-            for estimate in self.track.frames.values() {
-                self.errors.add(take.model(), &estimate.pose, &reference_joints(take, estimate.frame));
-            }
+    /// Smooths frames by later ones. Costs stay those of the poses before, overlaps until they are measured anew.
+    pub(crate) fn smooth(&mut self, take: &Take, Smoothing { lag }: Smoothing) {
+        self.track = smoothed(&self.track, lag);
+        self.errors = JointErrors::default();
+        for estimate in self.track.frames.values() {
+            self.errors.add(take.model(), &estimate.pose, &reference_joints(take, estimate.frame));
         }
+    }
+
+    /// Measures a frame's overlap anew.
+    pub(crate) fn measure_overlap(
+        &mut self,
+        take: &Take,
+        frame: usize,
+        views: &[FitView],
+        renderer: RendererKind,
+    ) {
+        if let Some(estimate) = self.track.frames.get_mut(&frame) {
+            estimate.measure_overlap(take.model(), renderer, views);
+        }
+    }
+
+    /// Ends the report: frames are judged together.
+    pub(crate) fn finish(&mut self, take: &Take) {
         let poses = self.track.frames.values().map(|estimate| &estimate.pose);
         self.jitter_mm = metrics::jitter_mm(take.model(), poses);
+    }
+
+    /// The frames so far.
+    pub(crate) fn frames(&self) -> Vec<usize> {
+        self.track.frames.keys().copied().collect()
     }
 
     /// The estimates so far.

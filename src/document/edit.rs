@@ -270,7 +270,7 @@ impl Document {
         for (frame, estimate) in &found {
             let wrong = |source| EditError::Pose { frame: *frame, source };
             estimate.pose.check(&self.model).map_err(wrong)?;
-            if !(estimate.cost.is_finite() && estimate.rms.is_finite()) {
+            if ![estimate.cost, estimate.rms].iter().flatten().all(|value| value.is_finite()) {
                 return Err(EditError::Cost { frame: *frame });
             }
         }

@@ -114,8 +114,8 @@ mod tests {
         let estimate = Estimate {
             pose: pose.clone(),
             origin: Origin::Track,
-            cost: 1.25e8,
-            rms: 20.5,
+            cost: Some(1.25e8),
+            rms: Some(20.5),
             iou: Some(0.83),
             steps: 21,
             lost: false,

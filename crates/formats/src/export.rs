@@ -56,8 +56,8 @@ pub(super) mod tests {
         let first = FrameEstimate {
             frame: 4,
             pose: moved,
-            cost: 1234.5,
-            rms: 2.25,
+            cost: Some(1234.5),
+            rms: Some(2.25),
             overlap: vec![Some(overlap), None],
             empty_cameras: Vec::new(),
             iterations: 7,
@@ -69,8 +69,8 @@ pub(super) mod tests {
         let second = FrameEstimate {
             frame: 6,
             pose: rest,
-            cost: f64::NAN,
-            rms: f64::INFINITY,
+            cost: None,
+            rms: None,
             overlap: vec![None, None],
             empty_cameras: Vec::new(),
             iterations: 0,

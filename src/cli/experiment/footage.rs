@@ -77,9 +77,19 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         }
         Ok(())
     })?;
+    if let Some(smoothing) = smoothing {
+        let renderer = arguments.follow.solver.options()?.renderer;
+        starts.iter_mut().for_each(|(_, _, report)| report.smooth(take, smoothing));
+        each_frame(&footage, &cameras, &frames, |frame, views, _| {
+            starts
+                .iter_mut()
+                .for_each(|(_, _, report)| report.measure_overlap(take, frame, &views, renderer));
+            Ok(())
+        })?;
+    }
     let mut report = Report { within_mm: arguments.within_mm, held: 0, starts: Vec::new() };
     for (seed, _, mut track) in starts {
-        track.finish(take, smoothing);
+        track.finish(take);
         let Some(errors) = track.errors().overall() else {
             bail!("the take has no reference keypoints in these frames to compare with");
         };

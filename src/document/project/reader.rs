@@ -131,14 +131,16 @@ impl Reader<'_> {
 }
 
 fn estimate(pose: Pose, record: &EstimateRecord) -> Estimate {
+    // Earlier files say cost 0 where there was nobody to fit.
+    let was_fitted = |_: &f64| record.steps > 0 || !record.lost;
     Estimate {
         pose,
         origin: match record.origin {
             OriginRecord::Fit => Origin::Fit,
             OriginRecord::Track => Origin::Track,
         },
-        cost: record.cost,
-        rms: record.rms,
+        cost: record.cost.filter(was_fitted),
+        rms: record.rms.filter(was_fitted),
         iou: record.iou,
         steps: record.steps,
         lost: record.lost,

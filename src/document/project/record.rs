@@ -74,8 +74,10 @@ pub(crate) struct PoseRecord {
 pub(crate) struct EstimateRecord {
     pub(crate) pose: PoseRecord,
     pub(crate) origin: OriginRecord,
-    pub(crate) cost: f64,
-    pub(crate) rms: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) cost: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) rms: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) iou: Option<f64>,
     pub(crate) steps: usize,

@@ -235,8 +235,8 @@ impl Fit {
             let estimate = Estimate {
                 pose: last.pose.clone(),
                 origin: Origin::Fit,
-                cost: last.mismatch,
-                rms: predicted.and_then(|predicted| predicted.rms).unwrap_or_default(),
+                cost: Some(last.mismatch),
+                rms: predicted.and_then(|predicted| predicted.rms),
                 iou: predicted.and_then(|predicted| predicted.iou()),
                 steps: live.steps,
                 lost: false,

@@ -67,14 +67,19 @@ impl Lane {
 
     /// The lane in words: its value at a frame, and its ends.
     pub(crate) fn said(self, document: &Document, frame: usize) -> String {
-        let value = document.estimates.get(&frame).and_then(|estimate| self.value(estimate));
-        let value = value.map_or_else(|| "not known".to_owned(), |value| self.text(Some(value)));
+        let estimate = document.estimates.get(&frame);
+        let unknown = match estimate {
+            Some(estimate) if estimate.cost.is_none() => "nobody in the picture",
+            _ => "not known",
+        };
+        let value = estimate.and_then(|estimate| self.value(estimate));
+        let value = value.map_or_else(|| unknown.to_owned(), |value| self.text(Some(value)));
         format!("{}: {value}, lane from {}", self.name(), self.ends(document))
     }
 
     pub(crate) fn value(self, estimate: &Estimate) -> Option<f64> {
         let value = match self {
-            Self::Rms => Some(estimate.rms),
+            Self::Rms => estimate.rms,
             Self::Overlap => estimate.iou,
             Self::Steps => Some(estimate.steps as f64),
         };
@@ -268,8 +273,8 @@ mod tests {
         let estimate = |rms| Estimate {
             pose: pose.clone(),
             origin: Origin::Track,
-            cost: 1.0,
-            rms,
+            cost: Some(1.0),
+            rms: Some(rms),
             iou: Some(0.8),
             steps: 3,
             lost: false,

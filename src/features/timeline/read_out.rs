@@ -9,7 +9,7 @@ use super::lanes::Lane;
 use super::marks::worst;
 use super::transport::seconds;
 use crate::context::Context;
-use crate::document::Origin;
+use crate::document::{Estimate, Origin};
 
 /// Width that words may take.
 const WIDTH: f32 = 210.0;
@@ -53,7 +53,7 @@ pub(crate) fn ui(ui: &Ui, context: &Context<'_>, frame: usize, at: Pos2) {
                 let key = if document.keys.contains_key(&frame) { " from its key pose" } else { "" };
                 note(format!("{origin}{key}"), palette.text2);
                 if estimate.lost {
-                    note(lost_words(estimate.iou), palette.warn);
+                    note(lost_words(estimate), palette.warn);
                 }
             }
         }
@@ -67,8 +67,9 @@ pub(crate) fn ui(ui: &Ui, context: &Context<'_>, frame: usize, at: Pos2) {
 }
 
 /// Why the tracker calls a frame lost.
-fn lost_words(iou: Option<f64>) -> String {
-    match iou {
+fn lost_words(estimate: &Estimate) -> String {
+    match estimate.iou {
+        _ if estimate.cost.is_none() => "Lost: nobody in the picture of any camera".to_owned(),
         Some(iou) if iou < LOST_BELOW_IOU => {
             let least = format::number(LOST_BELOW_IOU, 1);
             format!("Lost: hardly any overlap with the silhouettes (IoU below {least})")

@@ -158,7 +158,8 @@ impl TrackJob {
                 return;
             }
             let (from, to) = (forward.frames.get(frame), backward.frames.get(frame));
-            let best = || from.into_iter().chain(to).min_by(|a, b| a.cost.total_cmp(&b.cost));
+            let cost = |found: &FrameEstimate| found.cost.unwrap_or(f64::INFINITY);
+            let best = || from.into_iter().chain(to).min_by(|a, b| cost(a).total_cmp(&cost(b)));
             found.extend(match source {
                 Source::Forward => from.map(revised),
                 Source::Backward => to.map(revised),

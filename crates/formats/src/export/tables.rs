@@ -65,8 +65,8 @@ pub fn write_frames(path: &Path, export: &TrackExport<'_>) -> Result<(), FileErr
             let fields = [
                 frame.to_string(),
                 number(*frame as f64 / export.frame_rate),
-                number(estimate.cost),
-                number(estimate.rms),
+                estimate.cost.map(number).unwrap_or_default(),
+                estimate.rms.map(number).unwrap_or_default(),
                 estimate.iterations.to_string(),
                 estimate.is_lost().to_string(),
                 estimate.termination.map(ending_text).unwrap_or_default(),

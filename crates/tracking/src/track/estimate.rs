@@ -4,8 +4,11 @@ use std::collections::BTreeMap;
 
 use super::lost::Lost;
 use super::motion::FrameBelief;
-use crate::body::Pose;
+use super::tracker::FrameMasks;
+use crate::body::{Model, Pose};
+use crate::fit::FitView;
 use crate::optimize::Termination;
+use crate::render::RendererKind;
 use crate::search::Hypothesis;
 use crate::silhouette::Overlap;
 
@@ -16,10 +19,10 @@ pub struct FrameEstimate {
     pub frame: usize,
     /// Its pose.
     pub pose: Pose,
-    /// Cost at the end, squared grey levels, by the last stage's measure.
-    pub cost: f64,
-    /// Root of the mean squared residual per pixel, grey levels.
-    pub rms: f64,
+    /// Cost at the end, squared grey levels, by the last stage's measure; `None` where nobody was in the picture.
+    pub cost: Option<f64>,
+    /// Root of the mean squared residual per pixel, grey levels; `None` likewise.
+    pub rms: Option<f64>,
     /// Overlap of model and silhouette, camera by camera; `None` where there was no mask or nobody in it.
     pub overlap: Vec<Option<Overlap>>,
     /// Cameras that had nothing to say and were left out, by name.
@@ -41,6 +44,11 @@ impl FrameEstimate {
     #[must_use]
     pub fn iou(&self) -> Option<f64> {
         iou(&self.overlap)
+    }
+
+    /// Measures the overlap anew with what the frame's cameras saw, as after smoothing has moved the pose.
+    pub fn measure_overlap(&mut self, model: &Model, renderer: RendererKind, views: &[FitView]) {
+        self.overlap = FrameMasks::of(views).overlap(model, &self.pose, renderer);
     }
 
     /// Whether the subject, or a limb of it, was lost.

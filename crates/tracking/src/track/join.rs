@@ -90,11 +90,11 @@ fn plain_source(frame: usize, last_forward: usize, forward: &Track, backward: &T
 }
 
 /// For every common frame: the sum of costs if the forward track is followed up to it and the backward one after
-/// it. Lost frames count double.
+/// it. Lost frames count double, those with nobody in the picture nothing: they are the same in both tracks.
 fn costs_of_changing_after(common: &[usize], forward: &Track, backward: &Track) -> Vec<f64> {
     let cost = |track: &Track, frame: &usize| {
         let estimate = &track.frames[frame];
-        estimate.cost * if estimate.is_lost() { 2.0 } else { 1.0 }
+        estimate.cost.unwrap_or_default() * if estimate.is_lost() { 2.0 } else { 1.0 }
     };
     let after: f64 = common.iter().map(|frame| cost(backward, frame)).sum();
     let mut sum = after;
@@ -129,8 +129,8 @@ mod tests {
             let estimate = FrameEstimate {
                 frame,
                 pose,
-                cost,
-                rms: 0.0,
+                cost: Some(cost),
+                rms: Some(0.0),
                 overlap: Vec::new(),
                 empty_cameras: Vec::new(),
                 iterations: 1,

@@ -10,7 +10,8 @@ use crate::filter::{Belief, smoother};
 /// `lag`, by so many frames after each, as a live track could show that many frames late.
 ///
 /// Frames are taken in the order in which they were tracked; a frame without a belief, or with which nothing
-/// was foretold, begins anew. Costs and overlaps stay those of the filtered poses.
+/// was foretold, begins anew. Costs and overlaps stay those of the filtered poses; overlaps can be measured anew
+/// ([`FrameEstimate::measure_overlap`]).
 #[must_use]
 pub fn smoothed(track: &Track, lag: Option<usize>) -> Track {
     let mut order: Vec<&FrameEstimate> = track.frames.values().collect();

@@ -35,13 +35,13 @@ pub enum WhenToSearch {
 }
 
 /// The cameras of a frame, and the masks of those that see somebody.
-struct FrameMasks {
+pub(super) struct FrameMasks {
     cameras: Vec<Arc<Camera>>,
     masks: Vec<Option<Arc<Mask>>>,
 }
 
 impl FrameMasks {
-    fn of(views: &[FitView]) -> Self {
+    pub(super) fn of(views: &[FitView]) -> Self {
         let mask = |view: &FitView| match &view.evidence {
             Evidence::Mask(mask) if mask.labels().contains(&Label::Subject) => Some(Arc::clone(mask)),
             _ => None,
@@ -53,7 +53,7 @@ impl FrameMasks {
     }
 
     /// Overlap of a pose with every mask.
-    fn overlap(&self, model: &Model, pose: &Pose, renderer: RendererKind) -> Vec<Option<Overlap>> {
+    pub(super) fn overlap(&self, model: &Model, pose: &Pose, renderer: RendererKind) -> Vec<Option<Overlap>> {
         let kinematics = Kinematics::new(model, pose);
         let of_camera = |(mask, camera): (&Option<Arc<Mask>>, &Arc<Camera>)| {
             let view = View::new(model, &kinematics, camera, renderer, Ramp::Half);
@@ -216,8 +216,8 @@ impl Tracker {
         let estimate = FrameEstimate {
             frame,
             pose: summary.pose,
-            cost: summary.final_cost,
-            rms: summary.final_rms,
+            cost: Some(summary.final_cost),
+            rms: Some(summary.final_rms),
             overlap,
             empty_cameras: summary.empty_cameras,
             iterations: summary.iterations.len(),
@@ -243,8 +243,8 @@ impl Tracker {
             frame,
             overlap: masks.overlap(&self.model, &pose, self.options.renderer),
             pose,
-            cost: 0.0,
-            rms: 0.0,
+            cost: None,
+            rms: None,
             empty_cameras: masks.cameras.iter().map(|camera| camera.name().to_owned()).collect(),
             iterations: 0,
             lost_because: Some(Lost::Nobody),
