@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!(
             "{frame:5}  {:10}  {:5.2}  {:6.1}%  {:8.1} mm{}",
             estimate.iterations,
-            estimate.rms,
+            estimate.rms.unwrap_or_default(),
             100.0 * estimate.iou().unwrap_or_default(),
             farthest_mm(&model, &estimate.pose, &truth(frame)),
             if estimate.is_lost() { ", lost" } else { "" }

@@ -76,7 +76,7 @@ fn a_lost_arm_is_noticed_by_the_cost_alone() {
     let jump = &frames[JUMP];
     assert!(wrist_error_mm(&model, jump) > 150.0, "found without a search: the test says nothing");
     assert!(jump.iou().unwrap() > LOST_BELOW_IOU);
-    assert!(matches!(jump.lost_because, Some(Lost::Cost { .. })), "{:?} {}", jump.lost_because, jump.rms);
+    assert!(matches!(jump.lost_because, Some(Lost::Cost { .. })), "{:?} {:?}", jump.lost_because, jump.rms);
     assert!(jump.is_lost());
 }
 
