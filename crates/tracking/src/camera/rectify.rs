@@ -159,36 +159,62 @@ mod tests {
     use super::*;
     use crate::camera::{CameraFromWorld, Distortion, Intrinsics};
 
-    #[test]
-    fn a_rectified_picture_shows_points_where_the_pinhole_does() {
+    fn bent_camera() -> Camera {
         let lens = Distortion::OpenCv { k1: -0.2, k2: 0.05, p1: 1e-3, p2: -1e-3, k3: 0.0 };
         let place = CameraFromWorld::looking_at(DVec3::ZERO, DVec3::Z, DVec3::NEG_Y);
         let intrinsics = Intrinsics { fx: 80.0, fy: 82.0, cx: 47.0, cy: 30.0 };
-        let camera = Camera::new("c", [96, 64], intrinsics, lens, place).unwrap();
+        Camera::new("c", [96, 64], intrinsics, lens, place).unwrap()
+    }
+
+    /// Waves across and down the ideal grid: their slope, 39 grey levels a pixel, tells a shift of a quarter of one.
+    fn waves(ideal: DVec2) -> [f64; 2] {
+        ideal.to_array().map(|place| 128.0 + 100.0 * (place * std::f64::consts::TAU / 16.0).sin())
+    }
+
+    #[test]
+    fn a_rectified_picture_shows_points_where_the_pinhole_does() {
+        let camera = bent_camera();
         let mut picture = RgbImage::new(96, 64);
-        // A picture whose grey levels say where they come from on the ideal plane.
         for (x, y, pixel) in picture.enumerate_pixels_mut() {
             if let Some(ray) = camera.ray_in_camera(DVec2::new(f64::from(x), f64::from(y))) {
-                let value = 128.0 + 100.0 * ray.x / ray.z;
-                *pixel = Rgb([value as u8; 3]);
+                let ideal = camera.intrinsics().pixel_from_plane(ray.truncate() / ray.z);
+                let [across, down] = waves(ideal).map(|level| level.round() as u8);
+                *pixel = Rgb([across, down, 0]);
             }
         }
         let rectification = Rectification::new(&camera);
         let ideal = rectification.rectify(&picture).unwrap();
+        let mut seen = 0;
         for (x, y, pixel) in ideal.enumerate_pixels() {
             if rectification.has_data(x as usize, y as usize) {
-                let expected = 128.0 + 100.0 * (f64::from(x) - 47.0) / 80.0;
-                assert!((f64::from(pixel[0]) - expected).abs() < 2.5, "{x} {y}: {} {expected}", pixel[0]);
+                let expected = waves(DVec2::new(f64::from(x), f64::from(y)));
+                for (found, expected) in [pixel[0], pixel[1]].into_iter().zip(expected) {
+                    assert!((f64::from(found) - expected).abs() < 5.0, "{x} {y}: {found} {expected}");
+                }
+                seen += 1;
             }
         }
+        assert!(seen > 5000, "only {seen} pixels have data");
         assert_eq!(rectification.rectify(&RgbImage::new(10, 10)), None);
-        let levels: Vec<u8> = picture.pixels().map(|pixel| pixel[0]).collect();
-        let nearest = rectification.nearest(&levels, 7).unwrap();
-        for ((x, y, pixel), &level) in ideal.enumerate_pixels().zip(&nearest) {
-            let (x, y) = (x as usize, y as usize);
-            let expected = if rectification.has_data(x, y) { pixel[0] } else { 7 };
-            assert!(level.abs_diff(expected) <= 2, "{x} {y}: {level} {expected}");
+    }
+
+    #[test]
+    fn labels_come_from_the_nearest_pixel() {
+        let camera = bent_camera();
+        let rectification = Rectification::new(&camera);
+        let places: Vec<usize> = (0..96 * 64).collect();
+        let nearest = rectification.nearest(&places, usize::MAX).unwrap();
+        for (index, &source) in nearest.iter().enumerate() {
+            let ideal = DVec2::new((index % 96) as f64, (index / 96) as f64);
+            if rectification.has_data(index % 96, index / 96) {
+                let plane = camera.intrinsics().plane_from_pixel(ideal);
+                let bent = camera.intrinsics().pixel_from_plane(camera.distortion().distort(plane));
+                let off = (bent - DVec2::new((source % 96) as f64, (source / 96) as f64)).abs();
+                assert!(off.max_element() <= 0.5 + 1.0 / f64::from(STEPS), "{ideal}: {bent}, {off} off");
+            } else {
+                assert_eq!(source, usize::MAX, "{ideal}");
+            }
         }
-        assert_eq!(rectification.nearest(&levels[1..], 7), None);
+        assert_eq!(rectification.nearest(&places[1..], 7), None);
     }
 }
