@@ -24,6 +24,7 @@ pub mod proximal_prior;
 pub mod rest_prior;
 mod rotation_term;
 pub mod silhouette;
+mod state_map;
 
 pub use loss::Loss;
 pub use proportion_prior::Proportions;

@@ -18,7 +18,7 @@ use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::optimize::{LeastSquares, NormalEquations, StepMemory};
 use backlit_tracking::render::wrench::WrenchBlock;
 use backlit_tracking::render::{Ramp, RendererKind, View};
-use backlit_tracking::residual::silhouette::{KernelMemory, SampledData, WorldBlocks};
+use backlit_tracking::residual::silhouette::{KernelMemory, SampledData, StateMap, WorldBlocks};
 use nalgebra::DVector;
 use rayon::ThreadPoolBuilder;
 
@@ -86,18 +86,19 @@ fn parts(scene: &Scene, title: &str, budget: Duration) {
     let blocks: Vec<Vec<WrenchBlock>> = cameras.iter().map(|(.., blocks)| blocks.clone()).collect();
     let mut equations = NormalEquations::zeros(parameters.columns(model.rotation_count()));
     let mut world = WorldBlocks::new(model.limbs().len());
-    let mut columns = Vec::new();
+    let mut state_map = StateMap::default();
     let mut map = |equations: &mut NormalEquations| {
         equations.clear();
         world.clear();
         for ((camera, _), blocks) in scene.cameras.iter().zip(&blocks) {
             world.add(camera, blocks, 1.0);
         }
-        world.add_to(&kinematics, parameters, &mut columns, equations);
+        world.add_to(&kinematics, parameters, &mut state_map, equations);
     };
     map(&mut equations);
     let solved = equations.clone();
     let (mut step, mut memory) = (DVector::zeros(solved.columns()), StepMemory::default());
+    let (mut other_step, mut other_memory) = (step.clone(), StepMemory::default());
     Table::new(format!("Its parts, capsule, raw, {title}"))
         .add("spans, winners, cost", || {
             for (view, data, memory, _) in &mut winners {
@@ -121,6 +122,15 @@ fn parts(scene: &Scene, title: &str, budget: Duration) {
             solved.step_into(DAMPING, &mut memory, &mut step);
             black_box(solved.predicted_decrease(&step));
         })
+        .add("its step by nalgebra", || {
+            let mut damped = solved.jtj.clone();
+            let added = DAMPING * solved.mean_diagonal();
+            for column in 0..solved.columns() {
+                damped[(column, column)] += added;
+            }
+            black_box(damped.cholesky().map(|factor| factor.solve(&solved.jtr)));
+        })
+        .add("its step", || solved.step_into(DAMPING, &mut other_memory, &mut other_step))
         .run(budget);
 }
 

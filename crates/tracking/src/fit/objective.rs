@@ -7,14 +7,14 @@ use rayon::prelude::*;
 
 use super::evidence::FitView;
 use super::options::{FitOptions, Stage};
-use crate::body::{Kinematics, Model, MovingColumn, Parameters, Pose};
+use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::optimize::{LeastSquares, NormalEquations};
 use crate::render::wrench::WrenchBlock;
 use crate::render::{BACKGROUND, Footprint, View};
 use crate::residual::Loss;
 use crate::residual::interpenetration::{self, LimbPairs};
 use crate::residual::motion_prior::{self, MotionPrior};
-use crate::residual::silhouette::{KernelMemory, SampledData, WorldBlocks};
+use crate::residual::silhouette::{KernelMemory, SampledData, StateMap, WorldBlocks};
 use crate::residual::{joint_limit, proximal_prior, rest_prior};
 use crate::silhouette::SignedDistance;
 
@@ -32,7 +32,7 @@ pub struct Objective {
     constraints: Constraints,
     kinematics: Kinematics,
     world: WorldBlocks,
-    columns: Vec<MovingColumn>,
+    map: StateMap,
     /// Limbs that must not overlap; none where that is not asked for.
     pairs: Option<LimbPairs>,
     silhouette_cost: f64,
@@ -100,7 +100,7 @@ impl Objective {
             reference,
             constraints: Constraints::default(),
             world: WorldBlocks::new(limbs),
-            columns: Vec::new(),
+            map: StateMap::default(),
             pairs: (options.interpenetration_weight > 0.0).then(|| LimbPairs::of(&model)),
             kinematics,
             model,
@@ -128,7 +128,7 @@ impl Objective {
     pub fn frame_equations(&mut self, pose: &Pose) -> NormalEquations {
         let mut equations = NormalEquations::zeros(Parameters::Tangent.columns(self.model.rotation_count()));
         self.look(pose);
-        self.world.add_to(&self.kinematics, Parameters::Tangent, &mut self.columns, &mut equations);
+        self.world.add_to(&self.kinematics, Parameters::Tangent, &mut self.map, &mut equations);
         equations.cost = self.silhouette_cost;
         self.add_anatomy(pose, Parameters::Tangent, &mut equations);
         let pixels = (self.stage.stride * self.stage.stride) as f64;
@@ -160,7 +160,7 @@ impl Objective {
     fn add_interpenetration(&mut self, equations: &mut NormalEquations) {
         let Some(pairs) = &self.pairs else { return };
         let weight = self.prior_unit() * self.options.interpenetration_weight;
-        let (parameters, columns) = (self.options.parameters, &mut self.columns);
+        let (parameters, columns) = (self.options.parameters, &mut self.map.columns);
         interpenetration::add(equations, parameters, &self.model, &self.kinematics, pairs, weight, columns);
     }
 
@@ -239,7 +239,7 @@ impl LeastSquares for Objective {
         self.look(pose);
         equations.cost += self.silhouette_cost;
         let parameters = self.options.parameters;
-        self.world.add_to(&self.kinematics, parameters, &mut self.columns, equations);
+        self.world.add_to(&self.kinematics, parameters, &mut self.map, equations);
         self.add_priors(pose, equations);
         self.add_interpenetration(equations);
         self.hold(equations);

@@ -14,7 +14,7 @@ use crate::optimize::NormalEquations;
 use crate::render::wrench::WrenchBlock;
 use crate::render::{BACKGROUND, RowWinners, View};
 use crate::residual::Loss;
-use crate::residual::silhouette::WorldBlocks;
+use crate::residual::silhouette::{StateMap, WorldBlocks};
 
 /// Side of the cells within which pixels err together, pixels: longer than the steps of a silhouette's edge, shorter than
 /// most limbs.
@@ -252,7 +252,7 @@ fn finish(kinematics: &Kinematics, view: &FitView, sums: Sums) -> CameraInformat
     let mut world = WorldBlocks::new(limbs);
     world.add(&view.camera, &sums.blocks, 1.0);
     let mut equations = NormalEquations::zeros(sums.scatter.nrows());
-    world.add_to(kinematics, Parameters::Tangent, &mut Vec::new(), &mut equations);
+    world.add_to(kinematics, Parameters::Tangent, &mut StateMap::default(), &mut equations);
     equations.cost = sums.cost;
     let rotation = view.camera.camera_from_world().rotation;
     let sight = |limb: usize| {

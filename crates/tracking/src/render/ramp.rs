@@ -209,6 +209,16 @@ impl SolidRamp {
         self.reach
     }
 
+    /// Metres within which λ is 0; `None` if it is nowhere.
+    #[must_use]
+    pub(crate) fn darkness(&self) -> Option<f64> {
+        let within = match self.shape {
+            RampForm::Quadratic { alpha, beta, .. } => (-beta / alpha).max(0.0).sqrt(),
+            RampForm::Linear { start, .. } => start,
+        };
+        (within > 0.0).then_some(within)
+    }
+
     /// λ/255 before clipping: what is compared between solids. Infinite for no candidate.
     #[inline]
     #[must_use]

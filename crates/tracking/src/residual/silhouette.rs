@@ -4,9 +4,10 @@
 //! corrected over the spans that limbs touch. The work grows with the area of the limbs, not with the picture.
 
 use glam::DVec3;
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{SMatrix, SVector};
 
 use super::loss::Loss;
+pub use super::state_map::StateMap;
 use crate::body::{Kinematics, MovingColumn, Parameters};
 use crate::camera::Camera;
 use crate::optimize::NormalEquations;
@@ -56,8 +57,8 @@ impl SampledData {
         // Several sums side by side do not wait for one another. What pads a row weighs nothing.
         const LANES: usize = 8;
         let (mut costs, mut weights) = ([0.0; LANES], [0.0; LANES]);
-        for row in 0..grid.rows {
-            let data = grid.row(row);
+        for tile_row in 0..grid.tile_rows() {
+            let data = grid.tile_row(tile_row);
             let (values, row_weights) =
                 (data.values.as_chunks::<LANES>().0, data.weights.as_chunks::<LANES>().0);
             for (values, row_weights) in values.iter().zip(row_weights) {
@@ -129,17 +130,16 @@ impl SampledData {
         let PixelGrid { rows, stride, offset, .. } = self.grid;
         let mut cost = self.empty_cost;
         for grid_row in 0..rows {
-            let (y, data) = (self.grid.pixel(grid_row), self.grid.row(grid_row));
+            let y = self.grid.pixel(grid_row);
             row.find(view, y, stride, offset);
             let mut row_cost = 0.0;
             for x in row.touched().step_by(stride) {
                 let Some(winner) = row.winner(x) else { continue };
-                let column = (x - offset) / stride;
-                let weight = f64::from(data.weights[column]);
+                let (data, weight) = self.grid.at(grid_row, (x - offset) / stride);
+                let (data, weight) = (f64::from(data), f64::from(weight));
                 if weight == 0.0 {
                     continue;
                 }
-                let data = f64::from(data.values[column]);
                 let residual = data - BACKGROUND * row.level(x).clamp(0.0, 1.0);
                 row_cost += weight * (residual * residual - (data - BACKGROUND).powi(2));
                 if row.level(x) > 0.0 {
@@ -210,19 +210,19 @@ impl WorldBlocks {
         &self,
         kinematics: &Kinematics,
         parameters: Parameters,
-        columns: &mut Vec<MovingColumn>,
+        map: &mut StateMap,
         equations: &mut NormalEquations,
     ) {
         for (limb, (joints, wrenches)) in self.joints.iter().zip(&self.wrenches).enumerate() {
             if joints.is_empty() && wrenches.is_none() {
                 continue;
             }
-            kinematics.moving_columns_into(limb, parameters, columns);
+            kinematics.moving_columns_into(limb, parameters, &mut map.columns);
             if !joints.is_empty() {
-                add_joints(joints, kinematics.ends()[limb] - kinematics.starts()[limb], columns, equations);
+                map.add(joints, kinematics.ends()[limb] - kinematics.starts()[limb], equations);
             }
             if let Some((products, forces)) = wrenches {
-                add_wrenches(products, forces, columns, equations);
+                add_wrenches(products, forces, &map.columns, equations);
             }
         }
     }
@@ -246,28 +246,4 @@ fn add_wrenches(
             }
         }
     }
-}
-
-/// The columns move the first joint by v and the limb's axis a by u = ω × a + σ a.
-fn add_joints(block: &JointBlock, axis: DVec3, columns: &[MovingColumn], equations: &mut NormalEquations) {
-    let axis = Vector3::from(axis.to_array());
-    for (first, a) in columns.iter().enumerate() {
-        let (v, u) = joint_rates(a, &axis);
-        let at_start = block.ff * v + block.fg * u;
-        let at_axis = block.fg.tr_mul(&v) + block.gg * u;
-        equations.jtr[a.index] += v.dot(&block.f) + u.dot(&block.g);
-        for b in &columns[first..] {
-            let (v, u) = joint_rates(b, &axis);
-            let sum = at_start.dot(&v) + at_axis.dot(&u);
-            equations.jtj[(a.index, b.index)] += sum;
-            if a.index != b.index {
-                equations.jtj[(b.index, a.index)] += sum;
-            }
-        }
-    }
-}
-
-fn joint_rates(column: &MovingColumn, axis: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    let [vx, vy, vz, wx, wy, wz, scaling] = column.motion;
-    (Vector3::new(vx, vy, vz), Vector3::new(wx, wy, wz).cross(axis) + axis * scaling)
 }

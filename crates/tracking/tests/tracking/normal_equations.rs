@@ -7,7 +7,7 @@ use backlit_tracking::optimize::NormalEquations;
 use backlit_tracking::render::wrench::WrenchBlock;
 use backlit_tracking::render::{Ramp, RendererKind, View, dense_jacobian, prediction};
 use backlit_tracking::residual::point::PointTarget;
-use backlit_tracking::residual::silhouette::{KernelMemory, SampledData, WorldBlocks};
+use backlit_tracking::residual::silhouette::{KernelMemory, SampledData, StateMap, WorldBlocks};
 use backlit_tracking::residual::{joint_limit, point, proximal_prior, rest_prior};
 use backlit_tracking::silhouette::Measurement;
 use glam::{DQuat, DVec3};
@@ -108,13 +108,17 @@ fn problem(
         }
     }
     for (world, sums) in worlds.iter().zip(&mut both_sums) {
-        world.add_to(&here, parameters, &mut Vec::new(), sums);
+        world.add_to(&here, parameters, &mut StateMap::default(), sums);
     }
     let [sums, fast_sums] = both_sums;
     Problem { sums, fast_sums, jacobian: DMatrix::from_rows(&rows), residual: DVector::from_vec(residual) }
 }
 
-/// Relative differences of JᵀJ, Jᵀρ and cost above a tolerance, by name.
+/// Columns that nothing but rounding moves count as if their diagonal were this much of the largest.
+const LEAST_DIAGONAL: f64 = 1e-6;
+
+/// Differences of JᵀJ, Jᵀρ and cost above a tolerance, by name: over √(dᵢ dⱼ) of JᵀJ's diagonal d and over √dᵢ and the
+/// root of the cost, so that metres and radians count alike.
 fn compare(
     name: &str,
     found: &NormalEquations,
@@ -130,13 +134,14 @@ fn compare(
         }
     };
     let (jtj, jtr) = (jacobian.tr_mul(jacobian), jacobian.tr_mul(residual));
+    let (diagonal, cost) = (jtj.diagonal(), residual.norm_squared());
+    let root = diagonal.map(|entry| entry.max(LEAST_DIAGONAL * diagonal.amax()).sqrt());
     for i in 0..jtr.len() {
-        check(format!("(Jᵀρ)[{i}]"), found.jtr[i], jtr[i], jtr.amax());
+        check(format!("(Jᵀρ)[{i}]"), found.jtr[i], jtr[i], root[i] * cost.sqrt());
         for j in 0..jtr.len() {
-            check(format!("(JᵀJ)[{i}, {j}]"), found.jtj[(i, j)], jtj[(i, j)], jtj.amax());
+            check(format!("(JᵀJ)[{i}, {j}]"), found.jtj[(i, j)], jtj[(i, j)], root[i] * root[j]);
         }
     }
-    let cost = residual.norm_squared();
     check("cost".into(), found.cost, cost, cost);
 }
 

@@ -16,26 +16,38 @@
 //! sphere of its own is a capsule without length. A flat cap can be hit only where a sphere of the ramp's reach
 //! about its joint is seen, so a cylinder costs more than a capsule only there.
 //!
-//! Per band of rows: spans and ground (columns that any solid may touch), winners solid by solid, cost, pull
-//! solid by solid. On a row a solid touches the interval between the two straight lines that outline the
-//! infinite cylinder of its reach, cut to its pixel box. Work grows with the area of these spans.
+//! Where the axis passes the camera at some distance a capsule is three parts, which compete for pixels as if they
+//! were solids: its axis between the joints and a ball about each. With w the unit vector from the camera to the
+//! infinite axis at distance D, â the axis's direction, v = â × w, A = e·v and B = e·w (linear in x and y),
+//! d² = D² A²/(A² + B²), and t from 0 to 1 tells whether the axis is seen at all.
+//!
+//! A vector is a tile of the picture, four columns wide. Per band of tile rows: spans of tiles that a part may touch,
+//! cut by straight lines and by the outlines of balls; of them those that no solid darkens altogether are listed part by
+//! part, without a branch; winners part by part; cost; pull part by part, of the tiles that have any. Work grows with the
+//! area of the ramps.
 //!
 //! | file | holds |
 //! |---|---|
-//! | `grid` | one camera's data, packed |
-//! | `solid` | constants of a solid, spans |
-//! | `ground` | all solids of a view and the columns that they may touch |
-//! | `winners` | the darkest solid of every pixel |
-//! | `pull` | forces of the pixels that a solid has won, summed |
+//! | `grid` | one camera's data, packed in tiles |
+//! | `solid` | constants of a solid |
+//! | `outline` | the tiles that a part may touch, and those that it darkens |
+//! | `ground` | all solids of a view and their tiles |
+//! | `band` | what is known of some tile rows, and the list of their tiles |
+//! | `winners` | the darkest part of every pixel |
+//! | `pull` | forces of the pixels that a part has won, summed |
+//! | `whole` | the same of solids that have no parts |
 //! | `sums` | a solid's sums as a block |
 //! | `drawing` | whole pictures for the screen |
 
+mod band;
 mod drawing;
 mod grid;
 mod ground;
+mod outline;
 mod pull;
 mod solid;
 mod sums;
+mod whole;
 mod winners;
 
 use std::ops::Range;
@@ -45,19 +57,17 @@ use pulp::{Arch, Simd, WithSimd};
 pub(in crate::render) use drawing::draw;
 pub(crate) use grid::PixelGrid;
 
-use self::grid::RowData;
+use self::band::Band;
+use self::grid::TileData;
 use self::ground::Ground;
 use self::pull::Collected;
-use self::sums::SUMS;
-use self::winners::{Band, Row};
+use self::sums::SolidSums;
 use crate::render::View;
 use crate::render::ramp::BACKGROUND;
 use crate::render::wrench::WrenchBlock;
 
 /// Pixels of a band: what is known of them stays in the second cache.
-const BAND_PIXELS: usize = 4 * 1024;
-/// Fewer rows than this would flush their sums too often.
-const LEAST_BAND_ROWS: usize = 4;
+const BAND_PIXELS: usize = 32 * 1024;
 
 /// Memory of the kernel, reused from call to call.
 #[derive(Debug, Clone, Default)]
@@ -65,7 +75,7 @@ pub(crate) struct Lanes {
     ground: Ground,
     band: Band,
     collected: Collected,
-    totals: Vec<[f64; SUMS]>,
+    sums: Vec<SolidSums>,
 }
 
 impl Lanes {
@@ -75,8 +85,8 @@ impl Lanes {
     pub(crate) fn accumulate(&mut self, view: &View, grid: &PixelGrid, blocks: &mut [WrenchBlock]) -> f64 {
         self.prepare(view, grid);
         let cost = Arch::new().dispatch(Pass { lanes: self, grid, pulls: true });
-        for (solid, totals) in self.ground.solids.iter().zip(&self.totals) {
-            solid.add_to(totals, &mut blocks[solid.limb]);
+        for (solid, sums) in self.ground.solids.iter().zip(&self.sums) {
+            solid.add_to(sums, &mut blocks[solid.limb]);
         }
         cost
     }
@@ -97,16 +107,21 @@ impl Lanes {
 
     fn prepare(&mut self, view: &View, grid: &PixelGrid) {
         self.ground.prepare(view, grid);
-        self.band.resize(grid.band_rows() * grid.pitch);
+        self.band.resize(grid.band_tile_rows() * grid.entries());
         self.collected.reserve();
-        self.totals.clear();
-        self.totals.resize(self.ground.solids.len(), [0.0; SUMS]);
+        self.sums.clear();
+        self.sums.resize(self.ground.solids.len(), SolidSums::default());
     }
 }
 
 impl PixelGrid {
-    fn band_rows(&self) -> usize {
-        (BAND_PIXELS / self.pitch.max(1)).clamp(LEAST_BAND_ROWS, self.rows.max(LEAST_BAND_ROWS))
+    fn band_tile_rows(&self) -> usize {
+        (BAND_PIXELS / self.entries().max(1)).clamp(1, self.tile_rows().max(1))
+    }
+
+    fn bands(&self) -> impl Iterator<Item = Range<usize>> {
+        let (all, step) = (self.tile_rows(), self.band_tile_rows());
+        (0..all).step_by(step).map(move |first| first..(first + step).min(all))
     }
 }
 
@@ -122,14 +137,14 @@ impl WithSimd for Pass<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let Self { lanes, grid, pulls } = self;
-        lanes.ground.cut_spans(grid);
+        let Lanes { ground, band, collected, sums } = lanes;
+        ground.cut_spans::<S, true>(simd, grid.tile_rows());
         let mut cost = 0.0;
-        for first in (0..grid.rows).step_by(grid.band_rows()) {
-            let rows = first..(first + grid.band_rows()).min(grid.rows);
-            lanes.ground.win_band::<S, false>(simd, &mut lanes.band, rows.clone(), grid);
-            cost += lanes.cost_of_band(simd, rows.clone(), grid);
+        for rows in grid.bands() {
+            ground.win_band::<S, false>(simd, band, &rows, grid);
+            cost += cost_of_band(simd, ground, band, &rows, grid);
             if pulls {
-                lanes.pull_band(simd, rows, grid);
+                collected.pull_band(simd, (&*ground, &*band), &rows, grid, sums);
             }
         }
         cost
@@ -149,58 +164,46 @@ impl<F: FnMut(usize, usize, &[f32])> WithSimd for Look<'_, F> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { lanes, grid, mut see } = self;
-        lanes.ground.cut_spans(grid);
-        for first in (0..grid.rows).step_by(grid.band_rows()) {
-            let rows = first..(first + grid.band_rows()).min(grid.rows);
-            lanes.ground.win_band::<S, false>(simd, &mut lanes.band, rows.clone(), grid);
-            for row in rows {
-                let [from, to] = lanes.ground.touched[row].map(|column| column as usize);
-                if from < to {
-                    let start = (row - first) * grid.pitch;
-                    see(row, from, &lanes.band.levels[start + from..start + to.min(grid.columns)]);
-                }
+        let Lanes { ground, band, .. } = lanes;
+        ground.cut_spans::<S, true>(simd, grid.tile_rows());
+        let mut line = Vec::new();
+        for rows in grid.bands() {
+            ground.win_band::<S, false>(simd, band, &rows, grid);
+            for (row, columns, tile_row) in ground.touched_rows(&rows, grid) {
+                grid.untile(&band.levels, (tile_row, row), columns.clone(), &mut line);
+                see(row, columns.start, &line);
             }
         }
     }
 }
 
-impl Lanes {
-    /// Cost of one band of rows, whose winners are known.
-    #[inline(always)]
-    fn cost_of_band<S: Simd>(&self, simd: S, rows: Range<usize>, grid: &PixelGrid) -> f64 {
-        let mut cost = 0.0;
-        for row in rows.clone() {
-            let here = self.ground.row(row, &rows, grid, self.ground.touched[row]);
-            if here.is_touched() {
-                cost += row_cost(simd, &here, &self.band, grid.row(row));
-            }
-        }
-        cost
-    }
-
-    /// Pull of one band of rows, whose winners are known.
-    #[inline(always)]
-    fn pull_band<S: Simd>(&mut self, simd: S, rows: Range<usize>, grid: &PixelGrid) {
-        let Self { ground, band, collected, totals } = self;
-        for (index, (solid, totals)) in ground.solids.iter().zip(totals).enumerate() {
-            for row in solid.rows_in(&rows) {
-                let here = ground.row(row, &rows, grid, ground.span(solid, row));
-                if here.is_touched() {
-                    collected.pull_row(simd, (solid, index), &here, band, grid.row(row), totals);
-                }
-            }
-            collected.flush(simd, solid, totals);
-        }
-    }
-}
-
-/// Σ w ((D − Λ)² − (D − 255)²) over the touched pixels of a row.
+/// Σ w ((D − Λ)² − (D − 255)²) over the touched pixels of a band whose winners are known.
 #[inline(always)]
-fn row_cost<S: Simd>(simd: S, row: &Row<'_>, band: &Band, data: RowData<'_>) -> f64 {
-    let span = row.columns::<S>();
-    let (levels, _) = S::as_simd_f32s(&band.levels[row.start + span.start..row.start + span.end]);
-    let (values, _) = S::as_simd_f32s(&data.values[span.clone()]);
-    let (weights, _) = S::as_simd_f32s(&data.weights[span]);
+fn cost_of_band<S: Simd>(
+    simd: S,
+    ground: &Ground,
+    band: &Band,
+    rows: &Range<usize>,
+    grid: &PixelGrid,
+) -> f64 {
+    let mut cost = 0.0;
+    for (index, row) in rows.clone().enumerate() {
+        let [from, to] = ground.touched[row].map(|tile| tile as usize * S::F32_LANES);
+        if from < to {
+            let levels = &band.levels[index * grid.entries()..][from..to];
+            let TileData { values, weights } = grid.tile_row(row);
+            cost +=
+                row_cost(simd, levels, TileData { values: &values[from..to], weights: &weights[from..to] });
+        }
+    }
+    cost
+}
+
+#[inline(always)]
+fn row_cost<S: Simd>(simd: S, levels: &[f32], data: TileData<'_>) -> f64 {
+    let (levels, _) = S::as_simd_f32s(levels);
+    let (values, _) = S::as_simd_f32s(data.values);
+    let (weights, _) = S::as_simd_f32s(data.weights);
     let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
     let white = simd.splat_f32s(BACKGROUND as f32);
     let mut sum = zero;

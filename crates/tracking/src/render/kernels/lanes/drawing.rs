@@ -12,11 +12,13 @@ use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
+use super::band::{Band, Places, solid_of};
 use super::grid::PixelGrid;
-use super::ground::Ground;
-use super::pull::Force;
+use super::ground::{Ground, Part};
+use super::pull::{axis_force, ball_force, depth_rate};
 use super::solid::LaneSolid;
-use super::winners::Band;
+use super::whole::Force;
+use super::winners::AxisLanes;
 use crate::render::View;
 use crate::render::drawing::{Drawing, MOST_ERROR, Strip, Wanted};
 use crate::render::jacobian::BodyMotion;
@@ -32,7 +34,7 @@ pub(in crate::render) fn draw(view: &View, wanted: Wanted<'_>, drawing: &mut Dra
     let grid = PixelGrid::without_data([view.width(), view.height()]);
     let mut ground = Ground::default();
     ground.prepare(view, &grid);
-    Arch::new().dispatch(|| ground.cut_spans(&grid));
+    Arch::new().dispatch(CutSpans { ground: &mut ground, grid: &grid });
     let primitives = view.primitives();
     let limbs = ground.solids.iter().map(|solid| solid.limb as u16).collect();
     let rates = wanted.motion.map(|motion| {
@@ -41,11 +43,25 @@ pub(in crate::render) fn draw(view: &View, wanted: Wanted<'_>, drawing: &mut Dra
     });
     let error = ground.solids.iter().map(|solid| solid.error).fold(0.0, f32::max);
     let plan = Plan { ground, grid, view, wanted, limbs, rates, error };
-    let strips = drawing.strips(plan.grid.band_rows());
+    let strips = drawing.strips(plan.grid.band_tile_rows() * plan.grid.tile.rows);
     let draw = |scratch: &mut Scratch, strip: Strip<'_>| {
         Arch::new().dispatch(DrawBand { plan: &plan, scratch, strip });
     };
     strips.into_par_iter().with_min_len(LEAST_BANDS).for_each_init(Scratch::default, draw);
+}
+
+struct CutSpans<'a> {
+    ground: &'a mut Ground,
+    grid: &'a PixelGrid,
+}
+
+impl WithSimd for CutSpans<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.ground.cut_spans::<S, false>(simd, self.grid.tile_rows());
+    }
 }
 
 /// What all bands of a view share.
@@ -95,6 +111,16 @@ struct Scratch {
     band: Band,
     gradients: Vec<f32>,
     changes: Vec<f32>,
+    lines: Lines,
+}
+
+/// What is known of one row, in the order of its columns.
+#[derive(Debug, Default)]
+struct Lines {
+    levels: Vec<f32>,
+    owners: Vec<u32>,
+    runners_up: Vec<f32>,
+    derived: Vec<f32>,
 }
 
 struct DrawBand<'a> {
@@ -110,53 +136,57 @@ impl WithSimd for DrawBand<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { plan, scratch, mut strip } = self;
         let Plan { ground, grid, view, wanted, .. } = plan;
-        let rows = strip.rows();
-        scratch.band.resize_with_doubts(grid.band_rows() * grid.pitch);
-        ground.win_band::<S, true>(simd, &mut scratch.band, rows.clone(), grid);
+        let side = grid.tile.rows;
+        let tile_rows = strip.rows().start / side..strip.rows().end.div_ceil(side);
+        scratch.band.resize_with_doubts(grid.band_tile_rows() * grid.entries());
+        ground.win_band::<S, true>(simd, &mut scratch.band, &tile_rows, grid);
         if wanted.gradient || wanted.motion.is_some() {
-            scratch.derive_band(simd, plan, &rows);
+            scratch.derive_band(simd, plan, &tile_rows);
         }
-        for row in rows.clone() {
-            let [from, to] = ground.touched[row].map(|column| column as usize);
-            let (from, to) = (from.min(grid.columns), to.min(grid.columns));
-            let start = (row - rows.start) * grid.pitch;
-            strip.row(row).background(from..to.max(from));
-            if from < to {
-                let here = start + from..start + to;
-                plan.put_row(&mut strip, (row, from..to), scratch, here.clone());
-                let (levels, runners_up) =
-                    (&scratch.band.levels[here.clone()], &scratch.band.runners_up[here]);
-                doubts(simd, plan.error, (levels, runners_up), |column| {
-                    strip.put_exactly(view, *wanted, from + column, row);
-                });
-            }
+        let mut touched = ground.touched_rows(&tile_rows, grid).peekable();
+        for row in strip.rows() {
+            let Some((_, columns, tile_row)) = touched.next_if(|touched| touched.0 == row) else {
+                strip.row(row).background(0..0);
+                continue;
+            };
+            strip.row(row).background(columns.clone());
+            scratch.put_row(plan, &mut strip, (tile_row, row), columns.clone());
+            let Lines { levels, runners_up, .. } = &scratch.lines;
+            doubts(simd, plan.error, (levels, runners_up), |column| {
+                strip.put_exactly(view, *wanted, columns.start + column, row);
+            });
         }
     }
 }
 
-impl Plan<'_> {
-    /// Copies what is known of a row's columns, `here` in the band, to the pictures.
+impl Scratch {
+    /// Copies what is known of a row's columns to the pictures.
     #[inline(always)]
     fn put_row(
-        &self,
+        &mut self,
+        plan: &Plan<'_>,
         strip: &mut Strip<'_>,
-        (row, columns): (usize, Range<usize>),
-        scratch: &Scratch,
-        here: Range<usize>,
+        (tile_row, row): (usize, usize),
+        columns: Range<usize>,
     ) {
-        let band = &scratch.band;
-        let out = strip.row(row);
-        for (lambda, &level) in out.lambda[columns.clone()].iter_mut().zip(&band.levels[here.clone()]) {
+        let Self { band, gradients, changes, lines } = self;
+        let (grid, place, out) = (&plan.grid, (tile_row, row), strip.row(row));
+        grid.untile(&band.levels, place, columns.clone(), &mut lines.levels);
+        grid.untile(&band.owners, place, columns.clone(), &mut lines.owners);
+        grid.untile(&band.runners_up, place, columns.clone(), &mut lines.runners_up);
+        for (lambda, &level) in out.lambda[columns.clone()].iter_mut().zip(&lines.levels) {
             *lambda = BACKGROUND as f32 * level.clamp(0.0, 1.0);
         }
-        for (owner, &solid) in out.owner[columns.clone()].iter_mut().zip(&band.owners[here.clone()]) {
-            *owner = self.limbs.get(solid as usize).copied().unwrap_or(NO_OWNER);
+        for (owner, &part) in out.owner[columns.clone()].iter_mut().zip(&lines.owners) {
+            *owner = plan.limbs.get(solid_of(part)).copied().unwrap_or(NO_OWNER);
         }
-        if self.wanted.gradient {
-            out.gradient[columns.clone()].copy_from_slice(&scratch.gradients[here.clone()]);
-        }
-        if self.wanted.motion.is_some() {
-            out.change[columns].copy_from_slice(&scratch.changes[here]);
+        let derived = [
+            (&*gradients, out.gradient, plan.wanted.gradient),
+            (&*changes, out.change, plan.wanted.motion.is_some()),
+        ];
+        for (values, target, _) in derived.into_iter().filter(|(.., is_wanted)| *is_wanted) {
+            grid.untile(values, place, columns.clone(), &mut lines.derived);
+            target[columns.clone()].copy_from_slice(&lines.derived);
         }
     }
 }
@@ -198,53 +228,75 @@ impl Scratch {
     #[inline(always)]
     fn derive_band<S: Simd>(&mut self, simd: S, plan: &Plan<'_>, rows: &Range<usize>) {
         let Plan { ground, grid, wanted, rates, .. } = plan;
-        let Self { band, gradients, changes } = self;
-        let pixels = grid.band_rows() * grid.pitch;
+        let Self { band, gradients, changes, .. } = self;
+        let pixels = rows.len() * grid.entries();
         for (values, is_wanted) in [(&mut *gradients, wanted.gradient), (&mut *changes, rates.is_some())] {
             values.clear();
             values.resize(if is_wanted { pixels } else { 0 }, 0.0);
         }
-        for (index, solid) in ground.solids.iter().enumerate() {
-            let rate = rates.as_ref().map(|rates| &rates[index]);
-            for row in solid.rows_in(rows) {
-                let here = ground.row(row, rows, grid, ground.span(solid, row));
-                if !here.is_touched() {
+        let (gradients, _) = S::as_mut_simd_f32s(gradients);
+        let (changes, _) = S::as_mut_simd_f32s(changes);
+        let places = Places::<S>::new(ground, rows, grid);
+        let (levels, _) = S::as_simd_f32s(&band.levels);
+        let (owners, _) = S::as_simd_u32s(&band.owners);
+        let (fractions, _) = S::as_simd_f32s(&band.fractions);
+        let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
+        for work in &band.works {
+            let solid = &ground.solids[work.solid];
+            let rate = rates.as_ref().map(|rates| &rates[work.solid]);
+            let owner = simd.splat_u32s(work.owner);
+            for &tile in &band.tiles[work.tiles.clone()] {
+                let (at, rays) = places.at(tile);
+                let level = levels[at];
+                let on_ramp =
+                    simd.and_m32s(simd.less_than_f32s(zero, level), simd.less_than_f32s(level, one));
+                let active = simd.and_m32s(on_ramp, simd.equal_u32s(owners[at], owner));
+                if simd.first_true_m32s(active) >= S::F32_LANES {
                     continue;
                 }
-                let span = here.columns::<S>();
-                let in_band = here.start + span.start..here.start + span.end;
-                let (xs, _) = S::as_simd_f32s(&here.xs[span]);
-                let (levels, _) = S::as_simd_f32s(&band.levels[in_band.clone()]);
-                let (owners, _) = S::as_simd_u32s(&band.owners[in_band.clone()]);
-                let (fractions, _) = S::as_simd_f32s(&band.fractions[in_band.clone()]);
-                let (norms, _) = S::as_simd_f32s(&band.inverse_norms[in_band.clone()]);
-                let gradients = if wanted.gradient { &mut gradients[in_band.clone()] } else { &mut [] };
-                let changes = if rate.is_some() { &mut changes[in_band] } else { &mut [] };
-                let (gradients, _) = S::as_mut_simd_f32s(gradients);
-                let (changes, _) = S::as_mut_simd_f32s(changes);
-                let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
-                let owner = simd.splat_u32s(index as u32);
-                for i in 0..xs.len() {
-                    let on_ramp = simd
-                        .and_m32s(simd.less_than_f32s(zero, levels[i]), simd.less_than_f32s(levels[i], one));
-                    let active = simd.and_m32s(on_ramp, simd.equal_u32s(owners[i], owner));
-                    if simd.first_true_m32s(active) >= S::F32_LANES {
-                        continue;
-                    }
-                    let force = Force::new(simd, solid, (xs[i], here.y), (levels[i], fractions[i]), norms[i]);
-                    let by_depth = solid.ramp.by_depth.map(|[constant, slope]| {
-                        simd.mul_add_e_f32s(simd.splat_f32s(slope), levels[i], simd.splat_f32s(constant))
-                    });
-                    if let Some(target) = gradients.get_mut(i) {
-                        let value = magnitude(simd, solid, &force, by_depth);
-                        *target = simd.select_f32s(active, value, *target);
-                    }
-                    if let (Some(target), Some(rate)) = (changes.get_mut(i), rate) {
-                        let value = change(simd, rate, &force, by_depth);
-                        *target = simd.select_f32s(active, value, *target);
-                    }
+                let force = Force::of_part(simd, (solid, work.part), rays, (level, fractions[at]));
+                let by_depth = solid.ramp.by_depth.map(|line| depth_rate(simd, line, level));
+                if let Some(target) = gradients.get_mut(at) {
+                    let value = magnitude(simd, solid, &force, by_depth);
+                    *target = simd.select_f32s(active, value, *target);
+                }
+                if let (Some(target), Some(rate)) = (changes.get_mut(at), rate) {
+                    let value = change(simd, rate, &force, by_depth);
+                    *target = simd.select_f32s(active, value, *target);
                 }
             }
+        }
+    }
+}
+
+impl<S: Simd> Force<S> {
+    /// Of rays that see a part of a solid at a level; a whole solid also at a fraction.
+    #[inline(always)]
+    fn of_part(
+        simd: S,
+        (solid, part): (&LaneSolid, Part),
+        rays: [S::f32s; 2],
+        (level, fraction): (S::f32s, S::f32s),
+    ) -> Self {
+        let cap = [simd.splat_f32s(0.0); 3];
+        match (part, &solid.sight) {
+            (Part::Axis, Some(sight)) => {
+                let axis = AxisLanes::new(simd, solid, sight);
+                let distance = solid.ramp.distance.map(|part| simd.splat_f32s(part));
+                let distance = if solid.ramp.is_linear { Some(distance) } else { None };
+                let ([s, t], fraction) = axis_force(simd, &axis, distance, rays, level);
+                let [b, c] = sight.basis.map(|b| b.as_vec3().to_array());
+                let f = [0, 1, 2].map(|axis| {
+                    let part = simd.mul_f32s(s, simd.splat_f32s(b[axis]));
+                    simd.mul_add_e_f32s(t, simd.splat_f32s(c[axis]), part)
+                });
+                Self { f, cap, fraction }
+            }
+            (Part::Ball(end), _) => {
+                let f = ball_force(simd, (solid, end), rays, level);
+                Self { f, cap, fraction: simd.splat_f32s(end as f32) }
+            }
+            _ => Self::new(simd, solid, rays, (level, fraction)),
         }
     }
 }

@@ -1,7 +1,60 @@
 //! One camera's data, packed for lanes.
+//!
+//! A picture is cut into tiles, each the pixels of one vector: four columns wide, so that a thin limb fills a vector
+//! too, and as many rows high as there are lanes for. Tiles side by side are a tile row; its entries follow one
+//! another, tile by tile, row by row within a tile.
 
-/// Rows are padded by at least this many entries, so that lanes may begin at any column.
+use std::ops::Range;
+
+use pulp::{Arch, Simd, WithSimd};
+
+use super::solid::GridBox;
+
+/// Columns of a tile, where there are as many lanes.
+const TILE_COLUMNS: usize = 4;
+/// Entries of a tile row are a multiple of this.
 const PADDING: usize = 16;
+
+/// Columns and rows of a tile: powers of two whose product is the number of lanes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Tile {
+    pub columns: usize,
+    pub rows: usize,
+}
+
+impl Tile {
+    /// A tile that fills a vector.
+    #[inline(always)]
+    pub(super) const fn of<S: Simd>() -> Self {
+        let columns = if S::F32_LANES < TILE_COLUMNS { S::F32_LANES } else { TILE_COLUMNS };
+        Self { columns, rows: S::F32_LANES / columns }
+    }
+
+    /// A tile that fills a vector of this processor.
+    fn of_processor() -> Self {
+        struct Ask;
+        impl WithSimd for Ask {
+            type Output = Tile;
+            #[inline(always)]
+            fn with_simd<S: Simd>(self, _: S) -> Tile {
+                Tile::of::<S>()
+            }
+        }
+        Arch::new().dispatch(Ask)
+    }
+
+    /// Its pixels.
+    #[inline(always)]
+    pub(super) fn lanes(self) -> usize {
+        self.columns * self.rows
+    }
+}
+
+impl Default for Tile {
+    fn default() -> Self {
+        Self::of_processor()
+    }
+}
 
 /// Every `stride`-th pixel of a picture, packed, with its data.
 #[derive(Debug, Clone, Default)]
@@ -10,21 +63,23 @@ pub(crate) struct PixelGrid {
     pub columns: usize,
     /// Sampled pixels down.
     pub rows: usize,
-    /// Entries from one row to the next: more than `columns`.
-    pub pitch: usize,
     /// Pixels between samples.
     pub stride: usize,
     /// First sampled pixel, across and down: the middle of the first block.
     pub offset: usize,
-    /// D, rows × pitch.
+    /// Pixels of a vector.
+    pub tile: Tile,
+    /// Tiles of a tile row.
+    pub pitch: usize,
+    /// D, tile rows × pitch × lanes.
     values: Vec<f32>,
-    /// Weights, rows × pitch or one row for all; zero in the padding.
+    /// Weights, like D or one tile row for all; zero in the padding.
     weights: Vec<f32>,
 }
 
-/// Data of one row, from its first column on.
+/// Data in the order of tiles.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct RowData<'a> {
+pub(crate) struct TileData<'a> {
     /// D.
     pub values: &'a [f32],
     /// Weights.
@@ -47,55 +102,132 @@ impl PixelGrid {
         let stride = stride.max(1);
         let offset = stride / 2;
         let [columns, rows] = size.map(|side| side.saturating_sub(offset).div_ceil(stride));
-        let pitch = (columns + PADDING).next_multiple_of(PADDING);
-        let (mut values, mut weights) = (vec![0.0; rows * pitch], vec![0.0; rows * pitch]);
+        let mut grid = Self { stride, offset, ..Self::without_data([columns, rows]) };
+        let entries = grid.tile_rows() * grid.entries();
+        let (mut values, mut weights) = (vec![0.0; entries], vec![0.0; entries]);
         let mut all_weigh_one = true;
         for row in 0..rows {
             let first = (offset + row * stride) * size[0] + offset;
-            let pixels = (first..).step_by(stride).take(columns);
-            let entries = values[row * pitch..].iter_mut().zip(&mut weights[row * pitch..]);
-            for (pixel, (value, weight)) in pixels.zip(entries) {
-                (*value, *weight) = data(pixel);
-                all_weigh_one &= weight.to_bits() == 1.0f32.to_bits();
+            let mut pixels = (first..).step_by(stride).take(columns);
+            for tile in 0..columns.div_ceil(grid.tile.columns) {
+                let start = grid.entry(row, tile * grid.tile.columns);
+                for (entry, pixel) in (start..start + grid.tile.columns).zip(&mut pixels) {
+                    let (value, weight) = data(pixel);
+                    (values[entry], weights[entry]) = (value, weight);
+                    all_weigh_one &= weight.to_bits() == 1.0f32.to_bits();
+                }
             }
         }
         // Pictures without unknown pixels spare the memory's bandwidth.
-        if all_weigh_one {
-            weights.truncate(pitch);
+        if all_weigh_one && rows.is_multiple_of(grid.tile.rows) {
+            weights.truncate(grid.entries());
         }
-        Self { columns, rows, pitch, stride, offset, values, weights }
+        (grid.values, grid.weights) = (values, weights);
+        grid
     }
 
     /// Every pixel of a picture of a width and a height, without data: for looking at the winners alone.
     #[must_use]
     pub(super) fn without_data([columns, rows]: [usize; 2]) -> Self {
-        let pitch = (columns + PADDING).next_multiple_of(PADDING);
-        Self { columns, rows, pitch, stride: 1, ..Self::default() }
+        let tile = Tile::of_processor();
+        let pitch = (columns * tile.rows).next_multiple_of(PADDING.max(tile.lanes())) / tile.lanes();
+        Self { columns, rows, stride: 1, tile, pitch, ..Self::default() }
     }
 
     /// The same data with other weights: of every sampled pixel's column and row in the picture, its D and its
     /// weight so far.
     #[must_use]
     pub(crate) fn reweighted(&self, mut weight_of: impl FnMut(usize, usize, f32, f32) -> f32) -> Self {
-        let mut weights = vec![0.0; self.rows * self.pitch];
-        for (row, target) in weights.chunks_exact_mut(self.pitch).enumerate() {
-            let data = self.row(row);
-            let entries = target.iter_mut().zip(data.values.iter().zip(data.weights)).take(self.columns);
-            for (column, (target, (&value, &weight))) in entries.enumerate() {
-                *target = weight_of(self.pixel(column), self.pixel(row), value, weight);
+        let mut weights = vec![0.0; self.tile_rows() * self.entries()];
+        for row in 0..self.rows {
+            for column in 0..self.columns {
+                let (value, weight) = self.at(row, column);
+                weights[self.entry(row, column)] =
+                    weight_of(self.pixel(column), self.pixel(row), value, weight);
             }
         }
         Self { weights, ..self.clone() }
     }
 
-    /// The data of a row.
+    /// Tile rows of the picture.
+    #[inline]
+    #[must_use]
+    pub(crate) fn tile_rows(&self) -> usize {
+        self.rows.div_ceil(self.tile.rows)
+    }
+
+    /// Entries of a tile row.
+    #[inline]
+    #[must_use]
+    pub(crate) fn entries(&self) -> usize {
+        self.pitch * self.tile.lanes()
+    }
+
+    /// Where a sampled pixel's datum is among all.
+    #[inline(always)]
+    fn entry(&self, row: usize, column: usize) -> usize {
+        // Sides of tiles are powers of two: shifts are quicker than divisions.
+        let Tile { columns, rows } = self.tile;
+        let tile = (row >> rows.trailing_zeros()) * self.pitch + (column >> columns.trailing_zeros());
+        tile * self.tile.lanes() + (row & (rows - 1)) * columns + (column & (columns - 1))
+    }
+
+    /// D and weight of a sampled pixel.
+    #[inline]
+    #[must_use]
+    pub(crate) fn at(&self, row: usize, column: usize) -> (f32, f32) {
+        let entry = self.entry(row, column);
+        (self.values[entry], self.weights[if self.weighs_one() { entry % self.entries() } else { entry }])
+    }
+
+    /// Whether all pixels weigh one, so that one tile row of weights serves all.
+    #[inline]
+    fn weighs_one(&self) -> bool {
+        self.weights.len() == self.entries()
+    }
+
+    /// The data of a tile row.
     #[inline(always)]
     #[must_use]
-    pub(crate) fn row(&self, row: usize) -> RowData<'_> {
-        let entries = row * self.pitch..(row + 1) * self.pitch;
-        let weights =
-            if self.weights.len() == self.pitch { &self.weights[..] } else { &self.weights[entries.clone()] };
-        RowData { values: &self.values[entries], weights }
+    pub(crate) fn tile_row(&self, tile_row: usize) -> TileData<'_> {
+        let entries = tile_row * self.entries()..(tile_row + 1) * self.entries();
+        let weights = if self.weighs_one() { &self.weights[..] } else { &self.weights[entries.clone()] };
+        TileData { values: &self.values[entries], weights }
+    }
+
+    /// All data from a tile row on, and by how many tiles weights advance from tile row to tile row.
+    #[inline(always)]
+    pub(super) fn band_data(&self, tile_row: usize) -> (TileData<'_>, usize) {
+        let start = tile_row * self.entries();
+        let (weights, pitch) =
+            if self.weighs_one() { (&self.weights[..], 0) } else { (&self.weights[start..], self.pitch) };
+        (TileData { values: &self.values[start..], weights }, pitch)
+    }
+
+    /// Some columns of a sampled row of a band's tiles, one after the other; `tile_row` is its tile row in the band.
+    #[inline(always)]
+    pub(super) fn untile<T: Copy>(
+        &self,
+        tiles: &[T],
+        (tile_row, row): (usize, usize),
+        columns: Range<usize>,
+        line: &mut Vec<T>,
+    ) {
+        line.clear();
+        let (side, lanes) = (self.tile.columns, self.tile.lanes());
+        let in_tile = (row & (self.tile.rows - 1)) * side;
+        for tile in columns.start / side..columns.end.div_ceil(side) {
+            line.extend_from_slice(&tiles[(tile_row * self.pitch + tile) * lanes + in_tile..][..side]);
+        }
+        line.drain(..columns.start % side);
+        line.truncate(columns.len());
+    }
+
+    /// The rows and columns of a tile: tile row, tile.
+    #[inline(always)]
+    pub(super) fn covers(&self, [tile_row, tile]: [usize; 2]) -> GridBox {
+        let span = |index: usize, side: usize| [index * side, (index + 1) * side];
+        GridBox { columns: span(tile, self.tile.columns), rows: span(tile_row, self.tile.rows) }
     }
 
     /// Pixel coordinate of a sampled column or row.

@@ -1,102 +1,186 @@
-//! All solids of a view, and the columns that they may touch on each row: what the bands of a picture share.
+//! All solids of a view, and the tiles that they may touch: what the bands of a picture share.
 
 use std::ops::Range;
 
 use pulp::Simd;
 
 use super::grid::PixelGrid;
-use super::solid::LaneSolid;
-use super::winners::{Band, Row};
+use super::outline::{Lattice, SpansMut};
+use super::solid::{LaneSolid, Outline};
 use crate::render::View;
+
+/// A part of a solid, which competes for pixels by itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Part {
+    /// The axis between the joints, without its ends.
+    Axis,
+    /// A ball about the first joint or the second.
+    Ball(usize),
+    /// All of it.
+    Whole,
+}
+
+impl Outline {
+    /// The parts, each by its place among the solid's spans.
+    #[inline(always)]
+    pub(super) fn parts(&self) -> &'static [Part] {
+        match self {
+            Self::Ball(_) => &[Part::Ball(0)],
+            Self::Parts { .. } => &[Part::Axis, Part::Ball(0), Part::Ball(1)],
+            Self::Whole(_) => &[Part::Whole],
+        }
+    }
+}
 
 /// A view made ready for lanes.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Ground {
-    /// Places of the columns on the plane z = 1.
+    lattice: Lattice,
+    /// Places of the columns of a tile row and of the rows of all tile rows on the plane z = 1, a vector a tile and a
+    /// vector a tile row.
     pub xs: Vec<f32>,
+    pub ys: Vec<f32>,
     pub solids: Vec<LaneSolid>,
-    /// The columns of every solid on each of its rows, one solid after the other.
-    pub spans: Vec<[u32; 2]>,
-    /// By row, the columns that any solid may touch.
+    /// The tiles of every solid's parts on each of its tile rows, one part after the other: the first, and one past the
+    /// last.
+    spans: [Vec<u32>; 2],
+    /// Scratch: the tiles that a solid darkens altogether.
+    cores: [Vec<u32>; 2],
+    /// By tile row, the tiles that any solid may touch.
     pub touched: Vec<[u32; 2]>,
-    /// Place of the first row on the plane z = 1, and from one to the next.
-    y_line: [f64; 2],
+    /// By tile row, neighbours that solids darken altogether. Only where [`cut_spans`](Self::cut_spans) looks for them.
+    pub dark: Vec<[u32; 2]>,
 }
 
 impl Ground {
     /// Takes a view's solids. Spans are still to be cut.
     pub(super) fn prepare(&mut self, view: &View, grid: &PixelGrid) {
         let pinhole = view.pinhole();
-        self.xs.clear();
-        let (start, step) = ((grid.offset as f64 - pinhole.cx) / pinhole.fx, grid.stride as f64 / pinhole.fx);
-        self.xs.extend((0..grid.pitch).map(|column| (start + column as f64 * step) as f32));
-        self.y_line = [(grid.offset as f64 - pinhole.cy) / pinhole.fy, grid.stride as f64 / pinhole.fy];
+        let lattice = Lattice::new(pinhole, grid);
+        let tile = grid.tile;
+        let (columns, rows) = (grid.entries(), grid.tile_rows() * tile.lanes());
+        if self.lattice != lattice || self.xs.len() != columns || self.ys.len() != rows {
+            self.lattice = lattice;
+            let place =
+                |axis: usize, index: usize| (lattice.start[axis] + index as f64 * lattice.step[axis]) as f32;
+            let lane = |entry: usize| (entry / tile.lanes(), entry % tile.lanes());
+            self.xs.clear();
+            self.xs.extend((0..columns).map(|entry| {
+                let (index, lane) = lane(entry);
+                place(0, index * tile.columns + lane % tile.columns)
+            }));
+            self.ys.clear();
+            self.ys.extend((0..rows).map(|entry| {
+                let (index, lane) = lane(entry);
+                place(1, index * tile.rows + lane / tile.columns)
+            }));
+        }
         self.solids.clear();
-        self.spans.clear();
+        let mut spans = 0;
         for (index, primitive) in view.primitives().iter().enumerate() {
-            let Some(mut solid) = LaneSolid::new(primitive, pinhole, grid) else { continue };
+            let Some(mut solid) = LaneSolid::new(primitive, pinhole, grid, &lattice) else { continue };
             solid.primitive = index;
-            solid.spans = self.spans.len();
-            self.spans.resize(solid.spans + solid.rows[1] - solid.rows[0], [0; 2]);
+            solid.spans = spans;
+            spans += padded(solid.tile_rows) * solid.outline.parts().len();
             self.solids.push(solid);
         }
-    }
-
-    /// The columns that each solid, and any of them, may touch on each row.
-    #[inline(always)]
-    pub(super) fn cut_spans(&mut self, grid: &PixelGrid) {
-        self.touched.clear();
-        self.touched.resize(grid.rows, [u32::MAX, 0]);
-        for solid in &self.solids {
-            let [first, last] = solid.rows;
-            let touched = &mut self.touched[first..last];
-            let spans = &mut self.spans[solid.spans..solid.spans + last - first];
-            for (index, (touched, target)) in touched.iter_mut().zip(spans).enumerate() {
-                let span = solid.span(first + index);
-                *target = span;
-                let is_empty = span[0] >= span[1];
-                touched[0] = touched[0].min(if is_empty { u32::MAX } else { span[0] });
-                touched[1] = touched[1].max(if is_empty { 0 } else { span[1] });
-            }
+        for side in &mut self.spans {
+            side.resize(spans, 0);
         }
     }
 
-    /// The columns of a solid on one of its rows.
+    /// The tiles that each part of each solid, and any of them, may touch on each tile row; with `DARK`, also those
+    /// that need not be looked at because they are all dark.
     #[inline(always)]
-    pub(super) fn span(&self, solid: &LaneSolid, row: usize) -> [u32; 2] {
-        self.spans[solid.spans + row - solid.rows[0]]
-    }
-
-    /// Some columns of a row of a band.
-    #[inline(always)]
-    pub(super) fn row(&self, row: usize, band: &Range<usize>, grid: &PixelGrid, span: [u32; 2]) -> Row<'_> {
-        let y = (self.y_line[0] + row as f64 * self.y_line[1]) as f32;
-        Row { row, start: (row - band.start) * grid.pitch, y, xs: &self.xs, span }
-    }
-
-    /// Ground and winners of one band of rows; with `DOUBTS`, also by how much they have won.
-    #[inline(always)]
-    pub(super) fn win_band<S: Simd, const DOUBTS: bool>(
-        &self,
-        simd: S,
-        band: &mut Band,
-        rows: Range<usize>,
-        grid: &PixelGrid,
-    ) {
-        // Plain loops: what an iterator calls is not compiled for the lanes.
-        for row in rows.clone() {
-            let here = self.row(row, &rows, grid, self.touched[row]);
-            if here.is_touched() {
-                band.open_row::<S, DOUBTS>(simd, &here);
+    pub(super) fn cut_spans<S: Simd, const DARK: bool>(&mut self, simd: S, tile_rows: usize) {
+        let Self { lattice, solids, spans, cores, touched, dark, .. } = self;
+        touched.clear();
+        touched.resize(tile_rows, [u32::MAX, 0]);
+        dark.clear();
+        dark.resize(tile_rows, [0; 2]);
+        for solid in solids {
+            let [first, last] = solid.tile_rows;
+            let count = padded(solid.tile_rows);
+            let all = solid.spans..solid.spans + count * solid.outline.parts().len();
+            let [from, to] = &mut *spans;
+            let mut parts = from[all.clone()].chunks_exact_mut(count).zip(to[all].chunks_exact_mut(count));
+            let mut next = || parts.next().map_or_else(SpansMut::default, |(from, to)| SpansMut { from, to });
+            match &solid.outline {
+                Outline::Ball(ball) => ball.touched(simd, lattice, first, next()),
+                Outline::Whole(bounds) => bounds.touched(simd, lattice, first, next()),
+                Outline::Parts { axis, core, balls: [start, end] } => {
+                    axis.touched(simd, lattice, first, next());
+                    start.touched(simd, lattice, first, next());
+                    end.touched(simd, lattice, first, next());
+                    if let (true, Some(core)) = (DARK, core) {
+                        let [from, to] = &mut *cores;
+                        from.resize(count.max(from.len()), 0);
+                        to.resize(count.max(to.len()), 0);
+                        core.filled(
+                            simd,
+                            lattice,
+                            first,
+                            SpansMut { from: &mut from[..count], to: &mut to[..count] },
+                        );
+                        for (dark, core) in dark[first..last].iter_mut().zip(from.iter().zip(to)) {
+                            merge(dark, [*core.0, *core.1]);
+                        }
+                    }
+                }
             }
-        }
-        for (index, solid) in self.solids.iter().enumerate() {
-            for row in solid.rows_in(&rows) {
-                let here = self.row(row, &rows, grid, self.span(solid, row));
-                if here.is_touched() {
-                    band.challenge::<S, DOUBTS>(simd, solid, index, &here);
+            for part in 0..solid.outline.parts().len() {
+                let start = solid.spans + part * count;
+                let sides = [0, 1].map(|side| &spans[side][start..start + last - first]);
+                for ((touched, &from), &to) in touched[first..last].iter_mut().zip(sides[0]).zip(sides[1]) {
+                    touched[0] = touched[0].min(if from < to { from } else { u32::MAX });
+                    touched[1] = touched[1].max(to);
                 }
             }
         }
     }
+
+    /// Of a band the rows of the picture that any solid may touch: the row, its columns, and its tile row in the band.
+    pub(super) fn touched_rows(
+        &self,
+        band: &Range<usize>,
+        grid: &PixelGrid,
+    ) -> impl Iterator<Item = (usize, Range<usize>, usize)> {
+        let side = grid.tile.rows;
+        (band.start * side..(band.end * side).min(grid.rows)).filter_map(move |row| {
+            let [from, to] = self.touched[row / side].map(|tile| tile as usize * grid.tile.columns);
+            (from < to).then(|| (row, from..to.min(grid.columns), row / side - band.start))
+        })
+    }
+
+    /// The tiles of a solid's part on those of its tile rows that are in a band, and the first of these.
+    #[inline(always)]
+    pub(super) fn spans(&self, solid: &LaneSolid, part: usize, band: &Range<usize>) -> (usize, [&[u32]; 2]) {
+        let [first, last] = solid.tile_rows;
+        let [from, to] = [band.start, band.end].map(|row| row.clamp(first, last));
+        let start = solid.spans + part * padded(solid.tile_rows);
+        (from, [0, 1].map(|side| &self.spans[side][start + from - first..start + to - first]))
+    }
+}
+
+/// Tile rows are taken so many at once at the most.
+const MOST_LANES: usize = 16;
+
+#[inline(always)]
+fn padded([first, last]: [usize; 2]) -> usize {
+    (last - first).next_multiple_of(MOST_LANES)
+}
+
+/// Joins a span to another that it meets; of two that do not meet the longer stays.
+#[inline(always)]
+fn merge(dark: &mut [u32; 2], core: [u32; 2]) {
+    let length = |span: [u32; 2]| span[1].saturating_sub(span[0]);
+    let meets = core[0] <= dark[1] && dark[0] <= core[1] && length(core) > 0 && length(*dark) > 0;
+    let is_longer = length(core) > length(*dark);
+    *dark = if meets {
+        [core[0].min(dark[0]), core[1].max(dark[1])]
+    } else if is_longer {
+        core
+    } else {
+        *dark
+    };
 }

@@ -1,36 +1,115 @@
-//! Pull: what the pixels that a solid has won pull at its two joints, summed.
+//! Pull: what the pixels that a part of a solid has won pull at its two joints, summed.
 //!
 //! A pixel's gradient acts as a force g₀ at p0 and g₁ at p1. With f = g₀ + g₁ and up to the ramp's factor,
 //!
 //! | nearest | f | g₁ |
 //! |---|---|---|
+//! | axis, seen by A and B | S (−D w) + T (D v), S = A²/(A² + B²), T = A B/(A² + B²) | t f |
+//! | ball about p0 or p1 | δ = (e·p/\|e\|²) e − p | 0 or f |
 //! | axis, round end, equal sphere | δ = (e·q/\|e\|²) e − q, q = p0 + t a | t f |
 //! | flat cap at p0 (t = 0) or p1 (t = 1) | h − κ a, κ = (h·e)/(a·e) | t f + κ h |
 //!
-//! Forces are first collected for some hundred pixels and then multiplied out in several passes, so that each
-//! pass's sums stay in registers; then they are flushed to f64.
+//! The first two have so few sums that these stay in registers: two numbers a pixel on the axis, and no t on a ball.
+//! First the tiles with any such pixel are listed; what is then done for each needs no branch. Sums in f32 are of a few
+//! tiles and go to f64. Of whole solids forces are first collected and then multiplied out in several passes.
 
-use glam::Vec3;
 use pulp::Simd;
 
-use super::grid::RowData;
-use super::solid::{LaneSolid, Shape};
-use super::sums::{CAPS, DEPTH, SUMS};
-use super::winners::{Band, END_CAP, FlatHit, Row, START_CAP};
+use super::band::{Band, Places};
+use super::grid::{PixelGrid, TileData};
+use super::ground::{Ground, Part};
+use super::solid::{AxisSight, LaneSolid, Shape};
+use super::sums::{AXIS_SUMS, BALL_SUMS, SolidSums};
+use super::whole::{ENTRY, Force, flush};
+use super::winners::AxisLanes;
 use crate::render::ramp::BACKGROUND;
 
-/// Vectors kept of one group of pixels: f, w, t, ρ, ∂λ/∂z, κ h.
-const ENTRY: usize = 10;
-/// Groups of pixels collected before they are summed: these stay in the first cache.
+/// Tiles whose sums are in f32.
+const TILES: usize = 64;
+/// Tiles collected before they are summed: these stay in the first cache.
 const GROUPS: usize = 48;
 /// Widest lanes, in numbers.
 const MOST_LANES: usize = 16;
 
-/// Forces collected and not yet summed.
+/// Memory of the pull.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Collected {
+    /// Tiles of a part in which something pulls.
+    tiles: Vec<u32>,
     vectors: Vec<f32>,
     groups: usize,
+}
+
+/// The winners of a band and its data, as vectors.
+struct Pulling<'a, S: Simd> {
+    places: Places<'a, S>,
+    levels: &'a [S::f32s],
+    owners: &'a [S::u32s],
+    fractions: &'a [S::f32s],
+    values: &'a [S::f32s],
+    weights: &'a [S::f32s],
+    /// By how many vectors weights advance from tile row to tile row.
+    weight_pitch: usize,
+}
+
+impl<'a, S: Simd> Pulling<'a, S> {
+    #[inline(always)]
+    fn new(ground: &'a Ground, band: &'a Band, rows: &std::ops::Range<usize>, grid: &'a PixelGrid) -> Self {
+        let (TileData { values, weights }, weight_pitch) = grid.band_data(rows.start);
+        Self {
+            places: Places::new(ground, rows, grid),
+            levels: S::as_simd_f32s(&band.levels).0,
+            owners: S::as_simd_u32s(&band.owners).0,
+            fractions: S::as_simd_f32s(&band.fractions).0,
+            values: S::as_simd_f32s(values).0,
+            weights: S::as_simd_f32s(weights).0,
+            weight_pitch,
+        }
+    }
+
+    /// Which pixels a part has won and has not clipped.
+    #[inline(always)]
+    fn active(&self, simd: S, at: usize, owner: S::u32s) -> S::m32s {
+        let level = self.levels[at];
+        let on_ramp = simd.and_m32s(
+            simd.less_than_f32s(simd.splat_f32s(0.0), level),
+            simd.less_than_f32s(level, simd.splat_f32s(1.0)),
+        );
+        simd.and_m32s(on_ramp, simd.equal_u32s(self.owners[at], owner))
+    }
+
+    /// The tiles of a part in which it pulls.
+    #[inline(always)]
+    fn list<'t>(&self, simd: S, owner: S::u32s, tiles: &[u32], active: &'t mut Vec<u32>) -> &'t [u32] {
+        if active.len() < tiles.len() {
+            active.resize(tiles.len().next_power_of_two(), 0);
+        }
+        let active = &mut active[..];
+        let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
+        let (levels, pitch) = (self.levels, &self.places);
+        let owners = &self.owners[..levels.len()];
+        let mut count = 0;
+        for &tile in tiles {
+            let at = pitch.index(tile);
+            let level = levels[at];
+            let on_ramp = simd.and_m32s(simd.less_than_f32s(zero, level), simd.less_than_f32s(level, one));
+            let pulls = simd.and_m32s(on_ramp, simd.equal_u32s(owners[at], owner));
+            active[count] = tile;
+            count += usize::from(simd.first_true_m32s(pulls) < S::F32_LANES);
+        }
+        &active[..count]
+    }
+
+    /// A tile's level, w where the part pulls and zero elsewhere, and ρ.
+    #[inline(always)]
+    fn residual(&self, simd: S, tile: u32, at: usize, owner: S::u32s) -> [S::f32s; 3] {
+        let level = self.levels[at];
+        let (row, column) = ((tile >> 16) as usize, (tile & 0xffff) as usize);
+        let weight = self.weights[row * self.weight_pitch + column];
+        let weight = simd.select_f32s(self.active(simd, at, owner), weight, simd.splat_f32s(0.0));
+        let white = simd.splat_f32s(BACKGROUND as f32);
+        [level, weight, simd.negate_mul_add_e_f32s(level, white, self.values[at])]
+    }
 }
 
 impl Collected {
@@ -38,276 +117,230 @@ impl Collected {
         self.vectors.resize(GROUPS * ENTRY * MOST_LANES, 0.0);
     }
 
-    /// Collects the pixels of a row that the solid has won and whose ramp is not clipped.
+    /// Adds the pull of one band of tile rows, whose winners are known, to the sums of all solids.
     #[inline(always)]
-    pub(super) fn pull_row<S: Simd>(
+    pub(super) fn pull_band<S: Simd>(
         &mut self,
         simd: S,
-        (solid, index): (&LaneSolid, usize),
-        row: &Row<'_>,
-        band: &Band,
-        data: RowData<'_>,
-        totals: &mut [f64; SUMS],
+        (ground, band): (&Ground, &Band),
+        rows: &std::ops::Range<usize>,
+        grid: &PixelGrid,
+        sums: &mut [SolidSums],
     ) {
-        let span = row.columns::<S>();
-        let here = row.start + span.start..row.start + span.end;
-        let (xs, _) = S::as_simd_f32s(&row.xs[span.clone()]);
-        let (levels, _) = S::as_simd_f32s(&band.levels[here.clone()]);
-        let (owners, _) = S::as_simd_u32s(&band.owners[here.clone()]);
-        let (fractions, _) = S::as_simd_f32s(&band.fractions[here.clone()]);
-        let (norms, _) = S::as_simd_f32s(&band.inverse_norms[here]);
-        let (values, _) = S::as_simd_f32s(&data.values[span.clone()]);
-        let (weights, _) = S::as_simd_f32s(&data.weights[span]);
-        let splat = |value: f32| simd.splat_f32s(value);
-        let (zero, one, white) = (splat(0.0), splat(1.0), splat(BACKGROUND as f32));
-        let owner = simd.splat_u32s(index as u32);
-        for i in 0..xs.len() {
-            let level = levels[i];
-            let active = simd.and_m32s(
-                simd.and_m32s(simd.less_than_f32s(zero, level), simd.less_than_f32s(level, one)),
-                simd.equal_u32s(owners[i], owner),
-            );
-            if simd.first_true_m32s(active) >= S::F32_LANES {
-                continue;
+        let pulling = Pulling::<S>::new(ground, band, rows, grid);
+        for work in &band.works {
+            let (solid, sums) = (&ground.solids[work.solid], &mut sums[work.solid]);
+            let owner = simd.splat_u32s(work.owner);
+            let tiles = pulling.list(simd, owner, &band.tiles[work.tiles.clone()], &mut self.tiles);
+            let by_depth = solid.ramp.by_depth;
+            match (work.part, &solid.sight) {
+                (Part::Axis, Some(sight)) => {
+                    let part = (solid, sight);
+                    sum_axis(simd, &pulling, part, (owner, tiles), &mut self.vectors, &mut sums.axis);
+                }
+                (Part::Ball(end), _) => {
+                    let sums = &mut sums.balls[end];
+                    match by_depth {
+                        None => sum_ball::<S, false>(simd, &pulling, (solid, end), owner, tiles, sums),
+                        Some(_) => sum_ball::<S, true>(simd, &pulling, (solid, end), owner, tiles, sums),
+                    }
+                }
+                _ => {
+                    for &tile in tiles {
+                        let (at, rays) = pulling.places.at(tile);
+                        let [level, weight, residual] = pulling.residual(simd, tile, at, owner);
+                        let force = Force::new(simd, solid, rays, (level, pulling.fractions[at]));
+                        let (vectors, _) = S::as_mut_simd_f32s(&mut self.vectors);
+                        let entry = &mut vectors[self.groups * ENTRY..(self.groups + 1) * ENTRY];
+                        entry[..3].copy_from_slice(&force.f);
+                        entry[3] = weight;
+                        entry[4] = force.fraction;
+                        entry[5] = residual;
+                        if let Some(line) = by_depth {
+                            entry[6] = depth_rate(simd, line, level);
+                        }
+                        if matches!(solid.shape, Shape::Cylinder { .. }) {
+                            entry[7..].copy_from_slice(&force.cap);
+                        }
+                        self.groups += 1;
+                        if self.groups == GROUPS {
+                            flush(simd, &self.vectors, &mut self.groups, solid, &mut sums.whole);
+                        }
+                    }
+                    flush(simd, &self.vectors, &mut self.groups, solid, &mut sums.whole);
+                }
             }
-            let weight = simd.select_f32s(active, weights[i], zero);
-            let residual = simd.negate_mul_add_e_f32s(level, white, values[i]);
-            let force = Force::new(simd, solid, (xs[i], row.y), (level, fractions[i]), norms[i]);
-            let (vectors, _) = S::as_mut_simd_f32s(&mut self.vectors);
-            let entry = &mut vectors[self.groups * ENTRY..(self.groups + 1) * ENTRY];
-            entry[0] = force.f[0];
-            entry[1] = force.f[1];
-            entry[2] = force.f[2];
+        }
+    }
+}
+
+/// ∂λ/∂z of a solid's depth.
+#[inline(always)]
+pub(super) fn depth_rate<S: Simd>(simd: S, [constant, slope]: [f32; 2], level: S::f32s) -> S::f32s {
+    simd.mul_add_e_f32s(simd.splat_f32s(slope), level, simd.splat_f32s(constant))
+}
+
+/// S and T of rays that see an axis at a level, and t; `distance` is of linear ramps, d at λ = 0 and what it rises by.
+#[inline(always)]
+pub(super) fn axis_force<S: Simd>(
+    simd: S,
+    axis: &AxisLanes<S>,
+    distance: Option<[S::f32s; 2]>,
+    rays: [S::f32s; 2],
+    level: S::f32s,
+) -> ([S::f32s; 2], S::f32s) {
+    let rays = axis.see(simd, rays);
+    let inverse = simd.div_f32s(simd.splat_f32s(1.0), rays.length);
+    let fraction = simd.mul_f32s(rays.along, inverse);
+    let scale = match distance {
+        Some([start, width]) => simd.div_f32s(inverse, simd.mul_add_e_f32s(level, width, start)),
+        None => inverse,
+    };
+    let a = simd.mul_f32s(rays.a, scale);
+    ([simd.mul_f32s(a, rays.a), simd.mul_f32s(a, rays.b)], fraction)
+}
+
+/// Sums of an axis: see [`AXIS_SUMS`]. Forces are collected first, so that all sums stay in registers.
+#[inline(always)]
+fn sum_axis<S: Simd>(
+    simd: S,
+    pulling: &Pulling<'_, S>,
+    (solid, sight): (&LaneSolid, &AxisSight),
+    (owner, tiles): (S::u32s, &[u32]),
+    vectors: &mut [f32],
+    totals: &mut [f64; AXIS_SUMS],
+) {
+    const ENTRY: usize = 6;
+    let axis = AxisLanes::new(simd, solid, sight);
+    let [start, width] = solid.ramp.distance;
+    let distance = [simd.splat_f32s(start), simd.splat_f32s(width)];
+    let distance = if solid.ramp.is_linear { Some(distance) } else { None };
+    let (vectors, _) = S::as_mut_simd_f32s(vectors);
+    for tiles in tiles.chunks(TILES) {
+        for (&tile, entry) in tiles.iter().zip(vectors.chunks_exact_mut(ENTRY)) {
+            let (at, rays) = pulling.places.at(tile);
+            let [level, weight, residual] = pulling.residual(simd, tile, at, owner);
+            let (f, t) = axis_force(simd, &axis, distance, rays, level);
+            entry[0] = f[0];
+            entry[1] = f[1];
+            entry[2] = t;
             entry[3] = weight;
-            entry[4] = force.fraction;
-            entry[5] = residual;
-            if let Some([constant, slope]) = solid.ramp.by_depth {
-                entry[6] = simd.mul_add_e_f32s(splat(slope), level, splat(constant));
-            }
-            if matches!(solid.shape, Shape::Cylinder { .. }) {
-                entry[7..].copy_from_slice(&force.cap);
-            }
-            self.groups += 1;
-            if self.groups == GROUPS {
-                self.flush(simd, solid, totals);
+            entry[4] = residual;
+            if let Some(line) = solid.ramp.by_depth {
+                entry[5] = depth_rate(simd, line, level);
             }
         }
-    }
-
-    /// Multiplies out what was collected and adds it to the totals.
-    #[inline(always)]
-    pub(super) fn flush<S: Simd>(&mut self, simd: S, solid: &LaneSolid, totals: &mut [f64; SUMS]) {
-        if self.groups == 0 {
-            return;
+        let entries = &vectors[..tiles.len() * ENTRY];
+        let mut sums = [simd.splat_f32s(0.0); 13];
+        for entry in entries.chunks_exact(ENTRY) {
+            let (f, t, residual) = ([entry[0], entry[1]], entry[2], entry[4]);
+            let weighted = [simd.mul_f32s(f[0], entry[3]), simd.mul_f32s(f[1], entry[3])];
+            let g = [simd.mul_f32s(f[0], t), simd.mul_f32s(f[1], t)];
+            let weighted_g = [simd.mul_f32s(weighted[0], t), simd.mul_f32s(weighted[1], t)];
+            for (first, [a, b]) in [(0, [weighted, f]), (3, [weighted_g, f]), (6, [weighted_g, g])] {
+                sums[first] = simd.mul_add_e_f32s(a[0], b[0], sums[first]);
+                sums[first + 1] = simd.mul_add_e_f32s(a[0], b[1], sums[first + 1]);
+                sums[first + 2] = simd.mul_add_e_f32s(a[1], b[1], sums[first + 2]);
+            }
+            for i in 0..2 {
+                sums[9 + i] = simd.mul_add_e_f32s(weighted[i], residual, sums[9 + i]);
+                sums[11 + i] = simd.mul_add_e_f32s(weighted_g[i], residual, sums[11 + i]);
+            }
         }
-        let (vectors, _) = S::as_simd_f32s(&self.vectors);
-        let entries = &vectors[..self.groups * ENTRY];
-        self.groups = 0;
-        sum_products(simd, entries, totals);
-        sum_forces(simd, entries, totals);
-        let by_depth = solid.ramp.by_depth.is_some();
-        if by_depth {
-            sum_depth(simd, entries, totals);
+        add_totals(simd, sums, &mut totals[..13]);
+        if solid.ramp.by_depth.is_some() {
+            let mut sums = [simd.splat_f32s(0.0); 6];
+            for entry in entries.chunks_exact(ENTRY) {
+                let weighted = simd.mul_f32s(entry[5], entry[3]);
+                let weighted_t = simd.mul_f32s(weighted, entry[2]);
+                for i in 0..2 {
+                    sums[i] = simd.mul_add_e_f32s(weighted, entry[i], sums[i]);
+                    sums[2 + i] = simd.mul_add_e_f32s(weighted_t, entry[i], sums[2 + i]);
+                }
+                sums[4] = simd.mul_add_e_f32s(weighted, entry[5], sums[4]);
+                sums[5] = simd.mul_add_e_f32s(weighted, entry[4], sums[5]);
+            }
+            add_totals(simd, sums, &mut totals[13..]);
         }
-        if matches!(solid.shape, Shape::Cylinder { .. }) {
-            sum_caps(simd, entries, by_depth, totals);
-        }
-    }
-}
-
-/// A pixel's pull: f, κ h and the fraction t.
-pub(super) struct Force<S: Simd> {
-    pub f: [S::f32s; 3],
-    pub cap: [S::f32s; 3],
-    pub fraction: S::f32s,
-}
-
-impl<S: Simd> Force<S> {
-    /// Of rays (x, y) that see a solid at a level and a fraction.
-    #[inline(always)]
-    pub(super) fn new(
-        simd: S,
-        solid: &LaneSolid,
-        (x, y): (S::f32s, f32),
-        (level, fraction): (S::f32s, S::f32s),
-        inverse_norm: S::f32s,
-    ) -> Self {
-        let mut force = match solid.shape {
-            Shape::Capsule | Shape::Spheres { .. } => round(simd, solid, x, y, fraction, inverse_norm),
-            Shape::Cylinder { .. } => flat(simd, solid, x, y, fraction, inverse_norm),
-        };
-        if solid.ramp.is_linear {
-            let [start, width] = solid.ramp.distance.map(|part| simd.splat_f32s(part));
-            let distance = simd.mul_add_e_f32s(level, width, start);
-            let inverse = simd.div_f32s(simd.splat_f32s(1.0), distance);
-            force.f = force.f.map(|f| simd.mul_f32s(f, inverse));
-            force.cap = force.cap.map(|g| simd.mul_f32s(g, inverse));
-        }
-        force
     }
 }
 
-/// The axis, a round end or a sphere at fraction t.
+/// δ of rays that see a ball at a level; over its length for linear ramps.
 #[inline(always)]
-fn round<S: Simd>(
+pub(super) fn ball_force<S: Simd>(
     simd: S,
-    solid: &LaneSolid,
-    x: S::f32s,
-    y: f32,
-    t: S::f32s,
-    inverse_norm: S::f32s,
-) -> Force<S> {
+    (solid, end): (&LaneSolid, usize),
+    [x, y]: [S::f32s; 2],
+    level: S::f32s,
+) -> [S::f32s; 3] {
     let splat = |value: f32| simd.splat_f32s(value);
-    let start = solid.start_point();
-    let along = |a: f32, p: f32| simd.mul_add_e_f32s(t, splat(a), splat(p));
-    let q = [along(solid.a.x, start.x), along(solid.a.y, start.y), along(solid.a.z, start.z)];
-    // δ = (e·q/|e|²) e − q, from the closest point to the ray
-    let depth = simd.mul_add_e_f32s(x, q[0], simd.mul_add_e_f32s(splat(y), q[1], q[2]));
-    let s = simd.mul_f32s(depth, inverse_norm);
+    let joint = solid.joint(end);
+    let [px, py, pz] = [joint.x * joint.z, joint.y * joint.z, joint.z].map(splat);
+    let depth = simd.mul_add_e_f32s(x, px, simd.mul_add_e_f32s(y, py, pz));
+    let norm = simd.mul_add_e_f32s(x, x, simd.mul_add_e_f32s(y, y, splat(1.0)));
+    let s = simd.div_f32s(depth, norm);
     let f = [
-        simd.mul_add_e_f32s(s, x, simd.neg_f32s(q[0])),
-        simd.mul_add_e_f32s(s, splat(y), simd.neg_f32s(q[1])),
-        simd.sub_f32s(s, q[2]),
+        simd.mul_add_e_f32s(s, x, simd.neg_f32s(px)),
+        simd.mul_add_e_f32s(s, y, simd.neg_f32s(py)),
+        simd.sub_f32s(s, pz),
     ];
-    Force { f, cap: [splat(0.0); 3], fraction: t }
-}
-
-/// The axis between its joints, or one of the flat caps.
-#[inline(always)]
-fn flat<S: Simd>(
-    simd: S,
-    solid: &LaneSolid,
-    x: S::f32s,
-    y: f32,
-    mark: S::f32s,
-    inverse_norm: S::f32s,
-) -> Force<S> {
-    let splat = |value: f32| simd.splat_f32s(value);
-    let (zero, one) = (splat(0.0), splat(1.0));
-    let t = simd.min_f32s(simd.max_f32s(mark, zero), one);
-    let mut force = round(simd, solid, x, y, t, inverse_norm);
-    for (joint, is_cap) in [
-        (&solid.start, simd.less_than_or_equal_f32s(mark, splat(START_CAP))),
-        (&solid.end, simd.less_than_or_equal_f32s(splat(END_CAP), mark)),
-    ] {
-        if simd.first_true_m32s(is_cap) >= S::F32_LANES {
-            continue;
-        }
-        let hit = FlatHit::new(simd, solid, joint, x, y);
-        // h in metres; axis · e is a · e over z₀, the first joint's depth.
-        let h = hit.h.map(|h| simd.mul_f32s(h, splat(joint.z)));
-        let along_ray = simd.mul_add_e_f32s(h[0], x, simd.mul_add_e_f32s(h[1], splat(y), h[2]));
-        let kappa = simd.div_f32s(along_ray, simd.mul_f32s(hit.along, splat(solid.start.z)));
-        for (axis, a) in [solid.a.x, solid.a.y, solid.a.z].into_iter().enumerate() {
-            let f = simd.negate_mul_add_e_f32s(kappa, splat(a), h[axis]);
-            force.f[axis] = simd.select_f32s(is_cap, f, force.f[axis]);
-            force.cap[axis] = simd.select_f32s(is_cap, simd.mul_f32s(kappa, h[axis]), force.cap[axis]);
-        }
+    if solid.ramp.is_linear {
+        let [start, width] = solid.ramp.distance.map(splat);
+        let inverse = simd.div_f32s(splat(1.0), simd.mul_add_e_f32s(level, width, start));
+        f.map(|f| simd.mul_f32s(f, inverse))
+    } else {
+        f
     }
-    force
 }
 
-impl LaneSolid {
-    fn start_point(&self) -> Vec3 {
-        Vec3::new(self.start.x, self.start.y, 1.0) * self.start.z
+/// Sums of a ball: see [`BALL_SUMS`].
+#[inline(always)]
+fn sum_ball<S: Simd, const DEPTHS: bool>(
+    simd: S,
+    pulling: &Pulling<'_, S>,
+    part: (&LaneSolid, usize),
+    owner: S::u32s,
+    tiles: &[u32],
+    totals: &mut [f64; BALL_SUMS],
+) {
+    for tiles in tiles.chunks(TILES) {
+        let mut sums = [simd.splat_f32s(0.0); 9];
+        let mut depths = [simd.splat_f32s(0.0); 5];
+        for &tile in tiles {
+            let (at, rays) = pulling.places.at(tile);
+            let [level, weight, residual] = pulling.residual(simd, tile, at, owner);
+            let f = ball_force(simd, part, rays, level);
+            let weighted = f.map(|f| simd.mul_f32s(f, weight));
+            for (slot, (i, j)) in PAIRS.into_iter().enumerate() {
+                sums[slot] = simd.mul_add_e_f32s(weighted[i], f[j], sums[slot]);
+            }
+            for i in 0..3 {
+                sums[6 + i] = simd.mul_add_e_f32s(weighted[i], residual, sums[6 + i]);
+            }
+            if DEPTHS && let Some(line) = part.0.ramp.by_depth {
+                let c = depth_rate(simd, line, level);
+                for i in 0..3 {
+                    depths[i] = simd.mul_add_e_f32s(weighted[i], c, depths[i]);
+                }
+                let weighted = simd.mul_f32s(c, weight);
+                depths[3] = simd.mul_add_e_f32s(weighted, c, depths[3]);
+                depths[4] = simd.mul_add_e_f32s(weighted, residual, depths[4]);
+            }
+        }
+        add_totals(simd, sums, &mut totals[..9]);
+        if DEPTHS {
+            add_totals(simd, depths, &mut totals[9..]);
+        }
     }
 }
 
 /// Pairs of a symmetric 3 × 3 matrix, its upper triangle row by row.
-const PAIRS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+pub(super) const PAIRS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 
+/// Adds sums of lanes to totals in f64.
 #[inline(always)]
-fn add_totals<S: Simd, const N: usize>(simd: S, sums: [S::f32s; N], totals: &mut [f64]) {
+pub(super) fn add_totals<S: Simd, const N: usize>(simd: S, sums: [S::f32s; N], totals: &mut [f64]) {
     for (total, sum) in totals.iter_mut().zip(sums) {
         *total += f64::from(simd.reduce_sum_f32s(sum));
     }
-}
-
-/// Σ w f fᵀ and Σ w t f fᵀ.
-#[inline(always)]
-fn sum_products<S: Simd>(simd: S, entries: &[S::f32s], totals: &mut [f64; SUMS]) {
-    let mut sums = [simd.splat_f32s(0.0); 12];
-    for entry in entries.chunks_exact(ENTRY) {
-        let f = [entry[0], entry[1], entry[2]];
-        let weighted = f.map(|f| simd.mul_f32s(f, entry[3]));
-        for (slot, (i, j)) in PAIRS.into_iter().enumerate() {
-            let product = simd.mul_f32s(weighted[i], f[j]);
-            sums[slot] = simd.add_f32s(sums[slot], product);
-            sums[6 + slot] = simd.mul_add_e_f32s(product, entry[4], sums[6 + slot]);
-        }
-    }
-    add_totals(simd, sums, &mut totals[..12]);
-}
-
-/// Σ w t² f fᵀ, Σ w ρ f and Σ w t ρ f.
-#[inline(always)]
-fn sum_forces<S: Simd>(simd: S, entries: &[S::f32s], totals: &mut [f64; SUMS]) {
-    let mut sums = [simd.splat_f32s(0.0); 12];
-    for entry in entries.chunks_exact(ENTRY) {
-        let (t, residual) = (entry[4], entry[5]);
-        let f = [entry[0], entry[1], entry[2]];
-        let weighted = f.map(|f| simd.mul_f32s(f, entry[3]));
-        let g = f.map(|f| simd.mul_f32s(f, t));
-        let weighted_g = weighted.map(|f| simd.mul_f32s(f, t));
-        for (slot, (i, j)) in PAIRS.into_iter().enumerate() {
-            sums[slot] = simd.mul_add_e_f32s(weighted_g[i], g[j], sums[slot]);
-        }
-        for i in 0..3 {
-            sums[6 + i] = simd.mul_add_e_f32s(weighted[i], residual, sums[6 + i]);
-            sums[9 + i] = simd.mul_add_e_f32s(weighted_g[i], residual, sums[9 + i]);
-        }
-    }
-    add_totals(simd, sums, &mut totals[12..24]);
-}
-
-/// Σ w c f, Σ w c t f, Σ w c² and Σ w c ρ, with c = ∂λ/∂z.
-#[inline(always)]
-fn sum_depth<S: Simd>(simd: S, entries: &[S::f32s], totals: &mut [f64; SUMS]) {
-    let mut sums = [simd.splat_f32s(0.0); 8];
-    for entry in entries.chunks_exact(ENTRY) {
-        let weighted = simd.mul_f32s(entry[3], entry[6]);
-        let weighted_t = simd.mul_f32s(weighted, entry[4]);
-        for i in 0..3 {
-            sums[i] = simd.mul_add_e_f32s(weighted, entry[i], sums[i]);
-            sums[3 + i] = simd.mul_add_e_f32s(weighted_t, entry[i], sums[3 + i]);
-        }
-        sums[6] = simd.mul_add_e_f32s(weighted, entry[6], sums[6]);
-        sums[7] = simd.mul_add_e_f32s(weighted, entry[5], sums[7]);
-    }
-    add_totals(simd, sums, &mut totals[DEPTH..DEPTH + 8]);
-}
-
-/// With G = κ h: Σ w f Gᵀ, Σ w t f Gᵀ, Σ w G Gᵀ, Σ w ρ G and, if asked for, Σ w c G.
-#[inline(always)]
-fn sum_caps<S: Simd>(simd: S, entries: &[S::f32s], by_depth: bool, totals: &mut [f64; SUMS]) {
-    let zero = simd.splat_f32s(0.0);
-    let mut mixed = [zero; 9];
-    let mut mixed_t = [zero; 9];
-    for entry in entries.chunks_exact(ENTRY) {
-        let weighted = [entry[7], entry[8], entry[9]].map(|g| simd.mul_f32s(g, entry[3]));
-        for i in 0..3 {
-            let along = simd.mul_f32s(entry[i], entry[4]);
-            for j in 0..3 {
-                mixed[3 * i + j] = simd.mul_add_e_f32s(entry[i], weighted[j], mixed[3 * i + j]);
-                mixed_t[3 * i + j] = simd.mul_add_e_f32s(along, weighted[j], mixed_t[3 * i + j]);
-            }
-        }
-    }
-    add_totals(simd, mixed, &mut totals[CAPS..CAPS + 9]);
-    add_totals(simd, mixed_t, &mut totals[CAPS + 9..CAPS + 18]);
-    let mut sums = [zero; 12];
-    for entry in entries.chunks_exact(ENTRY) {
-        let cap = [entry[7], entry[8], entry[9]];
-        let weighted = cap.map(|g| simd.mul_f32s(g, entry[3]));
-        for (slot, (i, j)) in PAIRS.into_iter().enumerate() {
-            sums[slot] = simd.mul_add_e_f32s(weighted[i], cap[j], sums[slot]);
-        }
-        for i in 0..3 {
-            sums[6 + i] = simd.mul_add_e_f32s(weighted[i], entry[5], sums[6 + i]);
-            if by_depth {
-                sums[9 + i] = simd.mul_add_e_f32s(weighted[i], entry[6], sums[9 + i]);
-            }
-        }
-    }
-    add_totals(simd, sums, &mut totals[CAPS + 18..CAPS + 30]);
 }

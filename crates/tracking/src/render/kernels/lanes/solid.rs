@@ -1,17 +1,17 @@
-//! One solid's constants for a camera, and the columns that it may touch on each row.
+//! One solid's constants for a camera, and the tiles that its parts may touch on each tile row.
 
-use std::ops::Range;
-
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 use super::grid::PixelGrid;
+use super::outline::{BallOutline, Bounds, Lattice, Rows};
 use crate::camera::Intrinsics;
 use crate::render::primitive::{Footprint, Primitive, Solid};
 use crate::render::ramp::{RampForm, SolidRamp};
 
-/// The reach is taken this much larger than it is, relatively, where spans are cut.
+/// The reach is taken this much larger than it is, relatively, where outlines are cut.
 const REACH_MARGIN: f64 = 1e-6;
-
+/// An axis that passes the camera at fewer reaches than this is asked for its nearest point the long way.
+const FEWEST_REACHES: f64 = 2.0;
 /// A flat cap is looked at as if it reached this much farther than it does.
 const WIDE: f64 = 1.1;
 /// How many roundings of a ray's place on the plane z = 1 a distance is wrong by, at the most.
@@ -37,9 +37,12 @@ pub(super) struct LaneSolid {
     /// ê₀ × axis.
     pub cross: Vec3,
     pub ramp: LaneRamp,
-    /// Rows of the grid that it may touch, end excluded.
-    pub rows: [usize; 2],
-    edges: Edges,
+    /// Tile rows of the grid that it may touch, end excluded.
+    pub tile_rows: [usize; 2],
+    /// Its axis apart from its ends, where that can be.
+    pub sight: Option<AxisSight>,
+    /// What its parts may touch.
+    pub outline: Outline,
     /// Where its spans begin in the list of all of them.
     pub spans: usize,
     /// No pixel of a flat cap is darker than background beyond this, squared, in units of the first joint's depth.
@@ -48,6 +51,36 @@ pub(super) struct LaneSolid {
     pub error: f32,
     /// For a sphere fixed anywhere in its limb.
     pub anchor: Option<Anchor>,
+}
+
+/// How a camera sees a limb's infinite axis. With â its direction, w the unit vector to it from the camera's centre
+/// at distance D, v = â × w, and the first joint p0 = s₀ â + D w.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct AxisSight {
+    /// −D w and D v: what S and T are multiplied with.
+    pub basis: [DVec3; 2],
+    /// v, across and down.
+    pub v: [f32; 2],
+    /// w, across and down, and w·ê₀.
+    pub w: [f32; 3],
+    /// (D â − s₀ w)/|a|, across and down.
+    pub along: [f32; 2],
+    /// s₀/|a|.
+    pub foot: f32,
+    /// What λ/255 rises by with d²/D², or with d/D for linear ramps.
+    pub slope: f32,
+}
+
+/// The tiles of a solid's parts.
+#[derive(Debug, Clone, Copy)]
+#[expect(clippy::large_enum_variant, reason = "a box would be allocated for every solid in every evaluation")]
+pub(super) enum Outline {
+    /// A ball about the first joint.
+    Ball(BallOutline),
+    /// The axis between the joints, what it darkens altogether, and the balls about both joints.
+    Parts { axis: Bounds, core: Option<Bounds>, balls: [BallOutline; 2] },
+    /// All in one.
+    Whole(Bounds),
 }
 
 /// Where a sphere sits in its limb, camera axes.
@@ -102,17 +135,14 @@ pub(super) struct LaneRamp {
     pub factor: f64,
 }
 
-/// The outline of the infinite cylinder around the axis: two straight lines, each `row · slope + start`.
-#[derive(Debug, Clone, Copy)]
-struct Edges {
-    low: [f64; 2],
-    high: [f64; 2],
-    columns: [f64; 2],
-}
-
 impl LaneSolid {
     /// Constants of a primitive; `None` if it touches no sampled pixel.
-    pub(super) fn new(primitive: &Primitive, pinhole: &Intrinsics, grid: &PixelGrid) -> Option<Self> {
+    pub(super) fn new(
+        primitive: &Primitive,
+        pinhole: &Intrinsics,
+        grid: &PixelGrid,
+        lattice: &Lattice,
+    ) -> Option<Self> {
         let (p0, p1) = match primitive.solid {
             Solid::Capsule { p0, p1 } | Solid::Cylinder { p0, p1 } | Solid::Spheres { p0, p1, .. } => {
                 (p0, p1)
@@ -133,6 +163,14 @@ impl LaneSolid {
                 Shape::Cylinder { caps: [p0, p1].map(|p| GridBox::around(p, reach, pinhole, grid)) }
             }
         };
+        let sight = AxisSight::new(p0, a, &primitive.ramp);
+        let outline = match (shape, sight) {
+            (Shape::Capsule, _) if a == DVec3::ZERO => {
+                Outline::Ball(BallOutline::new(p0, reach * (1.0 + REACH_MARGIN), None, lattice))
+            }
+            (Shape::Capsule, Some((frame, _))) => frame.parts(&primitive.ramp, [p0, p1], lattice),
+            _ => Outline::Whole(bounds.within(sight.map(|(frame, _)| frame.edges(reach)), lattice)),
+        };
         Some(Self {
             limb: primitive.limb,
             primitive: 0,
@@ -143,8 +181,9 @@ impl LaneSolid {
             axis: axis.as_vec3(),
             cross: (p0 / p0.z).cross(axis).as_vec3(),
             ramp: LaneRamp::new(primitive.ramp.form(), p0.z),
-            rows: bounds.rows,
-            edges: Edges::new(p0, a, reach * (1.0 + REACH_MARGIN), pinhole, grid, bounds.columns),
+            tile_rows: [bounds.rows[0] / grid.tile.rows, bounds.rows[1].div_ceil(grid.tile.rows)],
+            sight: sight.map(|(_, sight)| sight),
+            outline,
             spans: 0,
             cap_reach: (WIDE * reach / p0.z).powi(2) as f32,
             error: error(&primitive.ramp, p0, p1),
@@ -154,23 +193,91 @@ impl LaneSolid {
             },
         })
     }
+}
 
-    /// Its rows in a band.
+impl LaneSolid {
+    /// Its first joint or its second.
     #[inline(always)]
-    pub(super) fn rows_in(&self, band: &Range<usize>) -> Range<usize> {
-        self.rows[0].max(band.start)..self.rows[1].min(band.end)
+    pub(super) fn joint(&self, end: usize) -> &Joint {
+        if end == 0 { &self.start } else { &self.end }
+    }
+}
+
+/// An infinite axis in camera axes; see [`AxisSight`].
+#[derive(Debug, Clone, Copy)]
+struct AxisFrame {
+    direction: DVec3,
+    w: DVec3,
+    v: DVec3,
+    distance: f64,
+    length: f64,
+    /// Where the first joint is along the axis.
+    foot: f64,
+}
+
+impl AxisSight {
+    /// None where the axis passes too near to the camera's centre, or is a point.
+    fn new(p0: DVec3, a: DVec3, ramp: &SolidRamp) -> Option<(AxisFrame, Self)> {
+        let length = a.length();
+        let direction = a / length;
+        let foot = p0.dot(direction);
+        let across = p0 - direction * foot;
+        let distance = across.length();
+        if !(length > 0.0 && distance > FEWEST_REACHES * ramp.reach()) {
+            return None;
+        }
+        let w = across / distance;
+        let v = direction.cross(w);
+        let along = (direction * distance - w * foot) / length;
+        let (slope, _, is_linear) = ramp.form().line();
+        let unit = if is_linear { distance } else { distance * distance };
+        let frame = AxisFrame { direction, w, v, distance, length, foot };
+        Some((
+            frame,
+            Self {
+                basis: [w * -distance, v * distance],
+                v: [v.x as f32, v.y as f32],
+                w: [w.x as f32, w.y as f32, (distance / p0.z) as f32],
+                along: [along.x as f32, along.y as f32],
+                foot: (foot / length) as f32,
+                slope: (f64::from(slope) * unit) as f32,
+            },
+        ))
+    }
+}
+
+impl AxisFrame {
+    /// The two halves of the picture in which a ray comes within `reach` of the infinite axis: with
+    /// sin φ = reach/D, where |e·v| cos φ < (e·w) sin φ.
+    fn edges(&self, reach: f64) -> [DVec3; 2] {
+        let sin = reach * (1.0 + REACH_MARGIN) / self.distance;
+        let cos = (1.0 - sin * sin).max(0.0).sqrt();
+        [1.0, -1.0].map(|side| self.v * (side * cos) - self.w * sin)
     }
 
-    /// First column and one past the last that the solid may touch on a row; none where the first is not before
-    /// the last.
-    #[inline(always)]
-    pub(super) fn span(&self, row: usize) -> [u32; 2] {
-        let row = row as f64;
-        let line = |line: [f64; 2]| line[0] * row + line[1];
-        // Rounding half a column outwards cuts to whole columns: at most one too many on either side.
-        let low = (line(self.edges.low) - 0.5).max(self.edges.columns[0]);
-        let high = (line(self.edges.high) + 0.5).min(self.edges.columns[1]);
-        [whole(low), whole(high.max(0.0))]
+    /// A capsule's parts. With E = e·(D â − s w), A = e·v and B = e·w, the ray's nearest point of the axis lies beyond a
+    /// joint at s where E B > s A². Within reach A² is at most B² tan² φ, which leaves straight lines that are
+    /// certainly on either side of that.
+    fn parts(&self, ramp: &SolidRamp, joints: [DVec3; 2], lattice: &Lattice) -> Outline {
+        let reach = ramp.reach() * (1.0 + REACH_MARGIN);
+        let sin = reach / self.distance;
+        let bend = sin * sin / (1.0 - sin * sin);
+        let (start, end) = (self.foot, self.foot + self.length);
+        let beyond = |s: f64, bend: f64| self.direction * self.distance - self.w * (s + bend);
+        let [low, high] = self.edges(ramp.reach());
+        let axis = Bounds::new(
+            [low, high, -beyond(start, start.min(0.0) * bend), beyond(end, end.max(0.0) * bend)],
+            Rows::Any,
+            lattice,
+        );
+        let core = ramp.darkness().map(|darkness| {
+            let [low, high] = self.edges(darkness * (1.0 - 1e3 * REACH_MARGIN));
+            let ends = [-beyond(start, start.max(0.0) * bend), beyond(end, end.min(0.0) * bend)];
+            Bounds::new([low, high, ends[0], ends[1]], Rows::All, lattice)
+        });
+        let cuts = [beyond(start, start.max(0.0) * bend), -beyond(end, end.min(0.0) * bend)];
+        let balls = [0, 1].map(|end| BallOutline::new(joints[end], reach, Some(cuts[end]), lattice));
+        Outline::Parts { axis, core, balls }
     }
 }
 
@@ -184,13 +291,6 @@ fn error(ramp: &SolidRamp, p0: DVec3, p1: DVec3) -> f32 {
         RampForm::Linear { start, width, .. } => (1.0 / width, start / width),
     };
     (steepness * distance + ROUNDINGS * rounding * offset.abs().max(1.0)) as f32
-}
-
-/// The nearest whole number of one from 0 up to 2³² (smaller and larger ones do not occur here), in a way that
-/// a processor does to many at once: from 2⁵² on, f64 are the whole numbers.
-#[inline(always)]
-fn whole(value: f64) -> u32 {
-    (value + 4_503_599_627_370_496.0).to_bits() as u32
 }
 
 impl Joint {
@@ -217,6 +317,17 @@ impl GridBox {
 
     fn is_empty(&self) -> bool {
         self.rows[0] >= self.rows[1] || self.columns[0] >= self.columns[1]
+    }
+
+    /// Its columns, and of them those in two halves of the picture.
+    fn within(&self, halves: Option<[DVec3; 2]>, lattice: &Lattice) -> Bounds {
+        let column = |column: f64| lattice.start[0] + column * lattice.step[0];
+        let low = DVec3::new(-1.0, 0.0, column(self.columns[0] as f64));
+        let high = DVec3::new(1.0, 0.0, -column(self.columns[1] as f64 - 1.0));
+        match halves {
+            Some([a, b]) => Bounds::new([low, high, a, b], Rows::Any, lattice),
+            None => Bounds::new([low, high], Rows::Any, lattice),
+        }
     }
 }
 
@@ -247,50 +358,5 @@ impl LaneRamp {
             distance,
             factor,
         }
-    }
-}
-
-impl Edges {
-    /// The planes through the camera's centre that touch the infinite cylinder of radius `reach` around the
-    /// axis: with w the unit vector from the centre to the axis, at distance D, v = â × w and sin φ = reach/D,
-    /// a ray e comes within reach where |e·v| cos φ < (e·w) sin φ.
-    fn new(
-        p0: DVec3,
-        a: DVec3,
-        reach: f64,
-        pinhole: &Intrinsics,
-        grid: &PixelGrid,
-        columns: [usize; 2],
-    ) -> Self {
-        let columns = columns.map(|column| column as f64);
-        let mut edges = Self { low: [0.0, f64::NEG_INFINITY], high: [0.0, f64::INFINITY], columns };
-        let Some(along) = a.try_normalize() else { return edges };
-        let across = p0 - along * p0.dot(along);
-        let distance = across.length();
-        if distance <= reach {
-            return edges;
-        }
-        let w = across / distance;
-        let v = along.cross(w);
-        let sin = reach / distance;
-        let cos = (1.0 - sin * sin).sqrt();
-        for side in [1.0, -1.0] {
-            // n · e < 0 within reach
-            let n = v * (side * cos) - w * sin;
-            let by_column = n.x * grid.stride as f64 / pinhole.fx;
-            let by_row = n.y * grid.stride as f64 / pinhole.fy;
-            let start = DVec2::splat(grid.offset as f64) - DVec2::new(pinhole.cx, pinhole.cy);
-            let constant = n.x * start.x / pinhole.fx + n.y * start.y / pinhole.fy + n.z;
-            let line = [-by_row / by_column, -constant / by_column];
-            if !(line[0].is_finite() && line[1].is_finite()) {
-                continue;
-            }
-            // Of two lines on one side the first is enough: a span may be too wide.
-            let edge = if by_column > 0.0 { &mut edges.high } else { &mut edges.low };
-            if edge[1].is_infinite() {
-                *edge = line;
-            }
-        }
-        edges
     }
 }

@@ -1,0 +1,196 @@
+//! A band of tile rows: what is known of its pixels, and the tiles that each part of each solid may touch.
+
+use std::ops::Range;
+
+use pulp::Simd;
+
+use super::grid::PixelGrid;
+use super::ground::{Ground, Part};
+
+/// Tiles that are written at once.
+const TILES_AT_ONCE: usize = 8;
+/// The owner where no solid is near; set only where doubts are asked for.
+pub(super) const NO_SOLID: u32 = u32::MAX;
+/// A level of dark pixels of which nobody asks how dark they are.
+const DARK: f32 = -1.0;
+
+/// What some tiles of a band have to do with a part of a solid.
+#[derive(Debug, Clone)]
+pub(super) struct Work {
+    /// Index of the solid.
+    pub solid: usize,
+    pub part: Part,
+    /// What the part's pixels are marked with in [`Band::owners`].
+    pub owner: u32,
+    /// Of [`Band::tiles`].
+    pub tiles: Range<usize>,
+}
+
+/// A band of tile rows: what is known of its pixels, tile by tile.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Band {
+    /// λ/255 before clipping.
+    pub levels: Vec<f32>,
+    /// The darkest part; see [`solid_of`].
+    pub owners: Vec<u32>,
+    /// t of its point nearest to the ray, or the mark of a flat cap; of whole solids only.
+    pub fractions: Vec<f32>,
+    /// λ/255 of the darkest of the others, background and solids, before clipping; minus infinity where that of
+    /// some solid cannot be trusted. Only where doubts are asked for.
+    pub runners_up: Vec<f32>,
+    /// Tiles that parts may touch: the tile row within the band times 2¹⁶, and the tile.
+    pub tiles: Vec<u32>,
+    pub works: Vec<Work>,
+}
+
+/// The solid of an owner.
+#[inline(always)]
+pub(super) fn solid_of(owner: u32) -> usize {
+    (owner >> 2) as usize
+}
+
+impl Band {
+    pub(super) fn resize(&mut self, pixels: usize) {
+        if self.levels.len() < pixels {
+            self.levels.resize(pixels, 1.0);
+            self.owners.resize(pixels, 0);
+            self.fractions.resize(pixels, 0.0);
+        }
+    }
+
+    /// The same with room for doubts.
+    pub(super) fn resize_with_doubts(&mut self, pixels: usize) {
+        self.resize(pixels);
+        if self.runners_up.len() < pixels {
+            self.runners_up.resize(pixels, f32::INFINITY);
+        }
+    }
+
+    /// Empties the tiles of a band that any solid may touch, and darkens those that are dark.
+    #[inline(always)]
+    pub(super) fn open<const DOUBTS: bool>(
+        &mut self,
+        ground: &Ground,
+        rows: &Range<usize>,
+        grid: &PixelGrid,
+    ) {
+        let lanes = grid.tile.lanes();
+        for (index, row) in rows.clone().enumerate() {
+            let entries = |[from, to]: [u32; 2]| {
+                let start = index * grid.entries();
+                start + from as usize * lanes..start + to as usize * lanes
+            };
+            let touched = ground.touched[row];
+            if touched[0] < touched[1] {
+                self.levels[entries(touched)].fill(1.0);
+                self.levels[entries(ground.dark[row])].fill(DARK);
+                if DOUBTS {
+                    self.owners[entries(touched)].fill(NO_SOLID);
+                    self.runners_up[entries(touched)].fill(f32::INFINITY);
+                }
+            }
+        }
+    }
+
+    /// Lists the tiles of a band that each part of each solid may touch and that are not dark.
+    #[inline(always)]
+    pub(super) fn list(&mut self, ground: &Ground, rows: &Range<usize>, grid: &PixelGrid) {
+        let Self { tiles, works, .. } = self;
+        works.clear();
+        let mut count = 0;
+        for (index, solid) in ground.solids.iter().enumerate() {
+            for (place, &part) in solid.outline.parts().iter().enumerate() {
+                let first = count;
+                let (row, [from, to]) = ground.spans(solid, place, rows);
+                // As many as there may be, each piece written whole.
+                let most = count + from.len() * (grid.pitch + 2 * TILES_AT_ONCE);
+                if tiles.len() < most {
+                    tiles.resize(most.next_power_of_two(), 0);
+                }
+                let dark = &ground.dark[row..row + from.len()];
+                for ((row, dark), (&from, &to)) in (row - rows.start..).zip(dark).zip(from.iter().zip(to)) {
+                    let row = (row as u32) << 16;
+                    if from >= to {
+                        continue;
+                    }
+                    if dark[0] < dark[1] {
+                        count = put_tiles(tiles, count, row, from, to.min(dark[0]));
+                        count = put_tiles(tiles, count, row, from.max(dark[1]), to);
+                    } else {
+                        count = put_tiles(tiles, count, row, from, to);
+                    }
+                }
+                if first < count {
+                    let owner = (index * 4 + place) as u32;
+                    works.push(Work { solid: index, part, owner, tiles: first..count });
+                }
+            }
+        }
+    }
+}
+
+/// Writes tiles `from` to `to` after `count` others; returns how many there are then.
+#[inline(always)]
+fn put_tiles(tiles: &mut [u32], count: usize, row: u32, from: u32, to: u32) -> usize {
+    let mut at = count;
+    for first in (from..to).step_by(TILES_AT_ONCE) {
+        // More are written than are counted: what a branch would cost is more.
+        if let Some(target) = tiles[at..].first_chunk_mut::<TILES_AT_ONCE>() {
+            for (offset, tile) in (row + first..).zip(target) {
+                *tile = offset;
+            }
+        }
+        at += TILES_AT_ONCE;
+    }
+    count + to.saturating_sub(from) as usize
+}
+
+/// Where the tiles of a band are: on the plane z = 1, and among its vectors.
+pub(super) struct Places<'a, S: Simd> {
+    xs: &'a [S::f32s],
+    ys: &'a [S::f32s],
+    pitch: usize,
+}
+
+impl<'a, S: Simd> Places<'a, S> {
+    #[inline(always)]
+    pub(super) fn new(ground: &'a Ground, rows: &Range<usize>, grid: &PixelGrid) -> Self {
+        let (xs, ys) = (S::as_simd_f32s(&ground.xs).0, S::as_simd_f32s(&ground.ys).0);
+        Self { xs, ys: &ys[rows.clone()], pitch: grid.pitch }
+    }
+
+    /// Index of a tile's vector.
+    #[inline(always)]
+    pub(super) fn index(&self, tile: u32) -> usize {
+        (tile >> 16) as usize * self.pitch + (tile & 0xffff) as usize
+    }
+
+    /// Index of a tile's vector, and where its rays meet the plane.
+    #[inline(always)]
+    pub(super) fn at(&self, tile: u32) -> (usize, [S::f32s; 2]) {
+        let (row, column) = ((tile >> 16) as usize, (tile & 0xffff) as usize);
+        (row * self.pitch + column, [self.xs[column], self.ys[row]])
+    }
+}
+
+/// What solids compete for.
+pub(super) struct Cells<'a, S: Simd, const DOUBTS: bool> {
+    pub levels: &'a mut [S::f32s],
+    pub owners: &'a mut [S::u32s],
+    pub runners_up: &'a mut [S::f32s],
+}
+
+impl<S: Simd, const DOUBTS: bool> Cells<'_, S, DOUBTS> {
+    /// Lets a part have the pixels in which it is darker than those before it; returns which.
+    #[inline(always)]
+    pub(super) fn offer(&mut self, simd: S, at: usize, level: S::f32s, owner: S::u32s) -> S::m32s {
+        let before = self.levels[at];
+        let darker = simd.less_than_f32s(level, before);
+        if DOUBTS {
+            self.runners_up[at] = simd.min_f32s(simd.max_f32s(level, before), self.runners_up[at]);
+        }
+        self.levels[at] = simd.min_f32s(level, before);
+        self.owners[at] = simd.select_u32s(darker, owner, self.owners[at]);
+        darker
+    }
+}
