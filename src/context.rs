@@ -41,7 +41,7 @@ use crate::document::runs::{RunChange, Runs, StepRef};
 use crate::session::playback::{Playback, PlaybackChange};
 use crate::session::prediction::{Derivatives, FitInputs, Predicted};
 use crate::session::selection::Selection;
-use crate::session::{FrameData, Session};
+use crate::session::{BelievedJoints, FrameData, Session};
 use crate::take::source::TakeSource;
 use backlit_jobs::{Failure, Pool};
 use backlit_tracking::body::Pose;
@@ -310,6 +310,8 @@ pub(crate) struct Requests {
     pub(crate) writes: Vec<Write>,
     /// Frames that were read on the way, and that panels may show.
     pub(crate) frames: Vec<Arc<FrameData>>,
+    /// What a Kalman filter believed of frames.
+    pub(crate) beliefs: Vec<(usize, BelievedJoints)>,
 }
 
 impl Requests {

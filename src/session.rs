@@ -6,7 +6,11 @@ pub(crate) mod playback;
 pub(crate) mod prediction;
 pub(crate) mod selection;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
+
+use backlit_tracking::body::Pose;
+use backlit_tracking::observability::JointUncertainty;
 
 pub(crate) use frames::load_frame;
 pub(crate) use frames::{FrameCache, FrameData};
@@ -34,11 +38,26 @@ pub struct Session {
     pub(crate) generation: u64,
     /// Where the subject is over the whole take, by camera.
     pub(crate) subject: Vec<Option<Extent>>,
+    /// What a Kalman filter believed of frames' joints, by frame.
+    pub(crate) beliefs: BTreeMap<usize, BelievedJoints>,
     /// Time of the last prediction, in seconds.
     pub(crate) predict_seconds: Option<f64>,
 }
 
+/// What a Kalman filter believed of a pose's joints.
+#[derive(Debug, Clone)]
+pub(crate) struct BelievedJoints {
+    /// The pose that it is of.
+    pub(crate) pose: Pose,
+    pub(crate) joints: Arc<Vec<JointUncertainty>>,
+}
+
 impl Session {
+    /// What a Kalman filter believed of this pose's joints in a frame, if the pose is a filter's.
+    pub(crate) fn believed(&self, frame: usize, pose: &Pose) -> Option<&BelievedJoints> {
+        self.beliefs.get(&frame).filter(|believed| believed.pose == *pose)
+    }
+
     /// Number of frames of the take, zero without one.
     pub fn frame_count(&self) -> usize {
         self.take.as_ref().map_or(0, |take| take.frame_count())

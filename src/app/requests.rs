@@ -23,6 +23,7 @@ impl Inspector {
         if let Some(predicted) = requests.predicted {
             self.show_prediction(predicted);
         }
+        self.state.session.beliefs.extend(requests.beliefs);
         for frame in requests.frames {
             self.state.session.keep_frame(frame);
         }

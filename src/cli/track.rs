@@ -9,8 +9,9 @@ use anyhow::{Context, bail};
 use backlit_formats::{Footage, Take};
 use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::filter::Innovation;
 use backlit_tracking::fit::{FitView, Preset};
-use backlit_tracking::track::{KalmanOptions, Motion, Tracker, WhenToSearch};
+use backlit_tracking::track::{KalmanOptions, Motion, Tracker, WhenToSearch, tune};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -39,7 +40,8 @@ Examples:
   backlit track TAKE --out results
   backlit track TAKE --out results --preset report --cameras cam01,cam03 --frames 10..40
   backlit track TAKE --out results --start reference --start-noise 5deg,3cm --seed 7 --json
-  backlit track TAKE --out results --model person.toml --motion smoothed --search";
+  backlit track TAKE --out results --model person.toml --motion smoothed --search
+  backlit track TAKE --out results --motion kalman --tune";
 
 /// What `backlit track` is told.
 #[derive(Debug, Args)]
@@ -53,6 +55,9 @@ pub(crate) struct TrackArguments {
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
+    /// Estimate the Kalman filter's noise from these frames first, then track with it
+    #[arg(long)]
+    tune: bool,
     /// Another body than the take's, as from fit-body: a file, or a built-in one by name
     #[arg(long, value_name = "MODEL")]
     model: Option<String>,
@@ -73,6 +78,10 @@ pub(crate) struct FollowArguments {
     /// How motion is carried from frame to frame [default: velocity, with the report preset still]
     #[arg(long, value_enum)]
     pub(crate) motion: Option<MotionWord>,
+    /// The Kalman filter's noise, as --tune prints it: a pixel's deviation (grey levels), accelerations of joints (rad/s^1.5)
+    /// and root (m/s^1.5)
+    #[arg(long, value_name = "R,TURN,MOVE", value_delimiter = ',', num_args = 3)]
+    pub(crate) noise: Option<Vec<f64>>,
     /// Smooth every frame by so many frames after it, not by all: what a live track could show that late
     #[arg(long, value_name = "FRAMES")]
     pub(crate) lag: Option<usize>,
@@ -88,14 +97,40 @@ impl FollowArguments {
     /// # Errors
     /// Options that contradict each other.
     pub(crate) fn tracker(&self, take: &Take, start: Pose) -> anyhow::Result<Tracker> {
+        self.tracker_with(take, start, self.noise()?)
+    }
+
+    fn is_kalman(&self) -> bool {
+        matches!(self.motion, Some(MotionWord::Kalman | MotionWord::Smoothed))
+    }
+
+    /// The Kalman filter's noise.
+    fn noise(&self) -> anyhow::Result<KalmanOptions> {
+        let default = KalmanOptions::default();
+        match self.noise.as_deref() {
+            None => Ok(default),
+            Some(_) if !self.is_kalman() => bail!("--noise is for --motion kalman or smoothed"),
+            Some(&[measurement_deviation, turn_acceleration, move_acceleration]) => {
+                Ok(KalmanOptions { measurement_deviation, turn_acceleration, move_acceleration, ..default })
+            }
+            Some(numbers) => bail!("--noise has {} numbers; expected three: R,TURN,MOVE", numbers.len()),
+        }
+    }
+
+    fn tracker_with(&self, take: &Take, start: Pose, noise: KalmanOptions) -> anyhow::Result<Tracker> {
         let default = match self.solver.preset {
             Preset::Report => SearchWord::Never,
             Preset::Robust => SearchWord::Poor,
         };
         let tracker = Tracker::new(Arc::clone(take.model()), self.solver.options()?, start)?;
         let search = self.search.unwrap_or(default).into();
-        let motion = self.motion.map_or_else(|| Motion::of_preset(Some(self.solver.preset)), Motion::from);
-        Ok(tracker.with_motion(motion, take.frame_rate()).with_search(search))
+        let motion = match self.motion {
+            None => Motion::of_preset(Some(self.solver.preset)),
+            Some(MotionWord::Still) => Motion::Still,
+            Some(MotionWord::Velocity) => Motion::Velocity,
+            Some(MotionWord::Kalman | MotionWord::Smoothed) => Motion::Kalman(noise),
+        };
+        Ok(tracker.with_motion(motion, take.frame_rate())?.with_search(search))
     }
 
     /// How later frames smooth earlier ones, if they do.
@@ -145,16 +180,6 @@ pub(crate) enum MotionWord {
     Smoothed,
 }
 
-impl From<MotionWord> for Motion {
-    fn from(word: MotionWord) -> Self {
-        match word {
-            MotionWord::Still => Self::Still,
-            MotionWord::Velocity => Self::Velocity,
-            MotionWord::Kalman | MotionWord::Smoothed => Self::Kalman(KalmanOptions::default()),
-        }
-    }
-}
-
 /// Tracks, writes and prints.
 ///
 /// # Errors
@@ -167,8 +192,16 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let cameras = arguments.part.cameras(take)?;
     let start = arguments.start.pose(take, frames[0])?;
     output::make_folder(&arguments.out)?;
-    let tracker = arguments.follow.tracker(take, start)?;
-    let mut report = TrackReport::new(take, &cameras);
+    let mut noise = arguments.follow.noise()?;
+    if arguments.tune {
+        if !arguments.follow.is_kalman() {
+            bail!("--tune is for --motion kalman or smoothed");
+        }
+        let tracker = arguments.follow.tracker_with(take, start.clone(), noise)?;
+        noise = tuned(&footage, &cameras, &frames, tracker, noise)?;
+    }
+    let tracker = arguments.follow.tracker_with(take, start, noise)?;
+    let mut report = TrackReport::new(take, &cameras, smoothing);
     let mut written = Instant::now();
     let tracked = follow(&footage, &cameras, &frames, tracker, &mut report, |report| {
         if written.elapsed() > WRITE_EVERY {
@@ -177,8 +210,8 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
         }
         Ok(())
     });
-    if let Some(smoothing) = smoothing {
-        report.smooth(take, smoothing);
+    if smoothing.is_some() {
+        report.smooth(take)?;
         let (done, renderer) = (report.frames(), arguments.follow.solver.options()?.renderer);
         each_frame(&footage, &cameras, &done, |frame, views, _| {
             report.measure_overlap(take, frame, &views, renderer);
@@ -199,6 +232,29 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     if arguments.json { output::print_json(&report.summary()) } else { output::print(&report.text()) }
 }
 
+/// Tracks once to learn by which noise the frames are most likely, and says so.
+fn tuned(
+    footage: &Footage,
+    cameras: &[usize],
+    frames: &[usize],
+    tracker: Tracker,
+    noise: KalmanOptions,
+) -> anyhow::Result<KalmanOptions> {
+    let mut report = TrackReport::new(footage.take(), cameras, None).with_beliefs();
+    follow(footage, cameras, frames, tracker, &mut report, |_| Ok(()))?;
+    let found =
+        tune(report.track(), noise).context("--tune needs ten frames or more that follow one another")?;
+    let ratio = |innovation: Innovation| innovation.ratio().unwrap_or(f64::NAN);
+    let KalmanOptions { measurement_deviation, turn_acceleration, move_acceleration, .. } = found.noise;
+    eprintln!(
+        "noise from innovations: --noise {measurement_deviation:.3},{turn_acceleration:.3},{move_acceleration:.3} \
+         (mean square of the innovations {:.2}, with the noise that was given {:.2})",
+        ratio(found.innovation),
+        ratio(found.before)
+    );
+    Ok(found.noise)
+}
+
 /// Tracks these frames into a report, with a progress bar on a terminal. While one is fitted, the next is read
 /// and segmented; the results do not depend on it.
 ///
@@ -217,7 +273,7 @@ pub(crate) fn follow(
         let estimate = tracker
             .track_frame(frame, views, &CancelToken::new())
             .with_context(|| format!("frame {frame}"))?;
-        report.add(footage.take(), estimate, began.elapsed().as_secs_f64() * 1e3);
+        report.add(footage.take(), estimate, began.elapsed().as_secs_f64() * 1e3)?;
         began = Instant::now();
         progress.set_message(report.progress_text());
         after_frame(report)

@@ -6,7 +6,7 @@ use backlit_formats::Take;
 use backlit_tracking::fit::FitView;
 use backlit_tracking::metrics::{self, JointErrors, Statistics};
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::track::{FrameEstimate, Track, smoothed};
+use backlit_tracking::track::{FixedLagSmoother, FrameEstimate, SmoothingError, Track, smoothed};
 use serde::Serialize;
 
 use super::table::Table;
@@ -17,6 +17,10 @@ use super::take_options::reference_joints;
 pub(crate) struct TrackReport {
     cameras: Vec<String>,
     track: Track,
+    /// Smooths frames some frames late, where that is asked for.
+    late: Option<FixedLagSmoother>,
+    /// Whether what the filter believed of a frame is needed after it.
+    keeps_beliefs: bool,
     /// Milliseconds of every frame, in the order in which they were tracked.
     times_ms: Vec<f64>,
     errors: JointErrors,
@@ -107,12 +111,15 @@ pub(crate) struct Smoothing {
 }
 
 impl TrackReport {
-    /// A report of these cameras (indices in the take).
-    pub(crate) fn new(take: &Take, cameras: &[usize]) -> Self {
+    /// A report of these cameras (indices in the take), its frames smoothed by later ones if that is asked for. Beliefs are
+    /// kept where smoothing needs them: they are by far the largest part of a track.
+    pub(crate) fn new(take: &Take, cameras: &[usize], smoothing: Option<Smoothing>) -> Self {
         let names = cameras.iter().map(|&camera| take.rig().cameras()[camera].name().to_owned());
         Self {
             cameras: names.collect(),
             track: Track::default(),
+            late: smoothing.and_then(|smoothing| smoothing.lag).map(FixedLagSmoother::new),
+            keeps_beliefs: smoothing.is_some_and(|smoothing| smoothing.lag.is_none()),
             times_ms: Vec::new(),
             errors: JointErrors::default(),
             last_iou: None,
@@ -120,22 +127,60 @@ impl TrackReport {
         }
     }
 
+    /// The same with all beliefs kept.
+    pub(crate) fn with_beliefs(mut self) -> Self {
+        self.keeps_beliefs = true;
+        self
+    }
+
     /// Adds a frame that took so many milliseconds.
-    pub(crate) fn add(&mut self, take: &Take, estimate: FrameEstimate, time_ms: f64) {
-        let reference = reference_joints(take, estimate.frame);
-        self.errors.add(take.model(), &estimate.pose, &reference);
+    ///
+    /// # Errors
+    /// A frame that cannot be smoothed.
+    pub(crate) fn add(
+        &mut self,
+        take: &Take,
+        estimate: FrameEstimate,
+        time_ms: f64,
+    ) -> Result<(), SmoothingError> {
         self.times_ms.push(time_ms);
         self.last_iou = estimate.iou();
+        let known = match &mut self.late {
+            Some(smoother) => smoother.push(estimate)?,
+            None => Some(estimate),
+        };
+        if let Some(estimate) = known {
+            self.keep(take, estimate);
+        }
+        Ok(())
+    }
+
+    fn keep(&mut self, take: &Take, mut estimate: FrameEstimate) {
+        self.errors.add(take.model(), &estimate.pose, &reference_joints(take, estimate.frame));
+        if !self.keeps_beliefs {
+            estimate.belief = None;
+        }
         self.track.frames.insert(estimate.frame, estimate);
     }
 
-    /// Smooths frames by later ones. Costs stay those of the poses before, overlaps until they are measured anew.
-    pub(crate) fn smooth(&mut self, take: &Take, Smoothing { lag }: Smoothing) {
-        self.track = smoothed(&self.track, lag);
-        self.errors = JointErrors::default();
-        for estimate in self.track.frames.values() {
-            self.errors.add(take.model(), &estimate.pose, &reference_joints(take, estimate.frame));
+    /// Smooths frames by later ones, as far as that was not done on the way. Costs stay those of the poses before, overlaps
+    /// until they are measured anew.
+    ///
+    /// # Errors
+    /// A track that cannot be smoothed.
+    pub(crate) fn smooth(&mut self, take: &Take) -> Result<(), SmoothingError> {
+        if let Some(mut smoother) = self.late.take() {
+            for estimate in smoother.finish()? {
+                self.keep(take, estimate);
+            }
+        } else if self.keeps_beliefs {
+            self.track = smoothed(&self.track, None)?;
+            self.errors = JointErrors::default();
+            for estimate in self.track.frames.values() {
+                self.errors.add(take.model(), &estimate.pose, &reference_joints(take, estimate.frame));
+            }
         }
+        Ok(())
     }
 
     /// Measures a frame's overlap anew.

@@ -35,6 +35,8 @@ pub(crate) struct Uncertainty {
     pub(crate) joints: Vec<JointUncertainty>,
     /// Whether the cameras are others than those in use.
     pub(crate) is_of_others: bool,
+    /// Whether it is what a Kalman filter believes.
+    pub(crate) is_believed: bool,
 }
 
 impl Uncertainty {

@@ -66,6 +66,8 @@ struct Shown {
 #[derive(Debug)]
 pub struct Observability {
     found: Option<Arc<Observed>>,
+    /// What a Kalman filter believed of the joints of the pose on the screen, if the pose is a filter's.
+    believed: Option<Arc<Vec<JointUncertainty>>>,
     is_stale: bool,
     /// What panels have shown in the last frame, and what they show in this one.
     shown: Shown,
@@ -80,6 +82,7 @@ impl Default for Observability {
     fn default() -> Self {
         Self {
             found: None,
+            believed: None,
             is_stale: true,
             shown: Shown::default(),
             drawn: Shown::default(),
@@ -116,13 +119,15 @@ impl Observability {
         Some((shown, shown.directions.get(self.picked()?)?))
     }
 
-    /// The joints whose ellipses are shown, and the cameras that they are of, where these are not the ones in use.
+    /// The joints whose ellipses are shown, and the cameras that they are of, where these are not the ones in use. Where a
+    /// Kalman filter gave the pose, they are what it believes.
     pub fn ellipses(&self) -> Option<(&[JointUncertainty], Option<&[usize]>)> {
         let found = self.found()?;
         if let Some(subset) = self.shown.subset.and_then(|place| found.subsets.get(place)) {
             return Some((&subset.joints, Some(&subset.cameras)));
         }
-        self.choices.ellipses.then_some((&found.shown.joints, None))
+        let joints = self.believed.as_deref().unwrap_or(&found.shown.joints);
+        self.choices.ellipses.then_some((joints, None))
     }
 
     /// How much larger than life ellipses are drawn; the same for every set of cameras, so that they can be compared.
@@ -160,7 +165,8 @@ impl Observability {
     pub(crate) fn marks(&self) -> ObservabilityMarks {
         let uncertainty = |(joints, others): (&[JointUncertainty], Option<&[usize]>)| {
             let model = self.found()?.shown.model.clone();
-            Some(Uncertainty { model, joints: joints.to_vec(), is_of_others: others.is_some() })
+            let is_believed = others.is_none() && self.believed.is_some();
+            Some(Uncertainty { model, joints: joints.to_vec(), is_of_others: others.is_some(), is_believed })
         };
         ObservabilityMarks {
             is_stale: self.is_stale,

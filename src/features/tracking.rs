@@ -40,7 +40,7 @@ use crate::context::command::TrackingCommand;
 use crate::context::unavailable::{Why, because, no_silhouette, no_take, not_tracked};
 use crate::document::Estimate;
 use crate::document::history::Gesture;
-use crate::session::FrameData;
+use crate::session::{BelievedJoints, FrameData};
 use keys::keys_around;
 
 /// The feature.
@@ -77,6 +77,8 @@ enum Found {
     Tracked(usize, Arc<Estimate>),
     /// What was tracked before is now known better: smoothed by later frames, or joined with another track.
     Revised(Vec<(usize, Arc<Estimate>)>),
+    /// What the Kalman filter believed of frames.
+    Believed(Vec<(usize, BelievedJoints)>),
     /// Two tracks were joined after this frame; so far apart were their joints there.
     Joined { frame: usize, distance_m: f64, meets: bool },
     /// Poses that fit a frame, best first.

@@ -19,7 +19,7 @@
 //! | [`basin_map`] | the same as a map of two angles |
 //! | [`fit_choice`] | how every start of such an experiment is fitted |
 //! | [`interval`] | how sure a share of successes is |
-//! | [`track`] | the upper body followed at several speeds through noise: what carrying motion on is worth |
+//! | [`track`] | the upper body at several speeds through noise, squats before two telephones: what carrying motion on is worth |
 //! | [`robustness`] | the full body with one thing wrong at a time: masks, cameras, sizes |
 //! | [`shadow`] | simulated rooms with shadows: pixels found and joints, by test; noise that passes for a subject |
 //! | [`starts`] | starts of known distance from their truth |

@@ -10,6 +10,7 @@
 //! | [`noise`] | the sensor: exposure, curve, noise |
 //! | [`silhouettes`] | exact masks |
 //! | [`capsules`] | exact masks and grey levels of a model's own capsules |
+//! | [`squats`] | the full body's squats with raised arms, before two telephones |
 //! | [`upper_body`] | the report's upper body before its cameras: a movement |
 //!
 //! Nothing here reads a clock: the same numbers in give the same bytes out, on any number of threads.
@@ -26,6 +27,7 @@ pub mod room;
 mod shading;
 pub mod silhouettes;
 mod solid;
+pub mod squats;
 pub mod studio;
 pub mod upper_body;
 

@@ -53,7 +53,7 @@ fn table(name: &str, footage: &Footage) {
     for round in 0..=ROUNDS {
         let options = FitOptions::preset(Preset::Robust);
         let tracker = Tracker::new(Arc::clone(take.model()), options, begin.clone().unwrap()).unwrap();
-        let mut tracker = tracker.with_motion(Motion::Velocity, take.frame_rate());
+        let mut tracker = tracker.with_motion(Motion::Velocity, take.frame_rate()).unwrap();
         for (frame, pictures) in pictures.iter().enumerate() {
             let began = Instant::now();
             let masks: Vec<Arc<Mask>> = pictures

@@ -5,14 +5,14 @@
 //!
 //! | | |
 //! |---|---|
-//! | predict | X ← X ⊞ v Δ, v ← v, P ← F P Fᵀ + Q, F = [I ΔI; 0 I], Q from white accelerations |
-//! | update | X minimises ‖D − Λ(X)‖²/R + δᵀ Pₓₓ⁻¹ δ, by the same steps as any fit; P⁻¹ ← P⁻¹ + JᵀJ/R |
+//! | predict | X ← X ⊞ v Δ, v ← v, P ← F P Fᵀ + Q, Q from white accelerations |
+//! | update | X minimises ‖D − Λ(X)‖²/R + δᵀ Pₓₓ⁻¹ δ, by the same steps as any fit; P⁻¹ ← (G P Gᵀ)⁻¹ + JᵀJ/R |
 //! | smooth | Rauch, Tung and Striebel: backwards, C = P Fᵀ (P⁻)⁻¹, x ← x + C (xˢ − x⁻) |
 //!
 //! The update is the iterated extended Kalman filter in information form: its maximum is found by Gauss-Newton
 //! (B. M. Bell, F. W. Cathey, "The iterated Kalman filter update as a Gauss-Newton method", 1993), so as R → 0
 //! it is the plain fit, as the report derives. Nothing here knows of bodies: how a pose takes a step is the
-//! caller's.
+//! caller's. F and G are the Jacobians of steps on the manifold ([`tangent`]).
 //!
 //! | | |
 //! |---|---|
@@ -20,11 +20,29 @@
 //! | [`ConstantVelocity`] | prediction |
 //! | [`update`] | what a measurement adds |
 //! | [`smoother`] | what later frames say of earlier ones |
+//! | [`tangent`] | what becomes of a step when its mean pose moves |
+//! | [`consistency`] | whether errors are as large as is believed |
 
 mod belief;
+pub mod consistency;
 mod constant_velocity;
 pub mod smoother;
+pub mod tangent;
 pub mod update;
 
+use thiserror::Error;
+
 pub use belief::Belief;
+pub use consistency::Innovation;
 pub use constant_velocity::ConstantVelocity;
+
+/// Why a filter cannot go on from what it believes.
+#[derive(Debug, Error, Clone, Copy, PartialEq, Eq)]
+pub enum FilterError {
+    /// A covariance has no variance left in some direction.
+    #[error("the filter is certain of a direction: its covariance is not positive")]
+    Certain,
+    /// Infinite or not a number.
+    #[error("the filter's numbers ran out of range")]
+    NotFinite,
+}

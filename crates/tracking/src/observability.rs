@@ -49,4 +49,4 @@ pub use cause::{Cause, Share};
 pub use directions::{Direction, Noise, Observability, Visibility};
 pub use information::{CameraInformation, FrameInformation, LimbSight};
 pub use subsets::{SubsetFigures, camera_subsets};
-pub use uncertainty::{ImageEllipse, JointUncertainty, articulated_joints};
+pub use uncertainty::{ImageEllipse, JointUncertainty, articulated_joints, believed_joints};

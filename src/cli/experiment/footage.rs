@@ -65,7 +65,11 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut starts = Vec::new();
     for seed in (arguments.start.seed..).take(arguments.starts as usize) {
         let start = StartArguments { seed, ..arguments.start.clone() }.pose(take, frames[0])?;
-        starts.push((seed, arguments.follow.tracker(take, start)?, TrackReport::new(take, &cameras)));
+        starts.push((
+            seed,
+            arguments.follow.tracker(take, start)?,
+            TrackReport::new(take, &cameras, smoothing),
+        ));
     }
     each_frame(&footage, &cameras, &frames, |frame, views, _| {
         for (seed, tracker, report) in &mut starts {
@@ -73,13 +77,13 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             let estimate = tracker
                 .track_frame(frame, views.clone(), &CancelToken::new())
                 .with_context(|| format!("seed {seed}, frame {frame}"))?;
-            report.add(take, estimate, began.elapsed().as_secs_f64() * 1e3);
+            report.add(take, estimate, began.elapsed().as_secs_f64() * 1e3)?;
         }
         Ok(())
     })?;
-    if let Some(smoothing) = smoothing {
+    if smoothing.is_some() {
         let renderer = arguments.follow.solver.options()?.renderer;
-        starts.iter_mut().for_each(|(_, _, report)| report.smooth(take, smoothing));
+        starts.iter_mut().try_for_each(|(_, _, report)| report.smooth(take))?;
         each_frame(&footage, &cameras, &frames, |frame, views, _| {
             starts
                 .iter_mut()

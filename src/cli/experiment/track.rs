@@ -1,9 +1,9 @@
-//! `backlit experiment track`: the upper body followed at several speeds through noisy masks.
+//! `backlit experiment track`: a movement followed at several speeds through noisy masks.
 
 use backlit_lab::experiment::track::{self, Options, Report};
 use backlit_tracking::cancel::CancelToken;
 use backlit_ui::drawing::plot::{Axis, Figure, Line};
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::arguments::{OutputArguments, StartArguments};
 use super::files;
@@ -13,18 +13,31 @@ use crate::cli::table::Table;
 /// What `backlit experiment track` is told.
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
+    /// Who moves before which cameras
+    #[arg(long, value_enum, default_value_t = MovementWord::UpperBody)]
+    movement: MovementWord,
     #[command(flatten)]
     start: StartArguments,
-    /// Frames of every track
-    #[arg(long, value_name = "N", default_value_t = 50)]
-    frames: usize,
+    /// Frames of every track [default: 50; of squats 100]
+    #[arg(long, value_name = "N")]
+    frames: Option<usize>,
+    /// Cameras around the upper body
     #[arg(long, value_name = "N", default_value_t = 2)]
     cameras: usize,
-    /// Times the movement's own speed
-    #[arg(long, value_name = "N", value_delimiter = ',', default_values_t = [1, 2, 3, 4])]
-    speeds: Vec<usize>,
+    /// Times the movement's own speed; of squats every how manieth frame is seen [default: 1,2,3,4; of squats 1,2,4]
+    #[arg(long, value_name = "N", value_delimiter = ',')]
+    speeds: Option<Vec<usize>>,
     #[command(flatten)]
     output: OutputArguments,
+}
+
+/// Who moves before which cameras.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum MovementWord {
+    /// The report's upper body, before cameras around it
+    UpperBody,
+    /// The full body, before two telephones 37° apart whose masks are too wide
+    Squats,
 }
 
 /// Runs the experiment, writes and prints.
@@ -32,18 +45,25 @@ pub(crate) struct Arguments {
 /// # Errors
 /// Options that make no sense, or files that cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let defaults = match arguments.movement {
+        MovementWord::UpperBody => Options { cameras: arguments.cameras, ..Options::default() },
+        MovementWord::Squats => Options::squats(),
+    };
     let mut options = Options {
-        frames: arguments.frames,
-        cameras: arguments.cameras,
-        speeds: arguments.speeds.clone(),
+        frames: arguments.frames.unwrap_or(defaults.frames),
+        speeds: arguments.speeds.clone().unwrap_or_else(|| defaults.speeds.clone()),
         seed: arguments.start.seed,
-        ..Options::default()
+        ..defaults
     };
     (options.starts, options.angle_rad, options.distance_m) =
         arguments.start.or(options.starts, options.angle_rad, options.distance_m);
     let report = track::run(&options, &CancelToken::new(), Waiting::new().listener())?;
     let figure = Figure {
-        title: "Upper body followed through noisy masks: worst frame".to_owned(),
+        title: match arguments.movement {
+            MovementWord::UpperBody => "Upper body followed through noisy masks: worst frame",
+            MovementWord::Squats => "Squats followed through masks that are too wide: worst frame",
+        }
+        .to_owned(),
         subtitle: format!(
             "{} × {} pixels, {} cameras, {} frames of {} starts",
             options.size_px[0], options.size_px[1], options.cameras, options.frames, options.starts

@@ -37,12 +37,18 @@ pub struct ObservedMarks<'a> {
     pub is_stale: bool,
     /// Whether the ellipses are of other cameras than those in use.
     pub are_of_others: bool,
+    /// Whether the ellipses are what a Kalman filter believes.
+    pub are_believed: bool,
 }
 
 impl ObservedMarks<'_> {
     /// What the ellipses are, for the legend.
     pub(crate) fn words(&self) -> Option<String> {
-        let of = if self.are_of_others { "Uncertainty with the other cameras" } else { "Uncertainty" };
+        let of = match (self.are_of_others, self.are_believed) {
+            (true, _) => "Uncertainty with the other cameras",
+            (false, true) => "Uncertainty after the Kalman filter",
+            (false, false) => "Uncertainty",
+        };
         let sigmas = format!("{DEVIATIONS:.0}σ");
         match self.factor.max(1) {
             _ if self.ellipses.is_empty() => None,

@@ -166,6 +166,7 @@ impl<'a> CameraPane<'a> {
                 ellipses: &self.ellipses,
                 factor: context.observability.factor,
                 is_stale: context.observability.is_stale,
+                are_believed: context.observability.uncertainty.as_ref().is_some_and(|it| it.is_believed),
                 are_of_others: context.observability.uncertainty.as_ref().is_some_and(|it| it.is_of_others),
             },
             shows_hover_card: true,

@@ -51,6 +51,8 @@ impl Observability {
         }
         let Some(inputs) = context.fit_inputs() else { return };
         let pose = context.shown_pose();
+        let believed = context.session.believed(context.selection.frame, pose);
+        self.believed = believed.map(|believed| Arc::clone(&believed.joints));
         self.is_stale = !self.found().is_some_and(|found| found.pose == *pose && found.inputs.is(&inputs));
         self.advance(context);
         if self.is_playing() {

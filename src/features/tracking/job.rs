@@ -5,19 +5,20 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use backlit_jobs::{Job, Outbox, Step};
-use backlit_tracking::body::Pose;
+use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::FitError;
+use backlit_tracking::observability::believed_joints;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::track::join::{self, Source};
-use backlit_tracking::track::{FrameEstimate, Track, Tracker, smoothed};
+use backlit_tracking::track::{FixedLagSmoother, FrameEstimate, Track, Tracker, smoothed};
 
 use super::Found;
 use super::read_ahead::ReadAhead;
 use crate::document::tracking_choices::{Following, TrackingChoices};
 use crate::document::{Estimate, Origin};
 use crate::session::prediction::FitInputs;
-use crate::session::{FrameData, load_frame};
+use crate::session::{BelievedJoints, FrameData, load_frame};
 use crate::take::footage::Footage;
 
 /// A way through the take.
@@ -52,8 +53,8 @@ pub(super) struct TrackJob {
     reader: Option<ReadAhead>,
     /// Of the leg that is being tracked: what smoothing or joining still needs.
     kept: Track,
-    /// The frames that are kept, in the order in which they were tracked.
-    order: VecDeque<usize>,
+    /// Smooths the leg's frames some frames late, where that is asked for.
+    smoother: Option<FixedLagSmoother>,
     /// Legs that are whole, if they are to be joined.
     whole: Vec<Track>,
     joins: bool,
@@ -67,16 +68,16 @@ impl TrackJob {
             tracker: None,
             reader: None,
             kept: Track::default(),
-            order: VecDeque::new(),
+            smoother: None,
             whole: Vec::new(),
         }
     }
 
-    fn new_tracker(&self, start: Pose) -> Result<Tracker, FitError> {
+    fn new_tracker(&self, start: Pose) -> anyhow::Result<Tracker> {
         let tracker = Tracker::new(self.inputs.fit.model.clone(), (*self.inputs.fit.fit).clone(), start)?;
         let motion = self.inputs.choices.motion.motion();
         Ok(tracker
-            .with_motion(motion, self.inputs.footage.frame_rate)
+            .with_motion(motion, self.inputs.footage.frame_rate)?
             .with_search(self.inputs.choices.search))
     }
 
@@ -91,7 +92,7 @@ impl TrackJob {
         reader.get(frame)
     }
 
-    fn track(&mut self, frame: usize, out: &Outbox<Found>) -> Result<FrameEstimate, FitError> {
+    fn track(&mut self, frame: usize, out: &Outbox<Found>) -> anyhow::Result<FrameEstimate> {
         let data = self.data(frame, out.cancel());
         self.inputs.fit.frame = Some(data.clone());
         out.send(Found::Loaded(data));
@@ -110,8 +111,8 @@ impl TrackJob {
         }
         let views = self.inputs.fit.views();
         match &mut self.tracker {
-            Some(tracker) => tracker.track_frame(frame, views, out.cancel()),
-            None => Err(FitError::NoData { reasons: "there is no pose to begin with".to_owned() }),
+            Some(tracker) => Ok(tracker.track_frame(frame, views, out.cancel())?),
+            None => Err(FitError::NoData { reasons: "there is no pose to begin with".to_owned() }.into()),
         }
     }
 
@@ -121,28 +122,56 @@ impl TrackJob {
             self.kept.frames.insert(found.frame, found);
             return;
         }
-        let Following::Smoothed { lag } = self.inputs.choices.motion else { return };
-        self.order.push_back(found.frame);
-        self.kept.frames.insert(found.frame, found);
-        if lag.is_some_and(|lag| self.order.len() > lag)
-            && let Some(first) = self.order.pop_front()
-        {
-            let smoothed = smoothed(&self.kept, None);
-            out.send(Found::Revised(smoothed.frames.get(&first).map(revised).into_iter().collect()));
-            self.kept.frames.remove(&first);
+        match self.inputs.choices.motion {
+            Following::Smoothed { lag: None } => {
+                self.kept.frames.insert(found.frame, found);
+            }
+            Following::Smoothed { lag: Some(lag) } => {
+                let smoother = self.smoother.get_or_insert_with(|| FixedLagSmoother::new(lag));
+                match smoother.push(found) {
+                    Ok(found) => self.revise(found.iter(), out),
+                    Err(error) => out.send(Found::Refused(format!("Poses cannot be smoothed: {error}."))),
+                }
+            }
+            Following::Still | Following::Velocity | Following::Kalman => {}
+        }
+    }
+
+    /// Frames are known better now.
+    fn revise<'a>(&self, found: impl Iterator<Item = &'a FrameEstimate> + Clone, out: &Outbox<Found>) {
+        self.tell_beliefs(found.clone(), out);
+        let found: Vec<_> = found.map(revised).collect();
+        if !found.is_empty() {
+            out.send(Found::Revised(found));
+        }
+    }
+
+    /// Says what the filter believes of the joints, where there is one.
+    fn tell_beliefs<'a>(&self, found: impl IntoIterator<Item = &'a FrameEstimate>, out: &Outbox<Found>) {
+        let model = &self.inputs.fit.model;
+        let beliefs: Vec<_> = found.into_iter().filter_map(|found| believed(model, found)).collect();
+        if !beliefs.is_empty() {
+            out.send(Found::Believed(beliefs));
         }
     }
 
     /// A leg is over, or the user has stopped it.
     fn end_leg(&mut self, out: &Outbox<Found>) {
         let mut track = std::mem::take(&mut self.kept);
-        if let Following::Smoothed { lag } = self.inputs.choices.motion {
-            track = smoothed(&track, lag);
-            if !track.frames.is_empty() {
-                out.send(Found::Revised(track.frames.values().map(revised).collect()));
+        let late = self.smoother.take().map_or(Ok(Vec::new()), |mut smoother| smoother.finish());
+        let smoothed = match self.inputs.choices.motion {
+            Following::Smoothed { lag } => smoothed(&track, lag),
+            _ => Ok(Track::default()),
+        };
+        match late.and_then(|late| Ok((late, smoothed?))) {
+            Ok((late, smoothed)) => {
+                self.revise(late.iter().chain(smoothed.frames.values()), out);
+                if !smoothed.frames.is_empty() {
+                    track = smoothed;
+                }
             }
+            Err(error) => out.send(Found::Refused(format!("Poses cannot be smoothed: {error}."))),
         }
-        self.order.clear();
         self.tracker = None;
         self.whole.push(track);
     }
@@ -168,7 +197,7 @@ impl TrackJob {
                         Some(Arc::new(load_frame(&self.inputs.footage, &self.inputs.measurement, *frame)));
                     let again = self.new_tracker(pose.clone()).and_then(|tracker| {
                         let mut tracker = tracker.continuing_from(frame.saturating_sub(1));
-                        tracker.track_frame(*frame, fit.views(), out.cancel())
+                        Ok(tracker.track_frame(*frame, fit.views(), out.cancel())?)
                     });
                     match again {
                         Ok(again) if !again.is_lost() => Some(revised(&again)),
@@ -208,6 +237,7 @@ impl Job<Found> for TrackJob {
             // What a cancelled fit leaves is half a fit.
             Ok(_) if out.cancel().is_cancelled() => {}
             Ok(found) => {
+                self.tell_beliefs([&found], out);
                 out.send(Found::Tracked(frame, estimate(&found)));
                 if !found.hypotheses.is_empty() {
                     out.send(Found::Poses(frame, found.hypotheses.clone()));
@@ -222,6 +252,13 @@ impl Job<Found> for TrackJob {
         }
         Step::Again
     }
+}
+
+/// What the filter believed of the joints.
+fn believed(model: &Model, found: &FrameEstimate) -> Option<(usize, BelievedJoints)> {
+    let covariance = found.belief.as_ref()?.belief.pose_covariance();
+    let joints = Arc::new(believed_joints(model, &found.pose, &covariance));
+    Some((found.frame, BelievedJoints { pose: found.pose.clone(), joints }))
 }
 
 fn revised(found: &FrameEstimate) -> (usize, Arc<Estimate>) {

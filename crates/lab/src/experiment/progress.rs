@@ -7,6 +7,7 @@ use backlit_tracking::camera::CameraError;
 use backlit_tracking::fit::FitError;
 use backlit_tracking::segment::{BackgroundError, SegmentError};
 use backlit_tracking::silhouette::{MaskError, MeasurementError};
+use backlit_tracking::track::{MotionError, SmoothingError};
 use thiserror::Error;
 
 use crate::synthetic::upper_body::CamerasError;
@@ -46,6 +47,10 @@ pub enum ExperimentError {
     Segment(#[from] SegmentError),
     #[error(transparent)]
     Measurement(#[from] MeasurementError),
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    #[error(transparent)]
+    Smoothing(#[from] SmoothingError),
     #[error("{0}")]
     Footage(String),
 }

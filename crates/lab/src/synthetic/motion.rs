@@ -204,13 +204,13 @@ pub fn pose(model: &Model, frame: f64) -> Pose {
     pose
 }
 
-fn set(model: &Model, pose: &mut Pose, limb: &str, rotation: DQuat) {
+pub(super) fn set(model: &Model, pose: &mut Pose, limb: &str, rotation: DQuat) {
     if let Some(index) = model.limb_index(limb) {
         pose.rotations[model.limbs()[index].rotation] = rotation;
     }
 }
 
-fn set_angles(model: &Model, pose: &mut Pose, name: &str, degrees: [f64; 3]) {
+pub(super) fn set_angles(model: &Model, pose: &mut Pose, name: &str, degrees: [f64; 3]) {
     if let Some(index) = model.limb_index(name) {
         let limb = &model.limbs()[index];
         let [flexion, sideways, twist] = degrees.map(f64::to_radians);
@@ -219,7 +219,7 @@ fn set_angles(model: &Model, pose: &mut Pose, name: &str, degrees: [f64; 3]) {
 }
 
 /// Bends hip and knee so that the ankle comes to a place, or as near as the leg reaches, and sets the foot.
-fn place_leg(model: &Model, pose: &mut Pose, side: &str, ankle: DVec3, foot_in_world: DQuat) {
+pub(super) fn place_leg(model: &Model, pose: &mut Pose, side: &str, ankle: DVec3, foot_in_world: DQuat) {
     let length = |limb: &str| {
         model.limb_index(&format!("{side} {limb}")).map_or(0.0, |index| model.limbs()[index].length)
     };

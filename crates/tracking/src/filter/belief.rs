@@ -38,6 +38,18 @@ impl Belief {
         self.covariance.view((0, 0), (n, n)).into_owned()
     }
 
+    /// The same belief about another mean pose: G P Gᵀ, with G (n × n) what becomes of a step of the pose.
+    #[must_use]
+    pub fn about(&self, reset: &DMatrix<f64>) -> Self {
+        let n = self.columns();
+        let mut covariance = self.covariance.clone();
+        let of_pose = reset * covariance.rows(0, n);
+        covariance.rows_mut(0, n).copy_from(&of_pose);
+        let of_pose = covariance.columns(0, n) * reset.transpose();
+        covariance.columns_mut(0, n).copy_from(&of_pose);
+        Self { velocity: self.velocity.clone(), covariance }
+    }
+
     /// Pₓₓ⁻¹, n × n: the information on the pose alone. `None` if the pose is certain in some direction.
     #[must_use]
     pub fn pose_information(&self) -> Option<DMatrix<f64>> {

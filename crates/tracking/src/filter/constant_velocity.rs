@@ -1,43 +1,101 @@
-//! Motion goes on as it was, but for white accelerations.
+//! Motion goes on as it was, but for white accelerations, and fades.
+//!
+//! dv = −v dt/τ + q dw: each velocity is an Ornstein-Uhlenbeck process, so that it is no larger after a long time unseen
+//! than bodies are fast, q √(τ/2) in a second as in an hour. With f = e^(−Δ/τ), for each column of the pose,
+//!
+//! | | | for Δ ≪ τ |
+//! |---|---|---|
+//! | step | τ (1 − f) v | Δ v |
+//! | velocity | f v | v |
+//! | Q of the step | q² τ² (Δ − 2 τ (1 − f) + τ (1 − f²)/2) | q² Δ³/3 |
+//! | Q of both | q² τ² (1 − f)²/2 | q² Δ²/2 |
+//! | Q of the velocity | q² τ (1 − f²)/2 | q² Δ |
+//!
+//! Backwards in time the motion fades as well: Δ is the time's length, steps and the covariance of both change their sign.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::belief::Belief;
+use super::tangent;
 
-/// The motion model: Q = q² [|Δ|³/3, Δ|Δ|/2; Δ|Δ|/2, |Δ|] for each column of the pose.
+/// Times of less than this share of τ: series, where the closed forms would lose their digits.
+const SHORT: f64 = 0.01;
+
+/// The motion model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConstantVelocity {
-    /// q of each column: tangent units per s^1.5. After one second of it a velocity that was certain has the
+    /// q of each column: tangent units per s^1.5. After one second of it a velocity that was certain has about the
     /// standard deviation q.
     pub acceleration: DVector<f64>,
+    /// τ, seconds: after it 1/e is left of a velocity. Infinite: it never fades.
+    pub memory: f64,
+}
+
+/// What a time does to one column.
+struct Span {
+    /// Step per velocity, seconds, with the time's sign.
+    reach: f64,
+    /// Share of the velocity that is left.
+    left: f64,
+    /// Q of step, of both and of velocity, per q².
+    noise: [f64; 3],
 }
 
 impl ConstantVelocity {
-    /// F for a time in seconds, negative backwards: 2n × 2n.
-    #[must_use]
-    pub fn transition(columns: usize, seconds: f64) -> DMatrix<f64> {
-        let mut transition = DMatrix::identity(2 * columns, 2 * columns);
-        for column in 0..columns {
-            transition[(column, columns + column)] = seconds;
+    fn span(&self, seconds: f64) -> Span {
+        let (tau, span) = (self.memory, seconds.abs());
+        let share = span / tau;
+        let sign = if seconds < 0.0 { -1.0 } else { 1.0 };
+        if share < SHORT {
+            return Span {
+                reach: seconds * (1.0 - share / 2.0 + share * share / 6.0),
+                left: (-share).exp(),
+                noise: [
+                    span.powi(3) * (1.0 / 3.0 - share / 4.0 + 7.0 * share * share / 60.0),
+                    sign * span.powi(2) * (0.5 - share / 2.0 + 7.0 * share * share / 24.0),
+                    span * (1.0 - share + 2.0 * share * share / 3.0),
+                ],
+            };
         }
+        let (lost, lost_twice) = (-(-share).exp_m1(), -(-2.0 * share).exp_m1());
+        Span {
+            reach: sign * tau * lost,
+            left: 1.0 - lost,
+            noise: [
+                tau * tau * (span - 2.0 * tau * lost + 0.5 * tau * lost_twice),
+                sign * 0.5 * (tau * lost).powi(2),
+                0.5 * tau * lost_twice,
+            ],
+        }
+    }
+
+    /// F of a motion with this velocity for a time in seconds, negative backwards: 2n × 2n.
+    #[must_use]
+    pub fn transition(&self, velocity: &DVector<f64>, seconds: f64) -> DMatrix<f64> {
+        let n = velocity.len();
+        let span = self.span(seconds);
+        let mut transition = tangent::transition(velocity, span.reach);
+        (n..2 * n).for_each(|column| transition[(column, column)] = span.left);
         transition
     }
 
-    /// The belief after a time in seconds, negative backwards, and the step v Δ that the mean pose takes.
+    /// The belief after a time in seconds, negative backwards, and the step that the mean pose takes.
+    ///
+    /// Accelerations are alike in all directions of a rotation, so the turn of the tangent space leaves Q as it is.
     #[must_use]
     pub fn predict(&self, belief: &Belief, seconds: f64) -> (DVector<f64>, Belief) {
         let n = belief.columns();
-        let transition = Self::transition(n, seconds);
+        let transition = self.transition(&belief.velocity, seconds);
         let mut covariance = &transition * &belief.covariance * transition.transpose();
-        let span = seconds.abs();
+        let Span { reach, left, noise: [of_step, of_both, of_velocity] } = self.span(seconds);
         for (column, density) in self.acceleration.iter().enumerate() {
             let variance = density * density;
-            covariance[(column, column)] += variance * span.powi(3) / 3.0;
-            covariance[(n + column, n + column)] += variance * span;
-            covariance[(column, n + column)] += variance * seconds * span / 2.0;
-            covariance[(n + column, column)] += variance * seconds * span / 2.0;
+            covariance[(column, column)] += variance * of_step;
+            covariance[(n + column, n + column)] += variance * of_velocity;
+            covariance[(column, n + column)] += variance * of_both;
+            covariance[(n + column, column)] += variance * of_both;
         }
-        (&belief.velocity * seconds, Belief { velocity: belief.velocity.clone(), covariance })
+        (&belief.velocity * reach, Belief { velocity: &belief.velocity * left, covariance })
     }
 }
 
@@ -47,16 +105,31 @@ mod tests {
 
     #[test]
     fn two_short_steps_are_one_long_one() {
-        let model = ConstantVelocity { acceleration: DVector::from_vec(vec![0.7, 2.0]) };
-        let mut belief =
-            Belief::at_rest(&DVector::from_vec(vec![0.1, 0.2]), &DVector::from_vec(vec![1.0, 0.5]));
-        belief.velocity = DVector::from_vec(vec![0.3, -0.4]);
-        for seconds in [0.2, -0.2] {
-            let (first, half) = model.predict(&belief, seconds / 2.0);
-            let (second, twice) = model.predict(&half, seconds / 2.0);
-            let (step, once) = model.predict(&belief, seconds);
-            assert!((first + second - step).norm() < 1e-15);
-            assert!((twice.covariance - once.covariance).amax() < 1e-15);
+        for memory in [0.3, 12.0, 1e4, f64::INFINITY] {
+            let model = ConstantVelocity { acceleration: DVector::from_vec(vec![0.7, 2.0]), memory };
+            let mut belief =
+                Belief::at_rest(&DVector::from_vec(vec![0.1, 0.2]), &DVector::from_vec(vec![1.0, 0.5]));
+            belief.velocity = DVector::from_vec(vec![0.3, -0.4]);
+            for seconds in [0.2, -0.2] {
+                let (first, half) = model.predict(&belief, seconds / 2.0);
+                let (second, twice) = model.predict(&half, seconds / 2.0);
+                let (step, once) = model.predict(&belief, seconds);
+                assert!((first + second - step).norm() < 1e-9, "{memory}");
+                assert!((twice.velocity - once.velocity).norm() < 1e-9, "{memory}");
+                assert!((twice.covariance - once.covariance).amax() < 1e-7, "{memory}");
+            }
         }
+    }
+
+    /// Unseen for a minute: the velocity is as uncertain as any body's, and is expected to be none.
+    #[test]
+    fn what_is_not_seen_does_not_grow_faster_for_ever() {
+        let model = ConstantVelocity { acceleration: DVector::from_element(1, 4.0), memory: 0.5 };
+        let mut belief = Belief::at_rest(&DVector::from_element(1, 0.1), &DVector::from_element(1, 3.0));
+        belief.velocity[0] = 2.0;
+        let (step, after) = model.predict(&belief, 60.0);
+        assert!((step[0] - 1.0).abs() < 1e-9, "no farther than v τ");
+        assert!(after.velocity[0].abs() < 1e-12);
+        assert!((after.covariance[(1, 1)].sqrt() - 2.0).abs() < 1e-9, "q √(τ/2)");
     }
 }

@@ -2,8 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::FilterError;
 use super::belief::Belief;
 use super::constant_velocity::ConstantVelocity;
+use super::tangent;
 
 /// One frame smoothed: the step that its filtered mean pose takes, and what is then believed.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,30 +20,36 @@ pub struct Smoothed {
 ///
 /// `filtered` is the belief at the frame, `predicted` what it foretold for the next one `seconds` later,
 /// `next` what is believed there given all frames, and `difference` the step from the predicted to the smoothed
-/// mean pose there. `None` if `predicted` is certain in some direction.
-#[must_use]
+/// mean pose there; `model` foretold it. Covariances are of steps from their own mean pose ([`tangent`]).
+///
+/// # Errors
+/// `predicted` is certain in some direction.
 pub fn smooth(
+    model: &ConstantVelocity,
     filtered: &Belief,
     predicted: &Belief,
     next: &Belief,
     difference: &DVector<f64>,
     seconds: f64,
-) -> Option<Smoothed> {
+) -> Result<Smoothed, FilterError> {
     let n = filtered.columns();
-    let transition = ConstantVelocity::transition(n, seconds);
+    let transition = model.transition(&filtered.velocity, seconds);
     // Cᵀ = (P⁻)⁻¹ F P
-    let gain_transposed =
-        predicted.covariance.clone().cholesky()?.solve(&(transition * &filtered.covariance));
+    let factor = predicted.covariance.clone().cholesky().ok_or(FilterError::Certain)?;
+    let gain_transposed = factor.solve(&(transition * &filtered.covariance));
     let gain: DMatrix<f64> = gain_transposed.transpose();
     let mut correction = DVector::zeros(2 * n);
     correction.rows_mut(0, n).copy_from(difference);
     correction.rows_mut(n, n).copy_from(&(&next.velocity - &predicted.velocity));
     let correction = &gain * correction;
+    let next = next.about(&tangent::undo_reset(difference));
     let covariance =
         &filtered.covariance + &gain * (&next.covariance - &predicted.covariance) * gain_transposed;
     let covariance = (&covariance + covariance.transpose()) * 0.5;
     let velocity = &filtered.velocity + correction.rows(n, n);
-    Some(Smoothed { step: correction.rows(0, n).into_owned(), belief: Belief { velocity, covariance } })
+    let step = correction.rows(0, n).into_owned();
+    let belief = Belief { velocity, covariance }.about(&tangent::reset(&step));
+    Ok(Smoothed { step, belief })
 }
 
 #[cfg(test)]
@@ -54,7 +62,7 @@ mod tests {
     #[test]
     fn the_smoother_is_the_joint_least_squares_solution() {
         let (seconds, variance, seen) = (0.1, 0.3, [0.2, 0.5, 0.1, 0.9, 1.4]);
-        let model = ConstantVelocity { acceleration: DVector::from_element(1, 2.0) };
+        let model = ConstantVelocity { acceleration: DVector::from_element(1, 2.0), memory: 0.4 };
         let start = Belief::at_rest(&DVector::from_element(1, 1.0), &DVector::from_element(1, 3.0));
         let mut filtered: Vec<(f64, Belief)> = Vec::new();
         let mut predicted: Vec<(f64, Belief)> = Vec::new();
@@ -70,7 +78,7 @@ mod tests {
             let pose_variance = belief.pose_covariance()[(0, 0)];
             let step = (value - mean) * pose_variance / (pose_variance + variance);
             let products = DMatrix::from_element(1, 1, 1.0);
-            let after = update(&belief, &DVector::from_element(1, step), &products, variance).unwrap();
+            let after = update(&belief, &DVector::from_element(1, step), &products, variance).unwrap().belief;
             filtered.push((mean + step, after));
             assert_eq!(filtered.len(), frame + 1);
         }
@@ -80,7 +88,7 @@ mod tests {
             let (foretold, prior) = &predicted[frame + 1];
             let (next_mean, next) = smoothed.last().unwrap().clone();
             let difference = DVector::from_element(1, next_mean - foretold);
-            let found = smooth(belief, prior, &next, &difference, seconds).unwrap();
+            let found = smooth(&model, belief, prior, &next, &difference, seconds).unwrap();
             smoothed.push((mean + found.step[0], found.belief));
         }
         smoothed.reverse();
@@ -91,7 +99,7 @@ mod tests {
         block += start.covariance.clone().try_inverse().unwrap();
         let none = Belief { velocity: DVector::zeros(1), covariance: DMatrix::zeros(2, 2) };
         let noise = model.predict(&none, seconds).1.covariance.try_inverse().unwrap();
-        let transition = ConstantVelocity::transition(1, seconds);
+        let transition = model.transition(&DVector::zeros(1), seconds);
         for frame in 0..4 {
             let mut difference = DMatrix::zeros(2, size);
             difference.view_mut((0, 2 * frame), (2, 2)).copy_from(&-&transition);

@@ -1,8 +1,23 @@
-//! What a measurement adds to a belief, in information form.
+//! What a measurement adds to a belief, in information form, by Joseph's formula.
 
 use nalgebra::{DMatrix, DVector};
 
+use super::FilterError;
 use super::belief::Belief;
+use super::consistency::Innovation;
+use super::tangent;
+
+/// A direction counts as seen where the measurement takes this share of its predicted variance off.
+const SEEN: f64 = 0.1;
+
+/// A belief after a measurement, and how the measurement agreed with what was foretold.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Updated {
+    /// About the pose that the step leads to.
+    pub belief: Belief,
+    /// Over the directions that the measurement sees.
+    pub innovation: Innovation,
+}
 
 /// The belief after a measurement.
 ///
@@ -10,23 +25,71 @@ use super::belief::Belief;
 /// `products` is JᵀJ there, n × n, without any prior; `variance` is R, squared grey levels. The velocity
 /// follows by what it has to do with the pose, v + Pᵥₓ Pₓₓ⁻¹ δ.
 ///
-/// `None` if the prior is certain of the pose in some direction or the numbers ran out of range.
-#[must_use]
-pub fn update(prior: &Belief, step: &DVector<f64>, products: &DMatrix<f64>, variance: f64) -> Option<Belief> {
+/// The covariance is that of steps from the new mean ([`tangent::reset`]): P ← G P Gᵀ first, then Joseph's
+/// (I − K H) P (I − K H)ᵀ + K R Kᵀ, which stays symmetric and positive whatever the rounding. With Pₓₓ = L Lᵀ and
+/// M = Lᵀ JᵀJ L / R its K is P₍.,ₓ₎ L⁻ᵀ (I + M)⁻¹ Lᵀ Jᵀ/R: no inverse of what may be singular.
+///
+/// # Errors
+/// The prior is certain of the pose in some direction, or the numbers ran out of range.
+pub fn update(
+    prior: &Belief,
+    step: &DVector<f64>,
+    products: &DMatrix<f64>,
+    variance: f64,
+) -> Result<Updated, FilterError> {
     let n = prior.columns();
-    let covariance = &prior.covariance;
-    let to_pose = covariance.columns(0, n);
-    let pose = prior.pose_covariance();
-    let weighted = pose.clone().cholesky()?.solve(step);
-    let velocity = &prior.velocity + covariance.view((n, 0), (n, n)) * weighted;
-    // P − P[.., x] (I + Λ P_xx)⁻¹ Λ P[x, ..], with Λ = JᵀJ/R: no inverse of a P that is nearly singular.
+    let cross = prior.covariance.view((n, 0), (n, n));
+    let weighted = prior.pose_covariance().cholesky().ok_or(FilterError::Certain)?.solve(step);
+    let velocity = &prior.velocity + cross * weighted;
+
+    let prior = prior.about(&tangent::reset(step));
     let information = products / variance;
-    let system = DMatrix::identity(n, n) + &information * &pose;
-    let gain = system.lu().solve(&(information * to_pose.transpose()))?;
-    let covariance = covariance - to_pose * gain;
+    let factor = prior.pose_covariance().cholesky().ok_or(FilterError::Certain)?.unpack();
+    // Over the prior's own units: what it foretells has the unit covariance.
+    let whitened = factor.solve_lower_triangular(step).ok_or(FilterError::Certain)?;
+    let seen = factor.tr_mul(&information) * &factor;
+    if seen.iter().any(|value| !value.is_finite()) {
+        return Err(FilterError::NotFinite);
+    }
+    let seen = seen.symmetric_eigen();
+    let innovation = innovation(&seen.eigenvectors.tr_mul(&whitened), &seen.eigenvalues);
+
+    let mut shrunk = seen.eigenvectors.clone();
+    for (mut column, value) in shrunk.column_iter_mut().zip(seen.eigenvalues.iter()) {
+        column /= 1.0 + value.max(0.0);
+    }
+    // P₍.,ₓ₎ L⁻ᵀ, of which the pose's rows are L.
+    let mut spread = DMatrix::zeros(2 * n, n);
+    spread.rows_mut(0, n).copy_from(&factor);
+    let of_velocity = factor
+        .solve_lower_triangular(&prior.covariance.view((0, n), (n, n)).into_owned())
+        .ok_or(FilterError::Certain)?;
+    spread.rows_mut(n, n).copy_from(&of_velocity.transpose());
+    let gain = spread * (shrunk * seen.eigenvectors.transpose()) * factor.transpose();
+    let gained = &gain * &information;
+    let mut kept = DMatrix::identity(2 * n, 2 * n);
+    let mut pose_columns = kept.columns_mut(0, n);
+    pose_columns -= &gained;
+    let covariance = &kept * &prior.covariance * kept.transpose() + gained * gain.transpose();
     let covariance = (&covariance + covariance.transpose()) * 0.5;
-    let is_finite = velocity.iter().chain(covariance.iter()).all(|value| value.is_finite());
-    is_finite.then_some(Belief { velocity, covariance })
+    if velocity.iter().chain(covariance.iter()).all(|value| value.is_finite()) {
+        Ok(Updated { belief: Belief { velocity, covariance }, innovation })
+    } else {
+        Err(FilterError::NotFinite)
+    }
+}
+
+/// With w the whitened step along an eigenvector of M and d its eigenvalue, the model says E w² = d/(1 + d).
+fn innovation(whitened: &DVector<f64>, seen: &DVector<f64>) -> Innovation {
+    let mut sum = Innovation::default();
+    for (along, value) in whitened.iter().zip(seen.iter()) {
+        let share = value / (1.0 + value);
+        if share > SEEN {
+            sum.squared += along * along / share;
+            sum.directions += 1;
+        }
+    }
+    sum
 }
 
 #[cfg(test)]
@@ -36,7 +99,7 @@ mod tests {
     use crate::optimize::NormalEquations;
 
     fn prior() -> Belief {
-        let model = ConstantVelocity { acceleration: DVector::from_element(3, 1.5) };
+        let model = ConstantVelocity { acceleration: DVector::from_element(3, 1.5), memory: 0.5 };
         let start = Belief::at_rest(&DVector::from_element(3, 0.2), &DVector::from_element(3, 0.9));
         model.predict(&start, 0.1).1
     }
@@ -65,11 +128,22 @@ mod tests {
         let innovation =
             &observed * &prior.covariance * observed.transpose() + DMatrix::identity(5, 5) * variance;
         let gain = &prior.covariance * observed.transpose() * innovation.try_inverse().unwrap();
-        let mean = &gain * residual;
+        let mean = &gain * &residual;
         let covariance = (DMatrix::identity(6, 6) - gain * observed) * &prior.covariance;
         assert!((mean.rows(0, 3) - step).amax() < 1e-10);
-        assert!((mean.rows(3, 3) + &prior.velocity - found.velocity).amax() < 1e-10);
-        assert!((covariance - found.covariance).amax() < 1e-10);
+        assert!((mean.rows(3, 3) + &prior.velocity - found.belief.velocity).amax() < 1e-10);
+        assert!((covariance - found.belief.covariance).amax() < 1e-10);
+        // The innovation is the textbook's νᵀ S⁻¹ ν over the three directions that five numbers tell of.
+        let pseudo_inverse = jacobian.clone().pseudo_inverse(1e-12).unwrap();
+        let seen = &pseudo_inverse * residual;
+        let spread = prior.pose_covariance() + &pseudo_inverse * pseudo_inverse.transpose() * variance;
+        let expected = seen.dot(&(spread.try_inverse().unwrap() * &seen));
+        assert_eq!(found.innovation.directions, 3);
+        assert!(
+            (found.innovation.squared / expected - 1.0).abs() < 1e-9,
+            "{:?} {expected}",
+            found.innovation
+        );
     }
 
     /// As R → 0 the filter's step is Gauss-Newton's, and the pose is as certain as the measurement.
@@ -86,7 +160,7 @@ mod tests {
             assert!(difference < 0.02 * last, "{variance}: {difference}, {last} before");
             last = difference;
             let products = jacobian().tr_mul(&jacobian());
-            let found = update(&prior, &step, &products, variance).unwrap().pose_covariance();
+            let found = update(&prior, &step, &products, variance).unwrap().belief.pose_covariance();
             let measured = products.try_inverse().unwrap() * variance;
             // (A + Λ)⁻¹ = A⁻¹ − A⁻¹ Λ A⁻¹ + …, and rounding of the difference of two numbers near one.
             let second_order = information.norm() * measured.norm_squared();
@@ -101,7 +175,7 @@ mod tests {
         let prior = prior();
         let mut products = DMatrix::zeros(3, 3);
         products[(0, 0)] = 100.0;
-        let found = update(&prior, &DVector::zeros(3), &products, 1.0).unwrap();
+        let found = update(&prior, &DVector::zeros(3), &products, 1.0).unwrap().belief;
         assert!(found.covariance[(0, 0)] < 0.5 * prior.covariance[(0, 0)]);
         assert!((found.covariance[(1, 1)] - prior.covariance[(1, 1)]).abs() < 1e-15);
     }

@@ -134,21 +134,15 @@ impl Fit {
         Self::begin(model, prepared, options, Constraints::default(), last, pose)
     }
 
-    /// A fit whose start is what the motion so far foretells: the prior takes the place of the proximal one.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new).
-    pub(crate) fn with_motion_prior(
-        model: Arc<Model>,
-        views: Vec<FitView>,
-        prior: MotionPrior,
-        options: FitOptions,
-    ) -> Result<Self, FitError> {
-        let options = options.at_scale(&model, &views, &prior.mean);
-        let prepared = Prepared::new(&model, views, &prior.mean, &options, |_, _, _| 0.0)?;
-        let pose = prepared.start.clone();
-        let constraints = Constraints { free: None, motion: Some(Arc::new(prior)) };
-        Ok(Self::begin(model, prepared, options, constraints, 0, &pose))
+    /// Takes the last stage up again from where the fit stands, with what the motion so far says of the pose in place of the
+    /// pull to the start: the iterated Kalman update, begun at the frame's own fit.
+    pub(crate) fn go_on_with(&mut self, motion: MotionPrior) {
+        self.options.proximal_weight = 0.0;
+        self.constraints = Constraints { motion: Some(Arc::new(motion)), ..Constraints::default() };
+        self.stage = self.options.stages.len() - 1;
+        let pose = self.solver.point().clone();
+        self.begin_anew(&pose);
+        self.termination = None;
     }
 
     fn begin(
@@ -248,18 +242,23 @@ impl Fit {
             }
             self.stage += 1;
             let pose = self.solver.point().clone();
-            (self.objective, self.solver) = Self::begin_stage(
-                &self.model,
-                &self.views,
-                &self.distances,
-                &self.options,
-                self.stage,
-                &self.reference,
-                &pose,
-                self.constraints.clone(),
-            );
-            self.rms = self.objective.rms();
+            self.begin_anew(&pose);
         }
+    }
+
+    /// Begins the current stage at a pose.
+    fn begin_anew(&mut self, pose: &Pose) {
+        (self.objective, self.solver) = Self::begin_stage(
+            &self.model,
+            &self.views,
+            &self.distances,
+            &self.options,
+            self.stage,
+            &self.reference,
+            pose,
+            self.constraints.clone(),
+        );
+        self.rms = self.objective.rms();
     }
 
     /// Runs to the end or until cancelled.

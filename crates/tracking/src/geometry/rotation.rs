@@ -44,6 +44,22 @@ pub fn skew(v: DVec3) -> DMat3 {
     DMat3::from_cols(DVec3::new(0.0, v.z, -v.y), DVec3::new(-v.z, 0.0, v.x), DVec3::new(v.y, -v.x, 0.0))
 }
 
+/// The left Jacobian of SO(3): d/dω log(exp(φ + ω) exp(−φ)) at ω = 0.
+///
+/// `J = I + (1 − cos θ)/θ² [φ]× + (θ − sin θ)/θ³ [φ]×²`, θ = |φ|.
+#[must_use]
+pub fn left_jacobian(phi: DVec3) -> DMat3 {
+    let angle = phi.length();
+    let s = skew(phi);
+    let squared = angle * angle;
+    let (first, second) = if angle < 1e-3 {
+        (0.5 - squared / 24.0, 1.0 / 6.0 - squared / 120.0)
+    } else {
+        ((1.0 - angle.cos()) / squared, (angle - angle.sin()) / (squared * angle))
+    };
+    DMat3::IDENTITY + s * first + (s * s) * second
+}
+
 /// Inverse of the left Jacobian of SO(3): d/dω log(exp(ω) exp(φ)) at ω = 0.
 ///
 /// `J⁻¹ = I − ½[φ]× + (1/θ² − (1 + cos θ)/(2 θ sin θ)) [φ]×²`, θ = |φ| < 2π.

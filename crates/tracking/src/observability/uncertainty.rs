@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 
 use super::information::FrameInformation;
 use super::spectrum::Spectrum;
-use crate::body::{Model, Parameters};
+use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::camera::Camera;
 
 /// A joint that null directions move by less than this for a unit step, metres, is not moved by them: rounding.
@@ -137,6 +137,24 @@ pub fn articulated_joints(model: &Model) -> Vec<usize> {
         grows_here || (limbs[*index].has_own_rotation && !carries(limbs[*index].rotation))
     };
     (0..limbs.len()).filter(is_joint).collect()
+}
+
+/// What a belief about a pose knows of the joints, root first: K P Kᵀ with P the covariance in tangent columns (n × n). Nothing is
+/// without a bound.
+#[must_use]
+pub fn believed_joints(model: &Model, pose: &Pose, covariance: &DMatrix<f64>) -> Vec<JointUncertainty> {
+    let kinematics = Kinematics::new(model, pose);
+    let one = |limb: Option<usize>| {
+        let by_step = match limb {
+            Some(limb) => kinematics.end_jacobian(limb, Parameters::Tangent),
+            None => DMatrix::identity(3, covariance.nrows()),
+        };
+        let spread = &by_step * covariance * by_step.transpose();
+        let at = limb.map_or(pose.root, |limb| kinematics.ends()[limb]);
+        let covariance = Matrix3::from_fn(|row, column| spread[(row, column)]);
+        JointUncertainty { limb, at, covariance, unseen: Matrix3::zeros() }
+    };
+    std::iter::once(None).chain(articulated_joints(model).into_iter().map(Some)).map(one).collect()
 }
 
 /// Root first, then the joints of [`articulated_joints`].

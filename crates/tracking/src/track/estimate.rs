@@ -40,6 +40,24 @@ pub struct FrameEstimate {
 }
 
 impl FrameEstimate {
+    /// A pose of which nothing else is known.
+    #[must_use]
+    pub fn of_pose(frame: usize, pose: Pose) -> Self {
+        Self {
+            frame,
+            pose,
+            cost: 0.0,
+            rms: 0.0,
+            overlap: Vec::new(),
+            empty_cameras: Vec::new(),
+            iterations: 0,
+            lost_because: None,
+            termination: None,
+            belief: None,
+            hypotheses: Vec::new(),
+        }
+    }
+
     /// Overlap of all cameras together; `None` without masks.
     #[must_use]
     pub fn iou(&self) -> Option<f64> {

@@ -5,9 +5,10 @@
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
 use crate::body::{Model, Parameters, Pose};
-use crate::filter::{Belief, ConstantVelocity, update};
+use crate::filter::{Belief, ConstantVelocity, FilterError, Innovation, update};
 use crate::fit::Preset;
 use crate::residual::motion_prior::MotionPrior;
 
@@ -17,7 +18,7 @@ use crate::residual::motion_prior::MotionPrior;
 pub enum Motion {
     /// It starts from the last pose.
     Still,
-    /// It starts where the motion between the last two frames leads.
+    /// It starts where the velocity between the last two frames leads in the time to this one.
     #[default]
     Velocity,
     /// The iterated extended Kalman filter (6.1): pose and velocity, and how sure they are.
@@ -43,11 +44,44 @@ pub struct KalmanOptions {
     pub turn_acceleration: f64,
     /// √q of the root, m/s^1.5.
     pub move_acceleration: f64,
+    /// τ: seconds after which 1/e is left of a velocity. What is not seen must not go on for ever.
+    pub memory: f64,
 }
 
 impl Default for KalmanOptions {
     fn default() -> Self {
-        Self { measurement_deviation: 200.0, turn_acceleration: 8.0, move_acceleration: 2.0 }
+        Self { measurement_deviation: 200.0, turn_acceleration: 3.0, move_acceleration: 1.0, memory: 0.3 }
+    }
+}
+
+/// What is wrong with the choices of a motion model.
+#[derive(Debug, Error, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum MotionError {
+    #[error("`kalman.{field}` is {value}; expected a finite number above 0, {unit}")]
+    Noise { field: &'static str, value: f64, unit: &'static str },
+    #[error("`frame_rate` is {0}; expected a finite number above 0, frames a second")]
+    FrameRate(f64),
+}
+
+impl KalmanOptions {
+    /// First thing wrong with the numbers, by field.
+    ///
+    /// # Errors
+    /// A deviation that is not finite and above 0: a filter without noise is certain for ever.
+    pub fn check(&self) -> Result<(), MotionError> {
+        let fields = [
+            ("measurement_deviation", self.measurement_deviation, "grey levels"),
+            ("turn_acceleration", self.turn_acceleration, "rad/s^1.5"),
+            ("move_acceleration", self.move_acceleration, "m/s^1.5"),
+            ("memory", self.memory, "seconds"),
+        ];
+        // Squares must be numbers too.
+        let is_good = |value: f64| value > 0.0 && (value * value).is_normal();
+        match fields.into_iter().find(|&(_, value, _)| !is_good(value)) {
+            Some((field, value, unit)) => Err(MotionError::Noise { field, value, unit }),
+            None => Ok(()),
+        }
     }
 }
 
@@ -62,8 +96,36 @@ const START_MOVE_VELOCITY: f64 = 1.0;
 pub struct FrameBelief {
     /// After the frame was seen: velocity, and covariance of pose and velocity in tangent columns.
     pub belief: Belief,
-    /// Before it was seen, where there was a frame before: mean pose, belief and the seconds since.
+    /// Before it was seen, where the filter goes on from the frame before: mean pose, belief and the seconds since.
     pub predicted: Option<Predicted>,
+    /// How the frame agreed with what was foretold; `None` where nothing was, or nobody was seen.
+    pub innovation: Option<Innovation>,
+    /// Why the filter began at this frame; `None` where it went on.
+    pub begins: Option<Begins>,
+    /// What the frame says by itself at its pose; `None` where nobody was seen.
+    pub seen: Option<Seen>,
+}
+
+/// What a frame says of its pose by itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Seen {
+    /// JᵀJ, tangent columns × tangent columns.
+    pub products: DMatrix<f64>,
+    /// Jᵀρ, tangent columns.
+    pub pull: DVector<f64>,
+}
+
+/// Why a filter begins at a frame instead of going on from the one before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Begins {
+    /// It is the first one.
+    First,
+    /// The subject was lost in the frame before.
+    AfterLoss,
+    /// The fit near what was foretold was lost, and the pose was found elsewhere.
+    FoundElsewhere,
+    /// What was believed could not be carried on.
+    Broken(FilterError),
 }
 
 /// What was foretold of a frame.
@@ -75,6 +137,20 @@ pub struct Predicted {
     pub belief: Belief,
     /// Since the frame before; negative when tracking backwards.
     pub seconds: f64,
+    /// By which it was foretold.
+    pub noise: KalmanOptions,
+}
+
+impl Predicted {
+    /// What it says of a frame's pose.
+    ///
+    /// # Errors
+    /// The covariance is certain of a direction.
+    pub(super) fn prior(&self) -> Result<MotionPrior, FilterError> {
+        let information = self.belief.pose_information().ok_or(FilterError::Certain)?;
+        let variance = self.noise.measurement_deviation.powi(2);
+        Ok(MotionPrior { mean: self.mean.clone(), information, variance })
+    }
 }
 
 /// The filter of one track.
@@ -82,7 +158,16 @@ pub struct Predicted {
 pub(super) struct MotionFilter {
     options: KalmanOptions,
     model: ConstantVelocity,
-    belief: Option<Belief>,
+    /// The last frame's mean pose and what is believed of it.
+    last: Option<(Pose, Belief)>,
+}
+
+impl KalmanOptions {
+    /// The motion model of a body with n tangent columns.
+    pub(super) fn model(&self, n: usize) -> ConstantVelocity {
+        let acceleration = columns(n, self.move_acceleration, self.turn_acceleration);
+        ConstantVelocity { acceleration, memory: self.memory }
+    }
 }
 
 /// Root and rotations of n tangent columns.
@@ -90,49 +175,94 @@ fn columns(n: usize, of_root: f64, of_turns: f64) -> DVector<f64> {
     DVector::from_fn(n, |column, _| if column < 3 { of_root } else { of_turns })
 }
 
+/// What is believed before the first frame of n tangent columns.
+pub(super) fn start_belief(n: usize) -> Belief {
+    let pose = columns(n, START_MOVE, START_TURN);
+    Belief::at_rest(&pose, &columns(n, START_MOVE_VELOCITY, START_TURN_VELOCITY))
+}
+
 impl MotionFilter {
     pub(super) fn new(model: &Model, options: KalmanOptions) -> Self {
         let n = Parameters::Tangent.columns(model.rotation_count());
-        let acceleration = columns(n, options.move_acceleration, options.turn_acceleration);
-        Self { options, model: ConstantVelocity { acceleration }, belief: None }
+        Self { options, model: options.model(n), last: None }
     }
 
-    /// What is foretold `seconds` after a frame whose pose was `last`.
-    pub(super) fn predict(&self, last: &Pose, seconds: f64) -> Option<Predicted> {
-        let (step, belief) = self.model.predict(self.belief.as_ref()?, seconds);
+    /// What is foretold `seconds` after the last frame, if there was one.
+    pub(super) fn predict(&self, seconds: f64) -> Option<Predicted> {
+        let (last, belief) = self.last.as_ref()?;
+        let (step, belief) = self.model.predict(belief, seconds);
         let mean = last.retract(Parameters::Tangent, step.as_slice());
-        Some(Predicted { mean, belief, seconds })
+        Some(Predicted { mean, belief, seconds, noise: self.options })
     }
 
-    /// The prior of a fit. `None` if the numbers ran out.
-    pub(super) fn prior(&self, predicted: &Predicted) -> Option<MotionPrior> {
-        let information = predicted.belief.pose_information()?;
-        let variance = self.options.measurement_deviation.powi(2);
-        Some(MotionPrior { mean: predicted.mean.clone(), information, variance })
-    }
-
-    /// Learns a frame's pose and JᵀJ; `products` is `None` where there was nothing to see.
+    /// Learns a frame's pose with its JᵀJ and Jᵀρ; `seen` is `None` where there was nothing to see. Without a prediction it
+    /// begins, for the reason given.
     pub(super) fn learn(
         &mut self,
         pose: &Pose,
-        products: Option<&DMatrix<f64>>,
-        predicted: Option<Predicted>,
+        seen: Option<(DMatrix<f64>, DVector<f64>)>,
+        predicted: Result<Predicted, Begins>,
     ) -> FrameBelief {
+        let products = seen.as_ref().map(|seen| &seen.0);
+        let mut learned = match predicted {
+            Ok(predicted) => self
+                .go_on(pose, products, predicted)
+                .unwrap_or_else(|error| self.begin(products, Begins::Broken(error))),
+            Err(begins) => self.begin(products, begins),
+        };
+        learned.seen = seen.map(|(products, pull)| Seen { products, pull });
+        self.last = Some((pose.clone(), learned.belief.clone()));
+        learned
+    }
+
+    fn go_on(
+        &self,
+        pose: &Pose,
+        products: Option<&DMatrix<f64>>,
+        predicted: Predicted,
+    ) -> Result<FrameBelief, FilterError> {
+        let step = DVector::from_vec(pose.local(&predicted.mean));
+        let (belief, innovation) = match products {
+            Some(products) => {
+                let variance = self.options.measurement_deviation.powi(2);
+                let updated = update::update(&predicted.belief, &step, products, variance)?;
+                (updated.belief, Some(updated.innovation))
+            }
+            None => (predicted.belief.clone(), None),
+        };
+        Ok(FrameBelief { belief, predicted: Some(predicted), innovation, begins: None, seen: None })
+    }
+
+    fn begin(&self, products: Option<&DMatrix<f64>>, begins: Begins) -> FrameBelief {
         let n = self.model.acceleration.len();
-        let start = || {
-            let pose = columns(n, START_MOVE, START_TURN);
-            Belief::at_rest(&pose, &columns(n, START_MOVE_VELOCITY, START_TURN_VELOCITY))
-        };
-        let (prior, step) = match &predicted {
-            Some(predicted) => (predicted.belief.clone(), DVector::from_vec(pose.local(&predicted.mean))),
-            None => (start(), DVector::zeros(n)),
-        };
+        let start = start_belief(n);
         let variance = self.options.measurement_deviation.powi(2);
-        let belief = match products {
-            Some(products) => update::update(&prior, &step, products, variance).unwrap_or_else(start),
-            None => prior,
-        };
-        self.belief = Some(belief.clone());
-        FrameBelief { belief, predicted }
+        // Where even this cannot be learned, what is believed is what a start is.
+        let belief = products
+            .and_then(|products| update::update(&start, &DVector::zeros(n), products, variance).ok())
+            .map_or(start, |updated| updated.belief);
+        FrameBelief { belief, predicted: None, innovation: None, begins: Some(begins), seen: None }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_that_makes_no_sense_is_named() {
+        let good = KalmanOptions::default();
+        assert_eq!(good.check(), Ok(()));
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e200, 1e-200] {
+            for (options, field) in [
+                (KalmanOptions { measurement_deviation: bad, ..good }, "measurement_deviation"),
+                (KalmanOptions { turn_acceleration: bad, ..good }, "turn_acceleration"),
+                (KalmanOptions { move_acceleration: bad, ..good }, "move_acceleration"),
+                (KalmanOptions { memory: bad, ..good }, "memory"),
+            ] {
+                let message = options.check().unwrap_err().to_string();
+                assert!(message.contains(field), "{bad}: {message}");
+            }
+        }
     }
 }

@@ -6,13 +6,12 @@ use serde::{Deserialize, Serialize};
 
 use super::estimate::{FrameEstimate, iou};
 use super::lost::{Lost, UsualCost};
-use super::motion::{Motion, MotionFilter, Predicted};
+use super::motion::{Begins, Motion, MotionError, MotionFilter, Predicted};
 use crate::body::{Kinematics, Model, Parameters, Pose};
 use crate::camera::Camera;
 use crate::cancel::CancelToken;
 use crate::fit::{Evidence, Fit, FitError, FitOptions, FitView, SolverSummary};
 use crate::render::{Ramp, RendererKind, View, prediction};
-use crate::residual::motion_prior::MotionPrior;
 use crate::search::{self, Hypothesis, SearchOptions};
 use crate::silhouette::{Label, Mask, Overlap};
 
@@ -84,16 +83,27 @@ struct Attempt {
     lost: Option<Lost>,
 }
 
-/// Follows a body from frame to frame, forwards or backwards.
+/// The frame before.
+#[derive(Debug)]
+struct LastFrame {
+    frame: usize,
+    /// As it was fitted, before any filter.
+    pose: Pose,
+    /// Whether the subject was lost there.
+    lost: bool,
+    /// Tangent units per second, where the motion goes on from the frame before that.
+    velocity: Option<Vec<f64>>,
+}
+
+/// Follows a body from frame to frame, forwards or backwards. Frames need not follow one another at equal distances:
+/// their numbers and the frame rate are the time.
 #[derive(Debug)]
 pub struct Tracker {
     model: Arc<Model>,
     options: FitOptions,
-    next_start: Pose,
-    /// The last frame's number and pose.
-    last: Option<(usize, Pose)>,
-    /// Whether the subject was lost there.
-    lost: bool,
+    /// Where the first frame's fit starts.
+    start: Pose,
+    last: Option<LastFrame>,
     usual: UsualCost,
     motion: Motion,
     search: WhenToSearch,
@@ -113,9 +123,8 @@ impl Tracker {
         Ok(Self {
             model,
             options,
-            next_start: start.normalized(),
+            start: start.normalized(),
             last: None,
-            lost: false,
             usual: UsualCost::default(),
             motion: Motion::default(),
             search: WhenToSearch::default(),
@@ -125,15 +134,23 @@ impl Tracker {
     }
 
     /// Carries motion from frame to frame in another way, at so many frames a second.
-    #[must_use]
-    pub fn with_motion(mut self, motion: Motion, frame_rate: f64) -> Self {
+    ///
+    /// # Errors
+    /// A number that makes no sense, by field.
+    pub fn with_motion(mut self, motion: Motion, frame_rate: f64) -> Result<Self, MotionError> {
+        if !(frame_rate.is_normal() && frame_rate > 0.0) {
+            return Err(MotionError::FrameRate(frame_rate));
+        }
+        if let Motion::Kalman(options) = &motion {
+            options.check()?;
+        }
         self.motion = motion;
         self.frame_seconds = 1.0 / frame_rate;
         self.filter = match motion {
             Motion::Kalman(options) => Some(MotionFilter::new(&self.model, options)),
             Motion::Still | Motion::Velocity => None,
         };
-        self
+        Ok(self)
     }
 
     /// Looks for other poses in a first frame and after a lost one.
@@ -146,14 +163,22 @@ impl Tracker {
     /// Goes on from a frame that was fitted before: the next one skips the wide first stages.
     #[must_use]
     pub fn continuing_from(mut self, frame: usize) -> Self {
-        self.last = Some((frame, self.next_start.clone()));
+        self.last = Some(LastFrame { frame, pose: self.start.clone(), lost: false, velocity: None });
         self
     }
 
-    /// The pose that the next frame's fit will start from.
+    /// The pose that a frame's fit will start from: where the motion leads until then.
     #[must_use]
-    pub fn next_start(&self) -> &Pose {
-        &self.next_start
+    pub fn start_of(&self, frame: usize) -> Pose {
+        let Some(last) = &self.last else { return self.start.clone() };
+        match &last.velocity {
+            Some(velocity) => {
+                let seconds = self.seconds_between(last.frame, frame);
+                let step: Vec<f64> = velocity.iter().map(|value| value * seconds).collect();
+                last.pose.retract(Parameters::Tangent, &step)
+            }
+            None => last.pose.clone(),
+        }
     }
 
     /// Fits one frame. A camera that sees nobody is left out and named. A frame in which none sees anybody is marked lost
@@ -161,7 +186,7 @@ impl Tracker {
     ///
     /// A frame that looks lost ([`Lost`]) is fitted once more, as widely as a first frame, other poses included where that
     /// is asked for ([`with_search`](Self::with_search)); the better fit stays. After a lost frame the motion is not
-    /// carried on, and the next one begins as widely.
+    /// carried on, and the next one begins as widely. What leads from a lost pose to the one that is found is no motion.
     ///
     /// # Errors
     /// Data that are not the camera's. Nothing that was tracked is lost.
@@ -173,14 +198,13 @@ impl Tracker {
     ) -> Result<FrameEstimate, FitError> {
         let masks = FrameMasks::of(&views);
         let mut predicted = self.predict(frame);
-        let start = predicted.as_ref().map_or(&self.next_start, |predicted| &predicted.mean).clone();
-        let prior = self.filter.as_ref().zip(predicted.as_ref()).and_then(|(filter, p)| filter.prior(p));
-        let begins = self.last.is_none() || self.lost;
+        let start = self.start_of(frame);
+        let begins = self.last.as_ref().is_none_or(|last| last.lost);
         let again = (!begins).then(|| views.clone());
         let found = if begins {
             self.fit_widely(views, &start, &masks, cancel)
         } else {
-            self.follow(views, start.clone(), prior, cancel)
+            self.follow(views, start.clone(), cancel)
         };
         let found = match found {
             Ok(found) => found,
@@ -193,10 +217,10 @@ impl Tracker {
             if wider.found.summary.final_rms < attempt.found.summary.final_rms {
                 attempt = wider;
                 // Where the motion was wrong it says nothing of what follows.
-                predicted = None;
+                predicted = Err(Begins::FoundElsewhere);
             }
         }
-        Ok(self.keep(frame, attempt, predicted))
+        Ok(self.keep(frame, attempt, predicted, &masks, cancel))
     }
 
     fn attempt(&self, found: Found, masks: &FrameMasks) -> Attempt {
@@ -205,13 +229,35 @@ impl Tracker {
         Attempt { found, overlap, lost }
     }
 
-    /// Learns from a frame's fit.
-    fn keep(&mut self, frame: usize, attempt: Attempt, predicted: Option<Predicted>) -> FrameEstimate {
-        let Attempt { found: Found { mut fit, summary, hypotheses }, overlap, lost } = attempt;
+    /// Learns from a frame's fit. A Kalman filter weighs it against what was foretold; the next frame's fit starts from it as
+    /// it is, so that what the filter believes loses nothing that the fit would have found.
+    fn keep(
+        &mut self,
+        frame: usize,
+        attempt: Attempt,
+        mut predicted: Result<Predicted, Begins>,
+        masks: &FrameMasks,
+        cancel: &CancelToken,
+    ) -> FrameEstimate {
+        let goes_on = predicted != Err(Begins::FoundElsewhere);
+        let Attempt { found: Found { mut fit, mut summary, hypotheses }, mut overlap, lost } = attempt;
         self.usual.remember(summary.final_rms, lost);
+        let fitted = summary.pose.clone();
+        if lost.is_none()
+            && let Ok(foretold) = &predicted
+        {
+            match foretold.prior() {
+                Ok(prior) => {
+                    fit.go_on_with(prior);
+                    summary = fit.run(cancel, |_| {});
+                    overlap = masks.overlap(&self.model, &summary.pose, self.options.renderer);
+                }
+                Err(error) => predicted = Err(Begins::Broken(error)),
+            }
+        }
         let belief = self.filter.as_mut().map(|filter| {
-            let products = lost.is_none().then(|| fit.frame_equations().jtj);
-            filter.learn(&summary.pose, products.as_ref(), predicted)
+            let seen = lost.is_none().then(|| fit.frame_equations()).map(|own| (own.jtj, own.jtr));
+            filter.learn(&summary.pose, seen, predicted)
         });
         let estimate = FrameEstimate {
             frame,
@@ -226,7 +272,7 @@ impl Tracker {
             belief,
             hypotheses,
         };
-        self.advance(&estimate);
+        self.advance(frame, fitted, lost.is_some(), goes_on);
         estimate
     }
 
@@ -236,7 +282,7 @@ impl Tracker {
         frame: usize,
         pose: Pose,
         masks: &FrameMasks,
-        predicted: Option<Predicted>,
+        predicted: Result<Predicted, Begins>,
     ) -> FrameEstimate {
         let belief = self.filter.as_mut().map(|filter| filter.learn(&pose, None, predicted));
         let estimate = FrameEstimate {
@@ -252,25 +298,15 @@ impl Tracker {
             belief,
             hypotheses: Vec::new(),
         };
-        self.advance(&estimate);
+        self.advance(frame, estimate.pose.clone(), true, false);
         estimate
     }
 
-    /// Fits a frame near the one before: from a start, or from what the motion foretells, without the widest stages.
-    fn follow(
-        &self,
-        views: Vec<FitView>,
-        start: Pose,
-        prior: Option<MotionPrior>,
-        cancel: &CancelToken,
-    ) -> Result<Found, FitError> {
+    /// Fits a frame near the one before, without the widest stages.
+    fn follow(&self, views: Vec<FitView>, start: Pose, cancel: &CancelToken) -> Result<Found, FitError> {
         let model = Arc::clone(&self.model);
         let options = self.options.clone().near_at_scale(&model, &views, &start);
-        let fit = match prior {
-            Some(prior) => Fit::with_motion_prior(model, views, prior, options),
-            None => Fit::new(model, views, start, options),
-        }?;
-        Ok(Found::run(fit, Vec::new(), cancel))
+        Ok(Found::run(Fit::new(model, views, start, options)?, Vec::new(), cancel))
     }
 
     /// Fits a frame from far away: with all stages, and with a search where that is asked for.
@@ -311,24 +347,31 @@ impl Tracker {
         Ok(Found::run(fit, found, cancel))
     }
 
-    /// What the Kalman filter foretells of a frame; after a lost one it begins anew.
-    fn predict(&self, frame: usize) -> Option<Predicted> {
-        let (before, pose) = self.last.as_ref().filter(|_| !self.lost)?;
-        let frames = frame as f64 - *before as f64;
-        self.filter.as_ref()?.predict(pose, frames * self.frame_seconds)
+    /// What the Kalman filter foretells of a frame, or why it begins there.
+    fn predict(&self, frame: usize) -> Result<Predicted, Begins> {
+        let last = self.last.as_ref().ok_or(Begins::First)?;
+        if last.lost {
+            return Err(Begins::AfterLoss);
+        }
+        let seconds = self.seconds_between(last.frame, frame);
+        self.filter.as_ref().and_then(|filter| filter.predict(seconds)).ok_or(Begins::First)
     }
 
-    /// Predicts the next start: the motion between the last two frames goes on, unless the subject was lost.
-    fn advance(&mut self, estimate: &FrameEstimate) {
-        let (frame, pose) = (estimate.frame, &estimate.pose);
-        let goes_on = self.motion != Motion::Still && !estimate.is_lost();
-        self.next_start = match &self.last {
-            Some((before, from)) if *before != frame && goes_on => {
-                pose.retract(Parameters::Tangent, &pose.local(from))
-            }
-            _ => pose.clone(),
-        };
-        self.last = Some((frame, pose.clone()));
-        self.lost = estimate.is_lost();
+    /// Negative backwards.
+    fn seconds_between(&self, before: usize, frame: usize) -> f64 {
+        (frame as f64 - before as f64) * self.frame_seconds
+    }
+
+    /// Takes a frame as the last one. Its velocity is the motion from the one before, unless the subject was lost in one
+    /// of the two or was found elsewhere: what leads to a recovered pose is no motion.
+    fn advance(&mut self, frame: usize, pose: Pose, lost: bool, goes_on: bool) {
+        let before = self.last.as_ref().filter(|last| {
+            self.motion != Motion::Still && goes_on && !lost && !last.lost && last.frame != frame
+        });
+        let velocity = before.map(|last| {
+            let seconds = self.seconds_between(last.frame, frame);
+            pose.local(&last.pose).into_iter().map(|value| value / seconds).collect()
+        });
+        self.last = Some(LastFrame { frame, pose, lost, velocity });
     }
 }

@@ -186,11 +186,11 @@ fn data_of_another_size_change_nothing_that_was_tracked() {
     let options = FitOptions::preset(Preset::Robust);
     let mut tracker = Tracker::new(Arc::clone(&model), options, truth(&model, 0)).unwrap();
     tracker.track_frame(0, views(seen(&model, 0)), &CancelToken::new()).unwrap();
-    let next = tracker.next_start().clone();
+    let next = tracker.start_of(1);
     let small = || Mask::filled(3, 3, Label::Subject).unwrap();
     let found = tracker.track_frame(1, views([small(), small()]), &CancelToken::new());
     assert!(matches!(found, Err(FitError::Size { camera, .. }) if camera == "left"));
-    assert_eq!(tracker.next_start(), &next);
+    assert_eq!(tracker.start_of(1), next);
     let estimate = tracker.track_frame(1, views(seen(&model, 1)), &CancelToken::new()).unwrap();
     assert!(!estimate.is_lost() && error_mm(&model, 1, &estimate.pose) < 30.0);
 }

@@ -13,7 +13,7 @@ fn allowed(module: &str) -> Option<Vec<&'static str>> {
         "segment" => vec!["silhouette", "cancel"],
         "render" => vec!["body", "camera", "silhouette", "geometry", "cancel"],
         "residual" => vec!["render", "body", "camera", "silhouette", "optimize", "geometry"],
-        "filter" => vec!["optimize"],
+        "filter" => vec!["geometry"],
         "metrics" => vec!["body"],
         "posing" => vec!["body", "residual", "optimize"],
         "visual_hull" => vec!["camera", "silhouette", "cancel"],

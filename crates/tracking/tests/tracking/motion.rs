@@ -1,0 +1,185 @@
+//! Motion carried from frame to frame: by time and not by frames, and not over the jump to a pose that was found again; and
+//! whether the Kalman filter errs as it says.
+
+use std::sync::Arc;
+
+use backlit_tracking::body::{Model, Pose, builtin};
+use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::filter::consistency::{chi_square_bounds, normalised_square};
+use backlit_tracking::filter::update::update;
+use backlit_tracking::filter::{Belief, ConstantVelocity, Innovation, tangent};
+use backlit_tracking::fit::{Evidence, FitOptions, FitView};
+use backlit_tracking::geometry::rotation;
+use backlit_tracking::metrics::mean_joint_error_mm;
+use backlit_tracking::render::{Ramp, RendererKind, predict};
+use backlit_tracking::silhouette::{Label, Mask};
+use backlit_tracking::track::{Begins, FrameEstimate, KalmanOptions, Motion, Tracker};
+use glam::DVec3;
+use nalgebra::{DMatrix, DVector};
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::SeedableRng;
+
+const RATE: f64 = 30.0;
+
+/// A body that moves evenly; a frame is any moment.
+fn truth(model: &Model, frame: f64) -> Pose {
+    let mut pose = Pose::rest(model);
+    pose.root.x += 0.012 * frame;
+    let arm = model.limbs()[model.limb_index("right upper arm").unwrap()].rotation;
+    pose.rotations[arm] = rotation::exp(DVec3::new(0.0, 0.0, -0.05 * frame)) * pose.rotations[arm];
+    pose
+}
+
+fn views(model: &Model, pose: Option<&Pose>) -> Vec<FitView> {
+    let view = |(name, at): (&str, DVec3)| {
+        let intrinsics = Intrinsics { fx: 200.0, fy: 200.0, cx: 95.5, cy: 71.5 };
+        let place = CameraFromWorld::looking_at(at, DVec3::new(0.0, 0.25, 0.0), DVec3::NEG_Y);
+        let camera = Arc::new(Camera::new(name, [192, 144], intrinsics, Distortion::None, place).unwrap());
+        let mask = match pose {
+            Some(pose) => {
+                let kinematics = backlit_tracking::body::Kinematics::new(model, pose);
+                let drawn = predict(model, &kinematics, &camera, RendererKind::Capsule, Ramp::Half);
+                let label = |&level: &f32| if level < 127.5 { Label::Subject } else { Label::Background };
+                Mask::new(192, 144, drawn.lambda.iter().map(label).collect()).unwrap()
+            }
+            None => Mask::filled(192, 144, Label::Background).unwrap(),
+        };
+        FitView { camera, evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
+    };
+    [("front", DVec3::new(0.0, 0.0, 3.2)), ("right", DVec3::new(3.2, 0.0, 0.0))].map(view).into()
+}
+
+fn motions() -> [Motion; 2] {
+    [Motion::Velocity, Motion::Kalman(KalmanOptions::default())]
+}
+
+fn tracker(model: &Arc<Model>, motion: Motion, first: f64) -> Tracker {
+    let tracker = Tracker::new(Arc::clone(model), FitOptions::default(), truth(model, first)).unwrap();
+    tracker.with_motion(motion, RATE).unwrap()
+}
+
+fn track(tracker: &mut Tracker, frame: usize, views: Vec<FitView>) -> FrameEstimate {
+    tracker.track_frame(frame, views, &CancelToken::new()).unwrap()
+}
+
+/// Frames 0, 10, 11, 13 and backwards: the next start lies where the body will be, not ten times as far.
+#[test]
+fn the_motion_goes_on_by_time_and_not_by_frames() {
+    let model = Arc::new(builtin::upper_body());
+    for motion in motions() {
+        for frames in [[0, 10, 11, 13], [13, 11, 10, 0]] {
+            let mut tracker = tracker(&model, motion, frames[0] as f64);
+            for &frame in &frames[..2] {
+                track(&mut tracker, frame, views(&model, Some(&truth(&model, frame as f64))));
+            }
+            for &frame in &frames[2..] {
+                let seen = truth(&model, frame as f64);
+                let off = mean_joint_error_mm(&model, &tracker.start_of(frame), &seen);
+                assert!(off < 15.0, "{motion:?}, {frames:?}: frame {frame} starts {off:.0} mm off");
+                assert!(!track(&mut tracker, frame, views(&model, Some(&seen))).is_lost());
+            }
+        }
+    }
+}
+
+/// Nobody in frame 2, and in frame 3 the body is elsewhere: that was no motion.
+#[test]
+fn what_leads_to_a_recovered_pose_is_no_motion() {
+    let model = Arc::new(builtin::upper_body());
+    for motion in motions() {
+        let mut tracker = tracker(&model, motion, 0.0);
+        for frame in 0..2 {
+            track(&mut tracker, frame, views(&model, Some(&truth(&model, frame as f64))));
+        }
+        assert!(track(&mut tracker, 2, views(&model, None)).is_lost());
+        let elsewhere = truth(&model, 8.0);
+        let found = track(&mut tracker, 3, views(&model, Some(&elsewhere)));
+        assert!(!found.is_lost() && mean_joint_error_mm(&model, &found.pose, &elsewhere) < 20.0);
+        assert_eq!(tracker.start_of(4), found.pose, "{motion:?}");
+        let begins = found.belief.and_then(|belief| belief.begins);
+        assert_eq!(begins, matches!(motion, Motion::Kalman(_)).then_some(Begins::AfterLoss));
+    }
+}
+
+#[test]
+fn options_that_make_no_sense_are_named() {
+    let model = Arc::new(builtin::upper_body());
+    let refused = |motion, rate| {
+        let tracker = Tracker::new(Arc::clone(&model), FitOptions::default(), Pose::rest(&model)).unwrap();
+        tracker.with_motion(motion, rate).unwrap_err().to_string()
+    };
+    let noise = KalmanOptions { turn_acceleration: -1.0, ..KalmanOptions::default() };
+    assert!(refused(Motion::Kalman(noise), RATE).contains("kalman.turn_acceleration"));
+    assert!(refused(Motion::Velocity, 0.0).contains("frame_rate"));
+}
+
+fn normal(random: &mut Pcg64Mcg, size: usize) -> DVector<f64> {
+    DVector::from_fn(size, |_, _| {
+        let (u, v): (f64, f64) = (random.random_range(f64::MIN_POSITIVE..1.0), random.random_range(0.0..1.0));
+        (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
+    })
+}
+
+/// One simulated sequence on the manifold, of root and two rotations, drawn from the model itself and followed by a filter
+/// whose accelerations are `factor` times the true ones. NIS of all frames, NEES of the last one.
+fn simulated(seed: u64, factor: f64) -> (Innovation, f64) {
+    const N: usize = 9;
+    let random = &mut Pcg64Mcg::seed_from_u64(seed);
+    let truth = ConstantVelocity { acceleration: DVector::from_element(N, 2.0), memory: 0.5 };
+    let filter = ConstantVelocity { acceleration: &truth.acceleration * factor, ..truth.clone() };
+    let mut belief = Belief::at_rest(&DVector::from_element(N, 0.05), &DVector::from_element(N, 1.0));
+    let (mut mean, mut pose) = (DVector::zeros(N), normal(random, N) * 0.05);
+    let mut velocity = normal(random, N);
+    let variance = 0.3;
+    let mut sum = Innovation::default();
+    for frame in 0..30 {
+        let seconds = [1.0 / 30.0, 1.0 / 10.0, 1.0 / 60.0][frame % 3];
+        let nothing = Belief { velocity: velocity.clone(), covariance: DMatrix::zeros(2 * N, 2 * N) };
+        let (step, noise) = truth.predict(&nothing, seconds);
+        let drawn = noise.covariance.cholesky().unwrap().l() * normal(random, 2 * N);
+        pose = tangent::compose(&tangent::compose(&pose, &step), &drawn.rows(0, N).into_owned());
+        velocity = noise.velocity + drawn.rows(N, N);
+
+        let (step, prior) = filter.predict(&belief, seconds);
+        mean = tangent::compose(&mean, &step);
+        // Seven numbers that tell of nine columns: two directions are not seen.
+        let jacobian = DMatrix::from_fn(7, N, |i, j| 12.0 * ((3 * i + 5 * j + frame * i * j) as f64).sin());
+        let residual = normal(random, 7) * variance.sqrt() + &jacobian * tangent::compose(&-&mean, &pose);
+        let products = jacobian.tr_mul(&jacobian);
+        let information = &products / variance + prior.pose_information().unwrap();
+        let step = information.cholesky().unwrap().solve(&(jacobian.tr_mul(&residual) / variance));
+        let updated = update(&prior, &step, &products, variance).unwrap();
+        mean = tangent::compose(&mean, &step);
+        belief = updated.belief;
+        sum += updated.innovation;
+    }
+    let mut error = DVector::zeros(2 * N);
+    error.rows_mut(0, N).copy_from(&tangent::compose(&-&mean, &pose));
+    error.rows_mut(N, N).copy_from(&(velocity - &belief.velocity));
+    (sum, normalised_square(&error, &belief.covariance).unwrap())
+}
+
+/// NIS and NEES of forty sequences lie within the 95 % bounds of chi-square; of a filter that believes in a tenth of the
+/// accelerations they do not.
+#[test]
+fn the_filter_errs_as_it_says() {
+    const RUNS: u64 = 40;
+    let all = |factor: f64| {
+        (1..=RUNS)
+            .map(|seed| simulated(seed, factor))
+            .fold((Innovation::default(), 0.0), |sum, run| (sum.0 + run.0, sum.1 + run.1))
+    };
+    let degrees = 18 * RUNS as usize;
+    let inside = |ratio: f64, degrees| {
+        let [low, high] = chi_square_bounds(degrees);
+        (low..high).contains(&ratio)
+    };
+    let (innovation, error) = all(1.0);
+    let (nis, nees) = (innovation.ratio().unwrap(), error / degrees as f64);
+    assert!(inside(nis, innovation.directions), "NIS {nis} of {}", innovation.directions);
+    assert!(inside(nees, degrees), "NEES {nees} of {degrees}");
+    let (innovation, error) = all(0.1);
+    assert!(innovation.ratio().unwrap() > 1.3 && error / degrees as f64 > 1.3, "{innovation:?} {error}");
+}
