@@ -212,8 +212,8 @@ fn follow(
     cancel: &CancelToken,
 ) -> Result<Followed, ExperimentError> {
     let model = &sequence.model;
-    let mut tracker =
-        Tracker::new(Arc::clone(model), way.fit.clone(), from)?.with_motion(way.motion, sequence.frame_rate);
+    let mut tracker = Tracker::new(Arc::clone(model), way.fit.clone(), from)?
+        .with_motion(way.motion, sequence.frame_rate)?;
     let mut followed = Followed::default();
     for (frame, (moment, views)) in sequence.moments.iter().zip(views).enumerate() {
         let estimate = tracker.track_frame(frame, views.clone(), cancel)?;
