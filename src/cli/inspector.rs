@@ -61,7 +61,7 @@ fn track(footage: &Footage) -> anyhow::Result<TrackReport> {
     let cameras: Vec<usize> = (0..take.rig().count()).collect();
     let start = StartArguments::none().pose(take, 0)?;
     let tracker = Tracker::new(Arc::clone(take.model()), FitOptions::default(), start)?;
-    let mut report = TrackReport::new(take, &cameras);
+    let mut report = TrackReport::new(take, &cameras, None);
     follow(footage, &cameras, &frames, tracker, &mut report, |_| Ok(()))?;
     Ok(report)
 }

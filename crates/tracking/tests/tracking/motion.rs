@@ -132,7 +132,7 @@ fn simulated(seed: u64, factor: f64) -> (Innovation, f64) {
     let mut belief = Belief::at_rest(&DVector::from_element(N, 0.05), &DVector::from_element(N, 1.0));
     let (mut mean, mut pose) = (DVector::zeros(N), normal(random, N) * 0.05);
     let mut velocity = normal(random, N);
-    let variance = 0.3;
+    let variance: f64 = 0.3;
     let mut sum = Innovation::default();
     for frame in 0..30 {
         let seconds = [1.0 / 30.0, 1.0 / 10.0, 1.0 / 60.0][frame % 3];
