@@ -161,7 +161,7 @@ mod tests {
                 .and_then(|before: usize| filter.predict(seconds - before as f64 / 30.0))
                 .ok_or(crate::track::Begins::First);
             let products = DMatrix::from_diagonal_element(6, 6, 4e6);
-            let belief = Some(filter.learn(&pose, Some((products, nalgebra::DVector::zeros(6))), predicted));
+            let belief = Some(filter.learn(&pose, Some((products, DVector::zeros(6))), predicted));
             last = Some(frame);
             found.push(FrameEstimate { belief, ..FrameEstimate::of_pose(frame, pose) });
         }
