@@ -55,7 +55,7 @@ pub fn normalised_square(error: &DVector<f64>, covariance: &DMatrix<f64>) -> Opt
 }
 
 /// Between these 95 of 100 sums of `degrees` squares of unit normal numbers lie, divided by `degrees`
-/// (E. B. Wilson, M. M. Hilferty, 1931: within 1 % from five degrees on).
+/// (E. B. Wilson, M. M. Hilferty, 1931: within 1 % from twenty degrees on).
 #[must_use]
 pub fn chi_square_bounds(degrees: usize) -> [f64; 2] {
     let spread = 2.0 / (9.0 * degrees.max(1) as f64);
@@ -69,10 +69,10 @@ mod tests {
     #[test]
     fn the_bounds_are_the_tables() {
         // From tables of the chi-square distribution: 2.5 % and 97.5 %.
-        for (degrees, table) in [(5, [0.831, 12.833]), (20, [9.591, 34.170]), (100, [74.222, 129.561])] {
+        for (degrees, table) in [(20, [9.591, 34.170]), (100, [74.222, 129.561])] {
             for (found, expected) in chi_square_bounds(degrees).into_iter().zip(table) {
                 assert!(
-                    (found * degrees as f64 / expected - 1.0).abs() < 0.015,
+                    (found * degrees as f64 / expected - 1.0).abs() < 0.01,
                     "{degrees}: {found} {expected}"
                 );
             }

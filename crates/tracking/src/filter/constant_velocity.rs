@@ -19,7 +19,7 @@ use super::belief::Belief;
 use super::tangent;
 
 /// Times of less than this share of τ: series, where the closed forms would lose their digits.
-const SHORT: f64 = 0.01;
+const SHORT: f64 = 1e-3;
 
 /// The motion model.
 #[derive(Debug, Clone, PartialEq)]
