@@ -46,8 +46,8 @@ impl FrameEstimate {
         Self {
             frame,
             pose,
-            cost: 0.0,
-            rms: 0.0,
+            cost: None,
+            rms: None,
             overlap: Vec::new(),
             empty_cameras: Vec::new(),
             iterations: 0,
