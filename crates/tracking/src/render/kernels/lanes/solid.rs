@@ -73,7 +73,6 @@ pub(super) struct AxisSight {
 
 /// The tiles of a solid's parts.
 #[derive(Debug, Clone, Copy)]
-#[expect(clippy::large_enum_variant, reason = "a box would be allocated for every solid in every evaluation")]
 pub(super) enum Outline {
     /// A ball about the first joint.
     Ball(BallOutline),
