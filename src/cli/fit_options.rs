@@ -81,7 +81,8 @@ pub(crate) struct SolverArguments {
     /// Numbers of a rotation that are solved for [default: the preset's]
     #[arg(long, value_enum)]
     pub(crate) parameters: Option<ParametersWord>,
-    /// Damping at the start of a stage, in units of the mean of JᵀJ's diagonal [default: the preset's]
+    /// Damping at the start of a stage, in units of the mean of JᵀJ's diagonal; with lm of a column's own where that
+    /// is larger [default: the preset's]
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = not_negative)]
     pub(crate) damping: Option<f64>,
     /// Most iterations in all, rejected ones too, shared equally among the preset's stages

@@ -28,7 +28,7 @@ pub struct RunStep {
     pub(crate) foretold: f64,
     /// How far it fell.
     pub(crate) fell: f64,
-    /// The damping, in units of mean(diag JᵀJ).
+    /// The damping, as the fit's options count it.
     pub(crate) damping: f64,
     /// Length of the step, metres and radians together; zero at the start.
     pub(crate) step_norm: f64,

@@ -20,6 +20,7 @@ mod schedule;
 pub use evidence::{Evidence, FitError, FitView};
 pub use fit::{Fit, IterationRecord, SolverSummary};
 pub use objective::Objective;
+pub(crate) use options::LEAST_SCALE;
 pub use options::{DataView, FitOptions, OptionsError, ParsePresetError, Preset, Stage};
 pub(crate) use prepared::Prepared;
 pub use schedule::Scale;

@@ -7,7 +7,8 @@
 //! |---|---|
 //! | [`LeastSquares`] | a problem, evaluated as [`NormalEquations`] |
 //! | [`NormalEquations`] | JᵀJ, Jᵀρ and the cost; sums of them; damped solution |
-//! | [`Solver`] | steps a problem by a [`Method`]: [`SolverOptions`] in, one [`Iteration`] a step, a [`Termination`] at its end |
+//! | [`Solver`] | steps a problem by a [`Method`]: [`SolverOptions`] in, one [`Iteration`] a step |
+//! | [`Tolerances`] | when it has converged, by gain, step and gradient; [`Termination`]: why it stopped |
 //! | [`gradient_check`] | analytic derivatives against differences, all mismatches by name |
 
 mod cholesky;
@@ -15,6 +16,8 @@ pub mod gradient_check;
 mod levenberg_marquardt;
 mod normal_equations;
 mod solver;
+mod termination;
 
 pub use normal_equations::{NormalEquations, StepMemory};
-pub use solver::{Iteration, LeastSquares, Method, ParseMethodError, Solver, SolverOptions, Termination};
+pub use solver::{Iteration, LeastSquares, Method, ParseMethodError, Solver, SolverOptions};
+pub use termination::{Termination, Tolerances};

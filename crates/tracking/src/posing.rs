@@ -5,7 +5,7 @@ use glam::{DQuat, DVec3};
 use nalgebra::DVector;
 
 use crate::body::{JointAngles, JointLimits, Kinematics, Limb, Model, Parameters, Pose, Range};
-use crate::optimize::{LeastSquares, Method, NormalEquations, Solver, SolverOptions};
+use crate::optimize::{LeastSquares, Method, NormalEquations, Solver, SolverOptions, Tolerances};
 use crate::residual::point::PointTarget;
 use crate::residual::{joint_limit, point, proximal_prior};
 
@@ -83,8 +83,9 @@ fn reach_from(
     let options = SolverOptions {
         method: Method::LevenbergMarquardt,
         damping: 1e-3,
+        least_scale: 0.0,
         max_iterations: ITERATIONS,
-        tolerance: Some(1e-6),
+        tolerances: Tolerances::by_gain(Some(1e-6)),
         run_all: false,
     };
     let mut solver = Solver::new(&mut chain, start, options);

@@ -18,7 +18,7 @@ pub(crate) enum Quantity {
     Rms,
     /// Length of the step, metres and radians together.
     StepNorm,
-    /// Damping of the step, in units of mean(diag JᵀJ).
+    /// Damping of the step, as the fit's options count it.
     Damping,
     /// By how much the step lowered the cost, and by how much the linear model said it would, in percent of the
     /// cost before.

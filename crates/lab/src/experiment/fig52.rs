@@ -21,7 +21,7 @@ use crate::synthetic::upper_body;
 /// A fit ends well when its mean joint error is below this, millimetres.
 pub const GOOD_MM: f64 = 20.0;
 
-/// Damping at the start of Levenberg-Marquardt, in units of mean(diag JᵀJ).
+/// Damping at the start of Levenberg-Marquardt, as the fit's options count it.
 pub const LM_DAMPING: f64 = 0.01;
 
 /// A way to fit: a name and every choice.

@@ -11,9 +11,8 @@ use super::report::{self, BodyFit};
 use super::scale;
 use crate::body::{Kinematics, Model, ModelError, PoseError, Sizes};
 use crate::cancel::CancelToken;
-use crate::fit::Stage;
-use crate::fit::{Evidence, FitError, FitView};
-use crate::optimize::{Method, Solver, SolverOptions, Termination};
+use crate::fit::{Evidence, FitError, FitView, LEAST_SCALE, Stage};
+use crate::optimize::{Method, Solver, SolverOptions, Termination, Tolerances};
 use crate::render::{Ramp, RendererKind, View, prediction};
 use crate::residual::proportion_prior::BodySizes;
 use crate::silhouette::{Overlap, SignedDistance};
@@ -87,8 +86,9 @@ pub fn fit_body(
         let solver_options = SolverOptions {
             method: Method::LevenbergMarquardt,
             damping: options.damping,
+            least_scale: LEAST_SCALE,
             max_iterations: stage.stage.iterations,
-            tolerance: stage.stage.tolerance,
+            tolerances: Tolerances::by_gain(stage.stage.tolerance),
             run_all: false,
         };
         let mut solver = Solver::new(&mut problem, state.clone(), solver_options);

@@ -34,7 +34,7 @@ pub struct BodyFitOptions {
     pub shape_weight: f64,
     /// Stages, from far away and as a whole to near and size by size.
     pub stages: Vec<BodyStage>,
-    /// Damping at the start of every stage, in units of mean(diag JᵀJ).
+    /// Damping at the start of every stage, as [`FitOptions::damping`] counts it.
     pub damping: f64,
     /// Pull of each frame towards the pose that it began with.
     pub proximal_weight: f64,

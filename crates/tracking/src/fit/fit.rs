@@ -8,7 +8,7 @@ use super::options::FitOptions;
 use super::prepared::Prepared;
 use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
-use crate::optimize::{NormalEquations, Solver, SolverOptions, Termination};
+use crate::optimize::{NormalEquations, Solver, Termination};
 use crate::residual::Loss;
 use crate::residual::motion_prior::MotionPrior;
 use crate::silhouette::SignedDistance;
@@ -33,7 +33,7 @@ pub struct IterationRecord {
     pub predicted_decrease: f64,
     /// By how much it fell; negative if it rose.
     pub actual_decrease: f64,
-    /// Damping, in units of mean(diag JᵀJ).
+    /// Damping, as [`FitOptions::damping`] counts it.
     pub damping: f64,
     /// Length of the step, metres and radians together.
     pub step_norm: f64,
@@ -197,14 +197,7 @@ impl Fit {
         {
             objective.doubt_pixels(pose, options.pixel_loss);
         }
-        let solver_options = SolverOptions {
-            method: options.method,
-            damping: options.damping,
-            max_iterations: stage.iterations,
-            tolerance: stage.tolerance,
-            run_all: options.run_all,
-        };
-        let solver = Solver::new(&mut objective, pose.clone(), solver_options);
+        let solver = Solver::new(&mut objective, pose.clone(), options.solver_options(&stage));
         (objective, solver)
     }
 

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::body::Parameters;
-use crate::optimize::Method;
+use crate::optimize::{Method, SolverOptions, Tolerances};
 use crate::render::{Ramp, RendererKind};
 use crate::residual::Loss;
 
@@ -39,7 +39,8 @@ pub struct Stage {
     pub stride: usize,
     /// Most iterations of this stage.
     pub iterations: usize,
-    /// Stop the stage when an accepted step lowers the cost by less than this fraction.
+    /// Stop the stage when a step gains less than this fraction of the cost
+    /// ([`Tolerances::gain`](crate::optimize::Tolerances::gain)).
     pub tolerance: Option<f64>,
     /// Factor on the weights of all priors in this stage.
     #[serde(default = "full_weight")]
@@ -63,7 +64,8 @@ pub struct FitOptions {
     pub parameters: Parameters,
     /// How steps are made.
     pub method: Method,
-    /// Damping at the start of every stage, in units of mean(diag JᵀJ).
+    /// Damping at the start of every stage, in units of mean(diag JᵀJ); with Levenberg-Marquardt in units of each column's
+    /// own diagonal where that is larger.
     pub damping: f64,
     /// Stages of the first frame, from far away.
     pub stages: Vec<Stage>,
@@ -166,7 +168,23 @@ const REPORT_SMOOTHING: DataView = DataView::Averaged { radius_px: 1 };
 /// the same only where they are narrower than every limb.
 const ROBUST_INNER_PX: f64 = 1.5;
 
+/// Least scale of a column of poses and sizes: what the pixels hardly see does not go farther than what they see. With less,
+/// a few more starts end in a wrong pose.
+pub(crate) const LEAST_SCALE: f64 = 1.0;
+
 impl FitOptions {
+    /// How a stage is solved.
+    pub(crate) fn solver_options(&self, stage: &Stage) -> SolverOptions {
+        SolverOptions {
+            method: self.method,
+            damping: self.damping,
+            least_scale: LEAST_SCALE,
+            max_iterations: stage.iterations,
+            tolerances: Tolerances::by_gain(stage.tolerance),
+            run_all: self.run_all,
+        }
+    }
+
     /// The choices of a preset.
     #[must_use]
     pub fn preset(preset: Preset) -> Self {

@@ -30,9 +30,9 @@ pub(crate) struct Cholesky {
 }
 
 impl Cholesky {
-    /// Factors `matrix` + `added` on its diagonal. Only the upper triangle is read. False if it is not positive:
+    /// Factors `matrix` + `added(column)` on its diagonal. Only the upper triangle is read. False if it is not positive:
     /// there is no factor then.
-    pub(crate) fn factor(&mut self, matrix: &DMatrix<f64>, added: f64) -> bool {
+    pub(crate) fn factor(&mut self, matrix: &DMatrix<f64>, added: impl Fn(usize) -> f64) -> bool {
         let n = matrix.nrows();
         let pitch = n.next_multiple_of(PANEL);
         if self.pitch != pitch {
@@ -56,14 +56,14 @@ impl Cholesky {
     }
 }
 
-struct Factor<'a> {
+struct Factor<'a, F> {
     cholesky: &'a mut Cholesky,
     matrix: &'a [f64],
     n: usize,
-    added: f64,
+    added: F,
 }
 
-impl WithSimd for Factor<'_> {
+impl<F: Fn(usize) -> f64> WithSimd for Factor<'_, F> {
     type Output = bool;
 
     #[inline(always)]
@@ -77,7 +77,7 @@ impl WithSimd for Factor<'_> {
                 let entries = matrix[last * n..last * n + last + 1].iter().rev();
                 target[column..n].iter_mut().zip(entries).for_each(|(target, entry)| *target = *entry);
                 target[n..].fill(0.0);
-                target[column] += added;
+                target[column] += added(last);
             } else {
                 target[column..].fill(0.0);
                 target[column] = 1.0;
@@ -279,7 +279,7 @@ mod tests {
                 matrix += DMatrix::identity(n, n) * 50.0;
             }
             let right = DVector::from_fn(n, |i, _| (i as f64 * 1.7).cos());
-            assert!(cholesky.factor(&matrix, added));
+            assert!(cholesky.factor(&matrix, |_| added));
             let mut found = DVector::zeros(n);
             cholesky.solve(&right, &mut found);
             let expected = (matrix + DMatrix::identity(n, n) * added).cholesky().unwrap().solve(&right);
@@ -293,10 +293,10 @@ mod tests {
         for n in [1, 7, 20] {
             let mut spoilt = matrix(n);
             spoilt[(n - 1, n - 1)] = -1.0;
-            assert!(!cholesky.factor(&spoilt, 0.0));
+            assert!(!cholesky.factor(&spoilt, |_| 0.0));
             spoilt[(n - 1, n - 1)] = f64::NAN;
-            assert!(!cholesky.factor(&spoilt, 0.0));
-            assert!(cholesky.factor(&matrix(n), 0.0));
+            assert!(!cholesky.factor(&spoilt, |_| 0.0));
+            assert!(cholesky.factor(&matrix(n), |_| 0.0));
         }
     }
 }

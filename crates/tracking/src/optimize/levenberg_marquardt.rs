@@ -1,24 +1,63 @@
 //! Levenberg and Marquardt: the damping says how far the linear model is trusted.
 //!
-//! A trial that lowers the cost is kept and the damping shrinks; one that does not is taken back and the
-//! damping grows. See K. Madsen, H. B. Nielsen, O. Tingleff, "Methods for non-linear least squares problems" (2004).
+//! (JᵀJ + λ D²) δ = Jᵀρ, with D² the largest diagonal of JᵀJ so far, column by column: metres and radians are not
+//! alike, and a step is the same in whatever units the columns are. λ follows the gain ratio ϱ = actual decrease /
+//! foretold decrease: the better the model foretold, the less damping.
+//!
+//! - J. J. Moré, "The Levenberg-Marquardt algorithm: implementation and theory" (1978): D.
+//! - H. B. Nielsen, "Damping parameter in Marquardt's method" (1999): λ.
 
-/// Factor on the damping after a rejected step.
-const ON_REJECT: f64 = 5.0;
-/// Factor on the damping after an accepted step.
-const ON_ACCEPT: f64 = 0.3;
-/// The damping stays above this.
+use nalgebra::DVector;
+
+use super::NormalEquations;
+
+/// Most that one step lowers the damping.
+const MOST_LOWERED: f64 = 1.0 / 3.0;
+/// Factor on the damping after the first of some rejected steps; each further factor is twice the one before.
+const FIRST_RAISE: f64 = 2.0;
+/// The damping stays above this: (JᵀJ + λ D²) is far from singular for rounding.
 const LEAST_DAMPING: f64 = 1e-9;
 /// And below this: a step is then far below rounding.
 const MOST_DAMPING: f64 = 1e15;
-/// So many rejections in a row mean that no step lowers the cost.
-pub(super) const MOST_REJECTED: usize = 8;
+/// A rejected step with more damping means that no step lowers the cost: it was some millionth of a full one.
+pub(super) const HIGH_DAMPING: f64 = 1e6;
+/// Damping that shortens a step by little in every direction that is seen.
+pub(super) const LOW_DAMPING: f64 = 0.01;
 
-/// Damping of the trial after one with this damping.
-pub(super) fn next_damping(damping: f64, accepted: bool) -> f64 {
-    if accepted {
-        (damping * ON_ACCEPT).max(LEAST_DAMPING)
-    } else {
-        (damping.max(LEAST_DAMPING) * ON_REJECT).min(MOST_DAMPING)
+/// λ, from trial to trial.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Damping {
+    pub(super) value: f64,
+    raise: f64,
+}
+
+impl Damping {
+    pub(super) fn new(value: f64) -> Self {
+        Self { value: value.clamp(LEAST_DAMPING, MOST_DAMPING), raise: FIRST_RAISE }
+    }
+
+    /// One that stays as it is.
+    pub(super) fn fixed(value: f64) -> Self {
+        Self { value, raise: FIRST_RAISE }
+    }
+
+    /// After a step that was kept, with its gain ratio.
+    pub(super) fn lower(&mut self, gain_ratio: f64) {
+        let factor = (1.0 - (2.0 * gain_ratio - 1.0).powi(3)).max(MOST_LOWERED);
+        *self = Self::new(self.value * factor);
+    }
+
+    /// After a step that was taken back.
+    pub(super) fn raise(&mut self) {
+        self.value = (self.value * self.raise).min(MOST_DAMPING);
+        self.raise *= 2.0;
+    }
+}
+
+/// Takes the diagonal of JᵀJ into the scale D², at least this fraction of its mean.
+pub(super) fn widen(scale: &mut DVector<f64>, equations: &NormalEquations, least: f64) {
+    let least = least * equations.mean_diagonal();
+    for (column, scale) in scale.iter_mut().enumerate() {
+        *scale = scale.max(equations.jtj[(column, column)]).max(least);
     }
 }

@@ -73,7 +73,7 @@ impl NormalEquations {
     /// nothing once `memory` has grown.
     pub fn step_into(&self, damping: f64, memory: &mut StepMemory, step: &mut DVector<f64>) {
         let added = damping * self.mean_diagonal();
-        if added > 0.0 && memory.cholesky.factor(&self.jtj, added) {
+        if added > 0.0 && memory.cholesky.factor(&self.jtj, |_| added) {
             memory.cholesky.solve(&self.jtr, step);
             return;
         }
@@ -84,6 +84,33 @@ impl NormalEquations {
             *value = if *eigenvalue > floor { *value / (eigenvalue + added) } else { 0.0 };
         }
         step.copy_from(&(eigen.eigenvectors * along));
+    }
+
+    /// The step δ of (JᵀJ + `damping` · D²) δ = Jᵀρ, Levenberg and Marquardt's, into `step`; `scale` is the diagonal D²,
+    /// 0 for a column that nothing depends on. False, and no step, where the numbers run out of range.
+    pub(super) fn scaled_step_into(
+        &self,
+        damping: f64,
+        scale: &DVector<f64>,
+        memory: &mut StepMemory,
+        step: &mut DVector<f64>,
+    ) -> bool {
+        // A column of zeros may have any scale: its step is zero.
+        let added = |column: usize| damping * if scale[column] > 0.0 { scale[column] } else { 1.0 };
+        let is_positive = memory.cholesky.factor(&self.jtj, added);
+        if is_positive {
+            memory.cholesky.solve(&self.jtr, step);
+        }
+        is_positive && step.iter().all(|x| x.is_finite())
+    }
+
+    /// Largest cosine of a column of J with the residuals.
+    pub(super) fn largest_cosine(&self) -> f64 {
+        let cosine = |(column, jtr): (usize, &f64)| {
+            let norms = (self.jtj[(column, column)] * self.cost).sqrt();
+            if norms > 0.0 { jtr.abs() / norms } else { 0.0 }
+        };
+        self.jtr.iter().enumerate().map(cosine).fold(0.0, f64::max)
     }
 
     /// By how much the linear model says that the cost falls with a step: 2 δᵀJᵀρ − δᵀJᵀJ δ.

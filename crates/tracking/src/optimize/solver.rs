@@ -1,18 +1,18 @@
 //! Options, records and the solver, which is stepped from outside.
 //!
-//! A trial solves (JᵀJ + λ mean(diag JᵀJ) I) δ = Jᵀρ and evaluates the problem at X ⊕ δ. Gauss and Newton's method,
-//! the report's (4.10), takes every trial with a fixed λ. The report writes a plain inverse; JᵀJ is never invertible,
-//! so λ = 0 means the pseudo-inverse. Levenberg and Marquardt's takes a trial back that does not lower the cost, and
-//! λ is its trust: see [`levenberg_marquardt`].
+//! Gauss and Newton's method, the report's (4.10), solves (JᵀJ + λ mean(diag JᵀJ) I) δ = Jᵀρ and moves to X ⊕ δ, with a
+//! fixed λ. The report writes a plain inverse; JᵀJ is never invertible, so λ = 0 means the pseudo-inverse. Levenberg and
+//! Marquardt's scales every column by itself and takes a trial back that does not lower the cost: see
+//! [`levenberg_marquardt`].
 
-use std::fmt;
 use std::str::FromStr;
 
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::{NormalEquations, StepMemory, levenberg_marquardt};
+use super::levenberg_marquardt::{self, Damping, HIGH_DAMPING, LOW_DAMPING};
+use super::{NormalEquations, StepMemory, Termination, Tolerances};
 
 /// A least-squares problem on points that may be curved.
 pub trait LeastSquares {
@@ -66,70 +66,20 @@ impl FromStr for Method {
 pub struct SolverOptions {
     /// How steps are made.
     pub method: Method,
-    /// Damping at the start, in units of mean(diag JᵀJ).
+    /// Damping λ: fixed and in units of mean(diag JᵀJ) for Gauss-Newton's method; for Levenberg and Marquardt's that of
+    /// the first step, in units of each column's own largest diagonal so far.
     pub damping: f64,
+    /// Levenberg and Marquardt's: the least that a column counts as in the scale, as a fraction of mean(diag JᵀJ). 0: every
+    /// column by itself, so that units do not matter. 1: a column that little depends on goes no farther than the
+    /// average one.
+    pub least_scale: f64,
     /// Most iterations, rejected ones included.
     pub max_iterations: usize,
-    /// Stop when an accepted step lowers the cost by less than this fraction; `None`: never for that reason.
-    pub tolerance: Option<f64>,
+    /// When it has converged.
+    pub tolerances: Tolerances,
     /// Whether to go on to the last iteration whatever the cost does: for measuring times and for comparing
     /// solvers step by step. Only numbers out of range still end it.
     pub run_all: bool,
-}
-
-/// Why a solver stopped. Not converging is an answer.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Termination {
-    /// The cost fell by less than `tolerance` of itself in one step.
-    Converged {
-        /// The fraction asked for.
-        tolerance: f64,
-    },
-    /// All steps asked for are done.
-    StepLimit {
-        /// How many.
-        steps: usize,
-    },
-    /// No step lowered the cost, however short.
-    NoDecrease,
-    /// Nothing pulls: the gradient is zero.
-    NoGradient,
-    /// Somebody asked to stop.
-    Cancelled,
-    /// The cost or a step was not a finite number; the last good point is kept.
-    NotFinite,
-}
-
-impl Termination {
-    /// Its word in files.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Converged { .. } => "converged",
-            Self::StepLimit { .. } => "step-limit",
-            Self::NoDecrease => "no-decrease",
-            Self::NoGradient => "no-gradient",
-            Self::Cancelled => "cancelled",
-            Self::NotFinite => "not-finite",
-        }
-    }
-}
-
-impl fmt::Display for Termination {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Converged { tolerance } => {
-                write!(f, "the cost fell by less than {tolerance:e} in one step")
-            }
-            Self::StepLimit { steps: 1 } => write!(f, "1 step done"),
-            Self::StepLimit { steps } => write!(f, "{steps} steps done"),
-            Self::NoDecrease => write!(f, "no step lowered the cost"),
-            Self::NoGradient => write!(f, "the gradient is zero"),
-            Self::Cancelled => write!(f, "cancelled"),
-            Self::NotFinite => write!(f, "the numbers ran out of range"),
-        }
-    }
 }
 
 /// One iteration: a trial step and what became of it.
@@ -145,7 +95,7 @@ pub struct Iteration<P> {
     pub predicted_decrease: f64,
     /// By how much it fell in the trial; negative if it rose.
     pub actual_decrease: f64,
-    /// Damping of the trial, in units of mean(diag JᵀJ).
+    /// Damping of the trial, as [`SolverOptions::damping`] counts it.
     pub damping: f64,
     /// Euclidean length of the step.
     pub step_norm: f64,
@@ -162,9 +112,12 @@ pub struct Solver<P> {
     point: P,
     equations: NormalEquations,
     trial: NormalEquations,
-    damping: f64,
-    rejected_in_a_row: usize,
+    damping: Damping,
+    /// D², of Levenberg and Marquardt's method.
+    scale: DVector<f64>,
     step: DVector<f64>,
+    /// The step that is judged where `step` is short because it was made so.
+    full_step: DVector<f64>,
     memory: StepMemory,
     done: usize,
     termination: Option<Termination>,
@@ -173,7 +126,8 @@ pub struct Solver<P> {
 impl<P: Clone> Solver<P> {
     /// Evaluates the problem at its start.
     pub fn new(problem: &mut impl LeastSquares<Point = P>, start: P, options: SolverOptions) -> Self {
-        let mut equations = NormalEquations::zeros(problem.columns());
+        let columns = problem.columns();
+        let mut equations = NormalEquations::zeros(columns);
         problem.evaluate(&start, &mut equations);
         let termination = if !equations.is_finite() {
             Some(Termination::NotFinite)
@@ -182,14 +136,19 @@ impl<P: Clone> Solver<P> {
         } else {
             None
         };
+        let damping = match options.method {
+            Method::GaussNewton => Damping::fixed(options.damping),
+            Method::LevenbergMarquardt => Damping::new(options.damping),
+        };
         Self {
             options,
             point: start,
             trial: equations.clone(),
             equations,
-            damping: options.damping,
-            rejected_in_a_row: 0,
-            step: DVector::zeros(problem.columns()),
+            damping,
+            scale: DVector::zeros(columns),
+            step: DVector::zeros(columns),
+            full_step: DVector::zeros(columns),
             memory: StepMemory::default(),
             done: 0,
             termination,
@@ -198,20 +157,14 @@ impl<P: Clone> Solver<P> {
 
     /// One iteration; `None` once it has ended.
     pub fn step(&mut self, problem: &mut impl LeastSquares<Point = P>) -> Option<Iteration<P>> {
+        if self.termination.is_none() {
+            self.termination = self.prepare_step(problem);
+        }
         if self.termination.is_some() {
             return None;
         }
-        let gradient_max = self.equations.jtr.amax();
-        if gradient_max == 0.0 && !self.options.run_all {
-            self.termination = Some(Termination::NoGradient);
-            return None;
-        }
-        match self.attempt(problem, gradient_max) {
-            Ok(iteration) => {
-                self.done += 1;
-                self.judge(&iteration);
-                Some(iteration)
-            }
+        match self.attempt(problem) {
+            Ok(iteration) => Some(iteration),
             Err(termination) => {
                 self.termination = Some(termination);
                 None
@@ -219,56 +172,96 @@ impl<P: Clone> Solver<P> {
         }
     }
 
-    fn judge(&mut self, iteration: &Iteration<P>) {
-        if self.termination.is_some() {
-            return;
+    /// Solves for the next step. Why there is none, if so.
+    fn prepare_step(&mut self, problem: &impl LeastSquares<Point = P>) -> Option<Termination> {
+        let Self { equations, options, scale, step, full_step, memory, .. } = self;
+        if equations.jtr.amax() == 0.0 && !options.run_all {
+            return Some(Termination::NoGradient);
         }
-        if self.done >= self.options.max_iterations {
-            self.termination = Some(Termination::StepLimit { steps: self.done });
+        let is_finite = match options.method {
+            Method::GaussNewton => {
+                equations.step_into(self.damping.value, memory, step);
+                step.iter().all(|x| x.is_finite())
+            }
+            Method::LevenbergMarquardt => {
+                levenberg_marquardt::widen(scale, equations, options.least_scale);
+                equations.scaled_step_into(self.damping.value, scale, memory, step)
+            }
+        };
+        if !is_finite {
+            return Some(Termination::NotFinite);
         }
-        if self.options.run_all {
-            return;
-        }
-        if let Some(tolerance) = self.options.tolerance
-            && iteration.accepted
-            && iteration.actual_decrease.abs() <= tolerance * (iteration.cost + iteration.actual_decrease)
-        {
-            self.termination = Some(Termination::Converged { tolerance });
-        } else if self.rejected_in_a_row >= levenberg_marquardt::MOST_REJECTED {
-            self.termination = Some(Termination::NoDecrease);
-        }
+        full_step.copy_from(step);
+        problem.cap(step);
+        if options.run_all { None } else { self.converged() }
     }
 
-    /// Makes a trial and keeps it or takes it back.
-    fn attempt(
-        &mut self,
-        problem: &mut impl LeastSquares<Point = P>,
-        gradient_max: f64,
-    ) -> Result<Iteration<P>, Termination> {
-        let (before, damping) = (self.equations.cost, self.damping);
-        let (point, predicted_decrease) = self.try_step(problem)?;
+    /// Whether the tests of convergence say that no further step is worth its while.
+    fn converged(&mut self) -> Option<Termination> {
+        let Tolerances { gain, step, gradient } = self.options.tolerances;
+        let Self { equations, full_step, .. } = self;
+        if let Some(tolerance) = gradient
+            && equations.largest_cosine() <= tolerance
+        {
+            return Some(Termination::ConvergedByGradient { tolerance });
+        }
+        let gain = gain.filter(|_| self.options.method == Method::LevenbergMarquardt);
+        let gains_little = |full_step: &DVector<f64>| {
+            gain.filter(|gain| equations.predicted_decrease(full_step) <= gain * equations.cost)
+        };
+        let is_short = |full_step: &DVector<f64>| step.filter(|&step| full_step.amax() <= step);
+        let found = |full_step: &DVector<f64>| {
+            let by_step = is_short(full_step).map(|tolerance| Termination::ConvergedByStep { tolerance });
+            by_step.or_else(|| {
+                gains_little(full_step).map(|tolerance| Termination::ConvergedByGain { tolerance })
+            })
+        };
+        let found_now = found(full_step);
+        if found_now.is_none()
+            || self.options.method == Method::GaussNewton
+            || self.damping.value <= LOW_DAMPING
+        {
+            return found_now;
+        }
+        // The damping shortened it: what would one do that is hardly damped?
+        let is_finite = equations.scaled_step_into(LOW_DAMPING, &self.scale, &mut self.memory, full_step);
+        if is_finite { found(full_step) } else { None }
+    }
+
+    /// Makes a trial of the step and keeps it or takes it back.
+    fn attempt(&mut self, problem: &mut impl LeastSquares<Point = P>) -> Result<Iteration<P>, Termination> {
+        let (before, damping) = (self.equations.cost, self.damping.value);
+        let gradient_max = self.equations.jtr.amax();
+        let predicted_decrease = self.equations.predicted_decrease(&self.step);
+        let point = problem.retract(&self.point, &self.step);
+        self.trial.clear();
+        problem.evaluate(&point, &mut self.trial);
         let (trial_cost, is_finite) = (self.trial.cost, self.trial.is_finite());
+        let actual_decrease = before - trial_cost;
         let accepted = match self.options.method {
             Method::GaussNewton if !is_finite => return Err(Termination::NotFinite),
             Method::GaussNewton => true,
-            Method::LevenbergMarquardt => is_finite && trial_cost < before,
+            Method::LevenbergMarquardt => is_finite && actual_decrease > 0.0,
         };
         if accepted {
             std::mem::swap(&mut self.equations, &mut self.trial);
             self.point = point;
-            self.rejected_in_a_row = 0;
-        } else {
-            self.rejected_in_a_row += 1;
         }
         if self.options.method == Method::LevenbergMarquardt {
-            self.damping = levenberg_marquardt::next_damping(damping, accepted);
+            if accepted {
+                self.damping.lower(actual_decrease / predicted_decrease);
+            } else {
+                self.damping.raise();
+            }
         }
+        self.done += 1;
+        self.termination = self.judge(accepted, actual_decrease, before, damping);
         Ok(Iteration {
             point: self.point.clone(),
             cost: self.equations.cost,
             trial_cost,
             predicted_decrease,
-            actual_decrease: before - trial_cost,
+            actual_decrease,
             damping,
             step_norm: self.step.norm(),
             gradient_max,
@@ -276,19 +269,25 @@ impl<P: Clone> Solver<P> {
         })
     }
 
-    /// Evaluates the problem a step further, into `trial`. The point there and the foretold decrease.
-    fn try_step(&mut self, problem: &mut impl LeastSquares<Point = P>) -> Result<(P, f64), Termination> {
-        let step = &mut self.step;
-        self.equations.step_into(self.damping, &mut self.memory, step);
-        problem.cap(step);
-        if !step.iter().all(|x| x.is_finite()) {
-            return Err(Termination::NotFinite);
+    /// Why this trial was the last one, if it was.
+    fn judge(&self, accepted: bool, actual_decrease: f64, before: f64, damping: f64) -> Option<Termination> {
+        let SolverOptions { method, max_iterations, tolerances, run_all, .. } = self.options;
+        let limit = (self.done >= max_iterations).then_some(Termination::StepLimit { steps: self.done });
+        if run_all {
+            return limit;
         }
-        let predicted = self.equations.predicted_decrease(step);
-        let point = problem.retract(&self.point, step);
-        self.trial.clear();
-        problem.evaluate(&point, &mut self.trial);
-        Ok((point, predicted))
+        match method {
+            Method::GaussNewton => {
+                let is_capped = self.step != self.full_step;
+                let by_gain = |&gain: &f64| !is_capped && actual_decrease.abs() <= gain * before;
+                let tolerance = tolerances.gain.filter(by_gain);
+                tolerance.map(|tolerance| Termination::ConvergedByGain { tolerance }).or(limit)
+            }
+            Method::LevenbergMarquardt => {
+                let is_stuck = !accepted && damping >= HIGH_DAMPING;
+                is_stuck.then_some(Termination::NoDecrease).or(limit)
+            }
+        }
     }
 
     /// Where it stands.
@@ -312,7 +311,7 @@ impl<P: Clone> Solver<P> {
     /// Damping of the next trial.
     #[must_use]
     pub fn damping(&self) -> f64 {
-        self.damping
+        self.damping.value
     }
 
     /// Why it ended; `None` while it may go on.
@@ -323,88 +322,4 @@ impl<P: Clone> Solver<P> {
 }
 
 #[cfg(test)]
-mod tests {
-    use nalgebra::DMatrix;
-
-    use super::*;
-
-    /// Rosenbrock's valley as two residuals: 1 − x and 10 (y − x²).
-    struct Valley;
-
-    impl LeastSquares for Valley {
-        type Point = [f64; 2];
-
-        fn evaluate(&mut self, &[x, y]: &[f64; 2], equations: &mut NormalEquations) {
-            let jacobian = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, -20.0 * x, 10.0]);
-            let residual = DVector::from_vec(vec![1.0 - x, -10.0 * (y - x * x)]);
-            equations.jtj = jacobian.tr_mul(&jacobian);
-            equations.jtr = jacobian.tr_mul(&residual);
-            equations.cost = residual.norm_squared();
-        }
-
-        fn columns(&self) -> usize {
-            2
-        }
-
-        fn retract(&self, point: &[f64; 2], step: &DVector<f64>) -> [f64; 2] {
-            [point[0] + step[0], point[1] + step[1]]
-        }
-    }
-
-    fn options(method: Method) -> SolverOptions {
-        SolverOptions { method, damping: 0.01, max_iterations: 200, tolerance: Some(1e-14), run_all: false }
-    }
-
-    #[test]
-    fn levenberg_marquardt_descends_the_valley() {
-        let mut solver = Solver::new(&mut Valley, [-1.2, 1.0], options(Method::LevenbergMarquardt));
-        let mut cost = solver.cost();
-        let mut rejected = 0;
-        while let Some(iteration) = solver.step(&mut Valley) {
-            assert!(iteration.cost <= cost, "an accepted step never raises the cost");
-            assert_eq!(iteration.accepted, iteration.trial_cost < cost);
-            rejected += usize::from(!iteration.accepted);
-            cost = iteration.cost;
-        }
-        assert!(rejected > 0, "the valley bends: some step must fail");
-        let [x, y] = *solver.point();
-        assert!((x - 1.0).abs() < 1e-5 && (y - 1.0).abs() < 1e-5, "{x} {y}");
-    }
-
-    #[test]
-    fn gauss_newton_takes_every_step() {
-        let mut solver = Solver::new(&mut Valley, [-1.2, 1.0], options(Method::GaussNewton));
-        let mut rose = false;
-        while let Some(iteration) = solver.step(&mut Valley) {
-            assert!(iteration.accepted);
-            rose |= iteration.actual_decrease < 0.0;
-        }
-        assert!(rose, "undamped steps overshoot here");
-    }
-
-    #[test]
-    fn a_stationary_start_says_so() {
-        let mut solver = Solver::new(&mut Valley, [1.0, 1.0], options(Method::LevenbergMarquardt));
-        assert!(solver.step(&mut Valley).is_none());
-        assert_eq!(solver.termination(), Some(Termination::NoGradient));
-    }
-
-    #[test]
-    fn run_all_runs_all() {
-        for method in [Method::GaussNewton, Method::LevenbergMarquardt] {
-            for start in [[-1.2, 1.0], [1.0, 1.0]] {
-                let options = SolverOptions { max_iterations: 600, run_all: true, ..options(method) };
-                let mut solver = Solver::new(&mut Valley, start, options);
-                while solver.step(&mut Valley).is_some() {}
-                assert_eq!(solver.termination(), Some(Termination::StepLimit { steps: 600 }));
-            }
-        }
-    }
-
-    #[test]
-    fn infinite_costs_end_without_losing_the_point() {
-        let mut solver = Solver::new(&mut Valley, [f64::NAN, 1.0], options(Method::LevenbergMarquardt));
-        assert!(solver.step(&mut Valley).is_none());
-        assert_eq!(solver.termination(), Some(Termination::NotFinite));
-    }
-}
+mod tests;

@@ -264,13 +264,7 @@ impl<'a> Search<'a> {
 
     fn refine_by(&mut self, stage: usize, pose: Pose) -> (f64, Pose) {
         let (stage, objective) = &mut self.objectives[stage];
-        let options = SolverOptions {
-            method: self.options.method,
-            damping: self.options.damping,
-            max_iterations: stage.iterations,
-            tolerance: stage.tolerance,
-            run_all: false,
-        };
+        let options = SolverOptions { run_all: false, ..self.options.solver_options(stage) };
         let mut solver = Solver::new(objective, pose, options);
         while solver.step(objective).is_some() {
             self.iterations += 1;

@@ -123,21 +123,29 @@ fn the_robust_preset_recovers_from_ten_degrees_and_five_centimetres() {
     assert!(failures.is_empty(), "{} of 24 fail:\n{}", failures.len(), failures.join("\n"));
 }
 
+/// The thesis ramp is wider than the masks' edges, so the truth has a cost of its own: a fit that has found its minimum
+/// costs less.
 #[test]
-fn the_report_preset_lowers_the_cost_from_five_degrees() {
+fn the_report_preset_ends_below_the_truth_from_five_degrees() {
     let scene = scene();
-    let mut ratios = Vec::new();
+    let options = FitOptions::preset(Preset::Report);
+    let at_truth =
+        Fit::new(Arc::clone(&scene.model), scene.views.clone(), scene.truth.clone(), options.clone()).unwrap();
+    let mut lines = Vec::new();
+    let (mut found, mut nearer) = (0, 0);
     for seed in 0..10 {
         let start = disturbed(&scene.truth, seed, 5.0, 0.02);
-        let summary = run(&scene, start, FitOptions::preset(Preset::Report));
+        let before = joint_error_mm(&scene.model, &start, &scene.truth);
+        let summary = run(&scene, start, options.clone());
         assert_eq!(summary.termination, Termination::StepLimit { steps: 25 });
-        let ratio = summary.final_cost / summary.initial_cost;
-        assert!(ratio < 1.0, "seed {seed}: the cost became {ratio:.2} of the start's");
-        ratios.push(ratio);
+        let after = joint_error_mm(&scene.model, &summary.pose, &scene.truth);
+        let shares = [summary.initial_cost, summary.final_cost].map(|cost| cost / at_truth.cost());
+        lines.push(format!("seed {seed}: cost {shares:.3?} of the truth's, {before:.1} mm became {after:.1} mm"));
+        found += usize::from(shares[1] < 1.0);
+        nearer += usize::from(after < before);
     }
-    // Undone stretching and a ramp that is wider than the masks' edges keep it from falling further.
-    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
-    assert!(mean < 0.75, "the costs became {ratios:.2?} of the starts'");
+    println!("{}", lines.join("\n"));
+    assert!(found >= 10 && nearer >= 10, "{found} {nearer}\n{}", lines.join("\n"));
 }
 
 #[test]

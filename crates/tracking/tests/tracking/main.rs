@@ -15,6 +15,7 @@ mod kernel_parity;
 mod layering;
 mod lens_distortion;
 mod lost_limb;
+mod more_garbow_hillstrom;
 mod motion;
 mod normal_equations;
 mod observability;

@@ -1,0 +1,76 @@
+//! J. J. Moré, B. S. Garbow, K. E. Hillstrom, "Testing unconstrained optimization software", ACM Transactions on
+//! Mathematical Software 7 (1981): Levenberg-Marquardt from the paper's starts to the paper's minima.
+
+mod problems;
+
+use backlit_tracking::optimize::{LeastSquares, Method, NormalEquations, Solver, SolverOptions, Tolerances};
+use nalgebra::{DMatrix, DVector};
+use problems::{C, Problem};
+
+/// Published minima have six figures, the last one cut off.
+const SIX_FIGURES: f64 = 1e-5;
+/// What counts as a minimum of zero.
+const ZERO: f64 = 1e-18;
+
+impl LeastSquares for &Problem {
+    type Point = Vec<f64>;
+
+    fn evaluate(&mut self, point: &Vec<f64>, equations: &mut NormalEquations) {
+        const STEP: f64 = 1e-30;
+        let columns: Vec<Vec<C>> = (0..point.len())
+            .map(|moved| {
+                let imaginary = |j: usize| if j == moved { STEP } else { 0.0 };
+                let at: Vec<C> = point.iter().enumerate().map(|(j, &x)| C::new(x, imaginary(j))).collect();
+                (self.residuals)(&at)
+            })
+            .collect();
+        // ρ = data − prediction: the paper's residuals are predictions of zero.
+        let residual = DVector::from_iterator(columns[0].len(), columns[0].iter().map(|value| -value.re));
+        let jacobian = DMatrix::from_fn(residual.len(), point.len(), |i, j| columns[j][i].im / STEP);
+        equations.jtj = jacobian.tr_mul(&jacobian);
+        equations.jtr = jacobian.tr_mul(&residual);
+        equations.cost = residual.norm_squared();
+    }
+
+    fn columns(&self) -> usize {
+        self.start.len()
+    }
+
+    fn retract(&self, point: &Vec<f64>, step: &DVector<f64>) -> Vec<f64> {
+        point.iter().zip(step.iter()).map(|(x, step)| x + step).collect()
+    }
+}
+
+fn is_at_a_minimum(problem: &Problem, cost: f64) -> bool {
+    problem.minima.iter().any(|&minimum| {
+        if minimum == 0.0 { cost < ZERO } else { (cost - minimum).abs() < SIX_FIGURES * minimum }
+    })
+}
+
+#[test]
+fn the_published_minima_are_found() {
+    let mut failures = Vec::new();
+    for problem in &problems::all() {
+        let options = SolverOptions {
+            method: Method::LevenbergMarquardt,
+            damping: 0.01,
+            least_scale: 0.0,
+            max_iterations: 1000,
+            tolerances: Tolerances { gain: Some(1e-14), step: Some(1e-12), gradient: Some(1e-12) },
+            run_all: false,
+        };
+        let mut solver = Solver::new(&mut &*problem, problem.start.clone(), options);
+        let mut iterations = 0;
+        while solver.step(&mut &*problem).is_some() {
+            iterations += 1;
+        }
+        let (cost, why) = (solver.cost(), solver.termination().unwrap());
+        let line = format!("{}: {cost:.6e} after {iterations} iterations: {why}", problem.name);
+        println!("{line}");
+        let is_converged = why.name().starts_with("converged");
+        if !(is_converged && is_at_a_minimum(problem, cost)) {
+            failures.push(format!("{line}; published {:?}", problem.minima));
+        }
+    }
+    assert!(failures.is_empty(), "{} problems:\n{}", failures.len(), failures.join("\n"));
+}
