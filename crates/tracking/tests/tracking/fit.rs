@@ -123,29 +123,34 @@ fn the_robust_preset_recovers_from_ten_degrees_and_five_centimetres() {
     assert!(failures.is_empty(), "{} of 24 fail:\n{}", failures.len(), failures.join("\n"));
 }
 
-/// The thesis ramp is wider than the masks' edges, so the truth has a cost of its own: a fit that has found its minimum
-/// costs less.
+/// From 5° the report's preset finds the pose of half of the starts, and then ends in the same place, 17 mm off: undone
+/// stretching and a ramp that is wider than the masks' edges keep it there. The others stay far above.
 #[test]
-fn the_report_preset_ends_below_the_truth_from_five_degrees() {
+fn the_report_preset_finds_half_of_the_starts_from_five_degrees() {
     let scene = scene();
     let options = FitOptions::preset(Preset::Report);
-    let at_truth =
-        Fit::new(Arc::clone(&scene.model), scene.views.clone(), scene.truth.clone(), options.clone()).unwrap();
-    let mut lines = Vec::new();
-    let (mut found, mut nearer) = (0, 0);
+    let begin = |start: Pose| Fit::new(Arc::clone(&scene.model), scene.views.clone(), start, options.clone());
+    let at_truth = begin(scene.truth.clone()).unwrap().cost();
+    let (mut found, mut lines) = (Vec::new(), Vec::new());
     for seed in 0..10 {
         let start = disturbed(&scene.truth, seed, 5.0, 0.02);
         let before = joint_error_mm(&scene.model, &start, &scene.truth);
         let summary = run(&scene, start, options.clone());
         assert_eq!(summary.termination, Termination::StepLimit { steps: 25 });
         let after = joint_error_mm(&scene.model, &summary.pose, &scene.truth);
-        let shares = [summary.initial_cost, summary.final_cost].map(|cost| cost / at_truth.cost());
-        lines.push(format!("seed {seed}: cost {shares:.3?} of the truth's, {before:.1} mm became {after:.1} mm"));
-        found += usize::from(shares[1] < 1.0);
-        nearer += usize::from(after < before);
+        let [first, last] = [summary.initial_cost, summary.final_cost].map(|cost| cost / at_truth);
+        lines.push(format!(
+            "seed {seed}: cost {first:.2} to {last:.2} of the truth's, {before:.1} to {after:.1} mm"
+        ));
+        assert!(last < first, "{lines:#?}");
+        let is_found = after < 20.0;
+        assert_eq!(is_found, last < 3.0, "{lines:#?}");
+        if is_found {
+            assert!((2.6..3.0).contains(&last) && (16.0..19.0).contains(&after), "{lines:#?}");
+            found.push(seed);
+        }
     }
-    println!("{}", lines.join("\n"));
-    assert!(found >= 10 && nearer >= 10, "{found} {nearer}\n{}", lines.join("\n"));
+    assert_eq!(found, [0, 1, 2, 7, 8], "{lines:#?}");
 }
 
 #[test]
