@@ -52,7 +52,7 @@ const fn label(quantity: Quantity) -> &'static str {
         Quantity::Cost => "Cost in squared grey levels",
         Quantity::Rms => "RMS in grey levels",
         Quantity::StepNorm => "Step in m and rad",
-        Quantity::Damping => "Damping in parts of the mean diagonal",
+        Quantity::Damping => "Damping in parts of the diagonal",
         Quantity::Decrease => "Decrease in % of the cost before, foretold ones as rings,",
     }
 }
