@@ -184,7 +184,7 @@ mod tests {
             ("backlit-project 1", "backlit-pose 9", "`format` is \"backlit-pose 9\""),
             ("\"weight\": 0.3333333333333333", "\"weight\": -1", "weight of cam01 is -1"),
             ("\"pins\": [", "\"pins\": [\"tail\",", "`pins` names the limb \"tail\""),
-            ("\"z_threshold\": 3", "\"z_threshold\": -3", "`measurement`, camera 0 counted from 0: "),
+            ("\"z_threshold\": ", "\"z_threshold\": -", "`measurement`, camera 0 counted from 0: "),
             ("\"lost\": false", "\"lost\": false, \"colour\": 1", "unknown field `colour`"),
         ] {
             assert!(good.contains(from), "{from}");

@@ -49,6 +49,14 @@ pub(crate) enum RunChange {
     Restore,
 }
 
+/// Whether two poses are the same but for rounding: a fit begins with rotations of unit length.
+fn is_same(one: &Pose, other: &Pose) -> bool {
+    let turns = one.rotations.iter().zip(&other.rotations);
+    one.root.distance(other.root) < 1e-9
+        && one.rotations.len() == other.rotations.len()
+        && turns.into_iter().all(|(one, other)| one.dot(*other).abs() > 1.0 - 1e-12)
+}
+
 impl Runs {
     /// All of them, by number.
     pub(crate) fn all(&self) -> &[Run] {
@@ -84,7 +92,7 @@ impl Runs {
     /// The last step of the newest run on a frame that stands at this pose, its start included.
     pub(crate) fn last_step_with_pose(&self, frame: usize, pose: &Pose) -> Option<StepRef> {
         self.all.iter().rev().filter(|run| run.frame == frame).find_map(|run| {
-            let step = run.steps.iter().rposition(|step| step.pose == *pose)?;
+            let step = run.steps.iter().rposition(|step| is_same(&step.pose, pose))?;
             Some(StepRef { run: run.number, step })
         })
     }

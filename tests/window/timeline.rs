@@ -416,7 +416,7 @@ fn open_tracked(look: Settings, size: Vec2) -> Window {
 #[test]
 fn lost_and_worst_frames_are_marked_and_gone_to() {
     let mut window = open();
-    refuses(&mut window, "Worst frame", "No frame is tracked yet");
+    refuses(&mut window, "Worst", "No frame is tracked yet");
     let mut window = open_tracked(Settings::default(), vec2(1500.0, 900.0));
     let lost: Vec<usize> =
         document(&window).estimates.iter().filter(|(_, found)| found.lost).map(|(at, _)| *at).collect();
@@ -477,7 +477,7 @@ fn a_take_of_one_frame_neither_plays_nor_tracks() {
     assert_eq!(frame(&window), 0);
     press(&mut window, Modifiers::NONE, Key::Enter);
     window.get_by_label_contains("Frame 0 fitted");
-    refuses(&mut window, "Worst frame", "Only one frame is fitted");
+    refuses(&mut window, "Worst", "Only one frame is fitted");
 }
 
 #[test]

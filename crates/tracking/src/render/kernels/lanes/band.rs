@@ -102,6 +102,9 @@ impl Band {
             for (place, &part) in solid.outline.parts().iter().enumerate() {
                 let first = count;
                 let (row, [from, to]) = ground.spans(solid, place, rows);
+                if from.is_empty() {
+                    continue;
+                }
                 // As many as there may be, each piece written whole.
                 let most = count + from.len() * (grid.pitch + 2 * TILES_AT_ONCE);
                 if tiles.len() < most {
