@@ -105,7 +105,8 @@ mod tests {
     }
 
     fn jacobian() -> DMatrix<f64> {
-        DMatrix::from_fn(5, 3, |i, j| ((3 * i + 7 * j) as f64).sin())
+        // The product keeps the columns apart: sines of one frequency span no more than two directions.
+        DMatrix::from_fn(5, 3, |i, j| ((3 * i + 7 * j + i * j) as f64).sin())
     }
 
     /// The equations of ‖ρ − J δ‖² + R δᵀ Pₓₓ⁻¹ δ about δ = 0.

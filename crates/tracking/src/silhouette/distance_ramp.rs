@@ -101,7 +101,9 @@ mod tests {
                 for (i, (&value, &weight)) in found.values().iter().zip(found.weights()).enumerate() {
                     let error = (value - truth.values()[i]).abs();
                     prop_assert!(weight * error <= most + 1e-3, "{error} at weight {weight} in\n{veiled}");
-                    prop_assert!(weight < 1.0 || error < 1e-4, "{error} at full weight in\n{veiled}");
+                    // The weight of a Δ so small that f32 rounds 1 − Δ²/255² to one.
+                    let rounding = 0.5 * 255.0 * f32::EPSILON.sqrt();
+                    prop_assert!(weight < 1.0 || error < rounding, "{error} at full weight in\n{veiled}");
                 }
             }
         }
