@@ -396,7 +396,7 @@ mod tests {
         let grey = run(&options(true, false));
         let recall = |report: &Report, way| case(report, way).subject.recall.unwrap();
         assert_eq!(case(&red, TRUTH).subject, Found { precision: Some(1.0), recall: Some(1.0) });
-        assert!(recall(&red, "no test") > 0.9, "{red:#?}");
+        assert!(recall(&red, "no test") > 0.8, "{red:#?}");
         // Both have lost the grey shirt before the grey wall, the gradient the red one as well.
         assert!(recall(&grey, "brightness") < recall(&red, "brightness") - 0.1, "{grey:#?}");
         assert!(recall(&red, "(6.12)") < recall(&red, "no test") - 0.2, "{red:#?}");

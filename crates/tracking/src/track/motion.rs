@@ -50,7 +50,7 @@ pub struct KalmanOptions {
 
 impl Default for KalmanOptions {
     fn default() -> Self {
-        Self { measurement_deviation: 200.0, turn_acceleration: 3.0, move_acceleration: 1.0, memory: 0.3 }
+        Self { measurement_deviation: 200.0, turn_acceleration: 8.0, move_acceleration: 2.0, memory: 0.3 }
     }
 }
 
