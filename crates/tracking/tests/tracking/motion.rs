@@ -69,7 +69,7 @@ fn track(tracker: &mut Tracker, frame: usize, views: Vec<FitView>) -> FrameEstim
 fn the_motion_goes_on_by_time_and_not_by_frames() {
     let model = Arc::new(builtin::upper_body());
     for motion in motions() {
-        for frames in [[0, 10, 11, 13], [13, 11, 10, 6]] {
+        for frames in [[0, 10, 11, 13], [13, 11, 10, 0]] {
             let mut tracker = tracker(&model, motion, frames[0] as f64);
             for &frame in &frames[..2] {
                 track(&mut tracker, frame, views(&model, Some(&truth(&model, frame as f64))));
@@ -83,7 +83,8 @@ fn the_motion_goes_on_by_time_and_not_by_frames() {
                     "{motion:?}, {frames:?}: frame {frame} starts {off:.0} mm off of {moved:.0}"
                 );
                 let found = track(&mut tracker, frame, views(&model, Some(&seen)));
-                assert!(!found.is_lost(), "{motion:?}, {frames:?}, {frame}: {:?}", found.lost_because);
+                let off = mean_joint_error_mm(&model, &found.pose, &seen);
+                assert!(off < 25.0, "{motion:?}, {frames:?}: frame {frame} ends {off:.0} mm off");
             }
         }
     }
