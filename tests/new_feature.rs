@@ -128,7 +128,9 @@ fn a_panel_with_a_job_touches_few_files() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let house = tempfile::tempdir().unwrap();
     copy(&root.join("src"), &house.path().join("src"));
-    copy(&root.join("assets"), &house.path().join("assets"));
+    for folder in ["assets", "tests/takes"] {
+        copy(&root.join(folder), &house.path().join(folder));
+    }
     for name in ["Cargo.lock", "README.md", "clippy.toml"] {
         fs::copy(root.join(name), house.path().join(name)).unwrap();
     }
