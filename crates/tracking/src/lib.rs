@@ -97,6 +97,7 @@
 //! | [`metrics`] | joint errors against a reference |
 //! | [`geometry`] | rotations and distances of rays, with their derivatives |
 //! | [`cancel`] | stopping long work from outside |
+//! | [`processor`] | which of the processor's vectors fits use |
 //!
 //! # Examples to run
 //!
@@ -127,6 +128,7 @@ pub mod metrics;
 pub mod observability;
 pub mod optimize;
 pub mod posing;
+pub mod processor;
 pub mod render;
 pub mod residual;
 pub mod search;

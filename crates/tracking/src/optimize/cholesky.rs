@@ -8,7 +8,9 @@
 //! branches have no product; eliminated from the leaves on they get none, and blocks of zeros are passed over.
 
 use nalgebra::{DMatrix, DVector};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
+
+use crate::processor::run_in_four_f64s;
 
 /// Columns of a panel, and rows of a group: lanes are never wider.
 const PANEL: usize = 4;
@@ -43,7 +45,7 @@ impl Cholesky {
             self.filled = vec![vec![false; pitch / PANEL]; pitch / PANEL];
             self.solution = vec![0.0; pitch];
         }
-        Arch::new().dispatch(Factor { cholesky: self, matrix: matrix.as_slice(), n, added })
+        run_in_four_f64s(Factor { cholesky: self, matrix: matrix.as_slice(), n, added })
     }
 
     /// Solves A x = `right` with the last factor.
@@ -51,7 +53,7 @@ impl Cholesky {
         let n = right.len();
         self.solution[..n].iter_mut().zip(right.iter().rev()).for_each(|(x, right)| *x = *right);
         self.solution[n..].fill(0.0);
-        Arch::new().dispatch(Solve { cholesky: self });
+        run_in_four_f64s(Solve { cholesky: self });
         solution.iter_mut().zip(self.solution[..n].iter().rev()).for_each(|(target, x)| *target = *x);
     }
 }

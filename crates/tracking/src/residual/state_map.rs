@@ -6,10 +6,11 @@
 
 use glam::DVec3;
 use nalgebra::Matrix3;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 use crate::body::MovingColumn;
 use crate::optimize::NormalEquations;
+use crate::processor::run_in_four_f64s;
 use crate::render::JointBlock;
 
 /// Columns are padded to a multiple of this: lanes are never wider.
@@ -31,7 +32,7 @@ pub struct StateMap {
 impl StateMap {
     /// Adds the forces of a limb with axis a = p1 − p0, world axes, whose columns are [`columns`](Self::columns).
     pub(crate) fn add(&mut self, block: &JointBlock, axis: DVec3, equations: &mut NormalEquations) {
-        Arch::new().dispatch(Add { map: self, block, axis, equations });
+        run_in_four_f64s(Add { map: self, block, axis, equations });
     }
 }
 

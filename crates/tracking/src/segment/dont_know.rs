@@ -4,7 +4,9 @@
 //! Such pixels, and those close by, become unknown: they neither pull nor push a limb.
 
 use image::RgbImage;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
+
+use crate::processor;
 use serde::{Deserialize, Serialize};
 
 use super::background::Background;
@@ -35,7 +37,7 @@ pub(super) fn dark_places(
     gains: [f32; 3],
     options: &DontKnowOptions,
 ) -> BitImage {
-    let mut dark = Arch::new().dispatch(DarkInFrame { frame, level: options.dark_level });
+    let mut dark = processor::run(DarkInFrame { frame, level: options.dark_level });
     let (width, means, level) = (background.width(), background.mean(), options.dark_level);
     dark.retain(|x, y| {
         let mean = means[y * width + x];

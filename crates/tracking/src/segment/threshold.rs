@@ -4,7 +4,9 @@
 //! every frame: [`Limits`]. Comparing bytes with bytes is many times faster than fetching µ and σ.
 
 use image::RgbImage;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
+
+use crate::processor;
 
 use super::background::Background;
 use super::bit_image::BitImage;
@@ -23,7 +25,7 @@ pub(super) struct Threshold {
 impl Threshold {
     /// For each pixel whether some channel is off.
     pub(super) fn foreground(&self, frame: &RgbImage, background: &Background) -> BitImage {
-        Arch::new().dispatch(ByDeviation { threshold: self, frame, background })
+        processor::run(ByDeviation { threshold: self, frame, background })
     }
 
     /// Whether some channel of one pixel is off.
@@ -105,7 +107,7 @@ impl Limits {
 
     /// For each pixel whether some channel is off.
     pub(super) fn foreground(&self, frame: &RgbImage) -> BitImage {
-        Arch::new().dispatch(ByLimits { limits: self, frame })
+        processor::run(ByLimits { limits: self, frame })
     }
 }
 

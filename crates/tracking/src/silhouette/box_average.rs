@@ -3,7 +3,9 @@
 //! Counts of a box of at most 15² pixels fit a byte, so sums run over 16 or 32 pixels at once: first down the columns,
 //! row by row, then along the row.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
+
+use crate::processor;
 
 use super::mask::{Label, Mask};
 use super::measurement::weight;
@@ -24,7 +26,7 @@ pub(super) fn box_average(
     values.clear();
     weights.clear();
     if radius <= MAX_RADIUS {
-        Arch::new().dispatch(BoxAverage { mask, radius, levels, values, weights });
+        processor::run(BoxAverage { mask, radius, levels, values, weights });
     } else {
         wide_box_average(mask, radius, levels, values, weights);
     }

@@ -18,7 +18,9 @@
 
 use std::ops::Range;
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
+
+use crate::processor;
 
 use super::mask::{Label, Mask, PixelBox};
 use super::near_distance::{MAX_MARGIN, near_distances};
@@ -48,7 +50,7 @@ impl SignedDistance {
     /// The signed distances of a mask.
     pub fn from_mask(mask: &Mask) -> Self {
         let (width, height) = (mask.width(), mask.height());
-        let (values, to_unknown) = Arch::new().dispatch(Transform { mask });
+        let (values, to_unknown) = processor::run(Transform { mask });
         Self { width, height, values, to_unknown }
     }
 

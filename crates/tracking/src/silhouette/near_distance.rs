@@ -6,7 +6,9 @@
 
 use std::ops::Range;
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
+
+use crate::processor;
 
 use super::mask::{Label, Mask, PixelBox};
 
@@ -31,7 +33,7 @@ pub(super) fn near_distances(
     margin: usize,
     far: f32,
 ) -> (Vec<f32>, Vec<f32>) {
-    Arch::new().dispatch(NearDistances { mask, subject, margin, far })
+    processor::run(NearDistances { mask, subject, margin, far })
 }
 
 /// The arguments of [`near_distances`], whose work is compiled once more for wider vectors.

@@ -30,6 +30,7 @@ const DERIVATIVE_TOLERANCE: f32 = 2e-3;
 const FLAT_DERIVATIVE_TOLERANCE: f32 = 1e-2;
 
 fn camera(size: [u64; 2], azimuth: f64, distance: f64, lens: Distortion) -> Camera {
+    crate::vectors::choose();
     let centre = DVec3::new(distance * azimuth.cos(), 0.3, distance * azimuth.sin());
     let place = CameraFromWorld::looking_at(centre, DVec3::new(0.0, 0.25, 0.1), DVec3::Y);
     let f = 1.1 * size[0].max(size[1]) as f64;

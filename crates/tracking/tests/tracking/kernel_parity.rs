@@ -37,6 +37,7 @@ const LEAST_DIAGONAL: f64 = 1e-4;
 const COST_TOLERANCE: f64 = 1e-5;
 
 fn camera(width: u64, height: u64, azimuth: f64, distance: f64) -> Camera {
+    crate::vectors::choose();
     let centre = DVec3::new(distance * azimuth.cos(), distance * azimuth.sin(), 0.3);
     let place = CameraFromWorld::looking_at(centre, DVec3::new(0.0, 0.0, 0.1), DVec3::Z);
     let f = 1.1 * width.max(height) as f64;

@@ -8,11 +8,12 @@ fn allowed(module: &str) -> Option<Vec<&'static str>> {
     let fit = ["residual", "render", "body", "camera", "silhouette", "optimize", "cancel"];
     Some(match module {
         "lib" => Vec::new(),
-        "geometry" | "cancel" | "optimize" | "silhouette" => Vec::new(),
+        "geometry" | "cancel" | "processor" => Vec::new(),
+        "optimize" | "silhouette" => vec!["processor"],
         "body" | "camera" => vec!["geometry"],
-        "segment" => vec!["silhouette", "cancel"],
-        "render" => vec!["body", "camera", "silhouette", "geometry", "cancel"],
-        "residual" => vec!["render", "body", "camera", "silhouette", "optimize", "geometry"],
+        "segment" => vec!["silhouette", "cancel", "processor"],
+        "render" => vec!["body", "camera", "silhouette", "geometry", "cancel", "processor"],
+        "residual" => vec!["render", "body", "camera", "silhouette", "optimize", "geometry", "processor"],
         "filter" => vec!["geometry"],
         "metrics" => vec!["body"],
         "posing" => vec!["body", "residual", "optimize"],

@@ -21,3 +21,4 @@ mod normal_equations;
 mod observability;
 mod robust_terms;
 mod segment_footage;
+mod vectors;

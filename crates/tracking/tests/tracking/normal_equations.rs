@@ -37,6 +37,7 @@ fn pose(model: &Model, parameters: Parameters, phase: f64, size: f64) -> Pose {
 
 /// Two cameras that see the whole body from a quarter turn apart.
 fn cameras(model: &Model, up: DVec3) -> Vec<Camera> {
+    crate::vectors::choose();
     let kinematics = Kinematics::new(model, &Pose::rest(model));
     let ends = kinematics.ends();
     let centre = ends.iter().sum::<DVec3>() / ends.len() as f64;

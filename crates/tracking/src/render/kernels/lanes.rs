@@ -52,7 +52,7 @@ mod winners;
 
 use std::ops::Range;
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 pub(in crate::render) use drawing::draw;
 pub(crate) use grid::PixelGrid;
@@ -62,6 +62,7 @@ use self::grid::TileData;
 use self::ground::Ground;
 use self::pull::Collected;
 use self::sums::SolidSums;
+use crate::processor::run_in_lanes;
 use crate::render::View;
 use crate::render::ramp::BACKGROUND;
 use crate::render::wrench::WrenchBlock;
@@ -84,7 +85,7 @@ impl Lanes {
     /// `blocks` has one entry per limb of the model. [`View::suits_lanes`] must hold.
     pub(crate) fn accumulate(&mut self, view: &View, grid: &PixelGrid, blocks: &mut [WrenchBlock]) -> f64 {
         self.prepare(view, grid);
-        let cost = Arch::new().dispatch(Pass { lanes: self, grid, pulls: true });
+        let cost = run_in_lanes(grid.tile.lanes(), Pass { lanes: self, grid, pulls: true });
         for (solid, sums) in self.ground.solids.iter().zip(&self.sums) {
             solid.add_to(sums, &mut blocks[solid.limb]);
         }
@@ -94,7 +95,7 @@ impl Lanes {
     /// The same change of the cost without anyone's pull.
     pub(crate) fn cost(&mut self, view: &View, grid: &PixelGrid) -> f64 {
         self.prepare(view, grid);
-        Arch::new().dispatch(Pass { lanes: self, grid, pulls: false })
+        run_in_lanes(grid.tile.lanes(), Pass { lanes: self, grid, pulls: false })
     }
 
     /// Looks at every pixel of a view row by row: `see` hears of a row, of the first column that any solid may touch,
@@ -102,7 +103,7 @@ impl Lanes {
     pub(crate) fn look(&mut self, view: &View, see: impl FnMut(usize, usize, &[f32])) {
         let grid = PixelGrid::without_data([view.width(), view.height()]);
         self.prepare(view, &grid);
-        Arch::new().dispatch(Look { lanes: self, grid: &grid, see });
+        run_in_lanes(grid.tile.lanes(), Look { lanes: self, grid: &grid, see });
     }
 
     fn prepare(&mut self, view: &View, grid: &PixelGrid) {

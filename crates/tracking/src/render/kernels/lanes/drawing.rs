@@ -9,7 +9,7 @@
 use std::ops::Range;
 
 use glam::DVec3;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::band::{Band, Places, solid_of};
@@ -19,6 +19,7 @@ use super::pull::{axis_force, ball_force, depth_rate};
 use super::solid::LaneSolid;
 use super::whole::Force;
 use super::winners::AxisLanes;
+use crate::processor::run_in_lanes;
 use crate::render::View;
 use crate::render::drawing::{Drawing, MOST_ERROR, Strip, Wanted};
 use crate::render::jacobian::BodyMotion;
@@ -34,7 +35,7 @@ pub(in crate::render) fn draw(view: &View, wanted: Wanted<'_>, drawing: &mut Dra
     let grid = PixelGrid::without_data([view.width(), view.height()]);
     let mut ground = Ground::default();
     ground.prepare(view, &grid);
-    Arch::new().dispatch(CutSpans { ground: &mut ground, grid: &grid });
+    run_in_lanes(grid.tile.lanes(), CutSpans { ground: &mut ground, grid: &grid });
     let primitives = view.primitives();
     let limbs = ground.solids.iter().map(|solid| solid.limb as u16).collect();
     let rates = wanted.motion.map(|motion| {
@@ -45,7 +46,7 @@ pub(in crate::render) fn draw(view: &View, wanted: Wanted<'_>, drawing: &mut Dra
     let plan = Plan { ground, grid, view, wanted, limbs, rates, error };
     let strips = drawing.strips(plan.grid.band_tile_rows() * plan.grid.tile.rows);
     let draw = |scratch: &mut Scratch, strip: Strip<'_>| {
-        Arch::new().dispatch(DrawBand { plan: &plan, scratch, strip });
+        run_in_lanes(plan.grid.tile.lanes(), DrawBand { plan: &plan, scratch, strip });
     };
     strips.into_par_iter().with_min_len(LEAST_BANDS).for_each_init(Scratch::default, draw);
 }

@@ -6,9 +6,10 @@
 
 use std::ops::Range;
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Simd;
 
 use super::solid::GridBox;
+use crate::processor::f32_lanes;
 
 /// Columns of a tile, where there are as many lanes.
 const TILE_COLUMNS: usize = 4;
@@ -26,21 +27,13 @@ impl Tile {
     /// A tile that fills a vector.
     #[inline(always)]
     pub(super) const fn of<S: Simd>() -> Self {
-        let columns = if S::F32_LANES < TILE_COLUMNS { S::F32_LANES } else { TILE_COLUMNS };
-        Self { columns, rows: S::F32_LANES / columns }
+        Self::of_lanes(S::F32_LANES)
     }
 
-    /// A tile that fills a vector of this processor.
-    fn of_processor() -> Self {
-        struct Ask;
-        impl WithSimd for Ask {
-            type Output = Tile;
-            #[inline(always)]
-            fn with_simd<S: Simd>(self, _: S) -> Tile {
-                Tile::of::<S>()
-            }
-        }
-        Arch::new().dispatch(Ask)
+    /// A tile that fills a vector of so many f32.
+    const fn of_lanes(lanes: usize) -> Self {
+        let columns = if lanes < TILE_COLUMNS { lanes } else { TILE_COLUMNS };
+        Self { columns, rows: lanes / columns }
     }
 
     /// Its pixels.
@@ -52,7 +45,7 @@ impl Tile {
 
 impl Default for Tile {
     fn default() -> Self {
-        Self::of_processor()
+        Self::of_lanes(f32_lanes())
     }
 }
 
@@ -129,7 +122,7 @@ impl PixelGrid {
     /// Every pixel of a picture of a width and a height, without data: for looking at the winners alone.
     #[must_use]
     pub(super) fn without_data([columns, rows]: [usize; 2]) -> Self {
-        let tile = Tile::of_processor();
+        let tile = Tile::default();
         let pitch = (columns * tile.rows).next_multiple_of(PADDING.max(tile.lanes())) / tile.lanes();
         Self { columns, rows, stride: 1, tile, pitch, ..Self::default() }
     }
