@@ -7,6 +7,7 @@
 //! | [`Pose`] | root position and one quaternion per rotation; `retract`, `local` |
 //! | [`Parameters`] | raw coefficients or tangent update: the state's columns |
 //! | [`Kinematics`] | joint positions of a pose and the 7 × n map from state to a limb's motion |
+//! | [`Sides`] | which way a body faces, by its right and left limbs |
 //! | [`Sizes`] | which lengths and radii may change, and together with which others |
 //! | [`builtin`] | the models that come with the program |
 
@@ -16,6 +17,7 @@ mod limb;
 mod model;
 mod parameters;
 mod pose;
+mod sides;
 pub(crate) mod sizes;
 
 pub use kinematics::{Kinematics, MovingColumn};
@@ -23,4 +25,5 @@ pub use limb::{JointAngles, JointLimits, Limb, LimbSphere, Range};
 pub use model::{FORMAT, LimbSpec, MAX_LIMBS, MAX_SIZE, Model, ModelError, ModelSpec};
 pub use parameters::Parameters;
 pub use pose::{FARTHEST_ROOT, Pose, PoseError};
+pub use sides::Sides;
 pub use sizes::{SizeChoice, SizeKind, SizeParameter, Sizes};

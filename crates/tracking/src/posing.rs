@@ -1,6 +1,8 @@
 //! Moving a body by hand. A dragged joint's chain follows through the same optimiser that fits silhouettes:
 //! a point residual for the joint, one for every pin, and a proximal prior that shares the bend out.
 
+mod turn_round;
+
 use glam::{DQuat, DVec3};
 use nalgebra::DVector;
 
@@ -9,18 +11,23 @@ use crate::optimize::{LeastSquares, Method, NormalEquations, Solver, SolverOptio
 use crate::residual::point::PointTarget;
 use crate::residual::{joint_limit, point, proximal_prior};
 
+pub use turn_round::turn_round;
+
 /// Weight of the dragged joint, per m².
 const TARGET_WEIGHT: f64 = 1.0;
 /// Weight of a pin, per m²: pins give way last.
 const PIN_WEIGHT: f64 = 30.0;
 /// Pull of every rotation towards where it was, per rad².
 const STIFFNESS: f64 = 1e-4;
-/// The same of the trunk in a drag: a limb's own chain bends before it.
-const TRUNK_STIFFNESS: f64 = 3e-3;
+/// The same of the trunk in a drag: a limb's own chain bends before it. Half a radian of an elbow is to be cheaper than
+/// the tenth of a radian by which a trunk moves a hand as far, thirty times over.
+const TRUNK_STIFFNESS: f64 = 0.1;
 /// The same of a rotation that turns the whole body.
-const BODY_STIFFNESS: f64 = 0.3;
+const BODY_STIFFNESS: f64 = 1.0;
 /// Pull of the root towards where it was, per m²: limbs bend before the body goes along.
-const ROOT_STIFFNESS: f64 = 0.3;
+const ROOT_STIFFNESS: f64 = 1.0;
+/// All of these where the trunk is held.
+const HELD_STIFFNESS: f64 = 1e5;
 /// Weight of joint limits, per rad²: a hundredth of a radian stands for a tenth of a metre of the target.
 const LIMIT_WEIGHT: f64 = 100.0;
 /// Most iterations of one solve.
@@ -38,6 +45,8 @@ struct Reach<'a> {
     targets: &'a [PointTarget],
     /// By rotation, per rad².
     stiffness: &'a [f64],
+    /// Of the root, per m².
+    root_stiffness: f64,
     kinematics: Kinematics,
 }
 
@@ -51,7 +60,7 @@ impl LeastSquares for Reach<'_> {
         }
         let parameters = Parameters::Tangent;
         let reference = self.reference;
-        proximal_prior::add_each(equations, parameters, pose, reference, self.stiffness, ROOT_STIFFNESS);
+        proximal_prior::add_each(equations, parameters, pose, reference, self.stiffness, self.root_stiffness);
         joint_limit::add(equations, parameters, self.model, pose, LIMIT_WEIGHT);
     }
 
@@ -68,7 +77,7 @@ impl LeastSquares for Reach<'_> {
 #[must_use]
 pub fn reach(model: &Model, reference: &Pose, targets: &[PointTarget]) -> Pose {
     let stiffness = vec![STIFFNESS; model.rotation_count()];
-    reach_from(model, reference, reference.clone(), targets, &stiffness)
+    reach_from(model, reference, reference.clone(), targets, (&stiffness, ROOT_STIFFNESS))
 }
 
 fn reach_from(
@@ -76,10 +85,10 @@ fn reach_from(
     reference: &Pose,
     start: Pose,
     targets: &[PointTarget],
-    stiffness: &[f64],
+    (stiffness, root_stiffness): (&[f64], f64),
 ) -> Pose {
     let kinematics = Kinematics::new(model, reference);
-    let mut chain = Reach { model, reference, targets, stiffness, kinematics };
+    let mut chain = Reach { model, reference, targets, stiffness, root_stiffness, kinematics };
     let options = SolverOptions {
         method: Method::LevenbergMarquardt,
         damping: 1e-3,
@@ -93,26 +102,41 @@ fn reach_from(
     solver.point().clone()
 }
 
-/// Drags a limb's second joint to a point of the world (metres); pinned limbs' second joints stay.
+/// What stays where it is while a joint is dragged.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Held<'a> {
+    /// Limbs whose second joints stay, if they can.
+    pub pins: &'a [usize],
+    /// Whether nothing but the chain that carries the joint moves: the joint stops where the chain ends.
+    pub trunk: bool,
+}
+
+/// Drags a limb's second joint to a point of the world (metres); what is held stays.
 ///
 /// Without pins the joint arrives, with them within a tenth of a millimetre where they and the limits let it: what the
 /// priors hold back is added to the targets, again and again. `reference` is the pose in which the drag began: dragging back undoes itself. No
 /// angle leaves its limits; one that was outside in `reference` may only come back.
 #[must_use]
-pub fn drag_limb_end(model: &Model, reference: &Pose, limb: usize, target: DVec3, pins: &[usize]) -> Pose {
+pub fn drag_limb_end(model: &Model, reference: &Pose, limb: usize, target: DVec3, held: Held<'_>) -> Pose {
     let kinematics = Kinematics::new(model, reference);
     let mut wanted = vec![PointTarget { limb: Some(limb), target, weight: TARGET_WEIGHT }];
-    wanted.extend(pins.iter().filter(|&&pin| pin != limb).map(|&pin| PointTarget {
+    wanted.extend(held.pins.iter().filter(|&&pin| pin != limb).map(|&pin| PointTarget {
         limb: Some(pin),
         target: kinematics.ends()[pin],
         weight: PIN_WEIGHT,
     }));
     let lenient = widened(model, reference);
     let mut shifted = wanted.clone();
-    // Pins ask for the help of the whole body.
-    let stiffness =
-        if wanted.len() == 1 { stiffness(model, limb) } else { vec![STIFFNESS; model.rotation_count()] };
-    let mut pose = reach_from(&lenient, reference, reference.clone(), &shifted, &stiffness);
+    let (stiffness, root_stiffness) = if held.trunk {
+        (stiffness(model, limb, [HELD_STIFFNESS; 2]), HELD_STIFFNESS)
+    } else if wanted.len() == 1 {
+        (stiffness(model, limb, [TRUNK_STIFFNESS, BODY_STIFFNESS]), ROOT_STIFFNESS)
+    } else {
+        // Pins ask for the help of the whole body.
+        (vec![STIFFNESS; model.rotation_count()], ROOT_STIFFNESS)
+    };
+    let stiffness = (&stiffness[..], root_stiffness);
+    let mut pose = reach_from(&lenient, reference, reference.clone(), &shifted, stiffness);
     let mut left = f64::INFINITY;
     for _ in 1..CORRECTIONS {
         let ends = Kinematics::new(model, &pose);
@@ -127,10 +151,12 @@ pub fn drag_limb_end(model: &Model, reference: &Pose, limb: usize, target: DVec3
         for (target, miss) in shifted.iter_mut().zip(misses) {
             target.target += miss;
         }
-        pose = reach_from(&lenient, reference, pose, &shifted, &stiffness);
+        pose = reach_from(&lenient, reference, pose, &shifted, stiffness);
     }
     let mut pose = within_limits(model, reference, &pose);
-    if wanted.len() == 1 {
+    if held.trunk {
+        pose.root = reference.root;
+    } else if wanted.len() == 1 {
         // Nothing is pinned: the body goes along with what the limits have taken back.
         pose.root += target - Kinematics::new(model, &pose).ends()[limb];
     }
@@ -139,12 +165,10 @@ pub fn drag_limb_end(model: &Model, reference: &Pose, limb: usize, target: DVec3
 
 /// How hard each rotation is to turn when a limb's end is held: the chain that carries it is light as far as no other
 /// chain grows from it, the trunk is not, and the whole body is heavy.
-fn stiffness(model: &Model, limb: usize) -> Vec<f64> {
+fn stiffness(model: &Model, limb: usize, [trunk, body]: [f64; 2]) -> Vec<f64> {
     let parents = model.rotation_parents();
-    let mut stiffness: Vec<f64> = parents
-        .iter()
-        .map(|parent| if parent.is_some() { TRUNK_STIFFNESS } else { BODY_STIFFNESS })
-        .collect();
+    let mut stiffness: Vec<f64> =
+        parents.iter().map(|parent| if parent.is_some() { trunk } else { body }).collect();
     let children = |rotation: usize| parents.iter().filter(|parent| **parent == Some(rotation)).count();
     let mut next = Some(model.limbs()[limb].rotation);
     while let Some(rotation) = next {
@@ -314,7 +338,10 @@ mod tests {
         let feet = ["right foot", "left foot"].map(|name| model.limb_index(name).unwrap());
         let before = Kinematics::new(&model, &rest);
         let target = before.ends()[wrist] + DVec3::new(0.15, 0.2, 0.25);
-        let after = Kinematics::new(&model, &drag_limb_end(&model, &rest, wrist, target, &feet));
+        let after = Kinematics::new(
+            &model,
+            &drag_limb_end(&model, &rest, wrist, target, Held { pins: &feet, trunk: false }),
+        );
         assert!(after.ends()[wrist].distance(target) < 0.005, "{}", after.ends()[wrist].distance(target));
         for foot in feet {
             assert!(after.ends()[foot].distance(before.ends()[foot]) < 0.005);
@@ -326,8 +353,58 @@ mod tests {
         let model = builtin::full_body();
         let rest = Pose::rest(&model);
         let wrist = model.limb_index("left forearm").unwrap();
-        let pose = drag_limb_end(&model, &rest, wrist, DVec3::new(-5.0, 3.0, 9.0), &[]);
+        let pose = drag_limb_end(&model, &rest, wrist, DVec3::new(-5.0, 3.0, 9.0), Held::default());
         assert_eq!(pose.check(&model), Ok(()));
+    }
+
+    /// A person with both elbows bent by a right angle.
+    fn with_bent_elbows(model: &Model) -> Pose {
+        let mut pose = Pose::rest(model);
+        for side in ["right", "left"] {
+            let limb = &model.limbs()[model.limb_index(&format!("{side} forearm")).unwrap()];
+            pose.rotations[limb.rotation] =
+                limb.rotation_from_angles(JointAngles { flexion: 1.5, ..JointAngles::default() });
+        }
+        pose
+    }
+
+    #[test]
+    fn a_wrist_is_moved_by_its_own_arm_while_the_elbow_has_room() {
+        let model = builtin::full_body();
+        let pose = with_bent_elbows(&model);
+        let [wrist, other] = ["right forearm", "left forearm"].map(|name| model.limb_index(name).unwrap());
+        let before = Kinematics::new(&model, &pose);
+        for by in [DVec3::new(0.1, 0.0, 0.0), DVec3::new(0.0, 0.1, 0.0), DVec3::new(-0.07, 0.0, 0.07)] {
+            let target = before.ends()[wrist] + by;
+            let after =
+                Kinematics::new(&model, &drag_limb_end(&model, &pose, wrist, target, Held::default()));
+            assert!(after.ends()[wrist].distance(target) < 1e-3, "{by}");
+            let along = after.ends()[other].distance(before.ends()[other]);
+            assert!(along < 0.005, "{by}: the other wrist went along by {along:.3} m");
+        }
+    }
+
+    #[test]
+    fn a_held_trunk_stays_and_the_joint_stops_where_the_arm_ends() {
+        let model = builtin::full_body();
+        let pose = with_bent_elbows(&model);
+        let wrist = model.limb_index("right forearm").unwrap();
+        let held = Held { pins: &[], trunk: true };
+        for far in [0.1, 3.0] {
+            let before = Kinematics::new(&model, &pose);
+            let target = before.ends()[wrist] + DVec3::new(-0.5, 0.3, 0.8).normalize() * far;
+            let after = drag_limb_end(&model, &pose, wrist, target, held);
+            assert_eq!(after.check(&model), Ok(()));
+            let ends = Kinematics::new(&model, &after);
+            for (index, limb) in model.limbs().iter().enumerate() {
+                let is_chain = limb.name.starts_with("right ")
+                    && ["clavicle", "upper arm", "forearm"].iter().any(|part| limb.name.ends_with(part));
+                let moved = ends.ends()[index].distance(before.ends()[index]);
+                assert!(is_chain || limb.name.contains("hand") || moved < 1e-3, "{}: {moved:.4}", limb.name);
+            }
+            let missed = ends.ends()[wrist].distance(target);
+            assert!(if far < 1.0 { missed < 2e-3 } else { missed > 1.0 }, "{far}: {missed}");
+        }
     }
 
     #[test]

@@ -3,3 +3,4 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
 
 mod builtin_take;
+mod turned_round;

@@ -9,6 +9,9 @@
 //!    and the best of all hypotheses goes on. Sweeps over the chains end when one brings nothing.
 //! 3. **Pairs.** Where the silhouettes are still ill explained, two chains are taken off at once: arms that
 //!    have changed places, a head that has become a hand.
+//! 4. **Turned round.** The best pose with the body facing the other way and its sides swapped, as it is and put
+//!    together anew, in a search of its own whose chains are swept where it is a rival in cost. Silhouettes hardly tell the two apart, and a fit never
+//!    crosses over.
 //!
 //! Thousands of places are sifted by the sketch, which draws flat limbs on coarse pictures; some tens are
 //! refined by the fit's last stages. Hypotheses are ranked by the last stage's cost, priors included. All of
@@ -26,7 +29,8 @@ use super::start;
 use crate::body::{Kinematics, Model, Pose};
 use crate::cancel::CancelToken;
 use crate::fit::{Evidence, Fit, FitError, FitOptions, FitView, Objective, Prepared, Stage};
-use crate::optimize::{Solver, SolverOptions};
+use crate::optimize::{LeastSquares, NormalEquations, Solver, SolverOptions};
+use crate::posing;
 use crate::render::BACKGROUND;
 use crate::silhouette::Label;
 
@@ -34,6 +38,12 @@ use crate::silhouette::Label;
 const SAME_M: f64 = 0.05;
 /// A sweep that lowers the best cost by less than this fraction was the last.
 const LEAST_GAIN: f64 = 1e-3;
+/// A body turned round whose cost is below so many of the best one's is worth a search of its own.
+const RIVAL: f64 = 1.6;
+/// The start knows which way the body faces: to be believed, a body turned round must explain the silhouettes better by so
+/// much of the cost, and by so much of the subject's pixels. A body of capsules without limits looks the same both ways.
+const LEAST_BETTER: f64 = 0.05;
+const LEAST_BETTER_PIXELS: f64 = 1e-3;
 /// Proposals are first refined by the stage this many before the last, the best of them by the ones after it.
 const REFINING_STAGES: usize = 3;
 
@@ -45,6 +55,8 @@ pub enum Origin {
     Start,
     /// Another trunk, all chains put together on it.
     Trunk,
+    /// The body turned round, its sides swapped.
+    TurnedRound,
     /// A chain seeded anew.
     Chain {
         /// The chain's first limb.
@@ -92,7 +104,7 @@ pub fn search(
 ) -> Result<Hypotheses, FitError> {
     effort.check()?;
     let prepared = Prepared::new(model, views, start, options, Sketch::reach_px)?;
-    Ok(Search::run(model, &prepared, options, effort, cancel))
+    Ok(run(model, &prepared, options, effort, cancel))
 }
 
 /// A fit that begins with a search for the best of many hypotheses ([`search`]) and goes on from there with the last
@@ -111,7 +123,7 @@ pub fn fit_best(
     effort.check()?;
     let options = options.at_scale(&model, &views, start);
     let prepared = Prepared::new(&model, views, start, &options, Sketch::reach_px)?;
-    let found = Search::run(&model, &prepared, &options, effort, cancel).found;
+    let found = run(&model, &prepared, &options, effort, cancel).found;
     let fit = Fit::at_last_stage(model, prepared, options, &found[0].pose);
     Ok((fit, found))
 }
@@ -129,23 +141,47 @@ struct Search<'a> {
     iterations: usize,
 }
 
+/// All that is found from a prepared start and from the body that faces the other way.
+fn run(
+    model: &Arc<Model>,
+    prepared: &Prepared,
+    options: &FitOptions,
+    effort: &SearchOptions,
+    cancel: &CancelToken,
+) -> Hypotheses {
+    let subject = BACKGROUND * BACKGROUND * subject_pixels(&prepared.views);
+    let pairs_above = effort.pairs_above * subject;
+    let mut search = Search::about(&prepared.start, model, prepared, options, effort, cancel);
+    let chains: Vec<usize> = (0..search.reseeder.parts.chains.len()).collect();
+    let (cost, pose) = search.refine(&prepared.start, 0);
+    search.keep(Hypothesis { pose, cost, origin: Origin::Start });
+    search.try_trunks(&prepared.start, &chains);
+    search.sweep(&chains, pairs_above);
+    if effort.turned && !cancel.is_cancelled() {
+        search.try_the_other_way(prepared, &chains, subject);
+    }
+    search.found.truncate(effort.kept.max(1));
+    Hypotheses { found: search.found, iterations: search.iterations }
+}
+
 impl<'a> Search<'a> {
-    fn run(
+    /// A search in which nothing is found yet, and whose priors pull towards a pose.
+    fn about(
+        start: &'a Pose,
         model: &'a Arc<Model>,
         prepared: &'a Prepared,
         options: &'a FitOptions,
         effort: &'a SearchOptions,
         cancel: &'a CancelToken,
-    ) -> Hypotheses {
-        let Prepared { views, distances, start, .. } = prepared;
+    ) -> Self {
+        let Prepared { views, distances, .. } = prepared;
         let objective = |&stage: &Stage| {
             let reference = start.clone();
             (stage, Objective::new(Arc::clone(model), views, distances, options, stage, reference))
         };
         let parts = Chains::new(model);
         let sketch = Sketch::new(model, views, distances, start);
-        let chains: Vec<usize> = (0..parts.chains.len()).collect();
-        let mut search = Self {
+        Self {
             model,
             options,
             effort,
@@ -154,23 +190,7 @@ impl<'a> Search<'a> {
             objectives: options.stages.iter().map(objective).collect(),
             found: Vec::new(),
             iterations: 0,
-        };
-        let (cost, pose) = search.refine(start, 0);
-        search.keep(Hypothesis { pose, cost, origin: Origin::Start });
-        search.try_trunks(start, &chains);
-        let pairs_above = effort.pairs_above * BACKGROUND * BACKGROUND * subject_pixels(views);
-        for _ in 0..effort.sweeps {
-            let before = search.found[0].cost;
-            search.try_chains(&chains);
-            if search.found[0].cost > pairs_above {
-                search.try_pairs(&chains);
-            }
-            if search.found[0].cost > before * (1.0 - LEAST_GAIN) {
-                break;
-            }
         }
-        search.found.truncate(effort.kept.max(1));
-        Hypotheses { found: search.found, iterations: search.iterations }
     }
 
     /// Other trunks, and all chains anew on them and on the best one.
@@ -195,6 +215,60 @@ impl<'a> Search<'a> {
             let whole = self.reseeder.assemble(&trunk, chains);
             let (cost, pose) = self.refine(&whole, self.refining_stage());
             self.keep(Hypothesis { pose, cost, origin: Origin::Trunk });
+        }
+    }
+
+    /// The best pose with the body facing the other way, in a search of its own.
+    ///
+    /// Its priors pull towards its own start, or the start's would hold it back by a whole turn. It is ranked as if
+    /// it were as far from the start as the best of the others, and a little behind.
+    fn try_the_other_way(&mut self, prepared: &Prepared, chains: &[usize], subject: f64) {
+        let best = self.found[0].clone();
+        let turned = posing::turn_round(self.model, &best.pose);
+        let mut other = Search::about(&turned, self.model, prepared, self.options, self.effort, self.cancel);
+        other.try_turned(&turned, chains);
+        let last = self.options.stages[self.options.stages.len() - 1];
+        let free = FitOptions { proximal_weight: 0.0, ..self.options.clone() };
+        let Prepared { views, distances, start, .. } = prepared;
+        let mut judge = Objective::new(Arc::clone(self.model), views, distances, &free, last, start.clone());
+        let mut judged = |pose: &Pose| {
+            let mut equations = NormalEquations::zeros(judge.columns());
+            judge.evaluate(pose, &mut equations);
+            equations.cost
+        };
+        let of_best = judged(&best.pose);
+        if judged(&other.found[0].pose) < RIVAL * of_best {
+            other.sweep(chains, self.effort.pairs_above * subject);
+        }
+        self.iterations += other.iterations;
+        for found in other.found {
+            let cost = (1.0 + LEAST_BETTER) * judged(&found.pose)
+                + LEAST_BETTER_PIXELS * subject
+                + (best.cost - of_best);
+            self.keep(Hypothesis { cost, ..found });
+        }
+    }
+
+    /// A body that faces the other way: as it is, and put together anew.
+    fn try_turned(&mut self, turned: &Pose, chains: &[usize]) {
+        let whole = self.reseeder.assemble(turned, chains);
+        for (pose, stage) in [(turned, 0), (&whole, self.refining_stage())] {
+            let (cost, pose) = self.refine(pose, stage);
+            self.keep(Hypothesis { pose, cost, origin: Origin::TurnedRound });
+        }
+    }
+
+    /// Sweeps over the chains, and the pairs where the fit is poor, until one brings nothing.
+    fn sweep(&mut self, chains: &[usize], pairs_above: f64) {
+        for _ in 0..self.effort.sweeps {
+            let before = self.found[0].cost;
+            self.try_chains(chains);
+            if self.found[0].cost > pairs_above {
+                self.try_pairs(chains);
+            }
+            if self.found[0].cost > before * (1.0 - LEAST_GAIN) {
+                break;
+            }
         }
     }
 
@@ -246,8 +320,8 @@ impl<'a> Search<'a> {
             }
             refined.push(self.refine_by(stage, pose));
         }
-        let best = refined.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((cost, pose)) = best else { return };
+        let lowest = refined.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((cost, pose)) = lowest else { return };
         let (cost, pose) =
             if stage + 1 < self.objectives.len() { self.refine(&pose, stage + 1) } else { (cost, pose) };
         self.keep(Hypothesis { pose, cost, origin: origin.clone() });

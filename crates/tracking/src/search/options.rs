@@ -26,6 +26,8 @@ pub struct SearchOptions {
     pub trunk_angle: f64,
     /// Farthest that a sample's root is moved, metres.
     pub trunk_distance: f64,
+    /// Whether the body facing the other way is tried too: the start turned round, and the best pose of all.
+    pub turned: bool,
     /// Places of a pair of chains that are refined; 0 leaves pairs out.
     pub pairs: usize,
     /// Pairs are tried where the cost is above this fraction of the subject's pixels.
@@ -48,6 +50,7 @@ impl Default for SearchOptions {
             trunk_samples: 200,
             trunk_angle: 0.5,
             trunk_distance: 0.15,
+            turned: true,
             pairs: 3,
             pairs_above: 0.04,
             kept: 8,

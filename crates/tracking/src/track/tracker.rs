@@ -342,7 +342,8 @@ impl Tracker {
         options: FitOptions,
         cancel: &CancelToken,
     ) -> Result<Found, FitError> {
-        let effort = SearchOptions::default();
+        // A track knows which way its body faces; a first frame's start may not.
+        let effort = SearchOptions { turned: self.last.is_none(), ..SearchOptions::default() };
         let (fit, found) = search::fit_best(Arc::clone(&self.model), views, start, options, &effort, cancel)?;
         Ok(Found::run(fit, found, cancel))
     }
