@@ -77,6 +77,15 @@ impl Headless {
         self.painter.paint(&primitives, output.pixels_per_point, size_px, background)
     }
 
+    /// The same as [`frames`](Self::frames), as an SVG: see [`svg`](crate::svg).
+    pub fn svg(&mut self, count: usize, events: Vec<Event>, mut ui: impl FnMut(&mut Ui)) -> String {
+        let unpainted = count.saturating_sub(1);
+        let (first, last) = if unpainted > 0 { (events, Vec::new()) } else { (Vec::new(), events) };
+        self.run(unpainted, first, &mut ui);
+        let output = self.frame(last, &mut ui);
+        crate::svg(&output.shapes, self.size, self.ctx.global_style().visuals.panel_fill)
+    }
+
     /// Runs `count` frames of `ui` and paints none of them. The first of them receives `events`.
     pub fn run(&mut self, count: usize, events: Vec<Event>, mut ui: impl FnMut(&mut Ui)) {
         let mut events = events;

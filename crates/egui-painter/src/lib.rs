@@ -103,11 +103,13 @@ mod headless;
 mod kittest;
 mod painter;
 mod pixel;
+mod svg;
 mod textures;
 
 pub use headless::Headless;
 pub use image::RgbaImage;
 pub use painter::{Painter, Skipped};
+pub use svg::svg;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

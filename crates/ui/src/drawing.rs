@@ -18,6 +18,7 @@
 //! | `limbs` | limbs projected to capsules of the picture |
 //! | `joints` | the joints that can be dragged, and their names |
 //! | `sway` | a body that sways, and ellipses of joints |
+//! | [`side_marks`] | left, right and face of a body |
 //! | [`mod@sight_ray`] | one camera's ray as another camera sees it |
 //! | `calibration_marks` | principal point, world axes, grid and lens edge |
 //! | `state_axis` | the coefficient whose Jacobian column is looked at |
@@ -41,6 +42,7 @@ pub mod plot;
 mod prediction;
 mod report_overlay;
 mod residual;
+pub mod side_marks;
 pub mod sight_ray;
 pub mod state_axis;
 pub mod sway;
@@ -57,6 +59,7 @@ pub use limits::{BoundedAngle, LimitMark};
 pub use mode::{Legend, LegendEntry, NO_CHANGE_LEGEND, NO_PULL_LEGEND, Swatch, UNKNOWN_LEGEND, ViewMode};
 pub use outline::body_outline;
 pub use owner_limb::{limb_chains, limb_colours};
+pub use side_marks::SideMarks;
 pub use sight_ray::{SightRay, point_at, sight_ray};
 pub use state_axis::StateAxis;
 pub use sway::{JointEllipse, SwayMarks, Swaying, joint_ellipses};

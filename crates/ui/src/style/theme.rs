@@ -276,7 +276,7 @@ pub mod size {
     /// Notice cards.
     pub const NOTICE: f32 = 340.0;
     /// The smallest window the layout is made for.
-    pub const WINDOW_MIN: egui::Vec2 = egui::vec2(1100.0, 700.0);
+    pub const WINDOW_MIN: egui::Vec2 = egui::vec2(1024.0, 640.0);
     /// Scroll bar at rest.
     pub const SCROLL_BAR: f32 = 6.0;
     /// Scroll bar under the pointer.
