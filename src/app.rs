@@ -88,11 +88,6 @@ impl App {
                 Errand::Request(Request::OpenPath(path)) => self.open_path(&path),
                 Errand::Request(Request::OpenOutside(address)) => self.open_outside(address),
                 Errand::Request(Request::Export) => self.begin_export(),
-                Errand::Request(Request::OpenPostponed) => {
-                    if let Some(opening) = self.files.postponed.take() {
-                        self.open(opening);
-                    }
-                }
                 Errand::Request(_) => {}
             }
         }
@@ -101,6 +96,7 @@ impl App {
 
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        self.place_first_window(ui.ctx());
         self.frame(ui);
     }
 

@@ -44,7 +44,11 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser};
 
+use backlit_tracking::processor;
 use command::{Cli, Command, no_such_command};
+
+/// Set to 256, fits use vectors of at most so many bits: results are then the same on all x86 processors.
+const NARROW_VECTORS: &str = "BACKLIT_VECTORS";
 
 /// Parses the program's arguments, does what they say, and reports errors.
 pub fn run() -> ExitCode {
@@ -52,6 +56,9 @@ pub fn run() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return usage(&stray_word().unwrap_or(error)),
     };
+    if std::env::var_os(NARROW_VECTORS).is_some_and(|value| value == "256") {
+        processor::use_narrow_vectors();
+    }
     let result = match cli.command {
         None => inspector::run(cli.take.as_deref(), cli.state),
         Some(Command::Render(arguments)) => render::run(&arguments),

@@ -234,8 +234,8 @@ pub(crate) enum Request {
     Playback(PlaybackChange),
     /// What to do with work that an earlier start of the program left unsaved.
     Recover(Decision),
-    /// Open what waits until the user has decided about that work.
-    OpenPostponed,
+    /// Show it over the window.
+    RecoveryCard,
     /// Open whatever a path is.
     OpenPath(PathBuf),
     /// Take a path off the list of recent takes.
@@ -281,7 +281,7 @@ pub(crate) enum Decision {
     Discard(usize),
     /// Offer none of it any more.
     DiscardAll,
-    /// Offer all of it again at the next start.
+    /// Keep all of it.
     Later,
 }
 

@@ -37,4 +37,5 @@ pub(crate) enum Overlay {
     Messages,
     About,
     Export,
+    UnsavedWork,
 }

@@ -209,7 +209,9 @@ impl Inspector {
         match command {
             // The tracker's.
             FitCommand::SearchPoses | FitCommand::FitBody => return,
-            FitCommand::Step | FitCommand::Run | FitCommand::Refit(_) => self.pause(),
+            FitCommand::Step | FitCommand::Run | FitCommand::RunAgain(_) | FitCommand::Refit(_) => {
+                self.pause();
+            }
             FitCommand::Stop => {
                 self.features.demonstrations.stop();
                 self.features.tracking.stop();

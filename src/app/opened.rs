@@ -7,6 +7,7 @@ use backlit_tracking::track::WhenToSearch;
 use super::Inspector;
 use crate::app::open_job::OpenedProject;
 use crate::app::refresh::Refresh;
+use crate::context::command::{Command, RecoveryCommand};
 use crate::document::history::History;
 use crate::document::tracking_choices::TrackingChoices;
 use crate::document::{CameraUse, Document};
@@ -38,6 +39,10 @@ impl Inspector {
         }
         let left = self.features.recovery.begin(project.as_ref().map(|project| project.path.as_path()));
         self.state.lost_take = None;
+        if let Some(kept) = self.features.recovery.news(&self.state.clock) {
+            let show = Command::Recovery(RecoveryCommand::Show);
+            self.state.notices.info(self.state.now, kept, Some(show));
+        }
         if let Some(note) = project.as_ref().and_then(|project| project.note.clone()) {
             self.state.notices.info(self.state.now, note, None);
         }

@@ -158,7 +158,7 @@ impl Inspector {
                 |features| &mut features.recovery,
                 |recovery, _, requests| recovery.decide(decision, requests),
             ),
-            Request::OpenPostponed | Request::OpenPath(_) | Request::OpenOutside(_) | Request::Export => {
+            Request::OpenPath(_) | Request::OpenOutside(_) | Request::Export => {
                 self.errands.push(Errand::Request(request));
             }
             Request::ForgetRecent(path) => self.state.preferences.recent.retain(|other| *other != path),
@@ -167,6 +167,7 @@ impl Inspector {
                 self.state.notices.info(self.state.now, format!("Copied the {what}."), None);
             }
             Request::Used(command) => self.state.preferences.use_command(command.text()),
+            Request::RecoveryCard => self.shell.overlay = Some(Overlay::UnsavedWork),
             Request::ExportCard => self.shell.overlay = Some(Overlay::Export),
             Request::Status(text) => self.state.status = text,
             Request::Inform(text, next) => self.state.notices.info(self.state.now, text, next),

@@ -138,6 +138,7 @@ impl Inspector {
             Overlay::Shortcuts(search) => shortcuts::ui(ui, search),
             Overlay::Messages => messages::messages(ui, &self.state.notices, self.state.now, requests),
             Overlay::About => about::about(ui, requests),
+            Overlay::UnsavedWork => self.features.recovery.card(ui, &self.context(), requests),
             Overlay::Export => {
                 let mut export = std::mem::take(&mut self.features.export);
                 let stays = export.card(ui, &self.context(), requests);

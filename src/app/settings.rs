@@ -149,7 +149,12 @@ mod tests {
 
     #[test]
     fn what_is_chosen_for_plots_and_basin_is_kept_and_outlives_a_reset() {
-        let curves = ConvergencePreferences { quantity: Quantity::StepNorm, is_log: false, rejected: false };
+        let curves = ConvergencePreferences {
+            quantity: Quantity::StepNorm,
+            is_log: false,
+            rejected: false,
+            exports_light: false,
+        };
         let mut look = Settings { curves, ..Settings::default() };
         look.basin.settings.seed = 12;
         look.basin.view = crate::context::command::BasinView::Map;

@@ -41,6 +41,8 @@ pub struct AppOptions {
     pub offers_tour: bool,
     /// What time it is.
     pub clock: Clock,
+    /// Whether no window was ever open before: its place is not known.
+    pub is_first_window: bool,
     /// Whether jobs have no threads, and do a step of each kind in every frame: a test is the same every time then.
     pub is_inline: bool,
 }
@@ -61,20 +63,6 @@ pub enum Opening {
         /// Where its take is now.
         take: PathBuf,
     },
-}
-
-impl Opening {
-    /// What it is called, in a sentence.
-    fn name(&self) -> String {
-        match self {
-            Self::Take(TakeSource::Path(path)) | Self::Project(path) | Self::Moved { project: path, .. } => {
-                path.file_name().map_or_else(|| "the take".into(), |name| name.to_string_lossy().into_owned())
-            }
-            Self::Take(TakeSource::Demonstration(_)) => "the demonstration".to_owned(),
-            Self::Take(TakeSource::BuiltIn) => "the built-in take".to_owned(),
-            Self::Ready(take) => take.name().to_owned(),
-        }
-    }
 }
 
 /// What a file dialog was asked for.
@@ -121,8 +109,6 @@ pub(crate) struct State {
 /// Takes and projects that are opened, and the dialogs that ask for files.
 #[derive(Debug)]
 pub(crate) struct Files {
-    /// What is opened when the unsaved work is left.
-    pub(crate) postponed: Option<Opening>,
     pub(crate) open: Task<(), Opened>,
     pub(crate) save: Task<PathBuf, Result<u64, ProjectError>>,
     pub(crate) take_in: Task<(), anyhow::Result<(Edit, String)>>,
@@ -132,7 +118,6 @@ pub(crate) struct Files {
 impl Default for Files {
     fn default() -> Self {
         Self {
-            postponed: None,
             open: Task::new(Priority::OPEN),
             save: Task::new(Priority::SAVE),
             take_in: Task::new(Priority::TAKE_IN),
@@ -149,6 +134,8 @@ pub struct App {
     pub(crate) writes: Writes,
     pub(crate) state_file: Option<PathBuf>,
     pub(crate) settings_writer: SettingsWriter,
+    /// Whether the window is still to be placed on the screen.
+    pub(crate) is_first_window: bool,
 }
 
 impl Deref for App {
@@ -188,14 +175,10 @@ impl App {
             writes: Writes::default(),
             state_file: options.state_file,
             settings_writer,
+            is_first_window: options.is_first_window,
         };
-        match options.opening {
-            Some(opening) if !app.features.recovery.is_offered() => app.open(opening),
-            // First the unsaved work: once something else is open, its own copy would take that one's place.
-            opening => {
-                app.features.recovery.let_wait(opening.as_ref().map(Opening::name));
-                app.files.postponed = opening;
-            }
+        if let Some(opening) = options.opening {
+            app.open(opening);
         }
         Ok(app)
     }

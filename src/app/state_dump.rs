@@ -267,5 +267,6 @@ fn overlay_name(overlay: &Overlay) -> &'static str {
         Overlay::Messages => "messages",
         Overlay::About => "about",
         Overlay::Export => "export",
+        Overlay::UnsavedWork => "unsaved work",
     }
 }

@@ -35,7 +35,7 @@ pub use groups::BasinView;
 pub(crate) use groups::{
     BasinCommand, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
     LaboratoryCommand, Nudge, ObservabilityCommand, Part, PoseCommand, RecoveryCommand, SceneCommand,
-    TimelineCommand, TrackingCommand, ViewCommand, WindowCommand,
+    TimelineCommand, TrackingCommand, Variants, ViewCommand, WindowCommand,
 };
 pub(crate) use keys::keys_text;
 pub(crate) use menu::Menu;

@@ -14,12 +14,16 @@ pub struct ViewSettings {
     pub blink_hz: f32,
     /// Whether principal point, world axes, floor and lens edge are drawn.
     pub calibration_marks: bool,
+    /// Whether hands and feet say left or right, and a nose where the body faces.
+    pub side_marks: bool,
     /// Whether lines lie between pixels that are shown large.
     pub pixel_grid: bool,
     /// The coefficient of the pose whose Jacobian column is shown.
     pub axis: StateAxis,
     /// Whether the selected limb has handles for its length and radius.
     pub size_handles: bool,
+    /// Whether a dragged joint moves its own arm, leg or neck alone.
+    pub hold_trunk: bool,
     /// Whether a size is changed on both sides of the body.
     pub both_sides: bool,
 }
@@ -41,9 +45,11 @@ impl Default for ViewSettings {
         Self {
             blink_hz: 2.0,
             calibration_marks: false,
+            side_marks: true,
             pixel_grid: true,
             axis: StateAxis::default(),
             size_handles: false,
+            hold_trunk: false,
             both_sides: true,
         }
     }

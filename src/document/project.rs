@@ -99,7 +99,7 @@ mod tests {
 
     use super::*;
     use crate::document::edit::Edit;
-    use crate::document::tracking_choices::{Following, TrackingChoices};
+    use crate::document::tracking_choices::{AtKeys, Following, TrackingChoices};
     use crate::document::{CameraUse, Estimate, Origin};
     use crate::take::replacement::Calibration;
     use crate::take::source::TakeSource;
@@ -128,6 +128,7 @@ mod tests {
             Edit::SetTracking(TrackingChoices {
                 motion: Following::Smoothed { lag: Some(3) },
                 search: WhenToSearch::Never,
+                at_keys: AtKeys::Stop,
             }),
             Edit::Pin { limb: 5, pinned: true },
             Edit::SetSize { limb: 2, length: 0.2, radius: 0.05, both_sides: true },
@@ -170,7 +171,7 @@ mod tests {
         assert!(json.as_object_mut().unwrap().remove("tracking").is_some());
         std::fs::write(&path, json.to_string()).unwrap();
         let tracking = read_project(&path).unwrap().tracking;
-        assert_eq!(tracking, TrackingChoices { motion: Following::Velocity, search: WhenToSearch::WhenPoor });
+        assert_eq!(tracking, TrackingChoices::of_preset(None));
     }
 
     #[test]

@@ -20,6 +20,10 @@ pub struct RunStep {
     pub(crate) mismatch: f64,
     /// Root of its mean over the pixels that count, grey levels; zero where none does.
     pub(crate) rms: f64,
+    /// IoU of body and silhouettes, all cameras together.
+    pub(crate) iou: Option<f64>,
+    /// Mean distance of the joints from the take's reference, millimetres, where there is one.
+    pub(crate) joint_error_mm: Option<f64>,
     /// The cost that the solver lowered, in its own stage.
     pub(crate) cost: f64,
     /// The cost that a rejected step would have had.
@@ -184,6 +188,8 @@ mod tests {
             pose: Pose { root: DVec3::ZERO, rotations: Vec::new() },
             mismatch,
             rms: mismatch,
+            iou: None,
+            joint_error_mm: None,
             cost: mismatch,
             trial_cost: mismatch,
             step_norm: 0.0,

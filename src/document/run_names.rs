@@ -8,7 +8,7 @@ use backlit_ui::style::format;
 
 use crate::document::fit_words as words;
 use crate::document::run::Run;
-use crate::document::runs::StepRef;
+use crate::document::runs::{StepRef, is_same};
 
 /// Names every run that was not named by hand by its differences from the runs whose curves are shown. A run
 /// that is hidden is named as if it were shown.
@@ -69,7 +69,7 @@ fn start_numbers(runs: &[Run]) -> Vec<usize> {
             continue;
         };
         let of_frame = known.iter().filter(|(frame, _)| *frame == run.frame);
-        let place = of_frame.clone().position(|(_, pose)| **pose == first.pose);
+        let place = of_frame.clone().position(|(_, pose)| is_same(pose, &first.pose));
         numbers.push(place.unwrap_or(of_frame.count()) + 1);
         if place.is_none() {
             known.push((run.frame, &first.pose));

@@ -50,7 +50,7 @@ pub(crate) enum RunChange {
 }
 
 /// Whether two poses are the same but for rounding: a fit begins with rotations of unit length.
-fn is_same(one: &Pose, other: &Pose) -> bool {
+pub(super) fn is_same(one: &Pose, other: &Pose) -> bool {
     let turns = one.rotations.iter().zip(&other.rotations);
     one.root.distance(other.root) < 1e-9
         && one.rotations.len() == other.rotations.len()
@@ -83,7 +83,7 @@ impl Runs {
     /// The first step of a run on a frame that ended at this pose, if it is not that run's start.
     pub(crate) fn step_with_pose(&self, frame: usize, pose: &Pose) -> Option<StepRef> {
         let found = |run: &Run| {
-            let step = run.steps.iter().position(|step| step.pose == *pose)?;
+            let step = run.steps.iter().position(|step| is_same(&step.pose, pose))?;
             (step > 0).then_some(StepRef { run: run.number, step })
         };
         self.all.iter().filter(|run| run.frame == frame).find_map(found)

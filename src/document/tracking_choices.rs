@@ -33,6 +33,19 @@ impl Following {
     }
 }
 
+/// What the tracker does at a key pose on its way.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum AtKeys {
+    /// The pose stays as it was set, and the track goes on from it.
+    #[default]
+    Keep,
+    /// The fit of its frame begins there.
+    Refine,
+    /// The track ends before it.
+    Stop,
+}
+
 /// All choices of a run of the tracker, besides those of a frame's fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -41,6 +54,9 @@ pub struct TrackingChoices {
     pub(crate) motion: Following,
     /// When other poses than the one downhill are looked for.
     pub(crate) search: WhenToSearch,
+    /// What becomes of key poses on the way.
+    #[serde(default)]
+    pub(crate) at_keys: AtKeys,
 }
 
 impl TrackingChoices {
@@ -48,8 +64,14 @@ impl TrackingChoices {
     /// else carries the motion on, and looks where a fit is poor.
     pub(crate) fn of_preset(preset: Option<Preset>) -> Self {
         match preset {
-            Some(Preset::Report) => Self { motion: Following::Still, search: WhenToSearch::Never },
-            _ => Self { motion: Following::default(), search: WhenToSearch::WhenPoor },
+            Some(Preset::Report) => {
+                Self { motion: Following::Still, search: WhenToSearch::Never, at_keys: AtKeys::default() }
+            }
+            _ => Self {
+                motion: Following::default(),
+                search: WhenToSearch::WhenPoor,
+                at_keys: AtKeys::default(),
+            },
         }
     }
 }
@@ -73,7 +95,7 @@ mod tests {
             Following::Smoothed { lag: None },
             Following::Smoothed { lag: Some(7) },
         ] {
-            let choices = TrackingChoices { motion, search: WhenToSearch::Always };
+            let choices = TrackingChoices { motion, search: WhenToSearch::Always, at_keys: AtKeys::Stop };
             let text = serde_json::to_string(&choices).unwrap();
             assert_eq!(serde_json::from_str::<TrackingChoices>(&text).unwrap(), choices, "{text}");
         }

@@ -4,30 +4,37 @@
 //! |---|---|
 //! | `update` | begun, gone on with, its steps taken in, stopped |
 //! | `job` | the fit, one iteration a step |
+//! | `again` | the same start once more with each renderer, preset or ramp |
 //! | `part` | which rotations a refit may move |
 //! | `unavailable` | why a command cannot be used now |
 //! | `refit`, [`refitted`] | the section of that name, and what the last refit has done |
+//! | `stages` | the table of stages in the section of the solver |
 //! | `solver`, `renderer`, `measurement` | the sections of those names |
 
+mod again;
 mod job;
 pub(crate) mod measurement;
 mod part;
 mod refit;
 pub(crate) mod refitted;
 pub(crate) mod renderer;
-pub(crate) mod solver;
+mod solver;
+mod stages;
 #[cfg(test)]
 mod tests;
 mod unavailable;
 mod update;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
+use again::Again;
 use backlit_jobs::{Priority, Task};
+use egui::Ui;
 use job::{Fitted, Running};
 use refitted::Refitted;
 
+use crate::context::{Context, Requests};
 use crate::document::history::Gesture;
 use crate::document::run::RunStep;
 use crate::session::prediction::{FitInputs, Predicted};
@@ -48,6 +55,10 @@ pub(crate) struct Fit {
     refitting: Option<String>,
     /// The last refit of each frame.
     refits: BTreeMap<usize, Refitted>,
+    /// What is still to be run from one start, to be compared.
+    again: VecDeque<Again>,
+    /// Whether the stages are open to be edited.
+    edits_stages: bool,
     /// Time of the last step, in seconds.
     pub(crate) step_seconds: Option<f64>,
 }
@@ -66,6 +77,8 @@ struct LiveRun {
     last: Option<(RunStep, Arc<Predicted>)>,
     /// The solver itself has ended it: there are no more steps.
     is_over: bool,
+    /// It is to be compared with others: the body stays as it was.
+    is_comparison: bool,
 }
 
 impl Default for Fit {
@@ -78,6 +91,8 @@ impl Default for Fit {
             gesture: None,
             refitting: None,
             refits: BTreeMap::new(),
+            again: VecDeque::new(),
+            edits_stages: false,
             step_seconds: None,
         }
     }
@@ -92,6 +107,18 @@ impl Fit {
     /// Another take is open: all of it was about the old one.
     pub(crate) fn reset(&mut self) {
         *self = Self::default();
+    }
+
+    /// The section of the solver, with what else it holds at its end.
+    pub(crate) fn solver_section(
+        &mut self,
+        ui: &mut Ui,
+        context: &Context<'_>,
+        requests: &mut Requests,
+        open: bool,
+        more: impl FnOnce(&mut Ui, &mut Requests),
+    ) {
+        solver::ui(ui, context, requests, (open, &mut self.edits_stages), more);
     }
 
     /// Whether steps are being made.

@@ -23,6 +23,7 @@ pub use copies::Copies;
 pub(crate) use left::Left;
 pub(crate) use picture::Picture;
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
@@ -38,8 +39,10 @@ pub(crate) struct Recovery {
     copies: Option<Copies>,
     /// What earlier windows have left and the user has not decided about.
     offered: Vec<Left>,
-    /// The name of what is opened once the user has decided.
-    waiting: Option<String>,
+    /// Whether the user wants to decide later.
+    is_put_off: bool,
+    /// The copies that a notice has told of.
+    told: BTreeSet<PathBuf>,
     /// Writes a revision to the copy.
     task: Task<u64, Result<(), ProjectError>>,
     /// Held while the copy is being written.
@@ -64,7 +67,8 @@ impl Default for Recovery {
         Self {
             copies: None,
             offered: Vec::new(),
-            waiting: None,
+            is_put_off: false,
+            told: BTreeSet::new(),
             task: Task::new(Priority::SAVE),
             writing: Arc::default(),
             written: None,
@@ -89,13 +93,8 @@ impl Recovery {
         &self.offered
     }
 
-    /// Whether there is any.
+    /// Whether there is any that the user has not put off.
     pub(crate) const fn is_offered(&self) -> bool {
-        !self.offered.is_empty()
-    }
-
-    /// What is opened once the user has decided.
-    pub(crate) fn let_wait(&mut self, name: Option<String>) {
-        self.waiting = name;
+        !self.offered.is_empty() && !self.is_put_off
     }
 }

@@ -188,6 +188,7 @@ impl Tracking {
                     because(last - first < 2, "There is no frame between the key poses around this frame")
                 }
             }),
+            TrackingCommand::TurnRound => no_track().or(not_tracked(context)),
             TrackingCommand::Clear => not_tracked(context),
         }
     }

@@ -23,7 +23,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, recovery: &Recovery, reques
                 return;
             }
             if is_offered {
-                recovery.ui(ui, context, requests);
+                let _ = recovery.ui(ui, context, requests);
             }
             let text = "Open a take, or look around in the built-in one";
             if is_offered {

@@ -7,7 +7,7 @@ use egui::{Frame, Margin, Panel, ScrollArea, Ui};
 use crate::context::preferences::Layout;
 use crate::context::{Context, Requests};
 use crate::features::Features;
-use crate::features::fit::{measurement, renderer, solver};
+use crate::features::fit::{measurement, renderer};
 use crate::features::pose::Posing;
 use crate::features::tracking::choices as tracking_choices;
 
@@ -54,7 +54,7 @@ fn sections(
     Posing::sizes(ui, context, requests);
     measurement::ui(ui, context, requests, false);
     renderer::ui(ui, context, requests, !posing);
-    solver::ui(ui, context, requests, !posing, |ui, requests| {
+    features.fit.solver_section(ui, context, requests, !posing, |ui, requests| {
         tracking_choices::ui(ui, context, requests);
     });
     let debugging = layout == Layout::Debug;

@@ -236,6 +236,8 @@ fn the_windows_map_is_the_commands() {
     ];
     let said = std::process::Command::new(env!("CARGO_BIN_EXE_backlit"))
         .args(words)
+        // As the window of the tests does.
+        .env("BACKLIT_VECTORS", "256")
         .arg(folder.path())
         .output()
         .unwrap();

@@ -153,6 +153,8 @@ impl Scene {
             selected: None,
             sight_ray: None,
             limits: &[],
+            says_limits: true,
+            sides: None,
             overlap: Some(self.overlap),
             is_overlap_stale: false,
             is_used: true,

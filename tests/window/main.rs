@@ -20,6 +20,7 @@ mod opening;
 mod painter;
 mod panels;
 mod posing;
+mod readable;
 mod recovery;
 mod scene;
 mod support;

@@ -8,9 +8,11 @@ use std::time::{Duration, SystemTime};
 use crate::support::app_window::{click, drag, open_sized, press};
 use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::settings::Settings;
-use backlit::app::{App, AppOptions, opening_of};
+use backlit::app::{App, AppOptions, Opening, opening_of};
 use backlit::context::clock::Clock;
 use backlit::document::Document;
+use backlit::take::demonstration::Demonstration;
+use backlit::take::source::TakeSource;
 use backlit_ui::style::theme::{Theme, size};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
@@ -92,7 +94,7 @@ fn copies_are_offered_with_time_picture_and_work_the_newest_first() {
     leave_two(folder.path());
     for theme in Theme::ALL {
         let look = Settings { theme, ..Settings::default() };
-        let options = take_in(folder.path(), AppOptions { settings: look, ..options(folder.path()) });
+        let options = AppOptions { settings: look, ..options(folder.path()) };
         let mut harness = open_sized(options, vec2(1100.0, 700.0));
         assert_eq!(titles(&harness), ["Today 14:32, 12 minutes ago", "Yesterday 09:44, 29 hours ago"]);
         harness.get_by_label("At frame 0 of 3: 1 pose set by hand");
@@ -113,11 +115,11 @@ fn copies_are_offered_with_time_picture_and_work_the_newest_first() {
 fn each_copy_is_restored_discarded_or_left_for_later() {
     let folder = tempfile::tempdir().unwrap();
     let [older, newer] = leave_two(folder.path());
-    let open = || open_sized(take_in(folder.path(), options(folder.path())), vec2(1100.0, 700.0));
+    let open = || open_sized(options(folder.path()), vec2(1100.0, 700.0));
     let mut harness = open();
-    assert!(harness.state().session().take.is_none(), "first the unsaved work");
-    click(&mut harness, "Decide later, open arm");
-    assert!(harness.state().session().take.is_some());
+    click(&mut harness, "Decide later");
+    assert!(titles(&harness).is_empty());
+    harness.get_by_label("Open a take, or look around in the built-in one");
     drop(harness);
 
     let mut harness = open();
@@ -141,15 +143,59 @@ fn each_copy_is_restored_discarded_or_left_for_later() {
 }
 
 #[test]
-fn all_of_it_is_discarded_and_what_waited_is_opened() {
+fn a_named_take_is_opened_at_once_and_a_notice_tells_of_what_was_left() {
     let folder = tempfile::tempdir().unwrap();
-    leave_two(folder.path());
+    let [_, newer] = leave_two(folder.path());
     let open = || open_sized(take_in(folder.path(), options(folder.path())), vec2(1100.0, 700.0));
     let mut harness = open();
+    assert!(harness.state().session().take.is_some(), "nothing stands before the take");
+    harness.get_by_label("Unsaved work of 2 windows is kept, the last arm, today 14:32, 12 minutes ago.");
+    click(&mut harness, "Unsaved work…");
+    assert_eq!(titles(&harness), ["Today 14:32, 12 minutes ago", "Yesterday 09:44, 29 hours ago"]);
+    click(&mut harness, "Restore arm, today 14:32, 12 minutes ago");
+    assert_eq!(*harness.state().document(), newer);
+    assert!(titles(&harness).is_empty(), "the card has closed");
+    drop(harness);
+
+    let mut harness = open();
+    click(&mut harness, "Unsaved work…");
     click(&mut harness, "Discard all");
     assert!(harness.state().session().take.is_some() && !harness.state().is_unsaved());
     drop(harness);
-    assert!(open().state().session().take.is_some(), "nothing is offered any more");
+    let harness = open();
+    assert!(harness.query_by_label_contains("is kept").is_none(), "nothing is offered any more");
+}
+
+#[test]
+fn opening_another_take_says_that_the_work_is_kept_and_offers_the_way_back() {
+    let folder = tempfile::tempdir().unwrap();
+    take::write_to(&folder.path().join("arm"));
+    let mut harness = open_sized(take_in(folder.path(), options(folder.path())), vec2(1500.0, 900.0));
+    drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 30.0));
+    let work = harness.state().document().clone();
+    harness.get_by_role_and_label(Role::Button, "File").click();
+    harness.run_steps(2);
+    harness.get_all_by_label_contains("Open built-in take").next().unwrap().click();
+    crate::support::app_window::settle(&mut harness);
+    assert_ne!(harness.state().document().take, work.take);
+    harness.get_by_label_contains("Unsaved work is kept: arm, ");
+    click(&mut harness, "Unsaved work…");
+    click(&mut harness, "Restore");
+    assert_eq!(*harness.state().document(), work);
+}
+
+#[test]
+fn of_a_demonstration_nothing_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let opening = Some(Opening::Take(TakeSource::Demonstration(Demonstration::OneCamera)));
+    let mut harness = open_sized(AppOptions { opening, ..options(folder.path()) }, vec2(1500.0, 900.0));
+    drag(&mut harness, "head, Camera 1", vec2(0.0, 30.0));
+    assert!(harness.state().is_unsaved());
+    eframe::App::on_exit(harness.state_mut(), None);
+    drop(harness);
+    let harness = open_sized(options(folder.path()), vec2(1100.0, 700.0));
+    assert!(titles(&harness).is_empty());
+    assert!(!folder.path().join("data/unsaved.backlit").exists());
 }
 
 #[test]

@@ -336,6 +336,45 @@ fn tracking_goes_on_and_back_and_is_undone_as_one() {
     assert!(tracked(&window).is_empty());
 }
 
+#[test]
+fn a_key_pose_on_the_way_is_kept_refined_or_where_the_track_stops() {
+    let mut window = open();
+    go_to(&mut window, 5);
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    crate::support::app_window::drag(&mut window, "right wrist, Camera 1", vec2(0.0, 60.0));
+    let wrong = document(&window).keys[&5].clone();
+    assert!(apart(&window, &wrong, &take::truth(&document(&window).model, 5)) > 0.03);
+    go_to(&mut window, 0);
+    click(&mut window, "Solver");
+    let choose = |window: &mut Window, from: &str, to: &str| {
+        let chosen = window.get_by_role_and_label(Role::ComboBox, "Key poses");
+        assert_eq!(chosen.accesskit_node().value().as_deref(), Some(from));
+        chosen.click();
+        window.run_steps(2);
+        click(window, to);
+    };
+    press(&mut window, Modifiers::COMMAND, Key::Enter);
+    assert_eq!(tracked(&window), (0..FRAMES).collect::<Vec<_>>());
+    assert_eq!(document(&window).estimates[&5].pose, wrong, "as it was set by hand");
+    let off =
+        apart(&window, &document(&window).estimates[&8].pose, &take::truth(&document(&window).model, 8));
+    assert!(off < 0.03, "the track goes on from it: {off} m");
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+
+    go_to(&mut window, 0);
+    choose(&mut window, "Keep", "Refine");
+    press(&mut window, Modifiers::COMMAND, Key::Enter);
+    let found = document(&window).estimates[&5].pose.clone();
+    assert!(apart(&window, &found, &take::truth(&document(&window).model, 5)) < 0.03);
+    assert_eq!(keys(&window), [5], "it stays a key pose");
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+
+    go_to(&mut window, 0);
+    choose(&mut window, "Refine", "Stop before");
+    press(&mut window, Modifiers::COMMAND, Key::Enter);
+    assert_eq!(tracked(&window), [0, 1, 2, 3, 4]);
+}
+
 /// How far apart the arms of two poses are: the ends of both limbs, metres.
 fn apart(window: &Window, a: &backlit_tracking::body::Pose, b: &backlit_tracking::body::Pose) -> f64 {
     let model = &document(window).model;
@@ -455,7 +494,7 @@ fn lanes_say_their_values_and_their_ends() {
     press(&mut window, Modifiers::COMMAND, Key::Enter);
     let found = document(&window).estimates[&(FRAMES - 1)].clone();
     let iou = backlit_ui::style::format::ratio(found.iou.unwrap());
-    window.get_by_label(&format!("IoU: {iou}, lane from 0.4 to 1"));
+    window.get_by_label(&format!("IoU: {iou}, lane from 0.9 to 1"));
     let steps = format!("Steps: {}, lane from 0 to", found.steps);
     window.get_by_label_contains(&steps).hover();
     window.run_steps(6);

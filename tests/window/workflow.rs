@@ -221,14 +221,17 @@ fn unsaved_work_is_offered_at_the_next_start() {
     let left = harness.state().document().clone();
     eframe::App::on_exit(harness.state_mut(), None);
     drop(harness);
-    // It comes before what is to be opened, whose own copy would take its place.
+    // What is named is opened at once; a notice leads to what was left.
     let mut harness = open(options(Some(opening_of(folder.path()))));
-    assert!(harness.state().session().take.is_none());
+    assert!(harness.state().session().take.is_some());
+    assert_ne!(*harness.state().document(), left);
+    click(&mut harness, "Unsaved work…");
     click(&mut harness, "Restore");
     assert_eq!(*harness.state().document(), left);
     eframe::App::on_exit(harness.state_mut(), None);
     drop(harness);
     let mut harness = open(options(Some(opening_of(folder.path()))));
+    click(&mut harness, "Unsaved work…");
     click(&mut harness, "Discard");
     assert!(harness.state().session().take.is_some());
     assert_ne!(*harness.state().document(), left);

@@ -21,7 +21,7 @@ group! {
 
 group! {
     /// Work that was left unsaved.
-    RecoveryCommand { UndoDiscard }
+    RecoveryCommand { Show, UndoDiscard }
 }
 
 group! {
@@ -36,6 +36,8 @@ group! {
         Paste,
         Mirror,
         MirrorAll,
+        TurnRound,
+        HoldTrunk,
         PinJoint,
         ResetLimb,
         ResetBody,
@@ -96,6 +98,7 @@ group! {
         ZoomOut,
         LinkZoom,
         CalibrationMarks,
+        SideMarks,
         PixelGrid,
         SizeHandles,
         Mode(ViewMode) of ViewMode::ALL,
@@ -120,6 +123,7 @@ group! {
         LaterStep,
         Branch,
         Refit(Part) of Part::every(),
+        RunAgain(Variants) of Variants::every(),
         SearchPoses,
         FitBody,
         Renderer(RendererKind) of [
@@ -129,6 +133,11 @@ group! {
         ],
         Preset(Preset) of Preset::ALL,
     }
+}
+
+group! {
+    /// What differs between runs from one start.
+    Variants { Renderers, Presets, Ramps }
 }
 
 group! {
@@ -164,7 +173,7 @@ group! {
 
 group! {
     /// The tracker.
-    TrackingCommand { Forward, Back, Between, Clear }
+    TrackingCommand { Forward, Back, Between, TurnRound, Clear }
 }
 
 group! {

@@ -13,7 +13,7 @@ use super::keys::{ctrl, ctrl_shift, key, shift};
 use super::{
     BasinCommand, BasinView, Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand,
     HistoryCommand, LaboratoryCommand, Menu, Nudge, ObservabilityCommand, Part, PoseCommand, RecoveryCommand,
-    SceneCommand, TimelineCommand, TrackingCommand, ViewCommand, WindowCommand,
+    SceneCommand, TimelineCommand, TrackingCommand, Variants, ViewCommand, WindowCommand,
 };
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
@@ -52,6 +52,7 @@ pub(super) const TABLE: &[Row] = &[
     row(Menu::File, Export(ExportCommand::Frames), "Export frames…", "A range of frames with their poses, as PNGs or as a picture that moves", &[]),
     row(Menu::File, Export(ExportCommand::Stop), "Stop export", "End the export that is under way", &[]),
     row(Menu::File, Export(ExportCommand::ShowExported), "Show exported files", "Open the folder of the last export", &[]),
+    row(Menu::File, Recovery(RecoveryCommand::Show), "Unsaved work…", "What this window or an earlier one has left unsaved: go on with it, or discard it", &[]),
     row(Menu::File, Recovery(RecoveryCommand::UndoDiscard), "Undo discard", "Offer again the unsaved work that was discarded last", &[]),
     row(Menu::File, File(FileCommand::Quit), "Quit", "Close the window; unsaved work is kept for the next start", &[ctrl(Key::Q)]),
     row(Menu::Edit, History(HistoryCommand::Undo), "Undo", "Take back the last change", &[ctrl(Key::Z)]),
@@ -60,7 +61,9 @@ pub(super) const TABLE: &[Row] = &[
     row(Menu::Edit, Pose(PoseCommand::Paste), "Paste pose", "Give this frame the copied pose", &[ctrl(Key::V)]),
     row(Menu::Edit, Pose(PoseCommand::Mirror), "Mirror", "Give the other side of the body the turn of the selected limb and all that hangs from it", &[key(Key::X)]),
     row(Menu::Edit, Pose(PoseCommand::MirrorAll), "Mirror pose", "Let right and left trade places in the whole pose", &[shift(Key::X)]),
+    row(Menu::Edit, Pose(PoseCommand::TurnRound), "Turn round", "Let the body face the other way where it stands: silhouettes hardly tell front from back", &[ctrl_shift(Key::X)]),
     row(Menu::Edit, Pose(PoseCommand::PinJoint), "Pin or free joint", "A pinned joint stays where it is while others are dragged", &[key(Key::I)]),
+    row(Menu::Edit, Pose(PoseCommand::HoldTrunk), "Hold the trunk", "A dragged joint moves its own arm, leg or neck alone, and stops where that ends", &[shift(Key::I)]),
     row(Menu::Edit, Pose(PoseCommand::ResetLimb), "Reset limb", "Turn the selected limb as it is at rest", &[key(Key::Backspace)]),
     row(Menu::Edit, Pose(PoseCommand::ResetBody), "Reset body", "Go back to the start pose of the take", &[shift(Key::Backspace)]),
     row(Menu::Edit, Pose(PoseCommand::NextJoint), "Next joint", "Select the next joint of the body", &[key(Key::Tab)]),
@@ -99,6 +102,7 @@ pub(super) const TABLE: &[Row] = &[
     row(Menu::View, View(ViewCommand::ZoomOut), "Zoom out", "Show more of the active view; the wheel does it at the pointer", &[key(Key::Minus)]),
     row(Menu::View, View(ViewCommand::LinkZoom), "Link zoom", "Let all views zoom and pan together, about the same point of the body", &[key(Key::Z)]),
     row(Menu::View, View(ViewCommand::CalibrationMarks), "Calibration marks", "Show principal points, the axes of the world, a grid through its origin, and lens edges", &[key(Key::Q)]),
+    row(Menu::View, View(ViewCommand::SideMarks), "Left, right and face", "Mark hands and feet with L and R and the head with a nose; its tip is filled where the body faces the camera", &[]),
     row(Menu::View, View(ViewCommand::PixelGrid), "Pixel grid", "Show lines between pixels where they are shown large", &[]),
     row(Menu::View, View(ViewCommand::SizeHandles), "Size handles", "Show handles for the length and the radius of the selected limb in the views", &[key(Key::E)]),
     row(Menu::View, View(ViewCommand::Mode(ViewMode::Footage)), "Footage", "Show the footage alone", &[key(Key::O)]),
@@ -130,6 +134,9 @@ pub(super) const TABLE: &[Row] = &[
     row(Menu::Fit, Fit(FitCommand::Refit(Part::Limb)), "Refit limb", "Fit the selected limb alone, the rest stays", &[]),
     row(Menu::Fit, Fit(FitCommand::Refit(Part::Chain)), "Refit chain", "Fit the selected limb and its neighbours up to the trunk", &[]),
     row(Menu::Fit, Fit(FitCommand::Refit(Part::Body)), "Refit body", "Fit the whole body", &[]),
+    row(Menu::Fit, Fit(FitCommand::RunAgain(Variants::Renderers)), "Run again with each renderer", "From the start of the run on the screen, once with capsules, cylinders and sphere trees; the body stays as it is", &[]),
+    row(Menu::Fit, Fit(FitCommand::RunAgain(Variants::Presets)), "Run again with each preset", "From the start of the run on the screen, once as the report does and once with all that is better; the body stays as it is", &[]),
+    row(Menu::Fit, Fit(FitCommand::RunAgain(Variants::Ramps)), "Run again with each ramp", "From the start of the run on the screen, once with each kind of ramp; the body stays as it is", &[]),
     row(Menu::Fit, Fit(FitCommand::SearchPoses), "Search poses", "Look for other poses that the silhouettes of this frame allow; they are listed under Refit", &[ctrl(Key::F)]),
     row(Menu::Fit, Fit(FitCommand::FitBody), "Fit body to frames", "Find the person's lengths and radii from up to eight frames that have poses of their own", &[]),
     row(Menu::Fit, Fit(FitCommand::Renderer(RendererKind::Capsule)), "Capsule", "Limbs with round ends", &[key(Key::C)]),
@@ -154,6 +161,7 @@ pub(super) const TABLE: &[Row] = &[
     row(Menu::Track, Timeline(TimelineCommand::SetKeyPose), "Set or clear key pose", "Keep the pose of this frame as one that was set by hand, a diamond in the timeline: the tracker starts again from it. Dragging a joint sets one too; again clears it", &[key(Key::K)]),
     row(Menu::Track, Timeline(TimelineCommand::PreviousKey), "Previous key pose", "Go to the key pose before", &[key(Key::OpenBracket)]),
     row(Menu::Track, Timeline(TimelineCommand::NextKey), "Next key pose", "Go to the next key pose", &[key(Key::CloseBracket)]),
+    row(Menu::Track, Tracking(TrackingCommand::TurnRound), "Turn track round", "Let the body face the other way in every frame that has a pose, and fit each again from there; key poses are turned too", &[]),
     row(Menu::Track, Tracking(TrackingCommand::Clear), "Clear track", "Forget all tracked poses; key poses stay", &[]),
     row(Menu::Track, Timeline(TimelineCommand::ClearRange), "Clear marked frames", "Forget what was found for the frames marked in the timeline; key poses stay", &[]),
     row(Menu::Track, Timeline(TimelineCommand::PreviousFrame), "Previous frame", "Go to the frame before", &[key(Key::ArrowLeft)]),

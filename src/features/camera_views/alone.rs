@@ -26,7 +26,7 @@ pub(super) fn ui(
     if !alone.marks {
         (input.joints, input.limbs, input.outlines) = (&[], &[], &[]);
         (input.selected, input.sight_ray, input.quick_outline) = (None, None, None);
-        input.limits = &[];
+        (input.limits, input.sides) = (&[], None);
         input.settings.calibration_marks = false;
     }
     let id = ui.scope_id().with("picture alone");

@@ -93,10 +93,8 @@ impl HoverCard {
         let Some(grip) = self.grip else { return rows };
         let joint = if let Grip::Joint(joint) = grip { Some(joint) } else { None };
         let known = input.observed.ellipses.iter().find(|known| Some(known.joint) == joint);
-        if self.has_keys || known.is_some() {
-            let drag = if joint.is_some() { "drag moves it" } else { "drag turns it" };
-            rows.push((grip_name(input, grip), drag.to_owned()));
-        }
+        let drag = if joint.is_some() { "drag moves it" } else { "drag turns it" };
+        rows.push((grip_name(input, grip), drag.to_owned()));
         if let Some(known) = known {
             let [across, depth] = known.deviations_m.map(format::deviation);
             rows.push(("Across, 1σ".to_owned(), across));

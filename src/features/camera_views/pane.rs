@@ -7,8 +7,8 @@ use backlit_tracking::camera::Camera;
 use backlit_tracking::posing::LimitedAngle;
 use backlit_tracking::render::Ramp;
 use backlit_ui::drawing::{
-    BoundedAngle, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SightRay,
-    SwayMarks, Swaying, joined_outline, limb_colours, project_joints, project_limbs, sight_ray,
+    BoundedAngle, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SideMarks,
+    SightRay, SwayMarks, Swaying, joined_outline, limb_colours, project_joints, project_limbs, sight_ray,
 };
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
@@ -87,6 +87,7 @@ pub(super) struct CameraPane<'a> {
     limbs: Vec<Option<ProjectedLimb>>,
     joints: Vec<JointMark>,
     limits: Vec<LimitMark>,
+    sides: SideMarks,
     sight_ray: Option<SightRay>,
     /// The limbs' own outline while the prediction lags behind the pose: a drag is seen at once.
     quick_outline: Option<Vec<Vec<DVec2>>>,
@@ -115,6 +116,7 @@ impl<'a> CameraPane<'a> {
             limb_colours: limb_colours(model),
             joints: project_joints(model, &kinematics, pose.root, camera, is_pinned),
             limits: limits(context, pose).into_iter().filter_map(limit).collect(),
+            sides: SideMarks::new(model, &kinematics, camera),
             sight_ray: ray_in(context, &kinematics, pose, index, camera),
             quick_outline: quick_outline(context, pose, &limbs),
             limbs,
@@ -157,6 +159,9 @@ impl<'a> CameraPane<'a> {
             sized: Some(context.selection.sized_limb(&document.model)),
             sight_ray: self.sight_ray.as_ref(),
             limits: &self.limits,
+            // Four views need not say the same.
+            says_limits: context.drag.camera.unwrap_or(context.selection.camera) == index,
+            sides: preferences.settings.side_marks.then_some(&self.sides),
             overlap: predicted.and_then(|camera| camera.overlap),
             is_overlap_stale: session.is_stale,
             is_used: uses.is_some_and(|used| used.used),

@@ -7,7 +7,7 @@ use backlit_ui::widgets::image_canvas::{cached_texture, navigate, paint_picture,
 use backlit_ui::widgets::{
     Framing, Grip, JointLook, SizeHandles, ViewTransform, grip_at, paint_body_outline, paint_calibration,
     paint_joint, paint_limb_edges, paint_limbs, paint_limit_words, paint_limits, paint_quick_outline,
-    paint_sight_ray,
+    paint_sides, paint_sight_ray,
 };
 use egui::{
     Align2, CursorIcon, Id, Key, Painter, Rect, Response, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2,
@@ -212,6 +212,20 @@ fn paint_marks(
     }
     paint_ellipses(painter, view, &input.observed, input.joints);
     let font = TextStyle::Small.resolve(ui.style());
+    if let Some(sides) = input.sides {
+        paint_sides(painter, view, sides, Theme::Dark.palette(), &font);
+        if let Some(face) = sides.face {
+            let tip = Rect::from_center_size(view.screen_from_px(face.tip), vec2(size::ROW, size::ROW));
+            let node = ui.interact(tip, id.with("face"), Sense::hover());
+            let way = if face.is_towards { "faces" } else { "faces away from" };
+            node.widget_info(|| {
+                WidgetInfo::labeled(Role::GraphicsSymbol, true, format!("The body {way} {}", input.name))
+            });
+        }
+    }
+    if !input.says_limits {
+        return;
+    }
     for (at, words) in paint_limit_words(painter, view, input.limits, Theme::Dark.palette(), &font) {
         let node = ui.interact(at, id.with(("limit", words)), Sense::hover());
         node.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{words}, {}", input.name)));
@@ -253,7 +267,8 @@ fn show_card(
 ) {
     let is_frozen = ui.input(|input| input.key_down(Key::H));
     if !is_frozen {
-        state.card = state.hovered.filter(|_| state.pointer.action().is_none());
+        state.card =
+            state.hovered.filter(|_| state.pointer.action().is_none() && !state.pointer.has_dropped());
     }
     if let Some(pixel) = state.card.filter(|_| input.shows_hover_card) {
         let at = view.screen_from_px(DVec2::new(pixel[0] as f64, pixel[1] as f64));

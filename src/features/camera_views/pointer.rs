@@ -14,6 +14,9 @@ use super::TileEvent;
 /// Travel that makes a press a drag, in points.
 const TRAVEL: f32 = 3.0;
 
+/// So far from where something was dropped the pointer has left the place, in points.
+const LEAVES: f32 = 24.0;
+
 /// Upward travel that multiplies a depth by e, in points.
 const DEPTH_POINTS: f64 = 500.0;
 
@@ -61,6 +64,8 @@ pub(crate) struct Pointer {
     press: Option<Press>,
     /// What is under the pointer while nothing is held.
     pub(crate) hovered: Option<Grip>,
+    /// Where something was dropped, until the pointer leaves the place.
+    dropped_at: Option<Pos2>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -97,6 +102,11 @@ impl Pointer {
         self.press.filter(|press| !matches!(press.stage, Stage::Cancelled)).map(|press| press.grip)
     }
 
+    /// Whether something was just dropped here: nothing is to cover it.
+    pub(crate) fn has_dropped(&self) -> bool {
+        self.dropped_at.is_some()
+    }
+
     /// Whether a press has taken hold of nothing.
     pub(crate) fn is_free(&self) -> bool {
         self.press.is_none()
@@ -118,6 +128,7 @@ impl Pointer {
         grips: &Grips<'_>,
         events: &mut Vec<TileEvent>,
     ) {
+        self.dropped_at = self.dropped_at.filter(|place| pointer.at.distance(*place) < LEAVES);
         if pointer.is_pressed {
             self.press = under.map(|grip| Press { grip, pressed_at: pointer.at, stage: Stage::Pressed });
             events.push(TileEvent::Activate);
@@ -155,6 +166,7 @@ impl Pointer {
         if !pointer.is_down {
             if matches!(press.stage, Stage::Dragging(_)) {
                 events.push(TileEvent::Drag(DragEvent::End));
+                self.dropped_at = Some(pointer.at);
             }
             self.press = None;
         }

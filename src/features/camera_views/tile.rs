@@ -3,7 +3,7 @@
 use backlit_tracking::body::Model;
 use backlit_tracking::camera::Camera;
 use backlit_tracking::silhouette::Overlap;
-use backlit_ui::drawing::{JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SightRay};
+use backlit_ui::drawing::{JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SideMarks, SightRay};
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
 use backlit_ui::widgets::{Framing, ViewTransform};
@@ -64,6 +64,10 @@ pub struct CameraTileInput<'a> {
     pub sight_ray: Option<&'a SightRay>,
     /// Limits of joints that a drag has met.
     pub limits: &'a [LimitMark],
+    /// Whether the limits are said in words too.
+    pub says_limits: bool,
+    /// Left, right and face, if they are marked.
+    pub sides: Option<&'a SideMarks>,
     /// How prediction and mask overlap; `None` without a mask.
     pub overlap: Option<Overlap>,
     /// The overlap is of an earlier pose, and a new one is on its way.

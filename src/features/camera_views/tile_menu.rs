@@ -109,9 +109,12 @@ pub(crate) fn more(ui: &mut Ui, input: &CameraTileInput<'_>, has_link: bool, eve
     let marks = checkbox(ui, &mut settings.calibration_marks, "Calibration marks").on_hover_text(
         "Principal point, axes of the world, half-metre grid through its origin, edge of what the lens saw   Q",
     );
+    let sides = checkbox(ui, &mut settings.side_marks, "Left, right and face").on_hover_text(
+        "L and R beside hands and feet; a nose whose tip is filled where the body faces the camera",
+    );
     let grid = checkbox(ui, &mut settings.pixel_grid, "Pixel grid")
         .on_hover_text("Lines between pixels where they are shown large");
-    if marks.changed() || grid.changed() {
+    if marks.changed() || sides.changed() || grid.changed() {
         events.push(TileEvent::SetSettings(settings));
     }
     ui.separator();

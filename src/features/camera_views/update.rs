@@ -36,6 +36,7 @@ impl CameraViews {
                 requests.status(format!("Views zoom and pan {what}."));
             }
             ViewCommand::CalibrationMarks => settings.calibration_marks ^= true,
+            ViewCommand::SideMarks => settings.side_marks ^= true,
             ViewCommand::PixelGrid => settings.pixel_grid ^= true,
             ViewCommand::SizeHandles => {
                 settings.size_handles ^= true;
@@ -67,6 +68,7 @@ impl CameraViews {
             | ViewCommand::ZoomOut
             | ViewCommand::LinkZoom
             | ViewCommand::CalibrationMarks
+            | ViewCommand::SideMarks
             | ViewCommand::PixelGrid
             | ViewCommand::SizeHandles
             | ViewCommand::Mode(_) => None,

@@ -33,6 +33,21 @@ pub(crate) fn heights(values: impl Iterator<Item = f64>, is_log: bool) -> [f64; 
     }
 }
 
+/// Ends of an even axis of shares from 0 to 1 that shows no more than it must: whole twentieths around the values, a
+/// tenth apart at least.
+pub(crate) fn shares(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    const STEPS: f64 = 20.0;
+    let [low, high] = values
+        .filter(|value| value.is_finite())
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
+    if low > high {
+        return [0.0, 1.0];
+    }
+    let (low, high) = ((low * STEPS).floor().clamp(0.0, STEPS), (high * STEPS).ceil().clamp(0.0, STEPS));
+    let low = if high - low < 2.0 { (high - 2.0).max(0.0) } else { low };
+    [low / STEPS, high.max(low + 2.0) / STEPS]
+}
+
 /// The largest of the digits times a power of ten that is not above a value above zero.
 fn below(value: f64, digits: &[f64]) -> f64 {
     let decade = 10f64.powf(value.log10().floor());
@@ -63,6 +78,15 @@ mod tests {
             [last_step(0.0), last_step(10.0), last_step(11.0), last_step(601.0)],
             [10.0, 10.0, 15.0, 800.0]
         );
+    }
+
+    #[test]
+    fn shares_fill_their_axis() {
+        assert_eq!(shares([0.843, 0.861, 0.868].into_iter()), [0.8, 0.9]);
+        assert_eq!(shares([0.31, 0.87].into_iter()), [0.3, 0.9]);
+        assert_eq!(shares([1.0].into_iter()), [0.9, 1.0]);
+        assert_eq!(shares([0.0].into_iter()), [0.0, 0.1]);
+        assert_eq!(shares([f64::NAN].into_iter()), [0.0, 1.0]);
     }
 
     #[test]

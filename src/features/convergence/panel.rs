@@ -12,12 +12,11 @@ use egui_plot::PlotResponse;
 
 use super::plot::Plot;
 use super::{Convergence, ConvergencePreferences, Quantity, steps};
-use crate::context::command::{Command, ConvergenceCommand};
-use crate::context::command_button::menu_row;
+use crate::context::command::{Command, ConvergenceCommand, FitCommand, Variants};
+use crate::context::command_button::{button, menu_row};
 use crate::context::pane::{HEADER_BUTTONS, Pane};
 use crate::context::pane_title;
 use crate::context::{Context, Request, Requests};
-use crate::document::run::Run;
 
 /// Height of the row of steps.
 const STEPS: f32 = 52.0;
@@ -29,6 +28,8 @@ const LIST_SHARE: f32 = 0.4;
 const REACH: f32 = 40.0;
 /// Width of the box of quantities.
 const QUANTITY: f32 = 124.0;
+/// Below this width of the header what is done with all runs is in a menu.
+const FOLDED_BELOW: f32 = 640.0;
 
 impl Convergence {
     /// The panel, in all of the space that is left.
@@ -71,10 +72,18 @@ impl Convergence {
             |ui| {
                 pane_title::show(ui, Pane::Convergence, siblings, requests);
                 ui.add_space(space::ROW);
-                choices(ui, &mut self.preferences);
+                let folded = ui.available_width() < FOLDED_BELOW;
+                choices(ui, context, &mut self.preferences, folded);
                 ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
                     ui.add_space(HEADER_BUTTONS);
-                    more(ui, context, requests);
+                    if folded {
+                        ui.menu_button("More", |ui| {
+                            rejected(ui, &mut self.preferences);
+                            self.more(ui, context, requests);
+                        });
+                    } else {
+                        self.more(ui, context, requests);
+                    }
                 });
             },
         );
@@ -90,13 +99,12 @@ fn curves(
     area: Vec2,
     names: bool,
 ) {
-    let runs: Vec<&Run> = context.runs().all().iter().filter(|run| run.is_shown).collect();
-    if runs.is_empty() {
-        return empty(ui, context, area);
-    }
     let current = context.shown_step();
     let current = current.and_then(|step| Some((context.runs().get(step.run)?, step.step)));
-    let plot = Plot::of(&runs, preferences, current);
+    let plot = Plot::of(context.runs().all(), preferences, current);
+    if plot.is_empty() {
+        return empty(ui, context, area);
+    }
     let PlotResponse { response, transform, .. } = plot.show(ui, area, names);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Convergence plot"));
     let pointer = response.hover_pos().or_else(|| response.interact_pointer_pos());
@@ -126,8 +134,11 @@ fn empty(ui: &mut Ui, context: &Context<'_>, area: Vec2) {
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
 }
 
-fn choices(ui: &mut Ui, preferences: &mut ConvergencePreferences) {
-    let all = Quantity::ALL.map(|quantity| (quantity, quantity.text(), quantity.explanation().to_owned()));
+fn choices(ui: &mut Ui, context: &Context<'_>, preferences: &mut ConvergencePreferences, folded: bool) {
+    let has_truth = context.session.take.as_ref().is_some_and(|take| take.take().reference().is_some());
+    let offered = Quantity::ALL.into_iter().filter(|quantity| has_truth || *quantity != Quantity::JointError);
+    let all: Vec<_> =
+        offered.map(|quantity| (quantity, quantity.text(), quantity.explanation().to_owned())).collect();
     if let Some(quantity) =
         backlit_ui::widgets::choice(ui, "Quantity", QUANTITY, preferences.quantity.text(), &all)
     {
@@ -135,28 +146,41 @@ fn choices(ui: &mut Ui, preferences: &mut ConvergencePreferences) {
     }
     segmented(ui, &mut preferences.is_log, &[(true, "Log"), (false, "Linear")])
         .on_hover_text("How the axis of heights runs");
+    if !folded {
+        rejected(ui, preferences);
+    }
+}
+
+fn rejected(ui: &mut Ui, preferences: &mut ConvergencePreferences) {
     checkbox(ui, &mut preferences.rejected, "Rejected steps")
         .on_hover_text("A × for each step that would have raised the cost and was taken back");
 }
 
-/// What is done with all runs.
-fn more(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
-    crate::context::command_button::button(
-        ui,
-        context,
-        requests,
-        Command::Convergence(ConvergenceCommand::ClearRuns),
-    );
-    let has_runs = !context.runs().all().is_empty();
-    ui.add_enabled_ui(has_runs, |ui| {
-        ui.menu_button("Export", |ui| {
-            for command in [ConvergenceCommand::ExportCurves, ConvergenceCommand::ExportPlot] {
-                let command = Command::Convergence(command);
+impl Convergence {
+    /// What is done with all runs.
+    fn more(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+        button(ui, context, requests, Command::Convergence(ConvergenceCommand::ClearRuns));
+        ui.menu_button("Run again with…", |ui| {
+            for over in [Variants::Renderers, Variants::Presets, Variants::Ramps] {
+                let command = Command::Fit(FitCommand::RunAgain(over));
                 menu_row(ui, context, requests, command, command.text());
             }
         })
         .response
-        .on_hover_text("Write the curves to a CSV file, or the plot to a PNG file")
-        .on_disabled_hover_text("There are no runs");
-    });
+        .on_hover_text("From the same start with each renderer, preset or ramp, to compare their curves");
+        let has_runs = !context.runs().all().is_empty();
+        ui.add_enabled_ui(has_runs, |ui| {
+            ui.menu_button("Export", |ui| {
+                for command in [ConvergenceCommand::ExportCurves, ConvergenceCommand::ExportPlot] {
+                    let command = Command::Convergence(command);
+                    menu_row(ui, context, requests, command, command.text());
+                }
+                checkbox(ui, &mut self.preferences.exports_light, "Plot in light colours")
+                    .on_hover_text("For papers; otherwise in the colours of the window");
+            })
+            .response
+            .on_hover_text("Write the curves to a CSV file, or the plot to a PNG or SVG file")
+            .on_disabled_hover_text("There are no runs");
+        });
+    }
 }

@@ -39,6 +39,8 @@ pub(super) struct Plot<'a> {
 struct Curve<'a> {
     run: &'a Run,
     points: Vec<CurvePoint>,
+    /// Accepted steps before its start: those of the runs that it branched from.
+    begins_at: f64,
 }
 
 /// Which ends the axes have, and how heights lie on theirs.
@@ -50,16 +52,26 @@ struct Scale {
 }
 
 impl Scale {
-    fn of(runs: &[&Run], preferences: ConvergencePreferences) -> Self {
-        let steps = runs.iter().map(|run| run.accepted_until(run.last_step()) as f64).fold(0.0, f64::max);
+    fn of(curves: &[Curve<'_>], preferences: ConvergencePreferences) -> Self {
+        let last =
+            |curve: &Curve<'_>| curve.begins_at + curve.run.accepted_until(curve.run.last_step()) as f64;
+        let steps = curves.iter().map(last).fold(0.0, f64::max);
+        let runs = || curves.iter().map(|curve| curve.run);
         let is_drawn = |point: &CurvePoint| point.accepted || preferences.rejected;
-        let own = runs.iter().flat_map(|run| points(run, preferences.quantity));
+        let own = runs().flat_map(|run| points(run, preferences.quantity));
         let has_foretold = preferences.quantity == Quantity::Decrease;
-        let foretold = runs.iter().filter(|_| has_foretold).flat_map(|run| quantity::foretold(run));
+        let foretold = runs().filter(|_| has_foretold).flat_map(quantity::foretold);
         let values = own.chain(foretold).filter(is_drawn).map(|point| point.y);
+        // A logarithm of shares near to one tells nothing.
+        let is_log = preferences.is_log && !preferences.quantity.is_without_zero();
+        let heights = if preferences.quantity.is_without_zero() {
+            axis::shares(values)
+        } else {
+            axis::heights(values, is_log)
+        };
         Self {
-            preferences,
-            heights: axis::heights(values, preferences.is_log),
+            preferences: ConvergencePreferences { is_log, ..preferences },
+            heights,
             last_step: axis::last_step(steps),
         }
     }
@@ -97,14 +109,26 @@ impl Scale {
 }
 
 impl<'a> Plot<'a> {
-    /// The plot of runs with a mark at the step on the screen.
+    /// The plot of those of all runs that are shown, with a mark at the step on the screen.
     pub(super) fn of(
-        runs: &[&'a Run],
+        runs: &'a [Run],
         preferences: ConvergencePreferences,
         current: Option<(&'a Run, usize)>,
     ) -> Self {
-        let curve = |run: &&'a Run| Curve { run, points: points(run, preferences.quantity) };
-        Self { curves: runs.iter().map(curve).collect(), scale: Scale::of(runs, preferences), current }
+        let curve = |run: &'a Run| {
+            let begins_at = begins_at(runs, run) as f64;
+            let mut points = points(run, preferences.quantity);
+            points.iter_mut().for_each(|point| point.x += begins_at);
+            Curve { run, points, begins_at }
+        };
+        let curves: Vec<Curve<'_>> = runs.iter().filter(|run| run.is_shown).map(curve).collect();
+        let scale = Scale::of(&curves, preferences);
+        Self { curves, scale, current }
+    }
+
+    /// Whether no run is shown.
+    pub(super) fn is_empty(&self) -> bool {
+        self.curves.is_empty()
     }
 
     /// Draws it. `names` says whether the runs' names stand at the ends of their curves.
@@ -134,12 +158,10 @@ impl<'a> Plot<'a> {
 
     fn playhead(&self, plot: &mut PlotUi<'_>, palette: &Palette) {
         let Some((run, step)) = self.current else { return };
-        let x = run.accepted_until(step) as f64;
+        let Some(curve) = self.curves.iter().find(|curve| curve.run.number == run.number) else { return };
+        let x = curve.begins_at + run.accepted_until(step) as f64;
         plot.vline(VLine::new("", x).color(palette.accent_text).width(1.5));
-        let curve = self.curves.iter().find(|curve| curve.run.number == run.number);
-        let Some(point) = curve.and_then(|curve| curve.points.iter().find(|p| p.step == step)) else {
-            return;
-        };
+        let Some(point) = curve.points.iter().find(|point| point.step == step) else { return };
         let at = vec![[point.x, self.scale.y(point.y)]];
         let ring = Points::new("", PlotPoints::from(at)).color(palette.accent_text).filled(false);
         plot.points(ring.radius(mark::CURRENT_STEP_RADIUS));
@@ -194,6 +216,14 @@ impl<'a> Plot<'a> {
     }
 }
 
+/// Accepted steps before the start of a run: those until the step at which it branched off, and before that run.
+fn begins_at(runs: &[Run], run: &Run) -> usize {
+    let Some(from) = run.choices.branched_from else { return 0 };
+    // Earlier runs alone are branched from.
+    let parent = runs.iter().find(|other| other.number == from.run && other.number < run.number);
+    parent.map_or(0, |parent| begins_at(runs, parent) + parent.accepted_until(from.step))
+}
+
 fn draw(plot: &mut PlotUi<'_>, curve: &Curve<'_>, scale: Scale, is_current: bool) {
     let style = run_style(curve.run.colour);
     let dash = match style.dash {
@@ -202,8 +232,14 @@ fn draw(plot: &mut PlotUi<'_>, curve: &Curve<'_>, scale: Scale, is_current: bool
     };
     let place = |point: &CurvePoint| [point.x, scale.y(point.y)];
     if scale.preferences.quantity == Quantity::Decrease {
-        let said: Vec<[f64; 2]> =
-            quantity::foretold(curve.run).iter().filter(|p| p.accepted).map(place).collect();
+        let said: Vec<[f64; 2]> = quantity::foretold(curve.run)
+            .iter()
+            .filter(|p| p.accepted)
+            .map(|point| {
+                let [x, y] = place(point);
+                [curve.begins_at + x, y]
+            })
+            .collect();
         let rings = Points::new("", PlotPoints::from(said)).color(style.colour).filled(false);
         plot.points(rings.radius(mark::CURRENT_STEP_RADIUS - 1.0).shape(MarkerShape::Circle));
     }
@@ -257,6 +293,25 @@ fn apart(sorted: &[f32], range: egui::Rangef) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_branch_begins_at_its_step() {
+        let first = quantity::tests::run();
+        let branch_of = |number: usize, from: &Run, step: usize| {
+            let mut run = Run { number, ..first.clone() };
+            run.choices.branched_from = Some(StepRef { run: from.number, step });
+            run
+        };
+        let first = Run { number: 1, is_shown: true, ..first.clone() };
+        let (last, accepted) = (first.last_step(), first.accepted_until(first.last_step()));
+        let second = branch_of(2, &first, last);
+        let third = branch_of(3, &second, 1);
+        let runs = [first, second, third];
+        let plot = Plot::of(&runs, ConvergencePreferences::default(), None);
+        let starts: Vec<f64> = plot.curves.iter().map(|curve| curve.points[0].x).collect();
+        assert_eq!(starts, [0.0, accepted as f64, (accepted + runs[1].accepted_until(1)) as f64]);
+        assert!(plot.scale.last_step >= starts[2] + accepted as f64);
+    }
 
     #[test]
     fn labels_keep_apart_and_inside() {

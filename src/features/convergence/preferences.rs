@@ -14,10 +14,12 @@ pub struct ConvergencePreferences {
     pub(crate) is_log: bool,
     /// Whether rejected steps have marks.
     pub(crate) rejected: bool,
+    /// Whether the plot's file has light colours whatever the window has.
+    pub(crate) exports_light: bool,
 }
 
 impl Default for ConvergencePreferences {
     fn default() -> Self {
-        Self { quantity: Quantity::Percent, is_log: true, rejected: true }
+        Self { quantity: Quantity::Percent, is_log: true, rejected: true, exports_light: true }
     }
 }

@@ -16,6 +16,10 @@ pub(crate) enum Quantity {
     Cost,
     /// Root of the mean squared residual, grey levels.
     Rms,
+    /// IoU of body and silhouettes.
+    Iou,
+    /// Mean distance of the joints from the take's reference, millimetres.
+    JointError,
     /// Length of the step, metres and radians together.
     StepNorm,
     /// Damping of the step, as the fit's options count it.
@@ -27,8 +31,16 @@ pub(crate) enum Quantity {
 
 impl Quantity {
     /// All of them, in the order in which they are offered.
-    pub(crate) const ALL: [Self; 6] =
-        [Self::Percent, Self::Cost, Self::Rms, Self::StepNorm, Self::Damping, Self::Decrease];
+    pub(crate) const ALL: [Self; 8] = [
+        Self::Percent,
+        Self::Cost,
+        Self::Rms,
+        Self::Iou,
+        Self::JointError,
+        Self::StepNorm,
+        Self::Damping,
+        Self::Decrease,
+    ];
 
     /// Its name.
     pub(crate) const fn text(self) -> &'static str {
@@ -36,6 +48,8 @@ impl Quantity {
             Self::Percent => "Cost, % of start",
             Self::Cost => "Cost",
             Self::Rms => "RMS",
+            Self::Iou => "IoU",
+            Self::JointError => "Joint error",
             Self::StepNorm => "Step norm",
             Self::Damping => "Damping",
             Self::Decrease => "Decrease",
@@ -50,6 +64,10 @@ impl Quantity {
             }
             Self::Cost => "Squared mismatch of body and silhouettes, by one measure for all stages and runs",
             Self::Rms => "Root mean square of D − Λ over the pixels that count, in grey levels",
+            Self::Iou => {
+                "Area that body and silhouettes share, over the area that either covers, all cameras together"
+            }
+            Self::JointError => "Mean distance of the joints from the take’s reference, in millimetres",
             Self::StepNorm => "How long each step was, metres and radians together",
             Self::Damping => {
                 "How much each step was shortened: small is Gauss-Newton, large goes straight down"
@@ -58,6 +76,11 @@ impl Quantity {
                 "By how much a step lowered its cost (dots), and by how much it was foretold to (rings)"
             }
         }
+    }
+
+    /// Whether its axis shows the range of the values alone, without zero.
+    pub(crate) const fn is_without_zero(self) -> bool {
+        matches!(self, Self::Iou)
     }
 
     /// Whether a rejected step has a value of its own; else its mark stands above the step before it.
@@ -72,6 +95,8 @@ impl Quantity {
             Self::Percent => 100.0 * run.fraction(step)?,
             Self::Cost => record.mismatch,
             Self::Rms => record.rms,
+            Self::Iou => record.iou?,
+            Self::JointError => record.joint_error_mm?,
             Self::StepNorm | Self::Damping | Self::Decrease if step == 0 => return None,
             Self::StepNorm => record.step_norm,
             Self::Damping => record.damping,
@@ -85,6 +110,8 @@ impl Quantity {
         match self {
             Self::Percent | Self::Decrease => format!("{} %", format::number(value, decimals(value))),
             Self::Rms => format::number(value, if value.abs() < 10.0 { 2 } else { 1 }),
+            Self::Iou => format::ratio(value),
+            Self::JointError => format!("{} mm", format::number(value, if value < 100.0 { 1 } else { 0 })),
             Self::Cost => format::cost(value),
             Self::StepNorm | Self::Damping => format::short(value),
         }
@@ -172,6 +199,8 @@ pub(crate) mod tests {
             pose: Pose { root: DVec3::ZERO, rotations: Vec::new() },
             mismatch,
             rms: mismatch.sqrt(),
+            iou: Some(1.0 - mismatch / 1000.0),
+            joint_error_mm: None,
             cost: mismatch,
             trial_cost: mismatch * if accepted { 1.0 } else { 1.5 },
             foretold: 0.6 * mismatch,

@@ -3,8 +3,10 @@
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
-use backlit_ui::widgets::{Icon, hold_arrows};
-use egui::{Align, Align2, Layout as Direction, Rect, RichText, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+use backlit_ui::widgets::{Icon, fitting_label, hold_arrows};
+use egui::{
+    Align, Align2, Layout as Direction, Rect, RichText, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2,
+};
 
 use crate::context::command::{Command, FitCommand};
 use crate::context::command_button::{button, icon};
@@ -127,8 +129,10 @@ fn words(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, run: &Run,
             || "The body has moved since.".to_owned(),
             |at| run.steps.get(at).map_or_else(String::new, |step| sentence(step, at)),
         );
-        let text = RichText::new(text).small().color(theme::palette(ui).text2);
-        ui.add(egui::Label::new(text).truncate());
+        let colour = theme::palette(ui).text2;
+        // The first sentence says most.
+        let short = text.split_once(": ").map_or(&text[..], |(first, _)| first);
+        fitting_label(ui, &[&text, short], TextStyle::Small, colour);
     });
 }
 

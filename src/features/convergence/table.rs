@@ -3,7 +3,7 @@
 use crate::document::run::Run;
 
 /// Names of the columns.
-const TITLES: [&str; 18] = [
+const TITLES: [&str; 20] = [
     "run",
     "name",
     "choices",
@@ -21,6 +21,8 @@ const TITLES: [&str; 18] = [
     "damping",
     "step_norm",
     "seconds",
+    "iou",
+    "joint_error_mm",
     "ending",
 ];
 
@@ -28,6 +30,7 @@ const TITLES: [&str; 18] = [
 /// step in metres and radians together. `ending` is in a run's last row.
 pub(crate) fn csv<'a>(runs: impl IntoIterator<Item = &'a Run>) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
+    let known = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
     // A vector takes all that is written to it.
     let mut row = |fields: &[String]| drop(writer.write_record(fields));
     row(&TITLES.map(str::to_owned));
@@ -53,6 +56,8 @@ pub(crate) fn csv<'a>(runs: impl IntoIterator<Item = &'a Run>) -> Vec<u8> {
                 step.damping.to_string(),
                 step.step_norm.to_string(),
                 step.seconds.to_string(),
+                known(step.iou),
+                known(step.joint_error_mm),
                 if is_last { run.ending_text() } else { String::new() },
             ]);
         }

@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use super::{Convergence, CurvesFile, picture, table};
+use super::picture::PlotFile;
+use super::{Convergence, CurvesFile, table};
+use backlit_ui::style::theme::Theme;
+
 use crate::context::command::{Command, ConvergenceCommand};
 use crate::context::file_dialog::Wanted;
 use crate::context::unavailable::{Why, because};
@@ -46,7 +49,7 @@ impl Convergence {
     fn ask_for_file(&self, file: CurvesFile, context: &Context<'_>, requests: &mut Requests) {
         let (title, name, endings): (_, _, &[&str]) = match file {
             CurvesFile::Table => ("Export curves", "curves.csv", &["csv"]),
-            CurvesFile::Plot => ("Export plot", "plot.png", &["png"]),
+            CurvesFile::Plot => ("Export plot", "plot.png", &["png", "svg"]),
         };
         let wanted = Wanted::NewFile(format!("{} {name}", context.take_name()), endings);
         if let Err(why) = self.dialogs.ask(context.egui, file, title, wanted) {
@@ -72,8 +75,11 @@ impl Convergence {
                 let name = context.session.take.as_ref().map_or("", |take| take.name.as_str());
                 let title = format!("{name}, frame {}", context.selection.frame);
                 let runs: Vec<Run> = runs.iter().filter(|run| run.is_shown).cloned().collect();
-                let (preferences, theme) = (self.preferences, context.preferences.theme);
-                requests.write(path, move || Ok(picture::bytes(&runs, preferences, &title, theme)?));
+                let preferences = self.preferences;
+                let theme = if preferences.exports_light { Theme::Light } else { context.preferences.theme };
+                let is_svg = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg"));
+                let plot = PlotFile { runs, preferences, title, theme };
+                requests.write(path, move || if is_svg { Ok(plot.svg()) } else { Ok(plot.png()?) });
             }
         }
     }

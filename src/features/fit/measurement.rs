@@ -13,7 +13,7 @@ use crate::document::edit::Edit;
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
     // Cameras differ in their regions only.
     let Some(options) = context.document().measurement.first() else { return };
-    let shadows = if options.shadow.is_some() { "shadows tested" } else { "shadows off" };
+    let shadows = if options.shadow.is_some() { "shadows on" } else { "shadows off" };
     let summary = format!("z-score {}, {shadows}", format::number(f64::from(options.z_threshold), 1));
     section(ui, "Measurement", &summary, open, |ui| {
         let mut changed = options.clone();

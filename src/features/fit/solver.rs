@@ -8,6 +8,7 @@ use backlit_ui::style::theme;
 use backlit_ui::widgets::{hint, named_row, number_field, section, segmented};
 use egui::{RichText, Ui};
 
+use super::stages;
 use crate::context::preset_box;
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
@@ -24,7 +25,7 @@ pub(crate) fn ui(
     ui: &mut Ui,
     context: &Context<'_>,
     requests: &mut Requests,
-    open: bool,
+    (open, edits_stages): (bool, &mut bool),
     more: impl FnOnce(&mut Ui, &mut Requests),
 ) {
     let fit = &*context.document().fit;
@@ -36,34 +37,50 @@ pub(crate) fn ui(
         row(ui, "Update", |ui| {
             let choices = [(Parameters::Tangent, "Tangent"), (Parameters::Raw, "Raw")];
             segmented(ui, &mut options.parameters, &choices).on_hover_text(
-                "Tangent: three numbers a joint. Raw: four quaternion coefficients, as in the report",
+                "Tangent: three numbers a joint, steps that stay rotations. Raw: four quaternion coefficients, made a \
+                 rotation again after each step, as in the report",
             );
         });
         row(ui, "Damping", |ui| {
             let choices = [(Method::LevenbergMarquardt, "LM"), (Method::GaussNewton, "Fixed")];
             segmented(ui, &mut options.method, &choices).on_hover_text(
-                "LM adapts it and takes back steps that raise the cost; fixed is the report's Gauss-Newton",
+                "LM adapts the damping and takes back steps that raise the cost; fixed is the report’s Gauss-Newton",
             );
-            number_field(ui, "Damping", &mut options.damping, 3, "", 0.001, FIELD - 8.0);
+            number_field(ui, "Damping", &mut options.damping, 3, "", 0.001, FIELD - 8.0).on_hover_text(
+                "Holds steps back at first. 0: full Gauss-Newton steps, which may leap too far; 1 and more: short steps \
+                 straight downhill, safe and slow",
+            );
         });
         row(ui, "Stages", |ui| {
             let text = widths(&options);
             ui.label(RichText::new(text).monospace().color(theme::palette(ui).text))
-                .on_hover_text("Outer width of the ramp, stage by stage; a preset sets them");
+                .on_hover_text("Outer width of the ramp, stage by stage");
+            let text = if *edits_stages { "Done" } else { "Edit" };
+            let edit = ui.add(egui::Button::new(text).small());
+            edit.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{text} stages"))
+            });
+            *edits_stages ^=
+                edit.on_hover_text("Widths, pixels, steps and tolerance of each stage").clicked();
         });
+        if *edits_stages {
+            stages::ui(ui, &mut options);
+        }
         row(ui, "Pull back", |ui| {
             number_field(ui, "Proximal prior", &mut options.proximal_weight, 0, "", 1.0, FIELD)
-                .on_hover_text("Proximal prior: pull towards the pose that the fit began with");
+                .on_hover_text("Proximal prior: pull towards the pose that the fit began with. 0: silhouettes alone decide; large values \
+                     hold the body at its start");
             hint(ui, "to the start");
         });
         row(ui, "Untwist", |ui| {
             number_field(ui, "Twist prior", &mut options.rest_weight, 0, "", 1.0, FIELD)
-                .on_hover_text("Twist prior: pull of every limb’s twist towards none");
+                .on_hover_text("Twist prior: pull of every limb’s twist towards none, since silhouettes do not show it. 0: twists drift; \
+                     large values turn limbs stiff");
             hint(ui, "to no twist");
         });
         row(ui, "Limits", |ui| {
             number_field(ui, "Joint limits", &mut options.limit_weight, 0, "", 5.0, FIELD)
-                .on_hover_text("How hard joints are held within their limits");
+                .on_hover_text("How hard joints are held within their limits. 0: knees may bend backwards; large values stop them exactly");
             hint(ui, "of the joints");
         });
         more(ui, requests);

@@ -12,7 +12,7 @@ impl Fit {
         let busy = context.busy;
         match command {
             FitCommand::Step | FitCommand::SearchPoses => no_fit(context),
-            FitCommand::Run | FitCommand::Refit(_) | FitCommand::FitBody => {
+            FitCommand::Run | FitCommand::RunAgain(_) | FitCommand::Refit(_) | FitCommand::FitBody => {
                 no_fit(context).or(because(busy.fitting, "The fit is running"))
             }
             FitCommand::Stop => {

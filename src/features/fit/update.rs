@@ -3,13 +3,16 @@
 use std::sync::Arc;
 
 use backlit_jobs::News;
+use backlit_tracking::body::Pose;
 use backlit_tracking::fit::{FitOptions, Preset};
+use backlit_tracking::metrics::JointErrors;
 
+use super::again::Again;
 use super::job::{FitJob, FitStart, Fitted};
 use super::part::free_rotations;
 use super::refitted::Refitted;
 use super::{Fit, LiveRun};
-use crate::context::command::{FitCommand, Part};
+use crate::context::command::{FitCommand, Part, Variants};
 use crate::context::command_button::next_gesture;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
@@ -29,6 +32,8 @@ struct NewRun {
     part: Option<(String, Vec<bool>)>,
     /// So many steps; otherwise to the end.
     steps: Option<usize>,
+    /// From another start and with other choices than the document's, to be compared.
+    again: Option<Again>,
 }
 
 impl Fit {
@@ -42,6 +47,7 @@ impl Fit {
             FitCommand::LaterStep => look_at_neighbour(true, context, requests),
             FitCommand::Branch => branch(context, requests),
             FitCommand::Refit(part) => self.refit(part, context, requests),
+            FitCommand::RunAgain(over) => self.run_again(over, context, requests),
             FitCommand::SearchPoses | FitCommand::FitBody => {}
             FitCommand::Renderer(renderer) => {
                 let options = FitOptions { renderer, ..(*context.document().fit).clone() };
@@ -54,12 +60,14 @@ impl Fit {
 
     /// Stops it after its step; what is done stays, and may go on.
     pub(crate) fn stop(&mut self) {
+        self.again.clear();
         self.pending_steps = 0;
         self.task.stop();
     }
 
     /// Ends it at once, because its pose is about to change: what it has done stays as a run.
     pub(crate) fn interrupt(&mut self, requests: &mut Requests) {
+        self.again.clear();
         if self.task.is_busy() {
             self.task.forget();
             self.pending_steps = 0;
@@ -123,10 +131,31 @@ impl Fit {
         self.refitting = Some(what);
     }
 
+    /// The next of the runs that are to be compared begins; says whether there was one.
+    fn begin_next(&mut self, context: &Context<'_>, requests: &mut Requests) -> bool {
+        let Some(again) = self.again.pop_front() else { return false };
+        self.gesture = None;
+        self.begin(NewRun { again: Some(again), ..NewRun::default() }, context, requests);
+        true
+    }
+
+    /// Runs from the start of the run on the screen with each of some choices, one after the other.
+    fn run_again(&mut self, over: Variants, context: &Context<'_>, requests: &mut Requests) {
+        if self.task.is_busy() {
+            return;
+        }
+        self.again = Again::all(over, context).into();
+        self.begin_next(context, requests);
+    }
+
     fn begin(&mut self, new: NewRun, context: &Context<'_>, requests: &mut Requests) {
         self.refitting = None;
-        let Some(inputs) = context.fit_inputs() else { return };
-        let (pose, frame, runs) = (context.shown_pose().clone(), context.selection.frame, context.runs());
+        let Some(mut inputs) = context.fit_inputs() else { return };
+        let (mut pose, frame, runs) = (context.shown_pose().clone(), context.selection.frame, context.runs());
+        let is_comparison = new.again.is_some();
+        if let Some(again) = new.again {
+            (inputs.fit, pose) = (Arc::new(again.options), again.start);
+        }
         let (part, free) = new.part.unzip();
         let fit = inputs.fit.clone();
         // Stages to the scale of what is seen: these are the ones that the fit's steps will name.
@@ -147,7 +176,7 @@ impl Fit {
         };
         requests.request(Request::Runs(RunChange::Begin(Box::new(run))));
         requests.request(Request::LeaveStep);
-        self.live = Some(LiveRun::new(number, frame, inputs.clone()));
+        self.live = Some(LiveRun { is_comparison, ..LiveRun::new(number, frame, inputs.clone()) });
         let start = FitStart { inputs, pose, options, free };
         self.task.begin(context.pool, (), |()| FitJob::begin(start, new.steps));
     }
@@ -174,7 +203,13 @@ impl Fit {
                     self.gesture = Some(next_gesture(context.egui));
                     self.go_on(Some(steps), context);
                 }
-                News::Ended => {}
+                News::Ended => {
+                    let was_comparison = self.live.as_ref().is_some_and(|live| live.is_comparison);
+                    if was_comparison && !self.begin_next(context, requests) {
+                        // The views show the body again.
+                        self.live = None;
+                    }
+                }
                 News::Failed(failure) => {
                     requests.failed("The fit", &failure);
                     // Nothing else begins by itself after it.
@@ -189,12 +224,13 @@ impl Fit {
 
     fn take_in(
         &mut self,
-        step: RunStep,
+        mut step: RunStep,
         predicted: Arc<Predicted>,
         context: &Context<'_>,
         requests: &mut Requests,
     ) {
         self.step_seconds = Some(step.seconds);
+        step.joint_error_mm = joint_error_mm(context, &step.pose);
         if context.selection.step.is_none() {
             requests.predicted = Some(predicted.clone());
         }
@@ -230,7 +266,7 @@ impl Fit {
                 return;
             }
         }
-        if live.steps > 0 {
+        if live.steps > 0 && !live.is_comparison {
             let predicted = Some(predicted).filter(|predicted| predicted.pose == last.pose);
             let estimate = Estimate {
                 pose: last.pose.clone(),
@@ -253,7 +289,16 @@ impl Fit {
 
 impl LiveRun {
     const fn new(number: usize, frame: usize, inputs: FitInputs) -> Self {
-        Self { number, frame, inputs, before: 0.0, steps: 0, last: None, is_over: false }
+        Self {
+            number,
+            frame,
+            inputs,
+            before: 0.0,
+            steps: 0,
+            last: None,
+            is_over: false,
+            is_comparison: false,
+        }
     }
 
     /// Whether the pose on the screen is its last one, and nothing else that it depends on has changed.
@@ -263,6 +308,15 @@ impl LiveRun {
             && self.last.as_ref().is_some_and(|(last, _)| *context.shown_pose() == last.pose)
             && has_same_inputs()
     }
+}
+
+/// Mean distance of the joints from the take's reference at the frame on the screen, millimetres.
+fn joint_error_mm(context: &Context<'_>, pose: &Pose) -> Option<f64> {
+    let reference = context.session.take.as_ref()?.take().reference()?;
+    let joints = reference.joints(context.selection.frame);
+    let mut errors = JointErrors::default();
+    errors.add(&context.document().model, pose, &joints);
+    errors.overall().map(|all| all.mean)
 }
 
 /// Goes to the step before or after the one on the screen.

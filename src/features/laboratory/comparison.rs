@@ -264,6 +264,8 @@ pub(crate) mod tests {
             pose,
             mismatch,
             rms: 0.0,
+            iou: None,
+            joint_error_mm: None,
             step_norm: 0.0,
             cost: mismatch,
             trial_cost: mismatch,

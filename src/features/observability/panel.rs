@@ -99,10 +99,13 @@ fn title_row(
     let buttons = Rect::from_min_max(egui::pos2(row.right() - 2.0 * size::BUTTON, row.top()), row.max);
     let colour = if observability.is_stale() { palette.text3 } else { palette.accent_text };
     let font = egui::TextStyle::Body.resolve(ui.style());
-    let mut job = egui::text::LayoutJob::simple_singleline(text.clone(), font, colour);
-    job.wrap = egui::text::TextWrapping::truncate_at_width(buttons.left() - row.left() - space::ROW);
-    let galley = ui.painter().layout_job(job);
-    let is_cut = galley.elided;
+    // As many of its parts as there is room for.
+    let room = buttons.left() - row.left() - space::ROW;
+    let shorter = text.rmatch_indices(", ").map(|(end, _)| &text[..end]);
+    let lay_out = |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), colour);
+    let fits = |text: &&str| lay_out(text).size().x <= room;
+    let said = std::iter::once(&text[..]).chain(shorter).find(fits).unwrap_or_default();
+    let (galley, is_cut) = (lay_out(said), said != text);
     let at_text = egui::pos2(row.left(), row.center().y - 0.5 * galley.size().y);
     ui.painter().galley(at_text, galley, colour);
     if is_cut {

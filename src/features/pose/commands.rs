@@ -8,6 +8,7 @@ use super::Posing;
 use super::panel::rotation_tree;
 use crate::context::command::{Command, HistoryCommand, PoseCommand};
 use crate::context::unavailable::no_take;
+use crate::context::view_settings::ViewSettings;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
 use crate::session::selection::Selection;
@@ -28,6 +29,18 @@ impl Posing {
             }
             PoseCommand::MirrorAll => {
                 requests.edit(set(posing::mirror(model, pose), "Mirror pose".to_owned()));
+            }
+            PoseCommand::TurnRound => {
+                requests.edit(set(posing::turn_round(model, pose), "Turn round".to_owned()));
+            }
+            PoseCommand::HoldTrunk => {
+                let hold_trunk = !context.views.hold_trunk;
+                requests.request(Request::Views(ViewSettings { hold_trunk, ..context.views }));
+                requests.status(if hold_trunk {
+                    "The trunk is held: a dragged joint moves its own arm, leg or neck alone."
+                } else {
+                    "The trunk follows a dragged joint where its own chain does not reach."
+                });
             }
             PoseCommand::PinJoint => {
                 if let JointId::End(limb) = context.selection.joint {
@@ -66,6 +79,8 @@ impl Posing {
             | PoseCommand::Paste
             | PoseCommand::Mirror
             | PoseCommand::MirrorAll
+            | PoseCommand::TurnRound
+            | PoseCommand::HoldTrunk
             | PoseCommand::PinJoint
             | PoseCommand::ResetLimb
             | PoseCommand::ResetBody

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::posing::Held;
 use backlit_ui::drawing::{Drag, DragEvent, JointId, joint_name};
 use backlit_ui::style::format;
 use glam::DVec2;
@@ -53,7 +54,9 @@ impl Dragging {
         let (joint, twisted) = match self.drag {
             Drag::Joint { joint, .. } | Drag::Depth { joint, .. } => (Some(joint), None),
             Drag::Twist { limb, .. } => (None, Some(limb)),
-            Drag::Turn { .. } | Drag::Body { .. } | Drag::Length { .. } | Drag::Radius { .. } => (None, None),
+            Drag::Turn { limb, .. } => (Some(JointId::End(limb)), None),
+            Drag::Body { .. } => (Some(JointId::Root), None),
+            Drag::Length { .. } | Drag::Radius { .. } => (None, None),
         };
         DragMarks { camera: Some(self.camera), joint, twisted, from: Some(&self.base) }
     }
@@ -64,7 +67,9 @@ impl Dragging {
         let camera = context.session.take.as_ref().and_then(|take| take.cameras.get(self.camera));
         let Some(camera) = camera else { return };
         let what = words(&self.body, self.drag);
-        let edit = match dragged(&self.body, &document.pins, &self.base, camera, self.drag) {
+        let pins: Vec<usize> = document.pins.iter().copied().collect();
+        let held = Held { pins: &pins, trunk: context.views.hold_trunk };
+        let edit = match dragged(&self.body, held, &self.base, camera, self.drag) {
             Some(Dragged::Pose(pose)) => {
                 let reached = limit_sentence(&self.body, &self.base, &pose);
                 let how = format!("{what}, seen from camera {}. Esc puts it back.", self.camera + 1);
@@ -149,7 +154,9 @@ impl Posing {
         let (model, base) = (&document.model, &nudging.base);
         let Some(from_px) = view.project(joint_position(model, base, joint)) else { return };
         let drag = Drag::Joint { joint, target_px: from_px + nudging.total_px };
-        let Some(Dragged::Pose(pose)) = dragged(model, &document.pins, base, view, drag) else { return };
+        let pins: Vec<usize> = document.pins.iter().copied().collect();
+        let held = Held { pins: &pins, trunk: context.views.hold_trunk };
+        let Some(Dragged::Pose(pose)) = dragged(model, held, base, view, drag) else { return };
         let name = joint_name(model, joint);
         let DVec2 { x, y } = nudging.total_px;
         let moved = format!("Nudged {name} by {x:.0}, {y:.0} pixels in camera {}.", camera + 1);

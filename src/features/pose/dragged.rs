@@ -1,11 +1,10 @@
 //! What a drag in a camera's picture makes of a pose or of a limb's size, and the limits it meets.
 
-use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
 use backlit_tracking::body::{Kinematics, Model, Pose};
 use backlit_tracking::camera::Camera;
-use backlit_tracking::posing;
+use backlit_tracking::posing::{self, Held};
 use backlit_ui::drawing::{Drag, JointId, joint_name, point_at};
 use backlit_ui::style::format;
 use glam::{DQuat, DVec2, DVec3};
@@ -47,7 +46,7 @@ pub(super) fn joint_position(model: &Model, pose: &Pose, joint: JointId) -> DVec
 /// No angle leaves its limits; one that was outside may only come back.
 pub(super) fn dragged(
     model: &Model,
-    pins: &BTreeSet<usize>,
+    held: Held<'_>,
     base: &Pose,
     camera: &Camera,
     drag: Drag,
@@ -56,11 +55,11 @@ pub(super) fn dragged(
     let pose = match drag {
         Drag::Joint { joint, target_px } => {
             let target = point_at(camera, target_px, camera.depth(position(joint)))?;
-            moved(model, pins, base, joint, target)
+            moved(model, held, base, joint, target)
         }
         Drag::Depth { joint, ratio } => {
             let from_camera = position(joint) - camera.centre();
-            moved(model, pins, base, joint, camera.centre() + from_camera * ratio)
+            moved(model, held, base, joint, camera.centre() + from_camera * ratio)
         }
         Drag::Twist { limb, angle_rad } => {
             posing::within_limits(model, base, &posing::twist_limb(model, base, limb, angle_rad))
@@ -81,19 +80,10 @@ pub(super) fn dragged(
 }
 
 /// The pose with a joint elsewhere: the chain follows, pins stay; the root takes the whole body along.
-pub(super) fn moved(
-    model: &Model,
-    pins: &BTreeSet<usize>,
-    base: &Pose,
-    joint: JointId,
-    target: DVec3,
-) -> Pose {
+pub(super) fn moved(model: &Model, held: Held<'_>, base: &Pose, joint: JointId, target: DVec3) -> Pose {
     match joint {
         JointId::Root => Pose { root: target, ..base.clone() },
-        JointId::End(limb) => {
-            let pins: Vec<usize> = pins.iter().copied().collect();
-            posing::drag_limb_end(model, base, limb, target, &pins)
-        }
+        JointId::End(limb) => posing::drag_limb_end(model, base, limb, target, held),
     }
 }
 

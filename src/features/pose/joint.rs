@@ -1,7 +1,7 @@
 //! The section of the selected joint: its angles with their limits, where it is, and what can be done with it.
 
 use backlit_tracking::body::{Kinematics, Limb, Pose};
-use backlit_tracking::posing::LimitedAngle;
+use backlit_tracking::posing::{Held, LimitedAngle};
 use backlit_ui::drawing::limits::WARN_WITHIN;
 use backlit_ui::drawing::{JointId, joint_name};
 use backlit_ui::style::theme::space;
@@ -131,7 +131,9 @@ fn position(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, pose: &
             if response.changed() && value.is_finite() {
                 let mut target = point;
                 target[axis] = value;
-                let pose = moved(model, &document.pins, pose, joint, target);
+                let pins: Vec<usize> = document.pins.iter().copied().collect();
+                let held = Held { pins: &pins, trunk: context.views.hold_trunk };
+                let pose = moved(model, held, pose, joint, target);
                 let edit =
                     Edit::SetPose { frame: context.selection.frame, pose, what: format!("Move {name}") };
                 requests.edits.push((edit, drag));

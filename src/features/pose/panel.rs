@@ -4,10 +4,11 @@ use backlit_tracking::body::Model;
 use backlit_ui::drawing::JointId;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
-use backlit_ui::style::theme::size;
-use backlit_ui::widgets::section;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::{checkbox, section};
 use egui::{Align2, Rect, Response, Role, Sense, StrokeKind, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
+use crate::context::command::{Command, PoseCommand};
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
 use crate::session::selection::Selection;
@@ -31,6 +32,12 @@ pub(super) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
         for (rotation, depth) in rotation_tree(model) {
             let limb = model.rotation_owners()[rotation];
             row(ui, context, requests, limb, depth, shares.get(rotation).copied());
+        }
+        ui.add_space(space::ROW);
+        let mut settings = context.views;
+        let hold = checkbox(ui, &mut settings.hold_trunk, "Hold the trunk");
+        if hold.on_hover_text(Command::Pose(PoseCommand::HoldTrunk).tooltip()).changed() {
+            requests.request(Request::Views(settings));
         }
     });
 }
@@ -82,8 +89,7 @@ fn row(
         requests.request(Request::Joint(joint));
     }
     let palette = theme::palette(ui);
-    let whole =
-        Rect::from_x_y_ranges(ui.max_rect().expand(theme::space::PANEL_MARGIN).x_range(), rect.y_range());
+    let whole = Rect::from_x_y_ranges(ui.max_rect().expand(space::PANEL_MARGIN).x_range(), rect.y_range());
     if is_held {
         ui.painter().rect_filled(whole, 0.0, palette.select);
         let mark = Rect::from_min_size(whole.min, vec2(SELECTION_MARK, whole.height()));

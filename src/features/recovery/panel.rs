@@ -5,7 +5,7 @@ use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
 use backlit_ui::style::theme::{size, space, title};
 use backlit_ui::widgets::image_canvas::cached_texture;
-use backlit_ui::widgets::primary_button;
+use backlit_ui::widgets::{card as over, primary_button};
 use egui::{
     Align, Button, Color32, CornerRadius, Frame, Id, Label, Layout as Direction, Margin, Rect, RichText,
     Role, ScrollArea, Sense, Stroke, Ui, UiBuilder, WidgetInfo, pos2, vec2,
@@ -29,36 +29,55 @@ struct Offer<'a> {
     left: &'a [Left],
     /// What time it is.
     clock: &'a Clock,
-    /// What was to be opened, and waits.
-    waiting: Option<&'a str>,
 }
 
 impl Recovery {
-    /// The cards, and what may be done with all of them.
-    pub(crate) fn ui(&self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
-        let offer = Offer { left: &self.offered, clock: context.clock, waiting: self.waiting.as_deref() };
-        cards(ui, requests, &offer);
+    /// The cards, and what may be done with all of them; what the user has decided.
+    pub(crate) fn ui(&self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) -> Option<Decision> {
+        let decision = cards(ui, &Offer { left: &self.offered, clock: context.clock });
+        if let Some(decision) = decision {
+            requests.request(Request::Recover(decision));
+        }
+        decision
+    }
+
+    /// The same over the window; whether it stays open.
+    pub(crate) fn card(&self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
+        let modal = over(ui.ctx(), "unsaved work").show(ui.ctx(), |ui| {
+            ui.set_width(WIDTH);
+            self.ui(ui, context, requests)
+        });
+        let stays = match modal.inner {
+            None => true,
+            // Of several the next may be decided.
+            Some(Decision::Discard(_)) => self.offered.len() > 1,
+            Some(Decision::Restore(_) | Decision::DiscardAll | Decision::Later) => false,
+        };
+        stays && !modal.should_close()
     }
 }
 
-fn cards(ui: &mut Ui, requests: &mut Requests, offer: &Offer<'_>) {
+fn cards(ui: &mut Ui, offer: &Offer<'_>) -> Option<Decision> {
     let palette = theme::palette(ui);
-    ui.label(RichText::new("Backlit ended with unsaved work").text_style(title()).color(palette.text));
+    let mut decision = None;
+    ui.label(RichText::new("Unsaved work is kept").text_style(title()).color(palette.text));
     ui.add_space(space::WIDGET);
     let room = (ui.available_height() - BELOW).max(PICTURE + 2.0 * space::GROUP);
     ScrollArea::vertical().max_height(room).auto_shrink([false, true]).show(ui, |ui| {
         ui.vertical_centered(|ui| {
             for index in 0..offer.left.len() {
-                card(ui, requests, offer, index);
+                decision = card(ui, offer, index).or(decision);
             }
         });
     });
     ui.add_space(space::ROW);
-    all(ui, requests, offer);
+    decision = all(ui, offer).or(decision);
     ui.add_space(space::PAGE_MARGIN);
+    decision
 }
 
-fn card(ui: &mut Ui, requests: &mut Requests, offer: &Offer<'_>, index: usize) {
+fn card(ui: &mut Ui, offer: &Offer<'_>, index: usize) -> Option<Decision> {
+    let mut decision = None;
     let palette = theme::palette(ui);
     let left = &offer.left[index];
     let frame = Frame::NONE
@@ -78,11 +97,12 @@ fn card(ui: &mut Ui, requests: &mut Requests, offer: &Offer<'_>, index: usize) {
                 words(ui, rect, left, offer.clock);
                 let row = Rect::from_min_max(pos2(rect.left(), rect.bottom() - size::BUTTON), rect.max);
                 let row = UiBuilder::new().max_rect(row).layout(Direction::left_to_right(Align::Center));
-                ui.scope_builder(row, |ui| buttons(ui, requests, offer, index));
+                ui.scope_builder(row, |ui| decision = buttons(ui, offer, index));
             });
         });
         ui.add_space(space::WIDGET);
     });
+    decision
 }
 
 fn picture(ui: &mut Ui, left: &Left) {
@@ -135,7 +155,7 @@ fn words(ui: &mut Ui, rect: Rect, left: &Left, clock: &Clock) {
     });
 }
 
-fn buttons(ui: &mut Ui, requests: &mut Requests, offer: &Offer<'_>, index: usize) {
+fn buttons(ui: &mut Ui, offer: &Offer<'_>, index: usize) -> Option<Decision> {
     let left = &offer.left[index];
     let hover = "Go on with it; it stays unsaved until you save it";
     let restore = if index == 0 {
@@ -151,34 +171,29 @@ fn buttons(ui: &mut Ui, requests: &mut Requests, offer: &Offer<'_>, index: usize
             response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
         }
     }
-    if restore.on_hover_text(hover).clicked() {
-        requests.request(Request::Recover(Decision::Restore(index)));
-    }
+    let restores = restore.on_hover_text(hover).clicked().then_some(Decision::Restore(index));
     let hover = "It is put aside: it is offered no more, and can be opened as a project later";
-    if discard.on_hover_text(hover).clicked() {
-        requests.request(Request::Recover(Decision::Discard(index)));
-    }
+    restores.or(discard.on_hover_text(hover).clicked().then_some(Decision::Discard(index)))
 }
 
 /// What may be done with all copies at once.
-fn all(ui: &mut Ui, requests: &mut Requests, offer: &Offer<'_>) {
-    let later = match offer.waiting {
-        Some(name) => format!("Decide later, open {name}"),
-        None => "Decide later".to_owned(),
-    };
+fn all(ui: &mut Ui, offer: &Offer<'_>) -> Option<Decision> {
+    let mut decision = None;
     let row = vec2(WIDTH, size::BUTTON);
     ui.allocate_ui_with_layout(row, Direction::right_to_left(Align::Center), |ui| {
-        let later = ui.add(Button::new(later).min_size(vec2(0.0, size::BUTTON)));
-        if later.on_hover_text("All of it is offered again at the next start").clicked() {
-            requests.request(Request::Recover(Decision::Later));
-        }
-        if offer.left.len() > 1 {
-            let all = ui.add(Button::new("Discard all").min_size(vec2(0.0, size::BUTTON)));
-            if all.on_hover_text("Put all of them aside; they can be opened as projects later").clicked() {
-                requests.request(Request::Recover(Decision::DiscardAll));
+        let mut button = |text: &str, hover: &str, choice| {
+            let button = ui.add(Button::new(text).min_size(vec2(0.0, size::BUTTON)));
+            if button.on_hover_text(hover).clicked() {
+                decision = Some(choice);
             }
+        };
+        button("Decide later", "All of it stays, and is offered in the File menu", Decision::Later);
+        if offer.left.len() > 1 {
+            let hover = "Put all of them aside; they can be opened as projects later";
+            button("Discard all", hover, Decision::DiscardAll);
         }
     });
+    decision
 }
 
 /// The text without a capital letter.

@@ -8,11 +8,13 @@ use std::time::{Duration, Instant};
 use backlit_jobs::{News, once};
 
 use super::{About, Left, Picture, Recovery};
+use crate::context::clock::Clock;
 use crate::context::command::{Command, FileCommand, RecoveryCommand};
 use crate::context::unavailable::because;
 use crate::context::{Context, Decision, Request, Requests};
 use crate::document::Document;
 use crate::document::project::{ProjectError, write_project};
+use crate::take::source::TakeSource;
 
 /// The copy is written this often while there is something new: with the time of writing, less than a second of work
 /// can be lost.
@@ -60,12 +62,18 @@ impl Work {
     }
 }
 
+/// Whether there is anything unsaved that somebody may want back: a demonstration is made again by a click.
+fn is_worth_keeping(context: &Context<'_>) -> bool {
+    let source = context.document().take.as_ref();
+    context.history.is_dirty() && source.is_some_and(|source| !matches!(source, TakeSource::Demonstration(_)))
+}
+
 impl Recovery {
     /// Looks for what earlier windows have left.
     pub(crate) fn look(&mut self, requests: &mut Requests) {
         let Some(copies) = &self.copies else { return };
         let (left, wrong) = copies.left();
-        self.offered = left;
+        (self.offered, self.is_put_off) = (left, false);
         for error in wrong {
             requests.complain(format!(
                 "A copy of unsaved work cannot be read, and is left where it is: {error}."
@@ -76,6 +84,7 @@ impl Recovery {
     /// Does a command.
     pub(crate) fn run(&mut self, command: RecoveryCommand, context: &Context<'_>, requests: &mut Requests) {
         match command {
+            RecoveryCommand::Show => requests.request(Request::RecoveryCard),
             RecoveryCommand::UndoDiscard => self.undo_discard(context, requests),
         }
     }
@@ -83,6 +92,7 @@ impl Recovery {
     /// Why a command cannot be used now.
     pub(crate) fn unavailable(&self, command: RecoveryCommand) -> Option<&'static str> {
         match command {
+            RecoveryCommand::Show => because(self.offered.is_empty(), "No window has left unsaved work"),
             RecoveryCommand::UndoDiscard => because(self.discarded.is_empty(), "Nothing was discarded"),
         }
     }
@@ -95,7 +105,7 @@ impl Recovery {
         }
         let Some(copies) = &mut self.copies else { return };
         let revision = context.history.revision();
-        if !context.history.is_dirty() {
+        if !is_worth_keeping(context) {
             // A document that was just opened, or one that is in its file as it is.
             if self.written.take().is_some() {
                 copies.forget();
@@ -104,7 +114,7 @@ impl Recovery {
         }
         let is_stale = context.session.is_stale;
         let has_picture_to_come = self.is_picture_old && !is_stale;
-        if context.document().take.is_none() || (self.written == Some(revision) && !has_picture_to_come) {
+        if self.written == Some(revision) && !has_picture_to_come {
             return;
         }
         let every = if self.failed { AGAIN } else { EVERY };
@@ -179,7 +189,7 @@ impl Recovery {
         self.task.forget();
         let writing = self.writing.clone();
         let _writing = writing.lock().unwrap_or_else(PoisonError::into_inner);
-        if !context.history.is_dirty() || context.document().take.is_none() {
+        if !is_worth_keeping(context) {
             if self.written.is_some() {
                 copies.forget();
             }
@@ -233,7 +243,6 @@ impl Recovery {
                     requests.request(Request::OpenPath(left.path.clone()));
                     self.adopted = Some(left);
                 }
-                return;
             }
             Decision::Discard(index) if index < self.offered.len() => {
                 let left = self.offered.remove(index);
@@ -244,10 +253,7 @@ impl Recovery {
                 let all = std::mem::take(&mut self.offered);
                 self.discard(all, requests);
             }
-            Decision::Later => self.offered.clear(),
-        }
-        if self.offered.is_empty() && self.waiting.take().is_some() {
-            requests.request(Request::OpenPostponed);
+            Decision::Later => self.is_put_off = true,
         }
     }
 
@@ -281,21 +287,49 @@ impl Recovery {
         }
         self.look(requests);
         if context.session.take.is_some() {
-            requests.inform("Brought back. It is offered again at the next start.", None);
+            requests.inform("Brought back.", Some(Command::Recovery(RecoveryCommand::Show)));
         }
     }
 
-    /// Something was opened: the copy of what was there before stays as it is. Says whether it is work that was
-    /// left, and what is known about that.
+    /// Something was opened: the copy of what was there before stays as it is, and is offered. Says whether what was
+    /// opened is work that was left, and what is known about that.
     pub(crate) fn begin(&mut self, opened: Option<&Path>) -> Option<About> {
+        let about = self.adopt(opened);
+        if let Some(copies) = &self.copies {
+            // What cannot be read was said at the start.
+            self.offered = copies.left().0;
+        }
+        about
+    }
+
+    /// Tells of what was left and was not told of before: by an earlier window, or by this one when it opened something
+    /// else.
+    pub(crate) fn news(&mut self, clock: &Clock) -> Option<String> {
+        let is_new = |left: &&Left| !self.told.contains(&left.path);
+        let new: Vec<&Left> = self.offered.iter().filter(is_new).collect();
+        let text = match new[..] {
+            [] => return None,
+            [one] => format!("Unsaved work is kept: {}, {}.", one.take, one.when(clock)),
+            [newest, ..] => {
+                let count = new.len();
+                format!(
+                    "Unsaved work of {count} windows is kept, the last {}, {}.",
+                    newest.take,
+                    newest.when(clock)
+                )
+            }
+        };
+        self.told.extend(self.offered.iter().map(|left| left.path.clone()));
+        Some(text)
+    }
+
+    fn adopt(&mut self, opened: Option<&Path>) -> Option<About> {
         self.task.forget();
         self.written = None;
         self.begun = None;
         self.failed = false;
         self.is_picture_old = false;
         self.has_stayed_open = false;
-        // The rest is offered again at the next start.
-        self.offered.clear();
         let copies = self.copies.as_mut()?;
         copies.leave();
         let left = self.adopted.take().filter(|left| Some(left.path.as_path()) == opened)?;

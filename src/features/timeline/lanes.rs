@@ -48,7 +48,7 @@ impl Lane {
             }
             Self::Overlap => {
                 "IoU: the area that body and silhouettes share, over the area that either covers, all cameras \
-                 together. 1 is perfect; below the lane's lower end a frame counts as lost. A filled triangle \
+                 together. 1 is perfect; below 0.4 a frame counts as lost. A filled triangle \
                  marks a lost frame, an outlined one the worst of the others."
             }
             Self::Steps => {
@@ -98,7 +98,18 @@ impl Lane {
     /// Both ends of the lane's axis: round numbers, which stay while frames are tracked.
     pub(crate) fn axis(self, document: &Document) -> [f64; 2] {
         match self {
-            Self::Overlap => [LOST_BELOW_IOU, 1.0],
+            Self::Overlap => {
+                let mut values: Vec<f64> =
+                    document.estimates.values().filter_map(|estimate| self.value(estimate)).collect();
+                if values.is_empty() {
+                    return [LOST_BELOW_IOU, 1.0];
+                }
+                // A twentieth of the frames may lie below the lane: a few bad ones must not flatten all others.
+                let (few, highest) = (values.len() / 20, values.iter().copied().fold(0.0, f64::max));
+                let (_, low, _) = values.select_nth_unstable_by(few, f64::total_cmp);
+                let (low, high) = ((*low * 10.0).floor() / 10.0, (highest * 10.0).ceil() / 10.0);
+                [low.min(high - 0.1).max(0.0), high.max(0.1)]
+            }
             Self::Rms | Self::Steps => {
                 let mut values: Vec<f64> =
                     document.estimates.values().filter_map(|estimate| self.value(estimate)).collect();

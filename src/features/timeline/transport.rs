@@ -4,8 +4,8 @@ use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::choice;
-use backlit_ui::widgets::{Icon, checkbox, number_field};
-use egui::{Align, Layout as Direction, RichText, Sense, Ui, vec2};
+use backlit_ui::widgets::{Icon, checkbox, fitting_label, number_field};
+use egui::{Align, Layout as Direction, RichText, Sense, TextStyle, Ui, vec2};
 
 use crate::context::command::{Command, TimelineCommand, TrackingCommand};
 use crate::context::command_button::{icon, named_button, sized_button};
@@ -17,6 +17,8 @@ use crate::session::playback::{PlaybackChange, SPEEDS};
 pub(crate) const HEIGHT: f32 = 28.0;
 /// Below this width the time is left out and words are shorter.
 const FOLD: f32 = 900.0;
+/// Below this one the menu alone leads from poor frame to poor frame.
+const TIGHT: f32 = 740.0;
 /// Width of the frame's number.
 const FRAME: f32 = 84.0;
 /// Width of the time.
@@ -30,7 +32,7 @@ const KEY: f32 = 72.0;
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let row = vec2(ui.available_width(), HEIGHT);
     ui.allocate_ui_with_layout(row, Direction::left_to_right(Align::Center), |ui| {
-        let folded = row.x < FOLD;
+        let (folded, tight) = (row.x < FOLD, row.x < TIGHT);
         ui.spacing_mut().item_spacing.x = space::ROW;
         going(ui, context, requests, folded);
         playing(ui, context, requests);
@@ -43,17 +45,17 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         key_pose(ui, context, requests);
         icon(ui, context, requests, Command::Timeline(TimelineCommand::NextKey), Icon::NextKey);
         ui.add_space(space::WIDGET);
-        icon(ui, context, requests, Command::Timeline(TimelineCommand::PreviousPoor), Icon::Previous);
+        if !tight {
+            icon(ui, context, requests, Command::Timeline(TimelineCommand::PreviousPoor), Icon::Previous);
+        }
         named_button(ui, context, requests, Command::Timeline(TimelineCommand::WorstFrame), "Worst");
-        icon(ui, context, requests, Command::Timeline(TimelineCommand::NextPoor), Icon::Next);
+        if !tight {
+            icon(ui, context, requests, Command::Timeline(TimelineCommand::NextPoor), Icon::Next);
+        }
         ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
-            let (short, full) = (short_summary(context), summary(context));
-            let text = if folded { &short } else { &full };
-            let text = RichText::new(text).small().color(theme::palette(ui).text3);
-            let label = ui.add(egui::Label::new(text).truncate());
-            if folded {
-                label.on_hover_text(full);
-            }
+            let (full, short) = (summary(context), short_summary(context));
+            let colour = theme::palette(ui).text3;
+            fitting_label(ui, &[&full, &short], TextStyle::Small, colour);
         });
     });
 }

@@ -7,7 +7,7 @@ use egui::Ui;
 
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
-use crate::document::tracking_choices::Following;
+use crate::document::tracking_choices::{AtKeys, Following};
 
 /// Width of the names, as in the rest of the section.
 const NAME: f32 = 78.0;
@@ -44,6 +44,12 @@ const SEARCHES: [(WhenToSearch, &str, &str); 3] = [
     ),
 ];
 
+const AT_KEYS: [(AtKeys, &str, &str); 3] = [
+    (AtKeys::Keep, "Keep", "A key pose on the way stays as it was set, and the track goes on from it"),
+    (AtKeys::Refine, "Refine", "The fit of a frame with a key pose begins there and may change it"),
+    (AtKeys::Stop, "Stop before", "The track ends before the next key pose"),
+];
+
 /// The rows.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let choices = context.document().tracking;
@@ -56,6 +62,15 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
             chosen.search = search;
         }
         hint(ui, "for other poses");
+    });
+    row(ui, "Key poses", |ui| {
+        let rows = AT_KEYS.map(|(at_keys, text, tooltip)| (at_keys, text, tooltip.to_owned()));
+        let text =
+            rows.iter().find(|(at_keys, ..)| *at_keys == choices.at_keys).map_or("", |(_, text, _)| text);
+        if let Some(at_keys) = choice(ui, "Key poses", BOX, text, &rows) {
+            chosen.at_keys = at_keys;
+        }
+        hint(ui, "on the way");
     });
     if chosen != choices {
         requests.edit(Edit::SetTracking(chosen));

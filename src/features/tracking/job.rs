@@ -9,13 +9,14 @@ use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::FitError;
 use backlit_tracking::observability::believed_joints;
+use backlit_tracking::posing;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::track::join::{self, Source};
 use backlit_tracking::track::{FixedLagSmoother, FrameEstimate, Track, Tracker, smoothed};
 
 use super::Found;
 use super::read_ahead::ReadAhead;
-use crate::document::tracking_choices::{Following, TrackingChoices};
+use crate::document::tracking_choices::{AtKeys, Following, TrackingChoices};
 use crate::document::{Estimate, Origin};
 use crate::session::prediction::FitInputs;
 use crate::session::{BelievedJoints, FrameData, load_frame};
@@ -39,8 +40,10 @@ pub(super) struct TrackInputs {
     pub(super) measurement: Arc<Vec<SegmentOptions>>,
     pub(super) fit: FitInputs,
     pub(super) choices: TrackingChoices,
-    /// Key poses on the way: there the fit of a frame begins.
+    /// Key poses on the way: kept, or where the fit of their frames begins, by [`TrackingChoices::at_keys`].
     pub(super) keys: BTreeMap<usize, Pose>,
+    /// Whether the body is turned to face the other way in them first.
+    pub(super) turns_round: bool,
     /// Tracked one after the other. Two legs are tracks of the same frames from both sides, which are joined.
     pub(super) legs: VecDeque<Leg>,
 }
@@ -96,8 +99,20 @@ impl TrackJob {
         let data = self.data(frame, out.cancel());
         self.inputs.fit.frame = Some(data.clone());
         out.send(Found::Loaded(data));
+        if let Some(key) = self.kept_key(frame).cloned() {
+            self.tracker = Some(self.new_tracker(key.clone())?.continuing_from(frame));
+            let mut kept = FrameEstimate::of_pose(frame, key);
+            kept.measure_overlap(
+                &self.inputs.fit.model,
+                self.inputs.fit.fit.renderer,
+                &self.inputs.fit.views(),
+            );
+            return Ok(kept);
+        }
         if let Some(key) = self.inputs.keys.get(&frame) {
-            self.tracker = Some(self.new_tracker(key.clone())?);
+            let turned = || posing::turn_round(&self.inputs.fit.model, key);
+            let start = if self.inputs.turns_round { turned() } else { key.clone() };
+            self.tracker = Some(self.new_tracker(start)?);
         }
         if self.tracker.is_none()
             && let Some(leg) = self.inputs.legs.front()
@@ -114,6 +129,12 @@ impl TrackJob {
             Some(tracker) => Ok(tracker.track_frame(frame, views, out.cancel())?),
             None => Err(FitError::NoData { reasons: "there is no pose to begin with".to_owned() }.into()),
         }
+    }
+
+    /// The key pose of a frame, if it stays as it was set.
+    fn kept_key(&self, frame: usize) -> Option<&Pose> {
+        let keeps = self.inputs.choices.at_keys == AtKeys::Keep && !self.inputs.turns_round;
+        self.inputs.keys.get(&frame).filter(|_| keeps)
     }
 
     /// Keeps what is needed later, and sends what is known of earlier frames by now.
@@ -242,7 +263,10 @@ impl Job<Found> for TrackJob {
                 if !found.hypotheses.is_empty() {
                     out.send(Found::Poses(frame, found.hypotheses.clone()));
                 }
-                self.keep(found, out);
+                // What was set by hand is not smoothed.
+                if self.kept_key(frame).is_none() {
+                    self.keep(found, out);
+                }
             }
             Err(error) => {
                 out.send(Found::Refused(format!("The tracker stopped at frame {frame}: {error}.")));

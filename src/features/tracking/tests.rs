@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use backlit_tracking::body::{Kinematics, Pose, Sides};
 use backlit_tracking::cancel::CancelToken;
 
 use super::read_ahead::ReadAhead;
 use crate::app::testing::{Breaks, errors, open_take, settle};
-use crate::context::command::{Command, FitCommand, TrackingCommand};
+use crate::context::command::{Command, FitCommand, HistoryCommand, TrackingCommand};
 use crate::context::preferences::Layout;
 use crate::session::load_frame;
 use crate::take::demonstration::Demonstration;
@@ -30,6 +31,28 @@ fn a_tracker_or_a_search_that_breaks_down_is_said_once_and_nothing_waits_for_it(
         assert_eq!(errors(&app).len(), said + 1, "{command:?}");
         assert_eq!(errors(&app)[said], "The tracker broke down: thirteen. Your work is unharmed.");
     }
+}
+
+#[test]
+fn a_track_is_turned_round_frame_by_frame_and_taken_back_at_once() {
+    let (mut window, mut app) = open_take(Demonstration::TinySequence, Layout::Pose);
+    let mut run = |app: &mut crate::app::App, command| {
+        app.run(command, &window.ctx.clone());
+        settle(&mut window, app);
+    };
+    run(&mut app, Command::Tracking(TrackingCommand::Forward));
+    let before = app.document().clone();
+    run(&mut app, Command::Tracking(TrackingCommand::TurnRound));
+    let after = app.document().clone();
+    assert_eq!(after.estimates.len(), before.estimates.len());
+    let model = &before.model;
+    let ahead = |pose: &Pose| Sides::of(model, &Kinematics::new(model, pose)).unwrap().ahead;
+    for (frame, found) in before.estimates.iter() {
+        let turned = &after.estimates[frame].pose;
+        assert!(ahead(turned).dot(ahead(&found.pose)) < -0.5, "frame {frame} still faces the same way");
+    }
+    run(&mut app, Command::History(HistoryCommand::Undo));
+    assert_eq!(app.document().estimates, before.estimates);
 }
 
 #[test]

@@ -1,10 +1,11 @@
 //! Begun, stopped, and what was found taken in.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::time::{Duration, Instant};
 
 use backlit_jobs::{Job, News};
 use backlit_tracking::body::Pose;
+use backlit_tracking::posing;
 use backlit_tracking::search::Hypothesis;
 use backlit_ui::style::format;
 
@@ -18,6 +19,7 @@ use crate::context::command::{Command, HistoryCommand, TrackingCommand};
 use crate::context::command_button::next_gesture;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
+use crate::document::tracking_choices::AtKeys;
 use crate::session::playback::{FrameRange, PlaybackChange};
 
 /// While the tracker is at work, the screen goes on to its newest frame this often: drawing every one would take
@@ -29,6 +31,13 @@ struct Way {
     legs: VecDeque<Leg>,
     backwards: bool,
     between: Option<(usize, usize)>,
+    turns_round: bool,
+}
+
+impl Way {
+    fn on(legs: impl Into<VecDeque<Leg>>, backwards: bool) -> Self {
+        Self { legs: legs.into(), backwards, between: None, turns_round: false }
+    }
 }
 
 impl Tracking {
@@ -38,6 +47,7 @@ impl Tracking {
             TrackingCommand::Forward => self.track(false, context, requests),
             TrackingCommand::Back => self.track(true, context, requests),
             TrackingCommand::Between => self.track_between_keys(context, requests),
+            TrackingCommand::TurnRound => self.turn_round(context, requests),
             TrackingCommand::Clear => clear(context, requests),
         }
     }
@@ -46,8 +56,19 @@ impl Tracking {
     fn track(&mut self, backwards: bool, context: &Context<'_>, requests: &mut Requests) {
         let (here, count) = (context.selection.frame, context.session.frame_count());
         let frames = if backwards { (0..=here).rev().collect() } else { (here..count).collect() };
-        let legs = [leg(context, here, context.shown_pose(), frames)].into();
-        self.begin_tracking(Way { legs, backwards, between: None }, &[here], context, requests);
+        let legs = [leg(context, here, context.shown_pose(), frames)];
+        let keys = other_keys(context, &[here]);
+        let mut way = Way::on(legs, backwards);
+        let stops = context.document().tracking.at_keys == AtKeys::Stop;
+        if stops && let Some(leg) = way.legs.front_mut() {
+            let free =
+                leg.frames.iter().position(|frame| keys.contains_key(frame)).unwrap_or(leg.frames.len());
+            if let Some(key) = leg.frames.get(free) {
+                requests.status(format!("The track will end before the key pose of frame {key}."));
+            }
+            leg.frames.truncate(free);
+        }
+        self.begin_tracking(way, keys, context, requests);
     }
 
     /// Tracks from the key pose before forwards and from the one after backwards, and joins the two.
@@ -55,18 +76,44 @@ impl Tracking {
         let document = context.document();
         let Some((first, last)) = keys_around(document, context.selection.frame) else { return };
         let leg = |key: usize, frames| leg(context, key, document.pose_at(key), frames);
-        let legs = [leg(first, (first..=last).collect()), leg(last, (first..=last).rev().collect())].into();
-        let way = Way { legs, backwards: false, between: Some((first, last)) };
-        self.begin_tracking(way, &[first, last], context, requests);
+        let legs = [leg(first, (first..=last).collect()), leg(last, (first..=last).rev().collect())];
+        let way = Way { between: Some((first, last)), ..Way::on(legs, false) };
+        self.begin_tracking(way, other_keys(context, &[first, last]), context, requests);
     }
 
-    fn begin_tracking(&mut self, way: Way, begins: &[usize], context: &Context<'_>, requests: &mut Requests) {
+    /// Turns every pose that was found to face the other way, and fits each frame again from there; key poses are
+    /// turned at once.
+    fn turn_round(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        let document = context.document();
+        let found = document.estimates.iter().filter(|(frame, _)| !document.keys.contains_key(*frame));
+        let poses: BTreeMap<usize, Pose> =
+            found.map(|(frame, estimate)| (*frame, estimate.pose.clone())).collect();
+        if let Some((&first, start)) = poses.first_key_value() {
+            let leg = Leg { start: start.clone(), continues: None, frames: poses.keys().copied().collect() };
+            let way = Way { turns_round: true, ..Way::on([leg], false) };
+            self.begin_tracking(way, poses, context, requests);
+            requests.request(Request::Follow(first));
+        } else {
+            self.gesture = Some(next_gesture(context.egui));
+        }
+        for (&frame, key) in document.keys.iter() {
+            let pose = posing::turn_round(&document.model, key);
+            let edit = Edit::SetPose { frame, pose, what: "Turn track round".to_owned() };
+            requests.edits.push((edit, self.gesture));
+        }
+    }
+
+    /// `keys` are the poses from which the fit of their frames begins.
+    fn begin_tracking(
+        &mut self,
+        way: Way,
+        keys: BTreeMap<usize, Pose>,
+        context: &Context<'_>,
+        requests: &mut Requests,
+    ) {
         let Some((take, fit)) = context.session.take.clone().zip(context.fit_inputs()) else { return };
         let document = context.document();
-        let mut keys = (*document.keys).clone();
-        // There a leg begins, from the pose on the screen.
-        keys.retain(|key, _| !begins.contains(key));
-        let Way { legs, backwards, between } = way;
+        let Way { legs, backwards, between, turns_round } = way;
         let total = legs.iter().map(|leg| leg.frames.len()).sum();
         let asked = || legs.iter().flat_map(|leg| leg.frames.iter().copied());
         let range = FrameRange::between(asked().min().unwrap_or(0), asked().max().unwrap_or(0));
@@ -76,6 +123,7 @@ impl Tracking {
             fit,
             choices: document.tracking,
             keys,
+            turns_round,
             legs,
         };
         let began = Instant::now();
@@ -185,6 +233,13 @@ impl Tracking {
         let fit = context.document().fit.clone();
         self.other_poses.insert(frame, OtherPoses { found, fit });
     }
+}
+
+/// The key poses, but for those of frames where a leg begins, from the pose on the screen.
+fn other_keys(context: &Context<'_>, begins: &[usize]) -> BTreeMap<usize, Pose> {
+    let mut keys = (*context.document().keys).clone();
+    keys.retain(|key, _| !begins.contains(key));
+    keys
 }
 
 /// A way through these frames. A first frame that was fitted from this pose needs no second fit.

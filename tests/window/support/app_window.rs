@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use backlit::app::{App, AppOptions};
+use backlit_tracking::processor::use_narrow_vectors;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2};
 use egui_kittest::Harness;
@@ -16,6 +17,7 @@ const ROUNDS: usize = 2;
 
 /// A window of `size` points, when nothing is being worked on any more.
 pub(crate) fn open_sized(options: AppOptions, size: Vec2) -> Harness<'static, App> {
+    use_narrow_vectors();
     let theme = options.settings.theme;
     let options = AppOptions { is_inline: true, ..options };
     let app = App::new(egui::Context::default(), options).unwrap();

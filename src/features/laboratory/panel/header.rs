@@ -4,8 +4,8 @@ use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::choice;
-use backlit_ui::widgets::{Icon, icon_button};
-use egui::{Align, Frame, Label, Layout as Direction, Margin, Panel, RichText, Ui, vec2};
+use backlit_ui::widgets::{Icon, fitting_label, icon_button};
+use egui::{Align, Frame, Label, Layout as Direction, Margin, Panel, RichText, TextStyle, Ui, vec2};
 
 use super::Wish;
 use crate::context::command::{Command, FitCommand, LaboratoryCommand};
@@ -47,8 +47,10 @@ pub(super) fn ui(
             choices(ui, laboratory, context, requests, wishes);
             left(ui, |ui| {
                 let text = sentence(laboratory, context);
-                let label = Label::new(RichText::new(&text).color(palette.text2)).truncate();
-                ui.add(label).on_hover_text(text);
+                // The first sentences say most.
+                let short: Vec<&str> = text.match_indices(". ").map(|(end, _)| &text[..=end]).collect();
+                let texts: Vec<&str> = std::iter::once(&text[..]).chain(short.into_iter().rev()).collect();
+                fitting_label(ui, &texts, TextStyle::Body, palette.text2);
             });
         });
     });

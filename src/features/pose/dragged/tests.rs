@@ -50,7 +50,7 @@ fn the_whole_body_moves_with_the_point_that_is_held() {
     let from_px = camera.project(DVec3::ZERO).unwrap();
     let to_px = from_px + DVec2::new(30.0, 10.0);
     let drag = Drag::Body { from_px, to_px, depth_m: camera.depth(DVec3::ZERO) };
-    let pose = pose_of(dragged(&model, &BTreeSet::new(), &base, &camera, drag));
+    let pose = pose_of(dragged(&model, Held::default(), &base, &camera, drag));
     assert!(camera.project(pose.root).unwrap().distance(to_px) < 1e-6);
     assert_eq!(pose.rotations, base.rotations);
 }
@@ -64,7 +64,7 @@ fn a_limb_stops_at_its_limit_and_the_sentence_says_so() {
     let rotation = model.limbs()[forearm].rotation;
     for angle_rad in [0.4, -0.4, 2.0, -2.0] {
         let drag = Drag::Twist { limb: forearm, angle_rad };
-        let pose = pose_of(dragged(&model, &BTreeSet::new(), &base, &camera, drag));
+        let pose = pose_of(dragged(&model, Held::default(), &base, &camera, drag));
         let twist = model.limbs()[forearm].angles(pose.rotations[rotation]).twist;
         let wanted = angle_rad.clamp(limits.twist.0, limits.twist.1);
         assert!((twist - wanted).abs() < 1e-9, "{twist} {wanted}");
@@ -88,7 +88,7 @@ fn a_pose_beyond_a_limit_may_come_back_but_is_not_drawn_in() {
     base.rotations[limb.rotation] = limb.rotation_from_angles(angles);
     let twist_after = |angle_rad: f64| {
         let drag = Drag::Twist { limb: forearm, angle_rad };
-        let pose = pose_of(dragged(&model, &BTreeSet::new(), &base, &camera, drag));
+        let pose = pose_of(dragged(&model, Held::default(), &base, &camera, drag));
         limb.angles(pose.rotations[limb.rotation]).twist - limits.twist.1
     };
     assert!((twist_after(0.1) - 0.2).abs() < 1e-9);
@@ -96,7 +96,7 @@ fn a_pose_beyond_a_limit_may_come_back_but_is_not_drawn_in() {
     let shoulder = JointId::End(model.limb_index("right clavicle").unwrap());
     let target_px = camera.project(joint_position(&model, &base, shoulder)).unwrap() + DVec2::new(1.0, 0.0);
     let drag = Drag::Joint { joint: shoulder, target_px };
-    let pose = pose_of(dragged(&model, &BTreeSet::new(), &base, &camera, drag));
+    let pose = pose_of(dragged(&model, Held::default(), &base, &camera, drag));
     let other = limb.angles(pose.rotations[limb.rotation]).twist - limits.twist.1;
     assert!((other - 0.2).abs() < 0.02, "another drag does not jump: {other}");
 }
@@ -109,7 +109,7 @@ fn sizes_follow_the_pointer() {
     let kinematics = Kinematics::new(&model, &pose);
     let (start, end) = (kinematics.starts()[forearm], kinematics.ends()[forearm]);
     let [from_px, to_px] = [end, end + 0.1 * (end - start).normalize()].map(|p| camera.project(p).unwrap());
-    let size = |drag| match dragged(&model, &BTreeSet::new(), &pose, &camera, drag) {
+    let size = |drag| match dragged(&model, Held::default(), &pose, &camera, drag) {
         Some(Dragged::Size { length, radius, .. }) => [length, radius],
         other => panic!("{other:?}"),
     };
@@ -144,7 +144,7 @@ proptest! {
         let before = joint_position(&model, &base, joint);
         let target_px = camera.project(before).unwrap() + DVec2::new(dx, dy);
         let drag = Drag::Joint { joint, target_px };
-        let pose = pose_of(dragged(&model, &BTreeSet::new(), &base, &camera, drag));
+        let pose = pose_of(dragged(&model, Held::default(), &base, &camera, drag));
         let after = joint_position(&model, &pose, joint);
         let missed = camera.project(after).unwrap().distance(target_px);
         prop_assert!(missed < 0.5, "{name}: {missed} px");
@@ -152,7 +152,7 @@ proptest! {
         prop_assert!(is_within_limits(&model, &pose));
         // Dragging back undoes itself.
         let back = Drag::Joint { joint, target_px: camera.project(before).unwrap() };
-        let back = pose_of(dragged(&model, &BTreeSet::new(), &base, &camera, back));
+        let back = pose_of(dragged(&model, Held::default(), &base, &camera, back));
         let moved: f64 = back.local(&base).iter().map(|x| x.abs()).fold(0.0, f64::max);
         prop_assert!(moved < 1e-3, "{moved}");
     }
@@ -164,7 +164,7 @@ proptest! {
         let wrist = JointId::End(model.limb_index("left forearm").unwrap());
         let joint = if is_root { JointId::Root } else { wrist };
         let drag = Drag::Depth { joint, ratio };
-        let pose = pose_of(dragged(&model, &BTreeSet::new(), &base, &camera, drag));
+        let pose = pose_of(dragged(&model, Held::default(), &base, &camera, drag));
         let [before, after] = [&base, &pose].map(|pose| joint_position(&model, pose, joint));
         let moved = camera.project(before).unwrap().distance(camera.project(after).unwrap());
         prop_assert!(moved < 0.5, "{moved} px");
@@ -176,7 +176,7 @@ proptest! {
         let (model, camera) = (builtin::full_body(), camera());
         let base = pose_near_rest(&model, &seed);
         let limb = model.limb_index(["right upper arm", "left forearm", "right thigh"][which]).unwrap();
-        let pose = pose_of(dragged(&model, &BTreeSet::new(), &base, &camera, Drag::Twist { limb, angle_rad }));
+        let pose = pose_of(dragged(&model, Held::default(), &base, &camera, Drag::Twist { limb, angle_rad }));
         let [before, after] = [&base, &pose].map(|pose| Kinematics::new(&model, pose));
         prop_assert!(before.starts()[limb].distance(after.starts()[limb]) < 1e-9);
         prop_assert!(before.ends()[limb].distance(after.ends()[limb]) < 1e-9);
@@ -190,7 +190,7 @@ proptest! {
         let limb = model.limb_index("left upper arm").unwrap();
         let start = Kinematics::new(&model, &base).starts()[limb];
         let drag = Drag::Turn { limb, pivot_px: camera.project(start).unwrap(), angle_rad };
-        let pose = pose_of(dragged(&model, &BTreeSet::new(), &base, &camera, drag));
+        let pose = pose_of(dragged(&model, Held::default(), &base, &camera, drag));
         prop_assert!(Kinematics::new(&model, &pose).starts()[limb].distance(start) < 1e-9);
         prop_assert!(is_within_limits(&model, &pose));
     }

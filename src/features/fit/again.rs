@@ -1,0 +1,90 @@
+//! The same start once more with each renderer, preset or ramp, so that their curves can be compared.
+
+use backlit_tracking::body::Pose;
+use backlit_tracking::fit::{DataView, FitOptions, Preset, Stage};
+use backlit_tracking::render::{Ramp, RendererKind};
+
+use crate::context::Context;
+use crate::context::command::Variants;
+
+/// The ramps that are compared, each in one stage on hard silhouettes.
+const RAMPS: [Ramp; 3] = [Ramp::Thesis, Ramp::Half, Ramp::Width { px: 4.0 }];
+
+/// A run that is still to come.
+#[derive(Debug, Clone)]
+pub(super) struct Again {
+    pub(super) start: Pose,
+    pub(super) options: FitOptions,
+}
+
+impl Again {
+    /// All runs of a comparison: from the start of the run on the screen, or from the pose on the screen where there is
+    /// no run. What has been run like this from there is not run again.
+    pub(super) fn all(over: Variants, context: &Context<'_>) -> Vec<Self> {
+        let shown = context.run().and_then(|run| Some((run, run.steps.first()?)));
+        let start = shown.map_or_else(|| context.shown_pose().clone(), |(_, first)| first.pose.clone());
+        let base = shown.map_or_else(|| context.document().fit.clone(), |(run, _)| run.choices.fit.clone());
+        let is_new = |options: &FitOptions| {
+            let same = |run: &crate::document::run::Run| {
+                run.frame == context.selection.frame
+                    && *run.choices.fit == *options
+                    && run.choices.part.is_none()
+                    && run.steps.first().is_some_and(|first| first.pose == start)
+            };
+            !context.runs().all().iter().any(same)
+        };
+        let variants = variants(over, &base).into_iter().filter(is_new);
+        variants.map(|options| Self { start: start.clone(), options }).collect()
+    }
+}
+
+/// The choices of a fit in each variant.
+fn variants(over: Variants, base: &FitOptions) -> Vec<FitOptions> {
+    match over {
+        Variants::Renderers => {
+            let kinds =
+                [RendererKind::Capsule, RendererKind::Cylinder, RendererKind::SphereTree { spheres: None }];
+            kinds.map(|renderer| FitOptions { renderer, ..base.clone() }).to_vec()
+        }
+        Variants::Presets => {
+            let of = |preset| FitOptions { renderer: base.renderer, ..FitOptions::preset(preset) };
+            Preset::ALL.map(of).to_vec()
+        }
+        Variants::Ramps => {
+            let steps = base.stages.iter().map(|stage| stage.iterations).sum();
+            let single = |ramp| {
+                base.stages.last().map(|last| Stage {
+                    ramp,
+                    data: DataView::Hard,
+                    iterations: steps,
+                    ..*last
+                })
+            };
+            let with = |stages: Vec<Stage>| FitOptions { stages, ..base.clone() };
+            let mut all: Vec<FitOptions> =
+                RAMPS.iter().filter_map(|ramp| Some(with(vec![single(*ramp)?]))).collect();
+            all.push(with(FitOptions::preset(Preset::Robust).stages));
+            all
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn variants_differ_in_what_they_are_named_for_alone() {
+        let base = FitOptions::preset(Preset::Robust);
+        let renderers = variants(Variants::Renderers, &base);
+        assert_eq!(renderers.len(), 3);
+        for options in &renderers {
+            assert_eq!(FitOptions { renderer: base.renderer, ..options.clone() }, base);
+        }
+        for options in variants(Variants::Ramps, &base) {
+            assert_eq!(options.check(), Ok(()));
+            assert_eq!(FitOptions { stages: base.stages.clone(), ..options }, base);
+        }
+        assert_eq!(variants(Variants::Presets, &base).len(), 2);
+    }
+}

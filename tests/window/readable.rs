@@ -1,0 +1,71 @@
+//! Every word of the window can be read, in every layout, at the sizes that people have: nothing is cut off, shortened,
+//! or painted over.
+
+use backlit::app::settings::Settings;
+use backlit::app::{App, AppOptions, Opening};
+use backlit::context::preferences::Layout;
+use backlit::take::demonstration::Demonstration;
+use backlit::take::source::TakeSource;
+use egui::{Key, Modifiers, Vec2, vec2};
+use egui_kittest::Harness;
+
+use crate::support::app_window::{open_sized, press, settle};
+use crate::support::take;
+use crate::support::words::unreadable;
+
+/// The smallest window, the commonest laptop, a large one, and that at one and a half times.
+const SIZES: [Vec2; 4] =
+    [vec2(1024.0, 640.0), vec2(1366.0, 768.0), vec2(1600.0, 1000.0), vec2(1600.0 / 1.5, 1000.0 / 1.5)];
+
+fn open(opening: Opening, layout: Layout, size: Vec2) -> Harness<'static, App> {
+    let settings = Settings { layout, ..Settings::default() };
+    let mut window =
+        open_sized(AppOptions { settings, opening: Some(opening), ..AppOptions::default() }, size);
+    window.state_mut().close_notices();
+    settle(&mut window);
+    window
+}
+
+/// What cannot be read in the window as it is, with the place.
+fn look(window: &Harness<'_, App>, place: &str, wrong: &mut Vec<String>) {
+    let rect = window.ctx.content_rect();
+    // The panel on the right scrolls, and what is longer than a card in it.
+    let scrolls = |clip: egui::Rect| clip.height() > 60.0 && clip.height() < rect.height() - 20.0;
+    let found = unreadable(&window.output().shapes, rect, scrolls);
+    wrong.extend(found.into_iter().map(|found| format!("{place}: {found}")));
+}
+
+#[test]
+fn every_word_can_be_read_in_every_layout_at_every_size() {
+    let mut wrong = Vec::new();
+    for size in SIZES {
+        for layout in Layout::ALL.map(|(layout, _)| layout) {
+            let place = format!("{layout:?} at {} × {}", size.x.round(), size.y.round());
+            let opening = Opening::Ready(Box::new(take::take()));
+            let mut window = open(opening, layout, size);
+            look(&window, &place, &mut wrong);
+            press(&mut window, Modifiers::NONE, Key::Enter);
+            window.state_mut().close_notices();
+            settle(&mut window);
+            look(&window, &format!("{place}, fitted"), &mut wrong);
+        }
+    }
+    assert!(wrong.is_empty(), "{} words cannot be read:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
+fn every_word_of_the_demonstrations_can_be_read() {
+    let mut wrong = Vec::new();
+    for size in SIZES {
+        for demonstration in [Demonstration::SingleLimb, Demonstration::TwoCameras] {
+            let opening = Opening::Take(TakeSource::Demonstration(demonstration));
+            let mut window = open(opening, Layout::Debug, size);
+            press(&mut window, Modifiers::NONE, Key::Space);
+            window.state_mut().close_notices();
+            settle(&mut window);
+            let place = format!("{demonstration:?} at {} × {}", size.x.round(), size.y.round());
+            look(&window, &place, &mut wrong);
+        }
+    }
+    assert!(wrong.is_empty(), "{} words cannot be read:\n{}", wrong.len(), wrong.join("\n"));
+}
