@@ -61,6 +61,8 @@ pub struct Estimate {
     pub steps: usize,
     /// Whether the tracker says that it lost the subject.
     pub lost: bool,
+    /// Whether the body has had another size since: its numbers are those of the old one.
+    pub is_stale: bool,
 }
 
 /// The document.

@@ -89,7 +89,7 @@ impl Inspector {
                 if demonstrates {
                     return features.laboratory.ui(ui, &context, requests);
                 }
-                features.demonstrations.ui(ui);
+                features.demonstrations.ui(ui, requests);
                 if self.shell.docking.alone.is_none() {
                     features.timeline.ui(ui, &context, requests, window.height());
                     notices_from.y = ui.available_rect_before_wrap().bottom();

@@ -213,6 +213,7 @@ impl Document {
             Edit::ScaleBody { factor } => {
                 let scaled = self.model.scaled(factor).map_err(|source| EditError::Scale { source })?;
                 self.model = Arc::new(scaled);
+                self.outdate_estimates();
             }
             Edit::UseCamera { camera, used } => self.camera_mut(camera)?.used = used,
             Edit::UseOnly { cameras } => {
@@ -288,6 +289,7 @@ impl Document {
         }
         let model = Model::new(&spec).map_err(|source| EditError::Size { limb, source })?;
         self.model = Arc::new(model);
+        self.outdate_estimates();
         Ok(())
     }
 
@@ -301,7 +303,17 @@ impl Document {
             return Err(EditError::OtherLimbs);
         }
         self.model = model;
+        self.outdate_estimates();
         Ok(())
+    }
+
+    /// What was found so far was found with another body.
+    fn outdate_estimates(&mut self) {
+        if self.estimates.values().any(|estimate| !estimate.is_stale) {
+            for estimate in Arc::make_mut(&mut self.estimates).values_mut() {
+                Arc::make_mut(estimate).is_stale = true;
+            }
+        }
     }
 
     fn set_calibration(&mut self, calibration: Option<Arc<Calibration>>) -> Result<(), EditError> {

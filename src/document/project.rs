@@ -119,6 +119,7 @@ mod tests {
             iou: Some(0.83),
             steps: 21,
             lost: false,
+            is_stale: false,
         };
         document.measurement = Arc::new(vec![SegmentOptions::default()]);
         for edit in [

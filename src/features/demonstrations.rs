@@ -1,6 +1,7 @@
 //! The demonstration that is open: its arrangement, its sentences, and its runs one after the other.
 
 mod explanation;
+mod next;
 
 use std::collections::VecDeque;
 
@@ -27,14 +28,14 @@ struct Prepared {
 pub(crate) struct Demonstrations {
     /// Runs that are still to begin.
     prepared: Option<Prepared>,
-    /// What it shows, until that is closed.
-    explanation: Option<&'static str>,
+    /// Which one is explained, until that is closed.
+    explained: Option<Demonstration>,
 }
 
 impl Demonstrations {
     /// The same without any run to come, for a picture of it.
     pub(crate) fn at_rest(&self) -> Self {
-        Self { prepared: None, explanation: self.explanation }
+        Self { prepared: None, explained: self.explained }
     }
 
     /// Does a command.
@@ -50,7 +51,7 @@ impl Demonstrations {
     /// Arranges the window for a demonstration that has just been opened.
     pub(crate) fn begin(&mut self, which: Demonstration, context: &Context<'_>, requests: &mut Requests) {
         requests.request(Request::CloseNotices);
-        self.explanation = Some(which.explanation());
+        self.explained = Some(which);
         if which == Demonstration::SingleLimb {
             requests.request(Request::Layout(Layout::Demonstrate));
             requests.request(Request::RunLaboratory);
@@ -94,9 +95,9 @@ impl Demonstrations {
     }
 
     /// What the demonstration shows and what to try, above the cameras' views, until it is closed.
-    pub(crate) fn ui(&mut self, ui: &mut Ui) {
-        if self.explanation.is_some_and(|text| explanation::ui(ui, text)) {
-            self.explanation = None;
+    pub(crate) fn ui(&mut self, ui: &mut Ui, requests: &mut Requests) {
+        if self.explained.is_some_and(|which| explanation::ui(ui, which, requests)) {
+            self.explained = None;
         }
     }
 }

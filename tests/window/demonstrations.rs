@@ -86,6 +86,24 @@ fn one_camera_is_fooled_and_two_are_not() {
 }
 
 #[test]
+fn what_to_try_next_is_a_button_away() {
+    let mut harness = open();
+    show(&mut harness, "Fig. 5.2");
+    let fooled = error_mm(harness.state().document().pose_at(0));
+    click(&mut harness, "Fit with camera 2 too");
+    assert_eq!(harness.state().document().used_cameras().count(), 2);
+    let found = error_mm(harness.state().document().pose_at(0));
+    assert!(found < 0.5 * fooled, "{found} of {fooled} mm");
+
+    show(&mut harness, "Fig. 5.3");
+    let before = harness.state().document().clone();
+    click(&mut harness, "Run with each renderer");
+    let names: Vec<String> = runs(&harness).into_iter().map(|(name, _)| name).collect();
+    assert_eq!(names.len(), 4, "the capsule has run already: {names:?}");
+    assert_eq!(harness.state().document().estimates, before.estimates, "the body stays as it was");
+}
+
+#[test]
 fn the_thesis_ramp_leaves_the_truth() {
     let mut harness = open();
     show(&mut harness, "Bias of a ramp");

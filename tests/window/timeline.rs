@@ -375,6 +375,22 @@ fn a_key_pose_on_the_way_is_kept_refined_or_where_the_track_stops() {
     assert_eq!(tracked(&window), [0, 1, 2, 3, 4]);
 }
 
+#[test]
+fn what_was_found_with_another_body_says_so() {
+    let mut window = open();
+    press(&mut window, Modifiers::COMMAND, Key::Enter);
+    assert!(document(&window).estimates.values().all(|found| !found.is_stale));
+    press(&mut window, Modifiers::NONE, Key::E);
+    window.get_by_role_and_label(Role::ListItem, "Right forearm").click();
+    settle(&mut window);
+    crate::support::app_window::drag(&mut window, "right forearm length, Camera 1", vec2(30.0, 0.0));
+    assert!(document(&window).estimates.values().all(|found| found.is_stale));
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    let here = frame(&window);
+    assert!(!document(&window).estimates[&here].is_stale, "fitted again");
+    assert!(document(&window).estimates[&0].is_stale);
+}
+
 /// How far apart the arms of two poses are: the ends of both limbs, metres.
 fn apart(window: &Window, a: &backlit_tracking::body::Pose, b: &backlit_tracking::body::Pose) -> f64 {
     let model = &document(window).model;

@@ -144,5 +144,6 @@ fn estimate(pose: Pose, record: &EstimateRecord) -> Estimate {
         iou: record.iou,
         steps: record.steps,
         lost: record.lost,
+        is_stale: record.is_stale,
     }
 }

@@ -82,6 +82,8 @@ pub(crate) struct EstimateRecord {
     pub(crate) iou: Option<f64>,
     pub(crate) steps: usize,
     pub(crate) lost: bool,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(crate) is_stale: bool,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -165,5 +167,6 @@ fn estimate_record(model: &Model, estimate: &Estimate) -> EstimateRecord {
         iou: estimate.iou,
         steps: estimate.steps,
         lost: estimate.lost,
+        is_stale: estimate.is_stale,
     }
 }

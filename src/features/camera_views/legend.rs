@@ -20,6 +20,9 @@ const MARGIN: f32 = 2.0;
 /// What a picture without gutter leaves free for the strip: one row, in every mode, so that it never jumps.
 pub(crate) const RESERVED: f32 = ROW + 2.0 * MARGIN;
 
+/// No more of the picture's height lies under it, but for the first row: legs are at the foot.
+const MOST_OF_PICTURE: f32 = 0.16;
+
 /// Opacity of its ground.
 const OPACITY: f32 = 0.86;
 
@@ -57,6 +60,8 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, se
     let column = names.iter().map(|name| name.size().x + space::WIDGET).fold(0.0, f32::max);
     let last = modes.len().saturating_sub(1);
     let hatches = hatches(ui, input);
+    let all_rows = (MOST_OF_PICTURE * layout.picture.height() / ROW) as usize;
+    let most_rows = (all_rows / modes.len()).max(1);
     let block = |(index, mode): (usize, &ViewMode)| {
         let is_told = !is_compared && says_nothing(*mode);
         let mut items =
@@ -67,7 +72,7 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, se
         }
         let legend = if is_told { Legend::None } else { mode.legend() };
         let note = if index == last { note_width } else { 0.0 };
-        Block::new(legend, items, input, [width - column, note], &painter, small)
+        Block::new(legend, items, input, ([width - column, note], most_rows), &painter, small)
     };
     let blocks: Vec<Block> = modes.iter().enumerate().map(block).collect();
 

@@ -100,19 +100,25 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// Lays it out in rows `room` wide; the last one leaves free what `note` takes.
+    /// Lays it out in at most so many rows `room` wide; the last one leaves free what `note` takes. Items for which there
+    /// is no row are left to the tooltip.
     pub(crate) fn new(
         legend: Legend,
-        items: Vec<Item>,
+        mut items: Vec<Item>,
         input: &CameraTileInput<'_>,
-        [room, note]: [f32; 2],
+        ([room, note], most_rows): ([f32; 2], usize),
         painter: &Painter,
         font: &FontId,
     ) -> Self {
         let map = MapLegend::new(legend, input, Theme::Dark.palette());
         let map_width = map.as_ref().map(|map| map.least_width(painter, font));
-        let widths: Vec<f32> = map_width.into_iter().chain(items.iter().map(|item| item.width)).collect();
-        let (mut places, rows) = flow(&widths, note, room);
+        let (mut places, rows) = loop {
+            let widths: Vec<f32> = map_width.into_iter().chain(items.iter().map(|item| item.width)).collect();
+            let (places, rows) = flow(&widths, note, room);
+            if rows <= most_rows || items.pop().is_none() {
+                break (places, rows);
+            }
+        };
         if map.is_some() {
             places.remove(0);
         }

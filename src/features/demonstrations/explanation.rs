@@ -4,11 +4,16 @@ use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::{Icon, icon_button};
 use egui::{
-    Align, Frame, Label, Layout as Direction, Margin, Panel, RichText, Role, Sense, Ui, WidgetInfo, vec2,
+    Align, Button, Frame, Label, Layout as Direction, Margin, Panel, RichText, Role, Sense, Ui, WidgetInfo,
+    vec2,
 };
 
-/// The sentences, as wide as the centre; whether they are closed.
-pub(super) fn ui(ui: &mut Ui, text: &str) -> bool {
+use super::next;
+use crate::context::Requests;
+use crate::take::demonstration::Demonstration;
+
+/// The sentences with a button for each thing to try, as wide as the centre; whether they are closed.
+pub(super) fn ui(ui: &mut Ui, which: Demonstration, requests: &mut Requests) -> bool {
     let mut is_closed = false;
     let palette = theme::palette(ui);
     let frame = Frame::NONE.fill(palette.raised).inner_margin(Margin::symmetric(10, 6));
@@ -20,7 +25,17 @@ pub(super) fn ui(ui: &mut Ui, text: &str) -> bool {
                 mark.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Explanation"));
                 Icon::Info.paint(ui.painter(), rect, palette.info);
                 ui.add_space(space::ROW);
-                ui.add(Label::new(RichText::new(text).color(palette.text)).wrap());
+                ui.vertical(|ui| {
+                    ui.add(Label::new(RichText::new(which.explanation()).color(palette.text)).wrap());
+                    ui.horizontal_wrapped(|ui| {
+                        for try_next in next::of(which) {
+                            let button = ui.add(Button::new(try_next.text));
+                            if button.on_hover_text(try_next.tooltip).clicked() {
+                                try_next.request(requests);
+                            }
+                        }
+                    });
+                });
             });
         });
     });

@@ -276,6 +276,7 @@ impl Fit {
                 iou: predicted.and_then(|predicted| predicted.iou()),
                 steps: live.steps,
                 lost: false,
+                is_stale: false,
             };
             let edit = Edit::AddEstimate { frame: live.frame, estimate: Arc::new(estimate) };
             requests.edits.push((edit, self.gesture));

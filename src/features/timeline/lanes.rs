@@ -204,12 +204,15 @@ pub(crate) fn draw(ui: &Ui, document: &Document, lane: Lane, area: Rect, scale: 
         painter.add(bars);
         return;
     }
+    // Of a body of other sizes: paler.
+    let is_stale = document.estimates.values().all(|estimate| estimate.is_stale);
+    let colour = if is_stale { palette.text3 } else { palette.text2 };
     for piece in columns.split(Option::is_none) {
         let piece: Vec<Column> = piece.iter().flatten().copied().collect();
         if scale.step() < 1.0 {
-            painter.add(ranges(&piece, y, palette.text2));
+            painter.add(ranges(&piece, y, colour));
         } else {
-            curve(&painter, &piece, y, palette.text2, scale.step());
+            curve(&painter, &piece, y, colour, scale.step());
         }
     }
 }
@@ -247,10 +250,18 @@ pub(crate) fn labels(ui: &Ui, document: &Document, lane: Lane, frame: usize, lef
     let palette = theme::palette(ui);
     let (small, mono) = (TextStyle::Small.resolve(ui.style()), TextStyle::Monospace.resolve(ui.style()));
     let y = area.center().y;
-    let value = document.estimates.get(&frame).and_then(|estimate| lane.value(estimate));
+    let estimate = document.estimates.get(&frame);
+    let value = estimate.and_then(|estimate| lane.value(estimate));
+    let is_stale = estimate.is_some_and(|estimate| estimate.is_stale);
     ui.painter().text(pos2(left.left() + 4.0, y), Align2::LEFT_CENTER, lane.name(), small, palette.text2);
     let text = lane.text(value);
-    ui.painter().text(pos2(left.right() - 10.0, y), Align2::RIGHT_CENTER, text, mono, palette.text);
+    ui.painter().text(
+        pos2(left.right() - 10.0, y),
+        Align2::RIGHT_CENTER,
+        text,
+        mono,
+        if is_stale { palette.text3 } else { palette.text },
+    );
     let [low, high] = lane.axis(document);
     let font = tick().resolve(ui.style());
     let x = area.right() + 4.0;
@@ -289,6 +300,7 @@ mod tests {
             iou: Some(0.8),
             steps: 3,
             lost: false,
+            is_stale: false,
         };
         let found = frames.map(|(frame, rms)| (frame, Arc::new(estimate(rms)))).collect();
         let mut document = Document::new(model);

@@ -52,6 +52,10 @@ pub(crate) fn ui(ui: &Ui, context: &Context<'_>, frame: usize, at: Pos2) {
                 };
                 let key = if document.keys.contains_key(&frame) { " from its key pose" } else { "" };
                 note(format!("{origin}{key}"), palette.text2);
+                if estimate.is_stale {
+                    let text = "Found before the body’s sizes were changed: track or fit again";
+                    note(text.to_owned(), palette.warn);
+                }
                 if estimate.lost {
                     note(lost_words(estimate), palette.warn);
                 }

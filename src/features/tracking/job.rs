@@ -299,5 +299,6 @@ fn estimate(found: &FrameEstimate) -> Arc<Estimate> {
         rms: found.rms,
         steps: found.iterations,
         lost: found.is_lost(),
+        is_stale: false,
     })
 }

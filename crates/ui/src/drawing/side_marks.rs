@@ -6,6 +6,8 @@ use glam::{DVec2, DVec3};
 
 use super::joints::{JointId, draggable_joints};
 
+/// The middle of the head on the topmost limb, from its first joint to its second.
+const HEAD_SHARE: f64 = 0.65;
 /// The nose is this far from the middle of the head, in the head's radii.
 const NOSE_RADII: f64 = 1.9;
 
@@ -81,7 +83,7 @@ impl SideMarks {
         let face = Sides::of(model, kinematics).and_then(|sides| {
             let middle = (0..model.limbs().len()).filter(|&limb| model.mirrored_limb(limb) == limb);
             let head = middle.max_by(|&a, &b| ends[a].dot(sides.up).total_cmp(&ends[b].dot(sides.up)))?;
-            let centre = starts[head].midpoint(ends[head]);
+            let centre = starts[head].lerp(ends[head], HEAD_SHARE);
             let tip = centre + sides.ahead * (NOSE_RADII * model.limbs()[head].radius);
             let is_towards = camera.depth(tip) < camera.depth(centre);
             Some(Face { from: project(centre)?, tip: project(tip)?, is_towards })
