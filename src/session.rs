@@ -63,6 +63,12 @@ impl Session {
         self.take.as_ref().map_or(0, |take| take.frame_count())
     }
 
+    /// Width of the pictures over their height: of most cameras alike.
+    pub(crate) fn aspect(&self) -> f32 {
+        let first = self.take.as_ref().and_then(|take| take.cameras.first());
+        first.map_or(4.0 / 3.0, |camera| camera.width() as f32 / camera.height() as f32)
+    }
+
     /// Number of cameras, zero without a take.
     pub(crate) fn camera_count(&self) -> usize {
         self.take.as_ref().map_or(0, |take| take.cameras.len())

@@ -17,7 +17,7 @@ pub(crate) use error::ProjectError;
 
 use std::path::Path;
 
-use backlit_formats::atomic;
+use backlit_formats::{DiskFiles, TakeFiles, atomic};
 use serde::Deserialize;
 
 use crate::document::Document;
@@ -46,12 +46,7 @@ pub fn write_project(path: &Path, document: &Document) -> Result<(), ProjectErro
 /// # Errors
 /// The first thing that is wrong, with the file and the field.
 pub fn read_project(path: &Path) -> Result<Document, ProjectError> {
-    let io = |source| ProjectError::Io { path: path.to_owned(), source };
-    let bytes = std::fs::metadata(path).map_err(io)?.len();
-    if bytes > MAX_BYTES {
-        return Err(ProjectError::TooLarge { path: path.to_owned(), bytes });
-    }
-    let text = std::fs::read(path).map_err(io)?;
+    let text = DiskFiles.read(path, MAX_BYTES)?;
     let json = |source: serde_json::Error| {
         let path = path.to_owned();
         if source.is_eof() {
@@ -173,6 +168,18 @@ mod tests {
         std::fs::write(&path, json.to_string()).unwrap();
         let tracking = read_project(&path).unwrap().tracking;
         assert_eq!(tracking, TrackingChoices::of_preset(None));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn pipes_and_devices_are_no_projects() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe.backlit");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        for path in [pipe.as_path(), Path::new("/dev/zero")] {
+            let said = read_project(path).unwrap_err().to_string();
+            assert!(said.contains("expected a file"), "{said}");
+        }
     }
 
     #[test]

@@ -47,8 +47,13 @@ pub(crate) fn ui(
         return;
     }
     let cameras = context.session.camera_count();
-    let centre =
-        Centre { layout: context.preferences.layout, cameras, pair: docking.pair, size: rect.size() };
+    let centre = Centre {
+        layout: context.preferences.layout,
+        cameras,
+        pair: docking.pair,
+        size: rect.size(),
+        aspect: context.session.aspect(),
+    };
     let kept = context.preferences.kept.get(centre.layout, cameras);
     if kept.is_none() && has_strip(&centre) {
         let strip = Rect::from_min_max(pos2(rect.left(), rect.bottom() - STRIP), rect.max);

@@ -38,7 +38,7 @@ impl Docking {
     /// The user's arrangement of this layout, else the automatic one.
     fn arrangement(&self, preferences: &Preferences, session: &Session) -> Arrangement {
         let (layout, cameras) = (preferences.layout, session.camera_count());
-        let centre = Centre { layout, cameras, pair: self.pair, size: self.size };
+        let centre = Centre { layout, cameras, pair: self.pair, size: self.size, aspect: session.aspect() };
         let kept = preferences.kept.get(layout, cameras);
         kept.cloned().unwrap_or_else(|| arrangement::automatic(&centre))
     }

@@ -110,6 +110,10 @@ fn has_png(folder: &Path) -> bool {
 
 /// The beginning of a file as text.
 fn head(path: &Path) -> Option<String> {
+    // A pipe would block at opening.
+    if !path.is_file() {
+        return None;
+    }
     let mut bytes = Vec::new();
     std::fs::File::open(path).ok()?.take(HEAD).read_to_end(&mut bytes).ok()?;
     Some(String::from_utf8_lossy(&bytes).into_owned())

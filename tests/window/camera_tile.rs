@@ -419,9 +419,7 @@ fn limits_ellipses_and_what_is_compared() {
         harness(CameraTileInput { tile, ..scene.input(ViewMode::Residual) }, WIDE, Theme::Dark);
     shot(&mut blinking, "camera_tile_blink");
     // Both are explained at once: nothing jumps.
-    blinking.get_by_label_contains(
-        "Legend: Residual:, Don’t know, Missing −255 to 255 spurious, Data:, Subject 0",
-    );
+    blinking.get_by_label_contains("Legend: Residual:, Missing −255 to 255 spurious, Data:, Subject 0");
 }
 
 /// Everything the tile has said since the last call.

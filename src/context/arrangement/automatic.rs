@@ -12,9 +12,8 @@ use super::Arrangement;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 
-/// The centre is one row from this ratio of width to height on, and one column below this width.
-const ONE_ROW_FROM: f32 = 2.2;
-const ONE_COLUMN_BELOW: f32 = 560.0;
+/// No tile is narrower: its header has buttons.
+const NARROWEST: f32 = 260.0;
 /// Where the centre is narrower, two cameras are shown and the others stand behind them.
 const TWO_TILES_BELOW: f32 = 900.0;
 /// A lower centre begins with a low convergence plot.
@@ -36,6 +35,8 @@ pub(crate) struct Centre {
     pub(crate) pair: [usize; 2],
     /// Size of the centre in points.
     pub(crate) size: Vec2,
+    /// Width of the cameras' pictures over their height.
+    pub(crate) aspect: f32,
 }
 
 /// Whether two cameras are shown, and a strip beneath names the others.
@@ -59,10 +60,10 @@ pub(crate) fn automatic(centre: &Centre) -> Arrangement {
     } else if has_strip(centre) {
         let groups = groups(centre);
         let tiles: Vec<TileId> = groups.into_iter().map(|group| plan.group(&group)).collect();
-        plan.grid(centre.size, &tiles)
+        plan.grid(centre, &tiles)
     } else {
         let tiles: Vec<TileId> = (0..centre.cameras).map(|camera| plan.pane(Pane::Camera(camera))).collect();
-        plan.grid(centre.size, &tiles)
+        plan.grid(centre, &tiles)
     };
     Arrangement::new(Id::unique("centre"), root, plan.tiles)
 }
@@ -119,8 +120,8 @@ impl Plan {
     }
 
     /// Rows of equal tiles; a last row with fewer has wider ones.
-    fn grid(&mut self, size: Vec2, tiles: &[TileId]) -> TileId {
-        let columns = columns(size, tiles.len());
+    fn grid(&mut self, centre: &Centre, tiles: &[TileId]) -> TileId {
+        let columns = columns(centre.size, tiles.len(), centre.aspect);
         let rows: Vec<(TileId, f32)> = tiles
             .chunks(columns)
             .map(|row| {
@@ -143,14 +144,18 @@ impl Plan {
     }
 }
 
-fn columns(size: Vec2, count: usize) -> usize {
-    if size.x < ONE_COLUMN_BELOW {
-        1
-    } else if size.x > ONE_ROW_FROM * size.y || count <= 2 {
-        count.max(1)
-    } else {
-        (count as f32).sqrt().ceil() as usize
-    }
+/// So many columns that the pictures are largest; of several the fewest.
+fn columns(size: Vec2, count: usize, aspect: f32) -> usize {
+    let area = |columns: usize| {
+        let rows = count.div_ceil(columns);
+        let width = size.x / columns as f32;
+        let height = (size.y / rows as f32 - size::TILE_HEADER).max(1.0);
+        let shown = width.min(height * aspect);
+        shown * shown
+    };
+    let fits = |columns: &usize| *columns == 1 || size.x / *columns as f32 >= NARROWEST;
+    let most = (1..=count).filter(fits).map(|columns| (columns, area(columns)));
+    most.fold((1, 0.0), |best, next| if next.1 > 1.001 * best.1 { next } else { best }).0
 }
 
 #[cfg(test)]
@@ -222,7 +227,7 @@ mod tests {
             for cameras in [1, 2, 3, 4, 7] {
                 for size in [vec2(1276.0, 800.0), vec2(820.0, 552.0), vec2(500.0, 900.0)] {
                     let pair = [0, 1.min(cameras - 1)];
-                    let mut tree = automatic(&Centre { layout, cameras, pair, size });
+                    let mut tree = automatic(&Centre { layout, cameras, pair, size, aspect: 1.3 });
                     assert_fills(&mut tree, size);
                     for pane in [Pane::Scene, Pane::Camera(0), Pane::Convergence] {
                         open(&mut tree, pane);
@@ -240,9 +245,11 @@ mod tests {
 
     #[test]
     fn columns_follow_the_shape_of_the_centre() {
-        assert_eq!(columns(vec2(1276.0, 800.0), 4), 2);
-        assert_eq!(columns(vec2(1260.0, 520.0), 4), 4);
-        assert_eq!(columns(vec2(500.0, 520.0), 3), 1);
+        assert_eq!(columns(vec2(1276.0, 800.0), 4, 4.0 / 3.0), 2);
+        assert_eq!(columns(vec2(1276.0, 800.0), 4, 0.6), 4, "portrait pictures in a row");
+        assert_eq!(columns(vec2(900.0, 800.0), 4, 0.6), 2, "a tile is not too narrow");
+        assert_eq!(columns(vec2(1260.0, 520.0), 4, 0.6), 4);
+        assert_eq!(columns(vec2(500.0, 900.0), 3, 1.8), 1);
     }
 
     #[test]
@@ -252,7 +259,7 @@ mod tests {
                 for width in [300.0, 800.0, 1276.0, 2400.0] {
                     for pair in [[0, 1], [3, 1], [1, 0], [8, 7]] {
                         let pair = pair.map(|camera: usize| camera.min(cameras - 1));
-                        let centre = Centre { layout, cameras, pair, size: vec2(width, 700.0) };
+                        let centre = Centre { layout, cameras, pair, size: vec2(width, 700.0), aspect: 0.6 };
                         let tree = automatic(&centre);
                         assert!(fits(&tree, cameras) || pair[0] == pair[1], "{centre:?}: {tree:?}");
                         for pane in Pane::all(cameras) {

@@ -82,7 +82,7 @@ mod tests {
     #[test]
     fn a_pane_that_was_closed_comes_back_to_its_place() {
         let size = vec2(1260.0, 850.0);
-        let first = automatic(&Centre { layout: Layout::Debug, cameras: 4, pair: [0, 1], size });
+        let first = automatic(&Centre { layout: Layout::Debug, cameras: 4, pair: [0, 1], size, aspect: 0.6 });
         let mut tree = first.clone();
         close(&mut tree, Pane::Scene);
         assert!(!is_open(&tree, Pane::Scene) && is_open(&tree, Pane::Camera(0)));
@@ -96,7 +96,8 @@ mod tests {
     #[test]
     fn a_pane_without_a_place_comes_in_at_its_side() {
         let size = vec2(1260.0, 850.0);
-        let mut tree = automatic(&Centre { layout: Layout::Pose, cameras: 4, pair: [0, 1], size });
+        let mut tree =
+            automatic(&Centre { layout: Layout::Pose, cameras: 4, pair: [0, 1], size, aspect: 0.6 });
         for (pane, dir) in [(Pane::Scene, LinearDir::Horizontal), (Pane::Convergence, LinearDir::Vertical)] {
             assert!(!is_open(&tree, pane));
             open(&mut tree, pane);

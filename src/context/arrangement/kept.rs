@@ -95,7 +95,7 @@ mod tests {
 
     fn debug(cameras: usize) -> Arrangement {
         let size = vec2(1260.0, 850.0);
-        automatic(&Centre { layout: Layout::Debug, cameras, pair: [0, 1], size })
+        automatic(&Centre { layout: Layout::Debug, cameras, pair: [0, 1], size, aspect: 0.6 })
     }
 
     #[test]

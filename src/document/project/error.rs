@@ -1,25 +1,20 @@
 //! What can be wrong with a project.
 
-use std::io::ErrorKind;
 use std::path::PathBuf;
 
-use backlit_formats::{FileError, reason};
+use backlit_formats::FileError;
 use backlit_tracking::body::{ModelError, PoseError};
 use backlit_tracking::fit::OptionsError;
 use backlit_tracking::segment::SegmentError;
 use thiserror::Error;
 
-use super::{FORMAT, MAX_BYTES};
+use super::FORMAT;
 
 /// Why a project cannot be read or written.
 #[derive(Debug, Error)]
 pub enum ProjectError {
-    #[error("{}: {}", path.display(), said(.source))]
-    Io { path: PathBuf, source: std::io::Error },
     #[error(transparent)]
     File(#[from] FileError),
-    #[error("{}: the file has {bytes} bytes; a project has at most {MAX_BYTES}", path.display())]
-    TooLarge { path: PathBuf, bytes: u64 },
     #[error("{}: {source}", path.display())]
     Json { path: PathBuf, source: serde_json::Error },
     #[error("{}: `format` is \"{found}\"; expected \"{FORMAT}\"", path.display())]
@@ -45,9 +40,4 @@ pub enum ProjectError {
     Measurement { path: PathBuf, index: usize, source: SegmentError },
     #[error("{}: `cameras`: the weight of {camera} is {weight}; expected a number from 0 on", path.display())]
     Weight { path: PathBuf, camera: String, weight: f64 },
-}
-
-/// What the system says of a file that cannot be read.
-fn said(error: &std::io::Error) -> String {
-    if error.kind() == ErrorKind::NotFound { "there is no such file".to_owned() } else { reason(error) }
 }

@@ -76,7 +76,8 @@ pub(crate) fn show(
     }
     comparison::paint_names(ui, &painter, rect, seen);
     show_card(ui, id, rect, &view, input, (state, seen, layout.gutter.is_none()));
-    (view, if layout.has_legend { legend::show(ui, layout, input, seen) } else { 0.0 })
+    state.legend_height = if layout.has_legend { legend::show(ui, layout, input, seen) } else { 0.0 };
+    (view, state.legend_height)
 }
 
 /// One view mode in one part of the picture.
@@ -213,7 +214,10 @@ fn paint_marks(
     paint_ellipses(painter, view, &input.observed, input.joints);
     let font = TextStyle::Small.resolve(ui.style());
     if let Some(sides) = input.sides {
-        paint_sides(painter, view, sides, Theme::Dark.palette(), &font);
+        // Below is the legend.
+        let mut free = painter.clip_rect();
+        free.set_bottom(free.bottom() - state.legend_height);
+        paint_sides(painter, view, sides, free, Theme::Dark.palette(), &font);
         if let Some(face) = sides.face {
             let tip = Rect::from_center_size(view.screen_from_px(face.tip), vec2(size::ROW, size::ROW));
             let node = ui.interact(tip, id.with("face"), Sense::hover());

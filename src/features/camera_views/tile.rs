@@ -85,6 +85,8 @@ pub struct CameraTileInput<'a> {
 /// What a tile remembers from frame to frame.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TileState {
+    /// Height of the legend in the last frame of the window.
+    pub(crate) legend_height: f32,
     pub(super) pointer: Pointer,
     pub(super) hovered: Option<[usize; 2]>,
     pub(super) card: Option<[usize; 2]>,

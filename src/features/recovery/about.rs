@@ -2,10 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use backlit_formats::atomic;
+use backlit_formats::{DiskFiles, TakeFiles, atomic};
 use serde::{Deserialize, Serialize};
 
 use crate::document::project::ProjectError;
+
+/// No more is ever written.
+const MAX_BYTES: u64 = 1 << 20;
 
 /// What a copy's project does not say.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -40,7 +43,7 @@ impl About {
 
     /// What was written beside a copy; nothing is known if that cannot be read.
     pub(crate) fn read(copy: &Path) -> Self {
-        let text = std::fs::read(Self::path_of(copy)).unwrap_or_default();
+        let text = DiskFiles.read(&Self::path_of(copy), MAX_BYTES).unwrap_or_default();
         serde_json::from_slice(&text).unwrap_or_default()
     }
 }

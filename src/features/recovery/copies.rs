@@ -210,7 +210,12 @@ fn rename(from: &Path, to: &Path) -> io::Result<()> {
 
 /// The lock of a copy; `None` if another window holds it.
 fn lock(copy: &Path) -> io::Result<Option<File>> {
-    let file = File::options().create(true).write(true).truncate(false).open(lock_path(copy))?;
+    let path = lock_path(copy);
+    // A pipe or a device would block, or be written to.
+    if path.exists() && !path.is_file() {
+        return Err(io::Error::other(format!("{} is not a file", path.display())));
+    }
+    let file = File::options().create(true).write(true).truncate(false).open(path)?;
     match file.try_lock() {
         Ok(()) => Ok(Some(file)),
         Err(TryLockError::WouldBlock) => Ok(None),

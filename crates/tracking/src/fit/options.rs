@@ -11,6 +11,13 @@ use crate::optimize::{Method, SolverOptions, Tolerances};
 use crate::render::{Ramp, RendererKind};
 use crate::residual::Loss;
 
+/// Largest weight, prior or damping.
+const LARGEST_WEIGHT: f64 = 1e12;
+/// Widest grid of pixels: wider ones leave no pixel of any picture.
+const MAX_STRIDE: usize = 4096;
+/// Most iterations of a stage.
+const MAX_ITERATIONS: usize = 100_000;
+
 /// How the mask is looked at. The mask is the evidence; these are views of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
@@ -307,8 +314,7 @@ impl FitOptions {
             ("largest_turn", self.largest_turn.unwrap_or(1.0)),
             ("largest_move", self.largest_move.unwrap_or(1.0)),
         ];
-        if let Some(&(field, value)) = weights.iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0))
-        {
+        if let Some(&(field, value)) = weights.iter().find(|(_, value)| !is_weight(*value)) {
             return Err(OptionsError::Number { field, value });
         }
         if self.stages.is_empty() {
@@ -321,11 +327,14 @@ impl FitOptions {
             return Err(OptionsError::Loss { field: "proximal_loss" });
         }
         for (index, stage) in self.stages.iter().enumerate() {
-            if !(stage.priors.is_finite() && stage.priors >= 0.0) {
+            if !is_weight(stage.priors) {
                 return Err(OptionsError::Number { field: "stages.priors", value: stage.priors });
             }
-            if stage.stride == 0 {
-                return Err(OptionsError::Stride { index });
+            if !(1..=MAX_STRIDE).contains(&stage.stride) {
+                return Err(OptionsError::Stride { index, stride: stage.stride });
+            }
+            if stage.iterations > MAX_ITERATIONS {
+                return Err(OptionsError::Iterations { index, iterations: stage.iterations });
             }
             if !stage.ramp.is_valid() {
                 return Err(OptionsError::Ramp { index, ramp: stage.ramp });
@@ -339,18 +348,25 @@ impl FitOptions {
     }
 }
 
+/// Whether a weight or damping can be computed with: squares of larger ones run out of range.
+fn is_weight(value: f64) -> bool {
+    (0.0..=LARGEST_WEIGHT).contains(&value)
+}
+
 /// What is wrong with options.
 #[derive(Debug, Error, Clone, PartialEq)]
 #[expect(missing_docs, reason = "the messages say what each variant and field is")]
 pub enum OptionsError {
-    #[error("`{field}` is {value}; expected a finite number, 0 or more")]
+    #[error("`{field}` is {value}; expected a number from 0 to {LARGEST_WEIGHT:e}")]
     Number { field: &'static str, value: f64 },
-    #[error("`{field}` has a scale that is not above 0; expected radians")]
+    #[error("`{field}` has a scale that is not above 0; expected a finite number")]
     Loss { field: &'static str },
     #[error("`stages` is empty; expected at least one stage")]
     NoStages,
-    #[error("`stages[{index}].stride` is 0; expected 1 or more pixels")]
-    Stride { index: usize },
+    #[error("`stages[{index}].stride` is {stride}; expected 1 to {MAX_STRIDE} pixels")]
+    Stride { index: usize, stride: usize },
+    #[error("`stages[{index}].iterations` is {iterations}; expected at most {MAX_ITERATIONS}")]
+    Iterations { index: usize, iterations: usize },
     #[error("`stages[{index}].ramp` is {ramp}; expected widths of finite pixels above 0")]
     Ramp { index: usize, ramp: Ramp },
     #[error("`stages[{index}]`: data = \"distance\" needs a distance ramp, whose widths it takes")]
@@ -360,6 +376,26 @@ pub enum OptionsError {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_that_cannot_be_computed_with_are_named() {
+        let with = |change: fn(&mut FitOptions)| {
+            let mut options = FitOptions::default();
+            change(&mut options);
+            options.check().unwrap_err().to_string()
+        };
+        for (change, expected) in [
+            ((|options| options.limit_weight = 1e308) as fn(&mut FitOptions), "limit_weight"),
+            (|options| options.damping = f64::NAN, "damping"),
+            (|options| options.stages[1].priors = f64::INFINITY, "stages.priors"),
+            (|options| options.stages[0].stride = 1 << 32, "stages[0].stride"),
+            (|options| options.stages[0].stride = 0, "stages[0].stride"),
+            (|options| options.stages[2].iterations = usize::MAX, "stages[2].iterations"),
+        ] {
+            let said = with(change);
+            assert!(said.contains(expected) && said.contains("expected"), "{said}");
+        }
+    }
 
     #[test]
     fn presets_are_valid_and_know_themselves() {

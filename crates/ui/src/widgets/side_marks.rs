@@ -1,6 +1,6 @@
 //! Left, right and face of a body in a picture.
 
-use egui::{Align2, FontId, Painter, Stroke, vec2};
+use egui::{Align2, FontId, Painter, Rect, Stroke, vec2};
 
 use super::ViewTransform;
 use crate::drawing::SideMarks;
@@ -17,17 +17,22 @@ const WIDTH: f32 = 1.5;
 /// Opacity of a letter's ground.
 const OPACITY: f32 = 0.75;
 
-/// Paints letters beside hands and feet, and a nose: its tip is filled where the body faces the camera.
+/// Paints letters beside hands and feet, and a nose: its tip is filled where the body faces the camera. A
+/// letter that does not lie in what is free of the picture is left out.
 pub fn paint_sides(
     painter: &Painter,
     view: &ViewTransform,
     marks: &SideMarks,
+    free: Rect,
     palette: &Palette,
     font: &FontId,
 ) {
     for letter in &marks.letters {
         let away = vec2(letter.away.x as f32, letter.away.y as f32) * AWAY;
         let at = view.screen_from_px(letter.at) + away;
+        if !free.shrink(GROUND).contains(at) {
+            continue;
+        }
         painter.circle_filled(at, GROUND, CASING.gamma_multiply(OPACITY));
         painter.text(at, Align2::CENTER_CENTER, letter.side.letter(), font.clone(), palette.text);
     }

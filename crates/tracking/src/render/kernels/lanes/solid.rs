@@ -12,6 +12,9 @@ use crate::render::ramp::{RampForm, SolidRamp};
 const REACH_MARGIN: f64 = 1e-6;
 /// An axis that passes the camera at fewer reaches than this is asked for its nearest point the long way.
 const FEWEST_REACHES: f64 = 2.0;
+/// A capsule in a smaller box of sampled pixels is looked at as a whole: its parts' outlines would cost more than they
+/// save.
+const FEWEST_FOR_PARTS: usize = 400;
 /// A flat cap is looked at as if it reached this much farther than it does.
 const WIDE: f64 = 1.1;
 /// How many roundings of a ray's place on the plane z = 1 a distance is wrong by, at the most.
@@ -167,7 +170,9 @@ impl LaneSolid {
             (Shape::Capsule, _) if a == DVec3::ZERO => {
                 Outline::Ball(BallOutline::new(p0, reach * (1.0 + REACH_MARGIN), None, lattice))
             }
-            (Shape::Capsule, Some((frame, _))) => frame.parts(&primitive.ramp, [p0, p1], lattice),
+            (Shape::Capsule, Some((frame, _))) if bounds.pixels() >= FEWEST_FOR_PARTS => {
+                frame.parts(&primitive.ramp, [p0, p1], lattice)
+            }
             _ => Outline::Whole(bounds.within(sight.map(|(frame, _)| frame.edges(reach)), lattice)),
         };
         Some(Self {
@@ -300,6 +305,12 @@ impl Joint {
 }
 
 impl GridBox {
+    /// Sampled pixels in it.
+    fn pixels(&self) -> usize {
+        let side = |[from, to]: [usize; 2]| to.saturating_sub(from);
+        side(self.columns) * side(self.rows)
+    }
+
     fn new(bounds: &Footprint, grid: &PixelGrid) -> Self {
         Self {
             columns: [grid.index_from(bounds.x0, grid.columns), grid.index_from(bounds.x1, grid.columns)],
