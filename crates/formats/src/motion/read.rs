@@ -139,9 +139,9 @@ fn pose(model: &Model, at: &str, frame: FrameSpec) -> Result<Pose, FileProblem> 
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::export::tests::sample;
-    use super::super::super::export::{TrackExport, track_json};
     use super::*;
+    use crate::export::tests::sample;
+    use crate::export::{TrackExport, track_json};
 
     #[test]
     fn a_written_track_reads_back_and_a_broken_one_says_where() {
