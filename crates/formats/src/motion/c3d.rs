@@ -52,7 +52,7 @@ fn labels(scene: &Scene<'_>) -> Vec<String> {
     names::different(joints.iter().map(|name| name.chars().take(LONGEST_LABEL).map(ascii).collect()))
 }
 
-/// A number of 16 bits; larger ones become the largest, and LONG_FRAMES or TRIAL say more.
+/// A number of 16 bits; larger ones become the largest, and `LONG_FRAMES` or `TRIAL` say more.
 fn word(value: usize) -> u16 {
     u16::try_from(value).unwrap_or(u16::MAX)
 }
@@ -117,7 +117,7 @@ fn parameters(
     out.extend([0, 0]);
     fill_block(&mut out);
     let blocks = out.len() / BLOCK;
-    out[2] = u8::try_from(blocks).map_err(|_| FileProblem::Field {
+    out[2] = u8::try_from(blocks).ok().ok_or_else(|| FileProblem::Field {
         field: "joints".to_owned(),
         found: format!("so many that their names fill {blocks} blocks"),
         expected: "at most 255 blocks of names".to_owned(),

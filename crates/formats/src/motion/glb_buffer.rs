@@ -108,7 +108,7 @@ impl Buffer {
         let mut bytes = self.bytes;
         bytes.resize(bytes.len().next_multiple_of(4), 0);
         let length = 12 + 8 + text.len() + 8 + bytes.len();
-        let length = u32::try_from(length).map_err(|_| FileProblem::Field {
+        let length = u32::try_from(length).ok().ok_or_else(|| FileProblem::Field {
             field: "frames".to_owned(),
             found: format!("so many that they fill {length} bytes"),
             expected: "less than 4 GiB".to_owned(),

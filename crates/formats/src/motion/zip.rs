@@ -26,7 +26,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 }
 
 fn u32_of(bytes: usize) -> Result<u32, FileProblem> {
-    u32::try_from(bytes).map_err(|_| FileProblem::Field {
+    u32::try_from(bytes).ok().ok_or_else(|| FileProblem::Field {
         field: "frames".to_owned(),
         found: format!("so many that they fill {bytes} bytes"),
         expected: "less than 4 GiB".to_owned(),

@@ -175,6 +175,44 @@ pub(super) fn c3d(bytes: &[u8]) -> (Points, u16) {
     ((0..usize::from(last - first) + 1).map(frame).collect(), first)
 }
 
+/// The rows of an accessor, whose bounds are those of the numbers.
+fn accessor_of(document: &Value, data: &[u8], accessor: &Value) -> Vec<Vec<f64>> {
+    let index = |value: &Value| value.as_u64().unwrap() as usize;
+    let accessor = &document["accessors"][index(accessor)];
+    let view = &document["bufferViews"][index(&accessor["bufferView"])];
+    let (offset, count) = (index(&view["byteOffset"]), index(&accessor["count"]));
+    assert_eq!(offset % 4, 0);
+    let width = match accessor["type"].as_str().unwrap() {
+        "SCALAR" => 1,
+        "VEC3" => 3,
+        "VEC4" => 4,
+        "MAT4" => 16,
+        other => panic!("{other}"),
+    };
+    let size = if accessor["componentType"] == 5123 { 2 } else { 4 };
+    assert_eq!(index(&view["byteLength"]), count * width * size);
+    let number = |bytes: &[u8]| match accessor["componentType"].as_u64().unwrap() {
+        5126 => f64::from(f32::from_le_bytes(bytes.try_into().unwrap())),
+        5125 => f64::from(u32::from_le_bytes(bytes.try_into().unwrap())),
+        5123 => f64::from(u16::from_le_bytes(bytes.try_into().unwrap())),
+        other => panic!("{other}"),
+    };
+    let numbers: Vec<f64> = data[offset..offset + count * width * size].chunks(size).map(number).collect();
+    let rows: Vec<Vec<f64>> = numbers.chunks(width).map(<[f64]>::to_vec).collect();
+    for (bound, least) in [("min", true), ("max", false)] {
+        for (axis, bound) in accessor[bound].as_array().into_iter().flatten().enumerate() {
+            let values = rows.iter().map(|row| row[axis]);
+            let found = if least {
+                values.fold(f64::INFINITY, f64::min)
+            } else {
+                values.fold(f64::NEG_INFINITY, f64::max)
+            };
+            assert_eq!(bound.as_f64().unwrap(), found);
+        }
+    }
+    rows
+}
+
 /// Nodes of a GLB, key by key of its animation; its times; and the corners of its skinned mesh.
 pub(super) fn glb(bytes: &[u8]) -> (Points, Vec<f64>, Vec<Vec<DVec3>>) {
     let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
@@ -186,42 +224,7 @@ pub(super) fn glb(bytes: &[u8]) -> (Points, Vec<f64>, Vec<Vec<DVec3>>) {
     let data = &bytes[28 + length..];
     assert_eq!(data.len(), word(20 + length));
     let index = |value: &Value| value.as_u64().unwrap() as usize;
-    let read = |accessor: &Value| -> Vec<Vec<f64>> {
-        let accessor = &document["accessors"][index(accessor)];
-        let view = &document["bufferViews"][index(&accessor["bufferView"])];
-        let (offset, count) = (index(&view["byteOffset"]), index(&accessor["count"]));
-        assert_eq!(offset % 4, 0);
-        let width = match accessor["type"].as_str().unwrap() {
-            "SCALAR" => 1,
-            "VEC3" => 3,
-            "VEC4" => 4,
-            "MAT4" => 16,
-            other => panic!("{other}"),
-        };
-        let size = if accessor["componentType"] == 5123 { 2 } else { 4 };
-        assert_eq!(index(&view["byteLength"]), count * width * size);
-        let number = |bytes: &[u8]| match accessor["componentType"].as_u64().unwrap() {
-            5126 => f64::from(f32::from_le_bytes(bytes.try_into().unwrap())),
-            5125 => f64::from(u32::from_le_bytes(bytes.try_into().unwrap())),
-            5123 => f64::from(u16::from_le_bytes(bytes.try_into().unwrap())),
-            other => panic!("{other}"),
-        };
-        let numbers: Vec<f64> =
-            data[offset..offset + count * width * size].chunks(size).map(number).collect();
-        let rows: Vec<Vec<f64>> = numbers.chunks(width).map(<[f64]>::to_vec).collect();
-        for (bound, least) in [("min", true), ("max", false)] {
-            for (axis, bound) in accessor[bound].as_array().into_iter().flatten().enumerate() {
-                let values = rows.iter().map(|row| row[axis]);
-                let found = if least {
-                    values.fold(f64::INFINITY, f64::min)
-                } else {
-                    values.fold(f64::NEG_INFINITY, f64::max)
-                };
-                assert_eq!(bound.as_f64().unwrap(), found);
-            }
-        }
-        rows
-    };
+    let read = |accessor: &Value| accessor_of(&document, data, accessor);
     let nodes = document["nodes"].as_array().unwrap();
     let vector = |value: &Value| DVec3::from_array([0, 1, 2].map(|axis| value[axis].as_f64().unwrap_or(0.0)));
     let animation = &document["animations"][0];
