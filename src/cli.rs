@@ -10,6 +10,7 @@
 //! | `evidence` | silhouettes and grey levels from a folder |
 //! | `track` | `backlit track` |
 //! | `track_report`, `track_files` | what a track is worth, and the files with it |
+//! | `export` | `backlit export` |
 //! | `observability` | `backlit observability` |
 //! | `silhouettes` | `backlit silhouettes` |
 //! | `experiment` | `backlit experiment`: one file an experiment |
@@ -24,6 +25,7 @@
 pub(crate) mod command;
 pub(crate) mod evidence;
 pub(crate) mod experiment;
+pub(crate) mod export;
 pub(crate) mod fit;
 pub(crate) mod fit_body;
 pub(crate) mod fit_body_report;
@@ -65,6 +67,7 @@ pub fn run() -> ExitCode {
         Some(Command::Fit(arguments)) => fit::run(&arguments),
         Some(Command::FitBody(arguments)) => fit_body::run(&arguments),
         Some(Command::Track(arguments)) => track::run(&arguments),
+        Some(Command::Export(arguments)) => export::run(&arguments),
         Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),
         Some(Command::Observability(arguments)) => observability::run(&arguments),
         Some(Command::Silhouettes(arguments)) => silhouettes::run(&arguments),

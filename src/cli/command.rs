@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
-use super::{experiment, fit, fit_body, observability, render, screenshot, silhouettes, track};
+use super::{experiment, export, fit, fit_body, observability, render, screenshot, silhouettes, track};
 
 const ABOUT: &str =
     "Fits an articulated body to its silhouettes and shows how. Without a command it opens the window.";
@@ -15,6 +15,7 @@ Examples:
   backlit                     the window, on the built-in take
   backlit TAKE                the window, on a take of yours or a .backlit project
   backlit track TAKE --out results
+  backlit export results --to bvh,glb --out motion
   backlit fit TAKE --frame 12
   backlit experiment fig5.1 --out experiments
   backlit render --model full_body --cameras cameras.json --pose pose.json --out pictures
@@ -48,6 +49,8 @@ pub(crate) enum Command {
     FitBody(fit_body::FitBodyArguments),
     /// Fit frame after frame of a take; report joint errors, overlap and times
     Track(track::TrackArguments),
+    /// Write a track as motion files of other programs: BVH, TRC, MOT, C3D, glTF, NumPy, CSV
+    Export(export::ExportArguments),
     /// Draw the window without a display and write its picture
     Screenshot(screenshot::ScreenshotArguments),
     /// Tell what the cameras see of a frame's pose and what not, and compare sets of cameras

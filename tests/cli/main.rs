@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 mod experiment;
+mod export;
 mod fit;
 mod fit_body;
 #[path = "../../crates/tracking/tests/tracking/footage.rs"]

@@ -12,6 +12,7 @@
 //! | [`starts_file`] | starts of fits of known truth |
 //! | [`calibration`] | cameras, in several formats |
 //! | [`export`] | tracks as tables and JSON |
+//! | [`motion`] | motion for animation and biomechanics |
 //! | [`images`], [`npy`] | pictures and arrays |
 //! | [`files`] | the disk, or files held in memory |
 //! | [`atomic`] | whole files or none |
@@ -26,6 +27,7 @@ pub mod footage;
 pub mod images;
 mod json_text;
 pub mod model_file;
+pub mod motion;
 pub mod npy;
 pub mod pose_file;
 pub mod starts_file;

@@ -6,5 +6,6 @@ mod bad_numbers;
 #[path = "../../../tracking/tests/tracking/footage.rs"]
 mod footage;
 mod hostile_files;
+mod motion_files;
 mod real_take;
 mod take_files;

@@ -1,0 +1,87 @@
+//! `NumPy` arrays in one file.
+
+use glam::{DQuat, DVec3};
+
+use super::scene::Scene;
+use super::{names, zip};
+use crate::FileProblem;
+
+pub(super) fn to_bytes(scene: &Scene<'_>) -> Result<Vec<u8>, FileProblem> {
+    let model = scene.model;
+    let names = names::joints(model, scene.names, false);
+    let (n, r, j) = (scene.frames.len(), model.rotation_count(), names.len());
+    let owners = model.rotation_owners().iter().map(|&limb| names[limb + 1].clone());
+    let numbers = |frame: &(usize, _)| frame.0 as i64;
+    let roots = scene.frames.iter().flat_map(|(_, pose)| scene.point(pose.root).to_array());
+    let mut joints = scene.joints();
+    let mut points = Vec::with_capacity(n * j * 3);
+    for (_, pose) in &scene.frames {
+        points.extend(joints.of(pose).flat_map(|point| point.to_array()));
+    }
+    let turns = scene.frames.iter().flat_map(|(_, pose)| {
+        pose.rotations.iter().zip(model.rotation_parents()).flat_map(|(&q, parent)| {
+            // Only what is relative to the world turns with it.
+            let q = if parent.is_some() { q } else { scene.file_from_world * q };
+            let DQuat { x, y, z, w } = q;
+            [w, x, y, z]
+        })
+    });
+    let limbs = model.limbs();
+    let offsets = std::iter::once(DVec3::ZERO)
+        .chain(limbs.iter().map(|limb| limb.direction * limb.length * scene.unit.per_metre()));
+    let parents = std::iter::once(-1).chain(limbs.iter().map(|limb| limb.parent.map_or(0, |l| l as i64 + 1)));
+    let rotation_of = std::iter::once(-1).chain(limbs.iter().map(|limb| limb.rotation as i64));
+    let rotation_parents = model.rotation_parents().iter().map(|parent| parent.map_or(-1, |p| p as i64));
+    zip::store(&[
+        ("frames.npy", integers(scene.frames.iter().map(numbers))),
+        ("seconds.npy", doubles(&[n], scene.frames.iter().map(|frame| scene.seconds(frame.0)))),
+        ("root.npy", doubles(&[n, 3], roots)),
+        ("rotations.npy", doubles(&[n, r, 4], turns)),
+        ("joints.npy", doubles(&[n, j, 3], points.into_iter())),
+        ("joint_names.npy", texts(&names)),
+        ("parents.npy", integers(parents)),
+        ("rotation_names.npy", texts(&owners.collect::<Vec<_>>())),
+        ("rotation_parents.npy", integers(rotation_parents)),
+        ("rotation_of.npy", integers(rotation_of)),
+        ("offsets.npy", doubles(&[j, 3], offsets.flat_map(|offset| offset.to_array()))),
+    ])
+}
+
+/// A `.npy` file of version 1.0, row-major, its data at a multiple of 64 bytes.
+fn array(kind: &str, shape: &[usize], data: &[u8]) -> Vec<u8> {
+    let sides: String = shape.iter().map(|side| format!("{side},")).collect();
+    let mut about = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({sides}), }}");
+    let before = 10; // magic, version, length
+    while (before + about.len() + 1) % 64 != 0 {
+        about.push(' ');
+    }
+    about.push('\n');
+    let mut out = b"\x93NUMPY\x01\x00".to_vec();
+    out.extend((about.len() as u16).to_le_bytes());
+    out.extend(about.as_bytes());
+    out.extend(data);
+    out
+}
+
+fn integers(values: impl Iterator<Item = i64>) -> Vec<u8> {
+    let data: Vec<u8> = values.flat_map(i64::to_le_bytes).collect();
+    array("<i8", &[data.len() / 8], &data)
+}
+
+fn doubles(shape: &[usize], values: impl Iterator<Item = f64>) -> Vec<u8> {
+    let mut data = Vec::with_capacity(shape.iter().product::<usize>() * 8);
+    for value in values {
+        data.extend(value.to_le_bytes());
+    }
+    array("<f8", shape, &data)
+}
+
+fn texts(texts: &[String]) -> Vec<u8> {
+    let width = texts.iter().map(|text| text.chars().count()).max().unwrap_or(0).max(1);
+    let mut data = Vec::new();
+    for text in texts {
+        let letters = text.chars().map(u32::from).chain(std::iter::repeat(0)).take(width);
+        data.extend(letters.flat_map(u32::to_le_bytes));
+    }
+    array(&format!("<U{width}"), &[texts.len()], &data)
+}
