@@ -1,0 +1,157 @@
+//! Vicon's `.xcp`: XML.
+//!
+//! `ORIENTATION` is a quaternion x y z w, camera from world with OpenCV's axes; `POSITION` is the camera's place in
+//! millimetres; `FOCAL_LENGTH` and `PRINCIPAL_POINT` are pixels with centres at integers, and fy = fx /
+//! `PIXEL_ASPECT_RATIO`. Names are `DEVICEID`. Only cameras that film (`SYSTEM` "DV") are read.
+//!
+//! Vicon's lens leads from the measured pixel to the ideal one, ideal = c + (measured − c) (1 + k1 r² + k2 r⁴ + k3 r⁶)
+//! with r in pixels: the other way round than OpenCV's. OpenCV's k1 k2 k3 are fitted to it over the whole picture;
+//! what that leaves is a few hundredths of a pixel of usual lenses.
+
+use std::path::Path;
+
+use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
+use glam::{DMat3, DQuat, DVec2, DVec3};
+use roxmltree::Node;
+
+use super::opencv_xml::document;
+use super::part::{Part, Parts, Pinhole};
+use crate::{FileError, FileProblem};
+
+/// Points across and down the picture to which the lens is fitted.
+const GRID: u32 = 41;
+
+pub(super) fn parts(path: &Path, text: &str) -> Result<Parts, FileError> {
+    let document = document(path, text)?;
+    let mut parts = Parts::new(Some(0.001));
+    for node in document.descendants().filter(|node| node.has_tag_name("Camera")) {
+        let name = node.attribute("DEVICEID").unwrap_or_default();
+        let source = Source { path, node };
+        if node.attribute("SYSTEM").is_some_and(|system| system != "DV") {
+            parts.leave_out(name, "it only sees markers");
+            continue;
+        }
+        let frame = node.descendants().find(|child| child.has_tag_name("KeyFrame"));
+        let Some(frame) = frame else {
+            parts.leave_out(name, "it is not calibrated");
+            continue;
+        };
+        parts.push(path, source.camera(name, frame)?)?;
+    }
+    Ok(parts)
+}
+
+struct Source<'a, 'input> {
+    path: &'a Path,
+    node: Node<'a, 'input>,
+}
+
+impl Source<'_, '_> {
+    fn camera(&self, name: &str, frame: Node<'_, '_>) -> Result<Part, FileError> {
+        let mut part = Part::new(name, line(self.node));
+        let [width, height] = self.numbers(self.node, "SENSOR_SIZE")?;
+        for side in [width, height] {
+            if !(side >= 0.0 && side.fract() == 0.0 && side < 1e6) {
+                return Err(self.error(self.node, "SENSOR_SIZE", &side.to_string(), "whole numbers of pixels"));
+            }
+        }
+        part.size = Some([width as u64, height as u64]);
+        let [fx] = self.numbers(frame, "FOCAL_LENGTH")?;
+        let [cx, cy] = self.numbers(frame, "PRINCIPAL_POINT")?;
+        let ratio = match self.node.attribute("PIXEL_ASPECT_RATIO") {
+            Some(_) => self.numbers::<1>(self.node, "PIXEL_ASPECT_RATIO")?[0],
+            None => 1.0,
+        };
+        let pinhole = Intrinsics { fx, fy: fx / ratio, cx, cy };
+        part.lens = Some((Pinhole::Pixels(pinhole), self.lens(frame, pinhole, DVec2::new(width, height))?));
+        let [x, y, z, w] = self.numbers(frame, "ORIENTATION")?;
+        let quaternion = DQuat::from_xyzw(x, y, z, w);
+        if (quaternion.length() - 1.0).abs() > 1e-3 {
+            let found = format!("of length {}", quaternion.length());
+            return Err(self.error(frame, "ORIENTATION", &found, "a unit quaternion x y z w"));
+        }
+        let rotation = DMat3::from_quat(quaternion.normalize());
+        let centre = DVec3::from_array(self.numbers(frame, "POSITION")?);
+        part.place = Some(CameraFromWorld { rotation, translation: -(rotation * centre) });
+        Ok(part)
+    }
+
+    fn lens(&self, frame: Node<'_, '_>, pinhole: Intrinsics, size: DVec2) -> Result<Distortion, FileError> {
+        let (centre, k) = if let Some(text) = frame.attribute("VICON_RADIAL2") {
+            let rest = text.trim().strip_prefix("Vicon3Parameter").ok_or_else(|| {
+                let expected = "Vicon3Parameter and five numbers";
+                self.error(frame, "VICON_RADIAL2", text, expected)
+            })?;
+            let [x, y, k1, k2, k3] = self.parse(frame, "VICON_RADIAL2", rest)?;
+            (DVec2::new(x, y), [k1, k2, k3])
+        } else if frame.attribute("VICON_RADIAL").is_some() {
+            let [k1, k2] = self.numbers(frame, "VICON_RADIAL")?;
+            (DVec2::new(pinhole.cx, pinhole.cy), [k1, k2, 0.0])
+        } else {
+            return Ok(Distortion::None);
+        };
+        if k == [0.0; 3] {
+            return Ok(Distortion::None);
+        }
+        fitted(pinhole, size, centre, k).ok_or_else(|| {
+            self.error(frame, "VICON_RADIAL2", "a lens that folds over", "a lens that can be turned round")
+        })
+    }
+
+    fn numbers<const N: usize>(&self, node: Node<'_, '_>, name: &str) -> Result<[f64; N], FileError> {
+        let text = node.attribute(name);
+        let text = text.ok_or_else(|| self.error(node, name, "missing", &format!("{N} numbers")))?;
+        self.parse(node, name, text)
+    }
+
+    fn parse<const N: usize>(&self, node: Node<'_, '_>, name: &str, text: &str) -> Result<[f64; N], FileError> {
+        let numbers = text.split_ascii_whitespace().map(|word| word.parse::<f64>().ok().filter(|x| x.is_finite()));
+        let numbers: Option<Vec<f64>> = numbers.collect();
+        numbers
+            .and_then(|numbers| numbers.try_into().ok())
+            .ok_or_else(|| self.error(node, name, &format!("\"{text}\""), &format!("{N} finite numbers")))
+    }
+
+    fn error(&self, node: Node<'_, '_>, name: &str, found: &str, expected: &str) -> FileError {
+        let problem = FileProblem::Field {
+            field: format!("{}.{name}", node.tag_name().name()),
+            found: found.to_owned(),
+            expected: expected.to_owned(),
+        };
+        FileError::new(self.path, problem).at_line(Some(line(node)))
+    }
+}
+
+fn line(node: Node<'_, '_>) -> usize {
+    node.document().text_pos_at(node.range().start).row as usize
+}
+
+/// OpenCV's k1 k2 k3 that lead from Vicon's ideal pixels to the measured ones, by least squares over the picture.
+fn fitted(pinhole: Intrinsics, size: DVec2, centre: DVec2, k: [f64; 3]) -> Option<Distortion> {
+    let mut pairs = Vec::with_capacity((GRID * GRID) as usize);
+    let mut farthest = 0.0_f64;
+    for index in 0..GRID * GRID {
+        let place = DVec2::new(f64::from(index % GRID), f64::from(index / GRID)) / f64::from(GRID - 1);
+        let measured = place * (size - 1.0);
+        let r2 = measured.distance_squared(centre);
+        let ideal = centre + (measured - centre) * (1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[2])));
+        let (ideal, measured) = (pinhole.plane_from_pixel(ideal), pinhole.plane_from_pixel(measured));
+        farthest = farthest.max(ideal.length_squared());
+        pairs.push((ideal, measured));
+    }
+    if !(farthest > 0.0 && farthest.is_finite()) {
+        return None;
+    }
+    // Powers of r² over the farthest one, or the equations would lose their digits.
+    let (mut normal, mut right) = (DMat3::ZERO, DVec3::ZERO);
+    for (ideal, measured) in pairs {
+        let r2 = ideal.length_squared() / farthest;
+        let powers = DVec3::new(r2, r2 * r2, r2 * r2 * r2);
+        let weight = ideal.length_squared();
+        normal += DMat3::from_cols(powers * powers.x, powers * powers.y, powers * powers.z) * weight;
+        right += powers * ideal.dot(measured - ideal);
+    }
+    let found = normal.inverse() * right;
+    let [k1, k2, k3] = [found.x / farthest, found.y / farthest.powi(2), found.z / farthest.powi(3)];
+    found.is_finite().then_some(Distortion::OpenCv { k1, k2, p1: 0.0, p2: 0.0, k3 })
+}
