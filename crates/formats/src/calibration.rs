@@ -296,10 +296,13 @@ fn content(path: &Path, bytes: &[u8], options: CalibrationOptions) -> Result<Con
 /// Whether a first line is a table's head or `key = value`.
 fn is_toml(line: &str) -> bool {
     let head = line.split('#').next().unwrap_or_default().trim();
-    let is_head = head.starts_with('[') && head.ends_with(']') && !head.contains([',', ' ']);
-    let is_number = head.trim_matches(['[', ']']).parse::<f64>().is_ok();
-    is_head && !is_number && head.len() > 2
-        || line.split_once('=').is_some_and(|(key, _)| !key.contains([':', ' ', ',']) || key.trim_end().len() + 1 == key.len())
+    let is_head = head.starts_with('[') && head.ends_with(']') && (!head.contains(',') || head.starts_with("[\""));
+    let is_number = head.trim_matches(['[', ']', ' ']).parse::<f64>().is_ok();
+    let is_key = |key: &str| {
+        let key = key.trim();
+        !key.is_empty() && key.chars().all(|letter| letter.is_alphanumeric() || matches!(letter, '_' | '-' | '.' | '"'))
+    };
+    is_head && !is_number && head.len() > 2 || line.split_once('=').is_some_and(|(key, _)| is_key(key))
 }
 
 /// Whether a first line is a header of YAML or `key: value`.

@@ -5,21 +5,21 @@
 //! `PIXEL_ASPECT_RATIO`. Names are `DEVICEID`. Only cameras that film (`SYSTEM` "DV") are read.
 //!
 //! Vicon's lens leads from the measured pixel to the ideal one, ideal = c + (measured − c) (1 + k1 r² + k2 r⁴ + k3 r⁶)
-//! with r in pixels: the other way round than OpenCV's. OpenCV's k1 k2 k3 are fitted to it over the whole picture;
-//! what that leaves is a few hundredths of a pixel of usual lenses.
+//! with r in pixels: the other way round than OpenCV's. OpenCV's k1 k2 k3 k4 are fitted to it over the whole picture;
+//! what that leaves is below half a pixel in the corners of wide lenses.
 
 use std::path::Path;
 
 use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
-use glam::{DMat3, DQuat, DVec2, DVec3};
+use glam::{DMat3, DMat4, DQuat, DVec2, DVec3, DVec4};
 use roxmltree::Node;
 
 use super::opencv_xml::document;
 use super::part::{Part, Parts, Pinhole};
 use crate::{FileError, FileProblem};
 
-/// Points across and down the picture to which the lens is fitted.
-const GRID: u32 = 41;
+/// Radii at which the lens is fitted.
+const SAMPLES: u32 = 400;
 
 pub(super) fn parts(path: &Path, text: &str) -> Result<Parts, FileError> {
     let document = document(path, text)?;
@@ -126,32 +126,56 @@ fn line(node: Node<'_, '_>) -> usize {
     node.document().text_pos_at(node.range().start).row as usize
 }
 
-/// OpenCV's k1 k2 k3 that lead from Vicon's ideal pixels to the measured ones, by least squares over the picture.
+/// The lens of ours that leads from Vicon's ideal pixels to the measured ones: a rational one with k1 to k4, by least
+/// squares from the centre to the farthest corner. Six coefficients fit no better, and their denominators have zeros.
 fn fitted(pinhole: Intrinsics, size: DVec2, centre: DVec2, k: [f64; 3]) -> Option<Distortion> {
-    let mut pairs = Vec::with_capacity((GRID * GRID) as usize);
+    let corner = (size - 1.0 - centre).abs().max(centre.abs()).length();
+    // Radii in the plane Z = 1 of the ideal picture, and how much nearer the measured point is.
+    let mut pairs = Vec::with_capacity(SAMPLES as usize);
     let mut farthest = 0.0_f64;
-    for index in 0..GRID * GRID {
-        let place = DVec2::new(f64::from(index % GRID), f64::from(index / GRID)) / f64::from(GRID - 1);
-        let measured = place * (size - 1.0);
-        let r2 = measured.distance_squared(centre);
-        let ideal = centre + (measured - centre) * (1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[2])));
-        let (ideal, measured) = (pinhole.plane_from_pixel(ideal), pinhole.plane_from_pixel(measured));
-        farthest = farthest.max(ideal.length_squared());
-        pairs.push((ideal, measured));
+    for index in 1..=SAMPLES {
+        let measured = corner * f64::from(index) / f64::from(SAMPLES);
+        let r2 = measured * measured;
+        let stretch = 1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[2]));
+        let ideal = measured * stretch / pinhole.fx;
+        if ideal <= farthest {
+            return None;
+        }
+        farthest = ideal;
+        pairs.push((ideal, 1.0 / stretch));
     }
-    if !(farthest > 0.0 && farthest.is_finite()) {
-        return None;
-    }
-    // Powers of r² over the farthest one, or the equations would lose their digits.
-    let (mut normal, mut right) = (DMat3::ZERO, DVec3::ZERO);
-    for (ideal, measured) in pairs {
-        let r2 = ideal.length_squared() / farthest;
-        let powers = DVec3::new(r2, r2 * r2, r2 * r2 * r2);
-        let weight = ideal.length_squared();
-        normal += DMat3::from_cols(powers * powers.x, powers * powers.y, powers * powers.z) * weight;
-        right += powers * ideal.dot(measured - ideal);
+    // Powers of the radius over the farthest one, or the equations would lose their digits.
+    let (mut normal, mut right) = (DMat4::ZERO, DVec4::ZERO);
+    for (ideal, factor) in pairs {
+        let u = (ideal / farthest).powi(2);
+        let row = DVec4::new(u, u * u, u * u * u, -factor * u) * ideal;
+        normal += DMat4::from_cols(row * row.x, row * row.y, row * row.z, row * row.w);
+        right += row * (factor - 1.0) * ideal;
     }
     let found = normal.inverse() * right;
-    let [k1, k2, k3] = [found.x / farthest, found.y / farthest.powi(2), found.z / farthest.powi(3)];
-    found.is_finite().then_some(Distortion::OpenCv { k1, k2, p1: 0.0, p2: 0.0, k3 })
+    let unit = farthest * farthest;
+    let [k1, k2, k3, k4] = [found.x / unit, found.y / unit.powi(2), found.z / unit.powi(3), found.w / unit];
+    let is_good = found.is_finite() && found.w > -0.99;
+    is_good.then_some(Distortion::Rational { k1, k2, p1: 0.0, p2: 0.0, k3, k4, k5: 0.0, k6: 0.0 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fitted_lens_undoes_vicon_s() {
+        let pinhole = Intrinsics { fx: 1260.0, fy: 1260.0, cx: 943.0, cy: 564.0 };
+        let (size, centre) = (DVec2::new(1920.0, 1080.0), DVec2::new(943.0, 564.0));
+        let k = [2.75e-7, 7.6e-14, 7.8e-20];
+        let lens = fitted(pinhole, size, centre, k).unwrap();
+        for measured in [DVec2::ZERO, DVec2::new(1919.0, 0.0), DVec2::new(400.0, 900.0), centre] {
+            let r2 = measured.distance_squared(centre);
+            let ideal = centre + (measured - centre) * (1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[2])));
+            let bent = pinhole.pixel_from_plane(lens.distort(pinhole.plane_from_pixel(ideal)));
+            assert!(bent.distance(measured) < 0.2, "{measured}: {bent}");
+        }
+        // Beyond where Vicon's own lens folds over there is nothing to fit.
+        assert!(fitted(pinhole, size, centre, [-2e-6, 0.0, 0.0]).is_none());
+    }
 }

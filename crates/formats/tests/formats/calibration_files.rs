@@ -1,5 +1,6 @@
 //! Calibrations as the tools wrote them, against what an independent reader finds in each.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use backlit_formats::calibration::{self, Calibration, CalibrationOptions};
@@ -19,7 +20,8 @@ fn formats() -> Option<PathBuf> {
     }
     let is_required = std::env::var_os("BACKLIT_REQUIRE_DATA").is_some_and(|required| required == "1");
     assert!(!is_required, "BACKLIT_REQUIRE_DATA=1, and there are no files of other tools in {}", formats.display());
-    eprintln!("SKIPPED: no files of other tools beside the footage");
+    // Not by a macro: what those print of a test that passes is not shown.
+    writeln!(std::io::stderr(), "SKIPPED calibration files: there are none in {}", formats.display()).unwrap();
     None
 }
 
@@ -161,7 +163,7 @@ fn every_file_is_read_as_an_independent_reader_reads_it() {
     assert!(tables.len() >= 22 && compared >= 60, "{} files, {compared} cameras", tables.len());
 }
 
-/// OpenCV's lens cannot be Vicon's exactly: how far apart they are is what the expected file says of its own fit.
+/// OpenCV's lens cannot be Vicon's exactly. The expected file's own fit is up to 6 px off in the corners.
 #[test]
 fn the_lens_of_vicon_is_met_within_a_fraction_of_a_pixel() {
     let Some(formats) = formats() else { return };
@@ -175,7 +177,6 @@ fn the_lens_of_vicon_is_met_within_a_fraction_of_a_pixel() {
         let expected = expected.unwrap();
         let k = numbers(&expected["vicon_distortion"]["k"]);
         let centre = DVec2::from_slice(&numbers(&expected["vicon_distortion"]["centre"]));
-        let limit = 0.01 + 1.5 * expected["distortion"]["fit_max_error_px"].as_f64().unwrap();
         for index in 0..81_u32 {
             let place = DVec2::new(f64::from(index % 9), f64::from(index / 9)) / 8.0;
             let measured = place * DVec2::new(camera.width() as f64 - 1.0, camera.height() as f64 - 1.0);
@@ -184,7 +185,7 @@ fn the_lens_of_vicon_is_met_within_a_fraction_of_a_pixel() {
             let pinhole = camera.intrinsics();
             let bent = camera.distortion().distort(pinhole.plane_from_pixel(ideal));
             let error = pinhole.pixel_from_plane(bent).distance(measured);
-            assert!(error < limit, "{} at {measured}: {error} px, limit {limit}", camera.name());
+            assert!(error < 0.4, "{} at {measured}: {error} px", camera.name());
             compared += 1;
         }
     }
