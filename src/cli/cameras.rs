@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use backlit_formats::atomic;
 use backlit_formats::calibration::write::{Format, to_text};
 use backlit_formats::calibration::{self, Calibration, CalibrationOptions};
-use backlit_formats::atomic;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
@@ -87,8 +87,12 @@ fn table(found: &Calibration) -> String {
     let mut table = Table::new(titles);
     for camera in found.rig.cameras() {
         let (k, centre) = (camera.intrinsics(), camera.centre());
-        let lens: Vec<String> =
-            camera.distortion().coefficients().iter().map(|(name, value)| format!("{name} {value:.4}")).collect();
+        let lens: Vec<String> = camera
+            .distortion()
+            .coefficients()
+            .iter()
+            .map(|(name, value)| format!("{name} {value:.4}"))
+            .collect();
         table.row([
             camera.name().to_owned(),
             format!("{}×{}", camera.width(), camera.height()),

@@ -64,8 +64,12 @@ const IN_FOLDER: [&str; 8] = [
     "transforms.json",
 ];
 /// Words of file names that go together: one file has the lenses, the other the places.
-const COMPANIONS: [[&str; 2]; 4] =
-    [["intri.", "extri."], ["cameras.txt", "images.txt"], ["intrinsic", "extrinsic"], ["Intrinsic", "Extrinsic"]];
+const COMPANIONS: [[&str; 2]; 4] = [
+    ["intri.", "extri."],
+    ["cameras.txt", "images.txt"],
+    ["intrinsic", "extrinsic"],
+    ["Intrinsic", "Extrinsic"],
+];
 
 /// How a calibration is to be understood.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -143,7 +147,11 @@ pub fn load(path: &Path, options: CalibrationOptions) -> Result<Calibration, Fil
 ///
 /// # Errors
 /// As [`read`]; or no camera has both.
-pub fn read_pair(intrinsics: &Path, extrinsics: &Path, options: CalibrationOptions) -> Result<Rig, FileError> {
+pub fn read_pair(
+    intrinsics: &Path,
+    extrinsics: &Path,
+    options: CalibrationOptions,
+) -> Result<Rig, FileError> {
     Ok(load_pair(intrinsics, extrinsics, options)?.rig)
 }
 
@@ -296,11 +304,13 @@ fn content(path: &Path, bytes: &[u8], options: CalibrationOptions) -> Result<Con
 /// Whether a first line is a table's head or `key = value`.
 fn is_toml(line: &str) -> bool {
     let head = line.split('#').next().unwrap_or_default().trim();
-    let is_head = head.starts_with('[') && head.ends_with(']') && (!head.contains(',') || head.starts_with("[\""));
+    let is_head =
+        head.starts_with('[') && head.ends_with(']') && (!head.contains(',') || head.starts_with("[\""));
     let is_number = head.trim_matches(['[', ']', ' ']).parse::<f64>().is_ok();
     let is_key = |key: &str| {
         let key = key.trim();
-        !key.is_empty() && key.chars().all(|letter| letter.is_alphanumeric() || matches!(letter, '_' | '-' | '.' | '"'))
+        !key.is_empty()
+            && key.chars().all(|letter| letter.is_alphanumeric() || matches!(letter, '_' | '-' | '.' | '"'))
     };
     is_head && !is_number && head.len() > 2 || line.split_once('=').is_some_and(|(key, _)| is_key(key))
 }

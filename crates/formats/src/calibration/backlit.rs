@@ -136,7 +136,10 @@ impl DistortionSpec {
             Lens::Rational => &["k1", "k2", "k3", "p1", "p2", "k4", "k5", "k6"],
             Lens::Fisheye => &["k1", "k2", "k3", "k4"],
         };
-        given.into_iter().find(|(name, value)| value.is_some() && !places.contains(name)).map(|(name, _)| name)
+        given
+            .into_iter()
+            .find(|(name, value)| value.is_some() && !places.contains(name))
+            .map(|(name, _)| name)
     }
 }
 

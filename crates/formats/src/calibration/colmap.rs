@@ -26,7 +26,8 @@ pub(super) fn which(text: &str) -> Option<Which> {
     let words: Vec<&str> = first.split_ascii_whitespace().collect();
     words.first()?.parse::<u32>().ok()?;
     let is_model = |word: &str| {
-        word.bytes().all(|byte| byte.is_ascii_uppercase() || byte == b'_') && word.contains(|c: char| c.is_alphabetic())
+        word.bytes().all(|byte| byte.is_ascii_uppercase() || byte == b'_')
+            && word.contains(|c: char| c.is_alphabetic())
     };
     if words.len() >= 4 && is_model(words[1]) {
         return Some(Which::Cameras);
@@ -141,7 +142,8 @@ impl Row<'_> {
         self.word(9, "NAME")?;
         let mut rest = line.trim();
         for _ in 0..9 {
-            rest = rest.split_once(|c: char| c.is_ascii_whitespace()).map_or("", |(_, rest)| rest.trim_start());
+            rest =
+                rest.split_once(|c: char| c.is_ascii_whitespace()).map_or("", |(_, rest)| rest.trim_start());
         }
         let mut part = Part::new(rest, self.line);
         part.lens_name = Some(self.word(8, "CAMERA_ID")?.to_owned());

@@ -17,7 +17,9 @@ use crate::FileError;
 
 /// Whether a table has Kalibr's `camera_model` and `intrinsics`.
 pub(super) fn is_one(node: &Node) -> bool {
-    node.entries().iter().any(|(_, table)| table.get("camera_model").is_some() && table.get("intrinsics").is_some())
+    node.entries()
+        .iter()
+        .any(|(_, table)| table.get("camera_model").is_some() && table.get("intrinsics").is_some())
 }
 
 pub(super) fn parts(path: &Path, node: &Node) -> Result<Parts, FileError> {
@@ -25,7 +27,8 @@ pub(super) fn parts(path: &Path, node: &Node) -> Result<Parts, FileError> {
     let mut place = CameraFromWorld { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
     for (index, (name, table)) in Field::root(path, node).children().enumerate() {
         if index > 0 {
-            let step = table.need(&["T_cn_cnm1"], "the camera from the one before it, 4 × 4")?.array::<16>()?;
+            let step =
+                table.need(&["T_cn_cnm1"], "the camera from the one before it, 4 × 4")?.array::<16>()?;
             let [a, b, c] = [0, 4, 8].map(|row| DVec3::from_slice(&step[row..row + 3]));
             let turn = DMat3::from_cols(a, b, c).transpose();
             place = CameraFromWorld {

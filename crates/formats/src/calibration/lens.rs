@@ -16,14 +16,17 @@ pub(super) fn opencv(field: &Field<'_>) -> Result<Distortion, FileError> {
             "k1 k2 p1 p2 k3 k4 k5 k6, and zeros after them",
         )),
         None => {
-            Err(field.error(&format!("{} numbers", numbers.len()), "4, 5, 8, 12 or 14 coefficients of OpenCV"))
+            Err(field
+                .error(&format!("{} numbers", numbers.len()), "4, 5, 8, 12 or 14 coefficients of OpenCV"))
         }
     }
 }
 
 /// As [`opencv`]; `None` for another number of coefficients or what no lens of ours can hold.
 pub(super) fn opencv_lens(numbers: &[f64]) -> Option<Distortion> {
-    if ![0, 1, 2, 4, 5, 8, 12, 14].contains(&numbers.len()) || numbers.iter().skip(8).any(|&value| value != 0.0) {
+    if ![0, 1, 2, 4, 5, 8, 12, 14].contains(&numbers.len())
+        || numbers.iter().skip(8).any(|&value| value != 0.0)
+    {
         return None;
     }
     let value = |index: usize| numbers.get(index).copied().unwrap_or(0.0);
@@ -77,9 +80,14 @@ mod tests {
 
     #[test]
     fn vectors_and_rotations_are_each_other_s_inverse() {
-        for vector in
-            [[0.0; 3], [1e-13, 0.0, 0.0], [1e-7, -2e-7, 3e-7], [1.2, -0.4, 0.7], [0.0, 3.1415926, 0.0], [-2.2, 2.2, 0.1]]
-        {
+        for vector in [
+            [0.0; 3],
+            [1e-13, 0.0, 0.0],
+            [1e-7, -2e-7, 3e-7],
+            [1.2, -0.4, 0.7],
+            [0.0, 3.1415926, 0.0],
+            [-2.2, 2.2, 0.1],
+        ] {
             let rotation = rotation_from_vector(vector);
             let again = rotation_from_vector(vector_from_rotation(rotation));
             assert!((rotation - again).to_cols_array().iter().all(|x| x.abs() < 1e-14), "{vector:?}");

@@ -109,12 +109,14 @@ impl<'a> Field<'a> {
 
     /// As [`find`](Self::find); the error names the first of the keys.
     pub(super) fn need(&self, keys: &[&str], expected: &str) -> Result<Self, FileError> {
-        self.find(keys).ok_or_else(|| {
-            let field = self.name_of(keys.first().copied().unwrap_or_default());
-            let problem =
-                FileProblem::Field { field, found: "missing".to_owned(), expected: expected.to_owned() };
-            FileError::new(self.path, problem).at_line(Some(self.node.line))
-        })
+        self.find(keys).ok_or_else(|| self.missing(keys.first().copied().unwrap_or_default(), expected))
+    }
+
+    /// The error that a key is not there.
+    pub(super) fn missing(&self, key: &str, expected: &str) -> FileError {
+        let (field, found) = (self.name_of(key), "missing".to_owned());
+        let problem = FileProblem::Field { field, found, expected: expected.to_owned() };
+        FileError::new(self.path, problem).at_line(Some(self.node.line))
     }
 
     /// The error that something else stands here.
@@ -156,7 +158,8 @@ impl<'a> Field<'a> {
     /// Whether it is switched on; not there is off.
     pub(super) fn flag(&self, keys: &[&str]) -> bool {
         let flag = self.find(keys);
-        flag.and_then(|flag| flag.text().ok()).is_some_and(|text| matches!(text, "1" | "true" | "True" | "yes"))
+        flag.and_then(|flag| flag.text().ok())
+            .is_some_and(|text| matches!(text, "1" | "true" | "True" | "yes"))
     }
 
     /// All numbers of a list, of lists of lists, or of an OpenCV matrix with `rows`, `cols` and `data`.

@@ -125,10 +125,11 @@ pub(super) fn camera(field: &Field<'_>, name: &str) -> Result<Part, FileError> {
 pub(super) fn place(field: &Field<'_>) -> Result<Option<CameraFromWorld>, FileError> {
     let (rotation, translation) = match (field.find(&ROTATION), field.find(&TRANSLATION)) {
         (None, None) => return Ok(None),
-        (Some(rotation), None) if rotation.numbers().is_ok_and(|numbers| numbers.is_empty()) => return Ok(None),
-        (None, Some(translation)) => {
-            field.need(&["rotation", "R"], "beside the translation a rotation")?;
-            (translation.clone(), translation)
+        (Some(rotation), None) if rotation.numbers().is_ok_and(|numbers| numbers.is_empty()) => {
+            return Ok(None);
+        }
+        (None, Some(_)) => {
+            return Err(field.missing("rotation", "beside the translation a rotation"));
         }
         (Some(rotation), _) => (rotation, field.need(&TRANSLATION, "three numbers")?),
     };
@@ -160,7 +161,7 @@ pub(super) fn pinhole(field: &Field<'_>) -> Result<Pinhole, FileError> {
 
 fn coefficients(field: &Field<'_>, keys: &[&str]) -> Result<Distortion, FileError> {
     match field.find(keys) {
-        None if field.flag(&FISHEYE) => field.need(keys, "the four coefficients of a fisheye").map(|_| Distortion::None),
+        None if field.flag(&FISHEYE) => Err(field.missing(keys[0], "the four coefficients of a fisheye")),
         None => Ok(Distortion::None),
         Some(found) if field.flag(&FISHEYE) => lens::fisheye(&found),
         Some(found) => lens::opencv(&found),
@@ -170,7 +171,8 @@ fn coefficients(field: &Field<'_>, keys: &[&str]) -> Result<Distortion, FileErro
 /// `fx`, `fy`, `cx`, `cy` and coefficients by their names.
 fn flat(field: &Field<'_>) -> Result<(Pinhole, Distortion), FileError> {
     let number = |key| field.need(&[key], "a number")?.number();
-    let intrinsics = Intrinsics { fx: number("fx")?, fy: number("fy")?, cx: number("cx")?, cy: number("cy")? };
+    let intrinsics =
+        Intrinsics { fx: number("fx")?, fy: number("fy")?, cx: number("cx")?, cy: number("cy")? };
     Ok((Pinhole::Pixels(intrinsics), named_lens(field, field.flag(&FISHEYE))?))
 }
 
@@ -178,7 +180,12 @@ fn flat(field: &Field<'_>) -> Result<(Pinhole, Distortion), FileError> {
 pub(super) fn named_lens(field: &Field<'_>, is_fisheye: bool) -> Result<Distortion, FileError> {
     let lens = |key| field.find(&[key]).map_or(Ok(0.0), |value| value.number());
     if is_fisheye {
-        return Ok(Distortion::Fisheye { k1: lens("k1")?, k2: lens("k2")?, k3: lens("k3")?, k4: lens("k4")? });
+        return Ok(Distortion::Fisheye {
+            k1: lens("k1")?,
+            k2: lens("k2")?,
+            k3: lens("k3")?,
+            k4: lens("k4")?,
+        });
     }
     let mut numbers = [0.0; 8];
     for (number, key) in numbers.iter_mut().zip(["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"]) {
@@ -199,7 +206,11 @@ pub(super) fn size(field: &Field<'_>) -> Result<Option<[u64; 2]>, FileError> {
     };
     let side = |side: f64| {
         let is_whole = side >= 0.0 && side.fract() == 0.0 && side <= f64::from(u32::MAX);
-        if is_whole { Ok(side as u64) } else { Err(both.error(&side.to_string(), "a whole number of pixels")) }
+        if is_whole {
+            Ok(side as u64)
+        } else {
+            Err(both.error(&side.to_string(), "a whole number of pixels"))
+        }
     };
     match *sides.as_slice() {
         [width, height] => Ok(Some([side(width)?, side(height)?])),

@@ -42,7 +42,12 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Node, FileError> {
     tree(path, document.root_element(), 0, &mut words)
 }
 
-fn tree(path: &Path, element: roxmltree::Node<'_, '_>, depth: usize, words: &mut usize) -> Result<Node, FileError> {
+fn tree(
+    path: &Path,
+    element: roxmltree::Node<'_, '_>,
+    depth: usize,
+    words: &mut usize,
+) -> Result<Node, FileError> {
     let line = element.document().text_pos_at(element.range().start).row as usize;
     let syntax = |message: String| {
         let problem = FileProblem::Syntax { format: TextFormat::Xml, field: None, message };

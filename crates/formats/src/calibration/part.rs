@@ -155,7 +155,8 @@ impl Parts {
             };
             let identity = CameraFromWorld { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
             let Some(place) = camera.place.or(lacks_places.then_some(identity)) else {
-                left_out.push(LeftOut { name: camera.name, reason: "the file has no place of it".to_owned() });
+                left_out
+                    .push(LeftOut { name: camera.name, reason: "the file has no place of it".to_owned() });
                 continue;
             };
             let Some(size) = camera.size.or(options.size) else {

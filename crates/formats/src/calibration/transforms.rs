@@ -51,31 +51,23 @@ fn pinhole(root: &Field<'_>, frame: &Field<'_>, size: Option<[u64; 2]>) -> Resul
     let (fl_x, fl_y) = (number("fl_x")?, number("fl_y")?);
     let (half_x, half_y) = (half("camera_angle_x")?, half("camera_angle_y")?);
     let (centre_x, centre_y) = (number("cx")?, number("cy")?);
+    let no_focal = || root.missing("fl_x", "a focal length in pixels, or the angle `camera_angle_x`");
     let Some([width, height]) = size.map(|sides| sides.map(|side| side as f64)) else {
-        return match (fl_x.or(fl_y), half_x, half_y) {
-            (None, Some(x), Some(y)) if centre_x.is_none() => Ok(Pinhole::HalfWidths([x, y])),
-            (None, Some(x), None) if centre_x.is_none() => Ok(Pinhole::HalfWidth(x)),
-            (Some(fl), _, _) => {
-                let (Some(cx), Some(cy)) = (centre_x, centre_y) else {
-                    return Err(root.need(&["w"], "the pictures' width, or cx and cy").err().unwrap_or_else(|| root.unexpected("w")));
-                };
-                let (fx, fy) = (fl_x.unwrap_or(fl), fl_y.unwrap_or(fl));
+        // Without the size an angle is all that can be taken, or pixel numbers that are all there.
+        return match (fl_x.or(fl_y), half_x, half_y, centre_x.zip(centre_y)) {
+            (Some(any), _, _, Some((cx, cy))) => {
+                let (fx, fy) = (fl_x.unwrap_or(any), fl_y.unwrap_or(any));
                 Ok(Pinhole::Pixels(Intrinsics { fx, fy, cx: cx - 0.5, cy: cy - 0.5 }))
             }
-            _ => Err(root
-                .need(&["fl_x"], "a focal length in pixels, or the angle `camera_angle_x` without cx")
-                .err()
-                .unwrap_or_else(|| root.unexpected("fl_x"))),
+            (None, Some(x), Some(y), None) => Ok(Pinhole::HalfWidths([x, y])),
+            (None, Some(x), None, None) => Ok(Pinhole::HalfWidth(x)),
+            (None, None, _, _) => Err(no_focal()),
+            _ => Err(root.missing("w", "the pictures' width and height")),
         };
     };
     let fx = fl_x.or_else(|| half_x.map(|half| width / 2.0 / half));
     let fy = fl_y.or_else(|| half_y.map(|half| height / 2.0 / half));
-    let Some(any) = fx.or(fy) else {
-        return Err(root
-            .need(&["fl_x"], "a focal length in pixels, or the angle `camera_angle_x`")
-            .err()
-            .unwrap_or_else(|| root.unexpected("fl_x")));
-    };
+    let any = fx.or(fy).ok_or_else(no_focal)?;
     Ok(Pinhole::Pixels(Intrinsics {
         fx: fx.unwrap_or(any),
         fy: fy.unwrap_or(any),

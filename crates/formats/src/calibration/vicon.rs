@@ -52,7 +52,12 @@ impl Source<'_, '_> {
         let [width, height] = self.numbers(self.node, "SENSOR_SIZE")?;
         for side in [width, height] {
             if !(side >= 0.0 && side.fract() == 0.0 && side < 1e6) {
-                return Err(self.error(self.node, "SENSOR_SIZE", &side.to_string(), "whole numbers of pixels"));
+                return Err(self.error(
+                    self.node,
+                    "SENSOR_SIZE",
+                    &side.to_string(),
+                    "whole numbers of pixels",
+                ));
             }
         }
         part.size = Some([width as u64, height as u64]);
@@ -104,8 +109,14 @@ impl Source<'_, '_> {
         self.parse(node, name, text)
     }
 
-    fn parse<const N: usize>(&self, node: Node<'_, '_>, name: &str, text: &str) -> Result<[f64; N], FileError> {
-        let numbers = text.split_ascii_whitespace().map(|word| word.parse::<f64>().ok().filter(|x| x.is_finite()));
+    fn parse<const N: usize>(
+        &self,
+        node: Node<'_, '_>,
+        name: &str,
+        text: &str,
+    ) -> Result<[f64; N], FileError> {
+        let numbers =
+            text.split_ascii_whitespace().map(|word| word.parse::<f64>().ok().filter(|x| x.is_finite()));
         let numbers: Option<Vec<f64>> = numbers.collect();
         numbers
             .and_then(|numbers| numbers.try_into().ok())

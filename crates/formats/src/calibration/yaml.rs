@@ -391,7 +391,8 @@ mod tests {
             Value::Text(text) => format!("{text:?}"),
             Value::List(items) => format!("[{}]", items.iter().map(show).collect::<Vec<_>>().join(",")),
             Value::Map(entries) => {
-                let entries: Vec<_> = entries.iter().map(|(key, node)| format!("{key}:{}", show(node))).collect();
+                let entries: Vec<_> =
+                    entries.iter().map(|(key, node)| format!("{key}:{}", show(node))).collect();
                 format!("{{{}}}", entries.join(","))
             }
         }
@@ -400,9 +401,15 @@ mod tests {
     #[test]
     fn both_dialects_are_read() {
         let cases = [
-            ("%YAML:1.0\n---\nK_1: !!opencv-matrix\n   rows: 1\n   data: [ 1., 2e+3,\n       -3. ]\nn: 2\n", "{K_1:{rows:1,data:[1.,2e+3,-3.]},n:2}"),
+            (
+                "%YAML:1.0\n---\nK_1: !!opencv-matrix\n   rows: 1\n   data: [ 1., 2e+3,\n       -3. ]\nn: 2\n",
+                "{K_1:{rows:1,data:[1.,2e+3,-3.]},n:2}",
+            ),
             ("%YAML 1.2\n---\nnames:\n   - \"1\"\n   - b # why\n...\n", "{names:[\"1\",b]}"),
-            ("cam0:\n  T:\n  - [0, 1]\n  - [2, 3]\n  shift:\n  size: [4, 5]\r\n", "{cam0:{T:[[0,1],[2,3]],shift:~,size:[4,5]}}"),
+            (
+                "cam0:\n  T:\n  - [0, 1]\n  - [2, 3]\n  shift:\n  size: [4, 5]\r\n",
+                "{cam0:{T:[[0,1],[2,3]],shift:~,size:[4,5]}}",
+            ),
             ("a:\n- - 1.0\n  - 2.0\n- - 3\n  - 4\n", "{a:[[1.0,2.0],[3,4]]}"),
             ("a:\n  - x: 1\n    y: 2\n  - { x:3, y:4 }\n", "{a:[{x:1,y:2},{x:3,y:4}]}"),
             ("{\"a\": [1, {\"b\": null}], \"c\": \"d\\u0041\"}", "{a:[1,{b:~}],c:\"dA\"}"),

@@ -19,9 +19,14 @@ fn formats() -> Option<PathBuf> {
         return Some(formats);
     }
     let is_required = std::env::var_os("BACKLIT_REQUIRE_DATA").is_some_and(|required| required == "1");
-    assert!(!is_required, "BACKLIT_REQUIRE_DATA=1, and there are no files of other tools in {}", formats.display());
+    assert!(
+        !is_required,
+        "BACKLIT_REQUIRE_DATA=1, and there are no files of other tools in {}",
+        formats.display()
+    );
     // Not by a macro: what those print of a test that passes is not shown.
-    writeln!(std::io::stderr(), "SKIPPED calibration files: there are none in {}", formats.display()).unwrap();
+    writeln!(std::io::stderr(), "SKIPPED calibration files: there are none in {}", formats.display())
+        .unwrap();
     None
 }
 
@@ -53,7 +58,8 @@ fn load(folder: &Path, expected: &Value) -> Result<Calibration, String> {
     let alone = calibration::load(&files[0], options).map_err(|error| error.to_string());
     if files.len() == 2 {
         // Both ways to the second file lead to the same, and either may come first.
-        let [a, b] = [[0, 1], [1, 0]].map(|[a, b]| calibration::load_pair(&files[a], &files[b], options).unwrap());
+        let [a, b] =
+            [[0, 1], [1, 0]].map(|[a, b]| calibration::load_pair(&files[a], &files[b], options).unwrap());
         assert_eq!(a, b);
         assert_eq!(a, alone.clone().unwrap());
         assert_eq!(a, calibration::load(&files[1], options).unwrap());
@@ -73,7 +79,8 @@ fn differences(camera: &Camera, expected: &Value) -> Vec<String> {
         }
     };
     let (width, height) = (camera.width() as f64, camera.height() as f64);
-    let wanted_size = [("width", width), ("height", height)].map(|(key, own)| expected[key].as_f64().unwrap_or(own));
+    let wanted_size =
+        [("width", width), ("height", height)].map(|(key, own)| expected[key].as_f64().unwrap_or(own));
     check("size", &[width, height], &wanted_size);
     let k = camera.intrinsics();
     if expected["fx"].is_number() {
@@ -86,10 +93,15 @@ fn differences(camera: &Camera, expected: &Value) -> Vec<String> {
     }
     let lens = &expected["distortion"];
     let model = lens["model"].as_str().unwrap_or_default();
-    assert_eq!(model.contains("fisheye"), matches!(camera.distortion(), Distortion::Fisheye { .. }), "{model}");
+    assert_eq!(
+        model.contains("fisheye"),
+        matches!(camera.distortion(), Distortion::Fisheye { .. }),
+        "{model}"
+    );
     if !model.contains("fitted") {
         let mut wanted = numbers(&lens["coefficients"]);
-        let mut found: Vec<f64> = camera.distortion().coefficients().iter().map(|(_, value)| *value).collect();
+        let mut found: Vec<f64> =
+            camera.distortion().coefficients().iter().map(|(_, value)| *value).collect();
         let count = wanted.len().max(found.len());
         wanted.resize(count, 0.0);
         found.resize(count, 0.0);
@@ -123,7 +135,9 @@ fn every_file_is_read_as_an_independent_reader_reads_it() {
         let title = table.file_stem().unwrap().to_string_lossy().into_owned();
         let found = match load(&formats.join("calibration"), &expected) {
             // MATLAB's files have skew, which no camera of ours has, and are refused in words.
-            Err(message) if title == "matlab_dannce" && message.contains("MATLAB's files are not read") => continue,
+            Err(message) if title == "matlab_dannce" && message.contains("MATLAB's files are not read") => {
+                continue;
+            }
             Err(message) => {
                 wrong.push(format!("{title}: {message}"));
                 continue;
@@ -167,13 +181,15 @@ fn every_file_is_read_as_an_independent_reader_reads_it() {
 #[test]
 fn the_lens_of_vicon_is_met_within_a_fraction_of_a_pixel() {
     let Some(formats) = formats() else { return };
-    let text = std::fs::read_to_string(formats.join("expected/calibration/vicon_xcp__testCalibration.json")).unwrap();
+    let text = std::fs::read_to_string(formats.join("expected/calibration/vicon_xcp__testCalibration.json"))
+        .unwrap();
     let expected: Value = serde_json::from_str(&text).unwrap();
     let path = formats.join("calibration/vicon_xcp/testCalibration.xcp");
     let rig = calibration::read(&path, CalibrationOptions::default()).unwrap();
     let mut compared = 0;
     for camera in rig.cameras() {
-        let expected = expected["cameras"].as_array().unwrap().iter().find(|other| other["name"] == camera.name());
+        let expected =
+            expected["cameras"].as_array().unwrap().iter().find(|other| other["name"] == camera.name());
         let expected = expected.unwrap();
         let k = numbers(&expected["vicon_distortion"]["k"]);
         let centre = DVec2::from_slice(&numbers(&expected["vicon_distortion"]["centre"]));

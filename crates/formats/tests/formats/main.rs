@@ -4,6 +4,7 @@
 
 mod bad_numbers;
 mod calibration_files;
+mod calibration_texts;
 #[path = "../../../tracking/tests/tracking/footage.rs"]
 mod footage;
 mod hostile_files;

@@ -250,16 +250,8 @@ mod tests {
     use super::*;
 
     const LENS: Distortion = Distortion::OpenCv { k1: -0.28, k2: 0.09, p1: 6e-4, p2: -7e-4, k3: -0.012 };
-    const RATIONAL: Distortion = Distortion::Rational {
-        k1: 3.2,
-        k2: 1.4,
-        p1: 6e-4,
-        p2: -7e-4,
-        k3: 0.05,
-        k4: 3.5,
-        k5: 2.3,
-        k6: 0.3,
-    };
+    const RATIONAL: Distortion =
+        Distortion::Rational { k1: 3.2, k2: 1.4, p1: 6e-4, p2: -7e-4, k3: 0.05, k4: 3.5, k5: 2.3, k6: 0.3 };
     const FISHEYE: Distortion = Distortion::Fisheye { k1: -0.06, k2: 0.011, k3: -0.004, k4: 3e-4 };
 
     #[test]

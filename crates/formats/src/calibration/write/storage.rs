@@ -52,7 +52,8 @@ pub(super) fn yaml(rig: &Rig) -> String {
 
 fn yaml_matrix(out: &mut String, indent: &str, key: &str, rows: usize, data: &[f64]) {
     let columns = data.len() / rows;
-    let _ = writeln!(out, "{indent}{key}: !!opencv-matrix\n{indent}   rows: {rows}\n{indent}   cols: {columns}");
+    let _ =
+        writeln!(out, "{indent}{key}: !!opencv-matrix\n{indent}   rows: {rows}\n{indent}   cols: {columns}");
     let _ = writeln!(out, "{indent}   dt: d\n{indent}   data: [ {} ]", list(data));
 }
 
@@ -70,7 +71,10 @@ pub(super) fn xml(rig: &Rig) -> Result<String, Refusal> {
         for Matrix { key, rows, data } in matrices(camera) {
             let (columns, numbers) = (data.len() / rows, list(&data).replace(',', ""));
             let _ = writeln!(out, "  <{key} type_id=\"opencv-matrix\">\n    <rows>{rows}</rows>");
-            let _ = writeln!(out, "    <cols>{columns}</cols>\n    <dt>d</dt>\n    <data>{numbers}</data></{key}>");
+            let _ = writeln!(
+                out,
+                "    <cols>{columns}</cols>\n    <dt>d</dt>\n    <data>{numbers}</data></{key}>"
+            );
         }
         let _ = writeln!(out, "</camera_{index}>");
     }

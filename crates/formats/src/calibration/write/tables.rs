@@ -25,7 +25,9 @@ pub(super) fn anipose(rig: &Rig) -> Result<String, Refusal> {
         check_key(camera, "Anipose")?;
         let key = format!("cam_{index}");
         match *camera.distortion() {
-            Distortion::Fisheye { k1, k2, k3, k4 } => toml_camera(&mut out, &key, camera, &[k1, k2, k3, k4], true),
+            Distortion::Fisheye { k1, k2, k3, k4 } => {
+                toml_camera(&mut out, &key, camera, &[k1, k2, k3, k4], true)
+            }
             _ => toml_camera(&mut out, &key, camera, &plain(camera, "Anipose")?, false),
         }
     }
@@ -48,7 +50,8 @@ fn toml_camera(out: &mut String, key: &str, camera: &Camera, lens: &[f64], is_fi
     let _ = writeln!(out, "matrix = [ {}]", rows(&matrix(camera)));
     let _ = writeln!(out, "distortions = [ {}]", list(lens));
     let _ = writeln!(out, "rotation = [ {}]", list(&vector_from_rotation(place.rotation)));
-    let _ = writeln!(out, "translation = [ {}]\nfisheye = {is_fisheye}\n", list(&place.translation.to_array()));
+    let _ =
+        writeln!(out, "translation = [ {}]\nfisheye = {is_fisheye}\n", list(&place.translation.to_array()));
 }
 
 /// Three by three, every row in brackets.
