@@ -20,6 +20,8 @@ use crate::{FileError, FileProblem};
 
 /// Radii at which the lens is fitted.
 const SAMPLES: u32 = 400;
+/// A fit that is this far off somewhere in the picture is none.
+const WORST_FIT_PX: f64 = 2.0;
 
 pub(super) fn parts(path: &Path, text: &str) -> Result<Parts, FileError> {
     let document = document(path, text)?;
@@ -99,7 +101,12 @@ impl Source<'_, '_> {
             return Ok(Distortion::None);
         }
         fitted(pinhole, size, centre, k).ok_or_else(|| {
-            self.error(frame, "VICON_RADIAL2", "a lens that folds over", "a lens that can be turned round")
+            self.error(
+                frame,
+                "VICON_RADIAL2",
+                "a lens that cannot be turned round",
+                "one that OpenCV's can meet",
+            )
         })
     }
 
@@ -137,8 +144,9 @@ fn line(node: Node<'_, '_>) -> usize {
     node.document().text_pos_at(node.range().start).row as usize
 }
 
-/// The lens of ours that leads from Vicon's ideal pixels to the measured ones: a rational one with k1 to k4, by least
-/// squares from the centre to the farthest corner. Six coefficients fit no better, and their denominators have zeros.
+/// The lens of ours that leads from Vicon's ideal pixels to the measured ones, by least squares from the centre to the
+/// farthest corner: k1 to k3, or with k4, whichever is nearer. Strong lenses need k4; of weak ones the equations with it
+/// are all but singular. More coefficients fit no better, and their denominators have zeros.
 fn fitted(pinhole: Intrinsics, size: DVec2, centre: DVec2, k: [f64; 3]) -> Option<Distortion> {
     let corner = (size - 1.0 - centre).abs().max(centre.abs()).length();
     // Radii in the plane Z = 1 of the ideal picture, and how much nearer the measured point is.
@@ -156,18 +164,32 @@ fn fitted(pinhole: Intrinsics, size: DVec2, centre: DVec2, k: [f64; 3]) -> Optio
         pairs.push((ideal, 1.0 / stretch));
     }
     // Powers of the radius over the farthest one, or the equations would lose their digits.
+    let unit = farthest * farthest;
     let (mut normal, mut right) = (DMat4::ZERO, DVec4::ZERO);
-    for (ideal, factor) in pairs {
-        let u = (ideal / farthest).powi(2);
+    for &(ideal, factor) in &pairs {
+        let u = ideal * ideal / unit;
         let row = DVec4::new(u, u * u, u * u * u, -factor * u) * ideal;
         normal += DMat4::from_cols(row * row.x, row * row.y, row * row.z, row * row.w);
         right += row * (factor - 1.0) * ideal;
     }
-    let found = normal.inverse() * right;
-    let unit = farthest * farthest;
-    let [k1, k2, k3, k4] = [found.x / unit, found.y / unit.powi(2), found.z / unit.powi(3), found.w / unit];
-    let is_good = found.is_finite() && found.w > -0.99;
-    is_good.then_some(Distortion::Rational { k1, k2, p1: 0.0, p2: 0.0, k3, k4, k5: 0.0, k6: 0.0 })
+    let plain = (DMat3::from_mat4(normal).inverse() * right.truncate()).extend(0.0);
+    let lenses = [plain, normal.inverse() * right].map(|found| {
+        let [k1, k2, k3, k4] =
+            [found.x / unit, found.y / unit.powi(2), found.z / unit.powi(3), found.w / unit];
+        if k4 == 0.0 {
+            return Distortion::OpenCv { k1, k2, p1: 0.0, p2: 0.0, k3 };
+        }
+        Distortion::Rational { k1, k2, p1: 0.0, p2: 0.0, k3, k4, k5: 0.0, k6: 0.0 }
+    });
+    let error = |lens: &Distortion| {
+        let errors = pairs.iter().map(|&(ideal, factor)| {
+            let off = (lens.distort(DVec2::X * ideal).x - ideal * factor).abs() * pinhole.fx;
+            if off.is_finite() { off } else { f64::INFINITY }
+        });
+        errors.fold(0.0, f64::max)
+    };
+    let best = if error(&lenses[1]) < error(&lenses[0]) { lenses[1] } else { lenses[0] };
+    (error(&best) < WORST_FIT_PX).then_some(best)
 }
 
 #[cfg(test)]
