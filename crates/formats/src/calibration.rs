@@ -7,7 +7,7 @@
 //! | [`qualisys`] | Qualisys Track Manager's `.qca.txt` XML |
 //! | `opencv`, `opencv_xml` | `OpenCV`'s `FileStorage` as YAML, XML and JSON, and JSON written by hand |
 //! | `easymocap` | `EasyMocap`'s `intri.yml` and `extri.yml` |
-//! | `anipose` | TOML of Anipose, Pose2Sim and `FreeMoCap` |
+//! | `anipose` | TOML of Anipose, `Pose2Sim` and `FreeMoCap` |
 //! | `caliscope` | Caliscope's `camera_array.toml` |
 //! | `kalibr`, `ros` | Kalibr's camchain, ROS `camera_info` |
 //! | `colmap`, `transforms` | COLMAP's text, `transforms.json` |

@@ -1,8 +1,8 @@
-//! TOML with one table a camera: Anipose, and Pose2Sim and `FreeMoCap` after it.
+//! TOML with one table a camera: Anipose, and `Pose2Sim` and `FreeMoCap` after it.
 //!
-//! `name`, `size` [width, height] (Pose2Sim may write 1088.0), `matrix`, `distortions`, `rotation` (a vector),
+//! `name`, `size` [width, height] (`Pose2Sim` may write 1088.0), `matrix`, `distortions`, `rotation` (a vector),
 //! `translation`, `fisheye`; camera from world, pixel centres at integers. The name is the key, not the table's.
-//! Pose2Sim writes metres and four coefficients. Anipose's unit is that of its board, which the file does not say.
+//! `Pose2Sim` writes metres and four coefficients. Anipose's unit is that of its board, which the file does not say.
 //! `FreeMoCap`'s is the millimetre, told by the board's square in `metadata.charuco_square_size`; where that is 1 it
 //! is the square.
 

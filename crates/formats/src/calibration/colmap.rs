@@ -83,11 +83,11 @@ impl Row<'_> {
         number.ok_or_else(|| self.error(field, word, "a finite number"))
     }
 
-    /// CAMERA_ID MODEL WIDTH HEIGHT PARAMS.
+    /// `CAMERA_ID MODEL WIDTH HEIGHT PARAMS`.
     fn lens(&self) -> Result<Part, FileError> {
         let side = |index, field| {
             let word = self.word(index, field)?;
-            word.parse::<u64>().map_err(|_| self.error(field, word, "a whole number of pixels"))
+            word.parse::<u64>().ok().ok_or_else(|| self.error(field, word, "a whole number of pixels"))
         };
         let mut part = Part::new(self.word(0, "CAMERA_ID")?, self.line);
         part.size = Some([side(2, "WIDTH")?, side(3, "HEIGHT")?]);
@@ -126,7 +126,7 @@ impl Row<'_> {
         Ok(part)
     }
 
-    /// IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME; a name may have spaces in it.
+    /// `IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME`; a name may have spaces in it.
     fn image(&self, line: &str) -> Result<Part, FileError> {
         const NUMBERS: [&str; 7] = ["QW", "QX", "QY", "QZ", "TX", "TY", "TZ"];
         let mut numbers = [0.0; 7];

@@ -10,7 +10,7 @@ use backlit_tracking::camera::{CameraFromWorld, Distortion};
 
 use super::node::Field;
 use super::part::{Part, Parts};
-use super::{lens, opencv};
+use super::{MAX_CAMERAS, lens, opencv};
 use crate::FileError;
 
 const PREFIXES: [&str; 3] = ["K_", "Rot_", "R_"];
@@ -33,6 +33,10 @@ pub(super) fn parts(root: &Field<'_>) -> Result<Parts, FileError> {
         for (key, _) in root.children() {
             let name = PREFIXES.iter().find_map(|prefix| key.strip_prefix(prefix));
             names.extend(name.filter(|name| !names.contains(name)));
+            // One more than can be read: that is found out below.
+            if names.len() > MAX_CAMERAS {
+                break;
+            }
         }
     }
     let mut parts = Parts::new(None);

@@ -13,6 +13,8 @@ use crate::{FileError, FileProblem, TextFormat};
 pub(super) const MAX_DEPTH: usize = 32;
 /// Most values that are read from one file.
 pub(super) const MAX_NODES: usize = 1_000_000;
+/// Most keys of one table: they are looked for one after the other.
+pub(super) const MAX_KEYS: usize = 20_000;
 
 /// One value and its line.
 #[derive(Debug, Clone)]
@@ -194,7 +196,8 @@ impl<'a> Field<'a> {
     pub(super) fn array<const N: usize>(&self) -> Result<[f64; N], FileError> {
         let numbers = self.numbers()?;
         let count = numbers.len();
-        numbers.try_into().map_err(|_| self.error(&format!("{count} numbers"), &format!("{N} numbers")))
+        let array: Option<[f64; N]> = numbers.try_into().ok();
+        array.ok_or_else(|| self.error(&format!("{count} numbers"), &format!("{N} numbers")))
     }
 
     /// Three by three, row after row.
@@ -250,6 +253,11 @@ fn toml_table(
 ) -> Result<Node, FileError> {
     if depth > MAX_DEPTH {
         let message = format!("more than {MAX_DEPTH} levels");
+        let problem = FileProblem::Syntax { format: TextFormat::Toml, field: None, message };
+        return Err(FileError::new(path, problem).at_line(Some(line)));
+    }
+    if table.len() > MAX_KEYS {
+        let message = format!("more than {MAX_KEYS} keys in one table");
         let problem = FileProblem::Syntax { format: TextFormat::Toml, field: None, message };
         return Err(FileError::new(path, problem).at_line(Some(line)));
     }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use roxmltree::{Document, ParsingOptions};
 
-use super::node::{MAX_DEPTH, MAX_NODES, Node, Value};
+use super::node::{MAX_DEPTH, MAX_KEYS, MAX_NODES, Node, Value};
 use crate::{FileError, FileProblem, TextFormat};
 
 /// Most XML nodes that are read.
@@ -72,6 +72,9 @@ fn tree(
         let items = children.into_iter().map(|child| tree(path, child, depth + 1, words));
         Value::List(items.collect::<Result<_, _>>()?)
     } else {
+        if children.len() > MAX_KEYS {
+            return Err(syntax(format!("more than {MAX_KEYS} keys in one table")));
+        }
         let mut entries = Vec::with_capacity(children.len());
         let mut names = std::collections::BTreeSet::new();
         for child in children {

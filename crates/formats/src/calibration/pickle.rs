@@ -115,7 +115,7 @@ impl<'a> Machine<'a> {
     /// A number of so many bytes, the lowest first.
     fn unsigned(&mut self, count: usize) -> Result<usize, FileError> {
         let value = self.take(count)?.iter().rev().fold(0_u64, |value, byte| value << 8 | u64::from(*byte));
-        usize::try_from(value).map_err(|_| self.error("a number is too large"))
+        usize::try_from(value).ok().ok_or_else(|| self.error("a number is too large"))
     }
 
     fn line(&mut self) -> Result<String, FileError> {

@@ -3,7 +3,7 @@
 //! | format | lenses | what else is refused |
 //! |---|---|---|
 //! | ours, `OpenCV`'s three | all | in XML a name with a quotation mark |
-//! | matrices JSON, Pose2Sim, `EasyMocap` | plain; of Pose2Sim without k3 | names that the keys cannot hold |
+//! | matrices JSON, `Pose2Sim`, `EasyMocap` | plain; of `Pose2Sim` without k3 | names that the keys cannot hold |
 //! | Anipose | plain, fisheye | a camera called `metadata` |
 //! | Kalibr | plain without k3, fisheye | other names than cam0, cam1, …; a first camera that is not the world |
 //! | `transforms.json` | plain, or all fisheye | |
@@ -27,7 +27,7 @@ pub enum Format {
     OpenCvXml,
     /// `OpenCV`'s `FileStorage` as JSON.
     OpenCvJson,
-    /// Pose2Sim's `Calib.toml`.
+    /// `Pose2Sim`'s `Calib.toml`.
     Pose2Sim,
     /// Anipose's `calibration.toml`.
     Anipose,

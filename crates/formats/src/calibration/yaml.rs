@@ -8,7 +8,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use super::node::{MAX_DEPTH, MAX_NODES, Node, Value};
+use super::node::{MAX_DEPTH, MAX_KEYS, MAX_NODES, Node, Value};
 use crate::{FileError, FileProblem, TextFormat};
 
 /// Parses a text.
@@ -56,6 +56,9 @@ impl Reader<'_> {
         self.nodes += 1;
         if self.nodes > MAX_NODES {
             return Err(self.error(&format!("more than {MAX_NODES} values")));
+        }
+        if matches!(&value, Value::Map(entries) if entries.len() > MAX_KEYS) {
+            return Err(self.error(&format!("more than {MAX_KEYS} keys in one table")));
         }
         Ok(Node { line, value })
     }

@@ -25,8 +25,8 @@ fn formats() -> Option<PathBuf> {
         formats.display()
     );
     // Not by a macro: what those print of a test that passes is not shown.
-    writeln!(std::io::stderr(), "SKIPPED calibration files: there are none in {}", formats.display())
-        .unwrap();
+    let mut screen = std::io::stderr();
+    writeln!(screen, "SKIPPED calibration files: there are none in {}", formats.display()).unwrap();
     None
 }
 

@@ -26,9 +26,11 @@ pub(super) fn anipose(rig: &Rig) -> Result<String, Refusal> {
         let key = format!("cam_{index}");
         match *camera.distortion() {
             Distortion::Fisheye { k1, k2, k3, k4 } => {
-                toml_camera(&mut out, &key, camera, &[k1, k2, k3, k4], true)
+                toml_camera(&mut out, &key, camera, &[k1, k2, k3, k4], true);
             }
-            _ => toml_camera(&mut out, &key, camera, &plain(camera, "Anipose")?, false),
+            _ => {
+                toml_camera(&mut out, &key, camera, &plain(camera, "Anipose")?, false);
+            }
         }
     }
     out.push_str("[metadata]\nadjusted = false\nerror = 0.0\n");
