@@ -57,3 +57,74 @@ fn name(path: &Path) -> String {
     }
     words.join("_")
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::super::pickle::tests::array;
+    use super::super::{CalibrationOptions, parse};
+    use super::*;
+
+    fn pickle(entries: &[(&str, &[u8], &[f64])]) -> Vec<u8> {
+        let mut out = b"\x80\x04}(".to_vec();
+        for (key, shape, numbers) in entries {
+            out.extend([0x8c, key.len() as u8]);
+            out.extend(key.as_bytes());
+            let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+            out.extend(array(shape, "f8", &bytes));
+        }
+        out.extend(b"u.");
+        out
+    }
+
+    const ENTRIES: [(&str, &[u8], &[f64]); 5] = [
+        ("intrinsicMat", &[3, 3], &[900.0, 0.0, 360.5, 0.0, 901.0, 640.25, 0.0, 0.0, 1.0]),
+        ("distortion", &[1, 5], &[0.1, -0.2, 0.001, 0.002, 0.3]),
+        ("imageSize", &[2, 1], &[1280.0, 720.0]),
+        ("rotation", &[3, 3], &[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]),
+        ("translation", &[3, 1], &[100.0, 200.0, 3000.0]),
+    ];
+
+    #[test]
+    fn millimetres_and_the_height_first() {
+        let path = Path::new("Videos/Cam1/cameraIntrinsicsExtrinsics.pickle");
+        let rig = parse(path, &pickle(&ENTRIES), CalibrationOptions::default()).unwrap();
+        let camera = &rig.cameras()[0];
+        assert_eq!((camera.name(), camera.width(), camera.height()), ("Cam1", 720, 1280));
+        assert_eq!((camera.intrinsics().fy, camera.intrinsics().cx), (901.0, 360.5));
+        assert!(camera.centre().distance(DVec3::new(-0.1, -0.2, -3.0)) < 1e-12);
+    }
+
+    #[test]
+    fn errors_name_the_field() {
+        let message = |entries: &[(&str, &[u8], &[f64])]| {
+            let found = parse(Path::new("c.pickle"), &pickle(entries), CalibrationOptions::default());
+            found.unwrap_err().to_string()
+        };
+        let without = [ENTRIES[0], ENTRIES[2]];
+        assert!(message(&without).contains("`distortion` is missing"), "{}", message(&without));
+        let mut bad = ENTRIES;
+        bad[4].2 = &[0.0, f64::NAN, 1.0];
+        assert!(
+            message(&bad).contains("`translation[1]` is NaN; expected a finite number"),
+            "{}",
+            message(&bad)
+        );
+        bad = ENTRIES;
+        bad[3] = ("rotation", &[2, 2], &[1.0; 4]);
+        assert!(message(&bad).contains("`rotation` is 4 numbers"), "{}", message(&bad));
+    }
+
+    #[test]
+    fn names_come_from_the_file_or_its_folder() {
+        for (path, expected) in [
+            ("a/Cam0/cameraIntrinsics.pickle", "Cam0"),
+            ("phone,1_720_60fps_cameraIntrinsics.pickle", "phone,1"),
+            ("left_cameraIntrinsicsExtrinsics.pickle", "left"),
+            ("other.pickle", "other"),
+        ] {
+            assert_eq!(name(Path::new(path)), expected);
+        }
+    }
+}

@@ -442,4 +442,4 @@ impl<'a> Machine<'a> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -3,7 +3,7 @@
 use super::*;
 
 /// The instructions of one array of numbers, as Python writes them with protocol 2 and bytes.
-fn array(shape: &[u8], code: &str, bytes: &[u8]) -> Vec<u8> {
+pub(in crate::calibration) fn array(shape: &[u8], code: &str, bytes: &[u8]) -> Vec<u8> {
     let mut out =
         b"cnumpy.core.multiarray\n_reconstruct\ncnumpy\nndarray\nK\x00\x85C\x01b\x87R(K\x01".to_vec();
     out.push(b'(');
