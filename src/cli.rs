@@ -13,6 +13,7 @@
 //! | `export` | `backlit export` |
 //! | `observability` | `backlit observability` |
 //! | `silhouettes` | `backlit silhouettes` |
+//! | `cameras` | `backlit cameras` |
 //! | `experiment` | `backlit experiment`: one file an experiment |
 //! | `take_options` | options that choose frames, cameras and start |
 //! | `inspector` | `backlit [TAKE]`: the window, or what it would have shown |
@@ -22,6 +23,7 @@
 //!
 //! Exit codes: 0 done, 1 an error (on standard error, in one line), 2 a command that makes no sense.
 
+pub(crate) mod cameras;
 pub(crate) mod command;
 pub(crate) mod evidence;
 pub(crate) mod experiment;
@@ -71,6 +73,7 @@ pub fn run() -> ExitCode {
         Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),
         Some(Command::Observability(arguments)) => observability::run(&arguments),
         Some(Command::Silhouettes(arguments)) => silhouettes::run(&arguments),
+        Some(Command::Cameras(arguments)) => cameras::run(&arguments),
         Some(Command::Experiment(arguments)) => experiment::run(&arguments),
     };
     match result {

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
-use super::{experiment, export, fit, fit_body, observability, render, screenshot, silhouettes, track};
+use super::{
+    cameras, experiment, export, fit, fit_body, observability, render, screenshot, silhouettes, track,
+};
 
 const ABOUT: &str =
     "Fits an articulated body to its silhouettes and shows how. Without a command it opens the window.";
@@ -57,6 +59,8 @@ pub(crate) enum Command {
     Observability(observability::ObservabilityArguments),
     /// Write the silhouettes of a take as pictures
     Silhouettes(silhouettes::SilhouetteArguments),
+    /// Show the cameras of a calibration of another tool, and write them in other formats
+    Cameras(cameras::CameraArguments),
     /// Run an experiment of the report again: numbers, a table and plots
     Experiment(experiment::ExperimentArguments),
 }

@@ -2,24 +2,74 @@
 //!
 //! | file | format |
 //! |---|---|
-//! | [`backlit`] | `backlit-cameras 1`, our own JSON: read and written |
-//! | [`matrices`] | JSON with OpenCV's matrices K, R, t a camera: read |
-//! | [`qualisys`] | Qualisys Track Manager's `.qca.txt` XML: read |
+//! | [`backlit`] | `backlit-cameras 1`, our own JSON |
+//! | [`matrices`] | JSON with `OpenCV`'s matrices K, R, t a camera |
+//! | [`qualisys`] | Qualisys Track Manager's `.qca.txt` XML |
+//! | `opencv`, `opencv_xml` | `OpenCV`'s `FileStorage` as YAML, XML and JSON, and JSON written by hand |
+//! | `easymocap` | `EasyMocap`'s `intri.yml` and `extri.yml` |
+//! | `anipose` | TOML of Anipose, `Pose2Sim` and `FreeMoCap` |
+//! | `caliscope` | Caliscope's `camera_array.toml` |
+//! | `kalibr`, `ros` | Kalibr's camchain, ROS `camera_info` |
+//! | `colmap`, `transforms` | COLMAP's text, `transforms.json` |
+//! | `vicon` | Vicon's `.xcp` |
+//! | `opencap`, `pickle` | `OpenCap`'s pickles, read without running anything |
+//! | [`write`] | the formats that are written |
+//!
+//! `node` is the tree that YAML, XML, JSON and TOML are brought to, `yaml` the reader of two of them, `lens` turns
+//! numbers into lenses, and `part` makes a rig of what one or two files tell.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use backlit_tracking::camera::{Camera, CameraError, Rig};
 
-use super::{DiskFiles, FileError, FileProblem, TakeFiles, text};
+use super::{DiskFiles, FileError, FileProblem, TakeFiles, json_text, text};
+use part::Parts;
 
+mod anipose;
 pub mod backlit;
+mod caliscope;
+mod colmap;
+mod easymocap;
+mod kalibr;
+mod lens;
 pub mod matrices;
+mod node;
+mod opencap;
+mod opencv;
+mod opencv_xml;
+mod part;
+mod pickle;
 pub mod qualisys;
+mod ros;
+mod transforms;
+mod vicon;
+pub mod write;
+mod yaml;
 
 /// Largest calibration file that is read, bytes.
 const MAX_BYTES: u64 = 8 << 20;
+/// Most cameras of one file: a `transforms.json` has one a picture.
+const MAX_CAMERAS: usize = 4000;
 /// How far the new picture's proportions may be from the old ones': a pixel or two of rounding.
 const PROPORTION_TOLERANCE: f64 = 0.01;
+/// What is looked for in a folder, in this order.
+const IN_FOLDER: [&str; 8] = [
+    "cameras.json",
+    "intri.yml",
+    "cameras.txt",
+    "sparse/0/cameras.txt",
+    "calibration.toml",
+    "camera_array.toml",
+    "camchain.yaml",
+    "transforms.json",
+];
+/// Words of file names that go together: one file has the lenses, the other the places.
+const COMPANIONS: [[&str; 2]; 4] = [
+    ["intri.", "extri."],
+    ["cameras.txt", "images.txt"],
+    ["intrinsic", "extrinsic"],
+    ["Intrinsic", "Extrinsic"],
+];
 
 /// How a calibration is to be understood.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,21 +86,48 @@ impl Default for CalibrationOptions {
     }
 }
 
-/// Parses the content of a calibration of any of the formats; `path` is for the error's message.
-///
-/// # Errors
-/// None of the formats, or not valid. The error names line, camera and field.
-pub fn parse(path: &Path, bytes: &[u8], options: CalibrationOptions) -> Result<Rig, FileError> {
-    let content = text::decode(path, bytes)?;
-    match content.trim_start().chars().next() {
-        Some('<') => qualisys::parse(path, content, options),
-        Some('{') if says_its_format(content) => backlit::parse(path, content, options),
-        Some('{') => matrices::parse(path, content, options),
-        _ => Err(FileError::new(path, FileProblem::UnknownCalibration)),
-    }
+/// A rig, and what of the file it does not hold.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Calibration {
+    /// The cameras that can be used.
+    pub rig: Rig,
+    /// Those that cannot.
+    pub left_out: Vec<LeftOut>,
 }
 
-/// Reads a calibration of the disk.
+/// A camera of a file that is not in the rig.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LeftOut {
+    /// As the file calls it.
+    pub name: String,
+    /// Why.
+    pub reason: String,
+}
+
+/// What one file holds.
+enum Content {
+    /// Whole cameras.
+    Rig(Rig),
+    /// Cameras that may lack something.
+    Parts(Parts),
+}
+
+/// Parses the content of a calibration of any of the formats; `path` is for the error's message, and for the name of a
+/// single camera whose file does not name it.
+///
+/// A single camera that has a lens and no place stands at the origin. Cameras without a place beside others that have
+/// one are left out, as are those that do not film.
+///
+/// # Errors
+/// None of the formats, or not valid, or only half a calibration (see [`read_pair`]). The error names line, camera and
+/// field.
+pub fn parse(path: &Path, bytes: &[u8], options: CalibrationOptions) -> Result<Rig, FileError> {
+    Ok(finish(path, content(path, bytes, options)?, options)?.rig)
+}
+
+/// Reads a calibration of the disk. Where the file has only lenses or only places, the other file is looked for beside
+/// it: `extri.yml` for `intri.yml`, `images.txt` for `cameras.txt`, "extrinsic" for "intrinsic" in the name. Of a folder
+/// the first file of a usual name is read.
 ///
 /// # Errors
 /// No such file, or as [`parse`].
@@ -58,12 +135,194 @@ pub fn read(path: &Path, options: CalibrationOptions) -> Result<Rig, FileError> 
     read_from(&DiskFiles, path, options)
 }
 
+/// As [`read`], and tells what was left out.
+///
+/// # Errors
+/// As [`read`].
+pub fn load(path: &Path, options: CalibrationOptions) -> Result<Calibration, FileError> {
+    load_from(&DiskFiles, path, options)
+}
+
+/// Reads a calibration whose lenses and places are in two files.
+///
+/// # Errors
+/// As [`read`]; or no camera has both.
+pub fn read_pair(
+    intrinsics: &Path,
+    extrinsics: &Path,
+    options: CalibrationOptions,
+) -> Result<Rig, FileError> {
+    Ok(load_pair(intrinsics, extrinsics, options)?.rig)
+}
+
+/// As [`read_pair`], and tells what was left out.
+///
+/// # Errors
+/// As [`read_pair`].
+pub fn load_pair(
+    intrinsics: &Path,
+    extrinsics: &Path,
+    options: CalibrationOptions,
+) -> Result<Calibration, FileError> {
+    let parts = |path: &Path| {
+        let bytes = DiskFiles.read(path, MAX_BYTES)?;
+        match content(path, &bytes, options)? {
+            Content::Parts(parts) => Ok(parts),
+            Content::Rig(_) => {
+                let (found, expected) = ("a whole calibration", "only the lenses or only the places");
+                let (field, found) = ("cameras".to_owned(), found.to_owned());
+                let problem = FileProblem::Field { field, found, expected: expected.to_owned() };
+                Err(FileError::new(path, problem))
+            }
+        }
+    };
+    let (lenses, places) = (parts(intrinsics)?, parts(extrinsics)?);
+    let is_swapped = lenses.lacks_lenses() && places.lacks_places();
+    let (lenses, places) = if is_swapped { (places, lenses) } else { (lenses, places) };
+    Parts::joined(places, lenses).calibration(extrinsics, options)
+}
+
 pub(super) fn read_from(
     files: &dyn TakeFiles,
     path: &Path,
     options: CalibrationOptions,
 ) -> Result<Rig, FileError> {
-    parse(path, &files.read(path, MAX_BYTES)?, options)
+    Ok(load_from(files, path, options)?.rig)
+}
+
+fn load_from(
+    files: &dyn TakeFiles,
+    path: &Path,
+    options: CalibrationOptions,
+) -> Result<Calibration, FileError> {
+    if !files.exists(path)
+        && let Some(inside) = IN_FOLDER.iter().map(|name| path.join(name)).find(|inside| files.exists(inside))
+    {
+        return load_from(files, &inside, options);
+    }
+    let found = match content(path, &files.read(path, MAX_BYTES)?, options)? {
+        Content::Parts(parts) if parts.lacks_lenses() != parts.lacks_places() => parts,
+        whole => return finish(path, whole, options),
+    };
+    let Some(other) = companions(path).into_iter().find(|other| files.exists(other)) else {
+        return found.calibration(path, options);
+    };
+    match content(&other, &files.read(&other, MAX_BYTES)?, options)? {
+        Content::Parts(beside) if found.lacks_places() && !beside.lacks_places() => {
+            Parts::joined(beside, found).calibration(path, options)
+        }
+        Content::Parts(beside) if found.lacks_lenses() && !beside.lacks_lenses() => {
+            Parts::joined(found, beside).calibration(path, options)
+        }
+        _ => found.calibration(path, options),
+    }
+}
+
+/// The files that may hold what this one lacks.
+fn companions(path: &Path) -> Vec<PathBuf> {
+    let Some(name) = path.file_name().and_then(|name| name.to_str()) else { return Vec::new() };
+    let mut out = Vec::new();
+    for [one, other] in COMPANIONS {
+        for (one, other) in [(one, other), (other, one)] {
+            if name.contains(one) {
+                out.push(path.with_file_name(name.replacen(one, other, 1)));
+            }
+        }
+    }
+    out
+}
+
+fn finish(path: &Path, content: Content, options: CalibrationOptions) -> Result<Calibration, FileError> {
+    match content {
+        Content::Rig(rig) => Ok(rig.into()),
+        Content::Parts(parts) => parts.calibration(path, options),
+    }
+}
+
+/// What the file is, by its first bytes and then by its keys.
+fn content(path: &Path, bytes: &[u8], options: CalibrationOptions) -> Result<Content, FileError> {
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(FileError::new(path, FileProblem::TooLarge { limit: MAX_BYTES }));
+    }
+    if let [0x80, 2..=5, ..] = bytes {
+        return opencap::parts(path, bytes).map(Content::Parts);
+    }
+    if bytes.starts_with(b"MATLAB 5.0 MAT-file") {
+        let (found, expected) = ("a MATLAB file", "another format: MATLAB's files are not read");
+        let (field, found, expected) = ("format".to_owned(), found.to_owned(), expected.to_owned());
+        return Err(FileError::new(path, FileProblem::Field { field, found, expected }));
+    }
+    let content = text::decode(path, bytes)?;
+    let first = content.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'));
+    let parts = match first.unwrap_or_default() {
+        first if first.starts_with('<') => match opencv_xml::root_name(content) {
+            "opencv_storage" => opencv::parts(path, &opencv_xml::parse(path, content)?)?,
+            "Cameras" => vicon::parts(path, content)?,
+            _ => return qualisys::parse(path, content, options).map(Content::Rig),
+        },
+        first if first.starts_with('{') => {
+            if says_its_format(content) {
+                return backlit::parse(path, content, options).map(Content::Rig);
+            }
+            json_text::parse::<serde::de::IgnoredAny>(path, content)?;
+            let node = yaml::parse(path, content)?;
+            let is_matrices = node.get("cameras").is_some_and(matrices::is_one);
+            if transforms::is_one(&node) {
+                transforms::parts(path, &node)?
+            } else if is_matrices || node.entries().is_empty() {
+                return matrices::parse(path, content, options).map(Content::Rig);
+            } else {
+                opencv::parts(path, &node)?
+            }
+        }
+        first if is_toml(first) => {
+            let node = node::from_toml(path, content)?;
+            if caliscope::is_one(&node) {
+                caliscope::parts(path, &node)?
+            } else {
+                anipose::parts(path, &node)?
+            }
+        }
+        first if is_yaml(first) => {
+            let node = yaml::parse(path, content)?;
+            if kalibr::is_one(&node) {
+                kalibr::parts(path, &node)?
+            } else if ros::is_one(&node) {
+                ros::parts(path, &node)?
+            } else {
+                opencv::parts(path, &node)?
+            }
+        }
+        _ => match colmap::which(content) {
+            Some(which) => colmap::parts(path, content, which)?,
+            None => return Err(FileError::new(path, FileProblem::UnknownCalibration)),
+        },
+    };
+    Ok(Content::Parts(parts))
+}
+
+/// Whether a first line is a table's head or `key = value`.
+fn is_toml(line: &str) -> bool {
+    let head = line.split('#').next().unwrap_or_default().trim();
+    let is_head =
+        head.starts_with('[') && head.ends_with(']') && (!head.contains(',') || head.starts_with("[\""));
+    let is_number = head.trim_matches(['[', ']', ' ']).parse::<f64>().is_ok();
+    let is_key = |key: &str| {
+        let key = key.trim();
+        !key.is_empty()
+            && key.chars().all(|letter| letter.is_alphanumeric() || matches!(letter, '_' | '-' | '.' | '"'))
+    };
+    is_head && !is_number && head.len() > 2 || line.split_once('=').is_some_and(|(key, _)| is_key(key))
+}
+
+/// Whether a first line is a header of YAML or `key: value`.
+fn is_yaml(line: &str) -> bool {
+    line.starts_with("%YAML") || line.starts_with("---") || line.ends_with(':') || line.contains(": ")
+}
+
+/// The file's name without its ending: the name of a camera that has none.
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "camera".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
 fn says_its_format(text: &str) -> bool {

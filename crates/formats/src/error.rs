@@ -120,7 +120,9 @@ pub enum FileProblem {
     #[error(transparent)]
     Rig { error: RigError },
     #[error(
-        "cannot be recognised as a calibration; expected backlit-cameras JSON, JSON of camera matrices or Qualisys XML"
+        "cannot be recognised as a calibration; expected backlit-cameras JSON, a file of OpenCV, Pose2Sim, Anipose, \
+         Caliscope, FreeMoCap, Qualisys, Vicon, EasyMocap, COLMAP, Kalibr, ROS or OpenCap, transforms.json, or JSON of \
+         camera matrices"
     )]
     UnknownCalibration,
     #[error("is not a whole picture: {message}")]
@@ -140,6 +142,10 @@ pub enum TextFormat {
     Toml,
     /// Extensible markup language.
     Xml,
+    /// YAML, as far as cameras are written in it.
+    Yaml,
+    /// Python's serialised objects: dicts of arrays.
+    Pickle,
 }
 
 impl fmt::Display for TextFormat {
@@ -149,6 +155,8 @@ impl fmt::Display for TextFormat {
             Self::Json => "JSON",
             Self::Toml => "TOML",
             Self::Xml => "XML",
+            Self::Yaml => "YAML",
+            Self::Pickle => "pickle of arrays",
         })
     }
 }

@@ -49,6 +49,12 @@ struct DistortionSpec {
     p2: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     k3: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    k4: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    k5: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    k6: Option<f64>,
 }
 
 #[derive(Serialize, Deserialize, Default, Clone, Copy)]
@@ -57,35 +63,83 @@ enum Lens {
     #[default]
     None,
     OpenCv,
+    Rational,
+    Fisheye,
+}
+
+impl Lens {
+    /// What the model is called in a file.
+    fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::OpenCv => "opencv",
+            Self::Rational => "rational",
+            Self::Fisheye => "fisheye",
+        }
+    }
 }
 
 impl DistortionSpec {
     fn new(distortion: &Distortion) -> Self {
-        match *distortion {
-            Distortion::None => Self::default(),
-            Distortion::OpenCv { k1, k2, p1, p2, k3 } => Self {
-                model: Lens::OpenCv,
-                k1: Some(k1),
-                k2: Some(k2),
-                p1: Some(p1),
-                p2: Some(p2),
-                k3: Some(k3),
+        let mut spec = Self {
+            model: match distortion {
+                Distortion::None => Lens::None,
+                Distortion::OpenCv { .. } => Lens::OpenCv,
+                Distortion::Rational { .. } => Lens::Rational,
+                Distortion::Fisheye { .. } => Lens::Fisheye,
             },
+            ..Self::default()
+        };
+        for (name, value) in distortion.coefficients() {
+            let place = match name {
+                "k1" => &mut spec.k1,
+                "k2" => &mut spec.k2,
+                "p1" => &mut spec.p1,
+                "p2" => &mut spec.p2,
+                "k3" => &mut spec.k3,
+                "k4" => &mut spec.k4,
+                "k5" => &mut spec.k5,
+                _ => &mut spec.k6,
+            };
+            *place = Some(value);
         }
+        spec
     }
 
     fn distortion(&self) -> Distortion {
         let value = |coefficient: Option<f64>| coefficient.unwrap_or(0.0);
+        let [k1, k2, p1, p2, k3] = [self.k1, self.k2, self.p1, self.p2, self.k3].map(value);
+        let [k4, k5, k6] = [self.k4, self.k5, self.k6].map(value);
         match self.model {
             Lens::None => Distortion::None,
-            Lens::OpenCv => Distortion::OpenCv {
-                k1: value(self.k1),
-                k2: value(self.k2),
-                p1: value(self.p1),
-                p2: value(self.p2),
-                k3: value(self.k3),
-            },
+            Lens::OpenCv => Distortion::OpenCv { k1, k2, p1, p2, k3 },
+            Lens::Rational => Distortion::Rational { k1, k2, p1, p2, k3, k4, k5, k6 },
+            Lens::Fisheye => Distortion::Fisheye { k1, k2, k3, k4 },
         }
+    }
+
+    /// What the model has no place for, if the file gives it.
+    fn stray(&self) -> Option<&'static str> {
+        let given = [
+            ("k1", self.k1),
+            ("k2", self.k2),
+            ("k3", self.k3),
+            ("p1", self.p1),
+            ("p2", self.p2),
+            ("k4", self.k4),
+            ("k5", self.k5),
+            ("k6", self.k6),
+        ];
+        let places: &[&str] = match self.model {
+            Lens::None => &[],
+            Lens::OpenCv => &["k1", "k2", "k3", "p1", "p2"],
+            Lens::Rational => &["k1", "k2", "k3", "p1", "p2", "k4", "k5", "k6"],
+            Lens::Fisheye => &["k1", "k2", "k3", "k4"],
+        };
+        given
+            .into_iter()
+            .find(|(name, value)| value.is_some() && !places.contains(name))
+            .map(|(name, _)| name)
     }
 }
 
@@ -98,16 +152,15 @@ pub fn parse(path: &Path, text: &str, options: CalibrationOptions) -> Result<Rig
     let mut cameras = Vec::with_capacity(spec.cameras.len());
     for (index, spec) in spec.cameras.iter().enumerate() {
         let lens = &spec.distortion;
-        let coefficients = [lens.k1, lens.k2, lens.p1, lens.p2, lens.k3];
-        if matches!(lens.model, Lens::None) && coefficients.iter().any(Option::is_some) {
-            return Err(FileError::new(
-                path,
-                FileProblem::Field {
-                    field: format!("cameras[{index}].distortion.model"),
-                    found: "\"none\" beside coefficients".to_owned(),
-                    expected: "\"opencv\", or no coefficients".to_owned(),
-                },
-            ));
+        if let Some(stray) = lens.stray() {
+            let (found, expected) = match lens.model {
+                Lens::None => {
+                    ("\"none\" beside coefficients".to_owned(), "\"opencv\", or no coefficients".to_owned())
+                }
+                model => (format!("\"{}\" beside `{stray}`", model.name()), format!("no `{stray}`")),
+            };
+            let field = format!("cameras[{index}].distortion.model");
+            return Err(FileError::new(path, FileProblem::Field { field, found, expected }));
         }
         let intrinsics = Intrinsics { fx: spec.fx, fy: spec.fy, cx: spec.cx, cy: spec.cy };
         let camera_from_world = CameraFromWorld {
@@ -166,7 +219,19 @@ mod tests {
         let intrinsics = Intrinsics { fx: 420.25, fy: 421.0, cx: 134.1, cy: 238.5 };
         let lens = Distortion::OpenCv { k1: -0.05, k2: 0.14, p1: 6e-4, p2: 7e-4, k3: 0.0 };
         let camera = |name, lens| Camera::new(name, [272, 480], intrinsics, lens, place).unwrap();
-        Rig::new(vec![camera("b", lens), camera("a", Distortion::None)]).unwrap()
+        let rational = Distortion::Rational {
+            k1: 0.2,
+            k2: 0.1,
+            p1: 6e-4,
+            p2: 7e-4,
+            k3: 0.01,
+            k4: 0.25,
+            k5: 0.02,
+            k6: 0.001,
+        };
+        let fisheye = Distortion::Fisheye { k1: -0.06, k2: 0.01, k3: -0.004, k4: 3e-4 };
+        let cameras = [("b", lens), ("a", Distortion::None), ("r", rational), ("f", fisheye)];
+        Rig::new(cameras.map(|(name, lens)| camera(name, lens)).to_vec()).unwrap()
     }
 
     #[test]
@@ -198,6 +263,7 @@ mod tests {
                 good.replacen("\"opencv\"", "\"fish\"", 1),
                 "in `cameras[0].distortion.model`: unknown variant `fish`",
             ),
+            (good.replacen("\"opencv\"", "\"fisheye\"", 1), "is \"fisheye\" beside `p1`; expected no `p1`"),
             (good.replacen("cameras 1", "cameras 9", 1), "line 2: `format` is \"backlit-cameras 9\""),
             ("{\"format\": \"backlit-cameras 1\", \"cameras\": []}".to_owned(), "there is no camera"),
         ];

@@ -11,6 +11,7 @@ use glam::{DMat3, DVec3};
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::node::{Node, Value as Tree};
 use super::{CalibrationOptions, rig};
 use crate::json_text::{self, Entries};
 use crate::{FileError, FileProblem};
@@ -18,6 +19,14 @@ use crate::{FileError, FileProblem};
 #[derive(Deserialize)]
 struct RigSpec {
     cameras: Entries<Entries<Value>>,
+}
+
+/// Whether `cameras` is a map as this reader knows it: `OpenCV`'s own matrices are objects, not lists.
+pub(super) fn is_one(cameras: &Node) -> bool {
+    let is_other = |camera: &Node| camera.get("K").is_none_or(|matrix| matrix.get("data").is_some());
+    let entries = cameras.entries();
+    matches!(cameras.value, Tree::Map(_))
+        && (entries.is_empty() || !entries.iter().all(|(_, camera)| is_other(camera)))
 }
 
 /// Parses the content of such a file; `path` is for the error's message.
@@ -184,7 +193,7 @@ mod tests {
             ),
             (GOOD.replacen("[1088, 1920]", "[-1, 1920]", 1), "line 2: `cameras.right.size`"),
             (GOOD.replacen("-0.05", "NaN", 1), "line 5: is not valid JSON: in `cameras.right.dist[0]`: NaN"),
-            (GOOD.replacen("\"left\"", "\"right\"", 1), "\"right\" is given twice"),
+            (GOOD.replacen("\"left\"", "\"right\"", 1), "`right` is given twice"),
             ("{}".to_owned(), "missing field `cameras`"),
         ];
         for (text, expected) in cases {

@@ -3,6 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
 
 mod bad_numbers;
+mod calibration_files;
+mod calibration_texts;
 #[path = "../../../tracking/tests/tracking/footage.rs"]
 mod footage;
 mod hostile_files;

@@ -104,9 +104,7 @@ impl Camera {
             }
         }
         let mut numbers = vec![("cx", intrinsics.cx), ("cy", intrinsics.cy)];
-        if let Distortion::OpenCv { k1, k2, p1, p2, k3 } = distortion {
-            numbers.extend([("k1", k1), ("k2", k2), ("p1", p1), ("p2", p2), ("k3", k3)]);
-        }
+        numbers.extend(distortion.coefficients());
         if let Some(&(field, value)) =
             numbers.iter().find(|(_, value)| !(0.0..=LARGEST_NUMBER).contains(&value.abs()))
         {

@@ -1,0 +1,50 @@
+//! Caliscope's `camera_array.toml`: `[cameras.0]`, in older releases `[cam_0]` with `port`.
+//!
+//! `size` [width, height], `matrix`, `distortions`, `rotation` (a matrix in older files, a vector in newer ones),
+//! `translation` in metres; camera from world, pixel centres at integers. `rotation_count` turns pictures for showing
+//! only. A camera that could not be linked to the others has no place and is left out.
+
+use std::path::Path;
+
+use super::node::{Field, Node};
+use super::opencv;
+use super::part::Parts;
+use crate::{FileError, FileProblem};
+
+/// Whether the tables are Caliscope's: of older releases only the port tells.
+pub(super) fn is_one(node: &Node) -> bool {
+    let is_array = |node: &Node| {
+        node.entries().iter().any(|(_, table)| {
+            let has = |key: &str| table.get(key).is_some();
+            has("size") && (has("cam_id") || has("port")) && (has("rotation_count") || has("matrix"))
+        })
+    };
+    node.get("cameras").is_some_and(is_array) || is_array(node)
+}
+
+pub(super) fn parts(path: &Path, node: &Node) -> Result<Parts, FileError> {
+    let root = Field::root(path, node);
+    let cameras = root.find(&["cameras"]).unwrap_or(root);
+    let mut parts = Parts::new(Some(1.0));
+    for (key, table) in cameras.children() {
+        if table.find(&["size"]).is_none() {
+            continue;
+        }
+        let name = match table.find(&["cam_id", "port"]) {
+            Some(name) => name.text()?,
+            None => key,
+        };
+        if table.flag(&["ignore"]) {
+            parts.leave_out(name, "the file says that it is to be ignored");
+        } else if table.find(&["matrix"]).is_none() {
+            parts.leave_out(name, "its lens is not calibrated");
+        } else {
+            table.need(&["distortions"], "the lens's coefficients")?;
+            parts.push(path, opencv::camera(&table, name)?)?;
+        }
+    }
+    if parts.cameras.is_empty() && parts.left_out.is_empty() {
+        return Err(FileError::new(path, FileProblem::UnknownCalibration));
+    }
+    Ok(parts)
+}

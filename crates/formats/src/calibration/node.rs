@@ -1,0 +1,297 @@
+//! What YAML, XML, JSON and TOML files hold, in one form: a tree that knows its lines.
+
+use std::path::Path;
+
+use glam::DMat3;
+use toml::de::{DeTable, DeValue};
+
+use super::lens::rotation_from_vector;
+use crate::text::line_at;
+use crate::{FileError, FileProblem, TextFormat};
+
+/// Deepest nesting that is read.
+pub(super) const MAX_DEPTH: usize = 32;
+/// Most values that are read from one file.
+pub(super) const MAX_NODES: usize = 1_000_000;
+/// Most keys of one table: they are looked for one after the other.
+pub(super) const MAX_KEYS: usize = 20_000;
+
+/// One value and its line.
+#[derive(Debug, Clone)]
+pub(super) struct Node {
+    pub(super) line: usize,
+    pub(super) value: Value,
+}
+
+#[derive(Debug, Clone)]
+pub(super) enum Value {
+    /// Nothing is given.
+    Null,
+    /// A word or number as it stands, without quotes.
+    Plain(String),
+    /// In quotes.
+    Text(String),
+    List(Vec<Node>),
+    Map(Vec<(String, Node)>),
+}
+
+impl Node {
+    /// The entries of a map; none of anything else.
+    pub(super) fn entries(&self) -> &[(String, Self)] {
+        match &self.value {
+            Value::Map(entries) => entries,
+            _ => &[],
+        }
+    }
+
+    pub(super) fn get(&self, key: &str) -> Option<&Self> {
+        self.entries().iter().find(|(found, _)| found == key).map(|(_, node)| node)
+    }
+
+    fn describe(&self) -> String {
+        match &self.value {
+            Value::Null => "missing".to_owned(),
+            Value::Plain(text) => shortened(text),
+            Value::Text(text) => format!("\"{}\"", shortened(text)),
+            Value::List(items) => format!("a list of {}", items.len()),
+            Value::Map(entries) => format!("a table of {}", entries.len()),
+        }
+    }
+}
+
+fn shortened(text: &str) -> String {
+    let mut out: String = text.chars().take(40).collect();
+    if out.len() < text.len() {
+        out.push('…');
+    }
+    out
+}
+
+/// A value, its file and what it is called there.
+#[derive(Debug, Clone)]
+pub(super) struct Field<'a> {
+    pub(super) path: &'a Path,
+    /// Keys from the root, `cam0.intrinsics`; empty for the root.
+    pub(super) name: String,
+    pub(super) node: &'a Node,
+}
+
+impl<'a> Field<'a> {
+    pub(super) fn root(path: &'a Path, node: &'a Node) -> Self {
+        Self { path, name: String::new(), node }
+    }
+
+    fn name_of(&self, key: &str) -> String {
+        if self.name.is_empty() { key.to_owned() } else { format!("{}.{key}", self.name) }
+    }
+
+    /// All entries of a map, in their order.
+    pub(super) fn children(&self) -> impl Iterator<Item = (&'a str, Self)> {
+        let (path, node, name) = (self.path, self.node, self.name.clone());
+        node.entries().iter().map(move |(key, child)| {
+            let name = if name.is_empty() { key.clone() } else { format!("{name}.{key}") };
+            (key.as_str(), Self { path, name, node: child })
+        })
+    }
+
+    /// The items of a list, in their order.
+    pub(super) fn items(&self) -> Vec<Self> {
+        let Value::List(items) = &self.node.value else { return Vec::new() };
+        let item = |(index, node)| Self { path: self.path, name: format!("{}[{index}]", self.name), node };
+        items.iter().enumerate().map(item).collect()
+    }
+
+    /// The first of these keys that has a value.
+    pub(super) fn find(&self, keys: &[&str]) -> Option<Self> {
+        keys.iter().find_map(|key| {
+            let node = self.node.get(key).filter(|node| !matches!(node.value, Value::Null))?;
+            Some(Self { path: self.path, name: self.name_of(key), node })
+        })
+    }
+
+    /// As [`find`](Self::find); the error names the first of the keys.
+    pub(super) fn need(&self, keys: &[&str], expected: &str) -> Result<Self, FileError> {
+        self.find(keys).ok_or_else(|| self.missing(keys.first().copied().unwrap_or_default(), expected))
+    }
+
+    /// The error that a key is not there.
+    pub(super) fn missing(&self, key: &str, expected: &str) -> FileError {
+        let (field, found) = (self.name_of(key), "missing".to_owned());
+        let problem = FileProblem::Field { field, found, expected: expected.to_owned() };
+        FileError::new(self.path, problem).at_line(Some(self.node.line))
+    }
+
+    /// The error that something else stands here.
+    pub(super) fn error(&self, found: &str, expected: &str) -> FileError {
+        let (found, expected) = (found.to_owned(), expected.to_owned());
+        let problem = FileProblem::Field { field: self.name.clone(), found, expected };
+        FileError::new(self.path, problem).at_line(Some(self.node.line))
+    }
+
+    pub(super) fn unexpected(&self, expected: &str) -> FileError {
+        self.error(&self.node.describe(), expected)
+    }
+
+    pub(super) fn number(&self) -> Result<f64, FileError> {
+        let number = match &self.node.value {
+            Value::Plain(text) => text.parse::<f64>().ok().filter(|number| number.is_finite()),
+            _ => None,
+        };
+        number.ok_or_else(|| self.unexpected("a finite number"))
+    }
+
+    /// A whole number of pixels; files may write it as 1088.0.
+    pub(super) fn pixels(&self) -> Result<u64, FileError> {
+        let number = self.number()?;
+        if number < 0.0 || number.fract() != 0.0 || number > f64::from(u32::MAX) {
+            return Err(self.unexpected("a whole number of pixels"));
+        }
+        Ok(number as u64)
+    }
+
+    /// A name: text, or a number as it stands.
+    pub(super) fn text(&self) -> Result<&'a str, FileError> {
+        match &self.node.value {
+            Value::Plain(text) | Value::Text(text) => Ok(text),
+            _ => Err(self.unexpected("a text")),
+        }
+    }
+
+    /// Whether it is switched on; not there is off.
+    pub(super) fn flag(&self, keys: &[&str]) -> bool {
+        let flag = self.find(keys);
+        flag.and_then(|flag| flag.text().ok())
+            .is_some_and(|text| matches!(text, "1" | "true" | "True" | "yes"))
+    }
+
+    /// All numbers of a list, of lists of lists, or of an OpenCV matrix with `rows`, `cols` and `data`.
+    pub(super) fn numbers(&self) -> Result<Vec<f64>, FileError> {
+        if let Some(data) = self.find(&["data"]) {
+            let numbers = data.numbers()?;
+            let side = |key| self.find(&[key]).map(|side| side.pixels()).transpose();
+            if let (Some(rows), Some(columns)) = (side("rows")?, side("cols")?)
+                && rows.checked_mul(columns) != Some(numbers.len() as u64)
+            {
+                let expected = format!("{rows} × {columns} numbers");
+                return Err(data.error(&format!("{} numbers", numbers.len()), &expected));
+            }
+            return Ok(numbers);
+        }
+        let mut numbers = Vec::new();
+        self.collect(&mut numbers)?;
+        Ok(numbers)
+    }
+
+    fn collect(&self, numbers: &mut Vec<f64>) -> Result<(), FileError> {
+        match &self.node.value {
+            Value::List(_) => self.items().iter().try_for_each(|item| item.collect(numbers)),
+            _ => {
+                numbers.push(self.number()?);
+                Ok(())
+            }
+        }
+    }
+
+    /// Exactly so many numbers.
+    pub(super) fn array<const N: usize>(&self) -> Result<[f64; N], FileError> {
+        let numbers = self.numbers()?;
+        let count = numbers.len();
+        let array: Option<[f64; N]> = numbers.try_into().ok();
+        array.ok_or_else(|| self.error(&format!("{count} numbers"), &format!("{N} numbers")))
+    }
+
+    /// Three by three, row after row.
+    pub(super) fn matrix(&self) -> Result<DMat3, FileError> {
+        Ok(DMat3::from_cols_array(&self.array::<9>()?).transpose())
+    }
+
+    /// A rotation as a matrix or as a vector along the axis with the angle's length.
+    pub(super) fn rotation(&self) -> Result<DMat3, FileError> {
+        let numbers = self.numbers()?;
+        match *numbers.as_slice() {
+            [x, y, z] => Ok(rotation_from_vector([x, y, z])),
+            _ if numbers.len() == 9 => self.matrix(),
+            _ => {
+                let found = format!("{} numbers", numbers.len());
+                Err(self.error(&found, "a 3 × 3 matrix or a vector of three numbers"))
+            }
+        }
+    }
+}
+
+/// The tree of a TOML text, tables in the order of the file.
+pub(super) fn from_toml(path: &Path, text: &str) -> Result<Node, FileError> {
+    let table = DeTable::parse(text).map_err(|error| {
+        let message = error.message().trim().replace('\n', "; ");
+        let problem = FileProblem::Syntax { format: TextFormat::Toml, field: None, message };
+        FileError::new(path, problem).at_line(error.span().map(|span| line_at(text, span.start)))
+    })?;
+    let lines = Lines::new(text);
+    toml_table(path, &lines, 1, table.get_ref(), 0)
+}
+
+/// Where lines start: to look up many of them in a long text.
+struct Lines(Vec<usize>);
+
+impl Lines {
+    fn new(text: &str) -> Self {
+        let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+        Self(ends.map(|(at, _)| at).collect())
+    }
+
+    fn at(&self, offset: usize) -> usize {
+        1 + self.0.partition_point(|end| *end < offset)
+    }
+}
+
+fn toml_table(
+    path: &Path,
+    lines: &Lines,
+    line: usize,
+    table: &DeTable<'_>,
+    depth: usize,
+) -> Result<Node, FileError> {
+    if depth > MAX_DEPTH {
+        let message = format!("more than {MAX_DEPTH} levels");
+        let problem = FileProblem::Syntax { format: TextFormat::Toml, field: None, message };
+        return Err(FileError::new(path, problem).at_line(Some(line)));
+    }
+    if table.len() > MAX_KEYS {
+        let message = format!("more than {MAX_KEYS} keys in one table");
+        let problem = FileProblem::Syntax { format: TextFormat::Toml, field: None, message };
+        return Err(FileError::new(path, problem).at_line(Some(line)));
+    }
+    let mut keys: Vec<_> = table.iter().collect();
+    keys.sort_by_key(|(key, _)| key.span().start);
+    let mut entries = Vec::with_capacity(keys.len());
+    for (key, value) in keys {
+        let line = lines.at(key.span().start);
+        entries.push((key.get_ref().to_string(), toml_value(path, lines, line, value.get_ref(), depth + 1)?));
+    }
+    Ok(Node { line, value: Value::Map(entries) })
+}
+
+fn toml_value(
+    path: &Path,
+    lines: &Lines,
+    line: usize,
+    value: &DeValue<'_>,
+    depth: usize,
+) -> Result<Node, FileError> {
+    let value = match value {
+        DeValue::String(text) => Value::Text(text.to_string()),
+        // Without underscores already; other radices are nobody's pixels.
+        DeValue::Integer(number) => Value::Plain(number.as_str().to_owned()),
+        DeValue::Float(number) => Value::Plain(number.as_str().to_owned()),
+        DeValue::Boolean(flag) => Value::Plain(flag.to_string()),
+        DeValue::Datetime(moment) => Value::Text(moment.to_string()),
+        DeValue::Array(items) => {
+            let node = |item: &toml::Spanned<DeValue<'_>>| {
+                toml_value(path, lines, lines.at(item.span().start), item.get_ref(), depth + 1)
+            };
+            Value::List(items.iter().map(node).collect::<Result<_, _>>()?)
+        }
+        DeValue::Table(table) => return toml_table(path, lines, line, table, depth),
+    };
+    Ok(Node { line, value })
+}

@@ -1,0 +1,214 @@
+//! Vicon's `.xcp`: XML.
+//!
+//! `ORIENTATION` is a quaternion x y z w, camera from world with OpenCV's axes; `POSITION` is the camera's place in
+//! millimetres; `FOCAL_LENGTH` and `PRINCIPAL_POINT` are pixels with centres at integers, and fy = fx /
+//! `PIXEL_ASPECT_RATIO`. Names are `DEVICEID`. Only cameras that film (`SYSTEM` "DV") are read.
+//!
+//! Vicon's lens leads from the measured pixel to the ideal one, ideal = c + (measured − c) (1 + k1 r² + k2 r⁴ + k3 r⁶)
+//! with r in pixels: the other way round than OpenCV's. OpenCV's k1 k2 k3 k4 are fitted to it over the whole picture;
+//! what that leaves is below half a pixel in the corners of wide lenses.
+
+use std::path::Path;
+
+use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
+use glam::{DMat3, DMat4, DQuat, DVec2, DVec3, DVec4};
+use roxmltree::Node;
+
+use super::opencv_xml::document;
+use super::part::{Part, Parts, Pinhole};
+use crate::{FileError, FileProblem};
+
+/// Radii at which the lens is fitted.
+const SAMPLES: u32 = 400;
+/// A fit that is this far off somewhere in the picture is none.
+const WORST_FIT_PX: f64 = 2.0;
+
+pub(super) fn parts(path: &Path, text: &str) -> Result<Parts, FileError> {
+    let document = document(path, text)?;
+    let mut parts = Parts::new(Some(0.001));
+    for node in document.descendants().filter(|node| node.has_tag_name("Camera")) {
+        let name = node.attribute("DEVICEID").unwrap_or_default();
+        let source = Source { path, node };
+        if node.attribute("SYSTEM").is_some_and(|system| system != "DV") {
+            parts.leave_out(name, "it only sees markers");
+            continue;
+        }
+        let frame = node.descendants().find(|child| child.has_tag_name("KeyFrame"));
+        let Some(frame) = frame else {
+            parts.leave_out(name, "it is not calibrated");
+            continue;
+        };
+        parts.push(path, source.camera(name, frame)?)?;
+    }
+    Ok(parts)
+}
+
+struct Source<'a, 'input> {
+    path: &'a Path,
+    node: Node<'a, 'input>,
+}
+
+impl Source<'_, '_> {
+    fn camera(&self, name: &str, frame: Node<'_, '_>) -> Result<Part, FileError> {
+        let mut part = Part::new(name, line(self.node));
+        let [width, height] = self.numbers(self.node, "SENSOR_SIZE")?;
+        for side in [width, height] {
+            if !(side >= 0.0 && side.fract() == 0.0 && side < 1e6) {
+                return Err(self.error(
+                    self.node,
+                    "SENSOR_SIZE",
+                    &side.to_string(),
+                    "whole numbers of pixels",
+                ));
+            }
+        }
+        part.size = Some([width as u64, height as u64]);
+        let [fx] = self.numbers(frame, "FOCAL_LENGTH")?;
+        let [cx, cy] = self.numbers(frame, "PRINCIPAL_POINT")?;
+        let ratio = match self.node.attribute("PIXEL_ASPECT_RATIO") {
+            Some(_) => self.numbers::<1>(self.node, "PIXEL_ASPECT_RATIO")?[0],
+            None => 1.0,
+        };
+        let pinhole = Intrinsics { fx, fy: fx / ratio, cx, cy };
+        part.lens = Some((Pinhole::Pixels(pinhole), self.lens(frame, pinhole, DVec2::new(width, height))?));
+        let [x, y, z, w] = self.numbers(frame, "ORIENTATION")?;
+        let quaternion = DQuat::from_xyzw(x, y, z, w);
+        if (quaternion.length() - 1.0).abs() > 1e-3 {
+            let found = format!("of length {}", quaternion.length());
+            return Err(self.error(frame, "ORIENTATION", &found, "a unit quaternion x y z w"));
+        }
+        let rotation = DMat3::from_quat(quaternion.normalize());
+        let centre = DVec3::from_array(self.numbers(frame, "POSITION")?);
+        part.place = Some(CameraFromWorld { rotation, translation: -(rotation * centre) });
+        Ok(part)
+    }
+
+    fn lens(&self, frame: Node<'_, '_>, pinhole: Intrinsics, size: DVec2) -> Result<Distortion, FileError> {
+        let (centre, k) = if let Some(text) = frame.attribute("VICON_RADIAL2") {
+            let rest = text.trim().strip_prefix("Vicon3Parameter").ok_or_else(|| {
+                let expected = "Vicon3Parameter and five numbers";
+                self.error(frame, "VICON_RADIAL2", text, expected)
+            })?;
+            let [x, y, k1, k2, k3] = self.parse(frame, "VICON_RADIAL2", rest)?;
+            (DVec2::new(x, y), [k1, k2, k3])
+        } else if frame.attribute("VICON_RADIAL").is_some() {
+            let [k1, k2] = self.numbers(frame, "VICON_RADIAL")?;
+            (DVec2::new(pinhole.cx, pinhole.cy), [k1, k2, 0.0])
+        } else {
+            return Ok(Distortion::None);
+        };
+        if k == [0.0; 3] {
+            return Ok(Distortion::None);
+        }
+        fitted(pinhole, size, centre, k).ok_or_else(|| {
+            self.error(
+                frame,
+                "VICON_RADIAL2",
+                "a lens that cannot be turned round",
+                "one that OpenCV's can meet",
+            )
+        })
+    }
+
+    fn numbers<const N: usize>(&self, node: Node<'_, '_>, name: &str) -> Result<[f64; N], FileError> {
+        let text = node.attribute(name);
+        let text = text.ok_or_else(|| self.error(node, name, "missing", &format!("{N} numbers")))?;
+        self.parse(node, name, text)
+    }
+
+    fn parse<const N: usize>(
+        &self,
+        node: Node<'_, '_>,
+        name: &str,
+        text: &str,
+    ) -> Result<[f64; N], FileError> {
+        let numbers =
+            text.split_ascii_whitespace().map(|word| word.parse::<f64>().ok().filter(|x| x.is_finite()));
+        let numbers: Option<Vec<f64>> = numbers.collect();
+        numbers
+            .and_then(|numbers| numbers.try_into().ok())
+            .ok_or_else(|| self.error(node, name, &format!("\"{text}\""), &format!("{N} finite numbers")))
+    }
+
+    fn error(&self, node: Node<'_, '_>, name: &str, found: &str, expected: &str) -> FileError {
+        let problem = FileProblem::Field {
+            field: format!("{}.{name}", node.tag_name().name()),
+            found: found.to_owned(),
+            expected: expected.to_owned(),
+        };
+        FileError::new(self.path, problem).at_line(Some(line(node)))
+    }
+}
+
+fn line(node: Node<'_, '_>) -> usize {
+    node.document().text_pos_at(node.range().start).row as usize
+}
+
+/// The lens of ours that leads from Vicon's ideal pixels to the measured ones, by least squares from the centre to the
+/// farthest corner: k1 to k3, or with k4, whichever is nearer. Strong lenses need k4; of weak ones the equations with it
+/// are all but singular. More coefficients fit no better, and their denominators have zeros.
+fn fitted(pinhole: Intrinsics, size: DVec2, centre: DVec2, k: [f64; 3]) -> Option<Distortion> {
+    let corner = (size - 1.0 - centre).abs().max(centre.abs()).length();
+    // Radii in the plane Z = 1 of the ideal picture, and how much nearer the measured point is.
+    let mut pairs = Vec::with_capacity(SAMPLES as usize);
+    let mut farthest = 0.0_f64;
+    for index in 1..=SAMPLES {
+        let measured = corner * f64::from(index) / f64::from(SAMPLES);
+        let r2 = measured * measured;
+        let stretch = 1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[2]));
+        let ideal = measured * stretch / pinhole.fx;
+        if ideal <= farthest {
+            return None;
+        }
+        farthest = ideal;
+        pairs.push((ideal, 1.0 / stretch));
+    }
+    // Powers of the radius over the farthest one, or the equations would lose their digits.
+    let unit = farthest * farthest;
+    let (mut normal, mut right) = (DMat4::ZERO, DVec4::ZERO);
+    for &(ideal, factor) in &pairs {
+        let u = ideal * ideal / unit;
+        let row = DVec4::new(u, u * u, u * u * u, -factor * u) * ideal;
+        normal += DMat4::from_cols(row * row.x, row * row.y, row * row.z, row * row.w);
+        right += row * (factor - 1.0) * ideal;
+    }
+    let plain = (DMat3::from_mat4(normal).inverse() * right.truncate()).extend(0.0);
+    let lenses = [plain, normal.inverse() * right].map(|found| {
+        let [k1, k2, k3, k4] =
+            [found.x / unit, found.y / unit.powi(2), found.z / unit.powi(3), found.w / unit];
+        if k4 == 0.0 {
+            return Distortion::OpenCv { k1, k2, p1: 0.0, p2: 0.0, k3 };
+        }
+        Distortion::Rational { k1, k2, p1: 0.0, p2: 0.0, k3, k4, k5: 0.0, k6: 0.0 }
+    });
+    let error = |lens: &Distortion| {
+        let errors = pairs.iter().map(|&(ideal, factor)| {
+            let off = (lens.distort(DVec2::X * ideal).x - ideal * factor).abs() * pinhole.fx;
+            if off.is_finite() { off } else { f64::INFINITY }
+        });
+        errors.fold(0.0, f64::max)
+    };
+    let best = if error(&lenses[1]) < error(&lenses[0]) { lenses[1] } else { lenses[0] };
+    (error(&best) < WORST_FIT_PX).then_some(best)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fitted_lens_undoes_vicon_s() {
+        let pinhole = Intrinsics { fx: 1260.0, fy: 1260.0, cx: 943.0, cy: 564.0 };
+        let (size, centre) = (DVec2::new(1920.0, 1080.0), DVec2::new(943.0, 564.0));
+        let k = [2.75e-7, 7.6e-14, 7.8e-20];
+        let lens = fitted(pinhole, size, centre, k).unwrap();
+        for measured in [DVec2::ZERO, DVec2::new(1919.0, 0.0), DVec2::new(400.0, 900.0), centre] {
+            let r2 = measured.distance_squared(centre);
+            let ideal = centre + (measured - centre) * (1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[2])));
+            let bent = pinhole.pixel_from_plane(lens.distort(pinhole.plane_from_pixel(ideal)));
+            assert!(bent.distance(measured) < 0.2, "{measured}: {bent}");
+        }
+        // Beyond where Vicon's own lens folds over there is nothing to fit.
+        assert!(fitted(pinhole, size, centre, [-2e-6, 0.0, 0.0]).is_none());
+    }
+}
