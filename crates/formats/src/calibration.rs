@@ -13,7 +13,7 @@
 //! | `colmap`, `transforms` | COLMAP's text, `transforms.json` |
 //! | `vicon` | Vicon's `.xcp` |
 //! | `opencap`, `pickle` | `OpenCap`'s pickles, read without running anything |
-//! | [`write`] | the formats that are written |
+//! | [`mod@write`] | the formats that are written |
 //!
 //! `node` is the tree that YAML, XML, JSON and TOML are brought to, `yaml` the reader of two of them, `lens` turns
 //! numbers into lenses, and `part` makes a rig of what one or two files tell.
