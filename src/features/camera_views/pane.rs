@@ -87,7 +87,7 @@ pub(super) struct CameraPane<'a> {
     limbs: Vec<Option<ProjectedLimb>>,
     joints: Vec<JointMark>,
     limits: Vec<LimitMark>,
-    sides: SideMarks,
+    sides: Option<SideMarks>,
     sight_ray: Option<SightRay>,
     /// The limbs' own outline while the prediction lags behind the pose: a drag is seen at once.
     quick_outline: Option<Vec<Vec<DVec2>>>,
@@ -116,7 +116,7 @@ impl<'a> CameraPane<'a> {
             limb_colours: limb_colours(model),
             joints: project_joints(model, &kinematics, pose.root, camera, is_pinned),
             limits: limits(context, pose).into_iter().filter_map(limit).collect(),
-            sides: SideMarks::new(model, &kinematics, camera),
+            sides: context.views.side_marks.then(|| SideMarks::new(model, &kinematics, camera)),
             sight_ray: ray_in(context, &kinematics, pose, index, camera),
             quick_outline: quick_outline(context, pose, &limbs),
             limbs,
@@ -161,7 +161,7 @@ impl<'a> CameraPane<'a> {
             limits: &self.limits,
             // Four views need not say the same.
             says_limits: context.drag.camera.unwrap_or(context.selection.camera) == index,
-            sides: preferences.settings.side_marks.then_some(&self.sides),
+            sides: self.sides.as_ref(),
             overlap: predicted.and_then(|camera| camera.overlap),
             is_overlap_stale: session.is_stale,
             is_used: uses.is_some_and(|used| used.used),

@@ -93,6 +93,8 @@ pub struct Model {
     rotation_owners: Vec<usize>,
     rotation_parents: Vec<Option<usize>>,
     rotations_parents_first: Vec<usize>,
+    /// By limb, the one on the other side of the body: views ask for it in every frame.
+    mirrored: Vec<usize>,
 }
 
 impl Model {
@@ -178,7 +180,7 @@ impl Model {
         let depth = |rotation: usize| std::iter::successors(Some(rotation), |&r| rotation_parents[r]).count();
         let mut rotations_parents_first: Vec<usize> = (0..rotation_owners.len()).collect();
         rotations_parents_first.sort_by_key(|&rotation| depth(rotation));
-        let limbs = order
+        let limbs: Vec<Limb> = order
             .iter()
             .map(|&index| {
                 let limb = &spec.limbs[index];
@@ -195,12 +197,14 @@ impl Model {
                 }
             })
             .collect();
+        let mirrored = mirrored_limbs(&limbs);
         Self {
             name: spec.name.clone(),
             limbs,
             rotation_owners: rotation_owners.into_iter().map(|owner| place[owner]).collect(),
             rotation_parents,
             rotations_parents_first,
+            mirrored,
         }
     }
 
@@ -311,14 +315,19 @@ impl Model {
     /// The limb on the other side of the body ("right …" and "left …"); itself when there is none.
     #[must_use]
     pub fn mirrored_limb(&self, limb: usize) -> usize {
-        let name = &self.limbs[limb].name;
-        let other = match (name.strip_prefix("right "), name.strip_prefix("left ")) {
-            (Some(rest), _) => format!("left {rest}"),
-            (_, Some(rest)) => format!("right {rest}"),
-            _ => return limb,
-        };
-        self.limb_index(&other).unwrap_or(limb)
+        self.mirrored[limb]
     }
+}
+
+/// By limb, the index of the limb on the other side; its own where there is none.
+fn mirrored_limbs(limbs: &[Limb]) -> Vec<usize> {
+    let other = |limb: &Limb| match (limb.name.strip_prefix("right "), limb.name.strip_prefix("left ")) {
+        (Some(rest), _) => Some(format!("left {rest}")),
+        (_, Some(rest)) => Some(format!("right {rest}")),
+        _ => None,
+    };
+    let index_of = |name: String| limbs.iter().position(|limb| limb.name == name);
+    limbs.iter().enumerate().map(|(index, limb)| other(limb).and_then(index_of).unwrap_or(index)).collect()
 }
 
 /// A unit direction is kept to the bit, so that a model written and read again is the same.
