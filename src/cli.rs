@@ -8,6 +8,7 @@
 //! | `fit` | `backlit fit` |
 //! | `fit_body`, `fit_body_report` | `backlit fit-body` |
 //! | `evidence` | silhouettes and grey levels from a folder |
+//! | `import` | `backlit import` |
 //! | `track` | `backlit track` |
 //! | `track_report`, `track_files` | what a track is worth, and the files with it |
 //! | `export` | `backlit export` |
@@ -16,6 +17,8 @@
 //! | `cameras` | `backlit cameras` |
 //! | `experiment` | `backlit experiment`: one file an experiment |
 //! | `take_options` | options that choose frames, cameras and start |
+//! | `reference_options` | options that name keypoints to compare with |
+//! | `own_body` | a start and sizes where the take has none |
 //! | `inspector` | `backlit [TAKE]`: the window, or what it would have shown |
 //! | `screenshot` | `backlit screenshot` |
 //! | `table` | tables for people |
@@ -32,9 +35,12 @@ pub(crate) mod fit;
 pub(crate) mod fit_body;
 pub(crate) mod fit_body_report;
 pub(crate) mod fit_options;
+pub(crate) mod import;
 pub(crate) mod inspector;
 pub(crate) mod observability;
 pub(crate) mod output;
+pub(crate) mod own_body;
+pub(crate) mod reference_options;
 pub(crate) mod render;
 pub(crate) mod screenshot;
 pub(crate) mod silhouettes;
@@ -69,6 +75,7 @@ pub fn run() -> ExitCode {
         Some(Command::Fit(arguments)) => fit::run(&arguments),
         Some(Command::FitBody(arguments)) => fit_body::run(&arguments),
         Some(Command::Track(arguments)) => track::run(&arguments),
+        Some(Command::Import(arguments)) => import::run(&arguments),
         Some(Command::Export(arguments)) => export::run(&arguments),
         Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),
         Some(Command::Observability(arguments)) => observability::run(&arguments),

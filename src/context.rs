@@ -246,6 +246,10 @@ pub(crate) enum Request {
     OpenOutside(String),
     /// A command was chosen in the palette.
     Used(Command),
+    /// Lay the card of a new take over the window.
+    NewTakeCard,
+    /// Close what lies over the window.
+    CloseCard,
     /// Lay the card of the export over the window.
     ExportCard,
     /// Begin the export that was put together on its card.

@@ -37,5 +37,6 @@ pub(crate) enum Overlay {
     Messages,
     About,
     Export,
+    NewTake,
     UnsavedWork,
 }

@@ -36,6 +36,7 @@ impl App {
         self.inspector.shell.overlay = None;
         match dropped {
             Dropped::Open(path) => self.open_path(&path),
+            Dropped::New(paths) => self.new_take(paths),
             Dropped::Unknown(path, why) => {
                 self.inspector.state.notices.error(format!("{}: {why}.", path.display()));
             }

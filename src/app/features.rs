@@ -16,6 +16,10 @@ impl Inspector {
             |fit, context, requests| fit.update(context, requests),
         );
         self.with(|features| &mut features.basin, |basin, context, requests| basin.update(context, requests));
+        self.update_feature(
+            |features| &mut features.new_take,
+            |new_take, context, requests| new_take.update(context, requests),
+        );
         self.update_feature(|features| &mut features.export, |export, _, requests| export.update(requests));
         self.update_feature(
             |features| &mut features.convergence,

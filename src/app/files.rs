@@ -38,6 +38,7 @@ impl App {
 
     pub(crate) fn file_command(&mut self, command: FileCommand) {
         match command {
+            FileCommand::NewTake => self.new_take(Vec::new()),
             FileCommand::OpenTake => self.ask_for_file(Asked::Take),
             FileCommand::OpenBuiltIn => self.open(Opening::Take(TakeSource::BuiltIn)),
             FileCommand::OpenProject => self.ask_for_file(Asked::Project),
@@ -46,6 +47,14 @@ impl App {
             FileCommand::SaveAs => self.ask_for_file(Asked::SaveAs),
             FileCommand::Quit => self.inspector.state.egui.send_viewport_cmd(egui::ViewportCommand::Close),
         }
+    }
+
+    /// Lays the card of a new take over the window; folders or files that are named are looked at at once.
+    pub fn new_take(&mut self, paths: Vec<PathBuf>) {
+        self.with(
+            |features| &mut features.new_take,
+            |new_take, context, requests| new_take.open(paths, context, requests),
+        );
     }
 
     /// Says that a project's take is not where it was, and offers to look for it.

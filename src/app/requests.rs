@@ -168,6 +168,8 @@ impl Inspector {
             }
             Request::Used(command) => self.state.preferences.use_command(command.text()),
             Request::RecoveryCard => self.shell.overlay = Some(Overlay::UnsavedWork),
+            Request::NewTakeCard => self.shell.overlay = Some(Overlay::NewTake),
+            Request::CloseCard => self.shell.overlay = None,
             Request::ExportCard => self.shell.overlay = Some(Overlay::Export),
             Request::Status(text) => self.state.status = text,
             Request::Inform(text, next) => self.state.notices.info(self.state.now, text, next),

@@ -267,6 +267,7 @@ fn overlay_name(overlay: &Overlay) -> &'static str {
         Overlay::Messages => "messages",
         Overlay::About => "about",
         Overlay::Export => "export",
+        Overlay::NewTake => "new take",
         Overlay::UnsavedWork => "unsaved work",
     }
 }

@@ -6,7 +6,7 @@ use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use super::{
-    cameras, experiment, export, fit, fit_body, observability, render, screenshot, silhouettes, track,
+    cameras, experiment, export, fit, fit_body, import, observability, render, screenshot, silhouettes, track,
 };
 
 const ABOUT: &str =
@@ -16,6 +16,7 @@ const EXAMPLES: &str = "\
 Examples:
   backlit                     the window, on the built-in take
   backlit TAKE                the window, on a take of yours or a .backlit project
+  backlit import my_project --out TAKE
   backlit track TAKE --out results
   backlit export results --to bvh,glb --out motion
   backlit fit TAKE --frame 12
@@ -43,6 +44,8 @@ pub(crate) struct Cli {
 /// One thing to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    /// Make a take of footage and a calibration: videos or pictures, a project of another tool
+    Import(import::ImportArguments),
     /// Draw the silhouettes that a pose predicts, one picture a camera
     Render(render::RenderArguments),
     /// Fit a pose to the silhouettes of one moment

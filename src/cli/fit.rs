@@ -116,7 +116,7 @@ fn read(arguments: &FitArguments) -> anyhow::Result<Problem> {
         let footage = take_options::open(take)?;
         let cameras: Vec<usize> = (0..footage.cameras().len()).collect();
         let views = footage.fit_views(&cameras, frame)?;
-        let start = arguments.start.pose(footage.take(), frame)?;
+        let start = arguments.start.pose(&footage, &cameras, frame, &arguments.solver.options()?)?;
         return Ok(Problem { model: Arc::clone(footage.take().model()), views, start });
     }
     let (Some(model), Some(cameras)) = (&arguments.model, &arguments.cameras) else {

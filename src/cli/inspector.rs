@@ -59,7 +59,7 @@ fn track(footage: &Footage) -> anyhow::Result<TrackReport> {
     let take = footage.take();
     let frames: Vec<usize> = (0..take.frame_count()).collect();
     let cameras: Vec<usize> = (0..take.rig().count()).collect();
-    let start = StartArguments::none().pose(take, 0)?;
+    let start = StartArguments::none().pose(footage, &cameras, 0, &FitOptions::default())?;
     let tracker = Tracker::new(Arc::clone(take.model()), FitOptions::default(), start)?;
     let mut report = TrackReport::new(take, &cameras, None);
     follow(footage, &cameras, &frames, tracker, &mut report, |_| Ok(()))?;

@@ -71,7 +71,7 @@ pub(crate) fn run(arguments: &ObservabilityArguments) -> anyhow::Result<()> {
     };
     let model = Arc::clone(footage.take().model());
     let views = footage.fit_views(&all, arguments.frame)?;
-    let start = arguments.start.pose(footage.take(), arguments.frame)?;
+    let start = arguments.start.pose(&footage, &used, arguments.frame, &options)?;
     let pose: Pose = if arguments.no_fit {
         start
     } else {

@@ -9,7 +9,9 @@ use backlit_formats::{Footage, Take, model_file};
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
+use backlit_tracking::fit::FitOptions;
 use clap::Args;
+
 use clap::error::ErrorKind;
 
 /// Which part of a take.
@@ -97,7 +99,7 @@ impl FromStr for FrameRange {
 #[command(next_help_heading = "Where to begin")]
 pub(crate) struct StartArguments {
     /// A backlit-pose file, or the word reference: a pose made from the reference keypoints of the first frame
-    /// [default: the take's own start, else reference]
+    /// [default: the take's own start, else reference, else found from the silhouettes]
     #[arg(long, value_name = "POSE")]
     pub(crate) start: Option<PathBuf>,
     /// Noise on it: an angle for every rotation and a distance for the root, e.g. 5deg,3cm
@@ -114,11 +116,11 @@ impl StartArguments {
         Self { start: None, start_noise: None, seed: 0 }
     }
 
-    /// The pose to begin `frame` with.
+    /// The pose to begin `frame` with; `None` where the take has nothing to begin with.
     ///
     /// # Errors
-    /// A pose file that cannot be read, or nothing to begin with.
-    pub(crate) fn pose(&self, take: &Take, frame: usize) -> anyhow::Result<Pose> {
+    /// A pose file that cannot be read.
+    pub(crate) fn known_pose(&self, take: &Take, frame: usize) -> anyhow::Result<Option<Pose>> {
         let pose = match &self.start {
             Some(path) if path == Path::new("reference") => {
                 from_reference(take, frame).with_context(|| {
@@ -126,17 +128,33 @@ impl StartArguments {
                 })?
             }
             Some(path) => pose_file::read(path, take.model(), Quaternions::Normalised)?,
-            None => match take.start() {
-                Some(pose) => pose.clone(),
-                None => from_reference(take, frame).with_context(|| {
-                    format!(
-                        "the take has no `start`, and no reference keypoints in frame {frame} to make one from; \
-                         give a pose with --start POSE"
-                    )
-                })?,
+            None => match take.start().cloned().or_else(|| from_reference(take, frame)) {
+                Some(pose) => pose,
+                None => return Ok(None),
             },
         };
-        Ok(self.with_noise(take.model(), pose))
+        Ok(Some(self.with_noise(take.model(), pose)))
+    }
+
+    /// The pose to begin `frame` with: as [`known_pose`](Self::known_pose), else found from the silhouettes.
+    ///
+    /// # Errors
+    /// A pose file that cannot be read, or silhouettes that show nobody.
+    pub(crate) fn pose(
+        &self,
+        footage: &Footage,
+        cameras: &[usize],
+        frame: usize,
+        fit: &FitOptions,
+    ) -> anyhow::Result<Pose> {
+        let take = footage.take();
+        match self.known_pose(take, frame)? {
+            Some(pose) => Ok(pose),
+            None => {
+                let found = own_body::search_start(footage, cameras, frame, fit, false)?;
+                Ok(self.with_noise(take.model(), found.pose().clone()))
+            }
+        }
     }
 
     /// The pose to begin with where there is no take.

@@ -6,7 +6,7 @@ use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
-use backlit_formats::{Footage, Take};
+use backlit_formats::{Footage, Take, model_file};
 use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::filter::Innovation;
@@ -17,6 +17,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::fit_options::SolverArguments;
 use super::output;
+use super::own_body;
+use super::reference_options::ReferenceArguments;
 use super::take_options::{self, PartArguments, StartArguments};
 use super::track_files;
 use super::track_report::{Smoothing, TrackReport};
@@ -31,6 +33,8 @@ Writes to the folder of --out:
   joints.csv    the positions of the joints as a table: frame,joint,x,y,z
   frames.csv    cost, overlap (IoU) by camera and iterations of every frame
   summary.json  what --json prints
+  body.toml     the person's body, where sizes were fitted
+A take without a start is searched for one; one with `sizes = "fit"`, as import writes it, gets the person's own sizes first.
 Joints are named after the limb whose second joint they are, or root. With reference keypoints in the take,
 joint errors are reported: millimetres between the fitted joint and the keypoint.
 IoU is intersection over union of silhouette and model; unknown pixels do not count.
@@ -38,6 +42,7 @@ A time is from frame to frame, reading and segmentation included.
 
 Examples:
   backlit track TAKE --out results
+  backlit track TAKE --out results --reference other_tool.trc
   backlit track TAKE --out results --preset report --cameras cam01,cam03 --frames 10..40
   backlit track TAKE --out results --start reference --start-noise 5deg,3cm --seed 7 --json
   backlit track TAKE --out results --model person.toml --motion smoothed --search
@@ -65,6 +70,8 @@ pub(crate) struct TrackArguments {
     part: PartArguments,
     #[command(flatten)]
     start: StartArguments,
+    #[command(flatten)]
+    reference: ReferenceArguments,
     #[command(flatten)]
     follow: FollowArguments,
 }
@@ -186,12 +193,19 @@ pub(crate) enum MotionWord {
 /// A take that cannot be read. What was tracked until then is written.
 pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let smoothing = arguments.follow.smoothing()?;
-    let footage = take_options::open_with_model(&arguments.take, arguments.model.as_deref())?;
-    let take = footage.take();
-    let frames = arguments.part.frames(take)?;
-    let cameras = arguments.part.cameras(take)?;
-    let start = arguments.start.pose(take, frames[0])?;
+    let mut footage = take_options::open_with_model(&arguments.take, arguments.model.as_deref())?;
+    let frames = arguments.part.frames(footage.take())?;
+    let cameras = arguments.part.cameras(footage.take())?;
+    let known = arguments.start.known_pose(footage.take(), frames[0])?;
+    let fit = arguments.follow.solver.options()?;
     output::make_folder(&arguments.out)?;
+    let (start, body, begun) = own_body::begin(&footage, &cameras, &frames, &fit, known)?;
+    if let Some(body) = body {
+        model_file::write(&arguments.out.join("body.toml"), &body)?;
+        footage = Footage::new(Take::open_with_model(&arguments.take, body)?);
+    }
+    let take = footage.take();
+    let judge = arguments.reference.take(take)?;
     let mut noise = arguments.follow.noise()?;
     if arguments.tune {
         if !arguments.follow.is_kalman() {
@@ -219,6 +233,10 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
         })?;
     }
     report.finish(take);
+    report.begun = Some(begun);
+    if let Some(judge) = &judge {
+        report.judge(judge);
+    }
     if !report.track().frames.is_empty() {
         track_files::write(&arguments.out, take, &report)?;
     }

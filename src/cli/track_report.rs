@@ -9,6 +9,7 @@ use backlit_tracking::render::RendererKind;
 use backlit_tracking::track::{FixedLagSmoother, FrameEstimate, SmoothingError, Track, smoothed};
 use serde::Serialize;
 
+use super::own_body::Begun;
 use super::table::Table;
 use super::take_options::reference_joints;
 
@@ -26,6 +27,8 @@ pub(crate) struct TrackReport {
     errors: JointErrors,
     last_iou: Option<f64>,
     jitter_mm: Option<f64>,
+    /// What was found before tracking began.
+    pub(crate) begun: Option<Begun>,
 }
 
 /// The summary as JSON has it.
@@ -41,6 +44,9 @@ pub(crate) struct TrackSummary {
     /// Mean second difference of all joints from frame to frame; null for fewer than three frames.
     jitter_mm: Option<f64>,
     ms_per_frame: TimeSummary,
+    /// What was found before tracking began: a start, sizes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    begun: Option<Begun>,
 }
 
 #[derive(Debug, Serialize)]
@@ -124,6 +130,7 @@ impl TrackReport {
             errors: JointErrors::default(),
             last_iou: None,
             jitter_mm: None,
+            begun: None,
         }
     }
 
@@ -175,12 +182,17 @@ impl TrackReport {
             }
         } else if self.keeps_beliefs {
             self.track = smoothed(&self.track, None)?;
-            self.errors = JointErrors::default();
-            for estimate in self.track.frames.values() {
-                self.errors.add(take.model(), &estimate.pose, &reference_joints(take, estimate.frame));
-            }
+            self.judge(take);
         }
         Ok(())
+    }
+
+    /// Measures all frames against a take's reference keypoints.
+    pub(crate) fn judge(&mut self, take: &Take) {
+        self.errors = JointErrors::default();
+        for estimate in self.track.frames.values() {
+            self.errors.add(take.model(), &estimate.pose, &reference_joints(take, estimate.frame));
+        }
     }
 
     /// Measures a frame's overlap anew.
@@ -263,6 +275,7 @@ impl TrackReport {
                 median: times.map_or(0.0, |times| times.median),
                 p95: times.map_or(0.0, |times| times.p95),
             },
+            begun: self.begun.clone(),
         }
     }
 

@@ -90,9 +90,11 @@ fn file(command: FileCommand, context: &Context<'_>) -> Why {
     match command {
         FileCommand::FindTake => because(!context.lacks_take, "No project has lost its take"),
         FileCommand::Save | FileCommand::SaveAs => no_take(context),
-        FileCommand::OpenTake | FileCommand::OpenBuiltIn | FileCommand::OpenProject | FileCommand::Quit => {
-            None
-        }
+        FileCommand::NewTake
+        | FileCommand::OpenTake
+        | FileCommand::OpenBuiltIn
+        | FileCommand::OpenProject
+        | FileCommand::Quit => None,
     }
 }
 

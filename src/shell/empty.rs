@@ -33,10 +33,11 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, recovery: &Recovery, reques
                 ui.label(RichText::new(text).text_style(title()).color(palette.text));
                 ui.add_space(16.0);
             }
-            ui.allocate_ui_with_layout(vec2(182.0, 28.0), Direction::left_to_right(Align::Center), |ui| {
+            ui.allocate_ui_with_layout(vec2(282.0, 28.0), Direction::left_to_right(Align::Center), |ui| {
                 // The likely next act is to go on with what was left.
                 let open = if is_offered { button } else { primary };
                 open(ui, context, requests, Command::File(FileCommand::OpenTake));
+                button(ui, context, requests, Command::File(FileCommand::NewTake));
                 named_button(ui, context, requests, Command::File(FileCommand::OpenBuiltIn), "Built-in take");
             });
             if is_offered {
@@ -48,7 +49,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, recovery: &Recovery, reques
                 recent::rows(ui, context, requests, false);
                 ui.add_space(8.0);
             }
-            let text = "A take is a folder with a take.toml. Drop one anywhere to open it.";
+            let text = "A take is a folder with a take.toml: drop one anywhere to open it, or drop footage to make one.";
             ui.label(RichText::new(text).small().color(palette.text3));
         });
     });

@@ -9,6 +9,8 @@ const HEAD: u64 = 4096;
 /// What is to be done with files.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Dropped {
+    /// A take is made of footage and a calibration.
+    New(Vec<PathBuf>),
     /// A take or a project is opened.
     Open(PathBuf),
     /// Its cameras replace the take's.
@@ -30,6 +32,9 @@ impl Dropped {
         if !paths.is_empty() && paths.iter().all(|path| is_png(path) && path.is_file()) {
             return Self::Masks(paths.to_vec());
         }
+        if paths.iter().any(|path| has_footage(path)) {
+            return Self::New(paths.to_vec());
+        }
         match paths.first() {
             Some(path) => of_one(path),
             None => Self::Unknown(PathBuf::new(), "nothing was dropped"),
@@ -48,6 +53,9 @@ impl Dropped {
                 .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
         };
         match self {
+            Self::New(paths) => {
+                ("Make a take of this footage".to_owned(), paths.first().map_or_else(String::new, |path| name(path)))
+            }
             Self::Open(path) if ending(path) == "backlit" => ("Open this project".to_owned(), name(path)),
             Self::Open(path) => ("Open this take".to_owned(), name(path)),
             Self::Calibration(path) => ("Replace the take’s cameras by these".to_owned(), name(path)),
@@ -65,6 +73,22 @@ impl Dropped {
             }
         }
     }
+}
+
+/// Whether it is a video, or a folder with footage in it that is not a take already.
+fn has_footage(path: &Path) -> bool {
+    const VIDEOS: [&str; 8] = ["mp4", "mov", "avi", "mkv", "webm", "m4v", "mts", "wmv"];
+    let is_video = |path: &Path| VIDEOS.contains(&ending(path).as_str());
+    if !path.is_dir() {
+        return is_video(path);
+    }
+    let entries = |folder: &Path| std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let has_config = ["Config.toml", "intri.yml", "camera_array.toml"].iter().any(|name| path.join(name).is_file());
+    !path.join("take.toml").is_file()
+        && (has_config
+            || entries(path).take(1000).any(|inside| {
+                is_video(&inside) || inside.is_dir() && entries(&inside).take(1000).any(|video| is_video(&video))
+            }))
 }
 
 fn of_one(path: &Path) -> Dropped {

@@ -93,11 +93,22 @@ impl Footage {
             pictures.iter().map(|picture| self.rectified(camera, picture)).collect::<Result<_, _>>()?;
         let background = match pictures.as_slice() {
             [] => return Err(FootageError::NoBackground { camera: name() }),
-            [plate] => Background::from_plate(plate),
+            [plate] => self.plate(camera, plate)?,
             frames => Background::from_frames(frames)
                 .map_err(|error| FootageError::Background { camera: name(), error })?,
         };
         Ok(self.backgrounds[camera].get_or_init(|| background))
+    }
+
+    /// A plate, of which only what is not transparent is believed.
+    fn plate(&self, camera: usize, plate: &RgbImage) -> Result<Background, FootageError> {
+        let background = Background::from_plate(plate);
+        let Some(known) = self.take.known_background(camera)? else { return Ok(background) };
+        let known = self.rectifications[camera].nearest(&known, true).unwrap_or_default();
+        background.with_known(&known).map_err(|error| FootageError::Background {
+            camera: self.cameras[camera].name().to_owned(),
+            error,
+        })
     }
 
     /// The silhouette in a picture of [`picture`](Self::picture). Where the lens saw nothing it is unknown.

@@ -21,6 +21,44 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<RgbImage, FileError> {
     decode_any(path, bytes).map(DynamicImage::into_rgb8)
 }
 
+/// Which pixels of a picture are not transparent, row by row; `None` for a picture without an alpha channel.
+///
+/// # Errors
+/// As [`decode`].
+pub fn opaque_pixels(path: &Path, bytes: &[u8]) -> Result<Option<Vec<bool>>, FileError> {
+    let picture = decode_any(path, bytes)?;
+    let has_alpha = picture.color().has_alpha();
+    Ok(has_alpha.then(|| picture.into_rgba8().pixels().map(|pixel| pixel[3] >= 128).collect()))
+}
+
+/// The picture at a part of its size: each square of `divisor`² pixels is averaged to one. Columns at the right and rows at
+/// the bottom that fill no square are left out; a divisor larger than a side counts as that side.
+#[must_use]
+pub fn reduced(picture: &RgbImage, divisor: u32) -> RgbImage {
+    let divisor = divisor.clamp(1, picture.width().min(picture.height()).max(1));
+    if divisor == 1 {
+        return picture.clone();
+    }
+    let (width, side) = ((picture.width() / divisor) as usize, divisor as usize);
+    let mut out = RgbImage::new(width as u32, picture.height() / divisor);
+    let stride = 3 * picture.width() as usize;
+    let rows = picture.as_raw().chunks_exact(stride * side);
+    let area = divisor * divisor;
+    let mut sums = vec![0_u32; 3 * width];
+    for (out, rows) in out.chunks_exact_mut(3 * width).zip(rows) {
+        sums.fill(0);
+        for row in rows.chunks_exact(stride) {
+            for (sums, square) in sums.chunks_exact_mut(3).zip(row.chunks_exact(3 * side)) {
+                for pixel in square.chunks_exact(3) {
+                    sums.iter_mut().zip(pixel).for_each(|(sum, &level)| *sum += u32::from(level));
+                }
+            }
+        }
+        out.iter_mut().zip(&sums).for_each(|(level, sum)| *level = ((sum + area / 2) / area) as u8);
+    }
+    out
+}
+
 /// Decodes a picture as grey levels.
 ///
 /// # Errors

@@ -9,6 +9,8 @@
 //! | [`footage`] | a take's rectified pictures and silhouettes |
 //! | [`model_file`] | body models |
 //! | [`pose_file`] | poses |
+//! | [`mod@import`] | a take made of footage and a calibration |
+//! | [`keypoints`], [`trc`] | what other tools found in the same footage |
 //! | [`starts_file`] | starts of fits of known truth |
 //! | [`calibration`] | cameras, in several formats |
 //! | [`export`] | tracks as tables and JSON |
@@ -25,7 +27,9 @@ pub mod export;
 pub mod files;
 pub mod footage;
 pub mod images;
+pub mod import;
 mod json_text;
+pub mod keypoints;
 pub mod model_file;
 pub mod motion;
 pub mod npy;
@@ -34,6 +38,7 @@ pub mod starts_file;
 pub mod take;
 mod text;
 mod toml_text;
+pub mod trc;
 
 pub use error::{FileError, FileProblem, TextFormat, reason};
 pub use files::{DiskFiles, MAX_TEXT_BYTES, MemoryFiles, TakeFiles};

@@ -23,5 +23,5 @@ pub use error::TakeError;
 pub use footage::{BackgroundSource, CameraFootage, MAX_BACKGROUND_FRAMES, MAX_FRAMES};
 pub use frame_pattern::{FramePattern, PatternError};
 pub use reference::{Joint, Reference};
-pub use spec::FORMAT;
+pub use spec::{BodySizes, FORMAT};
 pub use take::{FILE_NAME, Take};

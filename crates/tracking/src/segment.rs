@@ -1,6 +1,7 @@
 //! From footage to silhouettes: background subtraction for a camera that stands still.
 //!
-//! [`Background`] is what the camera sees without the subject. [`segment`] compares a frame with it, pixel by pixel
+//! [`Background`] is what the camera sees without the subject; [`learn_plate`] learns it from footage that never shows the
+//! scene alone. [`segment`] compares a frame with it, pixel by pixel
 //! (report section 6: foreground where |i − µ| > βσ), takes shadows (6.12) and undecidable dark places out of the decision,
 //! cleans the result with morphology and by the size of its components, and returns a [`Mask`](crate::silhouette::Mask).
 //!
@@ -12,6 +13,7 @@ mod components;
 mod dont_know;
 mod exposure;
 mod gradient;
+mod learning;
 mod morphology;
 mod options;
 mod shadow;
@@ -20,6 +22,7 @@ mod threshold;
 
 pub use background::{Background, BackgroundError};
 pub use dont_know::DontKnowOptions;
+pub use learning::{LearningFrame, LearningOptions, LearntPlate, learn_plate};
 pub use options::{BETA, SegmentOptions};
 pub use shadow::{ShadowOptions, ShadowTest};
 pub use subtraction::{SegmentError, Segmenter, segment};

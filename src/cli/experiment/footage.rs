@@ -64,7 +64,9 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (frames, cameras) = (arguments.part.frames(take)?, arguments.part.cameras(take)?);
     let mut starts = Vec::new();
     for seed in (arguments.start.seed..).take(arguments.starts as usize) {
-        let start = StartArguments { seed, ..arguments.start.clone() }.pose(take, frames[0])?;
+        let fit = arguments.follow.solver.options()?;
+        let start = StartArguments { seed, ..arguments.start.clone() };
+        let start = start.pose(&footage, &cameras, frames[0], &fit)?;
         starts.push((
             seed,
             arguments.follow.tracker(take, start)?,

@@ -7,7 +7,7 @@ use backlit_formats::Take;
 use backlit_lab::experiment::fig55::Way;
 use backlit_lab::experiment::looks::Look;
 use backlit_lab::experiment::sequence::Sequence;
-use backlit_tracking::fit::DataView;
+use backlit_tracking::fit::{DataView, FitOptions};
 use clap::Args;
 use serde::Serialize;
 
@@ -79,7 +79,7 @@ impl SequenceArguments {
         if self.cameras.is_none() {
             cameras.truncate(CAMERAS);
         }
-        let start = StartArguments::none().pose(take, 0)?;
+        let start = StartArguments::none().pose(&footage, &cameras, 0, &FitOptions::default())?;
         Ok(Sequence::of_take(&footage, &cameras, frames, start, size_px)?)
     }
 

@@ -11,7 +11,7 @@ use crate::context::preferences::Layout;
 
 group! {
     /// Takes and projects.
-    FileCommand { OpenTake, OpenBuiltIn, OpenProject, FindTake, Save, SaveAs, Quit }
+    FileCommand { NewTake, OpenTake, OpenBuiltIn, OpenProject, FindTake, Save, SaveAs, Quit }
 }
 
 group! {

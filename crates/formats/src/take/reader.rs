@@ -18,7 +18,11 @@ use super::{
 use crate::calibration::{self, CalibrationOptions};
 use crate::text::line_at;
 use crate::toml_text::{self, Step};
+use crate::trc::Axes;
 use crate::{FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles};
+
+/// Pictures are reduced by no more than this.
+const MAX_REDUCTION: u32 = 64;
 
 /// A take file's text and where its paths lead.
 pub(super) struct Reader<'a> {
@@ -87,6 +91,15 @@ impl<'a> Reader<'a> {
             cameras.push(all.cameras()[index].clone());
         }
         Rig::new(cameras).map_err(|error| FileError::new(self.path, FileProblem::Rig { error }))
+    }
+
+    /// By how much pictures are reduced before anything is done with them.
+    pub(super) fn reduction(&self, spec: &TakeSpec) -> Result<u32, FileError> {
+        let Some(value) = &spec.reduction else { return Ok(1) };
+        let reduction = u32::try_from(*value.get_ref()).ok().filter(|by| (1..=MAX_REDUCTION).contains(by));
+        reduction.ok_or_else(|| {
+            self.field(value, "reduction", format!("a whole number from 1 to {MAX_REDUCTION}"))
+        })
     }
 
     /// All cameras' footage and how many frames it has.
@@ -214,7 +227,16 @@ impl<'a> Reader<'a> {
             })?;
             markers.push((marker.clone(), joint));
         }
+        let axes = match &spec.axes {
+            Some(text) => Axes::parse(text.get_ref()).ok_or_else(|| {
+                let expected =
+                    "three letters that turn the table's axes to the world's, as \"zxy\" or \"x-zy\"";
+                self.field(text, "reference.axes", expected.to_owned())
+            })?,
+            None => Axes::default(),
+        };
         let options = ReferenceOptions {
+            axes,
             markers: spec.markers.is_some().then_some(&markers),
             first_frame: spec.first_frame,
             frame_count,

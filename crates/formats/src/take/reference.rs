@@ -4,9 +4,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use backlit_tracking::body::Model;
+use backlit_tracking::camera::{Camera, Rig};
 use backlit_tracking::metrics::ReferenceJoints;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
+use crate::trc::{self, Axes, limb_of_marker};
 use crate::{FileError, FileProblem, TextFormat, text};
 
 /// The word for the root where a limb's name stands for its second joint.
@@ -58,6 +60,8 @@ pub(super) struct ReferenceOptions<'a> {
     pub(super) frame_count: usize,
     /// Metres in one unit of the table.
     pub(super) metres_per_unit: f64,
+    /// Which of the table's axes are the world's.
+    pub(super) axes: Axes,
 }
 
 impl Reference {
@@ -79,13 +83,40 @@ impl Reference {
         self.frame(frame).map(|(_, joint, position)| (joint.limb(), position)).collect()
     }
 
-    /// Parses a table `frame,marker,x,y,z` (`joint` may stand for `marker`); further columns are not read.
+    /// The number of a table's first row; 0 for a table without rows, and for CSV, whose rows may be in any order.
+    ///
+    /// # Errors
+    /// It cannot be parsed.
+    pub(super) fn first_frame(path: &Path, bytes: &[u8]) -> Result<u64, FileError> {
+        if !trc::is_one(bytes) {
+            return Ok(0);
+        }
+        Ok(trc::parse(path, bytes)?.rows.first().map_or(0, |row| row.frame))
+    }
+
+    /// How many of the points lie in the pictures of cameras, counted in each.
+    pub(super) fn count_seen(&self, rig: &Rig) -> usize {
+        let points = self.frames.values().flatten().map(|&(_, point)| point);
+        let is_seen = |camera: &Camera, point: DVec3| {
+            camera.project(point).is_some_and(|pixel| {
+                pixel.cmpge(DVec2::ZERO).all()
+                    && pixel.x < camera.width() as f64
+                    && pixel.y < camera.height() as f64
+            })
+        };
+        points.map(|point| rig.cameras().iter().filter(|camera| is_seen(camera, point)).count()).sum()
+    }
+
+    /// Parses a TRC, whose unit is its own, or a table `frame,marker,x,y,z` (`joint` may stand for `marker`); further columns are not read.
     pub(super) fn parse(
         path: &Path,
         bytes: &[u8],
         model: &Model,
         options: &ReferenceOptions<'_>,
     ) -> Result<Self, FileError> {
+        if trc::is_one(bytes) {
+            return Self::of_trc(path, bytes, model, options);
+        }
         let text = text::decode(path, bytes)?;
         let mut table = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
         let syntax = |error: &csv::Error| {
@@ -110,13 +141,52 @@ impl Reference {
             }
             reference.insert(&row, &columns, marker, name, options)?;
         }
-        if let Some(unseen) = seen.iter().position(|seen| !seen) {
-            let problem = FileProblem::Field {
-                field: "marker".to_owned(),
-                found: format!("never \"{}\"", reference.markers[unseen].0),
-                expected: "every marker that the take maps to a joint".to_owned(),
-            };
-            return Err(FileError::new(path, problem));
+        match seen.iter().position(|seen| !seen) {
+            Some(unseen) => Err(reference.never_seen(path, unseen)),
+            None => Ok(reference),
+        }
+    }
+
+    fn never_seen(&self, path: &Path, marker: usize) -> FileError {
+        let problem = FileProblem::Field {
+            field: "marker".to_owned(),
+            found: format!("never \"{}\"", self.markers[marker].0),
+            expected: "every marker that the take maps to a joint".to_owned(),
+        };
+        FileError::new(path, problem)
+    }
+
+    /// Without a map of markers, those count that other tools give a joint of the model.
+    fn of_trc(
+        path: &Path,
+        bytes: &[u8],
+        model: &Model,
+        options: &ReferenceOptions<'_>,
+    ) -> Result<Self, FileError> {
+        let table = trc::parse(path, bytes)?;
+        let markers = options.markers.map_or_else(
+            || {
+                let joint =
+                    |marker: &String| Some((marker.clone(), Joint::named(model, &limb_of_marker(marker)?)?));
+                table.markers.iter().filter_map(joint).collect()
+            },
+            <[_]>::to_vec,
+        );
+        let mut reference = Self { markers, frames: BTreeMap::new() };
+        let column = |marker: &str| table.markers.iter().position(|name| name == marker);
+        let columns: Vec<Option<usize>> =
+            reference.markers.iter().map(|(marker, _)| column(marker)).collect();
+        if let Some(unseen) = columns.iter().position(Option::is_none) {
+            return Err(reference.never_seen(path, unseen));
+        }
+        for row in &table.rows {
+            let frame =
+                row.frame.checked_sub(options.first_frame).and_then(|frame| usize::try_from(frame).ok());
+            let Some(frame) = frame.filter(|&frame| frame < options.frame_count) else { continue };
+            let seen = columns.iter().enumerate().filter_map(|(marker, column)| {
+                row.points.get((*column)?).copied().flatten().map(|point| (marker, options.axes.world(point)))
+            });
+            reference.frames.insert(frame, seen.collect());
         }
         Ok(reference)
     }
@@ -165,7 +235,7 @@ impl Reference {
             let field = format!("frame {number}, marker {name}");
             return Err(row.problem(FileProblem::Duplicate { field }));
         }
-        seen.push((marker, position));
+        seen.push((marker, options.axes.world(position)));
         Ok(())
     }
 }

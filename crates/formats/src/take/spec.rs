@@ -20,12 +20,27 @@ pub(super) struct TakeSpec {
     pub(super) footage: Option<Spanned<String>>,
     pub(super) model: Spanned<String>,
     pub(super) start: Option<Spanned<String>>,
+    #[serde(default)]
+    pub(super) sizes: BodySizes,
+    pub(super) reduction: Option<Spanned<u64>>,
     pub(super) cameras: CalibrationSpec,
     #[serde(rename = "camera", default)]
     pub(super) views: Vec<ViewSpec>,
     pub(super) reference: Option<ReferenceSpec>,
     #[serde(default)]
     pub(super) measurement: toml::Table,
+}
+
+/// What is known of the body's sizes.
+#[derive(Debug, Deserialize, Clone, Copy, Default, PartialEq, Eq)]
+pub enum BodySizes {
+    /// The model has the person's own sizes, or nobody asks for better ones.
+    #[default]
+    #[serde(rename = "known")]
+    Known,
+    /// The model is an average body: the person's own sizes are to be fitted before a take is tracked.
+    #[serde(rename = "fit")]
+    Fit,
 }
 
 /// Unit of lengths in files that do not say their own.
@@ -77,5 +92,6 @@ pub(super) struct ReferenceSpec {
     pub(super) keypoints: Spanned<String>,
     #[serde(default)]
     pub(super) first_frame: u64,
+    pub(super) axes: Option<Spanned<String>>,
     pub(super) markers: Option<BTreeMap<String, Spanned<String>>>,
 }

@@ -9,11 +9,13 @@ use backlit_tracking::segment::SegmentOptions;
 use image::RgbImage;
 
 use super::reader::Reader;
-use super::spec::{FORMAT, TakeSpec};
+use super::reference::ReferenceOptions;
+use super::spec::{BodySizes, FORMAT, TakeSpec};
 use super::{BackgroundSource, CameraFootage, Reference, TakeError};
 use crate::images::{self, MAX_PICTURE_BYTES};
 use crate::pose_file::{self, Quaternions};
 use crate::text::decode;
+use crate::trc::Axes;
 use crate::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles, model_file, toml_text};
 
 /// The take file in a take's folder.
@@ -34,7 +36,12 @@ pub struct Take {
     name: String,
     frame_rate: f64,
     model: Arc<Model>,
+    sizes: BodySizes,
+    /// For pictures as they are on the disk.
+    full_rig: Rig,
+    /// For pictures that are reduced.
     rig: Rig,
+    reduction: u32,
     footage: Vec<CameraFootage>,
     frame_count: usize,
     start: Option<Pose>,
@@ -96,14 +103,16 @@ impl Take {
             }
             None => None,
         };
-        let rig = reader.rig(&spec)?;
+        let full_rig = reader.rig(&spec)?;
+        let reduction = reader.reduction(&spec)?;
+        let rig = reduced_rig(&full_rig, reduction).map_err(|problem| FileError::new(path, problem))?;
         let (footage, frame_count) = reader.footage(&spec)?;
         let reference = match &spec.reference {
             Some(reference) => Some(reader.reference(reference, &model, frame_count, &spec)?),
             None => None,
         };
         let measurement = reader.measurement(&spec)?;
-        let (name, model) = (spec.name, Arc::new(model));
+        let (name, sizes, model) = (spec.name, spec.sizes, Arc::new(model));
         let path = path.to_owned();
         let take = Self {
             files,
@@ -111,7 +120,10 @@ impl Take {
             name,
             frame_rate,
             model,
+            sizes,
+            full_rig,
             rig,
+            reduction,
             footage,
             frame_count,
             start,
@@ -148,7 +160,25 @@ impl Take {
         &self.model
     }
 
-    /// The cameras, in the order of the take file.
+    /// What is known of the body's sizes.
+    #[must_use]
+    pub fn sizes(&self) -> BodySizes {
+        self.sizes
+    }
+
+    /// By how much pictures are reduced before anything is done with them; 1 for pictures as they are.
+    #[must_use]
+    pub fn reduction(&self) -> u32 {
+        self.reduction
+    }
+
+    /// The cameras for pictures as they are on the disk, in the order of the take file.
+    #[must_use]
+    pub fn full_rig(&self) -> &Rig {
+        &self.full_rig
+    }
+
+    /// The cameras for the [reduced](Self::reduction) pictures, in the order of the take file.
     #[must_use]
     pub fn rig(&self) -> &Rig {
         &self.rig
@@ -184,11 +214,19 @@ impl Take {
         &self.measurement
     }
 
-    /// A camera's picture of a frame (counted from 0), as it is on the disk: not rectified.
+    /// A camera's picture of a frame (counted from 0), reduced and not rectified.
+    ///
+    /// # Errors
+    /// As [`full_frame`](Self::full_frame).
+    pub fn frame(&self, camera: usize, frame: usize) -> Result<RgbImage, TakeError> {
+        Ok(self.reduce(self.full_frame(camera, frame)?))
+    }
+
+    /// A camera's picture of a frame (counted from 0), as it is on the disk: not reduced and not rectified.
     ///
     /// # Errors
     /// No such camera or frame, no file, not a whole picture, or not of the camera's size.
-    pub fn frame(&self, camera: usize, frame: usize) -> Result<RgbImage, TakeError> {
+    pub fn full_frame(&self, camera: usize, frame: usize) -> Result<RgbImage, TakeError> {
         let footage = self.footage_of(camera)?;
         if frame >= self.frame_count {
             return Err(TakeError::NoFrame { frame, count: self.frame_count });
@@ -200,27 +238,92 @@ impl Take {
         })
     }
 
-    /// The same take seen by other cameras: as many, for pictures of the same sizes, in the same order. `None` if they
+    /// The same take seen by other cameras: as many, for pictures of the same sizes as those on the disk, in the same order. `None` if they
     /// are not.
     #[must_use]
     pub fn with_rig(&self, rig: Rig) -> Option<Self> {
         let sizes = |rig: &Rig| -> Vec<[usize; 2]> {
             rig.cameras().iter().map(|camera| [camera.width(), camera.height()]).collect()
         };
-        (sizes(&rig) == sizes(&self.rig)).then(|| Self { rig, ..self.clone() })
+        if sizes(&rig) == sizes(&self.full_rig) {
+            let reduced = reduced_rig(&rig, self.reduction).ok()?;
+            return Some(Self { rig: reduced, full_rig: rig, ..self.clone() });
+        }
+        None
     }
 
-    /// A camera's pictures without the subject: one plate or several frames, none if the take has none. Not rectified.
+    /// The same take with other keypoints to compare with: a TRC, or a table whose markers have joints' names. Where no `axes`
+    /// are given, those are taken that put most markers into the cameras' pictures: the file's own, or those of a file for
+    /// OpenSim, Y up. The first row belongs to the first frame unless `first_frame` gives its number.
+    ///
+    /// # Errors
+    /// No such file, or not a table of keypoints of this body.
+    pub fn with_reference(
+        &self,
+        path: &Path,
+        axes: Option<Axes>,
+        first_frame: Option<u64>,
+    ) -> Result<Self, FileError> {
+        let bytes = self.files.read(path, MAX_TEXT_BYTES)?;
+        let read = |axes: Axes| {
+            let first_frame = match first_frame {
+                Some(first) => first,
+                None => Reference::first_frame(path, &bytes)?,
+            };
+            let (frame_count, markers) = (self.frame_count, None);
+            let options = ReferenceOptions { markers, first_frame, frame_count, metres_per_unit: 1.0, axes };
+            Reference::parse(path, &bytes, &self.model, &options)
+        };
+        let reference = match axes {
+            Some(axes) => read(axes)?,
+            None => {
+                let (own, y_up) = (read(Axes::default())?, read(Axes::Y_UP)?);
+                if y_up.count_seen(&self.rig) > own.count_seen(&self.rig) { y_up } else { own }
+            }
+        };
+        Ok(Self { reference: Some(reference), ..self.clone() })
+    }
+
+    /// A camera's pictures without the subject: one plate or several frames, none if the take has none. Reduced and
+    /// not rectified.
     ///
     /// # Errors
     /// No such camera, no file, not a whole picture, or not of the camera's size.
     pub fn background(&self, camera: usize) -> Result<Vec<RgbImage>, TakeError> {
         let footage = self.footage_of(camera)?;
         let paths = footage.background.as_ref().map(BackgroundSource::paths).unwrap_or_default();
-        let pictures = paths.iter().map(|path| self.picture(camera, path));
+        let pictures = paths.iter().map(|path| Ok(self.reduce(self.picture(camera, path)?)));
         pictures
             .collect::<Result<_, _>>()
             .map_err(|error| TakeError::Background { camera: footage.camera.clone(), error })
+    }
+
+    /// Which pixels of a camera's reduced plate are known, row by row: those that are not transparent. `None` where all are.
+    ///
+    /// # Errors
+    /// As [`background`](Self::background).
+    pub fn known_background(&self, camera: usize) -> Result<Option<Vec<bool>>, TakeError> {
+        let footage = self.footage_of(camera)?;
+        let Some(BackgroundSource::Plate(path)) = &footage.background else { return Ok(None) };
+        let known =
+            self.files.read(path, MAX_PICTURE_BYTES).and_then(|bytes| images::opaque_pixels(path, &bytes));
+        let known = known.map_err(|error| TakeError::Background { camera: footage.camera.clone(), error })?;
+        let (full, small) = (&self.full_rig.cameras()[camera], &self.rig.cameras()[camera]);
+        let side = self.reduction as usize;
+        Ok(known.filter(|known| known.contains(&false)).map(|known| {
+            let mut out = vec![true; small.width() * small.height()];
+            for (index, _) in known.iter().enumerate().filter(|(_, known)| !**known) {
+                let (x, y) = (index % full.width() / side, index / full.width() / side);
+                if x < small.width() && y < small.height() {
+                    out[y * small.width() + x] = false;
+                }
+            }
+            out
+        }))
+    }
+
+    fn reduce(&self, picture: RgbImage) -> RgbImage {
+        if self.reduction == 1 { picture } else { images::reduced(&picture, self.reduction) }
     }
 
     fn footage_of(&self, camera: usize) -> Result<&CameraFootage, TakeError> {
@@ -230,7 +333,7 @@ impl Take {
     fn picture(&self, camera: usize, path: &Path) -> Result<RgbImage, FileError> {
         let bytes = self.files.read(path, MAX_PICTURE_BYTES)?;
         // The size first: a wrong picture need not be decoded.
-        check_size(path, images::size(path, &bytes)?, &self.rig.cameras()[camera])?;
+        check_size(path, images::size(path, &bytes)?, &self.full_rig.cameras()[camera])?;
         images::decode(path, &bytes)
     }
 
@@ -238,11 +341,22 @@ impl Take {
         let path = self.footage[camera].path(0);
         let check = || {
             let bytes = self.files.read(&path, MAX_PICTURE_BYTES)?;
-            check_size(&path, images::size(&path, &bytes)?, &self.rig.cameras()[camera])
+            check_size(&path, images::size(&path, &bytes)?, &self.full_rig.cameras()[camera])
         };
         let name = || self.footage[camera].camera.clone();
         check().map_err(|error| TakeError::Frame { camera: name(), frame: 0, error })
     }
+}
+
+/// The cameras of pictures that are reduced.
+fn reduced_rig(rig: &Rig, reduction: u32) -> Result<Rig, FileProblem> {
+    let reduced = |camera: &Camera| {
+        camera
+            .reduced(reduction)
+            .map_err(|error| FileProblem::Camera { camera: camera.name().to_owned(), error })
+    };
+    let cameras = rig.cameras().iter().map(reduced).collect::<Result<_, _>>()?;
+    Rig::new(cameras).map_err(|error| FileProblem::Rig { error })
 }
 
 fn check_size(path: &Path, found: [usize; 2], camera: &Camera) -> Result<(), FileError> {

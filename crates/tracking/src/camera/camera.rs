@@ -207,16 +207,36 @@ impl Camera {
     /// # Errors
     /// The new size is empty or too large.
     pub fn resized(&self, width: u64, height: u64) -> Result<Self, CameraError> {
-        let (sx, sy) = (width as f64 / self.width as f64, height as f64 / self.height as f64);
+        let scale = DVec2::new(width as f64 / self.width as f64, height as f64 / self.height as f64);
+        self.remapped([width, height], scale, DVec2::ZERO)
+    }
+
+    /// The same camera with pictures whose pixels were made from its own: scaled about the picture's corner, then moved by
+    /// `offset` pixels, in a picture of `size`, width first. A pixel centre c goes to (c + ½) · scale − ½ + offset.
+    ///
+    /// # Errors
+    /// The new size is empty or too large, or the numbers make no camera.
+    pub fn remapped(&self, size: [u64; 2], scale: DVec2, offset: DVec2) -> Result<Self, CameraError> {
         let k = self.intrinsics;
         // A pixel centre at c covers c − ½ … c + ½.
         let intrinsics = Intrinsics {
-            fx: k.fx * sx,
-            fy: k.fy * sy,
-            cx: (k.cx + 0.5) * sx - 0.5,
-            cy: (k.cy + 0.5) * sy - 0.5,
+            fx: k.fx * scale.x,
+            fy: k.fy * scale.y,
+            cx: (k.cx + 0.5) * scale.x - 0.5 + offset.x,
+            cy: (k.cy + 0.5) * scale.y - 0.5 + offset.y,
         };
-        Self::new(&self.name, [width, height], intrinsics, self.distortion, self.camera_from_world)
+        Self::new(&self.name, size, intrinsics, self.distortion, self.camera_from_world)
+    }
+
+    /// The same camera with pictures reduced by a whole number, as by the mean of blocks of pixels; columns and rows that do
+    /// not fill a block are left out.
+    ///
+    /// # Errors
+    /// Nothing is left of the picture.
+    pub fn reduced(&self, divisor: u32) -> Result<Self, CameraError> {
+        let divisor = u64::from(divisor.max(1));
+        let size = [self.width as u64 / divisor, self.height as u64 / divisor];
+        self.remapped(size, DVec2::splat(1.0 / divisor as f64), DVec2::ZERO)
     }
 }
 
@@ -248,6 +268,25 @@ mod tests {
         let place = CameraFromWorld::looking_at(DVec3::new(3.0, -1.0, 1.5), DVec3::Z, DVec3::Z);
         let intrinsics = Intrinsics { fx: 420.0, fy: 421.0, cx: 134.0, cy: 238.5 };
         Camera::new("test", [272, 480], intrinsics, distortion, place).unwrap()
+    }
+
+    /// A picture of 272 × 480 that is shrunk to 0.75, gets bars of 6 and 9 pixels, and is then reduced by three.
+    #[test]
+    fn a_remapped_camera_shows_points_where_the_pixels_went() {
+        let lens = Distortion::OpenCv { k1: -0.05, k2: 0.14, p1: 6e-4, p2: 7e-4, k3: 0.01 };
+        let camera = camera(lens);
+        let offset = DVec2::new(6.0, 9.0);
+        let small = camera.remapped([216, 378], DVec2::splat(0.75), offset).unwrap();
+        let reduced = small.reduced(3).unwrap();
+        assert_eq!([reduced.width(), reduced.height()], [72, 126]);
+        assert_eq!([small.reduced(5).unwrap().width(), small.reduced(5).unwrap().height()], [43, 75]);
+        for point in [DVec3::new(0.2, 0.3, 1.4), DVec3::new(-0.4, 0.1, 0.2)] {
+            let pixel = camera.project(point).unwrap();
+            let expected = (pixel + 0.5) * 0.75 - 0.5 + offset;
+            assert!(small.project(point).unwrap().distance(expected) < 1e-9);
+            assert!(reduced.project(point).unwrap().distance((expected - 1.0) / 3.0) < 1e-9);
+        }
+        assert!(small.reduced(1000).is_err());
     }
 
     #[test]

@@ -3,6 +3,7 @@
 
 use image::RgbImage;
 
+use super::bit_image::BitImage;
 use super::gradient;
 
 /// Why a background could not be made.
@@ -30,6 +31,14 @@ pub enum BackgroundError {
         /// The most frames allowed.
         limit: u32,
     },
+    /// Not one value a pixel.
+    #[error("the known pixels of a background: got {found} values for {expected} pixels")]
+    Known {
+        /// How many values there were.
+        found: usize,
+        /// How many pixels the background has.
+        expected: usize,
+    },
 }
 
 /// The most frames to average: 255 times as many still fit the sums.
@@ -47,6 +56,8 @@ pub struct Background {
     deviation: Vec<[f32; 3]>,
     gradient_mean: Vec<[f32; 3]>,
     gradient_deviation: Vec<[f32; 3]>,
+    /// The pixels of which nobody knows what the camera sees there without the subject, if there are any.
+    unknown: Option<BitImage>,
 }
 
 impl Background {
@@ -61,6 +72,7 @@ impl Background {
             deviation: none.clone(),
             gradient_mean: gradient::magnitudes(plate),
             gradient_deviation: none,
+            unknown: None,
         }
     }
 
@@ -114,7 +126,30 @@ impl Background {
                 .collect(),
             gradient_mean,
             gradient_deviation,
+            unknown: None,
         })
+    }
+
+    /// The same, of which only the pixels that are `known` (one a pixel, row by row) are believed: the others are unknown in
+    /// every mask.
+    ///
+    /// # Errors
+    ///
+    /// If there is not one value a pixel.
+    pub fn with_known(self, known: &[bool]) -> Result<Self, BackgroundError> {
+        if known.len() != self.width * self.height {
+            return Err(BackgroundError::Known { found: known.len(), expected: self.width * self.height });
+        }
+        let mut unknown = BitImage::empty(self.width.max(1), self.height);
+        for (y, row) in known.chunks_exact(self.width.max(1)).enumerate() {
+            unknown.set_row(y, &row.iter().map(|&known| u8::from(!known)).collect::<Vec<_>>());
+        }
+        Ok(Self { unknown: known.contains(&false).then_some(unknown), ..self })
+    }
+
+    /// The pixels of which nobody knows what the camera sees there without the subject, if there are any.
+    pub(super) fn unknown(&self) -> Option<&BitImage> {
+        self.unknown.as_ref()
     }
 
     /// Width in pixels.

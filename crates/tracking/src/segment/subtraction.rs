@@ -114,6 +114,9 @@ fn find_subject(
     if let Some(region) = options.region {
         subject.retain(|x, y| region.contains(x, y));
     }
+    if let Some(unknown) = background.unknown() {
+        subject.subtract(unknown);
+    }
     let shadow = options.shadow.as_ref().map(|options| {
         (clear_shadows(&mut subject, frame, background, &threshold, options), options.label())
     });
@@ -123,6 +126,10 @@ fn find_subject(
     }
     if options.min_group_fraction > 0.0 {
         let mut groups = subject.clone();
+        // A body may hide its own middle from the background: its parts belong together all the same.
+        if let Some(unknown) = background.unknown() {
+            groups.add(unknown);
+        }
         groups.dilate(options.group_px);
         components::drop_small(&mut groups, 0, options.min_group_fraction);
         subject.intersect(&groups);
@@ -147,6 +154,11 @@ fn find_subject(
         for y in 0..height {
             shadow.runs(y, true).flatten().for_each(|x| mask.mark_shadow(y * width + x));
         }
+    }
+    if let Some(unknown) = background.unknown() {
+        let mut unknown = unknown.clone();
+        unknown.subtract(&subject);
+        paint(&mut mask, &unknown, Label::Unknown);
     }
     if let Some(region) = options.region {
         for (index, label) in mask.labels_mut().iter_mut().enumerate() {

@@ -1,0 +1,27 @@
+//! A take in one step: what lies in a folder, which camera it belongs to, and the take file that says so.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `scan` | videos, numbered pictures, calibrations, keypoints and tables in folders |
+//! | `matching` | which file belongs to which camera, by names and numbers |
+//! | `picture_size` | how pictures were made from those that a calibration is for |
+//! | `project` | the tools whose projects are recognised |
+//! | `look` | all of it together: what was found, what is missing |
+//! | `plates` | backgrounds learnt from the footage, the size to work at |
+//! | `write` | the take |
+//!
+//! Nothing is copied: a take names the footage where it lies.
+
+mod look;
+mod matching;
+mod picture_size;
+mod plates;
+mod project;
+mod scan;
+mod write;
+
+pub use look::{Found, FoundCamera, ImportError, ImportOptions, Pictures, look};
+pub use matching::MatchedBy;
+pub use picture_size::PictureSize;
+pub use project::Project;
+pub use write::{Background, ImportStep, write};

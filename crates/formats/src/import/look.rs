@@ -1,0 +1,463 @@
+//! What was found, camera by camera, and what is missing.
+
+use std::path::{Path, PathBuf};
+
+use backlit_tracking::camera::{Camera, CameraError};
+use image::RgbImage;
+use thiserror::Error;
+
+use super::matching::{MatchedBy, matched};
+use super::picture_size::PictureSize;
+use super::project::{self, Project};
+use super::scan::{Listing, Sequence, scan};
+use crate::calibration::{self, CalibrationOptions};
+use crate::take::{FramePattern, PatternError};
+use crate::video::Video;
+use crate::{FileError, images};
+
+/// Most files that are tried as a calibration.
+const MOST_TRIED: usize = 200;
+/// Words of paths that make a file likelier to be the calibration.
+const LIKELY: [&str; 5] = ["calib", "camera", "extri", "intri", "transforms"];
+/// Words of folders that hold footage as it was recorded, not pictures made of it.
+const RECORDED: [&str; 6] = ["video", "synchronized", "images", "inputmedia", "recording", "footage"];
+/// Words of pictures and folders that show the scene without the subject.
+const PLATES: [&str; 4] = ["background", "plate", "empty", "bg"];
+/// How many folders up a name is looked for.
+const PARENTS: usize = 4;
+
+/// What the user says beside the files.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImportOptions {
+    /// The calibration, where it is not to be looked for.
+    pub calibration: Option<PathBuf>,
+    /// Metres in one unit of a calibration that does not say its unit.
+    pub metres_per_unit: f64,
+    /// Frames per second, in the place of what the footage says.
+    pub frame_rate: Option<f64>,
+    /// How pictures of another size than the calibration's were made; `None`: as the pictures tell.
+    pub picture_size: Option<PictureSize>,
+}
+
+impl Default for ImportOptions {
+    fn default() -> Self {
+        Self { calibration: None, metres_per_unit: 1.0, frame_rate: None, picture_size: None }
+    }
+}
+
+/// Where a camera's pictures are.
+#[derive(Debug, Clone)]
+pub enum Pictures {
+    /// A video.
+    Video(Video),
+    /// Numbered pictures.
+    Numbered {
+        /// Their folder.
+        folder: PathBuf,
+        /// The file's name with `%03d` in the place of its number.
+        pattern: String,
+        /// The first number.
+        first: u64,
+        /// How many there are.
+        count: usize,
+    },
+}
+
+impl Pictures {
+    /// How many there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Video(video) => video.frame_count(),
+            Self::Numbered { count, .. } => *count,
+        }
+    }
+
+    /// The video, or the first picture.
+    #[must_use]
+    pub fn path(&self) -> PathBuf {
+        match self {
+            Self::Video(video) => video.path().to_owned(),
+            Self::Numbered { .. } => self.numbered(0).unwrap_or_default(),
+        }
+    }
+
+    fn numbered(&self, index: usize) -> Result<PathBuf, PatternError> {
+        match self {
+            Self::Video(_) => Err(PatternError::NoNumber),
+            Self::Numbered { folder, pattern, first, .. } => {
+                Ok(FramePattern::new(pattern)?.path(folder, first.saturating_add(index as u64)))
+            }
+        }
+    }
+
+    /// One of them, counted from 0.
+    ///
+    /// # Errors
+    /// It cannot be read or decoded.
+    pub fn picture(&self, index: usize) -> Result<RgbImage, FileError> {
+        match self {
+            Self::Video(video) => video.frame(index).map(|picture| (*picture).clone()),
+            Self::Numbered { folder, .. } => match self.numbered(index) {
+                Ok(path) => images::read(&path),
+                Err(_) => Err(FileError::new(folder, crate::FileProblem::Missing)),
+            },
+        }
+    }
+}
+
+/// A camera with its footage.
+#[derive(Debug, Clone)]
+pub struct FoundCamera {
+    /// The camera, for pictures of the footage's size.
+    pub camera: Camera,
+    /// The size in pixels that the calibration is for, width first.
+    pub calibrated_size: [usize; 2],
+    /// How the pictures were made from those of that size.
+    pub picture_size: PictureSize,
+    /// The footage.
+    pub pictures: Pictures,
+    /// Frames per second, where the footage says it.
+    pub frame_rate: Option<f64>,
+    /// A picture of the scene without the subject.
+    pub plate: Option<PathBuf>,
+    /// Two-dimensional keypoints, a file a frame.
+    pub keypoints: Option<PathBuf>,
+    /// What is missing or damaged in the footage, in words.
+    pub notes: Vec<String>,
+}
+
+/// What lies in the folders and files that were named.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// Whose project it is.
+    pub project: Project,
+    /// What it may be called: the folder's name.
+    pub name: String,
+    /// The calibration.
+    pub calibration: PathBuf,
+    /// The cameras that have both a calibration and footage, in the calibration's order.
+    pub cameras: Vec<FoundCamera>,
+    /// By what the footage was given to its cameras.
+    pub matched_by: MatchedBy,
+    /// Frames per second.
+    pub frame_rate: Option<f64>,
+    /// The first frame that is used, and how many are.
+    pub first: usize,
+    /// Number of frames that all cameras have.
+    pub count: usize,
+    /// A table of markers that another tool made of the same recording.
+    pub table: Option<PathBuf>,
+    /// Cameras without footage and footage that cannot be used, with the reason.
+    pub left_out: Vec<(String, String)>,
+}
+
+/// Why no take can be made.
+#[derive(Debug, Error)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum ImportError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Take(#[from] crate::TakeError),
+    #[error("{}: no video and no numbered pictures are there; expected one a camera", .0.display())]
+    NoFootage(PathBuf),
+    #[error(
+        "{}: no calibration is there that can be read{}; name one",
+        path.display(), tried.first().map(|(_, why)| format!(" ({why})")).unwrap_or_default()
+    )]
+    NoCalibration { path: PathBuf, tried: Vec<(PathBuf, String)> },
+    #[error(
+        "{}: its cameras are {cameras}, and no footage goes with them: found {footage}; expected the cameras' names or \
+         numbers in the names of files or folders, or as many files as cameras", calibration.display()
+    )]
+    NoMatch { calibration: PathBuf, cameras: String, footage: String },
+    #[error("no camera's footage can be read; camera \"{camera}\": {reason}")]
+    Unreadable { camera: String, reason: String },
+    #[error("camera \"{camera}\": {error}")]
+    Camera { camera: String, error: CameraError },
+    #[error("nothing says how many frames a second the pictures have; give the frame rate")]
+    NoFrameRate,
+    #[error(
+        "the frames that the project's settings choose, {first} to {last}, are not there: the footage has {count}"
+    )]
+    FrameRange { first: u64, last: u64, count: usize },
+    #[error("{}: there is a take already; choose another folder", .0.display())]
+    Exists(PathBuf),
+    #[error("camera \"{camera}\": no background can be learnt: {reason}")]
+    Background { camera: String, reason: String },
+}
+
+/// A file or folder of footage and the names that it is known by.
+struct Candidate {
+    footage: Footage,
+    names: Vec<String>,
+    /// Footage of one recording lies together.
+    group: PathBuf,
+}
+
+#[derive(Clone)]
+enum Footage {
+    Video(PathBuf),
+    Numbered(Sequence),
+}
+
+/// Looks at folders and files: footage, calibration, plates, keypoints, markers.
+///
+/// # Errors
+/// There is no footage or no calibration, or they do not go together.
+pub fn look(paths: &[PathBuf], options: &ImportOptions) -> Result<Found, ImportError> {
+    let listing = scan(paths)?;
+    let pointed = paths.first().cloned().unwrap_or_default();
+    let folder = paths.iter().find(|path| path.is_dir()).map(PathBuf::as_path);
+    let project = Project::of(folder, &listing.calibrations);
+    let footage = footage_of(&listing);
+    if footage.is_empty() {
+        return Err(ImportError::NoFootage(pointed));
+    }
+    let (calibration, cameras) = calibration_of(&listing, &footage, options, &pointed)?;
+    let names: Vec<&str> = cameras.iter().map(Camera::name).collect();
+    let (own, matched_by) = best_group(&names, &footage);
+    if own.iter().all(Option::is_none) {
+        let found: Vec<String> = footage.iter().take(8).map(|one| one.names[0].clone()).collect();
+        let (cameras, footage) = (names.join(", "), found.join(", "));
+        return Err(ImportError::NoMatch { calibration, cameras, footage });
+    }
+    let keypoints = keypoints_of(&listing, project, &names);
+    let plates = plates_of(&listing, &names);
+    let mut left_out = Vec::new();
+    let mut found = Vec::new();
+    for (index, camera) in cameras.iter().enumerate() {
+        let Some(own) = own[index] else {
+            left_out.push((camera.name().to_owned(), "no footage goes with this camera".to_owned()));
+            continue;
+        };
+        match open(camera, &footage[own].footage, options) {
+            Ok(one) => found.push(FoundCamera {
+                keypoints: keypoints[index].clone(),
+                plate: plates[index].clone(),
+                ..one
+            }),
+            Err(error) => left_out.push((camera.name().to_owned(), error.to_string())),
+        }
+    }
+    if found.is_empty() {
+        let (camera, reason) = left_out.swap_remove(0);
+        return Err(ImportError::Unreadable { camera, reason });
+    }
+    let (first, count) = range_of(&found, folder)?;
+    let rate = found.iter().find_map(|camera| camera.frame_rate);
+    Ok(Found {
+        project,
+        name: name_of(&pointed),
+        calibration,
+        matched_by,
+        frame_rate: options.frame_rate.or(rate).or_else(|| project::frame_rate(folder)),
+        first,
+        count,
+        table: listing.tables.first().cloned(),
+        cameras: found,
+        left_out,
+    })
+}
+
+fn name_of(path: &Path) -> String {
+    let absolute = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let name = if absolute.is_dir() { absolute.file_name() } else { absolute.file_stem() };
+    name.map_or_else(|| "take".to_owned(), |name| name.to_string_lossy().into_owned())
+}
+
+/// The frames that all cameras have, or those of them that the project's settings choose: the first, and how many.
+fn range_of(cameras: &[FoundCamera], folder: Option<&Path>) -> Result<(usize, usize), ImportError> {
+    let count = cameras.iter().map(|camera| camera.pictures.count()).min().unwrap_or(0);
+    let Some([first, last]) = project::frame_range(folder) else { return Ok((0, count)) };
+    match usize::try_from(first) {
+        Ok(from) if from < count => {
+            Ok((from, usize::try_from(last).map_or(count, |last| last.min(count)) - from))
+        }
+        _ => Err(ImportError::FrameRange { first, last, count }),
+    }
+}
+
+fn footage_of(listing: &Listing) -> Vec<Candidate> {
+    let parents = |path: &Path| -> Vec<String> {
+        let names = path.ancestors().skip(1).take(PARENTS).filter_map(Path::file_name);
+        names.map(|name| name.to_string_lossy().into_owned()).collect()
+    };
+    let videos = listing.videos.iter().map(|path| {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let names = std::iter::once(stem).chain(parents(path)).collect();
+        Candidate { footage: Footage::Video(path.clone()), names, group: group_of(path) }
+    });
+    let sequences = listing.sequences.iter().filter(|sequence| !is_plate(&sequence.folder)).map(|sequence| {
+        let before = sequence.pattern.split('%').next().unwrap_or_default().to_owned();
+        let names = parents(&sequence.example).into_iter().take(1).chain([before]);
+        let names = names.chain(parents(&sequence.folder)).collect();
+        Candidate { footage: Footage::Numbered(sequence.clone()), names, group: group_of(&sequence.folder) }
+    });
+    videos.chain(sequences).collect()
+}
+
+fn group_of(path: &Path) -> PathBuf {
+    path.parent().unwrap_or(Path::new("")).to_owned()
+}
+
+/// For each camera its footage: of the folder whose files go with most cameras, else of all.
+fn best_group(cameras: &[&str], footage: &[Candidate]) -> (Vec<Option<usize>>, MatchedBy) {
+    let mut groups: Vec<Option<&Path>> = vec![None];
+    for one in footage {
+        if !groups.contains(&Some(&one.group)) {
+            groups.push(Some(&one.group));
+        }
+    }
+    let tried = groups.into_iter().map(|group| {
+        let members: Vec<usize> = (0..footage.len())
+            .filter(|&index| group.is_none_or(|group| footage[index].group == group))
+            .collect();
+        let names: Vec<Vec<String>> = members.iter().map(|&index| footage[index].names.clone()).collect();
+        let (own, how) = matched(cameras, &names);
+        let own: Vec<Option<usize>> = own.into_iter().map(|own| own.map(|own| members[own])).collect();
+        let count = own.iter().flatten().count();
+        let path = group.map(|group| group.to_string_lossy().to_lowercase()).unwrap_or_default();
+        let last = path.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
+        let is_recorded = RECORDED.iter().any(|word| last.contains(word));
+        let by = [MatchedBy::Order, MatchedBy::Number, MatchedBy::Name].iter().position(|by| *by == how);
+        // Of equal ones the first: a single folder before all together, a shorter path before a longer one.
+        ((count, is_recorded, by, group.is_some(), usize::MAX - path.len()), (own, how))
+    });
+    tried.max_by(|a, b| a.0.cmp(&b.0)).map_or((vec![None; cameras.len()], MatchedBy::Order), |(_, best)| best)
+}
+
+/// The calibration, and its cameras: the one that is named, else the one that goes with most of the footage.
+fn calibration_of(
+    listing: &Listing,
+    footage: &[Candidate],
+    options: &ImportOptions,
+    pointed: &Path,
+) -> Result<(PathBuf, Vec<Camera>), ImportError> {
+    let how = CalibrationOptions { size: None, metres_per_unit: options.metres_per_unit };
+    if let Some(path) = &options.calibration {
+        return Ok((path.clone(), calibration::read(path, how)?.cameras().to_vec()));
+    }
+    let mut candidates: Vec<&PathBuf> = listing.calibrations.iter().collect();
+    let likely = |path: &Path| {
+        let text = path.to_string_lossy().to_lowercase();
+        LIKELY.iter().filter(|word| text.contains(*word)).count()
+    };
+    candidates.sort_by_key(|path| std::cmp::Reverse(likely(path)));
+    let (mut best, mut tried, mut single) = (None::<(usize, PathBuf, Vec<Camera>)>, Vec::new(), Vec::new());
+    for path in candidates.into_iter().take(MOST_TRIED) {
+        let rig = match calibration::read(path, how) {
+            Ok(rig) => rig,
+            Err(error) => {
+                if likely(path) > 0 {
+                    tried.push((path.clone(), error.to_string()));
+                }
+                continue;
+            }
+        };
+        if let [camera] = rig.cameras() {
+            single.push((path.clone(), camera.clone()));
+        }
+        let names: Vec<&str> = rig.cameras().iter().map(Camera::name).collect();
+        let count = best_group(&names, footage).0.iter().flatten().count();
+        if best.as_ref().is_none_or(|best| count > best.0) {
+            best = Some((count, path.clone(), rig.cameras().to_vec()));
+        }
+    }
+    let joined = of_folders(&single);
+    if joined.len() > best.as_ref().map_or(0, |best| best.0) {
+        return Ok((single.swap_remove(0).0, joined));
+    }
+    best.map(|(_, path, cameras)| (path, cameras))
+        .ok_or_else(|| ImportError::NoCalibration { path: pointed.to_owned(), tried })
+}
+
+/// Calibrations of one camera each, in folders that are called as the cameras: as `OpenCap` writes them.
+fn of_folders(single: &[(PathBuf, Camera)]) -> Vec<Camera> {
+    let mut cameras: Vec<Camera> = Vec::new();
+    for (path, camera) in single {
+        let folder = path.parent().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
+        let size = [camera.width() as u64, camera.height() as u64];
+        let named = folder.and_then(|name| {
+            let place = *camera.camera_from_world();
+            Camera::new(&name, size, *camera.intrinsics(), *camera.distortion(), place).ok()
+        });
+        if let Some(named) = named.filter(|named| cameras.iter().all(|other| other.name() != named.name())) {
+            cameras.push(named);
+        }
+    }
+    cameras
+}
+
+/// For each camera its folder of keypoints.
+fn keypoints_of(listing: &Listing, project: Project, cameras: &[&str]) -> Vec<Option<PathBuf>> {
+    let in_folder = |word: &str| -> Vec<&PathBuf> {
+        let is_inside = |path: &&PathBuf| {
+            path.ancestors().any(|folder| folder.file_name().is_some_and(|name| name == word))
+        };
+        listing.keypoints.iter().filter(is_inside).collect()
+    };
+    let preferred =
+        project.keypoint_folders().iter().map(|word| in_folder(word)).find(|found| !found.is_empty());
+    let folders = preferred.unwrap_or_else(|| listing.keypoints.iter().collect());
+    let names: Vec<Vec<String>> = folders
+        .iter()
+        .map(|path| vec![path.file_name().unwrap_or_default().to_string_lossy().into_owned()])
+        .collect();
+    let own = matched(cameras, &names).0;
+    own.into_iter().map(|own| own.map(|own| folders[own].clone())).collect()
+}
+
+fn is_plate(path: &Path) -> bool {
+    let words = path.iter().rev().take(2).map(|part| part.to_string_lossy().to_lowercase());
+    words.into_iter().any(|word| PLATES.iter().any(|plate| word.contains(plate)))
+}
+
+/// For each camera its picture of the scene without the subject.
+fn plates_of(listing: &Listing, cameras: &[&str]) -> Vec<Option<PathBuf>> {
+    let plates: Vec<&PathBuf> = listing.pictures.iter().filter(|path| is_plate(path)).collect();
+    let names: Vec<Vec<String>> = plates
+        .iter()
+        .map(|path| {
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
+            vec![PLATES.iter().fold(stem, |stem, word| stem.replace(word, ""))]
+        })
+        .collect();
+    let (own, _) = matched(cameras, &names);
+    own.into_iter().map(|own| own.map(|own| plates[own].clone())).collect()
+}
+
+/// Opens a camera's footage and makes the camera fit its pictures.
+fn open(camera: &Camera, footage: &Footage, options: &ImportOptions) -> Result<FoundCamera, ImportError> {
+    let (pictures, frame_rate, notes) = match footage {
+        Footage::Video(path) => {
+            let video = Video::open(path)?;
+            let (rate, notes) = (video.frame_rate(), video.notes());
+            (Pictures::Video(video), rate, notes)
+        }
+        Footage::Numbered(Sequence { folder, pattern, first, count, .. }) => {
+            let (folder, pattern) = (folder.clone(), pattern.clone());
+            (Pictures::Numbered { folder, pattern, first: *first, count: *count }, None, Vec::new())
+        }
+    };
+    let picture = pictures.picture(0)?;
+    let size = [picture.width() as usize, picture.height() as usize];
+    let guess = PictureSize::guess(camera, &picture);
+    let picture_size = match (guess, options.picture_size) {
+        (PictureSize::Same, _) | (_, None) => guess,
+        (_, Some(chosen)) => chosen,
+    };
+    let fitted = picture_size.camera(camera, size);
+    let name = || camera.name().to_owned();
+    Ok(FoundCamera {
+        camera: fitted.map_err(|error| ImportError::Camera { camera: name(), error })?,
+        calibrated_size: [camera.width(), camera.height()],
+        picture_size,
+        pictures,
+        frame_rate,
+        plate: None,
+        keypoints: None,
+        notes,
+    })
+}

@@ -1,0 +1,318 @@
+//! A plate learnt from footage in which the subject is always somewhere.
+//!
+//! Where it is known in each frame where the subject may be (a generous skeleton, a tracked body), a pixel's level is the
+//! median over the frames in which it is free. Where that is not known, it is the middle of the shortest interval that
+//! holds half of the frames (the "shorth": Andrews et al., *Robust Estimates of Location*, 1972): what the pixel shows most
+//! of the time. That is wrong where the subject never leaves, so pixels that cannot be told are unknown: those that have no
+//! level that lasts, those that are still but enclosed by moving ones, and their neighbours of the same colour.
+
+use image::RgbImage;
+use rayon::prelude::*;
+
+use super::background::BackgroundError;
+use super::bit_image::BitImage;
+use super::components;
+use crate::silhouette::{Label, Mask};
+
+/// A frame to learn from.
+#[derive(Clone, Copy, Debug)]
+pub struct LearningFrame<'a> {
+    /// The picture.
+    pub picture: &'a RgbImage,
+    /// Where the subject may be: pixels that are not background in this mask are not learnt from. `None` where nobody knows.
+    pub subject: Option<&'a Mask>,
+}
+
+/// How a plate is learnt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LearningOptions {
+    /// A pixel is known if it is free in this many frames. Counts where the subject is known.
+    pub min_free_frames: usize,
+    /// Levels this far apart, in grey levels of a channel, are still of the same thing. Counts where the subject is unknown.
+    pub same_level: u8,
+    /// A level lasts if this share of the frames shows it. Counts where the subject is unknown.
+    pub lasting_share: f64,
+}
+
+impl Default for LearningOptions {
+    fn default() -> Self {
+        Self { min_free_frames: 3, same_level: 14, lasting_share: 0.6 }
+    }
+}
+
+/// What a camera sees without the subject, as far as that could be learnt.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LearntPlate {
+    /// The picture; black where nothing is known.
+    pub picture: RgbImage,
+    /// Which pixels are known, row by row.
+    pub known: Vec<bool>,
+}
+
+impl LearntPlate {
+    /// The share of the pixels that are known, 0 to 1.
+    #[must_use]
+    pub fn known_share(&self) -> f64 {
+        self.known.iter().filter(|&&known| known).count() as f64 / self.known.len().max(1) as f64
+    }
+}
+
+/// Learns a plate from frames of one camera that stands still. Frames whose subject is not known count only if that of
+/// none is known.
+///
+/// # Errors
+/// Fewer than two frames, more than 65 535, or pictures and masks of different sizes.
+pub fn learn_plate(
+    frames: &[LearningFrame<'_>],
+    options: &LearningOptions,
+) -> Result<LearntPlate, BackgroundError> {
+    let [first, _, ..] = frames else {
+        return Err(BackgroundError::TooFewFrames { found: frames.len() });
+    };
+    if frames.len() > usize::from(u16::MAX) {
+        return Err(BackgroundError::TooManyFrames { limit: u32::from(u16::MAX) });
+    }
+    let expected = first.picture.dimensions();
+    for (index, frame) in frames.iter().enumerate() {
+        let of_mask = frame.subject.map(|mask| (mask.width() as u32, mask.height() as u32));
+        let sizes = [Some(frame.picture.dimensions()), of_mask];
+        if let Some(found) = sizes.into_iter().flatten().find(|&size| size != expected) {
+            return Err(BackgroundError::SizeMismatch { index, expected, found });
+        }
+    }
+    let masked: Vec<(&RgbImage, &Mask)> =
+        frames.iter().filter_map(|frame| Some((frame.picture, frame.subject?))).collect();
+    if masked.is_empty() {
+        let pictures: Vec<&RgbImage> = frames.iter().map(|frame| frame.picture).collect();
+        Ok(from_pictures(&pictures, options))
+    } else {
+        Ok(from_free_pixels(&masked, expected, options))
+    }
+}
+
+/// A pixel at a time: the level of each channel, `None` where it is not known.
+fn each_pixel<T: Send>(
+    (width, height): (u32, u32),
+    pixel: impl Fn(usize, &mut [Vec<u8>; 3]) -> T + Sync,
+) -> Vec<T> {
+    let width = width as usize;
+    let rows = (0..height as usize).into_par_iter().map(|y| {
+        let mut levels = [const { Vec::new() }; 3];
+        (y * width..(y + 1) * width).map(|index| pixel(index, &mut levels)).collect::<Vec<T>>()
+    });
+    rows.collect::<Vec<_>>().into_iter().flatten().collect()
+}
+
+fn from_free_pixels(
+    frames: &[(&RgbImage, &Mask)],
+    size: (u32, u32),
+    options: &LearningOptions,
+) -> LearntPlate {
+    let levels = each_pixel(size, |index, levels| {
+        levels.iter_mut().for_each(Vec::clear);
+        for (picture, mask) in frames {
+            if mask.labels()[index] == Label::Background {
+                let pixel = &picture.as_raw()[3 * index..][..3];
+                levels.iter_mut().zip(pixel).for_each(|(levels, &level)| levels.push(level));
+            }
+        }
+        let is_known = levels[0].len() >= options.min_free_frames.max(1);
+        is_known.then(|| levels.each_mut().map(|levels| median(levels)))
+    });
+    plate(size, &levels)
+}
+
+fn plate((width, height): (u32, u32), levels: &[Option<[u8; 3]>]) -> LearntPlate {
+    let pixels = levels.iter().flat_map(|level| level.unwrap_or_default()).collect();
+    let picture = RgbImage::from_raw(width, height, pixels).unwrap_or_default();
+    LearntPlate { picture, known: levels.iter().map(Option::is_some).collect() }
+}
+
+fn median(levels: &mut [u8]) -> u8 {
+    let middle = levels.len() / 2;
+    *levels.select_nth_unstable(middle).1
+}
+
+/// What a pixel shows most of the time.
+#[derive(Clone, Copy)]
+struct Lasting {
+    level: [u8; 3],
+    /// In how many frames it is seen.
+    frames: usize,
+}
+
+/// The share of frames from which on a pixel counts as still.
+const STILL: f64 = 0.97;
+
+fn from_pictures(pictures: &[&RgbImage], options: &LearningOptions) -> LearntPlate {
+    let size = pictures[0].dimensions();
+    let (width, height) = (size.0 as usize, size.1 as usize);
+    let same = |a: &[u8], b: &[u8]| a.iter().zip(b).all(|(&a, &b)| a.abs_diff(b) <= options.same_level);
+    let found = each_pixel(size, |index, levels| {
+        levels.iter_mut().for_each(Vec::clear);
+        let pixels = || pictures.iter().map(|picture| &picture.as_raw()[3 * index..][..3]);
+        for pixel in pixels() {
+            levels.iter_mut().zip(pixel).for_each(|(levels, &level)| levels.push(level));
+        }
+        let level = levels.each_mut().map(|levels| middle_of_shortest_half(levels));
+        Lasting { level, frames: pixels().filter(|pixel| same(pixel, &level)).count() }
+    });
+    let count = pictures.len() as f64;
+    let lasts = |share: f64| move |pixel: &Lasting| pixel.frames as f64 >= share * count;
+    let is_still = lasts(STILL);
+    let mut unknown = BitImage::empty(width, height);
+    let (mut moving, mut enclosed) = (unknown.clone(), unknown.clone());
+    for (y, row) in found.chunks_exact(width).enumerate() {
+        let bits =
+            |is: &dyn Fn(&Lasting) -> bool| row.iter().map(|pixel| u8::from(is(pixel))).collect::<Vec<_>>();
+        moving.set_row(y, &bits(&|pixel| !is_still(pixel)));
+        unknown.set_row(y, &bits(&|pixel| !lasts(options.lasting_share)(pixel)));
+    }
+    // Specks of noise enclose nothing; a body's outline may be broken where it leaves its own colour.
+    let reach = (height / 60).max(1);
+    components::drop_small(&mut moving, width * height / 5000, 0.0);
+    moving.open_and_close(0, reach);
+    for y in 0..height {
+        moving.runs(y, true).collect::<Vec<_>>().into_iter().for_each(|run| enclosed.fill(y, run, true));
+    }
+    components::fill_holes(&mut enclosed, usize::MAX);
+    enclosed.subtract(&moving);
+    // What moves beside it and has its colour is likelier to be the same body than the wall.
+    let mut pending: Vec<usize> = Vec::new();
+    for y in 0..height {
+        pending.extend(enclosed.runs(y, true).flatten().map(|x| y * width + x));
+    }
+    for &pixel in &pending {
+        unknown.fill(pixel / width, pixel % width..pixel % width + 1, true);
+    }
+    while let Some(pixel) = pending.pop() {
+        let (x, y) = (pixel % width, pixel / width);
+        let sides = [(x > 0, pixel.wrapping_sub(1)), (x + 1 < width, pixel + 1)];
+        let ends = [(y > 0, pixel.wrapping_sub(width)), (y + 1 < height, pixel + width)];
+        for (_, next) in sides.into_iter().chain(ends).filter(|(inside, _)| *inside) {
+            let (nx, ny) = (next % width, next / width);
+            if moving.get(nx, ny) && !unknown.get(nx, ny) && same(&found[next].level, &found[pixel].level) {
+                unknown.fill(ny, nx..nx + 1, true);
+                pending.push(next);
+            }
+        }
+    }
+    let levels: Vec<Option<[u8; 3]>> = found
+        .iter()
+        .enumerate()
+        .map(|(index, pixel)| (!unknown.get(index % width, index / width)).then_some(pixel.level))
+        .collect();
+    plate(size, &levels)
+}
+
+/// The median of the shortest interval that holds half of the levels. At least one level.
+fn middle_of_shortest_half(levels: &mut [u8]) -> u8 {
+    levels.sort_unstable();
+    let half = levels.len() / 2 + 1;
+    let widths = levels.windows(half).map(|window| window[half - 1] - window[0]);
+    let at = widths.enumerate().min_by_key(|&(_, width)| width).map_or(0, |(at, _)| at);
+    levels[at + half / 2]
+}
+
+#[cfg(test)]
+mod tests {
+    use image::Rgb;
+
+    use super::*;
+
+    const BODY: Rgb<u8> = Rgb([200, 150, 120]);
+    const WALL: Rgb<u8> = Rgb([90, 110, 130]);
+
+    fn wall(x: u32, y: u32) -> Rgb<u8> {
+        Rgb([WALL[0] + (x % 7) as u8, WALL[1] + (y % 5) as u8, WALL[2]])
+    }
+
+    /// A block, `width` pixels across, that steps to the side by one pixel a frame, and goes up and down by two.
+    fn footage(width: u32, count: u32) -> (Vec<RgbImage>, Vec<Mask>) {
+        let is_body = move |k: u32, x: u32, y: u32| {
+            (20 + k..20 + k + width).contains(&x) && (9 + k % 3..49 + k % 3).contains(&y)
+        };
+        let picture =
+            |k: u32| RgbImage::from_fn(96, 60, |x, y| if is_body(k, x, y) { BODY } else { wall(x, y) });
+        // Generous: three pixels more on every side.
+        let mask = |k: u32| {
+            let label = |i: u32| {
+                let (x, y) = (i % 96, i / 96);
+                let near = (17 + k..23 + k + width).contains(&x) && (7..53).contains(&y);
+                if near { Label::Subject } else { Label::Background }
+            };
+            Mask::new(96, 60, (0..96 * 60).map(label).collect()).unwrap()
+        };
+        ((0..count).map(picture).collect(), (0..count).map(mask).collect())
+    }
+
+    fn learn(pictures: &[RgbImage], masks: Option<&[Mask]>) -> LearntPlate {
+        let frames: Vec<LearningFrame<'_>> = pictures
+            .iter()
+            .enumerate()
+            .map(|(k, picture)| LearningFrame { picture, subject: masks.map(|masks| &masks[k]) })
+            .collect();
+        learn_plate(&frames, &LearningOptions::default()).unwrap()
+    }
+
+    /// Whatever is known is right.
+    fn assert_true(plate: &LearntPlate) {
+        for (x, y, pixel) in plate.picture.enumerate_pixels() {
+            if plate.known[(y * 96 + x) as usize] {
+                assert_eq!(*pixel, wall(x, y), "{x} {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_free_in_a_few_frames_is_learnt_where_the_subject_is_known() {
+        let (pictures, masks) = footage(12, 24);
+        let plate = learn(&pictures, Some(&masks));
+        assert_true(&plate);
+        // A block of 12 + 6 that moves by 24 is away from every pixel for some frames.
+        assert_eq!(plate.known_share(), 1.0);
+        let (pictures, masks) = footage(40, 24);
+        let plate = learn(&pictures, Some(&masks));
+        assert_true(&plate);
+        // 40 + 6 pixels wide: the columns 17 + 24 − 3 to 63 − 1 + 3 are free in less than three frames.
+        let unknown = plate.known.iter().filter(|&&known| !known).count();
+        assert_eq!(unknown, 46 * (63 + 2 - (17 + 24 - 3)));
+    }
+
+    #[test]
+    fn what_lasts_is_learnt_where_the_subject_is_not_known() {
+        let plate = learn(&footage(8, 24).0, None);
+        assert_true(&plate);
+        assert_eq!(plate.known_share(), 1.0);
+        // A block that never leaves its middle: the middle and its sides are unknown, never taken for the wall.
+        let plate = learn(&footage(40, 24).0, None);
+        assert_true(&plate);
+        assert!(!plate.known[30 * 96 + 50], "the middle of the block");
+        assert!(plate.known_share() > 0.6, "{}", plate.known_share());
+    }
+
+    #[test]
+    fn a_median_of_few_frames_is_not_moved_by_one() {
+        let mut pictures: Vec<RgbImage> = (0..5).map(|_| RgbImage::from_fn(96, 60, wall)).collect();
+        pictures[3] = RgbImage::from_pixel(96, 60, BODY);
+        let masks = vec![Mask::filled(96, 60, Label::Background).unwrap(); 5];
+        for masks in [None, Some(&masks[..])] {
+            let plate = learn(&pictures, masks);
+            assert_true(&plate);
+            assert_eq!(plate.known_share(), 1.0);
+        }
+    }
+
+    #[test]
+    fn unequal_or_too_few_frames_are_errors() {
+        let (a, b) = (RgbImage::new(4, 4), RgbImage::new(4, 5));
+        let frame = |picture| LearningFrame { picture, subject: None };
+        let learn = |frames: &[LearningFrame<'_>]| learn_plate(frames, &LearningOptions::default());
+        assert_eq!(learn(&[frame(&a)]), Err(BackgroundError::TooFewFrames { found: 1 }));
+        let mismatch = BackgroundError::SizeMismatch { index: 1, expected: (4, 4), found: (4, 5) };
+        assert_eq!(learn(&[frame(&a), frame(&b)]), Err(mismatch.clone()));
+        let mask = Mask::filled(4, 5, Label::Background).unwrap();
+        let masked = LearningFrame { picture: &a, subject: Some(&mask) };
+        assert_eq!(learn(&[frame(&a), masked]), Err(mismatch));
+    }
+}

@@ -1,0 +1,212 @@
+//! What a take lacks before it can be tracked, found from its silhouettes: a pose to begin with, the person's own sizes.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use anyhow::Context;
+use backlit_formats::Footage;
+use backlit_formats::take::BodySizes;
+use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::body_fit::{Doubt, OwnSizes, OwnSizesOptions, OwnSizesProgress, PosedFrame, own_sizes};
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::FitOptions;
+use backlit_tracking::metrics::ReferenceJoints;
+use backlit_tracking::search::{Found, WithoutStart, without_start};
+use backlit_tracking::track::{Motion, Tracker, WhenToSearch};
+use indicatif::ProgressBar;
+use serde::Serialize;
+
+use super::output;
+
+/// Frames that are followed to find sizes, at most.
+const MOST_FOLLOWED: usize = 60;
+/// Frames a second that are near enough to one another to be followed.
+const FOLLOWED_RATE: f64 = 20.0;
+
+/// What was found before tracking began.
+#[derive(Debug, Clone, Default, Serialize)]
+pub(crate) struct Begun {
+    /// The start was found by a search, not given.
+    searched: bool,
+    /// What the silhouettes leave open about it.
+    doubts: Vec<String>,
+    /// The body's own sizes, where they were looked for.
+    sizes: Option<SizesFound>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct SizesFound {
+    /// Whether the body has them: else it is only scaled as a whole.
+    taken: bool,
+    /// Why not.
+    doubts: Vec<String>,
+    /// Factors of the average body.
+    size: f64,
+    girth: f64,
+    /// In frames that sizes were not fitted to: of the body scaled as a whole, and of the body found.
+    held_out_iou: [Option<f64>; 2],
+    /// By how many pixels silhouettes are too wide all round.
+    widening_px: f64,
+}
+
+/// Where to begin in a frame without a start.
+///
+/// # Errors
+/// Nobody is seen, or the silhouettes do not meet.
+pub(crate) fn search_start(
+    footage: &Footage,
+    cameras: &[usize],
+    frame: usize,
+    fit: &FitOptions,
+    scale_body: bool,
+) -> anyhow::Result<Found> {
+    let views = footage.fit_views(cameras, frame)?;
+    let choices = WithoutStart { scale_body, fit: fit.clone(), ..WithoutStart::default() };
+    let found = without_start(footage.take().model(), &views, &choices, &CancelToken::new());
+    found.with_context(|| {
+        format!("the take has no `start`, and none can be found in frame {frame}; give a pose with --start POSE")
+    })
+}
+
+/// Finds what is lacking and says so on standard error: a start, and where the take asks for it the person's own sizes. The body
+/// is returned where it is another than the take's.
+///
+/// # Errors
+/// A picture cannot be read, nobody is seen, or no sizes can be found.
+pub(crate) fn begin(
+    footage: &Footage,
+    cameras: &[usize],
+    frames: &[usize],
+    fit: &FitOptions,
+    start: Option<Pose>,
+) -> anyhow::Result<(Pose, Option<Model>, Begun)> {
+    let take = footage.take();
+    let wants_sizes = take.sizes() == BodySizes::Fit;
+    let mut begun = Begun::default();
+    let (mut model, start) = match start {
+        Some(start) => (Arc::clone(take.model()), start),
+        None => {
+            let found = search_start(footage, cameras, frames[0], fit, wants_sizes)?;
+            begun.searched = true;
+            begun.doubts = found.doubts.iter().map(ToString::to_string).collect();
+            output::complain(&format!("frame {}: a start was found from the silhouettes", frames[0]));
+            begun.doubts.iter().for_each(|doubt| output::complain(doubt));
+            (Arc::clone(&found.model), found.pose().clone())
+        }
+    };
+    if wants_sizes {
+        match fit_sizes(footage, cameras, frames, fit, &model, start.clone()) {
+            Ok(own) => {
+                let sizes = SizesFound::new(&own);
+                output::complain(&sizes.text());
+                begun.sizes = Some(sizes);
+                model = Arc::new(own.as_seen());
+            }
+            Err(error) => {
+                output::complain(&format!("the body's own sizes cannot be found: {error:#}; it is only scaled as a whole"));
+            }
+        }
+    }
+    let is_own = Arc::ptr_eq(&model, take.model());
+    Ok((start, (!is_own).then(|| (*model).clone()), begun))
+}
+
+/// Follows the body over some frames, and fits its sizes to the best of them.
+fn fit_sizes(
+    footage: &Footage,
+    cameras: &[usize],
+    frames: &[usize],
+    fit: &FitOptions,
+    model: &Arc<Model>,
+    start: Pose,
+) -> anyhow::Result<OwnSizes> {
+    let spinner = ProgressBar::new_spinner();
+    spinner.enable_steady_tick(Duration::from_millis(200));
+    let rate = footage.take().frame_rate();
+    let step = ((rate / FOLLOWED_RATE).round() as usize).max(1);
+    let followed: Vec<usize> = frames.iter().copied().step_by(step).take(MOST_FOLLOWED).collect();
+    let tracker = Tracker::new(Arc::clone(model), fit.clone(), start)?;
+    let mut tracker = tracker.with_motion(Motion::Velocity, rate)?.with_search(WhenToSearch::WhenPoor);
+    let cancel = CancelToken::new();
+    let mut posed = Vec::with_capacity(followed.len());
+    for (done, &frame) in followed.iter().enumerate() {
+        spinner.set_message(format!("the person's sizes: frame {done} of {}", followed.len()));
+        let estimate = tracker.track_frame(frame, footage.fit_views(cameras, frame)?, &cancel)?;
+        posed.push(PosedFrame::from(&estimate));
+    }
+    let options = OwnSizesOptions { pose: fit.clone(), ..OwnSizesOptions::default() };
+    let own = own_sizes(
+        model,
+        &posed,
+        &options,
+        &cancel,
+        |frame| -> Result<_, anyhow::Error> { Ok(footage.fit_views(cameras, frame)?) },
+        |_| ReferenceJoints::new(),
+        |progress| spinner.set_message(progress_text(progress)),
+    )?;
+    spinner.finish_and_clear();
+    Ok(own)
+}
+
+fn progress_text(progress: OwnSizesProgress) -> String {
+    match progress {
+        OwnSizesProgress::Reading(done, all) => format!("the person's sizes: {done} of {all} frames read"),
+        OwnSizesProgress::Fitting(at) | OwnSizesProgress::Scaling(at) => {
+            format!("the person's sizes: stage {} of {}, step {}", at.stage + 1, at.stages, at.iterations)
+        }
+        OwnSizesProgress::Judging(done, all) => format!("the person's sizes: {done} of {all} frames judged"),
+    }
+}
+
+impl SizesFound {
+    fn new(own: &OwnSizes) -> Self {
+        let body = if own.is_taken() { &own.fit } else { &own.scaled };
+        Self {
+            taken: own.is_taken(),
+            doubts: own.doubts.iter().map(doubt_text).collect(),
+            size: body.size,
+            girth: body.girth,
+            held_out_iou: own.judged.iou,
+            widening_px: own.widening_px(),
+        }
+    }
+
+    fn text(&self) -> String {
+        let percent = |factor: f64| format!("{:+.1} %", 100.0 * (factor - 1.0));
+        let iou = |iou: Option<f64>| iou.map_or_else(|| "–".to_owned(), |iou| format!("{iou:.3}"));
+        let [scaled, own] = self.held_out_iou.map(iou);
+        let (size, girth) = (percent(self.size), percent(self.girth));
+        if self.taken {
+            let mut text = format!(
+                "the person's own sizes were fitted: size {size}, girth {girth} of the body begun with; IoU in frames held \
+                 out {own}, with the body only scaled {scaled}"
+            );
+            if self.widening_px != 0.0 {
+                text += &format!("; silhouettes are {:.1} px too wide", self.widening_px);
+            }
+            return text;
+        }
+        format!("sizes of its own were not taken, the body is only scaled ({size}): {}", self.doubts.join("; "))
+    }
+}
+
+/// Why sizes are not taken.
+pub(crate) fn doubt_text(doubt: &Doubt) -> String {
+    match doubt {
+        Doubt::NotBetter { iou: [scaled, own] } => {
+            format!("frames held out are overlapped no better (IoU {own:.3}, only scaled {scaled:.3})")
+        }
+        Doubt::Stoutness { deviations } if *deviations > 0.0 => {
+            format!("the body would be stouter than people are ({deviations:.1} standard deviations)")
+        }
+        Doubt::Stoutness { deviations } => {
+            format!("the body would be slimmer than people are ({:.1} standard deviations)", -deviations)
+        }
+        Doubt::Widening { deviations } => {
+            format!("the silhouettes would be too wide or too narrow by more than they ever are ({deviations:.1} standard deviations)")
+        }
+        Doubt::Size { name, kind, deviations } => {
+            format!("{name}: its {kind:?} would be {deviations:+.1} standard deviations off what people have").to_lowercase()
+        }
+    }
+}

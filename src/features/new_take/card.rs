@@ -1,0 +1,283 @@
+//! The card: where the footage is, what was found camera by camera, what is missing, where the take goes.
+
+use std::path::{Path, PathBuf};
+
+use backlit_formats::import::{FoundCamera, MatchedBy, PictureSize, Pictures};
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::image_canvas::cached_texture;
+use backlit_ui::widgets::{card, hint, primary_button, row_name, text_field};
+use egui::{
+    Align, Button, Color32, CornerRadius, Id, Layout as Direction, Rect, RichText, Role, ScrollArea, Sense, Ui,
+    WidgetInfo, pos2, vec2,
+};
+
+use super::job::Looked;
+use super::{Asked, NewTake, State};
+use crate::context::{Context, Requests};
+
+/// Width of the card, and of the names in it.
+const WIDTH: f32 = 620.0;
+const NAMES: f32 = 92.0;
+/// Side of a camera's picture.
+const PICTURE: f32 = 72.0;
+/// Height that is left for the cameras on the smallest window.
+const CAMERAS: f32 = 330.0;
+
+/// What was asked for on the card.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Wish {
+    Ask(Asked),
+    Look,
+    Pictures(PictureSize),
+    Create,
+    Stop,
+    Close,
+}
+
+impl NewTake {
+    /// Shows the card, and says whether it stays.
+    pub(crate) fn card(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
+        let modal = card(ui.ctx(), "new take").show(ui.ctx(), |ui| {
+            ui.set_width(WIDTH);
+            ui.spacing_mut().item_spacing.y = 6.0;
+            ui.label(RichText::new("New take").text_style(theme::title()));
+            ui.add_space(space::ROW);
+            self.contents(ui)
+        });
+        match modal.inner {
+            Some(Wish::Ask(asked)) => self.ask(asked, context, requests),
+            Some(Wish::Look) => self.look_at(self.paths.clone(), context),
+            Some(Wish::Pictures(chosen)) => {
+                self.options.picture_size = Some(chosen);
+                self.look_at(self.paths.clone(), context);
+            }
+            Some(Wish::Create) => self.create(context),
+            Some(Wish::Stop) => self.stop(),
+            Some(Wish::Close) => return false,
+            None => {}
+        }
+        // What is being written is not lost by a click beside the card.
+        matches!(self.state, State::Writing(..)) || !modal.should_close()
+    }
+
+    fn contents(&mut self, ui: &mut Ui) -> Option<Wish> {
+        let mut wish = None;
+        row(ui, "Footage", |ui| {
+            ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+                if button(ui, "Choose folder…") {
+                    wish = Some(Wish::Ask(Asked::Footage));
+                }
+                let path = self.paths.first().map_or_else(String::new, |path| path.display().to_string());
+                let mut typed = path.clone();
+                let response = text_field(ui, "Footage", "a folder with videos or pictures", &mut typed);
+                if typed != path {
+                    self.paths = vec![PathBuf::from(&typed)];
+                }
+                if response.lost_focus() && !typed.is_empty() && !matches!(self.state, State::Found(_)) {
+                    wish = Some(Wish::Look);
+                }
+            });
+        });
+        let palette = theme::palette(ui);
+        match &self.state {
+            State::Empty => {
+                let text = "Videos or numbered pictures of calibrated cameras, and their calibration. Projects of Pose2Sim, \
+                            EasyMocap, Anipose, FreeMoCap, Caliscope and OpenCap are known. Nothing is copied.";
+                ui.label(RichText::new(text).color(palette.text2));
+            }
+            State::Looking => {
+                ui.label(RichText::new("Looking through the folder…").color(palette.text2));
+            }
+            State::Unusable(why) => {
+                ui.label(RichText::new(why).color(palette.warn));
+                wish = calibration_row(ui, None).or(wish);
+            }
+            State::Found(looked) | State::Writing(looked, _) => {
+                let looked = (**looked).clone();
+                wish = found(ui, &looked).or(wish);
+                wish = self.settings(ui, &looked).or(wish);
+            }
+        }
+        ui.add_space(space::WIDGET);
+        self.buttons(ui).or(wish)
+    }
+
+    /// Frame rate, and the folder of the take.
+    fn settings(&mut self, ui: &mut Ui, looked: &Looked) -> Option<Wish> {
+        let mut wish = None;
+        row(ui, "Frames a second", |ui| {
+            let response = ui.add_sized(vec2(76.0, size::BUTTON), egui::TextEdit::singleline(&mut self.rate));
+            let typed = self.rate.trim().parse().ok().filter(|rate: &f64| *rate > 0.0 && rate.is_finite());
+            if response.lost_focus() && typed != looked.found.frame_rate && typed.is_some() {
+                self.options.frame_rate = typed;
+                wish = Some(Wish::Look);
+            }
+            if looked.found.frame_rate.is_none() {
+                hint(ui, "nothing in the footage says it");
+            }
+        });
+        row(ui, "Take goes to", |ui| {
+            ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+                if button(ui, "Choose…") {
+                    wish = Some(Wish::Ask(Asked::Out));
+                }
+                text_field(ui, "Take goes to", "a new folder", &mut self.out);
+            });
+        });
+        wish
+    }
+
+    fn buttons(&self, ui: &mut Ui) -> Option<Wish> {
+        let mut wish = None;
+        let problem = self.problem();
+        if let State::Writing(_, said) = &self.state {
+            ui.label(RichText::new(format!("{said}…")).color(theme::palette(ui).text2));
+        }
+        ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+            if matches!(self.state, State::Writing(..)) {
+                if button(ui, "Stop") {
+                    wish = Some(Wish::Stop);
+                }
+                return;
+            }
+            let create = ui.add_enabled_ui(problem.is_none(), |ui| primary_button(ui, "Create take")).inner;
+            if create.on_disabled_hover_text(problem.unwrap_or_default()).clicked() {
+                wish = Some(Wish::Create);
+            }
+            if button(ui, "Cancel") {
+                wish = Some(Wish::Close);
+            }
+        });
+        wish
+    }
+
+    /// Why no take can be written as it is.
+    fn problem(&self) -> Option<&'static str> {
+        let State::Found(looked) = &self.state else { return Some("Choose a folder with footage first") };
+        if looked.found.frame_rate.is_none() {
+            return Some("Say how many frames a second there are");
+        }
+        let out = self.out.trim();
+        if out.is_empty() {
+            return Some("Say where the take goes");
+        }
+        Path::new(out).join("take.toml").exists().then_some("There is a take in that folder already")
+    }
+}
+
+/// What was found: the calibration, each camera, and what there is to know about them.
+fn found(ui: &mut Ui, looked: &Looked) -> Option<Wish> {
+    let (found, palette) = (&looked.found, theme::palette(ui));
+    let mut wish = calibration_row(ui, Some(&found.calibration));
+    let of = format!("{}, {} frames of {} cameras", capital(&found.project.to_string()), found.count, found.cameras.len());
+    ui.label(RichText::new(of).color(palette.text2));
+    let room = (ui.ctx().content_rect().height() - CAMERAS).clamp(PICTURE + 8.0, 4.5 * (PICTURE + 8.0));
+    ScrollArea::vertical().max_height(room).auto_shrink([false, true]).show(ui, |ui| {
+        for (camera, picture) in found.cameras.iter().zip(&looked.pictures) {
+            ui.horizontal_top(|ui| {
+                let (rect, response) = ui.allocate_exact_size(vec2(PICTURE, PICTURE), Sense::hover());
+                let name = camera.camera.name();
+                response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("First picture of {name}")));
+                ui.painter().rect_filled(rect, CornerRadius::ZERO, PICTURE_GROUND);
+                if let Some(image) = picture {
+                    let id = Id::unique(("new take", camera.pictures.path()));
+                    let texture = cached_texture(ui.ctx(), id, image.size, false, || (**image).clone());
+                    let [width, height] = image.size.map(|side| side as f32);
+                    let scale = PICTURE / width.max(height);
+                    let shown = Rect::from_center_size(rect.center(), vec2(width, height) * scale);
+                    let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+                    ui.painter().image(texture.id(), shown, whole, Color32::WHITE);
+                }
+                ui.vertical(|ui| wish = words(ui, camera).or(wish));
+            });
+        }
+        for (name, why) in &found.left_out {
+            ui.label(RichText::new(format!("{name} is left out: {why}")).small().color(palette.warn));
+        }
+    });
+    if found.matched_by == MatchedBy::Order {
+        let text = "Footage was given to cameras by its order: no names or numbers go together. Compare the pictures.";
+        ui.label(RichText::new(text).small().color(palette.warn));
+    }
+    wish
+}
+
+/// A camera: its footage, its size, its background.
+fn words(ui: &mut Ui, camera: &FoundCamera) -> Option<Wish> {
+    let mut wish = None;
+    let palette = theme::palette(ui);
+    let (path, [width, height]) = (camera.pictures.path(), [camera.camera.width(), camera.camera.height()]);
+    let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let kind = match &camera.pictures {
+        Pictures::Video(video) => video.codec().to_owned(),
+        Pictures::Numbered { .. } => "numbered pictures".to_owned(),
+    };
+    ui.label(RichText::new(camera.camera.name()).color(palette.text));
+    let rate = camera.frame_rate.map_or_else(String::new, |rate| format!(", {rate:.2} a second"));
+    let count = camera.pictures.count();
+    let facts = format!("{file}, {kind}, {count} frames{rate}, {width} × {height}");
+    ui.label(RichText::new(facts).small().color(palette.text2));
+    let background = match (&camera.plate, &camera.keypoints) {
+        (Some(_), _) => "background: a picture",
+        (None, Some(_)) => "background: learnt from the footage, away from the keypoints",
+        (None, None) => "background: learnt from the footage",
+    };
+    ui.label(RichText::new(background).small().color(palette.text2));
+    if camera.picture_size != PictureSize::Same {
+        let [width, height] = camera.calibrated_size;
+        ui.horizontal(|ui| {
+            let text = format!("the calibration is for {width} × {height}; pictures are");
+            ui.label(RichText::new(text).small().color(palette.warn));
+            let mut chosen = camera.picture_size;
+            egui::ComboBox::from_id_salt(("picture size", camera.camera.name()))
+                .width(200.0)
+                .selected_text(RichText::new(chosen.to_string()).small())
+                .show_ui(ui, |ui| {
+                    for how in PictureSize::CHOICES {
+                        ui.selectable_value(&mut chosen, how, how.to_string());
+                    }
+                });
+            if chosen != camera.picture_size {
+                wish = Some(Wish::Pictures(chosen));
+            }
+        });
+    }
+    for note in &camera.notes {
+        ui.label(RichText::new(note).small().color(palette.warn));
+    }
+    wish
+}
+
+fn calibration_row(ui: &mut Ui, path: Option<&Path>) -> Option<Wish> {
+    let mut wish = None;
+    row(ui, "Calibration", |ui| {
+        ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+            if button(ui, "Choose file…") {
+                wish = Some(Wish::Ask(Asked::Calibration));
+            }
+            let name = path.and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
+            ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
+                ui.label(name.unwrap_or_else(|| "none".to_owned()));
+            });
+        });
+    });
+    wish
+}
+
+fn button(ui: &mut Ui, text: &str) -> bool {
+    ui.add(Button::new(text).min_size(vec2(0.0, size::BUTTON))).clicked()
+}
+
+fn row(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
+    ui.horizontal(|ui| {
+        row_name(ui, name, NAMES);
+        contents(ui);
+    });
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}

@@ -1,0 +1,71 @@
+//! Work on other threads: looking at folders, and writing the take.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use backlit_formats::images;
+use backlit_formats::import::{self, Background, Found, ImportOptions, ImportStep};
+use backlit_jobs::{Job, Outbox, Step};
+use egui::ColorImage;
+
+/// Height of the pictures on the card, pixels.
+const PICTURE_HEIGHT: u32 = 96;
+
+/// What was found, with a picture of each camera.
+#[derive(Debug, Clone)]
+pub(super) struct Looked {
+    pub(super) found: Arc<Found>,
+    /// By camera; `None` where the first picture cannot be read.
+    pub(super) pictures: Vec<Option<Arc<ColorImage>>>,
+}
+
+/// Looks through folders.
+///
+/// # Errors
+/// Why no take can be made, in a sentence.
+pub(super) fn look(paths: &[PathBuf], options: &ImportOptions) -> Result<Looked, String> {
+    let found = import::look(paths, options).map_err(|error| error.to_string())?;
+    let picture = |camera: &import::FoundCamera| {
+        let picture = camera.pictures.picture(found.first).ok()?;
+        let small = images::reduced(&picture, (picture.height() / PICTURE_HEIGHT).max(1));
+        let size = [small.width() as usize, small.height() as usize];
+        Some(Arc::new(ColorImage::from_rgb(size, small.as_raw())))
+    };
+    let pictures = found.cameras.iter().map(picture).collect();
+    Ok(Looked { found: Arc::new(found), pictures })
+}
+
+/// What is heard of the writing.
+#[derive(Debug)]
+pub(super) enum Written {
+    /// What is done just now.
+    Step(String),
+    /// The take file.
+    Done(PathBuf),
+    /// Why there is none.
+    Failed(String),
+}
+
+/// Learns backgrounds and writes the take.
+#[derive(Debug)]
+pub(super) struct WriteJob {
+    pub(super) found: Arc<Found>,
+    pub(super) out: PathBuf,
+}
+
+impl Job<Written> for WriteJob {
+    fn step(&mut self, out: &Outbox<Written>) -> Step {
+        let mut say = |step: ImportStep| {
+            if let ImportStep::Learning { camera } = step {
+                out.send(Written::Step(format!("Learning the background of {camera}")));
+            }
+        };
+        let written =
+            import::write(&self.found, &self.out, Background::PlateOrFootage, out.cancel(), &mut say);
+        out.send(match written {
+            Ok(file) => Written::Done(file),
+            Err(error) => Written::Failed(error.to_string()),
+        });
+        Step::Done
+    }
+}
