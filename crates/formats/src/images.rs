@@ -1,4 +1,6 @@
-//! Pictures: PNG and JPEG, told apart by their content, within limits, and only whole ones.
+//! Pictures: PNG, JPEG, TIFF, WebP and BMP, told apart by their content, within limits, and only whole ones.
+
+pub(crate) mod reduce;
 
 use std::io::Cursor;
 use std::path::Path;
@@ -8,6 +10,8 @@ use image::{DynamicImage, GrayImage, ImageFormat, ImageReader, Limits, RgbImage}
 
 use super::{DiskFiles, FileError, FileProblem, TakeFiles, atomic};
 
+pub use reduce::reduced;
+
 /// Largest picture file that is read, bytes.
 pub const MAX_PICTURE_BYTES: u64 = 256 << 20;
 /// Most memory that decoding one picture may take, bytes: room for 64 megapixels of 16-bit colour.
@@ -16,7 +20,7 @@ const MAX_DECODED_BYTES: u64 = 512 << 20;
 /// Decodes a picture as colour; an alpha channel is dropped, 16-bit levels are rounded to 8.
 ///
 /// # Errors
-/// Not PNG or JPEG, truncated or damaged, or too large. The error names `path`.
+/// Not PNG, JPEG, TIFF, WebP or BMP, truncated or damaged, or too large. The error names `path`.
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<RgbImage, FileError> {
     decode_any(path, bytes).map(DynamicImage::into_rgb8)
 }
@@ -32,7 +36,7 @@ pub fn decode_grey(path: &Path, bytes: &[u8]) -> Result<GrayImage, FileError> {
 /// Width and height in pixels, from the head of the file alone.
 ///
 /// # Errors
-/// Not PNG or JPEG, or its head is damaged.
+/// Not PNG, JPEG, TIFF, WebP or BMP, or its head is damaged.
 pub fn size(path: &Path, bytes: &[u8]) -> Result<[usize; 2], FileError> {
     let (width, height) =
         reader(path, bytes)?.into_dimensions().map_err(|error| broken(path, &error.to_string()))?;
@@ -69,8 +73,14 @@ pub fn write_png(path: &Path, picture: &DynamicImage) -> Result<(), FileError> {
 
 fn reader<'a>(path: &Path, bytes: &'a [u8]) -> Result<ImageReader<Cursor<&'a [u8]>>, FileError> {
     let format = match image::guess_format(bytes) {
-        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
-        _ => return Err(broken(path, "expected PNG or JPEG")),
+        Ok(
+            format @ (ImageFormat::Png
+            | ImageFormat::Jpeg
+            | ImageFormat::Tiff
+            | ImageFormat::WebP
+            | ImageFormat::Bmp),
+        ) => format,
+        _ => return Err(broken(path, "expected PNG, JPEG, TIFF, WebP or BMP")),
     };
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
@@ -86,7 +96,11 @@ fn decode_any(path: &Path, bytes: &[u8]) -> Result<DynamicImage, FileError> {
     // The decoders fill what is missing at a file's end with grey, silently.
     let whole = match reader.format() {
         Some(ImageFormat::Jpeg) => jpeg_is_whole(bytes),
-        _ => png_is_whole(bytes),
+        Some(ImageFormat::Png) => png_is_whole(bytes),
+        Some(ImageFormat::WebP) => says_its_length(bytes, 4, 8),
+        Some(ImageFormat::Bmp) => says_its_length(bytes, 2, 0),
+        // Strips and tiles have places and lengths, and the decoder reads them whole.
+        _ => true,
     };
     if !whole {
         return Err(broken(path, "the file ends too early"));
@@ -96,6 +110,12 @@ fn decode_any(path: &Path, bytes: &[u8]) -> Result<DynamicImage, FileError> {
 
 fn broken(path: &Path, message: &str) -> FileError {
     FileError::new(path, FileProblem::Picture { message: message.to_owned() })
+}
+
+/// Whether a file has the length, with `more`, that it says itself at a place. 0 is said by some writers of BMP.
+fn says_its_length(bytes: &[u8], at: usize, more: usize) -> bool {
+    let length = bytes.get(at..).and_then(<[u8]>::first_chunk).map(|bytes| u32::from_le_bytes(*bytes) as usize);
+    length.is_some_and(|length| bytes.len() >= length.saturating_add(more))
 }
 
 /// Whether the chunks of a PNG reach its IEND.
@@ -141,6 +161,9 @@ mod tests {
 
     use super::*;
 
+    const FORMATS: [ImageFormat; 5] =
+        [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::Tiff, ImageFormat::WebP, ImageFormat::Bmp];
+
     fn picture() -> DynamicImage {
         RgbImage::from_fn(24, 17, |x, y| Rgb([(x * 9) as u8, (y * 13) as u8, (x * y) as u8])).into()
     }
@@ -158,13 +181,17 @@ mod tests {
         assert_eq!(decode(path, &encoded(ImageFormat::Jpeg)).unwrap().dimensions(), (24, 17));
         assert_eq!(size(path, &encoded(ImageFormat::Jpeg)).unwrap(), [24, 17]);
         assert_eq!(decode_grey(path, &encoded(ImageFormat::Png)).unwrap().dimensions(), (24, 17));
+        for format in [ImageFormat::Tiff, ImageFormat::WebP, ImageFormat::Bmp] {
+            assert_eq!(decode(path, &encoded(format)).unwrap(), picture().into_rgb8(), "{format:?}");
+            assert_eq!(size(path, &encoded(format)).unwrap(), [24, 17]);
+        }
         let message = decode(path, b"GIF89a").unwrap_err().to_string();
-        assert!(message.contains("a.jpg") && message.contains("expected PNG or JPEG"), "{message}");
+        assert!(message.contains("a.jpg") && message.contains("expected PNG, JPEG"), "{message}");
     }
 
     #[test]
     fn every_truncation_is_an_error_that_names_the_file() {
-        for format in [ImageFormat::Png, ImageFormat::Jpeg] {
+        for format in FORMATS {
             let bytes = encoded(format);
             for length in 0..bytes.len() {
                 let message = decode(Path::new("cut.png"), &bytes[..length]).unwrap_err().to_string();
