@@ -7,6 +7,8 @@ use backlit_tracking::body::{ModelError, PoseError};
 use backlit_tracking::camera::{CameraError, RigError};
 use thiserror::Error;
 
+use crate::video::VideoProblem;
+
 /// What is wrong with a file, and where.
 #[derive(Debug, Error)]
 pub struct FileError {
@@ -127,6 +129,8 @@ pub enum FileProblem {
     UnknownCalibration,
     #[error("is not a whole picture: {message}")]
     Picture { message: String },
+    #[error(transparent)]
+    Video { error: VideoProblem },
     #[error("has {}×{} pixels; expected {}×{}", found[0], found[1], expected[0], expected[1])]
     PictureSize { found: [usize; 2], expected: [usize; 2] },
 }

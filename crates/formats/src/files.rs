@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt::Debug;
 use std::fs::File;
-use std::io::Read;
+use std::io::{Read, Seek, SeekFrom};
 use std::path::{Component, Path, PathBuf};
 
 use super::{FileError, FileProblem};
@@ -22,32 +22,111 @@ pub trait TakeFiles: Debug + Send + Sync {
 
     /// Whether there is a file (not a folder) at `path`.
     fn exists(&self, path: &Path) -> bool;
+
+    /// A file to be read in parts, as videos are. Files that lie on the disk should not be read as a whole for it.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    fn parts(&self, path: &Path) -> Result<FileParts, FileError> {
+        Ok(FileParts::in_memory(self.read(path, MAX_BYTES_IN_MEMORY)?))
+    }
+}
+
+/// Largest file that is held in memory to be read in parts, bytes.
+const MAX_BYTES_IN_MEMORY: u64 = 2 << 30;
+
+/// A file that is read in parts.
+#[derive(Debug)]
+pub struct FileParts {
+    source: Source,
+    length: u64,
+}
+
+#[derive(Debug)]
+enum Source {
+    Disk(File),
+    Memory(Vec<u8>),
+}
+
+impl FileParts {
+    /// Bytes held in memory.
+    #[must_use]
+    pub fn in_memory(bytes: Vec<u8>) -> Self {
+        Self { length: bytes.len() as u64, source: Source::Memory(bytes) }
+    }
+
+    /// Length in bytes, as it was at opening.
+    #[must_use]
+    pub fn length(&self) -> u64 {
+        self.length
+    }
+
+    /// The bytes, if they are in memory and not on the disk.
+    #[must_use]
+    pub fn memory(&self) -> Option<&[u8]> {
+        match &self.source {
+            Source::Disk(_) => None,
+            Source::Memory(bytes) => Some(bytes),
+        }
+    }
+
+    /// At most `count` bytes from `offset` on; fewer where the file ends. Memory is taken for what is there only.
+    ///
+    /// # Errors
+    /// The disk's.
+    pub fn read_up_to(&mut self, offset: u64, count: usize) -> std::io::Result<Vec<u8>> {
+        let there = self.length.saturating_sub(offset).min(count as u64) as usize;
+        let mut bytes = Vec::with_capacity(there);
+        match &mut self.source {
+            Source::Disk(file) => {
+                file.seek(SeekFrom::Start(offset))?;
+                file.take(there as u64).read_to_end(&mut bytes)?;
+            }
+            Source::Memory(all) => {
+                let from = usize::try_from(offset).unwrap_or(usize::MAX);
+                bytes.extend_from_slice(all.get(from..).and_then(|rest| rest.get(..there)).unwrap_or_default());
+            }
+        }
+        Ok(bytes)
+    }
 }
 
 /// The files of the disk.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct DiskFiles;
 
+/// Opens a file of the disk.
+fn open(path: &Path) -> Result<File, FileError> {
+    // A pipe would block at opening, so look first.
+    if !std::fs::metadata(path).map_err(|error| failed(path, error))?.is_file() {
+        return Err(FileError::new(path, FileProblem::NotAFile));
+    }
+    File::open(path).map_err(|error| failed(path, error))
+}
+
+fn failed(path: &Path, error: std::io::Error) -> FileError {
+    FileError::new(
+        path,
+        match error.kind() {
+            std::io::ErrorKind::NotFound => FileProblem::Missing,
+            _ => FileProblem::Read { error },
+        },
+    )
+}
+
 impl TakeFiles for DiskFiles {
     fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
-        let failed = |error: std::io::Error| {
-            FileError::new(
-                path,
-                match error.kind() {
-                    std::io::ErrorKind::NotFound => FileProblem::Missing,
-                    _ => FileProblem::Read { error },
-                },
-            )
-        };
-        // A pipe would block at opening, so look first.
-        if !std::fs::metadata(path).map_err(failed)?.is_file() {
-            return Err(FileError::new(path, FileProblem::NotAFile));
-        }
         let mut bytes = Vec::new();
-        let file = File::open(path).map_err(failed)?;
-        file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(failed)?;
+        let file = open(path)?;
+        file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(|error| failed(path, error))?;
         within_limit(path, bytes.len(), limit)?;
         Ok(bytes)
+    }
+
+    fn parts(&self, path: &Path) -> Result<FileParts, FileError> {
+        let file = open(path)?;
+        let length = file.metadata().map_err(|error| failed(path, error))?.len();
+        Ok(FileParts { source: Source::Disk(file), length })
     }
 
     fn exists(&self, path: &Path) -> bool {

@@ -1,4 +1,6 @@
-//! Pictures: PNG and JPEG, told apart by their content, within limits, and only whole ones.
+//! Pictures: PNG, JPEG, TIFF, WebP and BMP, told apart by their content, within limits, and only whole ones.
+
+pub(crate) mod reduce;
 
 use std::io::Cursor;
 use std::path::Path;
@@ -8,6 +10,8 @@ use image::{DynamicImage, GrayImage, ImageFormat, ImageReader, Limits, RgbImage}
 
 use super::{DiskFiles, FileError, FileProblem, TakeFiles, atomic};
 
+pub use reduce::reduced;
+
 /// Largest picture file that is read, bytes.
 pub const MAX_PICTURE_BYTES: u64 = 256 << 20;
 /// Most memory that decoding one picture may take, bytes: room for 64 megapixels of 16-bit colour.
@@ -16,7 +20,7 @@ const MAX_DECODED_BYTES: u64 = 512 << 20;
 /// Decodes a picture as colour; an alpha channel is dropped, 16-bit levels are rounded to 8.
 ///
 /// # Errors
-/// Not PNG or JPEG, truncated or damaged, or too large. The error names `path`.
+/// Not PNG, JPEG, TIFF, WebP or BMP, truncated or damaged, or too large. The error names `path`.
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<RgbImage, FileError> {
     decode_any(path, bytes).map(DynamicImage::into_rgb8)
 }
@@ -31,34 +35,6 @@ pub fn opaque_pixels(path: &Path, bytes: &[u8]) -> Result<Option<Vec<bool>>, Fil
     Ok(has_alpha.then(|| picture.into_rgba8().pixels().map(|pixel| pixel[3] >= 128).collect()))
 }
 
-/// The picture at a part of its size: each square of `divisor`² pixels is averaged to one. Columns at the right and rows at
-/// the bottom that fill no square are left out; a divisor larger than a side counts as that side.
-#[must_use]
-pub fn reduced(picture: &RgbImage, divisor: u32) -> RgbImage {
-    let divisor = divisor.clamp(1, picture.width().min(picture.height()).max(1));
-    if divisor == 1 {
-        return picture.clone();
-    }
-    let (width, side) = ((picture.width() / divisor) as usize, divisor as usize);
-    let mut out = RgbImage::new(width as u32, picture.height() / divisor);
-    let stride = 3 * picture.width() as usize;
-    let rows = picture.as_raw().chunks_exact(stride * side);
-    let area = divisor * divisor;
-    let mut sums = vec![0_u32; 3 * width];
-    for (out, rows) in out.chunks_exact_mut(3 * width).zip(rows) {
-        sums.fill(0);
-        for row in rows.chunks_exact(stride) {
-            for (sums, square) in sums.chunks_exact_mut(3).zip(row.chunks_exact(3 * side)) {
-                for pixel in square.chunks_exact(3) {
-                    sums.iter_mut().zip(pixel).for_each(|(sum, &level)| *sum += u32::from(level));
-                }
-            }
-        }
-        out.iter_mut().zip(&sums).for_each(|(level, sum)| *level = ((sum + area / 2) / area) as u8);
-    }
-    out
-}
-
 /// Decodes a picture as grey levels.
 ///
 /// # Errors
@@ -70,7 +46,7 @@ pub fn decode_grey(path: &Path, bytes: &[u8]) -> Result<GrayImage, FileError> {
 /// Width and height in pixels, from the head of the file alone.
 ///
 /// # Errors
-/// Not PNG or JPEG, or its head is damaged.
+/// Not PNG, JPEG, TIFF, WebP or BMP, or its head is damaged.
 pub fn size(path: &Path, bytes: &[u8]) -> Result<[usize; 2], FileError> {
     let (width, height) =
         reader(path, bytes)?.into_dimensions().map_err(|error| broken(path, &error.to_string()))?;
@@ -107,8 +83,14 @@ pub fn write_png(path: &Path, picture: &DynamicImage) -> Result<(), FileError> {
 
 fn reader<'a>(path: &Path, bytes: &'a [u8]) -> Result<ImageReader<Cursor<&'a [u8]>>, FileError> {
     let format = match image::guess_format(bytes) {
-        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
-        _ => return Err(broken(path, "expected PNG or JPEG")),
+        Ok(
+            format @ (ImageFormat::Png
+            | ImageFormat::Jpeg
+            | ImageFormat::Tiff
+            | ImageFormat::WebP
+            | ImageFormat::Bmp),
+        ) => format,
+        _ => return Err(broken(path, "expected PNG, JPEG, TIFF, WebP or BMP")),
     };
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
@@ -124,7 +106,11 @@ fn decode_any(path: &Path, bytes: &[u8]) -> Result<DynamicImage, FileError> {
     // The decoders fill what is missing at a file's end with grey, silently.
     let whole = match reader.format() {
         Some(ImageFormat::Jpeg) => jpeg_is_whole(bytes),
-        _ => png_is_whole(bytes),
+        Some(ImageFormat::Png) => png_is_whole(bytes),
+        Some(ImageFormat::WebP) => says_its_length(bytes, 4, 8),
+        Some(ImageFormat::Bmp) => says_its_length(bytes, 2, 0),
+        // Strips and tiles have places and lengths, and the decoder reads them whole.
+        _ => true,
     };
     if !whole {
         return Err(broken(path, "the file ends too early"));
@@ -134,6 +120,12 @@ fn decode_any(path: &Path, bytes: &[u8]) -> Result<DynamicImage, FileError> {
 
 fn broken(path: &Path, message: &str) -> FileError {
     FileError::new(path, FileProblem::Picture { message: message.to_owned() })
+}
+
+/// Whether a file has the length, with `more`, that it says itself at a place. 0 is said by some writers of BMP.
+fn says_its_length(bytes: &[u8], at: usize, more: usize) -> bool {
+    let length = bytes.get(at..).and_then(<[u8]>::first_chunk).map(|bytes| u32::from_le_bytes(*bytes) as usize);
+    length.is_some_and(|length| bytes.len() >= length.saturating_add(more))
 }
 
 /// Whether the chunks of a PNG reach its IEND.
@@ -179,6 +171,9 @@ mod tests {
 
     use super::*;
 
+    const FORMATS: [ImageFormat; 5] =
+        [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::Tiff, ImageFormat::WebP, ImageFormat::Bmp];
+
     fn picture() -> DynamicImage {
         RgbImage::from_fn(24, 17, |x, y| Rgb([(x * 9) as u8, (y * 13) as u8, (x * y) as u8])).into()
     }
@@ -196,13 +191,17 @@ mod tests {
         assert_eq!(decode(path, &encoded(ImageFormat::Jpeg)).unwrap().dimensions(), (24, 17));
         assert_eq!(size(path, &encoded(ImageFormat::Jpeg)).unwrap(), [24, 17]);
         assert_eq!(decode_grey(path, &encoded(ImageFormat::Png)).unwrap().dimensions(), (24, 17));
+        for format in [ImageFormat::Tiff, ImageFormat::WebP, ImageFormat::Bmp] {
+            assert_eq!(decode(path, &encoded(format)).unwrap(), picture().into_rgb8(), "{format:?}");
+            assert_eq!(size(path, &encoded(format)).unwrap(), [24, 17]);
+        }
         let message = decode(path, b"GIF89a").unwrap_err().to_string();
-        assert!(message.contains("a.jpg") && message.contains("expected PNG or JPEG"), "{message}");
+        assert!(message.contains("a.jpg") && message.contains("expected PNG, JPEG"), "{message}");
     }
 
     #[test]
     fn every_truncation_is_an_error_that_names_the_file() {
-        for format in [ImageFormat::Png, ImageFormat::Jpeg] {
+        for format in FORMATS {
             let bytes = encoded(format);
             for length in 0..bytes.len() {
                 let message = decode(Path::new("cut.png"), &bytes[..length]).unwrap_err().to_string();

@@ -16,6 +16,7 @@
 //! | [`export`] | tracks as tables and JSON |
 //! | [`motion`] | motion for animation and biomechanics |
 //! | [`images`], [`npy`] | pictures and arrays |
+//! | [`video`] | videos, any frame of them |
 //! | [`files`] | the disk, or files held in memory |
 //! | [`atomic`] | whole files or none |
 //! | [`error`] | what is wrong with a file, and where |
@@ -39,8 +40,9 @@ pub mod take;
 mod text;
 mod toml_text;
 pub mod trc;
+pub mod video;
 
 pub use error::{FileError, FileProblem, TextFormat, reason};
-pub use files::{DiskFiles, MAX_TEXT_BYTES, MemoryFiles, TakeFiles};
+pub use files::{DiskFiles, FileParts, MAX_TEXT_BYTES, MemoryFiles, TakeFiles};
 pub use footage::{Footage, FootageError};
 pub use take::{Take, TakeError};

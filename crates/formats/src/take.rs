@@ -5,11 +5,13 @@
 //! | [`take`] | [`Take`]: the parsed take; pictures on demand |
 //! | [`frame_pattern`] | names of numbered pictures |
 //! | [`footage`] | one camera's pictures and background |
+//! | `films` | videos: offsets, the frames that all cameras have |
 //! | [`mod@reference`] | keypoints to compare with |
 //! | [`error`] | what is wrong, by camera and frame |
 
 mod environment;
 pub mod error;
+mod films;
 pub mod footage;
 pub mod frame_pattern;
 mod measurement;
@@ -20,6 +22,7 @@ mod spec;
 pub mod take;
 
 pub use error::TakeError;
+pub use films::USUAL_BACKGROUND_FRAMES;
 pub use footage::{BackgroundSource, CameraFootage, MAX_BACKGROUND_FRAMES, MAX_FRAMES};
 pub use frame_pattern::{FramePattern, PatternError};
 pub use reference::{Joint, Reference};

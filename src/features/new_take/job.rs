@@ -9,7 +9,7 @@ use backlit_jobs::{Job, Outbox, Step};
 use egui::ColorImage;
 
 /// Height of the pictures on the card, pixels.
-const PICTURE_HEIGHT: u32 = 96;
+const PICTURE_HEIGHT: usize = 96;
 
 /// What was found, with a picture of each camera.
 #[derive(Debug, Clone)]
@@ -27,7 +27,8 @@ pub(super) fn look(paths: &[PathBuf], options: &ImportOptions) -> Result<Looked,
     let found = import::look(paths, options).map_err(|error| error.to_string())?;
     let picture = |camera: &import::FoundCamera| {
         let picture = camera.pictures.picture(found.first).ok()?;
-        let small = images::reduced(&picture, (picture.height() / PICTURE_HEIGHT).max(1));
+        let divisor = (picture.height() as usize / PICTURE_HEIGHT).max(1);
+        let small = images::reduced(picture, divisor);
         let size = [small.width() as usize, small.height() as usize];
         Some(Arc::new(ColorImage::from_rgb(size, small.as_raw())))
     };

@@ -68,13 +68,13 @@ pub(super) fn learn(found: &Found, camera: &FoundCamera) -> Result<Learnt, Impor
 
 /// The height of the largest thing in a picture that is not in the plate, pixels of the picture.
 fn person_in(picture: &RgbImage, plate: &LearntPlate) -> Option<f64> {
-    let divisor = (picture.height() / GUESSING_HEIGHT_PX).max(1);
-    let small = |picture: &RgbImage| images::reduced(picture, divisor);
+    let divisor = (picture.height() / GUESSING_HEIGHT_PX).max(1) as usize;
+    let small = |picture: &RgbImage| images::reduced(picture.clone(), divisor);
     let background = Background::from_plate(&small(&plate.picture));
     let mask = segment(&small(picture), &background, &SegmentOptions::default()).ok()?;
     let rows = mask.labels().chunks_exact(mask.width());
     let tall = rows.filter(|row| row.iter().filter(|&&label| label == Label::Subject).count() > 1).count();
-    (tall > 0).then(|| tall as f64 * f64::from(divisor))
+    (tall > 0).then(|| (tall * divisor) as f64)
 }
 
 /// By how much pictures are reduced before anything is done with them: the person stays tall enough.

@@ -18,6 +18,11 @@ pub enum TakeError {
         "camera \"{camera}\" has {found} frames, camera \"{other}\" {expected}; the first that is missing is {file}"
     )]
     FrameCount { camera: String, found: usize, other: String, expected: usize, file: String },
+    #[error(
+        "no frame is in all cameras: camera \"{camera}\" ends before frame {ends} of the take, camera \"{other}\" begins \
+         with {begins}"
+    )]
+    NoCommonFrame { camera: String, ends: i64, other: String, begins: i64 },
     #[error("there is no frame {frame}; the take has {count}, counted from 0")]
     NoFrame { frame: usize, count: usize },
     #[error("there is no camera {camera}; the take has {count}, counted from 0")]

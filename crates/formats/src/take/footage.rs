@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::FramePattern;
+use crate::video::Video;
 
 /// Most frames a take may have: hours at any rate.
 pub const MAX_FRAMES: usize = 1_000_000;
@@ -10,31 +11,42 @@ pub const MAX_FRAMES: usize = 1_000_000;
 pub const MAX_BACKGROUND_FRAMES: usize = 256;
 
 /// Where one camera's pictures are.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub struct CameraFootage {
     pub(super) camera: String,
-    pub(super) folder: PathBuf,
-    pub(super) frames: FramePattern,
+    pub(super) frames: Frames,
+    /// The number of frame 0.
     pub(super) first: u64,
     pub(super) background: Option<BackgroundSource>,
 }
 
+/// What a camera's frames are taken from.
+#[derive(Debug, Clone)]
+pub(super) enum Frames {
+    Pictures { folder: PathBuf, pattern: FramePattern },
+    Video(Video),
+}
+
 /// Where a camera's view without the subject is.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
+#[expect(missing_docs, reason = "the variants say what their fields are")]
 pub enum BackgroundSource {
     /// One picture.
     Plate(PathBuf),
     /// Several pictures, whose mean and deviation are the background.
     Frames(Vec<PathBuf>),
+    /// Frames of a video, which are taken as several pictures are.
+    Video { video: Video, frames: Vec<usize> },
 }
 
 impl BackgroundSource {
     /// The files, at least one.
     #[must_use]
-    pub fn paths(&self) -> &[PathBuf] {
+    pub fn paths(&self) -> Vec<&Path> {
         match self {
-            Self::Plate(path) => std::slice::from_ref(path),
-            Self::Frames(paths) => paths,
+            Self::Plate(path) => vec![path],
+            Self::Frames(paths) => paths.iter().map(PathBuf::as_path).collect(),
+            Self::Video { video, .. } => vec![video.path()],
         }
     }
 }
@@ -46,10 +58,28 @@ impl CameraFootage {
         &self.camera
     }
 
-    /// The file of a frame, counted from 0 at the take's start.
+    /// The file of a frame, counted from 0 at the take's start. Of a video it is the same for all.
     #[must_use]
     pub fn path(&self, frame: usize) -> PathBuf {
-        self.frames.path(&self.folder, self.first.saturating_add(frame as u64))
+        match &self.frames {
+            Frames::Pictures { folder, pattern } => pattern.path(folder, self.number(frame)),
+            Frames::Video(video) => video.path().to_owned(),
+        }
+    }
+
+    /// The camera's own number of a frame that is counted from 0 at the take's start: of its file, or in its video.
+    #[must_use]
+    pub fn number(&self, frame: usize) -> u64 {
+        self.first.saturating_add(frame as u64)
+    }
+
+    /// The video, if the camera's frames are one.
+    #[must_use]
+    pub fn video(&self) -> Option<&Video> {
+        match &self.frames {
+            Frames::Pictures { .. } => None,
+            Frames::Video(video) => Some(video),
+        }
     }
 
     /// Where the background is, if the take has one for this camera.

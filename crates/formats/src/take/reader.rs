@@ -2,13 +2,15 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use backlit_tracking::body::Model;
 use backlit_tracking::camera::Rig;
 use backlit_tracking::segment::SegmentOptions;
 use toml::{Spanned, Table};
 
-use super::footage::count_files;
+use super::films::{self, Cache, Film, Films};
+use super::footage::{Frames, count_files};
 use super::reference::ReferenceOptions;
 use super::spec::{ReferenceSpec, TakeSpec, ViewSpec};
 use super::{
@@ -19,10 +21,13 @@ use crate::calibration::{self, CalibrationOptions};
 use crate::text::line_at;
 use crate::toml_text::{self, Step};
 use crate::trc::Axes;
+use crate::video::{Video, VideoProblem};
 use crate::{FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles};
 
 /// Pictures are reduced by no more than this.
 const MAX_REDUCTION: u32 = 64;
+/// Offsets beyond this are a mistake, seconds.
+const MAX_OFFSET_SECONDS: f64 = 1e6;
 
 /// A take file's text and where its paths lead.
 pub(super) struct Reader<'a> {
@@ -103,34 +108,65 @@ impl<'a> Reader<'a> {
     }
 
     /// All cameras' footage and how many frames it has.
-    pub(super) fn footage(&self, spec: &TakeSpec) -> Result<(Vec<CameraFootage>, usize), TakeError> {
-        let mut all = Vec::with_capacity(spec.views.len());
-        let mut counts = Vec::with_capacity(spec.views.len());
-        for view in &spec.views {
-            let frames = self.pattern(&view.frames, "camera.frames")?;
-            let footage = CameraFootage {
-                camera: view.name.get_ref().clone(),
+    pub(super) fn footage(&self, spec: &TakeSpec, cache: &Cache) -> Result<Films, TakeError> {
+        let film = |view| self.film(view, *spec.frame_rate.get_ref(), cache);
+        let films: Vec<Film> = spec.views.iter().map(film).collect::<Result<_, _>>()?;
+        let is_shifted = spec.views.iter().any(|view| view.offset.is_some() || view.offset_seconds.is_some());
+        let mut films = films::align(films, is_shifted)?;
+        films.note_times(*spec.frame_rate.get_ref());
+        Ok(films)
+    }
+
+    fn film(&self, view: &ViewSpec, frame_rate: f64, cache: &Cache) -> Result<Film, TakeError> {
+        let camera = view.name.get_ref().clone();
+        let background = self.background(view, cache)?;
+        let text = self.expand(&view.frames, "camera.frames")?;
+        let failed = |error| TakeError::Frame { camera: camera.clone(), frame: 0, error };
+        let frames = match self.video(&text, cache).map_err(failed)? {
+            Some(video) => Frames::Video(video),
+            None => Frames::Pictures {
                 folder: self.footage.clone(),
-                frames,
-                first: view.first,
-                background: self.background(view)?,
-            };
-            counts.push(self.count_frames(view, &footage)?);
-            all.push(footage);
+                pattern: self.pattern(&view.frames, "camera.frames")?,
+            },
+        };
+        let footage = CameraFootage { camera: camera.clone(), frames, first: view.first, background };
+        let count = self.count_frames(view, &footage)? as u64;
+        let zero = self.offset(view, &footage, frame_rate)?;
+        Ok(Film { footage, there: view.first..view.first.saturating_add(count), zero })
+    }
+
+    /// The video of a path, if the file there is one by its content.
+    fn video(&self, text: &str, cache: &Cache) -> Result<Option<Video>, FileError> {
+        let path = self.footage.join(text);
+        if !self.files.exists(&path) {
+            // A name without a number can be nothing else than a file that is not there.
+            let is_pattern = FramePattern::new(text) != Err(PatternError::NoNumber);
+            return if is_pattern { Ok(None) } else { Err(FileError::new(&path, FileProblem::Missing)) };
         }
-        let longest = (0..all.len()).max_by_key(|&camera| (counts[camera], all.len() - camera));
-        let longest = longest.unwrap_or(0);
-        let expected = counts.get(longest).copied().unwrap_or(0);
-        if let Some(camera) = counts.iter().position(|&count| count != expected) {
-            return Err(TakeError::FrameCount {
-                camera: all[camera].camera.clone(),
-                found: counts[camera],
-                other: all[longest].camera.clone(),
-                expected,
-                file: all[camera].path(counts[camera]).display().to_string(),
-            });
+        if !Video::is_video(self.files, &path)? {
+            return Ok(None);
         }
-        Ok((all, expected))
+        Video::from_files(self.files, &path, Arc::clone(cache)).map(Some)
+    }
+
+    /// The number of the camera's frame that belongs to the take's frame 0.
+    fn offset(&self, view: &ViewSpec, footage: &CameraFootage, frame_rate: f64) -> Result<i64, FileError> {
+        match (&view.offset, &view.offset_seconds) {
+            (Some(_), Some(seconds)) => {
+                let expected = "either `offset` or `offset_seconds`".to_owned();
+                Err(self.field(seconds, "offset_seconds", expected))
+            }
+            (Some(frames), None) => Ok(*frames.get_ref()),
+            (None, Some(seconds)) => {
+                let given = *seconds.get_ref();
+                if !(given.abs() <= MAX_OFFSET_SECONDS) {
+                    let expected = format!("seconds, at most {MAX_OFFSET_SECONDS} either way");
+                    return Err(self.field(seconds, "offset_seconds", expected));
+                }
+                Ok(frame_at(footage, given, frame_rate))
+            }
+            (None, None) => Ok(view.first.cast_signed()),
+        }
     }
 
     fn pattern(&self, value: &Spanned<String>, field: &str) -> Result<FramePattern, FileError> {
@@ -167,9 +203,13 @@ impl<'a> Reader<'a> {
             }
             None => None,
         };
-        let exists = |path: &Path| self.files.exists(path);
         let limit = wanted.unwrap_or(MAX_FRAMES);
-        let found = count_files(&exists, &footage.frames, &footage.folder, footage.first, limit);
+        let (folder, pattern) = match &footage.frames {
+            Frames::Pictures { folder, pattern } => (folder, pattern),
+            Frames::Video(video) => return video_frames(video, view, limit),
+        };
+        let exists = |path: &Path| self.files.exists(path);
+        let found = count_files(&exists, pattern, folder, footage.first, limit);
         if found < wanted.unwrap_or(1) {
             let error = FileError::new(&footage.path(found), FileProblem::Missing);
             return Err(TakeError::Frame { camera: footage.camera.clone(), frame: found, error });
@@ -177,13 +217,28 @@ impl<'a> Reader<'a> {
         Ok(found)
     }
 
-    fn background(&self, view: &ViewSpec) -> Result<Option<BackgroundSource>, TakeError> {
+    fn background(&self, view: &ViewSpec, cache: &Cache) -> Result<Option<BackgroundSource>, TakeError> {
         let Some(background) = &view.background else { return Ok(None) };
         let text = self.expand(background, "camera.background")?;
         let missing = |path: &Path| TakeError::Background {
             camera: view.name.get_ref().clone(),
             error: FileError::new(path, FileProblem::Missing),
         };
+        let wanted = match &view.background_count {
+            None => None,
+            Some(count) => {
+                let expected = || format!("1 to {MAX_BACKGROUND_FRAMES} pictures");
+                let given = usize::try_from(*count.get_ref()).ok();
+                let given = given.filter(|n| (1..=MAX_BACKGROUND_FRAMES).contains(n));
+                Some(given.ok_or_else(|| self.field(count, "background_count", expected()))?)
+            }
+        };
+        let failed = |error| TakeError::Background { camera: view.name.get_ref().clone(), error };
+        if self.files.exists(&self.footage.join(&text))
+            && let Some(video) = self.video(&text, cache).map_err(failed)?
+        {
+            return films::background(video, view.background_first, wanted).map(Some).map_err(failed);
+        }
         if FramePattern::new(&text) == Err(PatternError::NoNumber) {
             let path = self.footage.join(text.replace("%%", "%"));
             return if self.files.exists(&path) {
@@ -193,19 +248,11 @@ impl<'a> Reader<'a> {
             };
         }
         let pattern = self.pattern(background, "camera.background")?;
-        let mut limit = MAX_BACKGROUND_FRAMES;
-        let mut wanted = 1;
-        if let Some(count) = &view.background_count {
-            let expected = || format!("1 to {MAX_BACKGROUND_FRAMES} pictures");
-            let given =
-                usize::try_from(*count.get_ref()).ok().filter(|n| (1..=MAX_BACKGROUND_FRAMES).contains(n));
-            limit = given.ok_or_else(|| self.field(count, "background_count", expected()))?;
-            wanted = limit;
-        }
+        let limit = wanted.unwrap_or(MAX_BACKGROUND_FRAMES);
         let exists = |path: &Path| self.files.exists(path);
         let found = count_files(&exists, &pattern, &self.footage, view.background_first, limit);
         let path = |k: usize| pattern.path(&self.footage, view.background_first.saturating_add(k as u64));
-        if found < wanted {
+        if found < wanted.unwrap_or(1) {
             return Err(missing(&path(found)));
         }
         Ok(Some(BackgroundSource::Frames((0..found).map(path).collect())))
@@ -215,7 +262,7 @@ impl<'a> Reader<'a> {
         &self,
         spec: &ReferenceSpec,
         model: &Model,
-        frame_count: usize,
+        films: &Films,
         take: &TakeSpec,
     ) -> Result<Reference, FileError> {
         let path = self.footage.join(self.expand(&spec.keypoints, "reference.keypoints")?);
@@ -238,8 +285,8 @@ impl<'a> Reader<'a> {
         let options = ReferenceOptions {
             axes,
             markers: spec.markers.is_some().then_some(&markers),
-            first_frame: spec.first_frame,
-            frame_count,
+            first_frame: spec.first_frame.saturating_add(films.begins),
+            frame_count: films.frame_count,
             metres_per_unit: take.units.metres(),
         };
         Reference::parse(&path, &self.files.read(&path, MAX_TEXT_BYTES)?, model, &options)
@@ -265,5 +312,30 @@ impl<'a> Reader<'a> {
             options(&measurement::merged(&spec.measurement, &view.measurement), &steps)
         };
         spec.views.iter().map(camera).collect()
+    }
+}
+
+/// How many frames a video has from `first` on, at most `limit`; fewer than are asked for are told by a note.
+fn video_frames(video: &Video, view: &ViewSpec, limit: usize) -> Result<usize, TakeError> {
+    let there = video.frame_count();
+    let left = there.saturating_sub(usize::try_from(view.first).unwrap_or(usize::MAX));
+    if left == 0 {
+        let error = VideoProblem::NoFrame { frame: view.first as usize, count: there };
+        let error = FileError::new(video.path(), FileProblem::Video { error });
+        return Err(TakeError::Frame { camera: view.name.get_ref().clone(), frame: 0, error });
+    }
+    Ok(left.min(limit))
+}
+
+/// The number of the frame nearest to a time: by a video's own times, else by the rate.
+fn frame_at(footage: &CameraFootage, seconds: f64, frame_rate: f64) -> i64 {
+    let times = footage.video().map(Video::seconds).unwrap_or_default();
+    match times.iter().position(|&time| time >= seconds) {
+        Some(after) if seconds >= 0.0 => {
+            let before = after.saturating_sub(1);
+            let nearer = seconds - times[before] < times[after] - seconds;
+            (if nearer { before } else { after }) as i64
+        }
+        _ => (seconds * frame_rate).round() as i64,
     }
 }

@@ -78,6 +78,8 @@ pub(super) struct ViewSpec {
     pub(super) first: u64,
     pub(super) count: Option<Spanned<u64>>,
     pub(super) last: Option<Spanned<u64>>,
+    pub(super) offset: Option<Spanned<i64>>,
+    pub(super) offset_seconds: Option<Spanned<f64>>,
     pub(super) background: Option<Spanned<String>>,
     #[serde(default)]
     pub(super) background_first: u64,

@@ -16,6 +16,7 @@ use crate::images::{self, MAX_PICTURE_BYTES};
 use crate::pose_file::{self, Quaternions};
 use crate::text::decode;
 use crate::trc::Axes;
+use crate::video::{FrameCache, Video};
 use crate::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles, model_file, toml_text};
 
 /// The take file in a take's folder.
@@ -47,6 +48,9 @@ pub struct Take {
     start: Option<Pose>,
     reference: Option<Reference>,
     measurement: Vec<SegmentOptions>,
+    seconds: Arc<[f64]>,
+    notes: Arc<[String]>,
+    cache: Arc<FrameCache>,
 }
 
 /// The take file of a folder, or the file itself.
@@ -106,9 +110,10 @@ impl Take {
         let full_rig = reader.rig(&spec)?;
         let reduction = reader.reduction(&spec)?;
         let rig = reduced_rig(&full_rig, reduction).map_err(|problem| FileError::new(path, problem))?;
-        let (footage, frame_count) = reader.footage(&spec)?;
+        let cache = Arc::default();
+        let films = reader.footage(&spec, &cache)?;
         let reference = match &spec.reference {
-            Some(reference) => Some(reader.reference(reference, &model, frame_count, &spec)?),
+            Some(reference) => Some(reader.reference(reference, &model, &films, &spec)?),
             None => None,
         };
         let measurement = reader.measurement(&spec)?;
@@ -124,11 +129,14 @@ impl Take {
             full_rig,
             rig,
             reduction,
-            footage,
-            frame_count,
+            seconds: films.seconds(frame_rate).into(),
+            notes: films.notes.into(),
+            footage: films.cameras,
+            frame_count: films.frame_count,
             start,
             reference,
             measurement,
+            cache,
         };
         for camera in 0..take.rig.count() {
             take.check_first_picture(camera)?;
@@ -214,12 +222,35 @@ impl Take {
         &self.measurement
     }
 
-    /// A camera's picture of a frame (counted from 0), reduced and not rectified.
+    /// When each frame was taken, seconds from frame 0 on: by the first camera that is a video, else by the frame rate.
+    #[must_use]
+    pub fn seconds(&self) -> &[f64] {
+        &self.seconds
+    }
+
+    /// What is missing in the footage, or does not fit together, in words: videos that are cut or damaged, of different
+    /// lengths or rates. Damage within a video is known only once its frames were asked for.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        let of_videos = self.footage.iter().flat_map(|footage| {
+            let notes = footage.video().map(Video::notes).unwrap_or_default();
+            notes.into_iter().map(|note| format!("camera \"{}\": {note}", footage.camera))
+        });
+        of_videos.chain(self.notes.iter().cloned()).collect()
+    }
+
+    /// What keeps the videos' decoded frames, for all of them together; its limit may be set at any time.
+    #[must_use]
+    pub fn frame_cache(&self) -> &FrameCache {
+        &self.cache
+    }
+
+    /// A camera's picture of a frame (counted from 0), [reduced](Self::reduction) and not rectified.
     ///
     /// # Errors
     /// As [`full_frame`](Self::full_frame).
     pub fn frame(&self, camera: usize, frame: usize) -> Result<RgbImage, TakeError> {
-        Ok(self.reduce(self.full_frame(camera, frame)?))
+        self.frame_reduced(camera, frame, self.reduction as usize)
     }
 
     /// A camera's picture of a frame (counted from 0), as it is on the disk: not reduced and not rectified.
@@ -227,15 +258,21 @@ impl Take {
     /// # Errors
     /// No such camera or frame, no file, not a whole picture, or not of the camera's size.
     pub fn full_frame(&self, camera: usize, frame: usize) -> Result<RgbImage, TakeError> {
+        self.frame_reduced(camera, frame, 1)
+    }
+
+    /// The same at a part of its size: each square of `divisor`² pixels is averaged to one. Columns at the right and
+    /// rows at the bottom that fill no square are left out.
+    fn frame_reduced(&self, camera: usize, frame: usize, divisor: usize) -> Result<RgbImage, TakeError> {
         let footage = self.footage_of(camera)?;
         if frame >= self.frame_count {
             return Err(TakeError::NoFrame { frame, count: self.frame_count });
         }
-        self.picture(camera, &footage.path(frame)).map_err(|error| TakeError::Frame {
-            camera: footage.camera.clone(),
-            frame,
-            error,
-        })
+        let picture = match footage.video() {
+            Some(video) => self.video_frame(camera, video, footage.number(frame) as usize, divisor),
+            None => self.picture(camera, &footage.path(frame)).map(|picture| images::reduced(picture, divisor)),
+        };
+        picture.map_err(|error| TakeError::Frame { camera: footage.camera.clone(), frame, error })
     }
 
     /// The same take seen by other cameras: as many, for pictures of the same sizes as those on the disk, in the same order. `None` if they
@@ -291,11 +328,18 @@ impl Take {
     /// No such camera, no file, not a whole picture, or not of the camera's size.
     pub fn background(&self, camera: usize) -> Result<Vec<RgbImage>, TakeError> {
         let footage = self.footage_of(camera)?;
-        let paths = footage.background.as_ref().map(BackgroundSource::paths).unwrap_or_default();
-        let pictures = paths.iter().map(|path| Ok(self.reduce(self.picture(camera, path)?)));
-        pictures
-            .collect::<Result<_, _>>()
-            .map_err(|error| TakeError::Background { camera: footage.camera.clone(), error })
+        let divisor = self.reduction as usize;
+        let pictures: Result<Vec<RgbImage>, FileError> = match &footage.background {
+            None => return Ok(Vec::new()),
+            Some(BackgroundSource::Video { video, frames }) => {
+                frames.iter().map(|&frame| self.video_frame(camera, video, frame, divisor)).collect()
+            }
+            Some(pictures) => {
+                let reduced = |path| Ok(images::reduced(self.picture(camera, path)?, divisor));
+                pictures.paths().into_iter().map(reduced).collect()
+            }
+        };
+        pictures.map_err(|error| TakeError::Background { camera: footage.camera.clone(), error })
     }
 
     /// Which pixels of a camera's reduced plate are known, row by row: those that are not transparent. `None` where all are.
@@ -322,10 +366,6 @@ impl Take {
         }))
     }
 
-    fn reduce(&self, picture: RgbImage) -> RgbImage {
-        if self.reduction == 1 { picture } else { images::reduced(&picture, self.reduction) }
-    }
-
     fn footage_of(&self, camera: usize) -> Result<&CameraFootage, TakeError> {
         self.footage.get(camera).ok_or(TakeError::NoCamera { camera, count: self.footage.len() })
     }
@@ -337,9 +377,23 @@ impl Take {
         images::decode(path, &bytes)
     }
 
+    fn video_frame(
+        &self,
+        camera: usize,
+        video: &Video,
+        frame: usize,
+        divisor: usize,
+    ) -> Result<RgbImage, FileError> {
+        check_size(video.path(), video.size(), &self.full_rig.cameras()[camera])?;
+        video.frame_reduced(frame, divisor).map(Arc::unwrap_or_clone)
+    }
+
     fn check_first_picture(&self, camera: usize) -> Result<(), TakeError> {
         let path = self.footage[camera].path(0);
         let check = || {
+            if let Some(video) = self.footage[camera].video() {
+                return check_size(&path, video.size(), &self.full_rig.cameras()[camera]);
+            }
             let bytes = self.files.read(&path, MAX_PICTURE_BYTES)?;
             check_size(&path, images::size(&path, &bytes)?, &self.full_rig.cameras()[camera])
         };

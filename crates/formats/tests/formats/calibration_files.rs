@@ -13,7 +13,7 @@ use crate::footage::footage;
 const TOLERANCE: f64 = 1e-6;
 
 /// The folder of the files, beside the footage; without it the test is to be skipped.
-fn formats() -> Option<PathBuf> {
+pub(crate) fn formats() -> Option<PathBuf> {
     let formats = footage()?.with_file_name("formats");
     if formats.is_dir() {
         return Some(formats);
@@ -26,7 +26,7 @@ fn formats() -> Option<PathBuf> {
     );
     // Not by a macro: what those print of a test that passes is not shown.
     let mut screen = std::io::stderr();
-    writeln!(screen, "SKIPPED calibration files: there are none in {}", formats.display()).unwrap();
+    writeln!(screen, "SKIPPED files of other tools: there are none in {}", formats.display()).unwrap();
     None
 }
 

@@ -11,3 +11,4 @@ mod hostile_files;
 mod motion_files;
 mod real_take;
 mod take_files;
+mod videos;

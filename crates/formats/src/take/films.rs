@@ -1,0 +1,165 @@
+//! Videos of a take: opened by the take file, and brought to the frames that all cameras have.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::{BackgroundSource, CameraFootage, MAX_BACKGROUND_FRAMES, TakeError};
+use crate::video::Video;
+use crate::{FileError, FileProblem};
+
+/// Frames that a background is made of where a video of the empty scene is given and no number of them.
+pub const USUAL_BACKGROUND_FRAMES: usize = 50;
+/// Frame rates that differ by more than this part are told.
+const RATE_TOLERANCE: f64 = 0.01;
+
+/// All cameras' footage, from one common frame on.
+#[derive(Debug)]
+pub(super) struct Films {
+    pub(super) cameras: Vec<CameraFootage>,
+    pub(super) frame_count: usize,
+    /// How many frames after frame 0, as offsets have it, the take begins, because a camera has no earlier one.
+    pub(super) begins: u64,
+    pub(super) notes: Vec<String>,
+}
+
+/// One camera before the others are known: its footage, the numbers of its frames that are there, and the number that
+/// belongs to the take's frame 0.
+#[derive(Debug)]
+pub(super) struct Film {
+    pub(super) footage: CameraFootage,
+    pub(super) there: Range<u64>,
+    pub(super) zero: i64,
+}
+
+impl Film {
+    /// The take's frames that this camera has.
+    fn frames(&self) -> Range<i64> {
+        let frame = |number: u64| i64::try_from(number).unwrap_or(i64::MAX).saturating_sub(self.zero);
+        frame(self.there.start)..frame(self.there.end)
+    }
+}
+
+/// Where a camera is a video or has an offset, the take has the frames that all have; else all must have equally many.
+///
+/// # Errors
+/// Pictures of different number; or no frame that all have.
+pub(super) fn align(films: Vec<Film>, is_shifted: bool) -> Result<Films, TakeError> {
+    let with_videos = is_shifted || films.iter().any(|film| film.footage.video().is_some());
+    if !with_videos {
+        equally_many(&films)?;
+    }
+    let ranges: Vec<Range<i64>> = films.iter().map(Film::frames).collect();
+    let latest = (0..films.len()).rev().max_by_key(|&camera| ranges[camera].start).unwrap_or(0);
+    let shortest = (0..films.len()).rev().min_by_key(|&camera| ranges[camera].end).unwrap_or(0);
+    let name = |camera: usize| films.get(camera).map_or("", |film| film.footage.camera()).to_owned();
+    let begins = ranges.get(latest).map_or(0, |range| range.start).max(0);
+    let ends = ranges.get(shortest).map_or(0, |range| range.end);
+    if ends <= begins && !films.is_empty() {
+        return Err(TakeError::NoCommonFrame { camera: name(shortest), ends, other: name(latest), begins });
+    }
+    let mut notes = Vec::new();
+    if begins > 0 {
+        notes.push(format!(
+            "the take begins {begins} frames later, because camera \"{}\" has no earlier one",
+            name(latest)
+        ));
+    }
+    let longest = (0..films.len()).rev().max_by_key(|&camera| ranges[camera].end).unwrap_or(0);
+    if ranges.get(longest).is_some_and(|range| range.end > ends) {
+        let left_out = ranges[longest].end - ends;
+        notes.push(format!(
+            "the take ends with camera \"{}\"; camera \"{}\" goes on for {left_out} frames",
+            name(shortest),
+            name(longest)
+        ));
+    }
+    let frame_count = usize::try_from(ends - begins).unwrap_or(0);
+    let begins = begins.unsigned_abs();
+    let cameras = films.into_iter().map(|film| {
+        let first = film.zero.saturating_add_unsigned(begins);
+        CameraFootage { first: u64::try_from(first).unwrap_or(0), ..film.footage }
+    });
+    Ok(Films { cameras: cameras.collect(), frame_count, begins, notes })
+}
+
+fn equally_many(films: &[Film]) -> Result<(), TakeError> {
+    let count = |film: &Film| (film.there.end - film.there.start) as usize;
+    let Some(longest) = films.iter().rev().max_by_key(|film| count(film)) else { return Ok(()) };
+    match films.iter().find(|film| count(film) != count(longest)) {
+        None => Ok(()),
+        Some(film) => Err(TakeError::FrameCount {
+            camera: film.footage.camera.clone(),
+            found: count(film),
+            other: longest.footage.camera.clone(),
+            expected: count(longest),
+            file: film.footage.path(count(film)).display().to_string(),
+        }),
+    }
+}
+
+impl Films {
+    /// When each frame was taken, seconds from frame 0 on: by the first camera that is a video, else by the rate.
+    pub(super) fn seconds(&self, frame_rate: f64) -> Vec<f64> {
+        let video = self.cameras.iter().find_map(|footage| Some((footage, footage.video()?)));
+        let own = video.and_then(|(footage, video)| {
+            let from = footage.number(0) as usize;
+            video.seconds().get(from..from.checked_add(self.frame_count)?)
+        });
+        match own {
+            Some(times) => times.iter().map(|time| time - times[0]).collect(),
+            None => (0..self.frame_count).map(|frame| frame as f64 / frame_rate).collect(),
+        }
+    }
+
+    /// Says where videos' times do not fit the take's rate or one another.
+    pub(super) fn note_times(&mut self, frame_rate: f64) {
+        let seconds = self.seconds(frame_rate);
+        let mut notes = Vec::new();
+        for footage in &self.cameras {
+            let Some(video) = footage.video() else { continue };
+            let name = footage.camera();
+            if let Some(rate) = video.frame_rate()
+                && (rate / frame_rate - 1.0).abs() > RATE_TOLERANCE
+            {
+                notes.push(format!(
+                    "camera \"{name}\" has {rate:.2} frames per second, the take {frame_rate:.2}"
+                ));
+            }
+            let from = footage.number(0) as usize;
+            let times = video.seconds().get(from..).unwrap_or_default();
+            let off = times.iter().zip(&seconds).map(|(time, second)| (time - times[0] - second).abs());
+            let off = off.fold(0.0, f64::max);
+            if off > 0.5 / frame_rate {
+                notes.push(format!(
+                    "camera \"{name}\": frames of one number are up to {off:.3} s apart from those of the first video"
+                ));
+            }
+        }
+        self.notes.append(&mut notes);
+    }
+}
+
+/// The frames of a video of the empty scene: those that are asked for, else some that are spread over it.
+pub(super) fn background(
+    video: Video,
+    first: u64,
+    wanted: Option<usize>,
+) -> Result<BackgroundSource, FileError> {
+    let there = video.frame_count();
+    let first = usize::try_from(first).unwrap_or(usize::MAX);
+    let Some(left) = there.checked_sub(first).filter(|&left| left > 0) else {
+        let problem = crate::video::VideoProblem::NoFrame { frame: first, count: there };
+        return Err(FileError::new(video.path(), FileProblem::Video { error: problem }));
+    };
+    let frames = match wanted {
+        Some(count) => (first..first.saturating_add(count).min(there)).collect(),
+        None => {
+            let count = left.min(USUAL_BACKGROUND_FRAMES.min(MAX_BACKGROUND_FRAMES));
+            (0..count).map(|k| first + k * left / count).collect()
+        }
+    };
+    Ok(BackgroundSource::Video { video, frames })
+}
+
+/// Where a camera's video is read from: shared by all cameras of a take.
+pub(super) type Cache = Arc<crate::video::FrameCache>;

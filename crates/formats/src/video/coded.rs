@@ -1,0 +1,241 @@
+//! Frames of an index by our own decoders: any of them, exactly, and one after the other at one decode a frame.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+use image::RgbImage;
+
+use super::h264::{self, Head, Stream};
+use super::index::{Codec, Index};
+use super::yuv::Planes;
+use super::{Sink, VideoProblem, Wanted};
+use crate::files::FileParts;
+use crate::images::{self, reduced};
+
+/// Most pictures that wait to be shown; B-frames let at most 16 wait.
+const MAX_WAITING: usize = 32;
+
+/// A video whose pictures we decode.
+#[derive(Debug)]
+pub(super) struct Coded {
+    file: FileParts,
+    path: PathBuf,
+    index: Index,
+    /// The frame that shows a sample.
+    frame_of: Vec<Option<usize>>,
+    decoder: Decoder,
+    /// Frames whose pictures are damaged, and the first reason.
+    damaged: BTreeSet<usize>,
+    reason: Option<String>,
+    /// Samples decoded so far, to tell what reading in order costs.
+    decoded: usize,
+}
+
+#[derive(Debug)]
+enum Decoder {
+    Jpeg,
+    H264 { head: Head, state: Option<State> },
+}
+
+/// A running decoder.
+#[derive(Debug)]
+struct State {
+    stream: Stream,
+    /// The sample that comes next.
+    next: usize,
+    /// Pictures shown before this time may lack what they are made from.
+    sound_from: i64,
+    /// Decoded pictures that are shown later, by frame.
+    waiting: BTreeMap<usize, Planes>,
+}
+
+impl Coded {
+    /// Prepares an index whose samples all lie in the file. The size is that of the pictures themselves.
+    ///
+    /// # Errors
+    /// `Err` with the reason if our decoders cannot decode it.
+    pub(super) fn new(mut file: FileParts, path: PathBuf, mut index: Index) -> Result<Self, (FileParts, String)> {
+        let decoder = match decoder(&mut file, &path, &mut index) {
+            Ok(decoder) => decoder,
+            Err(reason) => return Err((file, reason)),
+        };
+        let mut frame_of = vec![None; index.samples.len()];
+        for (frame, shown) in index.frames.iter().enumerate().rev() {
+            frame_of[shown.sample] = Some(frame);
+        }
+        let (damaged, reason) = (BTreeSet::new(), None);
+        Ok(Self { file, path, index, frame_of, decoder, damaged, reason, decoded: 0 })
+    }
+
+    pub(super) fn index(&self) -> &Index {
+        &self.index
+    }
+
+    #[cfg(test)]
+    pub(super) fn decoded(&self) -> usize {
+        self.decoded
+    }
+
+    /// What was found to be damaged so far.
+    pub(super) fn note(&self) -> Option<String> {
+        let (first, last) = (self.damaged.first()?, self.damaged.last()?);
+        let reason = self.reason.as_deref().unwrap_or_default();
+        Some(match self.damaged.len() {
+            1 => format!("frame {first} is damaged ({reason})"),
+            count => format!("{count} frames from {first} to {last} are damaged ({reason})"),
+        })
+    }
+
+    /// A frame's picture. Others that are decoded on the way go to `sink` where they are wanted.
+    pub(super) fn frame(&mut self, wanted: Wanted, sink: &mut Sink<'_>) -> Result<RgbImage, VideoProblem> {
+        let found = match self.decoder {
+            Decoder::Jpeg => self.jpeg(wanted),
+            Decoder::H264 { .. } => self.h264(wanted, sink),
+        };
+        found.map_err(|reason| VideoProblem::Frame { frame: wanted.frame, reason })
+    }
+
+    fn sample(&mut self, sample: usize) -> Result<Vec<u8>, String> {
+        let sample = self.index.samples[sample];
+        let bytes = self.file.read_up_to(sample.offset, sample.size as usize);
+        let bytes = bytes.map_err(|error| crate::reason(&error))?;
+        if (bytes.len() as u64) < sample.size {
+            return Err("the file ends too early".to_owned());
+        }
+        Ok(bytes)
+    }
+
+    fn jpeg(&mut self, wanted: Wanted) -> Result<RgbImage, String> {
+        let bytes = self.sample(self.index.frames[wanted.frame].sample)?;
+        self.decoded += 1;
+        let decoded = images::size(&self.path, &bytes)
+            .and_then(|size| (size == self.index.size).then(|| images::decode(&self.path, &bytes)).transpose());
+        let picture = match decoded {
+            Ok(Some(picture)) => picture,
+            Ok(None) => return Err(self.damage(wanted.frame, "its size differs".to_owned())),
+            Err(error) => return Err(self.damage(wanted.frame, error.problem.to_string())),
+        };
+        let [width, height] = self.index.orientation.size(self.index.size);
+        let turned = self.index.orientation.turn(picture.as_raw().as_chunks::<3>().0, self.index.size);
+        let turned = RgbImage::from_raw(width as u32, height as u32, turned.into_flattened());
+        Ok(reduced(turned.unwrap_or_default(), wanted.divisor))
+    }
+
+    fn damage(&mut self, frame: usize, reason: String) -> String {
+        self.damaged.insert(frame);
+        self.reason.get_or_insert_with(|| reason.clone());
+        reason
+    }
+
+    fn h264(&mut self, wanted: Wanted, sink: &mut Sink<'_>) -> Result<RgbImage, String> {
+        let target = self.index.frames[wanted.frame].sample;
+        let mut state = self.state_for(wanted.frame, target)?;
+        let finish = |planes: Planes, index: &Index| planes.picture(index.orientation, wanted.divisor);
+        if let Some(planes) = state.waiting.remove(&wanted.frame) {
+            self.keep(state, wanted.frame);
+            return Ok(finish(planes, &self.index));
+        }
+        let mut found = Err("it was not decoded".to_owned());
+        while state.next <= target {
+            let sample = state.next;
+            state.next += 1;
+            self.decoded += 1;
+            let result = self.sample(sample).and_then(|bytes| state.stream.decode(&bytes));
+            let frame = self.frame_of[sample];
+            let result = match (result, frame) {
+                (Ok((planes, problem)), frame) => {
+                    if let Some((problem, frame)) = problem.zip(frame) {
+                        self.damage(frame, problem);
+                    }
+                    Ok(planes)
+                }
+                (Err(problem), Some(frame)) => Err(self.damage(frame, problem)),
+                (Err(problem), None) => Err(problem),
+            };
+            if sample == target {
+                found = result;
+                continue;
+            }
+            let (Ok(planes), Some(frame)) = (result, frame) else { continue };
+            if self.index.samples[sample].shown < state.sound_from {
+                continue;
+            }
+            if frame > wanted.frame {
+                state.waiting.insert(frame, planes);
+                if state.waiting.len() > MAX_WAITING {
+                    state.waiting.pop_last();
+                }
+            } else if frame >= wanted.keep_from {
+                sink(frame, finish(planes, &self.index));
+            }
+        }
+        self.keep(state, wanted.frame);
+        found.map(|planes| finish(planes, &self.index))
+    }
+
+    /// A running decoder that has not gone past `target` yet, or still has its frame: the one that runs, or a new one
+    /// at the key before.
+    fn state_for(&mut self, frame: usize, target: usize) -> Result<State, String> {
+        let Decoder::H264 { head, state } = &mut self.decoder else { return Err("not H.264".to_owned()) };
+        let head = *head;
+        let state = state.take();
+        if let Some(state) = state {
+            let near = state.next <= target && self.index.key_before(target) <= state.next;
+            if near || state.waiting.contains_key(&frame) {
+                return Ok(state);
+            }
+            if state.next <= target {
+                // Reading on may be shorter still, where the key ahead is none.
+                let key = self.key(target, head)?;
+                if key <= state.next {
+                    return Ok(state);
+                }
+                return self.state_at(key, head);
+            }
+        }
+        let key = self.key(target, head)?;
+        self.state_at(key, head)
+    }
+
+    fn state_at(&self, key: usize, head: Head) -> Result<State, String> {
+        let stream = Stream::new(&self.index.config, head)?;
+        let sound_from = if key == 0 { i64::MIN } else { self.index.samples[key].shown };
+        Ok(State { stream, next: key, sound_from, waiting: BTreeMap::new() })
+    }
+
+    /// The key at which to begin for `target`: what the container calls one is looked at first.
+    fn key(&mut self, target: usize, head: Head) -> Result<usize, String> {
+        let mut key = self.index.key_before(target);
+        while key > 0 && !h264::can_begin(&self.sample(key)?, head) {
+            self.index.samples[key].key = false;
+            key = self.index.key_before(target);
+        }
+        Ok(key)
+    }
+
+    /// Keeps the decoder for the frames that follow.
+    fn keep(&mut self, mut running: State, frame: usize) {
+        running.waiting = running.waiting.split_off(&frame);
+        if let Decoder::H264 { state, .. } = &mut self.decoder {
+            *state = Some(running);
+        }
+    }
+}
+
+/// The decoder for an index; puts the pictures' own size into it.
+fn decoder(file: &mut FileParts, path: &std::path::Path, index: &mut Index) -> Result<Decoder, String> {
+    let Some(first) = index.samples.first() else { return Err("no pictures".to_owned()) };
+    let first = file.read_up_to(first.offset, first.size as usize).map_err(|error| crate::reason(&error))?;
+    match index.codec {
+        Codec::H264 => {
+            let head = Head::new(&index.config, &first, index.colour)?;
+            index.size = head.size;
+            Ok(Decoder::H264 { head, state: None })
+        }
+        Codec::Jpeg => {
+            index.size = images::size(path, &first).map_err(|error| error.problem.to_string())?;
+            Ok(Decoder::Jpeg)
+        }
+        Codec::Other(_) => Err(String::new()),
+    }
+}

@@ -1,0 +1,242 @@
+//! Videos that we do not decode ourselves, by the programs `ffprobe` (what is in the file) and `ffmpeg` (its pictures,
+//! as raw RGB through a pipe).
+//!
+//! The programs get the file's path as one argument of its own, never a shell, and may open nothing else: no playlist,
+//! no network. They are killed when the video is dropped, when they stand still, and end by themselves when the pipe
+//! does.
+
+use std::ffi::OsString;
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use image::RgbImage;
+use tempfile::NamedTempFile;
+
+use super::index::Index;
+use super::probe::{self, Probed};
+use super::{Sink, VideoProblem, Wanted};
+use crate::files::FileParts;
+use crate::images::reduced;
+
+/// A program that gives nothing for so long is stopped.
+pub(super) const PATIENCE: Duration = Duration::from_secs(60);
+/// Frames that the program may be ahead.
+const AHEAD: usize = 2;
+/// Frames that are rather read and thrown away than looked up anew.
+const MAX_SKIPPED: usize = 48;
+/// Containers that the programs may read: none that names other files.
+const FORMATS: &str = "mov,mp4,m4a,3gp,3g2,mj2,matroska,webm,avi,mpegts,mpeg,ogg,flv,asf";
+
+/// The two programs.
+#[derive(Debug, Clone)]
+pub(super) struct Programs {
+    pub(super) ffmpeg: OsString,
+    pub(super) ffprobe: OsString,
+}
+
+impl Default for Programs {
+    fn default() -> Self {
+        Self { ffmpeg: "ffmpeg".into(), ffprobe: "ffprobe".into() }
+    }
+}
+
+/// A video that `ffmpeg` decodes.
+#[derive(Debug)]
+pub(super) struct Piped {
+    programs: Programs,
+    input: OsString,
+    probed: Probed,
+    notes: Vec<String>,
+    running: Option<Running>,
+    /// The file, where the video was in memory only.
+    _file: Option<NamedTempFile>,
+}
+
+impl Piped {
+    /// Asks `ffprobe`. What our own index knows to be missing is left out.
+    pub(super) fn open(
+        parts: FileParts,
+        path: &Path,
+        codec: Option<String>,
+        index: Option<&Index>,
+        programs: &Programs,
+    ) -> Result<Self, VideoProblem> {
+        let failed = |error| VideoProblem::Read { error };
+        let (file, path) = match parts.memory() {
+            None => (None, std::path::absolute(path).map_err(failed)?),
+            Some(bytes) => {
+                let mut file = NamedTempFile::new().map_err(failed)?;
+                file.write_all(bytes).map_err(failed)?;
+                let path = file.path().to_owned();
+                (Some(file), path)
+            }
+        };
+        let input = input(path);
+        let codec = codec.unwrap_or_else(|| "of a kind that is not decoded here".to_owned());
+        let mut probed = probe::probe(programs, &input, &codec)?;
+        let mut notes = Vec::new();
+        if let Some(index) = index {
+            // What our own index says is exact, and it knows what is cut off.
+            probed.seconds.truncate(index.frames.len());
+            notes.clone_from(&index.notes);
+        }
+        Ok(Self { programs: programs.clone(), input, probed, notes, running: None, _file: file })
+    }
+
+    pub(super) fn size(&self) -> [usize; 2] {
+        self.probed.size
+    }
+
+    pub(super) fn seconds(&self) -> &[f64] {
+        &self.probed.seconds
+    }
+
+    pub(super) fn codec(&self) -> &str {
+        &self.probed.codec
+    }
+
+    pub(super) fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    pub(super) fn frame(&mut self, wanted: Wanted, sink: &mut Sink<'_>) -> Result<RgbImage, VideoProblem> {
+        let near = |running: &Running| (running.next..=running.next + MAX_SKIPPED).contains(&wanted.frame);
+        let mut running = match self.running.take().filter(near) {
+            Some(running) => running,
+            None => self.start(wanted.frame)?,
+        };
+        loop {
+            let frame = running.next;
+            let bytes = running.read().map_err(|reason| VideoProblem::Frame { frame: wanted.frame, reason })?;
+            let [width, height] = self.probed.size.map(|side| side as u32);
+            let picture = RgbImage::from_raw(width, height, bytes).unwrap_or_default();
+            if frame == wanted.frame {
+                self.running = Some(running);
+                return Ok(reduced(picture, wanted.divisor));
+            }
+            if frame >= wanted.keep_from {
+                sink(frame, reduced(picture, wanted.divisor));
+            }
+        }
+    }
+
+    /// Starts `ffmpeg` so that `frame` comes first: it decodes from the key before and leaves out what is shown before
+    /// the time given, here halfway between the frame and the one before it.
+    fn start(&self, frame: usize) -> Result<Running, VideoProblem> {
+        let mut command = Command::new(&self.programs.ffmpeg);
+        command.args(["-nostdin", "-v", "quiet"]).args(bounds());
+        if frame > 0 {
+            let seconds = &self.probed.seconds;
+            let from = (seconds[frame - 1] + seconds[frame]) / 2.0 + self.probed.zero - self.probed.begins;
+            command.args(["-ss", &format!("{:.6}", from.max(0.0))]);
+        }
+        command.arg("-i").arg(&self.input).args(["-map", "0:V:0"]);
+        command.args(if self.probed.knows_fps_mode { ["-fps_mode", "passthrough"] } else { ["-vsync", "0"] });
+        command.args(["-pix_fmt", "rgb24", "-f", "rawvideo", "pipe:1"]);
+        let bytes = self.probed.size.iter().product::<usize>() * 3;
+        Running::new(command, bytes, frame).map_err(|error| missing(&self.programs.ffmpeg, &self.probed.codec, error))
+    }
+}
+
+/// What keeps the programs to the one file.
+pub(super) fn bounds() -> [&'static str; 4] {
+    ["-protocol_whitelist", "file", "-format_whitelist", FORMATS]
+}
+
+/// A program that cannot be started.
+pub(super) fn missing(program: &OsString, codec: &str, error: std::io::Error) -> VideoProblem {
+    let (codec, program) = (codec.to_owned(), program.to_string_lossy().into_owned());
+    match error.kind() {
+        std::io::ErrorKind::NotFound => VideoProblem::NeedsProgram { codec, program },
+        _ => VideoProblem::Program { codec, program, message: crate::reason(&error) },
+    }
+}
+
+/// The path as the programs take it: a file, whatever its name looks like.
+fn input(path: PathBuf) -> OsString {
+    let mut input = OsString::from("file:");
+    input.push(path);
+    input
+}
+
+/// A program that writes to a pipe. Killed and waited for when dropped.
+#[derive(Debug)]
+pub(super) struct Process(Child);
+
+impl Process {
+    /// Starts it with nothing to read; what it complains of is thrown away.
+    pub(super) fn start(mut command: Command) -> std::io::Result<(Self, impl Read + Send + 'static)> {
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null());
+        let mut child = command.spawn()?;
+        let output = child.stdout.take();
+        let process = Self(child);
+        output.map(|output| (process, output)).ok_or_else(|| std::io::Error::other("no pipe"))
+    }
+
+    /// Waits for its end.
+    pub(super) fn success(&mut self) -> bool {
+        self.0.wait().is_ok_and(|status| status.success())
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ended = self.0.kill();
+        let _waited = self.0.wait();
+    }
+}
+
+/// A running `ffmpeg` and the thread that reads its pipe, a few frames ahead.
+#[derive(Debug)]
+struct Running {
+    /// The frame that comes next.
+    next: usize,
+    frames: Option<Receiver<Vec<u8>>>,
+    process: Option<Process>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Running {
+    fn new(command: Command, bytes: usize, next: usize) -> std::io::Result<Self> {
+        let (process, mut output) = Process::start(command)?;
+        let (sender, frames) = sync_channel(AHEAD);
+        let thread = std::thread::Builder::new().name("video".to_owned()).spawn(move || {
+            loop {
+                let mut frame = vec![0; bytes];
+                if output.read_exact(&mut frame).is_err() || sender.send(frame).is_err() {
+                    return;
+                }
+            }
+        })?;
+        Ok(Self { next, frames: Some(frames), process: Some(process), thread: Some(thread) })
+    }
+
+    fn read(&mut self) -> Result<Vec<u8>, String> {
+        let Some(frames) = &self.frames else { return Err("ffmpeg has ended".to_owned()) };
+        match frames.recv_timeout(PATIENCE) {
+            Ok(frame) => {
+                self.next += 1;
+                Ok(frame)
+            }
+            Err(RecvTimeoutError::Timeout) => Err(format!("ffmpeg gave nothing for {} s", PATIENCE.as_secs())),
+            Err(RecvTimeoutError::Disconnected) => Err("ffmpeg gives no picture for it".to_owned()),
+        }
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // The program ends, so the thread's pipe does; without a receiver it does not wait either.
+        self.process = None;
+        self.frames = None;
+        if let Some(thread) = self.thread.take() {
+            // A thread that panicked has nothing to tell.
+            let _ended = thread.join();
+        }
+    }
+}
