@@ -9,9 +9,11 @@ mod distortion;
 mod intrinsics;
 mod rectify;
 mod rig;
+mod upright;
 
 pub use camera::{Camera, CameraError, CameraFromWorld, FARTHEST, LARGEST_NUMBER, MAX_SIDE};
 pub use distortion::Distortion;
 pub use intrinsics::Intrinsics;
 pub use rectify::Rectification;
 pub use rig::{Rig, RigError};
+pub use upright::up_of;

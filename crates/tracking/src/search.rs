@@ -7,6 +7,7 @@
 //! | `chains` | the body taken apart into its trunk and its arms, legs and head |
 //! | `reseed` | new places for one chain while the rest of the body is held |
 //! | `sketch` | flat limbs on coarse pictures, by which thousands of places are sifted |
+//! | `without_start` | [`without_start()`]: a pose where no start is known, from the visual hull |
 //! | [`start`] | where a fit begins: a pose from known joints, and noise on it |
 
 mod chains;
@@ -15,6 +16,8 @@ mod options;
 mod reseed;
 mod sketch;
 pub mod start;
+mod without_start;
 
 pub use hypotheses::{Hypotheses, Hypothesis, Origin, fit_best, search};
 pub use options::SearchOptions;
+pub use without_start::{Candidate, Doubt, Found, Heights, WithoutStart, WithoutStartError, without_start};

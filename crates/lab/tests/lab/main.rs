@@ -4,3 +4,4 @@
 
 mod builtin_take;
 mod turned_round;
+mod without_start;

@@ -42,8 +42,8 @@ const LEAST_GAIN: f64 = 1e-3;
 const RIVAL: f64 = 1.6;
 /// The start knows which way the body faces: to be believed, a body turned round must explain the silhouettes better by so
 /// much of the cost, and by so much of the subject's pixels. A body of capsules without limits looks the same both ways.
-const LEAST_BETTER: f64 = 0.05;
-const LEAST_BETTER_PIXELS: f64 = 1e-3;
+pub(super) const LEAST_BETTER: f64 = 0.05;
+pub(super) const LEAST_BETTER_PIXELS: f64 = 1e-3;
 /// Proposals are first refined by the stage this many before the last, the best of them by the ones after it.
 const REFINING_STAGES: usize = 3;
 
@@ -130,15 +130,15 @@ pub fn fit_best(
 
 /// A search in progress.
 #[derive(Debug)]
-struct Search<'a> {
+pub(super) struct Search<'a> {
     model: &'a Arc<Model>,
     options: &'a FitOptions,
     effort: &'a SearchOptions,
     cancel: &'a CancelToken,
-    reseeder: Reseeder<'a>,
-    objectives: Vec<(Stage, Objective)>,
-    found: Vec<Hypothesis>,
-    iterations: usize,
+    pub(super) reseeder: Reseeder<'a>,
+    pub(super) objectives: Vec<(Stage, Objective)>,
+    pub(super) found: Vec<Hypothesis>,
+    pub(super) iterations: usize,
 }
 
 /// All that is found from a prepared start and from the body that faces the other way.
@@ -166,7 +166,7 @@ fn run(
 
 impl<'a> Search<'a> {
     /// A search in which nothing is found yet, and whose priors pull towards a pose.
-    fn about(
+    pub(super) fn about(
         start: &'a Pose,
         model: &'a Arc<Model>,
         prepared: &'a Prepared,
@@ -259,7 +259,7 @@ impl<'a> Search<'a> {
     }
 
     /// Sweeps over the chains, and the pairs where the fit is poor, until one brings nothing.
-    fn sweep(&mut self, chains: &[usize], pairs_above: f64) {
+    pub(super) fn sweep(&mut self, chains: &[usize], pairs_above: f64) {
         for _ in 0..self.effort.sweeps {
             let before = self.found[0].cost;
             self.try_chains(chains);
@@ -306,7 +306,7 @@ impl<'a> Search<'a> {
     }
 
     /// Index of the first stage that proposals are refined by.
-    fn refining_stage(&self) -> usize {
+    pub(super) fn refining_stage(&self) -> usize {
         self.objectives.len().saturating_sub(REFINING_STAGES)
     }
 
@@ -328,7 +328,7 @@ impl<'a> Search<'a> {
     }
 
     /// Cost and pose after all stages from one on.
-    fn refine(&mut self, pose: &Pose, from: usize) -> (f64, Pose) {
+    pub(super) fn refine(&mut self, pose: &Pose, from: usize) -> (f64, Pose) {
         let mut refined = (f64::INFINITY, pose.clone());
         for stage in from..self.objectives.len() {
             refined = self.refine_by(stage, refined.1);
@@ -336,7 +336,7 @@ impl<'a> Search<'a> {
         refined
     }
 
-    fn refine_by(&mut self, stage: usize, pose: Pose) -> (f64, Pose) {
+    pub(super) fn refine_by(&mut self, stage: usize, pose: Pose) -> (f64, Pose) {
         let (stage, objective) = &mut self.objectives[stage];
         let options = SolverOptions { run_all: false, ..self.options.solver_options(stage) };
         let mut solver = Solver::new(objective, pose, options);
@@ -350,7 +350,7 @@ impl<'a> Search<'a> {
     }
 
     /// Keeps a hypothesis, or the better one of two that are the same.
-    fn keep(&mut self, new: Hypothesis) {
+    pub(super) fn keep(&mut self, new: Hypothesis) {
         let is_same = |old: &&mut Hypothesis| farthest_m(self.model, &old.pose, &new.pose) < SAME_M;
         match self.found.iter_mut().find(is_same) {
             Some(old) if new.cost < old.cost => *old = new,
@@ -362,13 +362,13 @@ impl<'a> Search<'a> {
 }
 
 /// Largest distance between two poses' joints.
-fn farthest_m(model: &Model, a: &Pose, b: &Pose) -> f64 {
+pub(super) fn farthest_m(model: &Model, a: &Pose, b: &Pose) -> f64 {
     let (a, b) = (Kinematics::new(model, a), Kinematics::new(model, b));
     a.ends().iter().zip(b.ends()).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max)
 }
 
 /// Pixels of the subject in all cameras, weighted.
-fn subject_pixels(views: &[FitView]) -> f64 {
+pub(super) fn subject_pixels(views: &[FitView]) -> f64 {
     let pixels = views.iter().map(|view| {
         let count = match &view.evidence {
             Evidence::Mask(mask) => mask.count(Label::Subject),

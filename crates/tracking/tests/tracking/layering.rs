@@ -20,7 +20,7 @@ fn allowed(module: &str) -> Option<Vec<&'static str>> {
         "visual_hull" => vec!["camera", "silhouette", "cancel"],
         "fit" => fit.to_vec(),
         "observability" => vec!["fit", "residual", "render", "body", "camera", "optimize", "geometry"],
-        "search" => [&fit[..], &["fit", "posing", "metrics", "geometry"]].concat(),
+        "search" => [&fit[..], &["fit", "posing", "metrics", "geometry", "visual_hull"]].concat(),
         "track" => [&fit[..], &["fit", "search", "filter"]].concat(),
         "body_fit" => [&fit[..], &["fit", "track", "metrics"]].concat(),
         _ => return None,

@@ -1,0 +1,172 @@
+//! A clothed figure is found where no start is known, and what stands in the way is said.
+
+use std::sync::Arc;
+
+use backlit_lab::experiment::basin::leaf_error_mm;
+use backlit_lab::experiment::starts::{Draw, Level};
+use backlit_lab::synthetic::{Build, Figure, motion, silhouette, studio};
+use backlit_tracking::body::{Kinematics, Model, Pose, Sides, builtin};
+use backlit_tracking::camera::Camera;
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::{Evidence, FitError, FitView};
+use backlit_tracking::metrics::mean_joint_error_mm;
+use backlit_tracking::search::{Doubt, Found, WithoutStart, WithoutStartError, without_start};
+use backlit_tracking::silhouette::{Label, Mask};
+use glam::DVec3;
+
+/// Frames of the built-in movement, and which way about the vertical the figure is turned, radians.
+const MOMENTS: [(f64, f64); 2] = [(8.0, 0.0), (32.0, 2.5)];
+
+fn posed(model: &Model, (frame, turn): (f64, f64)) -> Pose {
+    let mut pose = motion::pose(model, frame);
+    let turn = glam::DQuat::from_rotation_z(turn);
+    for (rotation, parent) in model.rotation_parents().iter().enumerate() {
+        if parent.is_none() {
+            pose.rotations[rotation] = (turn * pose.rotations[rotation]).normalize();
+        }
+    }
+    pose
+}
+
+/// Half as many pixels across, for the sake of time.
+fn half(camera: &Camera) -> Arc<Camera> {
+    Arc::new(camera.without_distortion().resized(studio::WIDTH / 2, studio::HEIGHT / 2).unwrap())
+}
+
+fn views(model: &Model, pose: &Pose, cameras: &[usize]) -> Vec<FitView> {
+    let figure = Figure::new(model, pose, Build::default()).unwrap();
+    let rig = studio::cameras();
+    let view = |&index: &usize| {
+        let camera = half(&rig.cameras()[index]);
+        let mask = silhouette(&figure, &camera).unwrap();
+        FitView { camera, evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
+    };
+    cameras.iter().map(view).collect()
+}
+
+fn look(model: &Arc<Model>, views: &[FitView]) -> Result<Found, WithoutStartError> {
+    without_start(model, views, &WithoutStart::default(), &CancelToken::new())
+}
+
+#[test]
+fn a_person_is_found_and_faces_the_right_way() {
+    let model = Arc::new(builtin::full_body());
+    for (moment, cameras) in MOMENTS.into_iter().zip([&[0, 1, 2, 3][..], &[0, 1]]) {
+        let truth = posed(&model, moment);
+        let found = look(&model, &views(&model, &truth, cameras)).unwrap();
+        let error = mean_joint_error_mm(&model, found.pose(), &truth);
+        assert!(error < 60.0, "{moment:?}, {} cameras: {error:.0} mm", cameras.len());
+        assert_eq!((found.up, found.doubts.as_slice()), (DVec3::Z, &[][..]));
+        let ahead = Sides::of(&model, &Kinematics::new(&model, &truth)).unwrap().ahead;
+        let turned =
+            |pose: &Pose| Sides::of(&model, &Kinematics::new(&model, pose)).unwrap().ahead.dot(ahead);
+        assert!(turned(found.pose()) > 0.8);
+        assert!(
+            found.candidates[1..].iter().any(|other| turned(&other.pose) < -0.5),
+            "the other way was tried"
+        );
+        assert!(found.candidates[1..].iter().all(|other| other.cost > found.candidates[0].cost));
+        let heights = found.heights.unwrap();
+        assert!((heights.ratio() - 1.0).abs() < 0.15, "{heights:?}");
+    }
+}
+
+#[test]
+fn a_small_person_is_found_by_the_body_scaled() {
+    let model = Arc::new(builtin::full_body());
+    let child = model.scaled(0.75).unwrap();
+    let mut truth = posed(&model, MOMENTS[0]);
+    truth.root.z *= 0.75;
+    let figure = Figure::new(&child, &truth, Build::default()).unwrap();
+    let view = |camera: &Camera| {
+        let camera = half(camera);
+        let mask = silhouette(&figure, &camera).unwrap();
+        FitView { camera, evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
+    };
+    let views: Vec<FitView> = studio::cameras().cameras().iter().map(view).collect();
+    let choices = WithoutStart { scale_body: true, ..WithoutStart::default() };
+    let found = without_start(&model, &views, &choices, &CancelToken::new()).unwrap();
+    assert!((found.scale - 0.75).abs() < 0.09, "{} {:?}", found.scale, found.heights);
+    let size = found.model.limbs()[0].length / model.limbs()[0].length;
+    assert!((size - found.scale).abs() < 1e-9, "{size}");
+    let error = |found: &Found| mean_joint_error_mm(&child, found.pose(), &truth);
+    let average = look(&model, &views).unwrap();
+    assert!(error(&found) < 0.8 * error(&average), "{:.0} mm, {:.0} mm", error(&found), error(&average));
+}
+
+/// The report's upper body has no limits and looks the same from the front and from the back.
+#[test]
+fn a_body_that_looks_the_same_from_behind_faces_the_cameras_and_that_is_said() {
+    let levels = vec![Level { degrees: 20, metres: 0.1 }];
+    let starts = Draw { starts: 4, levels, cameras: vec![4], ..Draw::default() }.draw().unwrap();
+    for start in &starts {
+        let found = look(&start.model, &start.views[&4]).unwrap();
+        assert!(leaf_error_mm(&start.model, found.pose(), &start.truth) < 20.0);
+        assert_eq!(found.doubts, [Doubt::FacingAssumed]);
+        let facing = found.candidates[0].ahead.unwrap();
+        assert!(found.candidates[1..].iter().any(|other| other.ahead.unwrap().dot(facing) < -0.5));
+    }
+}
+
+#[test]
+fn one_camera_does_what_it_can_and_says_so() {
+    let model = Arc::new(builtin::full_body());
+    let truth = posed(&model, MOMENTS[0]);
+    let found = look(&model, &views(&model, &truth, &[0])).unwrap();
+    assert!(found.doubts.contains(&Doubt::OneCamera) && found.heights.is_none());
+    let camera = half(&studio::cameras().cameras()[0]);
+    let [found, truth] = [found.pose(), &truth].map(|pose| camera.project(pose.root).unwrap());
+    assert!(found.distance(truth) < 4.0, "{found} {truth}");
+}
+
+#[test]
+fn what_cannot_be_is_said() {
+    let model = Arc::new(builtin::full_body());
+    let good = views(&model, &posed(&model, MOMENTS[0]), &[0, 1]);
+    let with_mask = |mask: Mask| {
+        let mut views = good.clone();
+        views[1].evidence = Evidence::Mask(Arc::new(mask));
+        views
+    };
+    let (width, height) = (good[1].camera.width(), good[1].camera.height());
+    let nobody = Mask::filled(width, height, Label::Background).unwrap();
+    let mut empty = with_mask(nobody.clone());
+    empty[0].evidence = Evidence::Mask(Arc::new(nobody.clone()));
+    let error = look(&model, &empty).unwrap_err();
+    assert!(matches!(&error, WithoutStartError::Fit(FitError::NoData { .. })), "{error}");
+    assert!(matches!(look(&model, &[]).unwrap_err(), WithoutStartError::Fit(FitError::NoData { .. })));
+    assert_eq!(look(&model, &with_mask(nobody)).unwrap().doubts[0], Doubt::OneCamera);
+    // Something in a corner that the other camera does not see.
+    let corner = |index: usize| index % width < 6 && index / width < 6;
+    let label = |index| if corner(index) { Label::Subject } else { Label::Background };
+    let elsewhere = Mask::new(width, height, (0..width * height).map(label).collect()).unwrap();
+    let error = look(&model, &with_mask(elsewhere)).unwrap_err();
+    assert_eq!(error, WithoutStartError::Apart { cameras: vec!["cam1".to_owned(), "cam2".to_owned()] });
+    assert!(error.to_string().contains("cam1, cam2"), "{error}");
+    let look_with =
+        |choices: WithoutStart, cancel: &CancelToken| without_start(&model, &good, &choices, cancel);
+    let cancel = CancelToken::new();
+    for choices in [
+        WithoutStart { up: Some(DVec3::ZERO), ..WithoutStart::default() },
+        WithoutStart { headings: 0, ..WithoutStart::default() },
+        WithoutStart { trunks: 0, ..WithoutStart::default() },
+    ] {
+        let error = look_with(choices, &cancel).unwrap_err();
+        assert!(error.to_string().contains("expected"), "{error}");
+    }
+    cancel.cancel();
+    assert_eq!(look_with(WithoutStart::default(), &cancel).unwrap_err(), WithoutStartError::Cancelled);
+}
+
+#[test]
+fn threads_change_nothing() {
+    let levels = vec![Level { degrees: 20, metres: 0.1 }];
+    let start = &Draw { starts: 1, levels, cameras: vec![2], ..Draw::default() }.draw().unwrap()[0];
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| look(&start.model, &start.views[&2])).unwrap()
+    };
+    let (one, three) = (with(1), with(3));
+    assert_eq!(one, three);
+    assert_eq!(one.candidates[0].cost.to_bits(), three.candidates[0].cost.to_bits());
+}

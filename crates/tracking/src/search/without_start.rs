@@ -1,0 +1,271 @@
+//! A pose where no start is known: the search begins in the visual hull.
+//!
+//! 1. **Place.** The hull of all silhouettes says where the person is ([`VisualHull`](crate::visual_hull::VisualHull));
+//!    the cameras, which people hold level, or the caller say which way is up. With one camera the body's own height says
+//!    how far away it is.
+//! 2. **Headings.** About the vertical through the person the body stands up in eight directions. On the best trunks of
+//!    each, by the sketch, arms, legs and head are put together, and the whole is refined a little by two coarse stages.
+//! 3. **Halving.** The best few that differ are refined to the end, each chain seeded anew; then the best two of them,
+//!    with each also turned round: facing the other way, right and left swapped.
+//! 4. **Judgement.** By the last stage's cost without any pull to a start. Where the other way costs as good as the same,
+//!    the body is taken to face the cameras if these stand on one side of it, and that is said ([`Doubt`]).
+//!
+//! | file | holds |
+//! |---|---|
+//! | `place` | where the subject is, by its silhouettes |
+//! | `stance` | the body as it stands at rest, facing any way |
+//! | `small` | pictures no larger than the search needs |
+//! | `rounds` | the rounds of the search, each with fewer candidates and a closer look |
+//!
+//! All of it is the same for any number of threads.
+
+mod place;
+mod rounds;
+mod small;
+mod stance;
+
+use std::fmt;
+use std::sync::Arc;
+
+use glam::DVec3;
+use thiserror::Error;
+
+use self::place::Place;
+use self::rounds::Rounds;
+use self::stance::Stance;
+use super::chains::Chains;
+use super::options::SearchOptions;
+use super::sketch::Sketch;
+use crate::body::{Model, ModelError, Pose};
+use crate::cancel::CancelToken;
+use crate::fit::{FitError, FitOptions, FitView, Prepared};
+
+/// A body is made as much larger or smaller as this at most.
+const LARGEST_SCALE: f64 = 2.0;
+
+/// How to look for a pose without a start.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WithoutStart {
+    /// Up in world axes, of any length; `None` asks the cameras ([`up_of`](crate::camera::up_of)).
+    pub up: Option<DVec3>,
+    /// Whether the body is scaled as a whole to stand as tall as the hull is: rough, and better than an average body for
+    /// a child.
+    pub scale_body: bool,
+    /// By what candidates are refined and judged.
+    pub fit: FitOptions,
+    /// Headings about the vertical, at least one.
+    pub headings: usize,
+    /// Trunks of each heading that the limbs are put on, at least one.
+    pub trunks: usize,
+    /// Candidates of all headings that are refined to the end, and of these that are looked at most closely; each at least one.
+    pub kept: [usize; 2],
+    /// How hard the candidates of all headings are looked at.
+    pub coarse: SearchOptions,
+    /// How hard the last few are.
+    pub fine: SearchOptions,
+}
+
+impl Default for WithoutStart {
+    fn default() -> Self {
+        let fine = SearchOptions { pairs: 0, ..SearchOptions::default() };
+        Self {
+            up: None,
+            scale_body: false,
+            fit: FitOptions::default(),
+            headings: 8,
+            trunks: 2,
+            kept: [4, 2],
+            coarse: SearchOptions { directions: 50, beam: 8, proposals: 2, sweeps: 1, ..fine.clone() },
+            fine,
+        }
+    }
+}
+
+/// A pose that was refined to the end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// The pose.
+    pub pose: Pose,
+    /// Its cost by the last stage, without any pull to a start, squared grey levels.
+    pub cost: f64,
+    /// Where it looks: a unit vector, world axes; `None` for a body without front and back.
+    pub ahead: Option<DVec3>,
+}
+
+/// What was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Found {
+    /// The body that the poses are of: the given one, or as it was scaled.
+    pub model: Arc<Model>,
+    /// All that were refined to the end and differ, best first; never empty. The best may cost a little more than another
+    /// that faces away from the cameras.
+    pub candidates: Vec<Candidate>,
+    /// Up, a unit vector, world axes.
+    pub up: DVec3,
+    /// What that body was scaled by; 1 unless [`scale_body`](WithoutStart::scale_body) asks for more.
+    pub scale: f64,
+    /// How tall the subject's hull is and how tall the given body stands. `None` with one camera.
+    pub heights: Option<Heights>,
+    /// What the silhouettes leave open.
+    pub doubts: Vec<Doubt>,
+}
+
+impl Found {
+    /// The best pose.
+    #[must_use]
+    pub fn pose(&self) -> &Pose {
+        &self.candidates[0].pose
+    }
+}
+
+/// Heights along the vertical, metres. The hull of few cameras is some per cent taller than who is in it, and nobody has
+/// to stand upright: of the person's size they are a hint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Heights {
+    /// Of the visual hull.
+    pub subject_m: f64,
+    /// Of the body that was given, at rest.
+    pub body_m: f64,
+}
+
+impl Heights {
+    /// How many times as tall as the body the hull is.
+    #[must_use]
+    pub fn ratio(&self) -> f64 {
+        self.subject_m / self.body_m
+    }
+}
+
+/// What silhouettes leave open.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Doubt {
+    /// One camera alone sees the subject: how far away it is follows from the body's height.
+    OneCamera,
+    /// Turned round the body explains the silhouettes as well; it was taken to face the cameras.
+    FacingAssumed,
+    /// The same, and the cameras stand all around.
+    FacingOpen,
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::OneCamera => {
+                "one camera alone sees the person: how far away it is follows from the body's height alone"
+            }
+            Self::FacingAssumed => {
+                "the silhouettes do not tell front from back; the body is taken to face the cameras"
+            }
+            Self::FacingOpen => "the silhouettes do not tell front from back; the body may be turned round",
+        })
+    }
+}
+
+/// Why no pose was found.
+#[derive(Debug, Error, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum WithoutStartError {
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    #[error("`up` is {0}; expected a direction")]
+    Up(DVec3),
+    #[error("the cameras do not agree on which way is up; expected `up` to be given")]
+    NoUp,
+    #[error("`{field}` is 0; expected at least 1")]
+    Count { field: &'static str },
+    #[error(
+        "the silhouettes of {} do not meet in space; expected one person at one moment, seen by cameras of one calibration",
+        cameras.join(", ")
+    )]
+    Apart { cameras: Vec<String> },
+    #[error("the body cannot be scaled by {scale:.2}: {error}")]
+    Scale { scale: f64, error: ModelError },
+    #[error("the search for a start was stopped")]
+    Cancelled,
+}
+
+/// Looks for a pose where no start is known. Views without a subject are left out; one that has one is enough.
+///
+/// # Errors
+/// Nobody is seen ([`FitError::NoData`]), silhouettes that do not meet, no vertical, choices or data that make no sense,
+/// or `cancel`.
+pub fn without_start(
+    model: &Arc<Model>,
+    views: &[FitView],
+    choices: &WithoutStart,
+    cancel: &CancelToken,
+) -> Result<Found, WithoutStartError> {
+    choices.check()?;
+    for view in views {
+        view.check()?;
+    }
+    let seen: Vec<FitView> = views.iter().filter(|view| view.has_data()).cloned().collect();
+    if seen.is_empty() {
+        // Says who sees nothing.
+        Prepared::new(model, views.to_vec(), &Pose::rest(model), &choices.fit, |_, _, _| 0.0)?;
+    }
+    let body_m = Stance::new(model, &Chains::new(model)).height();
+    let place = Place::of(&seen, choices.up, body_m, cancel)?;
+    let heights = (seen.len() > 1).then(|| Heights { subject_m: place.height(), body_m });
+    let in_place = InPlace { seen: &seen, choices, place: &place, heights, cancel };
+    let Some(heights) = heights.filter(|_| choices.scale_body) else { return in_place.search(model, 1.0) };
+    let scale = heights.ratio().clamp(LARGEST_SCALE.recip(), LARGEST_SCALE);
+    let scaled = model.scaled(scale).map_err(|error| WithoutStartError::Scale { scale, error })?;
+    in_place.search(&Arc::new(scaled), scale)
+}
+
+/// A search whose place is known.
+struct InPlace<'a> {
+    seen: &'a [FitView],
+    choices: &'a WithoutStart,
+    place: &'a Place,
+    heights: Option<Heights>,
+    cancel: &'a CancelToken,
+}
+
+impl InPlace<'_> {
+    /// The search with the body as it is; `scale` is what it was scaled by.
+    fn search(&self, model: &Arc<Model>, scale: f64) -> Result<Found, WithoutStartError> {
+        let Self { choices, place, cancel, .. } = *self;
+        let stance = Stance::new(model, &Chains::new(model));
+        let middle = place.middle();
+        let standing = stance.pose(model, middle, place.up, place.to_cameras);
+        let seen = small::reduced(model, self.seen, &standing);
+        let options = choices.fit.clone().at_scale(model, &seen, &standing);
+        let prepared = Prepared::new(model, seen, &standing, &options, Sketch::reach_px)?;
+        let rounds = Rounds { model, prepared: &prepared, options: &options, choices, place, stance, cancel };
+        let (candidates, facing) = rounds.run()?;
+        let one_camera = (self.seen.len() == 1).then_some(Doubt::OneCamera);
+        Ok(Found {
+            model: Arc::clone(model),
+            scale,
+            heights: self.heights,
+            candidates,
+            up: place.up,
+            doubts: one_camera.into_iter().chain(facing).collect(),
+        })
+    }
+}
+
+impl WithoutStart {
+    /// First thing wrong with the choices.
+    ///
+    /// # Errors
+    /// A count of zero, numbers that make no sense, no direction.
+    fn check(&self) -> Result<(), WithoutStartError> {
+        for (field, count) in
+            [("headings", self.headings), ("trunks", self.trunks), ("kept", self.kept[0].min(self.kept[1]))]
+        {
+            if count == 0 {
+                return Err(WithoutStartError::Count { field });
+            }
+        }
+        for effort in [&self.coarse, &self.fine] {
+            effort.check().map_err(FitError::from)?;
+        }
+        match self.up {
+            Some(up) if !(up.is_finite() && up.length() > 1e-9) => Err(WithoutStartError::Up(up)),
+            _ => Ok(()),
+        }
+    }
+}
