@@ -25,6 +25,7 @@
 //! | [`starts`] | starts of known distance from their truth |
 //! | [`curve`] | one fit, iteration by iteration, against its truth |
 //! | [`sizes`] | the sizes of people of several builds, from silhouettes |
+//! | [`own_sizes`] | the same in one go from a track with the average body, masks exact and too wide, and the track after |
 //! | [`scene`] | simulated data of a pose as a fit takes them |
 //! | [`progress`] | how far an experiment is, and why one cannot run |
 
@@ -41,6 +42,7 @@ pub mod frame_basin;
 pub mod interval;
 pub mod inverse;
 pub mod looks;
+pub mod own_sizes;
 pub mod progress;
 pub mod robustness;
 pub mod scene;

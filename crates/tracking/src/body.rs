@@ -9,8 +9,10 @@
 //! | [`Kinematics`] | joint positions of a pose and the 7 × n map from state to a limb's motion |
 //! | [`Sides`] | which way a body faces, by its right and left limbs |
 //! | [`Sizes`] | which lengths and radii may change, and together with which others |
+//! | [`anthropometry`] | how real people's sizes spread about the built-in full body's |
 //! | [`builtin`] | the models that come with the program |
 
+pub mod anthropometry;
 pub mod builtin;
 mod kinematics;
 mod limb;

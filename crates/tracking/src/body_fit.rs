@@ -14,18 +14,28 @@
 //! | `fit` | [`fit_body`]: stage after stage |
 //! | `approach` | [`approach()`]: from one frame's start to the poses of several frames, by tracking |
 //! | [`frames`] | [`BodyFrame`]: what a frame contributes; which frames to look at |
+//! | [`widening`] | silhouettes that are too wide all round: an unknown of its own, and what to do about it |
+//! | `own_sizes` | [`own_sizes()`]: all of it in one go, judged by frames held out |
+//! | [`usable`] | silhouettes that cannot be a person's |
 //! | `report` | [`BodyFit`]: what was found, and how well each size is seen |
 
 mod approach;
 mod fit;
 pub mod frames;
 mod options;
+mod own_sizes;
 mod problem;
 mod report;
 pub mod scale;
+pub mod usable;
+pub mod widening;
 
 pub use approach::{Approach, approach};
 pub use fit::{BodyFitError, BodyProgress, fit_body};
-pub use frames::BodyFrame;
+pub use frames::{BodyFrame, PosedFrame};
 pub use options::{BodyFitOptions, BodyStage, CLOTHED};
+pub use own_sizes::{
+    Doubt, FEWEST_FRAMES, Judged, LeftOut, OwnSizes, OwnSizesError, OwnSizesOptions, OwnSizesProgress,
+    own_sizes,
+};
 pub use report::{BodyFit, SizeEstimate};

@@ -2,7 +2,7 @@
 
 use backlit_formats::FootageError;
 use backlit_tracking::body::ModelError;
-use backlit_tracking::body_fit::BodyFitError;
+use backlit_tracking::body_fit::{BodyFitError, OwnSizesError};
 use backlit_tracking::camera::CameraError;
 use backlit_tracking::fit::FitError;
 use backlit_tracking::segment::{BackgroundError, SegmentError};
@@ -37,6 +37,8 @@ pub enum ExperimentError {
     Fit(#[from] FitError),
     #[error("{person}: {error}")]
     Body { person: &'static str, error: BodyFitError },
+    #[error("{person}: {error}")]
+    OwnSizes { person: &'static str, error: OwnSizesError },
     #[error(transparent)]
     Model(#[from] ModelError),
     #[error(transparent)]

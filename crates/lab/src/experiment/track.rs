@@ -267,7 +267,7 @@ fn follow(
 }
 
 /// The mask with all that lies within so many pixels of its subject.
-fn widened(mask: Mask, by_px: f64) -> Result<Mask, MaskError> {
+pub(super) fn widened(mask: Mask, by_px: f64) -> Result<Mask, MaskError> {
     if by_px <= 0.0 {
         return Ok(mask);
     }

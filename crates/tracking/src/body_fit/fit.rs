@@ -9,6 +9,7 @@ use super::options::BodyFitOptions;
 use super::problem::{BodyProblem, BodyState};
 use super::report::{self, BodyFit};
 use super::scale;
+use super::widening::{self, Widening};
 use crate::body::{Kinematics, Model, ModelError, PoseError, Sizes};
 use crate::cancel::CancelToken;
 use crate::fit::{Evidence, FitError, FitView, LEAST_SCALE, Stage};
@@ -42,6 +43,8 @@ pub enum BodyFitError {
     NoStages,
     #[error("`proportions` are not all finite and above 0")]
     Proportions,
+    #[error("`widening` is {widening}; expected metres, 0 or more")]
+    Widening { widening: f64 },
     #[error("`stages[{stage}]`: stride 0, a ramp without width or a slack that is not above 0")]
     Stage { stage: usize },
     #[error(
@@ -54,9 +57,15 @@ pub enum BodyFitError {
     Cancelled,
 }
 
+/// A widening is believed where it is so many of its standard deviations from none.
+const SURE: f64 = 3.0;
+/// Stages that are gone through again where a widening is not believed.
+const LAST_STAGES: usize = 2;
+
 /// Fits sizes and poses together. Frames without any silhouette are left out.
 ///
-/// The body begins as `start` scaled by exp(`size`), `None`: by what the silhouettes say.
+/// The body begins as `start` scaled by exp(`size`), `None`: by what the silhouettes say. A widening of the silhouettes that
+/// is not surely there is taken for none, and the last stages are gone through again without it.
 ///
 /// # Errors
 /// Poses that are not the model's, data that are not the cameras', options that make no sense, or no silhouette at all.
@@ -78,11 +87,66 @@ pub fn fit_body(
     let stages: Vec<Stage> = options.stages.iter().map(|stage| stage.stage).collect();
     let of_views = |frame: &BodyFrame| frame.views.iter().map(|view| view.distance(&stages)).collect();
     let distances: Vec<Vec<Option<SignedDistance>>> = frames.iter().map(of_views).collect();
-    let mut state = BodyState { poses, body: BodySizes::scaled(&sizes, size) };
-    let overlap_before = overlap(&sizes, &state, &frames);
-    let (mut iterations, mut initial_rms, mut last) = (0, None, None);
-    for (index, &stage) in options.stages.iter().enumerate() {
-        let mut problem = BodyProblem::new(&sizes, &frames, &distances, options, stage, state.poses.clone());
+    let begin = BodyState { poses, body: BodySizes::scaled(&sizes, size) };
+    let overlap_before = overlap(&sizes, &begin, &frames);
+    let inputs = Inputs { sizes: &sizes, frames: &frames, distances: &distances };
+    let mut descent = descend(&inputs, begin, options, 0, cancel, &mut progress)?;
+    let first_rms = descent.rms[0];
+    let mut found = descent.widening;
+    if let Some(widening) = &mut found {
+        widening.is_believed = widening.px.abs() > SURE * widening.deviation_px;
+        if !widening.is_believed {
+            let plain = BodyFitOptions { widening: 0.0, ..options.clone() };
+            let first = options.stages.len().saturating_sub(LAST_STAGES);
+            let body = BodySizes { widening_px: 0.0, ..descent.state.body };
+            let begin = BodyState { poses: descent.state.poses, body };
+            let iterations = descent.iterations;
+            descent = descend(&inputs, begin, &plain, first, cancel, &mut progress)?;
+            descent.iterations += iterations;
+        }
+    }
+    let iou = [overlap_before, overlap(&sizes, &descent.state, &frames)];
+    let rms = [first_rms, descent.rms[1]];
+    let numbers = frames.iter().map(|frame| frame.frame).collect();
+    Ok(report::summary(&sizes, descent, found, options, numbers, rms, iou)?)
+}
+
+/// What every stage looks at.
+struct Inputs<'a> {
+    sizes: &'a Sizes,
+    frames: &'a [BodyFrame],
+    distances: &'a [Vec<Option<SignedDistance>>],
+}
+
+/// Where the stages led.
+pub(super) struct Descent {
+    /// Poses and sizes.
+    pub(super) state: BodyState,
+    /// Posterior standard deviations of θ, size and girth.
+    pub(super) deviations: Vec<f64>,
+    /// The silhouettes' widening, where it was unknown.
+    pub(super) widening: Option<Widening>,
+    /// Root of the mean squared residual per pixel before and after, each by its own stage's measure.
+    pub(super) rms: [f64; 2],
+    /// Rejected ones included.
+    pub(super) iterations: usize,
+    /// Why the last stage ended.
+    pub(super) termination: Termination,
+}
+
+/// Goes through the stages from `first` on.
+fn descend(
+    inputs: &Inputs<'_>,
+    mut state: BodyState,
+    options: &BodyFitOptions,
+    first: usize,
+    cancel: &CancelToken,
+    progress: &mut impl FnMut(BodyProgress),
+) -> Result<Descent, BodyFitError> {
+    let (mut iterations, mut initial_rms, mut end) = (0, None, None);
+    for (index, &stage) in options.stages.iter().enumerate().skip(first) {
+        let mut problem =
+            BodyProblem::new(inputs.sizes, inputs.frames, inputs.distances, options, stage, &state);
         let solver_options = SolverOptions {
             method: Method::LevenbergMarquardt,
             damping: options.damping,
@@ -106,17 +170,22 @@ pub fn fit_body(
         }
         state = solver.point().clone();
         let termination = solver.termination().unwrap_or(Termination::NotFinite);
-        last =
-            Some((solver.equations().clone(), problem.shape_unit(), problem.first_size(), rms, termination));
+        let deviations = report::deviations(solver.equations(), problem.shape_unit(), problem.first_size());
+        end = Some((deviations, problem.metres_per_px(), rms, termination));
     }
-    let Some((equations, unit, first_size, final_rms, termination)) = last else {
+    let Some((mut deviations, metres_per_px, final_rms, termination)) = end else {
         return Err(BodyFitError::NoStages);
     };
-    let seen = report::deviations(&equations, unit, first_size);
-    let overlap = [overlap_before, overlap(&sizes, &state, &frames)];
+    let others = inputs.sizes.count() + 2;
+    let widening = deviations.get(others).map(|&deviation_px| Widening {
+        px: state.body.widening_px,
+        deviation_px,
+        metres_per_px,
+        is_believed: true,
+    });
+    deviations.truncate(others);
     let rms = [initial_rms.unwrap_or(final_rms), final_rms];
-    let numbers = frames.iter().map(|frame| frame.frame).collect();
-    Ok(report::summary(&sizes, state, &seen, options, numbers, rms, overlap, iterations, termination)?)
+    Ok(Descent { state, deviations, widening, rms, iterations, termination })
 }
 
 fn check(options: &BodyFitOptions) -> Result<(), BodyFitError> {
@@ -125,6 +194,9 @@ fn check(options: &BodyFitOptions) -> Result<(), BodyFitError> {
     }
     if !options.proportions.is_valid() {
         return Err(BodyFitError::Proportions);
+    }
+    if !(options.widening.is_finite() && options.widening >= 0.0) {
+        return Err(BodyFitError::Widening { widening: options.widening });
     }
     let is_wrong = |stage: &super::BodyStage| {
         stage.stage.stride == 0
@@ -164,7 +236,9 @@ fn overlap(sizes: &Sizes, state: &BodyState, frames: &[BodyFrame]) -> Option<f64
         let kinematics = Kinematics::new(&model, pose);
         for view in &frame.views {
             let Evidence::Mask(mask) = &view.evidence else { continue };
-            let drawn = View::new(&model, &kinematics, &view.camera, RendererKind::Capsule, Ramp::Half);
+            let metres_per_px = widening::metres_per_px(&kinematics, &view.camera);
+            let wide = widening::widened(&model, &metres_per_px, state.body.widening_px);
+            let drawn = View::new(&wide, &kinematics, &view.camera, RendererKind::Capsule, Ramp::Half);
             if let Ok(overlap) = Overlap::between(mask, &prediction::lambda(&drawn)) {
                 sum = Some(sum.map_or(overlap, |sum| sum.merge(overlap)));
             }

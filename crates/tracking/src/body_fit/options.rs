@@ -32,6 +32,8 @@ pub struct BodyFitOptions {
     /// pixels are taken to be off by their whole range. A body of capsules is off in the same way in every picture, so
     /// that more pictures do not make its sizes surer.
     pub shape_weight: f64,
+    /// Standard deviation of a common widening of all silhouettes, metres where the body is; 0 takes them as they are.
+    pub widening: f64,
     /// Stages, from far away and as a whole to near and size by size.
     pub stages: Vec<BodyStage>,
     /// Damping at the start of every stage, as [`FitOptions::damping`] counts it.
@@ -54,7 +56,7 @@ pub struct BodyFitOptions {
 
 /// What the weight of the proportions is multiplied by for people in clothes of whom no joint is known: shorts and
 /// shoes hide where bones end, the same way in all frames, and what silhouettes seem to say of it is wrong.
-pub const CLOTHED: f64 = 20.0;
+pub const CLOTHED: f64 = 12.0;
 
 impl BodyFitOptions {
     /// The same with proportions that count so many times as much.
@@ -88,6 +90,7 @@ impl Default for BodyFitOptions {
             proportions: Proportions::default(),
             joint_deviation: 0.01,
             shape_weight: 0.05,
+            widening: 0.02,
             stages: stages.to_vec(),
             damping: robust.damping,
             // Poses that began with another body's sizes are to give way.

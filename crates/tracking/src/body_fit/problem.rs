@@ -1,19 +1,24 @@
-//! Poses and sizes as one least-squares problem: columns are the poses frame by frame, then θ, then size and girth.
+//! Poses and sizes as one least-squares problem: columns are the poses frame by frame, then θ, then size and girth, then the
+//! silhouettes' widening where it is unknown.
 
 use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::frames::BodyFrame;
 use super::options::{BodyFitOptions, BodyStage};
+use super::widening;
 use crate::body::sizes::bounded;
 use crate::body::{Kinematics, Model, Parameters, Pose, Sizes};
 use crate::fit::FitView;
 use crate::optimize::{LeastSquares, NormalEquations};
 use crate::render::{BACKGROUND, RendererKind, RowWinners, View};
 use crate::residual::body_size::{self, ColumnPlaces, SizeBlock, SizeData};
-use crate::residual::proportion_prior::{self, BodySizes};
+use crate::residual::proportion_prior::{self, BodySizes, SizePrior};
 use crate::residual::{joint_limit, proximal_prior, rest_prior};
 use crate::silhouette::SignedDistance;
+
+/// A widening stays within so many of its prior's deviations.
+const LARGEST_WIDENING: f64 = 4.0;
 
 /// Poses of all frames, and the sizes.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,6 +39,11 @@ pub(super) struct BodyProblem<'a> {
     /// What the proximal priors pull towards.
     references: Vec<Pose>,
     terms: Vec<Term<'a>>,
+    prior: SizePrior,
+    /// Metres that a pixel covers where the body is.
+    mean_metres_per_px: f64,
+    /// Standard deviation of the silhouettes' widening, pixels; `None` where it is held.
+    widening_deviation_px: Option<f64>,
     silhouette_cost: f64,
 }
 
@@ -43,6 +53,8 @@ struct Term<'a> {
     frame: usize,
     view: &'a FitView,
     data: SizeData,
+    /// Metres that a pixel covers at every limb, in the poses that the stage began with.
+    metres_per_px: Vec<f64>,
 }
 
 impl<'a> BodyProblem<'a> {
@@ -54,18 +66,36 @@ impl<'a> BodyProblem<'a> {
         distances: &[Vec<Option<SignedDistance>>],
         options: &'a BodyFitOptions,
         stage: BodyStage,
-        references: Vec<Pose>,
+        begin: &BodyState,
     ) -> Self {
+        let body = sizes.model(&begin.body.log_ratios, begin.body.size);
+        let body = body.as_ref().unwrap_or(sizes.start());
         let of_frame = |(frame, (body_frame, distances)): (usize, (&'a BodyFrame, &Vec<_>))| {
+            let kinematics = Kinematics::new(body, &begin.poses[frame]);
             let terms =
                 body_frame.views.iter().zip(distances).map(move |(view, distance): (_, &Option<_>)| {
                     let data = view.data(&stage.stage, distance.as_ref());
-                    Term { frame, view, data: SizeData::new(data, stage.stage.stride) }
+                    let metres_per_px = widening::metres_per_px(&kinematics, &view.camera);
+                    Term { frame, view, data: SizeData::new(data, stage.stage.stride), metres_per_px }
                 });
             terms.collect::<Vec<_>>()
         };
-        let terms = frames.iter().zip(distances).enumerate().flat_map(of_frame).collect();
-        Self { sizes, options, frames, stage, references, terms, silhouette_cost: 0.0 }
+        let terms: Vec<Term<'a>> = frames.iter().zip(distances).enumerate().flat_map(of_frame).collect();
+        let pixels = terms.iter().flat_map(|term| &term.metres_per_px);
+        let mean_metres_per_px = pixels.sum::<f64>() / (terms.len() * body.limbs().len()).max(1) as f64;
+        let is_free = options.widening > 0.0 && mean_metres_per_px > 0.0;
+        Self {
+            sizes,
+            options,
+            frames,
+            stage,
+            references: begin.poses.clone(),
+            terms,
+            prior: options.proportions.prior(sizes),
+            mean_metres_per_px,
+            widening_deviation_px: is_free.then(|| options.widening / mean_metres_per_px),
+            silhouette_cost: 0.0,
+        }
     }
 
     fn pose_columns(&self) -> usize {
@@ -90,6 +120,12 @@ impl<'a> BodyProblem<'a> {
         self.prior_unit() * self.options.shape_weight * self.pictures()
     }
 
+    /// Metres that a pixel covers where the body is, mean of all cameras, frames and limbs.
+    #[must_use]
+    pub(super) fn metres_per_px(&self) -> f64 {
+        self.mean_metres_per_px
+    }
+
     fn pictures(&self) -> f64 {
         self.terms.iter().map(|term| term.view.weight).sum()
     }
@@ -101,41 +137,44 @@ impl<'a> BodyProblem<'a> {
         if pixels > 0.0 { (self.silhouette_cost / pixels).sqrt() } else { 0.0 }
     }
 
-    fn add_data(&mut self, model: &Model, poses: &[Pose], equations: &mut NormalEquations) {
+    fn add_data(&mut self, model: &Model, state: &BodyState, equations: &mut NormalEquations) {
+        let poses = &state.poses;
         let kinematics: Vec<Kinematics> = poses.iter().map(|pose| Kinematics::new(model, pose)).collect();
         let ramp = self.stage.stage.ramp;
         let limbs = model.limbs().len();
+        let px = state.body.widening_px;
         let sums: Vec<(f64, Vec<SizeBlock>)> = self
             .terms
             .par_iter()
             .map(|term| {
                 let camera = &term.view.camera;
-                let view = View::new(model, &kinematics[term.frame], camera, RendererKind::Capsule, ramp);
+                let wide = widening::widened(model, &term.metres_per_px, px);
+                let view = View::new(&wide, &kinematics[term.frame], camera, RendererKind::Capsule, ramp);
                 let mut blocks = vec![SizeBlock::default(); limbs];
                 let mut row = RowWinners::default();
                 let cost = term.data.accumulate(&view, camera, ramp, &mut row, &mut blocks);
                 (cost, blocks)
             })
             .collect();
-        // Merged in the order of frames and cameras: the same bits however the work was shared out.
+        // Added in the order of frames and cameras: the same bits however the work was shared out.
         self.silhouette_cost = 0.0;
-        let mut merged = vec![vec![SizeBlock::default(); limbs]; poses.len()];
+        let (columns, first) = (self.pose_columns(), self.first_size());
+        let widening = self.widening_deviation_px.map(|_| first + self.sizes.count() + 2);
+        let places = |frame: usize| ColumnPlaces { pose: frame * columns, sizes: first, widening };
         for (term, (cost, blocks)) in self.terms.iter().zip(&sums) {
-            self.silhouette_cost += term.view.weight * cost;
-            for (sum, block) in merged[term.frame].iter_mut().zip(blocks) {
-                sum.add(block, term.view.weight);
-            }
+            let (weight, frame) = (term.view.weight, term.frame);
+            self.silhouette_cost += weight * cost;
+            let growth = widening::growth(model, &term.metres_per_px, px);
+            let (kinematics, places) = (&kinematics[frame], places(frame));
+            body_size::add_to(blocks, weight, &growth, self.sizes, model, kinematics, places, equations);
         }
         equations.cost += self.silhouette_cost;
         // A keypoint is as much as all pictures of its frame, at its deviation.
         let weight = self.prior_unit() * self.pictures()
             / (self.frames.len() as f64 * self.options.joint_deviation.powi(2));
-        for (frame, blocks) in merged.iter().enumerate() {
-            let places = ColumnPlaces { pose: frame * self.pose_columns(), sizes: self.first_size() };
-            let kinematics = &kinematics[frame];
-            body_size::add_to(blocks, self.sizes, model, kinematics, places, equations);
+        for (frame, kinematics) in kinematics.iter().enumerate() {
+            let (root, places) = (poses[frame].root, places(frame));
             for &joint in &self.frames[frame].joints {
-                let root = poses[frame].root;
                 body_size::add_joint(joint, weight, self.sizes, model, kinematics, root, places, equations);
             }
         }
@@ -171,13 +210,13 @@ impl LeastSquares for BodyProblem<'_> {
             equations.cost = f64::INFINITY;
             return;
         };
-        self.add_data(&model, &state.poses, equations);
+        self.add_data(&model, state, equations);
         self.add_pose_priors(&state.poses, equations);
         proportion_prior::add(
             equations,
-            self.sizes,
             &state.body,
-            &self.options.proportions,
+            &self.prior,
+            self.widening_deviation_px,
             self.stage.slack,
             self.shape_unit(),
             self.first_size(),
@@ -185,7 +224,7 @@ impl LeastSquares for BodyProblem<'_> {
     }
 
     fn columns(&self) -> usize {
-        self.first_size() + self.sizes.count() + 2
+        self.first_size() + self.sizes.count() + 2 + usize::from(self.widening_deviation_px.is_some())
     }
 
     fn retract(&self, state: &BodyState, step: &DVector<f64>) -> BodyState {
@@ -201,6 +240,11 @@ impl LeastSquares for BodyProblem<'_> {
                 log_ratios: grown.map(|(theta, grown)| bounded(theta + grown)).collect(),
                 size: bounded(body.size + sizes[self.sizes.count()]),
                 girth: bounded(body.girth + sizes[self.sizes.count() + 1]),
+                widening_px: match (self.widening_deviation_px, sizes.get(self.sizes.count() + 2)) {
+                    (Some(deviation), Some(step)) => (body.widening_px + step)
+                        .clamp(-LARGEST_WIDENING * deviation, LARGEST_WIDENING * deviation),
+                    _ => 0.0,
+                },
             },
         }
     }
@@ -215,8 +259,12 @@ impl LeastSquares for BodyProblem<'_> {
                 scale = scale.min(self.options.largest_turn / length(turn));
             }
         }
-        for grown in &step.as_slice()[self.first_size()..] {
+        let (sizes, wider) = step.as_slice()[self.first_size()..].split_at(self.sizes.count() + 2);
+        for grown in sizes {
             scale = scale.min(self.options.largest_growth / grown.abs().max(1e-12));
+        }
+        for (px, deviation) in wider.iter().zip(self.widening_deviation_px) {
+            scale = scale.min(0.5 * deviation / px.abs().max(1e-12));
         }
         if scale < 1.0 {
             *step *= scale;
@@ -240,12 +288,13 @@ mod tests {
     #[test]
     fn the_gradient_is_that_of_the_cost() {
         for (lengths, radii) in [(true, true), (true, false), (false, true), (false, false)] {
-            check_choice(SizeChoice { lengths, radii, symmetric: radii });
+            check_choice(SizeChoice { lengths, radii, symmetric: radii }, 0.0);
         }
+        check_choice(SizeChoice::default(), 0.02);
     }
 
     /// Two frames with two cameras, grey data, joints and all priors: the gradient of the whole by every column.
-    fn check_choice(choice: SizeChoice) {
+    fn check_choice(choice: SizeChoice, widening: f64) {
         let start = Arc::new(builtin::upper_body());
         let sizes = Sizes::new(start.clone(), choice);
         let camera = |centre: DVec3| {
@@ -271,16 +320,21 @@ mod tests {
                 joints: vec![(None, DVec3::new(0.1, -0.05, 0.0)), (Some(5), DVec3::new(-0.4, 0.3, 0.2))],
             })
             .to_vec();
-        let options = BodyFitOptions::default();
+        let options = BodyFitOptions { widening, ..BodyFitOptions::default() };
         let distances = vec![vec![None, None]; 2];
         let mut stage = options.stages[1];
         stage.stage.stride = 1;
-        let references = vec![bent(0.3), bent(2.2)];
-        let mut problem = BodyProblem::new(&sizes, &frames, &distances, &options, stage, references);
+        let begin = BodyState { poses: vec![bent(0.3), bent(2.2)], body: BodySizes::scaled(&sizes, 0.0) };
+        let mut problem = BodyProblem::new(&sizes, &frames, &distances, &options, stage, &begin);
         let ratios = (0..sizes.count()).map(|i| 0.1 * (i as f64 * 2.3).sin()).collect();
         let state = BodyState {
             poses: vec![bent(0.0), bent(2.0)],
-            body: BodySizes { log_ratios: ratios, size: 0.07, girth: -0.04 },
+            body: BodySizes {
+                log_ratios: ratios,
+                size: 0.07,
+                girth: -0.04,
+                widening_px: if widening > 0.0 { 0.8 } else { 0.0 },
+            },
         };
         let first_size = problem.first_size();
         let moved = |column: usize, offset: f64| {
@@ -292,7 +346,8 @@ mod tests {
                 match column - first_size {
                     size if size < sizes.count() => moved.body.log_ratios[size] += offset,
                     size if size == sizes.count() => moved.body.size += offset,
-                    _ => moved.body.girth += offset,
+                    size if size == sizes.count() + 1 => moved.body.girth += offset,
+                    _ => moved.body.widening_px += offset,
                 }
             }
             moved
@@ -300,12 +355,12 @@ mod tests {
         let name = |column: usize| match column.checked_sub(first_size) {
             None => format!("frame {}, pose column {}", column / columns, column % columns),
             Some(size) => sizes.parameters().get(size).map_or_else(
-                || "size or girth".to_owned(),
+                || "size, girth or widening".to_owned(),
                 |parameter| format!("{} {}", parameter.name, parameter.kind),
             ),
         };
         let options = DifferenceOptions { tolerance: 1e-5, ..DifferenceOptions::default() };
         let check = check_gradient(&mut problem, &state, moved, name, &options);
-        assert!(check.passes() && check.skipped_share() < 0.3, "{choice:?}: {check}");
+        assert!(check.passes() && check.skipped_share() < 0.3, "{choice:?}, {widening}: {check}");
     }
 }

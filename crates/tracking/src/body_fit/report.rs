@@ -5,8 +5,9 @@
 
 use nalgebra::DVector;
 
+use super::fit::Descent;
 use super::options::BodyFitOptions;
-use super::problem::BodyState;
+use super::widening::{self, Widening};
 use crate::body::{Model, ModelError, Pose, SizeKind, Sizes};
 use crate::optimize::{NormalEquations, Termination};
 
@@ -28,6 +29,8 @@ pub struct SizeEstimate {
     pub deviation: f64,
     /// Standard deviation of what the proportions alone would say, metres, once the body's size is known.
     pub prior_deviation: f64,
+    /// What the proportions alone would say for a body of this size and stoutness, metres.
+    pub expected: f64,
 }
 
 impl SizeEstimate {
@@ -35,6 +38,12 @@ impl SizeEstimate {
     #[must_use]
     pub fn uncertainty(&self) -> f64 {
         self.deviation / self.prior_deviation
+    }
+
+    /// How far it is from what the proportions say for a body of this size and stoutness, as a logarithm in deviations.
+    #[must_use]
+    pub fn oddness(&self) -> f64 {
+        (self.found / self.expected).ln() / (self.prior_deviation / self.found)
     }
 
     /// Whether the silhouettes hardly say anything about it.
@@ -55,8 +64,12 @@ pub struct BodyFit {
     pub poses: Vec<Pose>,
     /// The body's size over the start's, as a factor.
     pub size: f64,
-    /// The body's girth beside its size, as a factor.
+    /// The body's girth beside its size, as a factor: how much stouter than the average.
     pub girth: f64,
+    /// Standard deviation of the logarithm of people's girth, in the prior.
+    pub girth_spread: f64,
+    /// By how much the silhouettes are too wide; `None` where they were taken as they are.
+    pub widening: Option<Widening>,
     /// Every free size: lengths, then radii.
     pub sizes: Vec<SizeEstimate>,
     /// Root of the mean squared residual per pixel before and after, grey levels, each by its own stage's measure.
@@ -67,6 +80,18 @@ pub struct BodyFit {
     pub iterations: usize,
     /// Why the last stage ended.
     pub termination: Termination,
+}
+
+impl BodyFit {
+    /// The body that silhouettes show: stouter than the person by their widening, where that is believed. To be followed
+    /// on such silhouettes.
+    #[must_use]
+    pub fn as_seen(&self) -> Model {
+        match self.widening.filter(|widening| widening.is_believed) {
+            Some(Widening { px, metres_per_px, .. }) => widening::as_seen(&self.model, px, metres_per_px),
+            None => self.model.clone(),
+        }
+    }
 }
 
 /// Posterior standard deviations of the columns from `first` on.
@@ -86,36 +111,40 @@ pub(super) fn deviations(equations: &NormalEquations, unit: f64, first: usize) -
     (first..columns).map(|column| variance(column).max(0.0).sqrt()).collect()
 }
 
-#[expect(clippy::too_many_arguments, reason = "the parts of a result, before there is one")]
 pub(super) fn summary(
     sizes: &Sizes,
-    state: BodyState,
-    deviations: &[f64],
+    descent: Descent,
+    widening: Option<Widening>,
     options: &BodyFitOptions,
     frames: Vec<usize>,
     rms: [f64; 2],
     iou: [Option<f64>; 2],
-    iterations: usize,
-    termination: Termination,
 ) -> Result<BodyFit, ModelError> {
-    let model = sizes.model(&state.body.log_ratios, state.body.size)?;
+    let Descent { state, deviations, iterations, termination, .. } = descent;
+    let body = &state.body;
+    let model = sizes.model(&body.log_ratios, body.size)?;
+    let prior = options.proportions.prior(sizes);
     let estimate = |(index, parameter): (usize, &crate::body::SizeParameter)| {
-        let found = sizes.metres(index, &model);
+        let (start, found) = (sizes.metres(index, sizes.start()), sizes.metres(index, &model));
+        let spread = prior.spreads[index];
         SizeEstimate {
             name: parameter.name.clone(),
             kind: parameter.kind,
-            start: sizes.metres(index, sizes.start()),
+            start,
             found,
             deviation: found * deviations[index],
-            prior_deviation: found * options.proportions.of(sizes, index),
+            prior_deviation: found * spread.deviation,
+            expected: start * (spread.mean + body.size + spread.by_stoutness * body.girth).exp(),
         }
     };
     Ok(BodyFit {
         sizes: sizes.parameters().iter().enumerate().map(estimate).collect(),
         frames,
+        size: body.size.exp(),
+        girth: body.girth.exp(),
+        girth_spread: prior.stoutness,
+        widening,
         poses: state.poses,
-        size: state.body.size.exp(),
-        girth: state.body.girth.exp(),
         rms,
         iou,
         iterations,

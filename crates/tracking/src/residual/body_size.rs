@@ -4,7 +4,8 @@
 //!
 //! - its own length: q moves by t a, so ∂λ/∂θ = k·(q − p0), the wrench's stretch;
 //! - the length of a limb m on the way to it: all of it moves by that bone, aₘ, so ∂λ/∂θₘ = k·aₘ;
-//! - its own radius: ∂λ/∂θ = r ∂λ/∂r, through the ramp alone.
+//! - its own radius: ∂λ/∂θ = r ∂λ/∂r, through the ramp alone;
+//! - silhouettes that are w pixels too wide all round: in the picture its radius is r + w c, c metres a pixel where it is.
 //!
 //! A known joint (a keypoint) has the same columns: its limb's second joint moves by v + ω × a + θ a.
 //!
@@ -45,12 +46,6 @@ impl Default for SizeBlock {
 }
 
 impl SizeBlock {
-    /// Adds another camera's sums with a weight.
-    pub(crate) fn add(&mut self, other: &Self, weight: f64) {
-        self.products += other.products * weight;
-        self.forces += other.forces * weight;
-    }
-
     fn is_empty(&self) -> bool {
         self.products.trace() == 0.0
     }
@@ -157,6 +152,22 @@ pub(crate) struct ColumnPlaces {
     pub pose: usize,
     /// First column of the sizes.
     pub sizes: usize,
+    /// The column of the silhouettes' widening, where it is unknown.
+    pub widening: Option<usize>,
+}
+
+/// How a limb's radius in a picture, r + w c, grows as a logarithm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct RadiusGrowth {
+    /// With the logarithm of the limb's own radius r.
+    pub by_radius: f64,
+    /// With the widening w, per pixel.
+    pub by_px: f64,
+}
+
+impl RadiusGrowth {
+    /// Silhouettes are taken as they are.
+    pub(crate) const PLAIN: Self = Self { by_radius: 1.0, by_px: 0.0 };
 }
 
 /// The columns that move a limb: its pose's, and the sizes of all limbs on the way to it. Sizes that are not free are
@@ -168,6 +179,7 @@ pub(crate) fn moving_columns(
     model: &Model,
     kinematics: &Kinematics,
     limb: usize,
+    growth: RadiusGrowth,
     places: ColumnPlaces,
     path: &mut Vec<MovingColumn>,
 ) -> Vec<SizeColumn> {
@@ -188,7 +200,7 @@ pub(crate) fn moving_columns(
     };
     let unit = |component: usize| SizeVector::from_fn(|i, _| f64::from(u8::from(i == component)));
     add(sizes.column(limb, SizeKind::Length), unit(6));
-    add(sizes.column(limb, SizeKind::Radius), unit(7));
+    add(sizes.column(limb, SizeKind::Radius), unit(7) * growth.by_radius);
     let mut next = model.limbs()[limb].parent;
     while let Some(ancestor) = next {
         let bone = kinematics.ends()[ancestor] - kinematics.starts()[ancestor];
@@ -196,12 +208,21 @@ pub(crate) fn moving_columns(
         add(sizes.column(ancestor, SizeKind::Length), moved);
         next = model.limbs()[ancestor].parent;
     }
+    if let Some(index) = places.widening {
+        columns.push(SizeColumn { index, motion: unit(7) * growth.by_px });
+    }
     columns
 }
 
-/// Maps a frame's sums to the joint state: JᵀJ += KᵀMK, Jᵀρ += Kᵀm.
+/// Maps one camera's sums to the joint state with a weight: JᵀJ += KᵀMK, Jᵀρ += Kᵀm. `growth` has one entry per limb.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "sums, what they are sums of, where they stand and what they are added to"
+)]
 pub(crate) fn add_to(
     blocks: &[SizeBlock],
+    weight: f64,
+    growth: &[RadiusGrowth],
     sizes: &Sizes,
     model: &Model,
     kinematics: &Kinematics,
@@ -210,10 +231,10 @@ pub(crate) fn add_to(
 ) {
     let mut path = Vec::new();
     for (limb, block) in blocks.iter().enumerate().filter(|(_, block)| !block.is_empty()) {
-        let columns = moving_columns(sizes, model, kinematics, limb, places, &mut path);
+        let columns = moving_columns(sizes, model, kinematics, limb, growth[limb], places, &mut path);
         for (first, a) in columns.iter().enumerate() {
-            let pushed = block.products * a.motion;
-            equations.jtr[a.index] += a.motion.dot(&block.forces);
+            let pushed = block.products * a.motion * weight;
+            equations.jtr[a.index] += weight * a.motion.dot(&block.forces);
             for b in &columns[first..] {
                 let sum = pushed.dot(&b.motion);
                 equations.jtj[(a.index, b.index)] += sum;
@@ -244,7 +265,8 @@ pub(crate) fn add_joint(
     let (moved, place) = match limb {
         Some(limb) => {
             let bone = kinematics.ends()[limb] - kinematics.starts()[limb];
-            let columns = moving_columns(sizes, model, kinematics, limb, places, &mut Vec::new());
+            let growth = RadiusGrowth::PLAIN;
+            let columns = moving_columns(sizes, model, kinematics, limb, growth, places, &mut Vec::new());
             let end = |motion: &SizeVector| {
                 let [v, turn] = [0, 3].map(|at| DVec3::new(motion[at], motion[at + 1], motion[at + 2]));
                 v + turn.cross(bone) + motion[6] * bone
@@ -315,9 +337,9 @@ mod tests {
                         continue;
                     };
                     let Some(h) = size_vector(&view, primitive, &camera, ramp, [x, y]) else { continue };
-                    let places = ColumnPlaces { pose: 0, sizes: columns };
-                    for column in
-                        moving_columns(&sizes, &model, &kinematics, primitive.limb, places, &mut path)
+                    let places = ColumnPlaces { pose: 0, sizes: columns, widening: None };
+                    let (limb, growth) = (primitive.limb, RadiusGrowth::PLAIN);
+                    for column in moving_columns(&sizes, &model, &kinematics, limb, growth, places, &mut path)
                     {
                         jacobian[(y * 40 + x, column.index)] = column.motion.dot(&h);
                         filled += 1;
