@@ -36,7 +36,7 @@ impl TakeInJob {
         let frame = self.frame;
         Ok(match &self.dropped {
             Dropped::Calibration(path) => {
-                let calibration = read_calibration(path, cameras)?;
+                let calibration = read_calibration(path, self.footage.full_cameras())?;
                 let said =
                     format!("The {} cameras are those of {} now.", calibration.rig.count(), name(path));
                 (Edit::SetCalibration(Some(Arc::new(calibration))), said)
@@ -61,8 +61,8 @@ impl TakeInJob {
                 let said = format!("The body has the sizes of {} now.", name(path));
                 (Edit::SetBody(Arc::new(model)), said)
             }
-            Dropped::Open(path) | Dropped::Unknown(path, _) => {
-                anyhow::bail!("{}: nothing is to be taken from it", path.display())
+            Dropped::New(_) | Dropped::Open(_) | Dropped::Unknown(..) => {
+                anyhow::bail!("{}: nothing is to be taken from it", self.dropped.explanation(frame).1)
             }
         })
     }

@@ -7,21 +7,14 @@ use anyhow::Context;
 use backlit_formats::Footage;
 use backlit_formats::take::BodySizes;
 use backlit_tracking::body::{Model, Pose};
-use backlit_tracking::body_fit::{Doubt, OwnSizes, OwnSizesOptions, OwnSizesProgress, PosedFrame, own_sizes};
+use backlit_tracking::body_fit::{Doubt, OwnSizes, OwnSizesProgress, PersonOptions, PersonProgress, find_person};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::FitOptions;
-use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::{Found, WithoutStart, without_start};
-use backlit_tracking::track::{Motion, Tracker, WhenToSearch};
 use indicatif::ProgressBar;
 use serde::Serialize;
 
 use super::output;
-
-/// Frames that are followed to find sizes, at most.
-const MOST_FOLLOWED: usize = 60;
-/// Frames a second that are near enough to one another to be followed.
-const FOLLOWED_RATE: f64 = 20.0;
 
 /// What was found before tracking began.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -58,21 +51,22 @@ pub(crate) fn search_start(
     cameras: &[usize],
     frame: usize,
     fit: &FitOptions,
-    scale_body: bool,
 ) -> anyhow::Result<Found> {
     let views = footage.fit_views(cameras, frame)?;
-    let choices = WithoutStart { scale_body, fit: fit.clone(), ..WithoutStart::default() };
+    let choices = WithoutStart { fit: fit.clone(), ..WithoutStart::default() };
     let found = without_start(footage.take().model(), &views, &choices, &CancelToken::new());
-    found.with_context(|| {
-        format!("the take has no `start`, and none can be found in frame {frame}; give a pose with --start POSE")
-    })
+    found.with_context(|| no_start(frame))
+}
+
+fn no_start(frame: usize) -> String {
+    format!("the take has no `start`, and none can be found in frame {frame}; give a pose with --start POSE")
 }
 
 /// Finds what is lacking and says so on standard error: a start, and where the take asks for it the person's own sizes. The body
 /// is returned where it is another than the take's.
 ///
 /// # Errors
-/// A picture cannot be read, nobody is seen, or no sizes can be found.
+/// A picture cannot be read, or nobody is seen.
 pub(crate) fn begin(
     footage: &Footage,
     cameras: &[usize],
@@ -81,80 +75,56 @@ pub(crate) fn begin(
     start: Option<Pose>,
 ) -> anyhow::Result<(Pose, Option<Model>, Begun)> {
     let take = footage.take();
-    let wants_sizes = take.sizes() == BodySizes::Fit;
-    let mut begun = Begun::default();
-    let (mut model, start) = match start {
-        Some(start) => (Arc::clone(take.model()), start),
-        None => {
-            let found = search_start(footage, cameras, frames[0], fit, wants_sizes)?;
-            begun.searched = true;
-            begun.doubts = found.doubts.iter().map(ToString::to_string).collect();
-            output::complain(&format!("frame {}: a start was found from the silhouettes", frames[0]));
-            begun.doubts.iter().for_each(|doubt| output::complain(doubt));
-            (Arc::clone(&found.model), found.pose().clone())
-        }
-    };
-    if wants_sizes {
-        match fit_sizes(footage, cameras, frames, fit, &model, start.clone()) {
-            Ok(own) => {
-                let sizes = SizesFound::new(&own);
-                output::complain(&sizes.text());
-                begun.sizes = Some(sizes);
-                model = Arc::new(own.as_seen());
-            }
-            Err(error) => {
-                output::complain(&format!("the body's own sizes cannot be found: {error:#}; it is only scaled as a whole"));
-            }
-        }
-    }
-    let is_own = Arc::ptr_eq(&model, take.model());
-    Ok((start, (!is_own).then(|| (*model).clone()), begun))
-}
-
-/// Follows the body over some frames, and fits its sizes to the best of them.
-fn fit_sizes(
-    footage: &Footage,
-    cameras: &[usize],
-    frames: &[usize],
-    fit: &FitOptions,
-    model: &Arc<Model>,
-    start: Pose,
-) -> anyhow::Result<OwnSizes> {
     let spinner = ProgressBar::new_spinner();
     spinner.enable_steady_tick(Duration::from_millis(200));
-    let rate = footage.take().frame_rate();
-    let step = ((rate / FOLLOWED_RATE).round() as usize).max(1);
-    let followed: Vec<usize> = frames.iter().copied().step_by(step).take(MOST_FOLLOWED).collect();
-    let tracker = Tracker::new(Arc::clone(model), fit.clone(), start)?;
-    let mut tracker = tracker.with_motion(Motion::Velocity, rate)?.with_search(WhenToSearch::WhenPoor);
-    let cancel = CancelToken::new();
-    let mut posed = Vec::with_capacity(followed.len());
-    for (done, &frame) in followed.iter().enumerate() {
-        spinner.set_message(format!("the person's sizes: frame {done} of {}", followed.len()));
-        let estimate = tracker.track_frame(frame, footage.fit_views(cameras, frame)?, &cancel)?;
-        posed.push(PosedFrame::from(&estimate));
-    }
-    let options = OwnSizesOptions { pose: fit.clone(), ..OwnSizesOptions::default() };
-    let own = own_sizes(
-        model,
-        &posed,
+    let options = PersonOptions::new(fit.clone(), take.sizes() == BodySizes::Fit, take.frame_rate());
+    let is_given = start.is_some();
+    let person = find_person(
+        take.model(),
+        start,
+        frames,
         &options,
-        &cancel,
+        &CancelToken::new(),
         |frame| -> Result<_, anyhow::Error> { Ok(footage.fit_views(cameras, frame)?) },
-        |_| ReferenceJoints::new(),
-        |progress| spinner.set_message(progress_text(progress)),
-    )?;
+        |at| spinner.set_message(progress_text(at)),
+    );
     spinner.finish_and_clear();
-    Ok(own)
+    let person = if is_given { person? } else { person.with_context(|| no_start(frames[0]))? };
+    let mut begun = Begun::default();
+    if let Some(found) = &person.search {
+        begun.searched = true;
+        begun.doubts = found.doubts.iter().map(ToString::to_string).collect();
+        output::complain(&format!("frame {}: a start was found from the silhouettes", frames[0]));
+        begun.doubts.iter().for_each(|doubt| output::complain(doubt));
+    }
+    match &person.sizes {
+        Some(Ok(own)) => {
+            let sizes = SizesFound::new(own);
+            output::complain(&sizes.text());
+            begun.sizes = Some(sizes);
+        }
+        Some(Err(error)) => {
+            output::complain(&format!("the body is only scaled as a whole: no sizes of its own can be found: {error}"));
+        }
+        None => {}
+    }
+    let is_own = Arc::ptr_eq(&person.model, take.model());
+    Ok((person.start, (!is_own).then(|| (*person.model).clone()), begun))
 }
 
-fn progress_text(progress: OwnSizesProgress) -> String {
+fn progress_text(progress: PersonProgress) -> String {
     match progress {
-        OwnSizesProgress::Reading(done, all) => format!("the person's sizes: {done} of {all} frames read"),
-        OwnSizesProgress::Fitting(at) | OwnSizesProgress::Scaling(at) => {
+        PersonProgress::Searching => "looking for a start".to_owned(),
+        PersonProgress::Following(done, all) => format!("the person's sizes: frame {done} of {all}"),
+        PersonProgress::Sizes(OwnSizesProgress::Reading(done, all)) => {
+            format!("the person's sizes: {done} of {all} frames read")
+        }
+        PersonProgress::Sizes(OwnSizesProgress::Fitting(at) | OwnSizesProgress::Scaling(at)) => {
             format!("the person's sizes: stage {} of {}, step {}", at.stage + 1, at.stages, at.iterations)
         }
-        OwnSizesProgress::Judging(done, all) => format!("the person's sizes: {done} of {all} frames judged"),
+        PersonProgress::Sizes(OwnSizesProgress::Judging(done, all)) => {
+            format!("the person's sizes: {done} of {all} frames judged")
+        }
     }
 }
 

@@ -14,6 +14,8 @@ use clap::Args;
 
 use clap::error::ErrorKind;
 
+use super::own_body;
+
 /// Which part of a take.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Which part of the take")]
@@ -151,7 +153,7 @@ impl StartArguments {
         match self.known_pose(take, frame)? {
             Some(pose) => Ok(pose),
             None => {
-                let found = own_body::search_start(footage, cameras, frame, fit, false)?;
+                let found = own_body::search_start(footage, cameras, frame, fit)?;
                 Ok(self.with_noise(take.model(), found.pose().clone()))
             }
         }

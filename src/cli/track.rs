@@ -34,7 +34,7 @@ Writes to the folder of --out:
   frames.csv    cost, overlap (IoU) by camera and iterations of every frame
   summary.json  what --json prints
   body.toml     the person's body, where sizes were fitted
-A take without a start is searched for one; one with `sizes = "fit"`, as import writes it, gets the person's own sizes first.
+A take without a start is searched for one; one that asks for sizes, as import writes it, gets the person's own sizes first.
 Joints are named after the limb whose second joint they are, or root. With reference keypoints in the take,
 joint errors are reported: millimetres between the fitted joint and the keypoint.
 IoU is intersection over union of silhouette and model; unknown pixels do not count.

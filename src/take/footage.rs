@@ -162,6 +162,11 @@ impl Footage {
         self.inner.take().frame_count()
     }
 
+    /// The cameras for pictures as they are on the disk, with their lenses.
+    pub(crate) fn full_cameras(&self) -> &[Camera] {
+        self.original.take().full_rig().cameras()
+    }
+
     /// The cameras as the take's files have them, with their lenses.
     pub(crate) fn take_cameras(&self) -> &[Camera] {
         self.original.take().rig().cameras()

@@ -39,7 +39,7 @@ struct PersonSpec {
     pose_keypoints_2d: Vec<f64>,
 }
 
-/// Parses a file of one frame: x, y and score of each keypoint; three zeros stand for one that was not found.
+/// Parses a file of one frame: x, y and score of each keypoint; a zero stands for one that was not found.
 ///
 /// # Errors
 /// Not JSON, no `people`, or numbers that do not come in threes. The error names the line or the field.
@@ -59,7 +59,8 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Person>, FileError> {
 }
 
 fn keypoint(&[x, y, score]: &[f64; 3]) -> Option<Keypoint> {
-    let is_missing = [x, y, score] == [0.0; 3];
+    // Some tools leave only one coordinate at zero: no keypoint lies just there.
+    let is_missing = x == 0.0 || y == 0.0;
     (!is_missing).then_some(Keypoint { place: DVec2::new(x, y), score })
 }
 

@@ -16,6 +16,7 @@
 //! | [`frames`] | [`BodyFrame`]: what a frame contributes; which frames to look at |
 //! | [`widening`] | silhouettes that are too wide all round: an unknown of its own, and what to do about it |
 //! | `own_sizes` | [`own_sizes()`]: all of it in one go, judged by frames held out |
+//! | `person` | [`find_person`]: a start, the right size and own sizes, from nothing but silhouettes |
 //! | [`usable`] | silhouettes that cannot be a person's |
 //! | `report` | [`BodyFit`]: what was found, and how well each size is seen |
 
@@ -24,6 +25,7 @@ mod fit;
 pub mod frames;
 mod options;
 mod own_sizes;
+mod person;
 mod problem;
 mod report;
 pub mod scale;
@@ -38,4 +40,5 @@ pub use own_sizes::{
     Doubt, FEWEST_FRAMES, Judged, LeftOut, OwnSizes, OwnSizesError, OwnSizesOptions, OwnSizesProgress,
     own_sizes,
 };
+pub use person::{Person, PersonError, PersonOptions, PersonProgress, find_person};
 pub use report::{BodyFit, SizeEstimate};

@@ -8,6 +8,8 @@ mod calibration_texts;
 #[path = "../../../tracking/tests/tracking/footage.rs"]
 mod footage;
 mod hostile_files;
+mod import;
+mod keypoint_files;
 mod motion_files;
 mod real_take;
 mod take_files;

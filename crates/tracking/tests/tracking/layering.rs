@@ -22,7 +22,7 @@ fn allowed(module: &str) -> Option<Vec<&'static str>> {
         "observability" => vec!["fit", "residual", "render", "body", "camera", "optimize", "geometry"],
         "search" => [&fit[..], &["fit", "posing", "metrics", "geometry", "visual_hull"]].concat(),
         "track" => [&fit[..], &["fit", "search", "filter"]].concat(),
-        "body_fit" => [&fit[..], &["fit", "track", "metrics"]].concat(),
+        "body_fit" => [&fit[..], &["fit", "track", "metrics", "search"]].concat(),
         _ => return None,
     })
 }

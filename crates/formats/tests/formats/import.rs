@@ -1,0 +1,143 @@
+//! Takes made of footage: a folder of pictures, and another tool's whole project.
+
+use std::path::Path;
+
+use backlit_formats::import::{self, Background, Found, ImportError, ImportOptions, MatchedBy, PictureSize, Project};
+use backlit_formats::take::BodySizes;
+use backlit_formats::{Footage, Take, calibration, images};
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
+use backlit_tracking::silhouette::Label;
+use glam::DVec3;
+use image::{Rgb, RgbImage};
+
+use crate::calibration_files::formats;
+
+const SIZE: [u64; 2] = [160, 120];
+
+fn camera(name: &str, x: f64) -> Camera {
+    let place = CameraFromWorld::looking_at(DVec3::new(x, -4.0, 1.0), DVec3::new(0.0, 0.0, 1.0), DVec3::Z);
+    let intrinsics = Intrinsics { fx: 150.0, fy: 150.0, cx: 79.5, cy: 59.5 };
+    Camera::new(name, SIZE, intrinsics, Distortion::None, place).unwrap()
+}
+
+/// A block before a wall that steps to the side and up and down.
+fn picture(frame: u32) -> RgbImage {
+    RgbImage::from_fn(160, 120, |x, y| {
+        let is_block = (30 + 3 * frame..54 + 3 * frame).contains(&x) && (20 + frame % 4..100 + frame % 4).contains(&y);
+        if is_block { Rgb([220, 120, 90]) } else { Rgb([90 + (x % 9) as u8, 110, 130 + (y % 7) as u8]) }
+    })
+}
+
+/// A folder of two cameras' pictures, numbered from 5, and their calibration.
+fn recording(folder: &Path) {
+    let rig = Rig::new(vec![camera("cam_01", -1.0), camera("cam_02", 1.0)]).unwrap();
+    std::fs::create_dir_all(folder.join("calibration")).unwrap();
+    let text = calibration::backlit::to_text(&rig);
+    std::fs::write(folder.join("calibration/cameras.json"), text).unwrap();
+    for (camera, count) in [("Camera 1", 20), ("Camera 2", 18)] {
+        std::fs::create_dir_all(folder.join("images").join(camera)).unwrap();
+        for frame in 0..count {
+            let path = folder.join("images").join(camera).join(format!("{:04}.png", 5 + frame));
+            images::write_png(&path, &picture(frame).into()).unwrap();
+        }
+    }
+}
+
+fn look(folder: &Path, options: &ImportOptions) -> Result<Found, ImportError> {
+    import::look(&[folder.to_owned()], options)
+}
+
+fn write(found: &Found, out: &Path) -> Result<std::path::PathBuf, ImportError> {
+    import::write(found, out, Background::PlateOrFootage, &CancelToken::new(), &mut |_| {})
+}
+
+#[test]
+fn a_folder_of_pictures_becomes_a_take_with_silhouettes() {
+    let folder = tempfile::tempdir().unwrap();
+    let recorded = folder.path().join("my recording");
+    recording(&recorded);
+    let found = look(&recorded, &ImportOptions::default()).unwrap();
+    assert_eq!((found.project, found.matched_by, found.count), (Project::Plain, MatchedBy::Name, 18));
+    assert_eq!((found.name.as_str(), found.frame_rate, found.left_out.len()), ("my recording", None, 0));
+    let out = folder.path().join("take");
+    assert!(matches!(write(&found, &out), Err(ImportError::NoFrameRate)), "nothing says it");
+    let options = ImportOptions { frame_rate: Some(50.0), ..ImportOptions::default() };
+    let found = look(&recorded, &options).unwrap();
+    write(&found, &out).unwrap();
+    assert!(matches!(write(&found, &out), Err(ImportError::Exists(_))), "a take is not written over");
+    let take = Take::open(&out).unwrap();
+    assert_eq!((take.frame_count(), take.frame_rate(), take.sizes()), (18, 50.0, BodySizes::Fit));
+    assert!(take.start().is_none() && take.reference().is_none());
+    let footage = Footage::new(take);
+    for (camera, frame) in [(0, 0), (1, 17)] {
+        let picture = footage.picture(camera, frame).unwrap();
+        let mask = footage.mask(camera, &picture, &footage.take().measurement()[camera]).unwrap();
+        let found = mask.count(Label::Subject);
+        assert!(found.abs_diff(24 * 80) < 80, "frame {frame}: {found} pixels of {}", 24 * 80);
+    }
+}
+
+#[test]
+fn pictures_of_half_the_size_get_cameras_of_half_the_size() {
+    let folder = tempfile::tempdir().unwrap();
+    recording(folder.path());
+    let rig = Rig::new(["cam_01", "cam_02"].map(|name| camera(name, 1.0).resized(320, 240).unwrap()).to_vec());
+    let text = calibration::backlit::to_text(&rig.unwrap());
+    std::fs::write(folder.path().join("calibration/cameras.json"), text).unwrap();
+    let found = look(folder.path(), &ImportOptions::default()).unwrap();
+    for camera in &found.cameras {
+        assert_eq!((camera.picture_size, camera.calibrated_size), (PictureSize::Scaled, [320, 240]));
+        assert_eq!((camera.camera.width(), camera.camera.intrinsics().fx), (160, 150.0));
+    }
+    let cut = ImportOptions { picture_size: Some(PictureSize::CutAround), ..ImportOptions::default() };
+    let found = look(folder.path(), &cut).unwrap();
+    assert_eq!(found.cameras[0].camera.intrinsics().fx, 300.0);
+}
+
+#[test]
+fn what_is_missing_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let message = |folder: &Path| look(folder, &ImportOptions::default()).unwrap_err().to_string();
+    assert!(message(folder.path()).contains("no video and no numbered pictures are there"));
+    recording(folder.path());
+    std::fs::remove_file(folder.path().join("calibration/cameras.json")).unwrap();
+    assert!(message(folder.path()).contains("no calibration is there that can be read"));
+    std::fs::write(folder.path().join("calibration/cameras.json"), "{").unwrap();
+    let said = message(folder.path());
+    assert!(said.contains("cameras.json") && said.contains("name one"), "{said}");
+    let rig = Rig::new(vec![camera("left", 0.0), camera("right", 1.0), camera("top", 2.0)]).unwrap();
+    std::fs::write(folder.path().join("calibration/cameras.json"), calibration::backlit::to_text(&rig)).unwrap();
+    let said = message(folder.path());
+    assert!(said.contains("left, right, top") && said.contains("Camera 1"), "{said}");
+}
+
+#[test]
+fn a_pose2sim_project_is_found_whole() {
+    let Some(formats) = formats() else { return };
+    let found = look(&formats.join("project_pose2sim_single"), &ImportOptions::default()).unwrap();
+    assert_eq!((found.project, found.matched_by), (Project::Pose2Sim, MatchedBy::Name));
+    assert_eq!((found.first, found.count, found.frame_rate.map(f64::round)), (0, 70, Some(60.0)));
+    assert!(found.calibration.ends_with("calibration/Calib.qca.txt"));
+    assert!(found.table.as_ref().unwrap().ends_with("S00_P00_T01_BalancingTrial_0-70.trc"));
+    // The second video is VP9, which needs a program that need not be there; then it is left out by name.
+    let names: Vec<&str> = found.cameras.iter().map(|camera| camera.camera.name()).collect();
+    match names.as_slice() {
+        ["cam01", "cam02", "cam03", "cam04"] => assert!(found.left_out.is_empty()),
+        ["cam01", "cam03", "cam04"] => {
+            assert!(found.left_out[0].0 == "cam02" && found.left_out[0].1.contains("ffmpeg"), "{:?}", found.left_out);
+        }
+        _ => panic!("{names:?}"),
+    }
+    for camera in &found.cameras {
+        let name = camera.camera.name();
+        // Two of the videos were scaled to 1080 columns with bars of seven rows.
+        let is_boxed = matches!(name, "cam01" | "cam02");
+        let expected = if is_boxed { PictureSize::Letterboxed } else { PictureSize::Same };
+        assert_eq!(camera.picture_size, expected, "{name}");
+        assert_eq!((camera.camera.width(), camera.camera.height()), (if is_boxed { 1080 } else { 1088 }, 1920));
+        assert!(camera.pictures.path().ends_with(format!("videos/{name}.mp4")));
+        let keypoints = camera.keypoints.as_ref().unwrap();
+        assert!(keypoints.ends_with(format!("pose-associated/{name}_json")), "{}", keypoints.display());
+    }
+}
