@@ -42,6 +42,7 @@ use crate::session::playback::{Playback, PlaybackChange};
 use crate::session::prediction::{Derivatives, FitInputs, Predicted};
 use crate::session::selection::Selection;
 use crate::session::{BelievedJoints, FrameData, Session};
+use crate::take::footage::Footage;
 use crate::take::source::TakeSource;
 use backlit_jobs::{Failure, Pool};
 use backlit_tracking::body::Pose;
@@ -147,6 +148,15 @@ impl<'a> Context<'a> {
     /// The name of the take, for files that are made of it.
     pub(crate) fn take_name(&self) -> &'a str {
         self.session.take.as_ref().map_or("project", |take| take.name.as_str())
+    }
+
+    /// Whether nothing says where the person stands: neither the take, nor the user, nor the tracker.
+    pub(crate) fn lacks_start(&self) -> bool {
+        let document = self.document();
+        let is_known = |take: &Footage| take.take().start().is_some() || take.take().reference().is_some();
+        self.session.take.as_ref().is_some_and(|take| !is_known(take))
+            && document.keys.is_empty()
+            && document.estimates.is_empty()
     }
 
     /// All that a prediction of the frame on the screen depends on, but the pose.

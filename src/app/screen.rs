@@ -139,9 +139,10 @@ impl Inspector {
             Overlay::Messages => messages::messages(ui, &self.state.notices, self.state.now, requests),
             Overlay::About => about::about(ui, requests),
             Overlay::UnsavedWork => self.features.recovery.card(ui, &self.context(), requests),
-            Overlay::NewTake => {
-                self.with(|all| &mut all.new_take, |new_take, context, requests| new_take.card(ui, context, requests))
-            }
+            Overlay::NewTake => self.with(
+                |all| &mut all.new_take,
+                |new_take, context, requests| new_take.card(ui, context, requests),
+            ),
             Overlay::Export => {
                 let mut export = std::mem::take(&mut self.features.export);
                 let stays = export.card(ui, &self.context(), requests);

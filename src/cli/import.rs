@@ -92,6 +92,7 @@ pub(crate) fn run(arguments: &ImportArguments) -> anyhow::Result<()> {
             BackgroundWord::None => Background::None,
         };
         let file = import::write(&found, out, background, &CancelToken::new(), &mut |step| match step {
+            ImportStep::Measuring => {}
             ImportStep::Learning { camera } => {
                 output::complain(&format!("{camera}: the background is being learnt from the footage"));
             }
@@ -151,7 +152,8 @@ fn camera_json(camera: &FoundCamera) -> serde_json::Value {
 
 fn text(found: &Found) -> String {
     let mut out = format!("{}: {}, calibration {}\n", found.name, found.project, found.calibration.display());
-    let mut table = Table::new(["camera", "footage", "frames", "per second", "size", "background", "keypoints"]);
+    let mut table =
+        Table::new(["camera", "footage", "frames", "per second", "size", "background", "keypoints"]);
     for camera in &found.cameras {
         let path = camera.pictures.path();
         let kind = match &camera.pictures {
@@ -187,7 +189,10 @@ fn text(found: &Found) -> String {
     let longest = found.cameras.iter().map(|camera| camera.pictures.count()).max().unwrap_or(0);
     if found.count < longest {
         let (first, past) = (found.first, found.first + found.count);
-        out += &format!("frames {first} to {} are used: those that all cameras have, or that the project chooses\n", past - 1);
+        out += &format!(
+            "frames {first} to {} are used: those that all cameras have, or that the project chooses\n",
+            past - 1
+        );
     }
     if let Some(table) = &found.table {
         out += &format!("markers to compare with: backlit track … --reference {}\n", table.display());
@@ -205,7 +210,8 @@ fn above_zero(text: &str) -> Result<f64, String> {
 
 fn picture_size(text: &str) -> Result<PictureSize, String> {
     let known = PictureSize::CHOICES;
-    known.into_iter().find(|choice| choice.word() == text).ok_or_else(|| {
-        format!("expected one of {}", known.map(PictureSize::word).join(", "))
-    })
+    known
+        .into_iter()
+        .find(|choice| choice.word() == text)
+        .ok_or_else(|| format!("expected one of {}", known.map(PictureSize::word).join(", ")))
 }

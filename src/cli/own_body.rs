@@ -7,7 +7,9 @@ use anyhow::Context;
 use backlit_formats::Footage;
 use backlit_formats::take::BodySizes;
 use backlit_tracking::body::{Model, Pose};
-use backlit_tracking::body_fit::{Doubt, OwnSizes, OwnSizesProgress, PersonOptions, PersonProgress, find_person};
+use backlit_tracking::body_fit::{
+    Doubt, OwnSizes, OwnSizesProgress, PersonOptions, PersonProgress, find_person,
+};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::search::{Found, WithoutStart, without_start};
@@ -104,7 +106,9 @@ pub(crate) fn begin(
             begun.sizes = Some(sizes);
         }
         Some(Err(error)) => {
-            output::complain(&format!("the body is only scaled as a whole: no sizes of its own can be found: {error}"));
+            output::complain(&format!(
+                "the body is only scaled as a whole: no sizes of its own can be found: {error}"
+            ));
         }
         None => {}
     }
@@ -156,7 +160,10 @@ impl SizesFound {
             }
             return text;
         }
-        format!("sizes of its own were not taken, the body is only scaled ({size}): {}", self.doubts.join("; "))
+        format!(
+            "sizes of its own were not taken, the body is only scaled ({size}): {}",
+            self.doubts.join("; ")
+        )
     }
 }
 
@@ -173,10 +180,13 @@ pub(crate) fn doubt_text(doubt: &Doubt) -> String {
             format!("the body would be slimmer than people are ({:.1} standard deviations)", -deviations)
         }
         Doubt::Widening { deviations } => {
-            format!("the silhouettes would be too wide or too narrow by more than they ever are ({deviations:.1} standard deviations)")
+            format!(
+                "the silhouettes would be too wide or too narrow by more than they ever are ({deviations:.1} standard deviations)"
+            )
         }
         Doubt::Size { name, kind, deviations } => {
-            format!("{name}: its {kind:?} would be {deviations:+.1} standard deviations off what people have").to_lowercase()
+            format!("{name}: its {kind:?} would be {deviations:+.1} standard deviations off what people have")
+                .to_lowercase()
         }
     }
 }

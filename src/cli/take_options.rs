@@ -7,9 +7,9 @@ use anyhow::{Context, bail};
 use backlit_formats::pose_file::{self, Quaternions};
 use backlit_formats::{Footage, Take, model_file};
 use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::fit::FitOptions;
 use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
-use backlit_tracking::fit::FitOptions;
 use clap::Args;
 
 use clap::error::ErrorKind;

@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `update` | begun, stopped, what was found taken in |
 //! | `job`, [`read_ahead`] | the fit of frame after frame |
-//! | `poses_job`, `body_job` | the search, and the fit of the sizes |
+//! | `poses_job`, `body_job`, `person_job` | the search, the fit of the sizes, and both where nothing is known |
 //! | `body` | which frames say something of the sizes, and what is said of them |
 //! | `keys` | the key poses around a frame |
 //! | `choices` | how it tracks, in the Solver section |
@@ -17,6 +17,7 @@ pub(crate) mod choices;
 mod job;
 mod keys;
 mod other_poses;
+mod person_job;
 mod pose_words;
 mod poses_job;
 mod read_ahead;
@@ -29,7 +30,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use backlit_jobs::{Priority, Task};
-use backlit_tracking::body_fit::BodyFit;
+use backlit_tracking::body_fit::{BodyFit, Person};
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::search::Hypothesis;
 use backlit_ui::style::format;
@@ -57,6 +58,10 @@ pub(crate) struct Tracking {
     newest: Option<usize>,
     /// When it went on last.
     shown: Option<Instant>,
+    /// How far the search for a person is.
+    at: Option<String>,
+    /// What was found has become the document's: it is tracked next.
+    tracks_next: bool,
 }
 
 /// What is being done.
@@ -66,6 +71,10 @@ enum Work {
     /// Of other poses, for a frame.
     Search(usize),
     FitBody,
+    /// A person is found; then all frames are tracked, if that was asked for.
+    Person {
+        tracks: bool,
+    },
 }
 
 /// What the jobs say.
@@ -85,6 +94,10 @@ enum Found {
     Poses(usize, Vec<Hypothesis>),
     /// The body's own sizes.
     Body(Box<BodyFit>),
+    /// Where the person stands in a frame, and the body; what is said of it.
+    Person { frame: usize, person: Box<Person>, said: String },
+    /// How far it is, in words.
+    At(String),
     /// It cannot go on; why.
     Refused(String),
 }
@@ -108,6 +121,8 @@ impl Default for Tracking {
             follows: false,
             newest: None,
             shown: None,
+            at: None,
+            tracks_next: false,
         }
     }
 }
@@ -153,6 +168,10 @@ impl Tracking {
                 let text = "Fitting the body to several frames. Esc stops it; nothing is changed then.";
                 return Some(text.to_owned());
             }
+            Work::Person { .. } => {
+                let at = self.at.as_deref().unwrap_or("Looking for the person");
+                return Some(format!("{at}. Esc stops it; nothing is changed then."));
+            }
             Work::Track(progress) => progress,
         };
         let way = match tracking.between {
@@ -188,6 +207,7 @@ impl Tracking {
                     because(last - first < 2, "There is no frame between the key poses around this frame")
                 }
             }),
+            TrackingCommand::FindAndTrack | TrackingCommand::FindStart => no_track(),
             TrackingCommand::TurnRound => no_track().or(not_tracked(context)),
             TrackingCommand::Clear => not_tracked(context),
         }

@@ -53,9 +53,10 @@ impl Dropped {
                 .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
         };
         match self {
-            Self::New(paths) => {
-                ("Make a take of this footage".to_owned(), paths.first().map_or_else(String::new, |path| name(path)))
-            }
+            Self::New(paths) => (
+                "Make a take of this footage".to_owned(),
+                paths.first().map_or_else(String::new, |path| name(path)),
+            ),
             Self::Open(path) if ending(path) == "backlit" => ("Open this project".to_owned(), name(path)),
             Self::Open(path) => ("Open this take".to_owned(), name(path)),
             Self::Calibration(path) => ("Replace the take’s cameras by these".to_owned(), name(path)),
@@ -82,12 +83,15 @@ fn has_footage(path: &Path) -> bool {
     if !path.is_dir() {
         return is_video(path);
     }
-    let entries = |folder: &Path| std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let has_config = ["Config.toml", "intri.yml", "camera_array.toml"].iter().any(|name| path.join(name).is_file());
+    let entries =
+        |folder: &Path| std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let has_config =
+        ["Config.toml", "intri.yml", "camera_array.toml"].iter().any(|name| path.join(name).is_file());
     !path.join("take.toml").is_file()
         && (has_config
             || entries(path).take(1000).any(|inside| {
-                is_video(&inside) || inside.is_dir() && entries(&inside).take(1000).any(|video| is_video(&video))
+                is_video(&inside)
+                    || inside.is_dir() && entries(&inside).take(1000).any(|video| is_video(&video))
             }))
 }
 

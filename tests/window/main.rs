@@ -15,6 +15,7 @@ mod exported_state;
 mod failing_disk;
 mod laboratory;
 mod names;
+mod new_take;
 mod observability;
 mod opening;
 mod painter;

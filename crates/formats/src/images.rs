@@ -124,7 +124,8 @@ fn broken(path: &Path, message: &str) -> FileError {
 
 /// Whether a file has the length, with `more`, that it says itself at a place. 0 is said by some writers of BMP.
 fn says_its_length(bytes: &[u8], at: usize, more: usize) -> bool {
-    let length = bytes.get(at..).and_then(<[u8]>::first_chunk).map(|bytes| u32::from_le_bytes(*bytes) as usize);
+    let length =
+        bytes.get(at..).and_then(<[u8]>::first_chunk).map(|bytes| u32::from_le_bytes(*bytes) as usize);
     length.is_some_and(|length| bytes.len() >= length.saturating_add(more))
 }
 

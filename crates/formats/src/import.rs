@@ -8,6 +8,7 @@
 //! | `project` | the tools whose projects are recognised |
 //! | `look` | all of it together: what was found, what is missing |
 //! | `plates` | backgrounds learnt from the footage, the size to work at |
+//! | `start` | a pose to begin with, from keypoints |
 //! | `write` | the take |
 //!
 //! Nothing is copied: a take names the footage where it lies.
@@ -18,6 +19,7 @@ mod picture_size;
 mod plates;
 mod project;
 mod scan;
+mod start;
 mod write;
 
 pub use look::{Found, FoundCamera, ImportError, ImportOptions, Pictures, look};

@@ -12,10 +12,13 @@ use super::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles, json_t
 const LOWEST_SCORE: f64 = 0.1;
 /// A person of fewer keypoints than this covers nothing and is not believed.
 const FEWEST: usize = 5;
-/// How far a body reaches beyond its keypoints, as a share of the person's extent in the picture: a hand beyond its wrist.
-const REACH: f64 = 0.1;
-/// To how many of its nearest neighbours a keypoint is joined.
-const NEIGHBOURS: usize = 3;
+/// How far a body reaches beyond the lines between its keypoints, as a share of the person's extent in the picture.
+const REACH: f64 = 0.065;
+/// And beyond a keypoint that is joined to one other at most: a hand beyond its wrist.
+const REACH_OF_END: f64 = 0.12;
+/// Keypoints that are nearer to one another are joined, as a share of the person's extent: a hip is further from the shoulder
+/// across, which is 0.35 of a person's height.
+const NEAR: f64 = 0.37;
 
 /// One keypoint: its place in pixels, with pixel centres at integers, and how sure the tool is, 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,6 +39,8 @@ struct Frame {
 
 #[derive(Deserialize)]
 struct PersonSpec {
+    /// Left out of a person who is not in the picture.
+    #[serde(default)]
     pose_keypoints_2d: Vec<f64>,
 }
 
@@ -98,16 +103,19 @@ fn last_number(path: &Path) -> Option<u64> {
     stem.rsplit(|letter: char| !digits(letter)).find(|number| !number.is_empty())?.parse().ok()
 }
 
-/// Where the people of a picture may be, generously: strokes between neighbouring keypoints, a tenth of the person's extent
-/// wide on either side, whatever the order of the keypoints. `None` where nobody is found, or the picture has too many
+/// Where the people of a picture may be, generously: strokes between keypoints that are near to one another, a tenth of the
+/// person's extent wide on either side, whatever the order of the keypoints. `size` is that of the picture, width first, which is
+/// [reduced](crate::images::reduced) by `divisor`. `None` where nobody is found, or the picture has too many
 /// pixels: then nobody knows.
 #[must_use]
-pub fn generous_mask(people: &[Person], [width, height]: [usize; 2]) -> Option<Mask> {
+pub fn generous_mask(people: &[Person], size: [usize; 2], divisor: usize) -> Option<Mask> {
+    let [width, height] = size.map(|side| side / divisor.max(1));
+    let scale = 1.0 / divisor.max(1) as f64;
     let people: Vec<Vec<DVec2>> = people
         .iter()
         .map(|person| {
             let sure = person.iter().flatten().filter(|keypoint| keypoint.score >= LOWEST_SCORE);
-            sure.map(|keypoint| keypoint.place).collect()
+            sure.map(|keypoint| (keypoint.place + 0.5) * scale - 0.5).collect()
         })
         .filter(|places: &Vec<DVec2>| places.len() >= FEWEST)
         .collect();
@@ -116,9 +124,14 @@ pub fn generous_mask(people: &[Person], [width, height]: [usize; 2]) -> Option<M
     }
     let mut mask = Mask::filled(width, height, Label::Background).ok()?;
     for places in &people {
-        let radius = REACH * extent(places);
-        for (from, to) in joined(places) {
-            stroke(mask.labels_mut(), [width, height], from, to, radius);
+        let (extent, edges, tree) = (extent(places), near(places), tree(places));
+        let mut paint =
+            |from, to, reach: f64| stroke(mask.labels_mut(), [width, height], from, to, reach * extent);
+        edges.iter().chain(&tree).for_each(|&(from, to)| paint(from, to, REACH));
+        for &place in places {
+            if tree.iter().filter(|(from, to)| *from == place || *to == place).count() < 2 {
+                paint(place, place, REACH_OF_END);
+            }
         }
     }
     Some(mask)
@@ -141,17 +154,19 @@ fn extent(places: &[DVec2]) -> f64 {
     (high - low).max_element()
 }
 
-/// Each place with its nearest neighbours, and with those of the shortest tree that reaches all.
-fn joined(places: &[DVec2]) -> Vec<(DVec2, DVec2)> {
-    let mut edges = Vec::new();
-    for (index, &place) in places.iter().enumerate() {
-        let mut others: Vec<DVec2> = places.to_vec();
-        others.swap_remove(index);
-        others.sort_by(|a, b| place.distance_squared(*a).total_cmp(&place.distance_squared(*b)));
-        edges.extend(others.into_iter().take(NEIGHBOURS).map(|other| (place, other)));
-    }
-    // Prim's tree: the nearest place that is not yet reached, again and again.
-    let (mut reached, mut left) = (places[..1].to_vec(), places[1..].to_vec());
+/// All places that are near to one another, two by two.
+fn near(places: &[DVec2]) -> Vec<(DVec2, DVec2)> {
+    let near = NEAR * extent(places);
+    let pairs = places
+        .iter()
+        .enumerate()
+        .flat_map(|(index, &place)| places[..index].iter().map(move |&other| (place, other)));
+    pairs.filter(|(place, other)| place.distance(*other) < near).collect()
+}
+
+/// The shortest tree that reaches all places (Prim): the nearest one that is not yet reached, again and again.
+fn tree(places: &[DVec2]) -> Vec<(DVec2, DVec2)> {
+    let (mut reached, mut left, mut edges) = (places[..1].to_vec(), places[1..].to_vec(), Vec::new());
     while !left.is_empty() {
         let pairs = reached
             .iter()

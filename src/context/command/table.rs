@@ -156,6 +156,8 @@ pub(super) const TABLE: &[Row] = &[
     row(Menu::Fit, Basin(BasinCommand::Run(BasinView::Angles)), "Run basin", "Fit this frame from many starts farther and farther off, in the background", &[]),
     row(Menu::Fit, Basin(BasinCommand::Run(BasinView::Map)), "Run basin map", "Fit this frame from a grid of starts with two angles set off, in the background", &[]),
     row(Menu::Fit, Basin(BasinCommand::Cancel), "Cancel basin", "Stop the basin's fits; what is done stays", &[]),
+    row(Menu::Track, Tracking(TrackingCommand::FindAndTrack), "Find and track", "Find where the person stands and, if the take asks for it, their own sizes; then fit frame after frame to the end", &[]),
+    row(Menu::Track, Tracking(TrackingCommand::FindStart), "Find start", "Find where the person stands in this frame from the silhouettes alone", &[]),
     row(Menu::Track, Tracking(TrackingCommand::Forward), "Track forward", "Fit frame after frame from here to the end", &[ctrl(Key::Enter)]),
     row(Menu::Track, Tracking(TrackingCommand::Back), "Track back", "Fit frame after frame from here to the beginning", &[ctrl_shift(Key::Enter)]),
     row(Menu::Track, Tracking(TrackingCommand::Between), "Track between keys", "Fit from the key pose before on and from the one after back; both tracks are joined where their joints lie nearest, and the frames about the join are blended and fitted again", &[ctrl_shift(Key::K)]),

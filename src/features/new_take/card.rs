@@ -9,8 +9,8 @@ use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::image_canvas::cached_texture;
 use backlit_ui::widgets::{card, hint, primary_button, row_name, text_field};
 use egui::{
-    Align, Button, Color32, CornerRadius, Id, Layout as Direction, Rect, RichText, Role, ScrollArea, Sense, Ui,
-    WidgetInfo, pos2, vec2,
+    Align, Button, Color32, CornerRadius, Id, Layout as Direction, Rect, RichText, Role, ScrollArea, Sense,
+    Ui, WidgetInfo, pos2, vec2,
 };
 
 use super::job::Looked;
@@ -171,7 +171,12 @@ impl NewTake {
 fn found(ui: &mut Ui, looked: &Looked) -> Option<Wish> {
     let (found, palette) = (&looked.found, theme::palette(ui));
     let mut wish = calibration_row(ui, Some(&found.calibration));
-    let of = format!("{}, {} frames of {} cameras", capital(&found.project.to_string()), found.count, found.cameras.len());
+    let of = format!(
+        "{}, {} frames of {} cameras",
+        capital(&found.project.to_string()),
+        found.count,
+        found.cameras.len()
+    );
     ui.label(RichText::new(of).color(palette.text2));
     let room = (ui.ctx().content_rect().height() - CAMERAS).clamp(PICTURE + 8.0, 4.5 * (PICTURE + 8.0));
     ScrollArea::vertical().max_height(room).auto_shrink([false, true]).show(ui, |ui| {
@@ -179,7 +184,9 @@ fn found(ui: &mut Ui, looked: &Looked) -> Option<Wish> {
             ui.horizontal_top(|ui| {
                 let (rect, response) = ui.allocate_exact_size(vec2(PICTURE, PICTURE), Sense::hover());
                 let name = camera.camera.name();
-                response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("First picture of {name}")));
+                response.widget_info(|| {
+                    WidgetInfo::labeled(Role::Image, true, format!("First picture of {name}"))
+                });
                 ui.painter().rect_filled(rect, CornerRadius::ZERO, PICTURE_GROUND);
                 if let Some(image) = picture {
                     let id = Id::unique(("new take", camera.pictures.path()));

@@ -1,10 +1,13 @@
 //! Begun, stopped, and what was found taken in.
 
 use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use backlit_formats::take::BodySizes;
 use backlit_jobs::{Job, News};
 use backlit_tracking::body::Pose;
+use backlit_tracking::body_fit::Person;
 use backlit_tracking::posing;
 use backlit_tracking::search::Hypothesis;
 use backlit_ui::style::format;
@@ -12,6 +15,7 @@ use backlit_ui::style::format;
 use super::body_job::BodyJob;
 use super::job::{Leg, TrackInputs, TrackJob};
 use super::keys::keys_around;
+use super::person_job::PersonJob;
 use super::poses_job::PosesJob;
 use super::{Found, OtherPoses, Tracking, Work, body};
 use crate::context::activity::TrackingProgress;
@@ -44,6 +48,8 @@ impl Tracking {
     /// Does a command. A fit that was going on has ended.
     pub(crate) fn run(&mut self, command: TrackingCommand, context: &Context<'_>, requests: &mut Requests) {
         match command {
+            TrackingCommand::FindAndTrack => self.find_person(true, context, requests),
+            TrackingCommand::FindStart => self.find_person(false, context, requests),
             TrackingCommand::Forward => self.track(false, context, requests),
             TrackingCommand::Back => self.track(true, context, requests),
             TrackingCommand::Between => self.track_between_keys(context, requests),
@@ -158,8 +164,45 @@ impl Tracking {
         requests.request(Request::LeaveStep);
     }
 
+    /// Looks for the person in the frame on the screen where no start is known. Where all frames are to be tracked, the body's
+    /// own sizes are found too, if the take has an average body.
+    fn find_person(&mut self, tracks: bool, context: &Context<'_>, requests: &mut Requests) {
+        let Some((take, fit)) = context.session.take.clone().zip(context.fit_inputs()) else { return };
+        let (here, count) = (context.selection.frame, context.session.frame_count());
+        let sizes = tracks && take.take().sizes() == BodySizes::Fit;
+        let frames = (here..count).collect();
+        let measurement = context.document().measurement.clone();
+        let job = PersonJob { footage: take, measurement, fit, frames, sizes };
+        self.begin(Work::Person { tracks }, context, job);
+        self.at = None;
+        requests.request(Request::LeaveStep);
+    }
+
+    /// The person who was found becomes the document's.
+    fn person_found(
+        &mut self,
+        frame: usize,
+        person: &Person,
+        said: String,
+        context: &Context<'_>,
+        requests: &mut Requests,
+    ) {
+        let before = &context.document().model;
+        if *person.model != **before {
+            requests.edit(Edit::SetBody(Arc::new((*person.model).clone().renamed(before.name()))));
+        }
+        let what = "Find person".to_owned();
+        requests.edit(Edit::SetPose { frame, pose: person.start.clone(), what });
+        requests.inform(said, Some(Command::History(HistoryCommand::Undo)));
+        self.tracks_next = matches!(self.work, Some(Work::Person { tracks: true }));
+    }
+
     /// Takes in what was found since the last frame of the window; all of a track is one undoable act.
     pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        if std::mem::take(&mut self.tracks_next) {
+            self.track(false, context, requests);
+            return;
+        }
         let (mut track, mut has_ended) = (Vec::new(), false);
         for news in self.task.poll() {
             match news {
@@ -178,6 +221,10 @@ impl Tracking {
                 }
                 News::Output(Found::Poses(frame, found)) => self.poses_found(frame, found, context, requests),
                 News::Output(Found::Body(fit)) => body::take_in(&fit, context, requests),
+                News::Output(Found::Person { frame, person, said }) => {
+                    self.person_found(frame, &person, said, context, requests);
+                }
+                News::Output(Found::At(text)) => self.at = Some(text),
                 News::Output(Found::Refused(why)) => requests.complain(why),
                 News::Ended => has_ended = true,
                 News::Failed(failure) => {

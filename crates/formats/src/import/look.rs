@@ -1,6 +1,7 @@
 //! What was found, camera by camera, and what is missing.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use backlit_tracking::camera::{Camera, CameraError};
 use image::RgbImage;
@@ -96,10 +97,18 @@ impl Pictures {
     /// # Errors
     /// It cannot be read or decoded.
     pub fn picture(&self, index: usize) -> Result<RgbImage, FileError> {
+        self.reduced(index, 1)
+    }
+
+    /// The same, [reduced](images::reduced).
+    ///
+    /// # Errors
+    /// As [`picture`](Self::picture).
+    pub fn reduced(&self, index: usize, divisor: usize) -> Result<RgbImage, FileError> {
         match self {
-            Self::Video(video) => video.frame(index).map(|picture| (*picture).clone()),
+            Self::Video(video) => video.frame_reduced(index, divisor).map(Arc::unwrap_or_clone),
             Self::Numbered { folder, .. } => match self.numbered(index) {
-                Ok(path) => images::read(&path),
+                Ok(path) => Ok(images::reduced(images::read(&path)?, divisor)),
                 Err(_) => Err(FileError::new(folder, crate::FileProblem::Missing)),
             },
         }
@@ -184,6 +193,8 @@ pub enum ImportError {
     FrameRange { first: u64, last: u64, count: usize },
     #[error("{}: there is a take already; choose another folder", .0.display())]
     Exists(PathBuf),
+    #[error("stopped; no take was written")]
+    Cancelled,
     #[error("camera \"{camera}\": no background can be learnt: {reason}")]
     Background { camera: String, reason: String },
 }

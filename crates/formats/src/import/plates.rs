@@ -1,6 +1,6 @@
 //! Backgrounds learnt from footage that never shows the scene alone, and the size to work at.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use backlit_tracking::segment::{
     Background, LearningFrame, LearningOptions, LearntPlate, SegmentOptions, learn_plate, segment,
@@ -9,81 +9,108 @@ use backlit_tracking::silhouette::Label;
 use image::{DynamicImage, RgbImage, Rgba, RgbaImage};
 
 use super::{Found, FoundCamera, ImportError};
+use crate::keypoints::Person;
 use crate::{images, keypoints};
 
 /// Most frames that a plate is learnt from.
-const MOST_FRAMES: usize = 36;
-/// Fewest frames that are worth learning from.
-const FEWEST_FRAMES: usize = 8;
-/// Memory that the frames of one camera may take, bytes.
-const MEMORY: usize = 400 << 20;
+const MOST_FRAMES: usize = 120;
+/// Frames that tell how tall the person is in the picture.
+const GUESSING_FRAMES: usize = 12;
 /// A person of this height in the picture is well seen, pixels: more costs time and gives next to nothing.
 const WORKING_HEIGHT_PX: f64 = 200.0;
 /// Pictures are reduced no further.
-const MOST_REDUCTION: u32 = 16;
+const MOST_REDUCTION: usize = 16;
 /// Where nobody says how tall the person is, masks are made of pictures of about this height, pixels.
-const GUESSING_HEIGHT_PX: u32 = 480;
+const GUESSING_HEIGHT_PX: usize = 480;
+/// No side of a reduced picture is shorter, pixels.
+const SHORTEST_SIDE: usize = 64;
 
-/// What was learnt of a camera.
-pub(super) struct Learnt {
-    pub(super) plate: LearntPlate,
-    /// The person's height in the pictures, pixels.
-    pub(super) person_px: Option<f64>,
+/// Frames that are spread over the recording.
+fn spread(found: &Found, most: usize) -> Vec<usize> {
+    let count = most.min(found.count);
+    (0..count).map(|k| found.first + k * (found.count - 1) / (count - 1).max(1)).collect()
 }
 
-/// Learns a camera's plate from frames that are spread over the recording. Where there are keypoints, pixels near them are
-/// left out.
-pub(super) fn learn(found: &Found, camera: &FoundCamera) -> Result<Learnt, ImportError> {
-    let failed = |reason: String| ImportError::Background { camera: camera.camera.name().to_owned(), reason };
-    let bytes = camera.camera.width() * camera.camera.height() * 4;
-    let most = (MEMORY / bytes.max(1)).clamp(FEWEST_FRAMES, MOST_FRAMES).min(found.count);
-    let chosen: Vec<usize> =
-        (0..most).map(|k| found.first + (k * (found.count - 1)) / most.saturating_sub(1).max(1)).collect();
-    let files = camera.keypoints.as_deref().map(keypoints::files_of).transpose()?.unwrap_or_default();
-    let (mut pictures, mut masks, mut extents) = (Vec::new(), Vec::new(), Vec::new());
+/// A camera's people in a frame.
+struct Keypoints(Vec<(u64, PathBuf)>);
+
+impl Keypoints {
+    fn of(camera: &FoundCamera) -> Result<Self, ImportError> {
+        Ok(Self(camera.keypoints.as_deref().map(keypoints::files_of).transpose()?.unwrap_or_default()))
+    }
+
+    /// The first file belongs to the footage's first frame, whatever its number.
+    fn people(&self, frame: usize) -> Result<Vec<Person>, ImportError> {
+        let Some((first, _)) = self.0.first() else { return Ok(Vec::new()) };
+        let file = self.0.iter().find(|(number, _)| *number == first + frame as u64);
+        Ok(file.map(|(_, path)| keypoints::read(path)).transpose()?.unwrap_or_default())
+    }
+}
+
+/// By how much pictures are reduced before anything is done with them: the person stays tall enough in all of them.
+pub(super) fn reduction(found: &Found) -> Result<usize, ImportError> {
+    let mut heights = Vec::new();
+    for camera in &found.cameras {
+        heights.extend(person_px(found, camera)?);
+    }
+    heights.sort_by(f64::total_cmp);
+    let sides = found.cameras.iter().map(|camera| camera.camera.width().min(camera.camera.height()));
+    let most = MOST_REDUCTION.min(sides.min().unwrap_or(1) / SHORTEST_SIDE).max(1);
+    let height = heights.get(heights.len() / 2).copied().unwrap_or(0.0);
+    Ok(((height / WORKING_HEIGHT_PX).round() as usize).clamp(1, most))
+}
+
+/// The person's height in a camera's pictures, pixels: by keypoints, else by what moves.
+fn person_px(found: &Found, camera: &FoundCamera) -> Result<Option<f64>, ImportError> {
+    let frames = spread(found, GUESSING_FRAMES);
+    let keypoints = Keypoints::of(camera)?;
+    let mut extents = Vec::new();
+    for &frame in &frames {
+        extents.extend(keypoints::largest_extent(&keypoints.people(frame)?));
+    }
+    extents.sort_by(f64::total_cmp);
+    if let Some(&extent) = extents.get(extents.len() / 2) {
+        return Ok(Some(extent));
+    }
+    let divisor = (camera.camera.height() / GUESSING_HEIGHT_PX).max(1);
+    let (plate, picture) = learn_from(camera, &frames, &keypoints, divisor)?;
+    let background = Background::from_plate(&plate.picture);
+    let Ok(mask) = segment(&picture, &background, &SegmentOptions::default()) else { return Ok(None) };
+    let rows = mask.labels().chunks_exact(mask.width());
+    let tall = rows.filter(|row| row.iter().filter(|&&label| label == Label::Subject).count() > 1).count();
+    Ok((tall > 0).then(|| (tall * divisor) as f64))
+}
+
+/// Learns a camera's plate, reduced, from frames that are spread over the recording. Where there are keypoints, pixels near them
+/// are left out.
+pub(super) fn learn(found: &Found, camera: &FoundCamera, divisor: usize) -> Result<LearntPlate, ImportError> {
+    let frames = spread(found, MOST_FRAMES);
+    Ok(learn_from(camera, &frames, &Keypoints::of(camera)?, divisor)?.0)
+}
+
+/// The plate, and the picture of the frame in the middle.
+fn learn_from(
+    camera: &FoundCamera,
+    frames: &[usize],
+    keypoints: &Keypoints,
+    divisor: usize,
+) -> Result<(LearntPlate, RgbImage), ImportError> {
+    let (mut pictures, mut masks) = (Vec::new(), Vec::new());
     let size = [camera.camera.width(), camera.camera.height()];
-    for frame in chosen {
-        pictures.push(camera.pictures.picture(frame)?);
-        // The first file of keypoints belongs to the footage's first frame, whatever its number.
-        let number = files.first().map(|(first, _)| first + frame as u64);
-        let file = files.iter().find(|(found, _)| Some(*found) == number);
-        let people = file.map(|(_, path)| keypoints::read(path)).transpose()?.unwrap_or_default();
-        extents.extend(keypoints::largest_extent(&people));
-        masks.push(keypoints::generous_mask(&people, size));
+    for &frame in frames {
+        pictures.push(camera.pictures.reduced(frame, divisor)?);
+        masks.push(keypoints::generous_mask(&keypoints.people(frame)?, size, divisor));
     }
     let frames: Vec<LearningFrame<'_>> = pictures
         .iter()
         .zip(&masks)
         .map(|(picture, mask)| LearningFrame { picture, subject: mask.as_ref() })
         .collect();
-    let plate =
-        learn_plate(&frames, &LearningOptions::default()).map_err(|error| failed(error.to_string()))?;
-    extents.sort_by(f64::total_cmp);
-    let person_px = match extents.get(extents.len() / 2) {
-        Some(&extent) => Some(extent),
-        None => pictures.get(pictures.len() / 2).and_then(|picture| person_in(picture, &plate)),
-    };
-    Ok(Learnt { plate, person_px })
-}
-
-/// The height of the largest thing in a picture that is not in the plate, pixels of the picture.
-fn person_in(picture: &RgbImage, plate: &LearntPlate) -> Option<f64> {
-    let divisor = (picture.height() / GUESSING_HEIGHT_PX).max(1) as usize;
-    let small = |picture: &RgbImage| images::reduced(picture.clone(), divisor);
-    let background = Background::from_plate(&small(&plate.picture));
-    let mask = segment(&small(picture), &background, &SegmentOptions::default()).ok()?;
-    let rows = mask.labels().chunks_exact(mask.width());
-    let tall = rows.filter(|row| row.iter().filter(|&&label| label == Label::Subject).count() > 1).count();
-    (tall > 0).then(|| (tall * divisor) as f64)
-}
-
-/// By how much pictures are reduced before anything is done with them: the person stays tall enough.
-pub(super) fn reduction(person_px: &[Option<f64>], smallest_side: usize) -> u32 {
-    let mut heights: Vec<f64> = person_px.iter().copied().flatten().collect();
-    heights.sort_by(f64::total_cmp);
-    let Some(&height) = heights.get(heights.len() / 2) else { return 1 };
-    let most = MOST_REDUCTION.min((smallest_side / 64).max(1) as u32);
-    ((height / WORKING_HEIGHT_PX) as u32).clamp(1, most)
+    let plate = learn_plate(&frames, &LearningOptions::default()).map_err(|error| {
+        ImportError::Background { camera: camera.camera.name().to_owned(), reason: error.to_string() }
+    })?;
+    let middle = pictures.len() / 2;
+    Ok((plate, pictures.swap_remove(middle)))
 }
 
 /// Writes a plate whose unknown pixels are transparent.

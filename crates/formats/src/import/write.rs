@@ -3,15 +3,15 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use backlit_tracking::camera::{Camera, Rig};
+use backlit_tracking::camera::Rig;
 use backlit_tracking::cancel::CancelToken;
 
-use super::plates::{self, Learnt};
 use super::scan::escaped;
 use super::{Found, FoundCamera, ImportError, Pictures};
+use super::{plates, start};
 use crate::calibration::backlit;
 use crate::take::{FILE_NAME, FORMAT};
-use crate::{FileError, FileProblem, atomic};
+use crate::{FileError, FileProblem, atomic, model_file, pose_file};
 
 /// Where backgrounds come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,6 +27,8 @@ pub enum Background {
 /// What is being done.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ImportStep {
+    /// How tall the person is in the pictures is being measured.
+    Measuring,
     /// A camera's background is being learnt.
     Learning {
         /// The camera's name.
@@ -62,46 +64,58 @@ pub fn write(
     let rig = Rig::new(found.cameras.iter().map(|camera| camera.camera.clone()).collect());
     let rig = rig.map_err(|error| FileError::new(&found.calibration, FileProblem::Rig { error }))?;
     atomic::write(&out.join("cameras.json"), backlit::to_text(&rig).as_bytes())?;
-    let (mut sources, mut heights) = (Vec::new(), Vec::new());
-    for camera in &found.cameras {
-        let (source, height) = background_of(found, camera, out, background, cancel, progress)?;
-        sources.push(source);
-        heights.push(height);
+    progress(ImportStep::Measuring);
+    let reduction = plates::reduction(found)?;
+    let learning = Learning { found, out, background, reduction, cancel };
+    let sources = found
+        .cameras
+        .iter()
+        .map(|camera| learning.background_of(camera, progress))
+        .collect::<Result<_, _>>()?;
+    let body = start::of_keypoints(found)?;
+    if let Some((model, pose)) = &body {
+        model_file::write(&out.join("body.toml"), model)?;
+        pose_file::write(&out.join("start.json"), model, pose)?;
     }
-    let smallest = |camera: &Camera| camera.width().min(camera.height());
-    let smallest = rig.cameras().iter().map(smallest).min().unwrap_or(1);
-    let text = TakeText { found, out, frame_rate, sources, reduction: plates::reduction(&heights, smallest) };
+    let text = TakeText { found, out, frame_rate, sources, reduction, has_start: body.is_some() };
     atomic::write(&file, text.to_text().as_bytes())?;
     Ok(file)
 }
 
-/// A camera's background, as the take names it, and the person's height in its pictures where it is known.
-fn background_of(
-    found: &Found,
-    camera: &FoundCamera,
-    out: &Path,
+/// How backgrounds are learnt.
+struct Learning<'a> {
+    found: &'a Found,
+    out: &'a Path,
     background: Background,
-    cancel: &CancelToken,
-    progress: &mut dyn FnMut(ImportStep),
-) -> Result<(Option<String>, Option<f64>), ImportError> {
-    let name = camera.camera.name().to_owned();
-    match (&camera.plate, background) {
-        (_, Background::None) => Ok((None, None)),
-        (Some(plate), Background::PlateOrFootage) => Ok((Some(escaped(&relative(plate, out))), None)),
-        _ => {
-            if cancel.is_cancelled() {
-                let reason = "stopped by you".to_owned();
-                return Err(ImportError::Background { camera: name, reason });
+    reduction: usize,
+    cancel: &'a CancelToken,
+}
+
+impl Learning<'_> {
+    /// A camera's background, as the take names it.
+    fn background_of(
+        &self,
+        camera: &FoundCamera,
+        progress: &mut dyn FnMut(ImportStep),
+    ) -> Result<Option<String>, ImportError> {
+        let name = camera.camera.name().to_owned();
+        match (&camera.plate, self.background) {
+            (_, Background::None) => Ok(None),
+            (Some(plate), Background::PlateOrFootage) => Ok(Some(escaped(&relative(plate, self.out)))),
+            _ => {
+                if self.cancel.is_cancelled() {
+                    return Err(ImportError::Cancelled);
+                }
+                progress(ImportStep::Learning { camera: name.clone() });
+                let plate = plates::learn(self.found, camera, self.reduction)?;
+                let folder = self.out.join("background");
+                std::fs::create_dir_all(&folder)
+                    .map_err(|error| FileError::new(&folder, FileProblem::Write { error }))?;
+                let file = format!("{}.png", file_name(&name));
+                plates::write(&folder.join(&file), &plate)?;
+                progress(ImportStep::Learnt { camera: name, known: plate.known_share() });
+                Ok(Some(format!("background/{}", escaped(&file))))
             }
-            progress(ImportStep::Learning { camera: name.clone() });
-            let Learnt { plate, person_px } = plates::learn(found, camera)?;
-            let folder = out.join("background");
-            std::fs::create_dir_all(&folder)
-                .map_err(|error| FileError::new(&folder, FileProblem::Write { error }))?;
-            let file = format!("{}.png", file_name(&name));
-            plates::write(&folder.join(&file), &plate)?;
-            progress(ImportStep::Learnt { camera: name, known: plate.known_share() });
-            Ok((Some(format!("background/{}", escaped(&file))), person_px))
         }
     }
 }
@@ -130,7 +144,8 @@ struct TakeText<'a> {
     out: &'a Path,
     frame_rate: f64,
     sources: Vec<Option<String>>,
-    reduction: u32,
+    reduction: usize,
+    has_start: bool,
 }
 
 impl TakeText<'_> {
@@ -138,12 +153,17 @@ impl TakeText<'_> {
         let Found { project, calibration, first, count, .. } = self.found;
         let mut text = format!(
             "# Written by `backlit import` from {project}. docs/formats.md explains every line.\n\
-             format = {}\nname = {}\nframe_rate = {}\nmodel = \"full_body\"\n\
-             # The model is an average body: tracking finds the person's own sizes.\nsizes = \"fit\"\n",
+             format = {}\nname = {}\nframe_rate = {}\n",
             quoted(FORMAT),
             quoted(&self.found.name),
-            self.frame_rate,
+            rounded(self.frame_rate),
         );
+        text += if self.has_start {
+            "# Height and pose by the keypoints of the first frame.\nmodel = \"body.toml\"\nstart = \"start.json\"\n"
+        } else {
+            "model = \"full_body\"\n"
+        };
+        text += "# The model is an average body: tracking finds the person's own sizes.\nsizes = \"fit\"\n";
         if self.reduction > 1 {
             let reduction = self.reduction;
             let _ = write!(
@@ -184,6 +204,11 @@ impl TakeText<'_> {
         }
         text
     }
+}
+
+/// A frame rate without the noise of its own computation.
+fn rounded(rate: f64) -> f64 {
+    (rate * 1e6).round() / 1e6
 }
 
 /// A TOML string.

@@ -270,7 +270,9 @@ impl Take {
         }
         let picture = match footage.video() {
             Some(video) => self.video_frame(camera, video, footage.number(frame) as usize, divisor),
-            None => self.picture(camera, &footage.path(frame)).map(|picture| images::reduced(picture, divisor)),
+            None => {
+                self.picture(camera, &footage.path(frame)).map(|picture| images::reduced(picture, divisor))
+            }
         };
         picture.map_err(|error| TakeError::Frame { camera: footage.camera.clone(), frame, error })
     }
@@ -334,10 +336,7 @@ impl Take {
             Some(BackgroundSource::Video { video, frames }) => {
                 frames.iter().map(|&frame| self.video_frame(camera, video, frame, divisor)).collect()
             }
-            Some(pictures) => {
-                let reduced = |path| Ok(images::reduced(self.picture(camera, path)?, divisor));
-                pictures.paths().into_iter().map(reduced).collect()
-            }
+            Some(pictures) => pictures.paths().into_iter().map(|path| self.plate(camera, path)).collect(),
         };
         pictures.map_err(|error| TakeError::Background { camera: footage.camera.clone(), error })
     }
@@ -354,6 +353,10 @@ impl Take {
         let known = known.map_err(|error| TakeError::Background { camera: footage.camera.clone(), error })?;
         let (full, small) = (&self.full_rig.cameras()[camera], &self.rig.cameras()[camera]);
         let side = self.reduction as usize;
+        let is_reduced = |known: &Vec<bool>| known.len() == small.width() * small.height();
+        if known.as_ref().is_some_and(is_reduced) {
+            return Ok(known);
+        }
         Ok(known.filter(|known| known.contains(&false)).map(|known| {
             let mut out = vec![true; small.width() * small.height()];
             for (index, _) in known.iter().enumerate().filter(|(_, known)| !**known) {
@@ -375,6 +378,17 @@ impl Take {
         // The size first: a wrong picture need not be decoded.
         check_size(path, images::size(path, &bytes)?, &self.full_rig.cameras()[camera])?;
         images::decode(path, &bytes)
+    }
+
+    /// A picture of a background, of the full size or of the reduced one already, reduced.
+    fn plate(&self, camera: usize, path: &Path) -> Result<RgbImage, FileError> {
+        let bytes = self.files.read(path, MAX_PICTURE_BYTES)?;
+        let found = images::size(path, &bytes)?;
+        if check_size(path, found, &self.rig.cameras()[camera]).is_ok() {
+            return images::decode(path, &bytes);
+        }
+        check_size(path, found, &self.full_rig.cameras()[camera])?;
+        Ok(images::reduced(images::decode(path, &bytes)?, self.reduction as usize))
     }
 
     fn video_frame(

@@ -54,7 +54,11 @@ impl Coded {
     ///
     /// # Errors
     /// `Err` with the reason if our decoders cannot decode it.
-    pub(super) fn new(mut file: FileParts, path: PathBuf, mut index: Index) -> Result<Self, (FileParts, String)> {
+    pub(super) fn new(
+        mut file: FileParts,
+        path: PathBuf,
+        mut index: Index,
+    ) -> Result<Self, (FileParts, String)> {
         let decoder = match decoder(&mut file, &path, &mut index) {
             Ok(decoder) => decoder,
             Err(reason) => return Err((file, reason)),
@@ -108,8 +112,9 @@ impl Coded {
     fn jpeg(&mut self, wanted: Wanted) -> Result<RgbImage, String> {
         let bytes = self.sample(self.index.frames[wanted.frame].sample)?;
         self.decoded += 1;
-        let decoded = images::size(&self.path, &bytes)
-            .and_then(|size| (size == self.index.size).then(|| images::decode(&self.path, &bytes)).transpose());
+        let decoded = images::size(&self.path, &bytes).and_then(|size| {
+            (size == self.index.size).then(|| images::decode(&self.path, &bytes)).transpose()
+        });
         let picture = match decoded {
             Ok(Some(picture)) => picture,
             Ok(None) => return Err(self.damage(wanted.frame, "its size differs".to_owned())),

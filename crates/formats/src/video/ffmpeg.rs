@@ -111,7 +111,8 @@ impl Piped {
         };
         loop {
             let frame = running.next;
-            let bytes = running.read().map_err(|reason| VideoProblem::Frame { frame: wanted.frame, reason })?;
+            let bytes =
+                running.read().map_err(|reason| VideoProblem::Frame { frame: wanted.frame, reason })?;
             let [width, height] = self.probed.size.map(|side| side as u32);
             let picture = RgbImage::from_raw(width, height, bytes).unwrap_or_default();
             if frame == wanted.frame {
@@ -138,7 +139,8 @@ impl Piped {
         command.args(if self.probed.knows_fps_mode { ["-fps_mode", "passthrough"] } else { ["-vsync", "0"] });
         command.args(["-pix_fmt", "rgb24", "-f", "rawvideo", "pipe:1"]);
         let bytes = self.probed.size.iter().product::<usize>() * 3;
-        Running::new(command, bytes, frame).map_err(|error| missing(&self.programs.ffmpeg, &self.probed.codec, error))
+        Running::new(command, bytes, frame)
+            .map_err(|error| missing(&self.programs.ffmpeg, &self.probed.codec, error))
     }
 }
 
@@ -223,7 +225,9 @@ impl Running {
                 self.next += 1;
                 Ok(frame)
             }
-            Err(RecvTimeoutError::Timeout) => Err(format!("ffmpeg gave nothing for {} s", PATIENCE.as_secs())),
+            Err(RecvTimeoutError::Timeout) => {
+                Err(format!("ffmpeg gave nothing for {} s", PATIENCE.as_secs()))
+            }
             Err(RecvTimeoutError::Disconnected) => Err("ffmpeg gives no picture for it".to_owned()),
         }
     }

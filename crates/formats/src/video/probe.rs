@@ -183,9 +183,14 @@ mod tests {
 
     #[test]
     fn versions_tell_how_frames_pass_through() {
-        for (version, knows) in
-            [("5.1.9-0+deb12u1", true), ("n6.0", true), ("4.4.2-0ubuntu0.22.04.1", false), ("5.0", false), ("7", true), ("N-112233-gabc", true)]
-        {
+        for (version, knows) in [
+            ("5.1.9-0+deb12u1", true),
+            ("n6.0", true),
+            ("4.4.2-0ubuntu0.22.04.1", false),
+            ("5.0", false),
+            ("7", true),
+            ("N-112233-gabc", true),
+        ] {
             assert_eq!(knows_fps_mode(version), knows, "{version}");
         }
     }

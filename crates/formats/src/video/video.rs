@@ -78,11 +78,7 @@ impl Video {
     ///
     /// # Errors
     /// As [`open`](Self::open).
-    pub fn from_files(
-        files: &dyn TakeFiles,
-        path: &Path,
-        cache: Arc<FrameCache>,
-    ) -> Result<Self, FileError> {
+    pub fn from_files(files: &dyn TakeFiles, path: &Path, cache: Arc<FrameCache>) -> Result<Self, FileError> {
         let parts = files.parts(path)?;
         Self::with_programs(parts, path, cache, &Programs::default())
             .map_err(|error| FileError::new(path, FileProblem::Video { error }))

@@ -226,7 +226,8 @@ mod tests {
 
     #[test]
     fn a_reduced_picture_is_the_average_of_the_full_one() {
-        for (size, turns, divisor) in [([16, 8], 0, 2), ([16, 24], 1, 4), ([14, 10], 0, 4), ([18, 12], 3, 3), ([6, 4], 2, 1)]
+        for (size, turns, divisor) in
+            [([16, 8], 0, 2), ([16, 24], 1, 4), ([14, 10], 0, 4), ([18, 12], 3, 3), ([6, 4], 2, 1)]
         {
             let mut planes = planes(size, [1, 1], Colour::default());
             // No clipping, which an average of planes cannot know of.

@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
-use backlit_formats::import::{self, Background, Found, ImportError, ImportOptions, MatchedBy, PictureSize, Project};
+use backlit_formats::import::{
+    self, Background, Found, ImportError, ImportOptions, MatchedBy, PictureSize, Project,
+};
 use backlit_formats::take::BodySizes;
 use backlit_formats::{Footage, Take, calibration, images};
-use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
+use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::silhouette::Label;
 use glam::DVec3;
 use image::{Rgb, RgbImage};
@@ -24,7 +26,8 @@ fn camera(name: &str, x: f64) -> Camera {
 /// A block before a wall that steps to the side and up and down.
 fn picture(frame: u32) -> RgbImage {
     RgbImage::from_fn(160, 120, |x, y| {
-        let is_block = (30 + 3 * frame..54 + 3 * frame).contains(&x) && (20 + frame % 4..100 + frame % 4).contains(&y);
+        let is_block =
+            (30 + 3 * frame..54 + 3 * frame).contains(&x) && (20 + frame % 4..100 + frame % 4).contains(&y);
         if is_block { Rgb([220, 120, 90]) } else { Rgb([90 + (x % 9) as u8, 110, 130 + (y % 7) as u8]) }
     })
 }
@@ -82,7 +85,8 @@ fn a_folder_of_pictures_becomes_a_take_with_silhouettes() {
 fn pictures_of_half_the_size_get_cameras_of_half_the_size() {
     let folder = tempfile::tempdir().unwrap();
     recording(folder.path());
-    let rig = Rig::new(["cam_01", "cam_02"].map(|name| camera(name, 1.0).resized(320, 240).unwrap()).to_vec());
+    let rig =
+        Rig::new(["cam_01", "cam_02"].map(|name| camera(name, 1.0).resized(320, 240).unwrap()).to_vec());
     let text = calibration::backlit::to_text(&rig.unwrap());
     std::fs::write(folder.path().join("calibration/cameras.json"), text).unwrap();
     let found = look(folder.path(), &ImportOptions::default()).unwrap();
@@ -107,7 +111,8 @@ fn what_is_missing_is_named() {
     let said = message(folder.path());
     assert!(said.contains("cameras.json") && said.contains("name one"), "{said}");
     let rig = Rig::new(vec![camera("left", 0.0), camera("right", 1.0), camera("top", 2.0)]).unwrap();
-    std::fs::write(folder.path().join("calibration/cameras.json"), calibration::backlit::to_text(&rig)).unwrap();
+    std::fs::write(folder.path().join("calibration/cameras.json"), calibration::backlit::to_text(&rig))
+        .unwrap();
     let said = message(folder.path());
     assert!(said.contains("left, right, top") && said.contains("Camera 1"), "{said}");
 }
@@ -125,7 +130,11 @@ fn a_pose2sim_project_is_found_whole() {
     match names.as_slice() {
         ["cam01", "cam02", "cam03", "cam04"] => assert!(found.left_out.is_empty()),
         ["cam01", "cam03", "cam04"] => {
-            assert!(found.left_out[0].0 == "cam02" && found.left_out[0].1.contains("ffmpeg"), "{:?}", found.left_out);
+            assert!(
+                found.left_out[0].0 == "cam02" && found.left_out[0].1.contains("ffmpeg"),
+                "{:?}",
+                found.left_out
+            );
         }
         _ => panic!("{names:?}"),
     }
@@ -135,7 +144,10 @@ fn a_pose2sim_project_is_found_whole() {
         let is_boxed = matches!(name, "cam01" | "cam02");
         let expected = if is_boxed { PictureSize::Letterboxed } else { PictureSize::Same };
         assert_eq!(camera.picture_size, expected, "{name}");
-        assert_eq!((camera.camera.width(), camera.camera.height()), (if is_boxed { 1080 } else { 1088 }, 1920));
+        assert_eq!(
+            (camera.camera.width(), camera.camera.height()),
+            (if is_boxed { 1080 } else { 1088 }, 1920)
+        );
         assert!(camera.pictures.path().ends_with(format!("videos/{name}.mp4")));
         let keypoints = camera.keypoints.as_ref().unwrap();
         assert!(keypoints.ends_with(format!("pose-associated/{name}_json")), "{}", keypoints.display());

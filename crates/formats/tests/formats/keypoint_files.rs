@@ -21,8 +21,10 @@ fn tables_of_markers_are_read_as_their_tools_wrote_them() {
         if !path.is_file() {
             continue;
         }
-        let table = trc::parse(&path, &std::fs::read(&path).unwrap()).unwrap_or_else(|error| panic!("{error}"));
-        let names: Vec<&str> = expected["markers"].as_array().unwrap().iter().map(|n| n.as_str().unwrap()).collect();
+        let table =
+            trc::parse(&path, &std::fs::read(&path).unwrap()).unwrap_or_else(|error| panic!("{error}"));
+        let names: Vec<&str> =
+            expected["markers"].as_array().unwrap().iter().map(|n| n.as_str().unwrap()).collect();
         assert_eq!(table.markers, names, "{file}");
         assert_eq!(table.rows.len() as u64, expected["rows"].as_u64().unwrap(), "{file}");
         let row = &table.rows[0];
@@ -53,13 +55,13 @@ fn people_are_read_and_covered_generously() {
         for (person, count) in people.iter().zip(expected["keypoints"].as_array().unwrap()) {
             assert_eq!(person.len() as u64, count.as_u64().unwrap(), "{file}");
         }
-        let Some(mask) = keypoints::generous_mask(&people, [1088, 1920]) else { continue };
+        let Some(mask) = keypoints::generous_mask(&people, [1088, 1920], 4) else { continue };
         let sure = people.iter().flatten().flatten().filter(|keypoint| keypoint.score > 0.3);
         for keypoint in sure.filter(|keypoint| keypoint.place.x > 0.0 && keypoint.place.y > 0.0) {
-            let [x, y] = keypoint.place.to_array().map(|side| side.round() as usize);
-            assert_eq!(mask.labels()[y * 1088 + x], Label::Subject, "{file} {x} {y}");
+            let [x, y] = keypoint.place.to_array().map(|side| side as usize / 4);
+            assert_eq!(mask.labels()[y * 272 + x], Label::Subject, "{file} {x} {y}");
         }
-        let share = mask.count(Label::Subject) as f64 / (1088.0 * 1920.0);
+        let share = mask.count(Label::Subject) as f64 / (272.0 * 480.0);
         assert!((0.02..0.4).contains(&share), "{file}: {share:.2} of the picture");
     }
 }

@@ -17,7 +17,13 @@ const TOLERANCE: f64 = 3.0;
 fn has_ffmpeg() -> bool {
     let silent = |program: &str| {
         let mut command = Command::new(program);
-        command.arg("-version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
+        command
+            .arg("-version")
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .status()
+            .is_ok()
     };
     let there = silent("ffmpeg") && silent("ffprobe");
     if !there {
@@ -35,7 +41,8 @@ fn expected(folder: &Path, file: &str) -> Value {
 
 fn mean_grey(picture: &RgbImage) -> f64 {
     let weights = [0.299, 0.587, 0.114];
-    let grey = |pixel: &image::Rgb<u8>| -> f64 { pixel.0.iter().zip(weights).map(|(&v, w)| f64::from(v) * w).sum() };
+    let grey =
+        |pixel: &image::Rgb<u8>| -> f64 { pixel.0.iter().zip(weights).map(|(&v, w)| f64::from(v) * w).sum() };
     picture.pixels().map(grey).sum::<f64>() / f64::from(picture.width() * picture.height())
 }
 
@@ -77,7 +84,12 @@ fn check(path: &Path, expected: &Value) {
             }
         }
     }
-    println!("{name}: {} {:?} mean {worst:.3} pixel {pixel_worst} {:?}", video.codec(), video.frame_rate(), video.notes());
+    println!(
+        "{name}: {} {:?} mean {worst:.3} pixel {pixel_worst} {:?}",
+        video.codec(),
+        video.frame_rate(),
+        video.notes()
+    );
     // Any frame after any other is the same as in order.
     let fresh = Video::open(path).unwrap();
     for k in 0..24 {

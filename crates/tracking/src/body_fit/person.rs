@@ -97,8 +97,11 @@ pub fn find_person<E: From<PersonError>>(
         Some(start) => (Arc::clone(model), start, None),
         None => {
             progress(PersonProgress::Searching);
-            let choices =
-                WithoutStart { scale_body: options.sizes, fit: options.fit.clone(), ..WithoutStart::default() };
+            let choices = WithoutStart {
+                scale_body: options.sizes,
+                fit: options.fit.clone(),
+                ..WithoutStart::default()
+            };
             let found = without_start(model, &views(first)?, &choices, cancel).map_err(PersonError::from)?;
             (Arc::clone(&found.model), found.pose().clone(), Some(found))
         }
@@ -154,7 +157,8 @@ fn follow<E: From<PersonError>>(
 ) -> Result<Vec<PosedFrame>, E> {
     let step = ((options.frame_rate / options.followed_rate).round() as usize).max(1);
     let followed: Vec<usize> = frames.iter().copied().step_by(step).take(options.most_followed).collect();
-    let tracker = Tracker::new(Arc::clone(model), options.fit.clone(), start).map_err(PersonError::Options)?;
+    let tracker =
+        Tracker::new(Arc::clone(model), options.fit.clone(), start).map_err(PersonError::Options)?;
     let tracker = tracker.with_motion(Motion::Velocity, options.frame_rate).map_err(PersonError::Motion)?;
     let mut tracker = tracker.with_search(WhenToSearch::WhenPoor);
     let mut posed = Vec::with_capacity(followed.len());

@@ -1,0 +1,98 @@
+//! A new take through the real window: a folder is looked through, what is missing is asked for, the take opens.
+
+use std::path::{Path, PathBuf};
+
+use crate::support::app_window::{click, open_sized, press, settle};
+use crate::support::snapshots::{Snapshots, theme_name};
+use backlit::app::settings::Settings;
+use backlit::app::{App, AppOptions};
+use backlit_ui::style::theme::Theme;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use image::imageops::crop_imm;
+
+/// Frames that are copied.
+const FRAMES: usize = 24;
+
+/// The pictures and the calibration of the built-in take, as a user who knows nothing of takes would have them.
+fn recording(folder: &Path) -> PathBuf {
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/take");
+    let to = folder.join("practice");
+    std::fs::create_dir_all(to.join("calibration")).unwrap();
+    std::fs::copy(from.join("cameras.json"), to.join("calibration/cameras.json")).unwrap();
+    for camera in ["cam1", "cam2", "cam3", "cam4"] {
+        std::fs::create_dir_all(to.join("images").join(camera)).unwrap();
+        for frame in 0..FRAMES {
+            let name = format!("frame_{frame:03}.jpg");
+            let target = to.join("images").join(camera).join(&name);
+            std::fs::copy(from.join(camera).join(&name), target).unwrap();
+        }
+    }
+    to
+}
+
+fn open(theme: Theme, size: egui::Vec2) -> Harness<'static, App> {
+    let settings = Settings { theme, ..Settings::default() };
+    open_sized(AppOptions { settings, ..AppOptions::default() }, size)
+}
+
+fn look_at(harness: &mut Harness<'_, App>, paths: Vec<PathBuf>) {
+    harness.state_mut().new_take(paths);
+    settle(harness);
+}
+
+#[test]
+fn footage_becomes_a_take_without_a_file_by_hand() {
+    let folder = tempfile::tempdir().unwrap();
+    let recorded = recording(folder.path());
+    let mut harness = open(Theme::Dark, vec2(1280.0, 800.0));
+    press(&mut harness, Modifiers::COMMAND, Key::N);
+    harness.get_by_label_contains("Nothing is copied");
+    press(&mut harness, Modifiers::NONE, Key::Escape);
+    look_at(&mut harness, vec![recorded]);
+    harness.get_by_label_contains("24 frames of 4 cameras");
+    harness.get_by_label("First picture of cam3");
+    // Pictures do not say how many there are a second.
+    harness.get_by_label("nothing in the footage says it");
+    let field = harness.get_by_role_and_label(Role::TextInput, "Frames a second");
+    field.focus();
+    harness.run_steps(2);
+    harness.event(egui::Event::Text("30".to_owned()));
+    harness.key_press(Key::Enter);
+    settle(&mut harness);
+    click(&mut harness, "Create take");
+    assert!(harness.query_by_label("Create take").is_none(), "the card has closed");
+    let take = folder.path().join("practice take");
+    assert!(take.join("take.toml").is_file() && take.join("background/cam2.png").is_file());
+    let session = harness.state().session();
+    assert_eq!((session.frame_count(), session.camera_count()), (FRAMES, 4));
+    // Nothing says where the person stands, so that is what the first button finds.
+    harness.get_by_role_and_label(Role::Button, "Find and track");
+}
+
+#[test]
+fn what_cannot_be_used_is_said_on_the_card() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = open(Theme::Dark, vec2(1280.0, 800.0));
+    look_at(&mut harness, vec![folder.path().to_owned()]);
+    harness.get_by_label_contains("no video and no numbered pictures are there");
+}
+
+#[test]
+fn the_card_in_both_themes() {
+    let folder = tempfile::tempdir().unwrap();
+    let recorded = recording(folder.path());
+    let mut snapshots = Snapshots::default();
+    for theme in Theme::ALL {
+        let mut harness = open(theme, vec2(1024.0, 640.0));
+        harness.set_render_cursor(false);
+        look_at(&mut harness, vec![recorded.clone()]);
+        // The folder is another one each time.
+        harness.get_by_role_and_label(Role::TextInput, "Take goes to");
+        let window = harness.render().unwrap();
+        let cut = crop_imm(&window, 200, 130, 624, 320).to_image();
+        snapshots.picture(&cut, &format!("panel_new_take_{}", theme_name(theme)));
+    }
+}
