@@ -84,7 +84,9 @@ impl FileParts {
             }
             Source::Memory(all) => {
                 let from = usize::try_from(offset).unwrap_or(usize::MAX);
-                bytes.extend_from_slice(all.get(from..).and_then(|rest| rest.get(..there)).unwrap_or_default());
+                bytes.extend_from_slice(
+                    all.get(from..).and_then(|rest| rest.get(..there)).unwrap_or_default(),
+                );
             }
         }
         Ok(bytes)

@@ -10,7 +10,7 @@
 //! | `boxes`, `mp4`, `tables`, `fragments`, `edits` | the index of MP4 and QuickTime |
 //! | `avi` | the index of AVI |
 //! | `index` | an index: samples, frames, times |
-//! | `h264`, `coded` | decoding by the index |
+//! | `h264`, `jpeg`, `coded` | decoding by the index |
 //! | `probe`, `ffmpeg` | decoding by the programs |
 //! | `yuv`, `orientation` | planes to pictures |
 //! | `cache` | frames that are kept |
@@ -25,13 +25,12 @@ mod ffmpeg;
 mod fragments;
 mod h264;
 mod index;
+mod jpeg;
 mod mp4;
 mod orientation;
 mod probe;
 mod problem;
 mod tables;
-#[cfg(test)]
-mod tests;
 #[expect(clippy::module_inception, reason = "the file is named after the type that it holds")]
 mod video;
 mod yuv;

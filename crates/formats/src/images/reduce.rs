@@ -17,7 +17,12 @@ pub fn reduced(picture: RgbImage, divisor: usize) -> RgbImage {
 }
 
 /// Averages of blocks of pixels of `N` interleaved bytes; rows of the plane are `width` pixels long.
-pub(crate) fn averaged<const N: usize>(plane: &[u8], width: usize, size: [usize; 2], block: [usize; 2]) -> Vec<u8> {
+pub(crate) fn averaged<const N: usize>(
+    plane: &[u8],
+    width: usize,
+    size: [usize; 2],
+    block: [usize; 2],
+) -> Vec<u8> {
     if block == [1, 1] && width == size[0] {
         return plane[..width * size[1] * N].to_vec();
     }

@@ -235,7 +235,9 @@ impl Take {
         }
         let picture = match footage.video() {
             Some(video) => self.video_frame(camera, video, footage.number(frame) as usize, divisor),
-            None => self.picture(camera, &footage.path(frame)).map(|picture| images::reduced(picture, divisor)),
+            None => {
+                self.picture(camera, &footage.path(frame)).map(|picture| images::reduced(picture, divisor))
+            }
         };
         picture.map_err(|error| TakeError::Frame { camera: footage.camera.clone(), frame, error })
     }

@@ -43,7 +43,9 @@ pub(super) fn index(file: &mut FileParts) -> Result<Index, VideoProblem> {
     let mut ends = Vec::new();
     while at < file.length() {
         let head = file.read_up_to(at, 12).map_err(read)?;
-        let (Some(kind), Some(size)) = (head.first_chunk::<4>(), u32_at(&head, 4).map(u64::from)) else { break };
+        let (Some(kind), Some(size)) = (head.first_chunk::<4>(), u32_at(&head, 4).map(u64::from)) else {
+            break;
+        };
         let letters = head.get(8..12).unwrap_or_default();
         let next = at + 8 + size + size % 2;
         match (kind, letters) {
@@ -104,20 +106,27 @@ impl Header {
 fn video_stream(headers: &[u8]) -> Option<Header> {
     let streams = chunks(headers).filter(|(kind, body)| kind == b"LIST" && body.starts_with(b"strl"));
     for (stream, (_, list)) in streams.enumerate() {
-        let part = |wanted: &[u8; 4]| chunks(&list[4..]).find(|(kind, _)| kind == wanted).map(|(_, body)| body);
+        let part =
+            |wanted: &[u8; 4]| chunks(&list[4..]).find(|(kind, _)| kind == wanted).map(|(_, body)| body);
         let (Some(head), Some(format)) = (part(b"strh"), part(b"strf")) else { continue };
         if !head.starts_with(b"vids") {
             continue;
         }
         let (scale, rate, start) = (u32_at(head, 20)?, u32_at(head, 24)?, u32_at(head, 28)?);
-        let seconds_per_frame = if scale > 0 && rate > 0 { f64::from(scale) / f64::from(rate) } else { 1.0 / 25.0 };
+        let seconds_per_frame =
+            if scale > 0 && rate > 0 { f64::from(scale) / f64::from(rate) } else { 1.0 / 25.0 };
         let size = [u32_at(format, 4)?, u32_at(format, 8)?.cast_signed().unsigned_abs()];
         let index = Index {
             codec: Codec::of_letters(*format.get(16..)?.first_chunk()?),
             size: size.map(|side| side as usize),
             ..Index::default()
         };
-        return Some(Header { stream, index, seconds_per_frame, begins: f64::from(start) * seconds_per_frame });
+        return Some(Header {
+            stream,
+            index,
+            seconds_per_frame,
+            begins: f64::from(start) * seconds_per_frame,
+        });
     }
     None
 }

@@ -30,7 +30,8 @@ impl<'a> Iterator for Boxes<'a> {
 
 /// The first box at the end of a path of kinds.
 pub(super) fn find<'a>(body: &'a [u8], path: &[&[u8; 4]]) -> Option<&'a [u8]> {
-    path.iter().try_fold(body, |body, &kind| Boxes(body).find(|(found, _)| found == kind).map(|(_, body)| body))
+    path.iter()
+        .try_fold(body, |body, &kind| Boxes(body).find(|(found, _)| found == kind).map(|(_, body)| body))
 }
 
 /// Big-endian numbers, one after the other. `None` where the bytes end.

@@ -23,7 +23,8 @@ pub(super) fn append(
     limit: usize,
 ) {
     let extends = find(movie, &[b"mvex"]).unwrap_or_default();
-    let of_track = Boxes(extends).filter(|(kind, _)| kind == b"trex").find_map(|(_, body)| defaults(body, track));
+    let of_track =
+        Boxes(extends).filter(|(kind, _)| kind == b"trex").find_map(|(_, body)| defaults(body, track));
     let defaults = of_track.unwrap_or_default();
     let mut time = 0;
     for (at, fragment) in fragments {
@@ -109,7 +110,8 @@ impl Traf {
             if samples.len() >= limit {
                 break;
             }
-            let mut value = |flag: u32, default: u32| if flags & flag != 0 { fields.u32() } else { Some(default) };
+            let mut value =
+                |flag: u32, default: u32| if flags & flag != 0 { fields.u32() } else { Some(default) };
             let duration = value(0x100, self.defaults.duration)?;
             let size = u64::from(value(0x200, self.defaults.size)?);
             let own = value(0x400, self.defaults.flags)?;

@@ -28,14 +28,18 @@ impl Head {
     pub(super) fn new(config: &[u8], first: &[u8], said: Option<Colour>) -> Result<Self, String> {
         let parsed = parse_avcc_config(config).map_err(str::to_owned)?;
         let inside = parse_avcc(first, parsed.length_size);
-        let sets: Vec<&NalUnit<'_>> = parsed.sps_nals.iter().chain(&inside).filter(|nal| is_sps(nal)).collect();
+        let sets: Vec<&NalUnit<'_>> =
+            parsed.sps_nals.iter().chain(&inside).filter(|nal| is_sps(nal)).collect();
         let Some(set) = sets.first() else { return Err("no sequence parameter set".to_owned()) };
         let info = supported(set)?;
         let said = said.unwrap_or_default();
         let matrix = if info.matrix == 2 { said.matrix } else { info.matrix };
         let colour = Colour { matrix, full_range: info.full_range || said.full_range };
-        let head =
-            Self { size: [info.width as usize, info.height as usize], colour, length_size: parsed.length_size };
+        let head = Self {
+            size: [info.width as usize, info.height as usize],
+            colour,
+            length_size: parsed.length_size,
+        };
         // Parameter sets that the decoder does not know how to read are told now.
         Stream::new(config, head)?;
         Ok(head)

@@ -22,11 +22,11 @@ pub(super) struct Probed {
     pub(super) codec: String,
     /// As `ffmpeg` will turn it.
     pub(super) size: [usize; 2],
-    /// When frames are shown, from the first frame's time on.
+    /// When frames are shown; the first one at 0.
     pub(super) seconds: Vec<f64>,
-    /// The first frame's time in the file.
+    /// What must be added to get the program's own times.
     pub(super) zero: f64,
-    /// The file's own beginning, from which `-ss` counts.
+    /// The file's own beginning in these, from which `-ss` counts.
     pub(super) begins: f64,
     /// `-fps_mode` is known (5.1 and newer), else `-vsync`.
     pub(super) knows_fps_mode: bool,
@@ -183,9 +183,14 @@ mod tests {
 
     #[test]
     fn versions_tell_how_frames_pass_through() {
-        for (version, knows) in
-            [("5.1.9-0+deb12u1", true), ("n6.0", true), ("4.4.2-0ubuntu0.22.04.1", false), ("5.0", false), ("7", true), ("N-112233-gabc", true)]
-        {
+        for (version, knows) in [
+            ("5.1.9-0+deb12u1", true),
+            ("n6.0", true),
+            ("4.4.2-0ubuntu0.22.04.1", false),
+            ("5.0", false),
+            ("7", true),
+            ("N-112233-gabc", true),
+        ] {
             assert_eq!(knows_fps_mode(version), knows, "{version}");
         }
     }

@@ -8,7 +8,9 @@ use crate::reason;
 #[derive(Debug, Error)]
 #[expect(missing_docs, reason = "the messages say what each variant and field is")]
 pub enum VideoProblem {
-    #[error("is not a video that is known; expected MP4, MOV, AVI, or what ffmpeg reads: MKV, WebM, MTS, WMV, FLV")]
+    #[error(
+        "is not a video that is known; expected MP4, MOV, AVI, or what ffmpeg reads: MKV, WebM, MTS, WMV, FLV"
+    )]
     Unknown,
     #[error("has no index: the recording was cut off before it was finished, and no frame can be read")]
     NoIndex,

@@ -69,8 +69,7 @@ fn offsets(table: &[u8], sizes: &[u64]) -> Vec<u64> {
             Box::new(body.as_chunks().0.iter().map(|bytes| u64::from_be_bytes(*bytes)))
         }
     };
-    let mut fields =
-        Fields(find(table, &[b"stsc"]).and_then(|body| body.get(8..)).unwrap_or_default());
+    let mut fields = Fields(find(table, &[b"stsc"]).and_then(|body| body.get(8..)).unwrap_or_default());
     let mut runs = std::iter::from_fn(|| {
         let run = (fields.u32()?, fields.u32()?);
         fields.skip(4)?;

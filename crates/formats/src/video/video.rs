@@ -78,11 +78,7 @@ impl Video {
     ///
     /// # Errors
     /// As [`open`](Self::open).
-    pub fn from_files(
-        files: &dyn TakeFiles,
-        path: &Path,
-        cache: Arc<FrameCache>,
-    ) -> Result<Self, FileError> {
+    pub fn from_files(files: &dyn TakeFiles, path: &Path, cache: Arc<FrameCache>) -> Result<Self, FileError> {
         let parts = files.parts(path)?;
         Self::with_programs(parts, path, cache, &Programs::default())
             .map_err(|error| FileError::new(path, FileProblem::Video { error }))
@@ -210,6 +206,15 @@ impl Video {
         self.0.notes.iter().cloned().chain(found).collect()
     }
 
+    /// How many pictures were decoded so far. Read in order, a frame costs one.
+    #[must_use]
+    pub fn decoded_count(&self) -> usize {
+        match &*self.0.source() {
+            Source::Coded(coded) => coded.decoded(),
+            Source::Piped(piped) => piped.decoded(),
+        }
+    }
+
     /// A frame, counted from 0 in the order in which they are shown.
     ///
     /// # Errors
@@ -299,14 +304,6 @@ impl Inner {
         let picture = Arc::new(picture);
         self.cache.insert(key, Arc::clone(&picture));
         Ok(picture)
-    }
-
-    #[cfg(test)]
-    pub(super) fn decoded(&self) -> Option<usize> {
-        match &*self.source() {
-            Source::Coded(coded) => Some(coded.decoded()),
-            Source::Piped(_) => None,
-        }
     }
 }
 
