@@ -1,13 +1,13 @@
 //! Videos: any frame of a file, exactly, as RGB.
 //!
-//! MP4 and QuickTime files with H.264 or Motion JPEG and AVI files with Motion JPEG are read here, in Rust; anything
+//! MP4 and MOV files with H.264 or Motion JPEG and AVI files with Motion JPEG are read here, in Rust; anything
 //! else by the programs `ffmpeg` and `ffprobe`, where they are installed. Frames are counted in the order in which they
 //! are shown, each has its own time, and the picture is turned as the file says. What is cut or damaged gives the frames
 //! that are there, and a [note](Video::notes).
 //!
 //! | file | holds |
 //! |---|---|
-//! | `boxes`, `mp4`, `tables`, `fragments`, `edits` | the index of MP4 and QuickTime |
+//! | `boxes`, `mp4`, `tables`, `fragments`, `edits` | the index of MP4 and MOV |
 //! | `avi` | the index of AVI |
 //! | `index` | an index: samples, frames, times |
 //! | `h264`, `jpeg`, `coded` | decoding by the index |

@@ -38,7 +38,7 @@ pub(super) struct Coded {
 #[derive(Debug)]
 enum Decoder {
     Jpeg,
-    H264 { head: Head, state: Option<State> },
+    H264 { head: Head, state: Option<Box<State>> },
 }
 
 /// A running decoder.
@@ -189,7 +189,7 @@ impl Coded {
     /// at the key before.
     fn state_for(&mut self, frame: usize, target: usize) -> Result<State, String> {
         let Decoder::H264 { head, state } = &mut self.decoder else { return Err("not H.264".to_owned()) };
-        let (head, running) = (*head, state.take());
+        let (head, running) = (*head, state.take().map(|state| *state));
         if let Some(state) = running {
             if state.waiting.contains_key(&frame) {
                 return Ok(state);
@@ -224,7 +224,7 @@ impl Coded {
     fn keep(&mut self, mut running: State, frame: usize) {
         running.waiting = running.waiting.split_off(&frame);
         if let Decoder::H264 { state, .. } = &mut self.decoder {
-            *state = Some(running);
+            *state = Some(Box::new(running));
         }
     }
 }

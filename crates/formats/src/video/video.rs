@@ -56,7 +56,7 @@ struct Inner {
 #[derive(Debug)]
 enum Source {
     Coded(Box<Coded>),
-    Piped(Piped),
+    Piped(Box<Piped>),
 }
 
 impl Drop for Inner {
@@ -117,7 +117,7 @@ impl Video {
         }
         let codec = why.or_else(|| index.as_ref().map(|index| index.codec.name().to_owned()));
         let piped = Piped::open(parts, path, codec, index.as_ref(), programs)?;
-        Self::of(path, Source::Piped(piped), cache)
+        Self::of(path, Source::Piped(Box::new(piped)), cache)
     }
 
     fn of(path: &Path, source: Source, cache: Arc<FrameCache>) -> Result<Self, VideoProblem> {

@@ -1,10 +1,13 @@
 //! From luma and two chroma planes to RGB, as ffmpeg and OpenCV do it: each chroma sample stands for its whole block.
 //!
-//! R = Y' + 2(1 − k_r) V',  B = Y' + 2(1 − k_b) U',  G = Y' − (2 k_b (1 − k_b) U' + 2 k_r (1 − k_r) V') / k_g,
+//! ```text
+//! R = Y' + 2 (1 − r) V'    B = Y' + 2 (1 − b) U'    G = Y' − (2 b (1 − b) U' + 2 r (1 − r) V') / (1 − r − b)
+//! ```
+//!
 //! with Y' = (Y − 16) · 255/219 and U', V' = (U − 128, V − 128) · 255/224 in the limited range, or as they are in the
-//! full one (ITU-T H.273, 8.3; k of its table 4). Each product is rounded down, as ffmpeg does it with the vectors of
-//! an x86: pictures are then the same to the bit, and a plate that it wrote fits the footage. They are darker by one
-//! grey level than the exact numbers.
+//! full one; r and b are the weights of red and blue in luma (ITU-T H.273, 8.3 and its table 4). Each product is rounded
+//! down, as ffmpeg does it with the vectors of an x86: pictures are then the same to the bit, and a plate that it wrote
+//! fits the footage. They are darker by one grey level than the exact numbers.
 
 use image::RgbImage;
 
@@ -31,7 +34,7 @@ impl Default for Colour {
 }
 
 impl Colour {
-    /// k_r and k_b. What is not said is BT.601, as with ffmpeg and OpenCV.
+    /// The weights of red and blue. What is not said is BT.601, as with ffmpeg and OpenCV.
     fn weights(self) -> (f64, f64) {
         match self.matrix {
             1 => (0.2126, 0.0722),
@@ -84,7 +87,7 @@ impl Planes {
         let [y, u, v] = &self.planes;
         let planes = [orientation.turn(y, size), orientation.turn(u, chroma), orientation.turn(v, chroma)];
         let [across, down] = self.shift;
-        let shift = if orientation.turns % 2 == 0 { [across, down] } else { [down, across] };
+        let shift = if orientation.turns.is_multiple_of(2) { [across, down] } else { [down, across] };
         Self { size: orientation.size(size), planes, shift, colour: self.colour }
     }
 

@@ -78,7 +78,7 @@ fn the_take_has_the_frames_that_all_cameras_have() {
 
 #[test]
 fn offsets_and_ranges_name_the_videos_own_frames() {
-    let cases: [(&str, &str, Vec<(usize, usize)>); 7] = [
+    let cases = [
         ("first = 2", "first = 5\ncount = 3", vec![(2, 5), (3, 6), (4, 7)]),
         ("first = 1\nlast = 2", "", vec![(1, 0), (2, 1)]),
         ("", "offset = 3", (0..7).map(|k| (k, k + 3)).collect()),

@@ -1,12 +1,11 @@
 //! Videos that `ffmpeg` makes, of many kinds, against how it decodes them itself: the same frames, in order and anywhere.
 
-use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
 use backlit_formats::video::Video;
 
-use crate::videos::has_ffmpeg;
+use crate::videos::{has_ffmpeg, skipped};
 
 const SIZE: [usize; 2] = [96, 64];
 
@@ -35,7 +34,7 @@ fn compare(makings: &[Making]) {
         // A picture of which no two frames are alike.
         let source = "testsrc2=size=96x64:rate=30:duration=1.2";
         if ffmpeg(arguments, &["-f", "lavfi", "-i", source], file, folder.path()).is_none() {
-            writeln!(std::io::stderr(), "SKIPPED {file}: this ffmpeg cannot make it").unwrap();
+            skipped(file, "this ffmpeg cannot make it");
             continue;
         }
         check(folder.path(), file, *tolerance);
@@ -151,7 +150,7 @@ fn edits_and_uneven_times_are_as_ffmpeg_has_them() {
     let source = ["-f", "lavfi", "-i", "testsrc2=size=96x64:rate=30:duration=1.2"];
     let x264 = "-c:v libx264 -g 10 -bf 2 -pix_fmt yuv420p";
     if ffmpeg(x264, &source, "whole.mp4", folder.path()).is_none() {
-        writeln!(std::io::stderr(), "SKIPPED edits: this ffmpeg has no libx264").unwrap();
+        skipped("edits", "this ffmpeg has no libx264");
         return;
     }
     // A cut without coding anew begins at a key; what lies before the cut is left out by an edit.

@@ -19,6 +19,13 @@ const TOLERANCE: f64 = 3.0;
 /// Grey levels by which the mean of a frame may differ.
 const MEAN_TOLERANCE: f64 = 0.2;
 
+/// Says that something is not tested.
+pub(crate) fn skipped(what: &str, why: &str) {
+    // Not by a macro: what those print of a test that passes is not shown.
+    let mut screen = std::io::stderr();
+    writeln!(screen, "SKIPPED {what}: {why}").unwrap();
+}
+
 /// Whether `ffmpeg` can be started; without it the test is to be skipped.
 pub(crate) fn has_ffmpeg() -> bool {
     let silent = |program: &str| {
@@ -34,9 +41,7 @@ pub(crate) fn has_ffmpeg() -> bool {
     let there = silent("ffmpeg") && silent("ffprobe");
     if !there {
         let test = std::thread::current();
-        let mut screen = std::io::stderr();
-        let name = test.name().unwrap_or("a test");
-        writeln!(screen, "SKIPPED {name}: ffmpeg and ffprobe are not installed").unwrap();
+        skipped(test.name().unwrap_or("a test"), "ffmpeg and ffprobe are not installed");
     }
     there
 }
@@ -73,6 +78,7 @@ fn check(path: &Path, expected: &Value) {
         let difference = (mean_grey(&picture) - grey.as_f64().unwrap()).abs();
         assert!(difference < MEAN_TOLERANCE, "{name}, frame {frame}: off by {difference}");
     }
+    assert!(video.decoded_count() <= video.frame_count(), "{name}: read in order, a frame costs one decode");
     let none = serde_json::Map::new();
     for (frame, pixels) in expected["pixels_bgr_frames_0_10_39"].as_object().unwrap_or(&none) {
         let picture = video.frame(frame.parse().unwrap()).unwrap();
@@ -142,21 +148,19 @@ fn a_video_without_its_index_says_so() {
     assert!(cut.notes()[0].contains("of 40 frames, those from 20 on are missing"), "{:?}", cut.notes());
 }
 
-/// Opens a video from memory and asks for its first frames and the last one; how many could be had.
+/// Opens a video from memory and asks for its first frames; how many could be had.
 fn frames_of(bytes: Vec<u8>) -> Option<usize> {
     let files = MemoryFiles::new([("v.mov", bytes)]);
     let video = Video::from_files(&files, Path::new("v.mov"), Arc::default()).ok()?;
-    let count = video.frame_count();
-    let asked = (0..count.min(6)).chain([count - 1]);
-    Some(asked.filter(|&frame| video.frame(frame).is_ok()).count())
+    Some((0..video.frame_count().min(6)).filter(|&frame| video.frame(frame).is_ok()).count())
 }
 
 #[test]
 fn h264_that_is_cut_or_changed_never_panics() {
     let Some(folder) = formats() else { return };
     let whole = std::fs::read(file(&folder, "h264.mov")).unwrap();
-    assert_eq!(frames_of(whole.clone()), Some(7));
-    let mut runner = TestRunner::new(Config { failure_persistence: None, ..Config::with_cases(40) });
+    assert_eq!(frames_of(whole.clone()), Some(6));
+    let mut runner = TestRunner::new(Config { failure_persistence: None, ..Config::with_cases(30) });
     let changes = prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..30);
     let result = runner.run(&changes, |changes| {
         let mut bytes = whole.clone();
@@ -172,8 +176,8 @@ fn h264_that_is_cut_or_changed_never_panics() {
     let mut most = 0;
     for length in (0..cut.len()).step_by(1777) {
         let there = frames_of(cut[..length].to_vec()).unwrap_or(0);
-        assert!(there >= most.min(6), "{length}: {there}");
+        assert!(there >= most, "{length}: {there}");
         most = there;
     }
-    assert_eq!(most, 7);
+    assert_eq!(most, 6);
 }
