@@ -53,6 +53,12 @@ pub fn size(path: &Path, bytes: &[u8]) -> Result<[usize; 2], FileError> {
     Ok([width as usize, height as usize])
 }
 
+/// [`size`], if the file reaches its end.
+pub(crate) fn whole_size(path: &Path, bytes: &[u8]) -> Result<[usize; 2], FileError> {
+    check_whole(path, bytes, reader(path, bytes)?.format())?;
+    size(path, bytes)
+}
+
 /// Reads a picture of the disk as colour.
 ///
 /// # Errors
@@ -103,8 +109,13 @@ fn reader<'a>(path: &Path, bytes: &'a [u8]) -> Result<ImageReader<Cursor<&'a [u8
 
 fn decode_any(path: &Path, bytes: &[u8]) -> Result<DynamicImage, FileError> {
     let reader = reader(path, bytes)?;
-    // The decoders fill what is missing at a file's end with grey, silently.
-    let whole = match reader.format() {
+    check_whole(path, bytes, reader.format())?;
+    reader.decode().map_err(|error| broken(path, &error.to_string()))
+}
+
+/// The decoders fill what is missing at a file's end with grey, silently.
+fn check_whole(path: &Path, bytes: &[u8], format: Option<ImageFormat>) -> Result<(), FileError> {
+    let whole = match format {
         Some(ImageFormat::Jpeg) => jpeg_is_whole(bytes),
         Some(ImageFormat::Png) => png_is_whole(bytes),
         Some(ImageFormat::WebP) => says_its_length(bytes, 4, 8),
@@ -112,10 +123,7 @@ fn decode_any(path: &Path, bytes: &[u8]) -> Result<DynamicImage, FileError> {
         // Strips and tiles have places and lengths, and the decoder reads them whole.
         _ => true,
     };
-    if !whole {
-        return Err(broken(path, "the file ends too early"));
-    }
-    reader.decode().map_err(|error| broken(path, &error.to_string()))
+    if whole { Ok(()) } else { Err(broken(path, "the file ends too early")) }
 }
 
 fn broken(path: &Path, message: &str) -> FileError {

@@ -1,16 +1,16 @@
 //! Videos: any frame of a file, exactly, as RGB.
 //!
-//! MP4 and QuickTime files with H.264 or Motion JPEG and AVI files with Motion JPEG are read here, in Rust; anything
+//! MP4 and MOV files with H.264 or Motion JPEG and AVI files with Motion JPEG are read here, in Rust; anything
 //! else by the programs `ffmpeg` and `ffprobe`, where they are installed. Frames are counted in the order in which they
 //! are shown, each has its own time, and the picture is turned as the file says. What is cut or damaged gives the frames
 //! that are there, and a [note](Video::notes).
 //!
 //! | file | holds |
 //! |---|---|
-//! | `boxes`, `mp4`, `tables`, `fragments`, `edits` | the index of MP4 and QuickTime |
+//! | `boxes`, `mp4`, `tables`, `fragments`, `edits` | the index of MP4 and MOV |
 //! | `avi` | the index of AVI |
 //! | `index` | an index: samples, frames, times |
-//! | `h264`, `coded` | decoding by the index |
+//! | `h264`, `jpeg`, `coded` | decoding by the index |
 //! | `probe`, `ffmpeg` | decoding by the programs |
 //! | `yuv`, `orientation` | planes to pictures |
 //! | `cache` | frames that are kept |
@@ -25,13 +25,12 @@ mod ffmpeg;
 mod fragments;
 mod h264;
 mod index;
+mod jpeg;
 mod mp4;
 mod orientation;
 mod probe;
 mod problem;
 mod tables;
-#[cfg(test)]
-mod tests;
 #[expect(clippy::module_inception, reason = "the file is named after the type that it holds")]
 mod video;
 mod yuv;

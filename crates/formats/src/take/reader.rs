@@ -159,7 +159,7 @@ impl<'a> Reader<'a> {
             (Some(frames), None) => Ok(*frames.get_ref()),
             (None, Some(seconds)) => {
                 let given = *seconds.get_ref();
-                if !(given.abs() <= MAX_OFFSET_SECONDS) {
+                if !given.is_finite() || given.abs() > MAX_OFFSET_SECONDS {
                     let expected = format!("seconds, at most {MAX_OFFSET_SECONDS} either way");
                     return Err(self.field(seconds, "offset_seconds", expected));
                 }

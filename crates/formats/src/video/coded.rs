@@ -1,12 +1,13 @@
 //! Frames of an index by our own decoders: any of them, exactly, and one after the other at one decode a frame.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use image::RgbImage;
 
 use super::h264::{self, Head, Stream};
-use super::index::{Codec, Index};
+use super::index::{Codec, Index, Sample};
+use super::jpeg;
 use super::yuv::Planes;
 use super::{Sink, VideoProblem, Wanted};
 use crate::files::FileParts;
@@ -14,6 +15,9 @@ use crate::images::{self, reduced};
 
 /// Most pictures that wait to be shown; B-frames let at most 16 wait.
 const MAX_WAITING: usize = 32;
+
+/// Most pictures at a beginning that are looked at for one that says its size.
+const MAX_DAMAGED_FIRST: usize = 16;
 
 /// A video whose pictures we decode.
 #[derive(Debug)]
@@ -34,7 +38,7 @@ pub(super) struct Coded {
 #[derive(Debug)]
 enum Decoder {
     Jpeg,
-    H264 { head: Head, state: Option<State> },
+    H264 { head: Head, state: Option<Box<State>> },
 }
 
 /// A running decoder.
@@ -75,7 +79,6 @@ impl Coded {
         &self.index
     }
 
-    #[cfg(test)]
     pub(super) fn decoded(&self) -> usize {
         self.decoded
     }
@@ -112,18 +115,22 @@ impl Coded {
     fn jpeg(&mut self, wanted: Wanted) -> Result<RgbImage, String> {
         let bytes = self.sample(self.index.frames[wanted.frame].sample)?;
         self.decoded += 1;
-        let decoded = images::size(&self.path, &bytes).and_then(|size| {
-            (size == self.index.size).then(|| images::decode(&self.path, &bytes)).transpose()
-        });
-        let picture = match decoded {
-            Ok(Some(picture)) => picture,
-            Ok(None) => return Err(self.damage(wanted.frame, "its size differs".to_owned())),
-            Err(error) => return Err(self.damage(wanted.frame, error.problem.to_string())),
+        let (orientation, size) = (self.index.orientation, self.index.size);
+        let planes = match images::whole_size(&self.path, &bytes) {
+            Ok(found) if found != size => Err("its size differs".to_owned()),
+            Ok(_) => jpeg::planes(&bytes, size),
+            Err(error) => Err(error.problem.to_string()),
         };
-        let [width, height] = self.index.orientation.size(self.index.size);
-        let turned = self.index.orientation.turn(picture.as_raw().as_chunks::<3>().0, self.index.size);
-        let turned = RgbImage::from_raw(width as u32, height as u32, turned.into_flattened());
-        Ok(reduced(turned.unwrap_or_default(), wanted.divisor))
+        let picture = match planes {
+            Ok(Some(planes)) => return Ok(planes.picture(orientation, wanted.divisor)),
+            Ok(None) => images::decode(&self.path, &bytes).map_err(|error| error.problem.to_string()),
+            Err(reason) => Err(reason),
+        };
+        let picture = picture.map_err(|reason| self.damage(wanted.frame, reason))?;
+        let [width, height] = orientation.size(size);
+        let turned = orientation.turn(picture.as_raw().as_chunks::<3>().0, size).into_flattened();
+        let turned = RgbImage::from_raw(width as u32, height as u32, turned).unwrap_or_default();
+        Ok(reduced(turned, wanted.divisor))
     }
 
     fn damage(&mut self, frame: usize, reason: String) -> String {
@@ -182,20 +189,15 @@ impl Coded {
     /// at the key before.
     fn state_for(&mut self, frame: usize, target: usize) -> Result<State, String> {
         let Decoder::H264 { head, state } = &mut self.decoder else { return Err("not H.264".to_owned()) };
-        let head = *head;
-        let state = state.take();
-        if let Some(state) = state {
-            let near = state.next <= target && self.index.key_before(target) <= state.next;
-            if near || state.waiting.contains_key(&frame) {
+        let (head, running) = (*head, state.take().map(|state| *state));
+        if let Some(state) = running {
+            if state.waiting.contains_key(&frame) {
                 return Ok(state);
             }
-            if state.next <= target {
-                // Reading on may be shorter still, where the key ahead is none.
-                let key = self.key(target, head)?;
-                if key <= state.next {
-                    return Ok(state);
-                }
-                return self.state_at(key, head);
+            // Reading on is shorter than going to a key that lies no further ahead.
+            let goes_on = |key: usize| state.next <= target && key <= state.next;
+            if goes_on(self.index.key_before(target)) || goes_on(self.key(target, head)?) {
+                return Ok(state);
             }
         }
         let key = self.key(target, head)?;
@@ -222,23 +224,31 @@ impl Coded {
     fn keep(&mut self, mut running: State, frame: usize) {
         running.waiting = running.waiting.split_off(&frame);
         if let Decoder::H264 { state, .. } = &mut self.decoder {
-            *state = Some(running);
+            *state = Some(Box::new(running));
         }
     }
 }
 
 /// The decoder for an index; puts the pictures' own size into it.
-fn decoder(file: &mut FileParts, path: &std::path::Path, index: &mut Index) -> Result<Decoder, String> {
+fn decoder(file: &mut FileParts, path: &Path, index: &mut Index) -> Result<Decoder, String> {
+    let mut read = |sample: &Sample| {
+        file.read_up_to(sample.offset, sample.size as usize).map_err(|error| crate::reason(&error))
+    };
     let Some(first) = index.samples.first() else { return Err("no pictures".to_owned()) };
-    let first = file.read_up_to(first.offset, first.size as usize).map_err(|error| crate::reason(&error))?;
     match index.codec {
         Codec::H264 => {
-            let head = Head::new(&index.config, &first, index.colour)?;
+            let head = Head::new(&index.config, &read(first)?, index.colour)?;
             index.size = head.size;
             Ok(Decoder::H264 { head, state: None })
         }
         Codec::Jpeg => {
-            index.size = images::size(path, &first).map_err(|error| error.problem.to_string())?;
+            // The first one may be damaged.
+            let mut sizes =
+                index.samples.iter().take(MAX_DAMAGED_FIRST).map(|sample| {
+                    images::size(path, &read(sample)?).map_err(|error| error.problem.to_string())
+                });
+            let first = sizes.next().unwrap_or_else(|| Err(String::new()));
+            index.size = first.or_else(|error| sizes.find_map(Result::ok).ok_or(error))?;
             Ok(Decoder::Jpeg)
         }
         Codec::Other(_) => Err(String::new()),

@@ -52,6 +52,8 @@ pub(super) struct Piped {
     probed: Probed,
     notes: Vec<String>,
     running: Option<Running>,
+    /// Frames that came through pipes.
+    decoded: usize,
     /// The file, where the video was in memory only.
     _file: Option<NamedTempFile>,
 }
@@ -80,11 +82,14 @@ impl Piped {
         let mut probed = probe::probe(programs, &input, &codec)?;
         let mut notes = Vec::new();
         if let Some(index) = index {
-            // What our own index says is exact, and it knows what is cut off.
+            // Our own index knows what is cut off, and when the first frame is shown.
             probed.seconds.truncate(index.frames.len());
+            let begins = index.frames.first().map_or(0.0, |frame| frame.seconds);
+            probed.seconds.iter_mut().for_each(|seconds| *seconds += begins);
+            probed.zero -= begins;
             notes.clone_from(&index.notes);
         }
-        Ok(Self { programs: programs.clone(), input, probed, notes, running: None, _file: file })
+        Ok(Self { programs: programs.clone(), input, probed, notes, running: None, decoded: 0, _file: file })
     }
 
     pub(super) fn size(&self) -> [usize; 2] {
@@ -103,6 +108,10 @@ impl Piped {
         &self.notes
     }
 
+    pub(super) fn decoded(&self) -> usize {
+        self.decoded
+    }
+
     pub(super) fn frame(&mut self, wanted: Wanted, sink: &mut Sink<'_>) -> Result<RgbImage, VideoProblem> {
         let near = |running: &Running| (running.next..=running.next + MAX_SKIPPED).contains(&wanted.frame);
         let mut running = match self.running.take().filter(near) {
@@ -113,6 +122,7 @@ impl Piped {
             let frame = running.next;
             let bytes =
                 running.read().map_err(|reason| VideoProblem::Frame { frame: wanted.frame, reason })?;
+            self.decoded += 1;
             let [width, height] = self.probed.size.map(|side| side as u32);
             let picture = RgbImage::from_raw(width, height, bytes).unwrap_or_default();
             if frame == wanted.frame {
@@ -242,5 +252,53 @@ impl Drop for Running {
             // A thread that panicked has nothing to tell.
             let _ended = thread.join();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::video::Video;
+
+    /// An AVI file with one picture of some bytes, of a coding by its four letters.
+    fn avi(letters: &[u8; 4]) -> Vec<u8> {
+        let chunk = |kind: &[u8], body: &[u8]| [kind, &(body.len() as u32).to_le_bytes(), body].concat();
+        let strh = [&b"vids"[..], letters, &[1; 48]].concat();
+        let strf = [&[8; 16][..], letters, &[0; 20]].concat();
+        let strl = [&b"strl"[..], &chunk(b"strh", &strh), &chunk(b"strf", &strf)].concat();
+        let hdrl = [&b"hdrl"[..], &chunk(b"LIST", &strl)].concat();
+        let movi = [&b"movi"[..], &chunk(b"00dc", &[7; 16])].concat();
+        chunk(b"RIFF", &[&b"AVI "[..], &chunk(b"LIST", &hdrl), &chunk(b"LIST", &movi)].concat())
+    }
+
+    #[test]
+    fn a_program_that_is_not_there_is_asked_for() {
+        let missing = Programs { ffmpeg: "no-such-ffmpeg".into(), ffprobe: "no-such-ffprobe".into() };
+        let message = |letters: &[u8; 4]| {
+            let parts = FileParts::in_memory(avi(letters));
+            Video::with_programs(parts, Path::new("v"), Arc::default(), &missing).unwrap_err().to_string()
+        };
+        for (letters, codec) in [(b"VP90", "VP9"), (b"HEVC", "HEVC"), (b"AV01", "AV1"), (b"abcd", "\"abcd\"")]
+        {
+            let expected =
+                format!("the video is {codec}, which needs the program no-such-ffprobe; install it");
+            assert!(message(letters).contains(&expected), "{}", message(letters));
+        }
+        // So does H.264 that we cannot decode; what is wrong stands beside it.
+        let found = message(b"H264");
+        assert!(found.contains("the video is H.264 (avcC: too short), which needs"), "{found}");
+    }
+
+    #[test]
+    fn a_program_that_stands_still_is_ended() {
+        // Any program that would run for long will do.
+        let mut command = Command::new("sleep");
+        command.arg("1000");
+        let Ok(running) = Running::new(command, 3, 0) else { return };
+        let before = std::time::Instant::now();
+        drop(running);
+        assert!(before.elapsed() < Duration::from_secs(10));
     }
 }

@@ -105,7 +105,7 @@ fn supported(set: &NalUnit<'_>) -> Result<SpsInfo, String> {
 
 /// The decoder is young: should it panic on damaged data, that is this picture's failure.
 fn quietly<T>(run: impl FnOnce() -> T) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(run)).map_err(|_| "the decoder gave up".to_owned())
+    catch_unwind(AssertUnwindSafe(run)).map_err(|_panic| "the decoder gave up".to_owned())
 }
 
 /// A decoder with its state.

@@ -122,7 +122,7 @@ impl Index {
 /// Kinds of files that hold videos.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Container {
-    /// MP4, QuickTime.
+    /// MP4, MOV.
     IsoMedia,
     Avi,
     /// One that we do not read ourselves.

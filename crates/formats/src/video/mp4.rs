@@ -1,4 +1,4 @@
-//! The index of MP4 and QuickTime files (ISO/IEC 14496-12): tables of samples, fragments, edit lists, the track's
+//! The index of MP4 and MOV files (ISO/IEC 14496-12): tables of samples, fragments, edit lists, the track's
 //! matrix. Read by ourselves because files may be cut or hostile: every number is checked, nothing is allocated by
 //! what a file says alone, and one odd track or box does not spoil the rest.
 
@@ -48,7 +48,7 @@ fn track(
     movie_ticks: Option<u32>,
 ) -> Result<Option<Index>, VideoProblem> {
     let Some(media) = find(body, &[b"mdia"]) else { return Ok(None) };
-    if !find(media, &[b"hdlr"]).is_some_and(|handler| handler.get(8..12) == Some(b"vide")) {
+    if find(media, &[b"hdlr"]).and_then(|handler| handler.get(8..12)) != Some(b"vide") {
         return Ok(None);
     }
     let Some(table) = find(media, &[b"minf", b"stbl"]) else { return Ok(None) };

@@ -30,7 +30,7 @@ impl Orientation {
 
     /// Width and height when shown.
     pub(super) fn size(self, [width, height]: [usize; 2]) -> [usize; 2] {
-        if self.turns % 2 == 0 { [width, height] } else { [height, width] }
+        if self.turns.is_multiple_of(2) { [width, height] } else { [height, width] }
     }
 
     /// Turns a plane, rows one after the other.

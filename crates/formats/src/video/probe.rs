@@ -22,11 +22,11 @@ pub(super) struct Probed {
     pub(super) codec: String,
     /// As `ffmpeg` will turn it.
     pub(super) size: [usize; 2],
-    /// When frames are shown, from the first frame's time on.
+    /// When frames are shown; the first one at 0.
     pub(super) seconds: Vec<f64>,
-    /// The first frame's time in the file.
+    /// What must be added to get the program's own times.
     pub(super) zero: f64,
-    /// The file's own beginning, from which `-ss` counts.
+    /// The file's own beginning in these, from which `-ss` counts.
     pub(super) begins: f64,
     /// `-fps_mode` is known (5.1 and newer), else `-vsync`.
     pub(super) knows_fps_mode: bool,

@@ -56,7 +56,7 @@ struct Inner {
 #[derive(Debug)]
 enum Source {
     Coded(Box<Coded>),
-    Piped(Piped),
+    Piped(Box<Piped>),
 }
 
 impl Drop for Inner {
@@ -117,7 +117,7 @@ impl Video {
         }
         let codec = why.or_else(|| index.as_ref().map(|index| index.codec.name().to_owned()));
         let piped = Piped::open(parts, path, codec, index.as_ref(), programs)?;
-        Self::of(path, Source::Piped(piped), cache)
+        Self::of(path, Source::Piped(Box::new(piped)), cache)
     }
 
     fn of(path: &Path, source: Source, cache: Arc<FrameCache>) -> Result<Self, VideoProblem> {
@@ -204,6 +204,15 @@ impl Video {
             Source::Piped(_) => None,
         };
         self.0.notes.iter().cloned().chain(found).collect()
+    }
+
+    /// How many pictures were decoded so far. Read in order, a frame costs one.
+    #[must_use]
+    pub fn decoded_count(&self) -> usize {
+        match &*self.0.source() {
+            Source::Coded(coded) => coded.decoded(),
+            Source::Piped(piped) => piped.decoded(),
+        }
     }
 
     /// A frame, counted from 0 in the order in which they are shown.
@@ -295,14 +304,6 @@ impl Inner {
         let picture = Arc::new(picture);
         self.cache.insert(key, Arc::clone(&picture));
         Ok(picture)
-    }
-
-    #[cfg(test)]
-    pub(super) fn decoded(&self) -> Option<usize> {
-        match &*self.source() {
-            Source::Coded(coded) => Some(coded.decoded()),
-            Source::Piped(_) => None,
-        }
     }
 }
 

@@ -1,0 +1,163 @@
+//! Videos that `ffmpeg` makes, of many kinds, against how it decodes them itself: the same frames, in order and anywhere.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use backlit_formats::video::Video;
+
+use crate::videos::{has_ffmpeg, skipped};
+
+const SIZE: [usize; 2] = [96, 64];
+
+/// A kind of video: its file, how it is made, and by how much levels may differ.
+struct Making {
+    file: &'static str,
+    arguments: &'static str,
+    tolerance: u8,
+}
+
+fn ffmpeg(arguments: &str, input: &[&str], output: &str, folder: &Path) -> Option<Vec<u8>> {
+    let mut command = Command::new("ffmpeg");
+    command.current_dir(folder).args(["-nostdin", "-v", "error", "-y"]).args(input);
+    command.args(arguments.split_whitespace()).arg(output);
+    let output = command.stdin(Stdio::null()).output().unwrap();
+    output.status.success().then_some(output.stdout)
+}
+
+/// Makes the videos and compares. Encoders that this `ffmpeg` lacks are told.
+fn compare(makings: &[Making]) {
+    if !has_ffmpeg() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for Making { file, arguments, tolerance } in makings {
+        // A picture of which no two frames are alike.
+        let source = "testsrc2=size=96x64:rate=30:duration=1.2";
+        if ffmpeg(arguments, &["-f", "lavfi", "-i", source], file, folder.path()).is_none() {
+            skipped(file, "this ffmpeg cannot make it");
+            continue;
+        }
+        check(folder.path(), file, *tolerance);
+    }
+}
+
+fn check(folder: &Path, file: &str, tolerance: u8) {
+    // Other layouts than 4:2:0 of 8 bits are interpolated, unless it is told not to.
+    let spread = if tolerance > 0 { "-vf scale=flags=neighbor+accurate_rnd" } else { "" };
+    let raw =
+        ffmpeg(&format!("{spread} -vsync 0 -pix_fmt rgb24 -f rawvideo"), &["-i", file], "-", folder).unwrap();
+    let frames: Vec<&[u8]> = raw.chunks_exact(SIZE[0] * SIZE[1] * 3).collect();
+    let video = Video::open(&folder.join(file)).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!((video.size(), video.frame_count()), (SIZE, frames.len()), "{file}");
+    let times = times(folder, file);
+    for (found, time) in video.seconds().iter().zip(&times) {
+        let (found, time) = (found - video.seconds()[0], time - times[0]);
+        assert!((found - time).abs() < 2e-3, "{file}: {found} {time}");
+    }
+    let agrees = |video: &Video, frame: usize| {
+        let picture = video.frame(frame).unwrap_or_else(|error| panic!("{error}"));
+        let off = picture.as_raw().iter().zip(frames[frame]).map(|(a, b)| a.abs_diff(*b)).max();
+        assert!(off <= Some(tolerance), "{file}, frame {frame}: off by {off:?} ({})", video.codec());
+    };
+    (0..frames.len()).for_each(|frame| agrees(&video, frame));
+    let anywhere = Video::open(&folder.join(file)).unwrap();
+    (0..12).map(|k| (frames.len() - 1) * (k * 5 % 12) / 11).for_each(|frame| agrees(&anywhere, frame));
+    assert!(video.notes().is_empty(), "{file}: {:?}", video.notes());
+}
+
+/// When `ffprobe` says that frames are shown.
+fn times(folder: &Path, file: &str) -> Vec<f64> {
+    let mut command = Command::new("ffprobe");
+    command.current_dir(folder).args(["-v", "error", "-select_streams", "v:0"]);
+    command.args(["-show_entries", "frame=pts_time", "-of", "csv=p=0", file]);
+    let text = String::from_utf8(command.output().unwrap().stdout).unwrap();
+    text.lines().filter_map(|line| line.trim_end_matches(',').parse().ok()).collect()
+}
+
+#[test]
+fn h264_of_many_kinds_is_as_ffmpeg_decodes_it() {
+    compare(&[
+        Making {
+            file: "open.mp4",
+            arguments: "-c:v libx264 -g 12 -bf 3 -pix_fmt yuv420p -x264-params open-gop=1:scenecut=0",
+            tolerance: 0,
+        },
+        Making {
+            file: "pieces.mp4",
+            arguments: "-c:v libx264 -g 9 -bf 2 -pix_fmt yuv420p -movflags frag_keyframe+empty_moov",
+            tolerance: 0,
+        },
+        Making { file: "full.mov", arguments: "-c:v libx264 -g 9 -pix_fmt yuvj420p", tolerance: 0 },
+        Making {
+            file: "bt709.mp4",
+            arguments: "-c:v libx264 -pix_fmt yuv420p -colorspace bt709 -movflags faststart",
+            tolerance: 0,
+        },
+        Making {
+            file: "refresh.mp4",
+            arguments: "-c:v libx264 -g 8 -pix_fmt yuv420p -x264-params intra-refresh=1:bframes=0",
+            tolerance: 0,
+        },
+        Making {
+            file: "lines.mp4",
+            arguments: "-c:v libx264 -g 9 -pix_fmt yuv420p -x264-params interlaced=1",
+            tolerance: 0,
+        },
+        Making {
+            file: "plain.mp4",
+            arguments: "-c:v libx264 -profile:v baseline -pix_fmt yuv420p -x264-params slices=4",
+            tolerance: 0,
+        },
+        Making { file: "ten.mp4", arguments: "-c:v libx264 -g 9 -pix_fmt yuv420p10le", tolerance: 6 },
+        Making { file: "half.mp4", arguments: "-c:v libx264 -g 9 -pix_fmt yuv422p", tolerance: 6 },
+    ]);
+}
+
+#[test]
+fn other_kinds_are_as_ffmpeg_decodes_them() {
+    compare(&[
+        Making { file: "all.mp4", arguments: "-c:v libx264 -g 9 -pix_fmt yuv444p", tolerance: 0 },
+        Making { file: "box.mkv", arguments: "-c:v libx264 -g 9 -bf 2 -pix_fmt yuv420p", tolerance: 0 },
+        Making { file: "stream.ts", arguments: "-c:v libx264 -g 9 -bf 2 -pix_fmt yuv420p", tolerance: 0 },
+        Making {
+            file: "web.webm",
+            arguments: "-c:v libvpx-vp9 -g 9 -deadline realtime -cpu-used 8 -pix_fmt yuv420p",
+            tolerance: 0,
+        },
+        Making {
+            file: "new.mp4",
+            arguments: "-c:v libx265 -x265-params log-level=none:keyint=9 -pix_fmt yuv420p",
+            tolerance: 0,
+        },
+        Making { file: "old.avi", arguments: "-c:v mpeg4 -g 9 -q:v 3", tolerance: 0 },
+    ]);
+}
+
+#[test]
+fn motion_jpeg_is_as_ffmpeg_decodes_it() {
+    compare(&[
+        Making { file: "jpeg.avi", arguments: "-c:v mjpeg -q:v 3 -pix_fmt yuvj420p", tolerance: 4 },
+        Making { file: "jpeg.mov", arguments: "-c:v mjpeg -q:v 3 -pix_fmt yuvj422p", tolerance: 4 },
+    ]);
+}
+
+#[test]
+fn edits_and_uneven_times_are_as_ffmpeg_has_them() {
+    if !has_ffmpeg() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let source = ["-f", "lavfi", "-i", "testsrc2=size=96x64:rate=30:duration=1.2"];
+    let x264 = "-c:v libx264 -g 10 -bf 2 -pix_fmt yuv420p";
+    if ffmpeg(x264, &source, "whole.mp4", folder.path()).is_none() {
+        skipped("edits", "this ffmpeg has no libx264");
+        return;
+    }
+    // A cut without coding anew begins at a key; what lies before the cut is left out by an edit.
+    ffmpeg("-c copy", &["-ss", "0.5", "-i", "whole.mp4"], "cut.mp4", folder.path()).unwrap();
+    check(folder.path(), "cut.mp4", 0);
+    assert!(Video::open(&folder.path().join("cut.mp4")).unwrap().frame_count() < 30);
+    let uneven = format!("-vf select='not(eq(mod(n\\,3)\\,1))' -vsync vfr {x264}");
+    ffmpeg(&uneven, &source, "uneven.mp4", folder.path()).unwrap();
+    check(folder.path(), "uneven.mp4", 0);
+}
