@@ -20,6 +20,7 @@
 //! | [`frame_basin`] | `backlit experiment basin --take` |
 //! | [`basin_map`] | `backlit experiment basin --take --map` |
 //! | [`footage`] | `backlit experiment footage` |
+//! | [`no_start`] | `backlit experiment no-start` |
 
 pub(crate) mod arguments;
 pub(crate) mod basin;
@@ -33,6 +34,7 @@ pub(crate) mod files;
 pub(crate) mod footage;
 pub(crate) mod frame_basin;
 pub(crate) mod inverse;
+pub(crate) mod no_start;
 pub(crate) mod robustness;
 pub(crate) mod sequence;
 pub(crate) mod shadow;
@@ -90,6 +92,9 @@ enum Experiment {
     Basin(Box<basin::Arguments>),
     /// A take with keypoints, tracked from many starts: how many stay near the keypoints everywhere
     Footage(Box<footage::Arguments>),
+    /// A take with keypoints, single frames without a start, by all sets of cameras: how many find the person
+    #[command(name = "no-start")]
+    NoStart(no_start::Arguments),
 }
 
 /// Runs the experiment.
@@ -112,5 +117,6 @@ pub(crate) fn run(arguments: &ExperimentArguments) -> anyhow::Result<()> {
         Experiment::Robustness(arguments) => robustness::run(arguments),
         Experiment::Basin(arguments) => basin::run(arguments),
         Experiment::Footage(arguments) => footage::run(arguments),
+        Experiment::NoStart(arguments) => no_start::run(arguments),
     }
 }

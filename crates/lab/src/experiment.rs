@@ -16,6 +16,7 @@
 //! | [`bias`] | where fits go that begin at the truth, by ramp, data and cameras |
 //! | [`basin`] | how far off a start may be, and still end at the truth |
 //! | [`frame_basin`] | the same about one frame's pose, on its own evidence |
+//! | [`no_start`] | a take's frames without a start, by sets of cameras |
 //! | [`basin_map`] | the same as a map of two angles |
 //! | [`fit_choice`] | how every start of such an experiment is fitted |
 //! | [`interval`] | how sure a share of successes is |
@@ -42,6 +43,7 @@ pub mod frame_basin;
 pub mod interval;
 pub mod inverse;
 pub mod looks;
+pub mod no_start;
 pub mod own_sizes;
 pub mod progress;
 pub mod robustness;

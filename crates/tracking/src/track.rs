@@ -3,6 +3,7 @@
 //! | file | holds |
 //! |---|---|
 //! | `tracker` | [`Tracker`]: frame after frame |
+//! | `frame_masks` | what a frame's cameras saw, kept until its fit is judged |
 //! | `estimate` | [`FrameEstimate`]: what it found in one; [`Track`] of all |
 //! | `motion` | [`Motion`]: how motion is carried from frame to frame: not at all, by velocity, by a Kalman filter |
 //! | `lost` | [`Lost`]: noticing that a track was lost |
@@ -11,6 +12,7 @@
 //! | [`join`](mod@join) | two tracks of the same frames, one forwards and one backwards, made one |
 
 mod estimate;
+mod frame_masks;
 pub mod join;
 mod lost;
 mod motion;

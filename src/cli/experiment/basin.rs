@@ -48,6 +48,9 @@ pub(crate) struct Arguments {
     /// Go downhill from the start alone, without a search for other hypotheses
     #[arg(long)]
     downhill: bool,
+    /// Ignore the starts: the search begins in the visual hull. On all cores
+    #[arg(long, conflicts_with_all = ["downhill", "unscaled", "take"])]
+    no_start: bool,
     /// Leave the preset's annealing as it is, whatever the size of the pictures
     #[arg(long)]
     unscaled: bool,
@@ -75,6 +78,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut options = Options { cameras: arguments.cameras.clone(), ..Options::of(arguments.preset) };
     options.renderer = arguments.renderer;
     options.scaled &= !arguments.unscaled;
+    options.no_start = arguments.no_start;
     if arguments.downhill {
         options.hypotheses = None;
     }

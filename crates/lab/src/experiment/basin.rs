@@ -3,14 +3,15 @@
 //! Success is a mean distance of the leaf joints and the root from the truth's below 20 mm.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::time::Instant;
 
 use backlit_tracking::body::{Kinematics, Model, Pose};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::fit::{FitOptions, Preset};
+use backlit_tracking::fit::{FitOptions, FitView, Preset};
 use backlit_tracking::metrics::Statistics;
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::search::SearchOptions;
+use backlit_tracking::search::{SearchOptions, WithoutStart, WithoutStartError, without_start};
 use serde::Serialize;
 
 use super::{ExperimentError, FitChoice, Progress};
@@ -32,6 +33,8 @@ pub struct Options {
     pub scaled: bool,
     /// Looking for other hypotheses; `None` goes downhill from the start alone.
     pub hypotheses: Option<SearchOptions>,
+    /// Whether the starts are ignored, and the search begins in the visual hull.
+    pub no_start: bool,
 }
 
 impl Options {
@@ -45,6 +48,7 @@ impl Options {
             renderer: RendererKind::Capsule,
             scaled: is_robust,
             hypotheses: is_robust.then(SearchOptions::default),
+            no_start: false,
         }
     }
 
@@ -79,11 +83,11 @@ pub struct Basin {
     pub success: BTreeMap<u32, f64>,
     /// Median of the mean distances, by degrees off.
     pub median_mm: BTreeMap<u32, f64>,
-    /// Mean wall time of a start on one core, milliseconds.
+    /// Mean wall time of a start, milliseconds.
     pub ms_per_start: f64,
 }
 
-/// Fits all starts, one after the other on one core.
+/// Fits all starts, one after the other on one core; without starts on as many as there are.
 ///
 /// # Errors
 /// A fit that cannot begin, a number of cameras that the starts do not have, or `cancel`.
@@ -108,9 +112,13 @@ pub fn run(
                 return Err(ExperimentError::Option { option: "cameras", value, expected });
             };
             let began = Instant::now();
-            let pose = choice.end(&start.model, views.clone(), &start.start, cancel)?;
+            let pose = if options.no_start {
+                end_without_start(&choice, &start.model, views, cancel)?
+            } else {
+                Some(choice.end(&start.model, views.clone(), &start.start, cancel)?)
+            };
             seconds += began.elapsed().as_secs_f64();
-            let error = leaf_error_mm(&start.model, &pose, &start.truth);
+            let error = pose.map_or(f64::INFINITY, |pose| leaf_error_mm(&start.model, &pose, &start.truth));
             errors.entry(start.degrees).or_default().push(error);
         }
         let success = |list: &Vec<f64>| {
@@ -126,6 +134,20 @@ pub fn run(
     }
     on_progress(Progress { done, total });
     Ok(Report { basins })
+}
+
+/// Where a search without a start ends; `None` where silhouettes of a few pixels do not meet.
+fn end_without_start(
+    choice: &FitChoice,
+    model: &Arc<Model>,
+    views: &[FitView],
+    cancel: &CancelToken,
+) -> Result<Option<Pose>, ExperimentError> {
+    match without_start(model, views, &WithoutStart::for_fit(&choice.fit), cancel) {
+        Ok(found) => Ok(Some(found.pose().clone())),
+        Err(WithoutStartError::Apart { .. }) => Ok(None),
+        Err(error) => Err(error.into()),
+    }
 }
 
 /// Mean distance of all leaf joints and the root, millimetres.
@@ -160,6 +182,15 @@ mod tests {
         .map(success);
         assert!(report < downhill && downhill < search, "{report} {downhill} {search}");
         assert!(search > 0.85, "{search}");
+    }
+
+    #[test]
+    fn without_a_start_four_cameras_find_the_truth() {
+        let levels = vec![Level { degrees: 45, metres: 0.2 }];
+        let starts = Draw { starts: 4, levels, cameras: vec![4], ..Draw::default() }.draw().unwrap();
+        let options = Options { cameras: vec![4], no_start: true, ..Options::default() };
+        let report = run(&options, &starts, &CancelToken::new(), |_| {}).unwrap();
+        assert!(report.basins[0].success[&45] > 0.99, "{:?}", report.basins[0]);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use backlit_tracking::body::ModelError;
 use backlit_tracking::body_fit::{BodyFitError, OwnSizesError};
 use backlit_tracking::camera::CameraError;
 use backlit_tracking::fit::FitError;
+use backlit_tracking::search::WithoutStartError;
 use backlit_tracking::segment::{BackgroundError, SegmentError};
 use backlit_tracking::silhouette::{MaskError, MeasurementError};
 use backlit_tracking::track::{MotionError, SmoothingError};
@@ -53,8 +54,19 @@ pub enum ExperimentError {
     Motion(#[from] MotionError),
     #[error(transparent)]
     Smoothing(#[from] SmoothingError),
+    #[error(transparent)]
+    WithoutStart(WithoutStartError),
     #[error("{0}")]
     Footage(String),
+}
+
+impl From<WithoutStartError> for ExperimentError {
+    fn from(error: WithoutStartError) -> Self {
+        match error {
+            WithoutStartError::Cancelled => Self::Cancelled,
+            error => Self::WithoutStart(error),
+        }
+    }
 }
 
 impl From<FootageError> for ExperimentError {

@@ -3,5 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
 
 mod builtin_take;
+#[path = "../../../tracking/tests/tracking/footage.rs"]
+mod footage;
 mod turned_round;
 mod without_start;

@@ -1,18 +1,24 @@
 //! A clothed figure is found where no start is known, and what stands in the way is said.
 
+use std::path::Path;
 use std::sync::Arc;
 
+use backlit_formats::{Footage, Take};
 use backlit_lab::experiment::basin::leaf_error_mm;
+use backlit_lab::experiment::no_start;
 use backlit_lab::experiment::starts::{Draw, Level};
-use backlit_lab::synthetic::{Build, Figure, motion, silhouette, studio};
+use backlit_lab::synthetic::{Build, Figure, capsules, motion, silhouette, studio};
 use backlit_tracking::body::{Kinematics, Model, Pose, Sides, builtin};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::fit::{Evidence, FitError, FitView};
+use backlit_tracking::fit::{Evidence, FitError, FitOptions, FitView};
 use backlit_tracking::metrics::mean_joint_error_mm;
 use backlit_tracking::search::{Doubt, Found, WithoutStart, WithoutStartError, without_start};
 use backlit_tracking::silhouette::{Label, Mask};
+use backlit_tracking::track::{FrameEstimate, Lost, Tracker, WhenToSearch};
 use glam::DVec3;
+
+use crate::footage::footage;
 
 /// Frames of the built-in movement, and which way about the vertical the figure is turned, radians.
 const MOMENTS: [(f64, f64); 2] = [(8.0, 0.0), (32.0, 2.5)];
@@ -56,7 +62,7 @@ fn a_person_is_found_and_faces_the_right_way() {
         let found = look(&model, &views(&model, &truth, cameras)).unwrap();
         let error = mean_joint_error_mm(&model, found.pose(), &truth);
         assert!(error < 60.0, "{moment:?}, {} cameras: {error:.0} mm", cameras.len());
-        assert_eq!((found.up, found.doubts.as_slice()), (DVec3::Z, &[][..]));
+        assert_eq!((found.up, found.doubts.as_slice()), (DVec3::Z, &[] as &[Doubt]));
         let ahead = Sides::of(&model, &Kinematics::new(&model, &truth)).unwrap().ahead;
         let turned =
             |pose: &Pose| Sides::of(&model, &Kinematics::new(&model, pose)).unwrap().ahead.dot(ahead);
@@ -148,6 +154,7 @@ fn what_cannot_be_is_said() {
     let cancel = CancelToken::new();
     for choices in [
         WithoutStart { up: Some(DVec3::ZERO), ..WithoutStart::default() },
+        WithoutStart { faces: Some(DVec3::NAN), ..WithoutStart::default() },
         WithoutStart { headings: 0, ..WithoutStart::default() },
         WithoutStart { trunks: 0, ..WithoutStart::default() },
     ] {
@@ -169,4 +176,73 @@ fn threads_change_nothing() {
     let (one, three) = (with(1), with(3));
     assert_eq!(one, three);
     assert_eq!(one.candidates[0].cost.to_bits(), three.candidates[0].cost.to_bits());
+}
+
+#[test]
+fn a_track_begins_where_somebody_appears() {
+    let model = Arc::new(builtin::full_body());
+    let truth = |frame: usize| posed(&model, (8.0 + frame as f64, 0.0));
+    let mut tracker = Tracker::without_start(Arc::clone(&model), FitOptions::default()).unwrap();
+    for frame in 0..4 {
+        let mut views = views(&model, &truth(frame), &[0, 1]);
+        if frame == 0 {
+            for view in &mut views {
+                let [width, height] = [view.camera.width(), view.camera.height()];
+                view.evidence =
+                    Evidence::Mask(Arc::new(Mask::filled(width, height, Label::Background).unwrap()));
+            }
+        }
+        let found = tracker.track_frame(frame, views, &CancelToken::new()).unwrap();
+        if frame == 0 {
+            assert_eq!(found.lost_because, Some(Lost::Nobody));
+            continue;
+        }
+        let error = mean_joint_error_mm(&model, &found.pose, &truth(frame));
+        assert!(error < 60.0 && !found.is_lost(), "frame {frame}: {error:.0} mm {:?}", found.lost_because);
+        assert_eq!(found.hypotheses.is_empty(), frame > 1, "one search");
+    }
+}
+
+/// Between two frames the body walks away and turns about, too far for a search about where it was.
+#[test]
+fn a_lost_track_begins_anew_in_the_hull() {
+    let model = Arc::new(builtin::upper_body());
+    let start = |seed| {
+        let levels = vec![Level { degrees: 20, metres: 0.1 }];
+        Draw { starts: 1, levels, cameras: vec![4], seed, ..Draw::default() }.draw().unwrap().remove(0)
+    };
+    let (before, mut after) = (start(3), start(5));
+    let walk = DVec3::new(1.2, 0.1, -0.8);
+    after.truth.root += walk;
+    let views_after = after.views[&4].iter().map(|view| {
+        let camera = Arc::clone(&view.camera);
+        let mask = capsules::hard_mask(&model, &after.truth, &camera).unwrap();
+        FitView { camera, evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
+    });
+    let views_after: Vec<FitView> = views_after.collect();
+    let track = |search: WhenToSearch| {
+        let tracker = Tracker::new(Arc::clone(&model), FitOptions::default(), before.truth.clone()).unwrap();
+        let mut tracker = tracker.with_search(search);
+        for frame in 0..4 {
+            tracker.track_frame(frame, before.views[&4].clone(), &CancelToken::new()).unwrap();
+        }
+        tracker.track_frame(4, views_after.clone(), &CancelToken::new()).unwrap()
+    };
+    let [without, with] = [WhenToSearch::Never, WhenToSearch::WhenPoor].map(track);
+    let error = |found: &FrameEstimate| leaf_error_mm(&model, &found.pose, &after.truth);
+    assert!(error(&without) > 100.0, "{:.0} mm", error(&without));
+    assert!(error(&with) < 30.0, "{:.0} mm, {:?}", error(&with), with.lost_because);
+}
+
+/// Four cameras of the real footage, with the person's own sizes.
+#[test]
+fn the_real_person_is_found() {
+    if footage().is_none() {
+        return;
+    }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/takes/balancing");
+    let footage = Footage::new(Take::open(&folder).unwrap());
+    let options = no_start::Options { cameras: vec![4], frames: vec![0], ..no_start::Options::default() };
+    let report = no_start::run(&footage, &options, &CancelToken::new(), |_| {}).unwrap();
+    assert_eq!(report.groups[0].found, 1, "{report:?}");
 }

@@ -42,8 +42,8 @@ const LEAST_GAIN: f64 = 1e-3;
 const RIVAL: f64 = 1.6;
 /// The start knows which way the body faces: to be believed, a body turned round must explain the silhouettes better by so
 /// much of the cost, and by so much of the subject's pixels. A body of capsules without limits looks the same both ways.
-pub(super) const LEAST_BETTER: f64 = 0.05;
-pub(super) const LEAST_BETTER_PIXELS: f64 = 1e-3;
+const LEAST_BETTER: f64 = 0.05;
+const LEAST_BETTER_PIXELS: f64 = 1e-3;
 /// Proposals are first refined by the stage this many before the last, the best of them by the ones after it.
 const REFINING_STAGES: usize = 3;
 
@@ -57,6 +57,8 @@ pub enum Origin {
     Trunk,
     /// The body turned round, its sides swapped.
     TurnedRound,
+    /// The visual hull, where no start was known.
+    Hull,
     /// A chain seeded anew.
     Chain {
         /// The chain's first limb.

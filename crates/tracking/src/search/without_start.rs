@@ -5,8 +5,8 @@
 //!    how far away it is.
 //! 2. **Headings.** About the vertical through the person the body stands up in eight directions. On the best trunks of
 //!    each, by the sketch, arms, legs and head are put together, and the whole is refined a little by two coarse stages.
-//! 3. **Halving.** The best few that differ are refined to the end, each chain seeded anew; then the best two of them,
-//!    with each also turned round: facing the other way, right and left swapped.
+//! 3. **Halving.** The best few that differ are refined to the end, each chain seeded anew; then the best of them more
+//!    closely, each also turned round: facing the other way, right and left swapped.
 //! 4. **Judgement.** By the last stage's cost without any pull to a start. Where the other way costs as good as the same,
 //!    the body is taken to face the cameras if these stand on one side of it, and that is said ([`Doubt`]).
 //!
@@ -36,7 +36,7 @@ use self::stance::Stance;
 use super::chains::Chains;
 use super::options::SearchOptions;
 use super::sketch::Sketch;
-use crate::body::{Model, ModelError, Pose};
+use crate::body::{Model, ModelError, Parameters, Pose};
 use crate::cancel::CancelToken;
 use crate::fit::{FitError, FitOptions, FitView, Prepared};
 
@@ -51,6 +51,8 @@ pub struct WithoutStart {
     /// Whether the body is scaled as a whole to stand as tall as the hull is: rough, and better than an average body for
     /// a child.
     pub scale_body: bool,
+    /// Where the body is taken to look where the silhouettes do not tell front from back; `None`: to the cameras.
+    pub faces: Option<DVec3>,
     /// By what candidates are refined and judged.
     pub fit: FitOptions,
     /// Headings about the vertical, at least one.
@@ -71,11 +73,12 @@ impl Default for WithoutStart {
         Self {
             up: None,
             scale_body: false,
+            faces: None,
             fit: FitOptions::default(),
             headings: 8,
             trunks: 2,
-            kept: [4, 2],
-            coarse: SearchOptions { directions: 50, beam: 8, proposals: 2, sweeps: 1, ..fine.clone() },
+            kept: [8, 3],
+            coarse: SearchOptions { beam: 16, proposals: 2, sweeps: 1, ..fine.clone() },
             fine,
         }
     }
@@ -141,7 +144,8 @@ impl Heights {
 pub enum Doubt {
     /// One camera alone sees the subject: how far away it is follows from the body's height.
     OneCamera,
-    /// Turned round the body explains the silhouettes as well; it was taken to face the cameras.
+    /// Turned round the body explains the silhouettes as well; it was taken to face the cameras, or the way that the
+    /// caller expects.
     FacingAssumed,
     /// The same, and the cameras stand all around.
     FacingOpen,
@@ -154,7 +158,7 @@ impl fmt::Display for Doubt {
                 "one camera alone sees the person: how far away it is follows from the body's height alone"
             }
             Self::FacingAssumed => {
-                "the silhouettes do not tell front from back; the body is taken to face the cameras"
+                "the silhouettes do not tell front from back; the body is taken to face the cameras, or as it did before"
             }
             Self::FacingOpen => "the silhouettes do not tell front from back; the body may be turned round",
         })
@@ -167,8 +171,8 @@ impl fmt::Display for Doubt {
 pub enum WithoutStartError {
     #[error(transparent)]
     Fit(#[from] FitError),
-    #[error("`up` is {0}; expected a direction")]
-    Up(DVec3),
+    #[error("`{field}` is {value}; expected a direction")]
+    Direction { field: &'static str, value: DVec3 },
     #[error("the cameras do not agree on which way is up; expected `up` to be given")]
     NoUp,
     #[error("`{field}` is 0; expected at least 1")]
@@ -248,6 +252,15 @@ impl InPlace<'_> {
 }
 
 impl WithoutStart {
+    /// The usual choices for a fit: by its own options where they are made for a start from afar, else by the robust
+    /// preset with its solid.
+    #[must_use]
+    pub fn for_fit(fit: &FitOptions) -> Self {
+        let is_meant_for_it = fit.stages.len() > 1 && fit.parameters == Parameters::Tangent;
+        let robust = || FitOptions { renderer: fit.renderer, ..FitOptions::default() };
+        Self { fit: if is_meant_for_it { fit.clone() } else { robust() }, ..Self::default() }
+    }
+
     /// First thing wrong with the choices.
     ///
     /// # Errors
@@ -263,9 +276,11 @@ impl WithoutStart {
         for effort in [&self.coarse, &self.fine] {
             effort.check().map_err(FitError::from)?;
         }
-        match self.up {
-            Some(up) if !(up.is_finite() && up.length() > 1e-9) => Err(WithoutStartError::Up(up)),
-            _ => Ok(()),
+        for (field, given) in [("up", self.up), ("faces", self.faces)] {
+            if let Some(value) = given.filter(|given| !(given.is_finite() && given.length() > 1e-9)) {
+                return Err(WithoutStartError::Direction { field, value });
+            }
         }
+        Ok(())
     }
 }

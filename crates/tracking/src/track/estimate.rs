@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use super::frame_masks::FrameMasks;
 use super::lost::Lost;
 use super::motion::FrameBelief;
-use super::tracker::FrameMasks;
 use crate::body::{Model, Pose};
 use crate::fit::FitView;
 use crate::optimize::Termination;

@@ -27,6 +27,8 @@ const FEWEST: usize = 3;
 pub enum Lost {
     /// No camera sees anybody.
     Nobody,
+    /// No start was given, and the silhouettes do not meet in space: none could be found.
+    NoStart,
     /// Hardly any overlap of model and silhouettes.
     Overlap {
         /// IoU of all cameras together.
@@ -88,6 +90,34 @@ impl UsualCost {
     }
 }
 
+/// After how many frames in a row that stay lost the last resort is taken at the latest.
+const RAREST: usize = 16;
+
+/// When the last resort of a lost frame is due: at once, and then ever more rarely, since it takes as long as tens of
+/// frames.
+#[derive(Debug, Clone, Default)]
+pub(super) struct LastResort {
+    /// Frames to wait, and how many it was the last time.
+    wait: usize,
+    waited: usize,
+}
+
+impl LastResort {
+    /// Counts a frame.
+    pub(super) fn is_due(&mut self, is_lost: bool) -> bool {
+        if !is_lost {
+            *self = Self::default();
+        } else if self.wait == 0 {
+            self.waited = (2 * self.waited).clamp(1, RAREST);
+            self.wait = self.waited;
+            return true;
+        } else {
+            self.wait -= 1;
+        }
+        false
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,6 +140,16 @@ mod tests {
             usual.remember(36.0, found);
         }
         assert_eq!(lost, REMEMBERED);
+    }
+
+    #[test]
+    fn the_last_resort_grows_rare_while_a_track_stays_lost() {
+        let mut resort = LastResort::default();
+        assert!(!resort.is_due(false));
+        let due: Vec<usize> = (0..60).filter(|_| resort.is_due(true)).collect();
+        assert_eq!(due, [0, 2, 5, 10, 19, 36, 53]);
+        assert!(!resort.is_due(false));
+        assert!(resort.is_due(true));
     }
 
     #[test]

@@ -5,15 +5,14 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::estimate::{FrameEstimate, iou};
-use super::lost::{Lost, UsualCost};
+use super::frame_masks::FrameMasks;
+use super::lost::{LastResort, Lost, UsualCost};
 use super::motion::{Begins, Motion, MotionError, MotionFilter, Predicted};
-use crate::body::{Kinematics, Model, Parameters, Pose};
-use crate::camera::Camera;
+use crate::body::{Kinematics, Model, Parameters, Pose, Sides};
 use crate::cancel::CancelToken;
-use crate::fit::{Evidence, Fit, FitError, FitOptions, FitView, SolverSummary};
-use crate::render::{Ramp, RendererKind, View, prediction};
-use crate::search::{self, Hypothesis, SearchOptions};
-use crate::silhouette::{Label, Mask, Overlap};
+use crate::fit::{Fit, FitError, FitOptions, FitView, SolverSummary};
+use crate::search::{self, Hypothesis, Origin, SearchOptions, WithoutStart, WithoutStartError};
+use crate::silhouette::Overlap;
 
 /// A first fit that overlaps better than this (IoU) is not questioned. On real footage with two and four cameras, fits
 /// of the right pose begin at 0.88 and those of a wrong one reach 0.88; a search from the right one changed nothing.
@@ -31,35 +30,6 @@ pub enum WhenToSearch {
     WhenPoor,
     /// Always.
     Always,
-}
-
-/// The cameras of a frame, and the masks of those that see somebody.
-pub(super) struct FrameMasks {
-    cameras: Vec<Arc<Camera>>,
-    masks: Vec<Option<Arc<Mask>>>,
-}
-
-impl FrameMasks {
-    pub(super) fn of(views: &[FitView]) -> Self {
-        let mask = |view: &FitView| match &view.evidence {
-            Evidence::Mask(mask) if mask.labels().contains(&Label::Subject) => Some(Arc::clone(mask)),
-            _ => None,
-        };
-        Self {
-            cameras: views.iter().map(|view| Arc::clone(&view.camera)).collect(),
-            masks: views.iter().map(mask).collect(),
-        }
-    }
-
-    /// Overlap of a pose with every mask.
-    pub(super) fn overlap(&self, model: &Model, pose: &Pose, renderer: RendererKind) -> Vec<Option<Overlap>> {
-        let kinematics = Kinematics::new(model, pose);
-        let of_camera = |(mask, camera): (&Option<Arc<Mask>>, &Arc<Camera>)| {
-            let view = View::new(model, &kinematics, camera, renderer, Ramp::Half);
-            Overlap::of_covered(mask.as_ref()?, &prediction::covered(&view)).ok()
-        };
-        self.masks.iter().zip(&self.cameras).map(of_camera).collect()
-    }
 }
 
 /// A frame's fit that has run.
@@ -101,10 +71,11 @@ struct LastFrame {
 pub struct Tracker {
     model: Arc<Model>,
     options: FitOptions,
-    /// Where the first frame's fit starts.
-    start: Pose,
+    /// Where the first frame's fit starts; `None` looks for it in the visual hull.
+    start: Option<Pose>,
     last: Option<LastFrame>,
     usual: UsualCost,
+    last_resort: LastResort,
     motion: Motion,
     search: WhenToSearch,
     filter: Option<MotionFilter>,
@@ -119,11 +90,25 @@ impl Tracker {
     /// A pose that is not the model's, or options that make no sense.
     pub fn new(model: Arc<Model>, options: FitOptions, start: Pose) -> Result<Self, FitError> {
         start.check(&model)?;
+        Self::begin(model, options, Some(start.normalized()))
+    }
+
+    /// Starts where no pose is known: the first frame in which somebody is seen is searched
+    /// ([`without_start`](crate::search::without_start())).
+    ///
+    /// # Errors
+    /// Options that make no sense.
+    pub fn without_start(model: Arc<Model>, options: FitOptions) -> Result<Self, FitError> {
+        Self::begin(model, options, None)
+    }
+
+    fn begin(model: Arc<Model>, options: FitOptions, start: Option<Pose>) -> Result<Self, FitError> {
         options.check()?;
         Ok(Self {
             model,
             options,
-            start: start.normalized(),
+            start,
+            last_resort: LastResort::default(),
             last: None,
             usual: UsualCost::default(),
             motion: Motion::default(),
@@ -163,14 +148,20 @@ impl Tracker {
     /// Goes on from a frame that was fitted before: the next one skips the wide first stages.
     #[must_use]
     pub fn continuing_from(mut self, frame: usize) -> Self {
-        self.last = Some(LastFrame { frame, pose: self.start.clone(), lost: false, velocity: None });
+        let pose = self.first_start();
+        self.start = Some(pose.clone());
+        self.last = Some(LastFrame { frame, pose, lost: false, velocity: None });
         self
     }
 
-    /// The pose that a frame's fit will start from: where the motion leads until then.
+    fn first_start(&self) -> Pose {
+        self.start.clone().unwrap_or_else(|| Pose::rest(&self.model))
+    }
+
+    /// The pose that a frame's fit will start from: where the motion leads until then; at rest where no start is known.
     #[must_use]
     pub fn start_of(&self, frame: usize) -> Pose {
-        let Some(last) = &self.last else { return self.start.clone() };
+        let Some(last) = &self.last else { return self.first_start() };
         match &last.velocity {
             Some(velocity) => {
                 let seconds = self.seconds_between(last.frame, frame);
@@ -187,6 +178,8 @@ impl Tracker {
     /// A frame that looks lost ([`Lost`]) is fitted once more, as widely as a first frame, other poses included where that
     /// is asked for ([`with_search`](Self::with_search)); the better fit stays. After a lost frame the motion is not
     /// carried on, and the next one begins as widely. What leads from a lost pose to the one that is found is no motion.
+    /// Where other poses may be looked for and a frame stays lost, the last resort is the visual hull
+    /// ([`without_start`](crate::search::without_start())): in the first lost frame, and then ever more rarely.
     ///
     /// # Errors
     /// Data that are not the camera's. Nothing that was tracked is lost.
@@ -201,14 +194,26 @@ impl Tracker {
         let start = self.start_of(frame);
         let begins = self.last.as_ref().is_none_or(|last| last.lost);
         let again = (!begins).then(|| views.clone());
-        let found = if begins {
+        let in_hull = (self.search != WhenToSearch::Never).then(|| views.clone());
+        let found = if self.start.is_none() {
+            match self.find(views, None, cancel) {
+                Err(WithoutStartError::Fit(error)) => Err(error),
+                Err(_) => return Ok(self.lost(frame, start, &masks, predicted, Lost::NoStart)),
+                Ok(found) => {
+                    self.start = Some(found.summary.pose.clone());
+                    Ok(found)
+                }
+            }
+        } else if begins {
             self.fit_widely(views, &start, &masks, cancel)
         } else {
             self.follow(views, start.clone(), cancel)
         };
         let found = match found {
             Ok(found) => found,
-            Err(FitError::NoData { .. }) => return Ok(self.nobody(frame, start, &masks, predicted)),
+            Err(FitError::NoData { .. }) => {
+                return Ok(self.lost(frame, start, &masks, predicted, Lost::Nobody));
+            }
             Err(error) => return Err(error),
         };
         let mut attempt = self.attempt(found, &masks);
@@ -217,6 +222,16 @@ impl Tracker {
             if wider.found.summary.final_rms < attempt.found.summary.final_rms {
                 attempt = wider;
                 // Where the motion was wrong it says nothing of what follows.
+                predicted = Err(Begins::FoundElsewhere);
+            }
+        }
+        if let Some(views) = in_hull.filter(|_| !cancel.is_cancelled())
+            && self.last_resort.is_due(attempt.lost.is_some())
+            && let Ok(found) = self.find(views, Some(&start), cancel)
+        {
+            let found = self.attempt(found, &masks);
+            if found.found.summary.final_rms < attempt.found.summary.final_rms {
+                attempt = found;
                 predicted = Err(Begins::FoundElsewhere);
             }
         }
@@ -276,14 +291,17 @@ impl Tracker {
         estimate
     }
 
-    /// A frame in which there is nobody: the pose is the predicted one.
-    fn nobody(
+    /// A frame in which there is nobody, or nobody to be found: the pose is the predicted one.
+    fn lost(
         &mut self,
         frame: usize,
         pose: Pose,
         masks: &FrameMasks,
         predicted: Result<Predicted, Begins>,
+        because: Lost,
     ) -> FrameEstimate {
+        let names = || masks.cameras.iter().map(|camera| camera.name().to_owned()).collect();
+        let empty = if because == Lost::Nobody { names() } else { Vec::new() };
         let belief = self.filter.as_mut().map(|filter| filter.learn(&pose, None, predicted));
         let estimate = FrameEstimate {
             frame,
@@ -291,9 +309,9 @@ impl Tracker {
             pose,
             cost: None,
             rms: None,
-            empty_cameras: masks.cameras.iter().map(|camera| camera.name().to_owned()).collect(),
+            empty_cameras: empty,
             iterations: 0,
-            lost_because: Some(Lost::Nobody),
+            lost_because: Some(because),
             termination: None,
             belief,
             hypotheses: Vec::new(),
@@ -307,6 +325,29 @@ impl Tracker {
         let model = Arc::clone(&self.model);
         let options = self.options.clone().near_at_scale(&model, &views, &start);
         Ok(Found::run(Fit::new(model, views, start, options)?, Vec::new(), cancel))
+    }
+
+    /// Looks for the body in the visual hull, and fits it there. Where silhouettes do not tell front from back it looks as
+    /// in `before`.
+    fn find(
+        &self,
+        views: Vec<FitView>,
+        before: Option<&Pose>,
+        cancel: &CancelToken,
+    ) -> Result<Found, WithoutStartError> {
+        let sides = before.and_then(|pose| Sides::of(&self.model, &Kinematics::new(&self.model, pose)));
+        let faces = sides.map(|sides| sides.ahead);
+        let choices = WithoutStart { faces, ..WithoutStart::for_fit(&self.options) };
+        let found = search::without_start(&self.model, &views, &choices, cancel)?;
+        let hypotheses = found.candidates.iter().map(|candidate| Hypothesis {
+            pose: candidate.pose.clone(),
+            cost: candidate.cost,
+            origin: Origin::Hull,
+        });
+        let hypotheses = hypotheses.collect();
+        let mut fitted = self.follow(views, found.pose().clone(), cancel)?;
+        fitted.hypotheses = hypotheses;
+        Ok(fitted)
     }
 
     /// Fits a frame from far away: with all stages, and with a search where that is asked for.

@@ -11,14 +11,12 @@ use super::stance::{self, Stance};
 use super::{Candidate, Doubt, WithoutStart, WithoutStartError};
 use crate::body::{Kinematics, Model, Pose, Sides};
 use crate::cancel::CancelToken;
-use crate::fit::{FitOptions, Objective, Prepared, Stage};
-use crate::optimize::{LeastSquares, NormalEquations};
+use crate::fit::{FitOptions, Prepared, Stage};
+use crate::geometry::rotation::log;
 use crate::posing;
 use crate::render::BACKGROUND;
 use crate::search::SearchOptions;
-use crate::search::hypotheses::{
-    Hypothesis, LEAST_BETTER, LEAST_BETTER_PIXELS, Origin, Search, farthest_m, subject_pixels,
-};
+use crate::search::hypotheses::{Hypothesis, Origin, Search, farthest_m, subject_pixels};
 use crate::search::start;
 
 /// Stages that all headings are refined by, and most iterations of each.
@@ -43,6 +41,15 @@ const LEANING: usize = 120;
 const LEAN_RAD: f64 = 0.4;
 const LEAN_M: f64 = 0.08;
 
+/// The last stage goes on for so many times its iterations, down to so much of its least gain.
+const POLISH_ITERATIONS: usize = 4;
+const POLISH_GAIN: f64 = 0.1;
+/// Costs within so much of the best one's do not tell poses apart. A body without limits has twins within 0.03 of each
+/// other, most of them within 0.005; of real people the body turned round costs 0.07 more and beyond.
+const TELLS: f64 = 0.03;
+/// Among these, how much less strange one must be than the best: facing the other way is 2, and so is an arm that hangs on
+/// the wrong side of its trunk, turned by half a turn in two joints.
+const STRANGER: f64 = 0.5;
 /// Cameras stand on one side of the subject where their directions add up to so much of their number.
 const ONE_SIDED: f64 = 0.3;
 
@@ -161,42 +168,31 @@ impl Rounds<'_> {
 
     /// Refined to the end, its chains seeded anew.
     fn refine(&self, pose: &Pose, effort: &SearchOptions) -> Rated {
-        let (natural, options) = (self.natural(pose), self.natural_options());
-        let mut search = self.search(&natural, &options, effort);
-        let (cost, pose) = search.refine(pose, 0);
-        search.keep(Hypothesis { pose, cost, origin: Origin::Start });
+        let options = self.free_options();
+        let mut search = self.search(pose, &options, effort);
+        let (cost, refined) = search.refine(pose, 0);
+        search.keep(Hypothesis { pose: refined, cost, origin: Origin::Hull });
         search.sweep(&chains(&search), effort.pairs_above * self.subject());
         let best = search.found.swap_remove(0);
         (best.cost, best.pose)
     }
 
-    /// Gone on with by the last stage until nothing is gained.
+    /// Gone on with by the last stage until hardly anything is gained, so that costs can be compared.
     fn polish(&self, pose: &Pose) -> Rated {
-        let (natural, mut options) = (self.natural(pose), self.natural_options());
+        let mut options = self.free_options();
         options.stages.drain(..options.stages.len() - 1);
-        options.stages[0].iterations *= 4;
-        options.stages[0].tolerance = options.stages[0].tolerance.map(|gain| 0.1 * gain);
-        self.search(&natural, &options, &self.choices.fine).refine(pose, 0)
-    }
-
-    /// The trunk of a pose with all that hangs on it at rest: what silhouettes do not show stays as people mostly are.
-    fn natural(&self, pose: &Pose) -> Pose {
-        let parents = self.model.rotation_parents().iter();
-        let rotation =
-            |(parent, turn): (&Option<usize>, &DQuat)| if parent.is_some() { DQuat::IDENTITY } else { *turn };
-        Pose { root: pose.root, rotations: parents.zip(&pose.rotations).map(rotation).collect() }
-    }
-
-    /// All stages but the widest, with a weak pull to what is natural, and none on the root.
-    fn natural_options(&self) -> FitOptions {
-        let nat = std::env::var("NAT").map_or(0.1, |v| v.parse().unwrap());
-        FitOptions {
-            stages: self.options.stages[self.first_stage()..].to_vec(),
-            proximal_weight: nat * self.options.proximal_weight,
-            proximal_root_factor: 0.0,
-            proximal_loss: crate::residual::Loss::Squares,
-            ..self.options.clone()
+        for last in &mut options.stages {
+            last.iterations *= POLISH_ITERATIONS;
+            last.tolerance = last.tolerance.map(|gain| POLISH_GAIN * gain);
         }
+        self.search(pose, &options, &self.choices.fine).refine(pose, 0)
+    }
+
+    /// All stages but the widest, without any pull to where the search happens to be; one camera holds no depth without.
+    fn free_options(&self) -> FitOptions {
+        let pull = if self.prepared.views.len() > 1 { 0.0 } else { self.options.proximal_weight };
+        let stages = self.options.stages[self.first_stage()..].to_vec();
+        FitOptions { stages, proximal_weight: pull, ..self.options.clone() }
     }
 
     /// The body facing the other way. One with sides trades right and left; another has its limbs put on anew.
@@ -212,23 +208,34 @@ impl Rounds<'_> {
         search.reseeder.assemble(&turned, &chains(&search))
     }
 
-    /// By cost, and the facing by where the cameras stand if costs do not tell.
+    /// By cost; where costs hardly differ, by joints that are not wrung and by the facing that is expected.
     fn judged(&self, mut candidates: Vec<Candidate>) -> (Vec<Candidate>, Option<Doubt>) {
-        let Some(ahead) = candidates[0].ahead else { return (candidates, None) };
-        let enough = (1.0 + LEAST_BETTER) * candidates[0].cost + LEAST_BETTER_PIXELS * self.subject();
-        let is_rival =
-            |other: &Candidate| other.ahead.is_some_and(|to| to.dot(ahead) < 0.0) && other.cost < enough;
-        let Some(rival) = candidates.iter().position(is_rival) else { return (candidates, None) };
-        if self.place.one_sided < ONE_SIDED {
-            return (candidates, Some(Doubt::FacingOpen));
+        let to_cameras = (self.place.one_sided >= ONE_SIDED).then_some(self.place.to_cameras);
+        let expected = self.choices.faces.or(to_cameras);
+        let strange = |candidate: &Candidate| {
+            let faces = expected.zip(candidate.ahead).map_or(0.0, |(expected, ahead)| ahead.dot(expected));
+            self.wrung(&candidate.pose) - faces
+        };
+        let enough = (1.0 + TELLS) * candidates[0].cost;
+        let rivals = candidates.iter().take_while(|candidate| candidate.cost <= enough).count();
+        let first = strange(&candidates[0]);
+        let scores = candidates[..rivals].iter().map(strange).enumerate();
+        let best = scores.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, score)| *score < first - STRANGER);
+        if let Some((best, _)) = best {
+            candidates[..=best].rotate_right(1);
         }
-        let faces =
-            |candidate: &Candidate| candidate.ahead.map_or(0.0, |ahead| ahead.dot(self.place.to_cameras));
-        if faces(&candidates[rival]) > faces(&candidates[0]) {
-            let rival = candidates.remove(rival);
-            candidates.insert(0, rival);
-        }
-        (candidates, Some(Doubt::FacingAssumed))
+        let ahead = candidates[0].ahead;
+        let opposes = |other: &Candidate| other.ahead.zip(ahead).is_some_and(|(a, b)| a.dot(b) < 0.0);
+        let is_open = candidates[..rivals].iter().any(opposes);
+        let doubt = if expected.is_some() { Doubt::FacingAssumed } else { Doubt::FacingOpen };
+        (candidates, is_open.then_some(doubt))
+    }
+
+    /// How far joints are turned from rest: 1 for one that is turned by half a turn.
+    fn wrung(&self, pose: &Pose) -> f64 {
+        let own = self.model.rotation_parents().iter().zip(&pose.rotations);
+        let turns = own.filter(|(parent, _)| parent.is_some()).map(|(_, turn)| log(*turn).length() / PI);
+        turns.map(|halves| halves * halves).sum()
     }
 
     fn ahead(&self, pose: &Pose) -> DVec3 {

@@ -52,7 +52,7 @@ fn smaller(view: &FitView, factor: usize) -> Option<FitView> {
     };
     let size = [width as u64, height as u64];
     let place = *camera.camera_from_world();
-    let camera = Camera::new(camera.name(), size, pinhole, camera.distortion().clone(), place).ok()?;
+    let camera = Camera::new(camera.name(), size, pinhole, *camera.distortion(), place).ok()?;
     let view = FitView { camera: Arc::new(camera), evidence: Evidence::Mask(Arc::new(mask)), ..*view };
     view.has_data().then_some(view)
 }
