@@ -11,9 +11,9 @@ use thiserror::Error;
 
 use super::fit::{BodyFitError, BodyProgress, fit_body};
 use super::frames::{BodyFrame, Choice, PosedFrame, choose};
-use super::options::BodyFitOptions;
+use super::options::{BodyFitOptions, CLOTHED};
 use super::report::BodyFit;
-use super::usable::{Unusable, check_view};
+use super::usable::{LeftOut, Unusable, usable_views, worst};
 use super::widening::narrowed;
 use crate::body::{Kinematics, Model, Pose, SizeChoice, SizeKind};
 use crate::cancel::CancelToken;
@@ -28,7 +28,7 @@ pub const FEWEST_FRAMES: usize = 3;
 /// Every choice of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OwnSizesOptions {
-    /// The fit of sizes.
+    /// The fit of sizes; by default of people in clothes of whom no joint is known.
     pub fit: BodyFitOptions,
     /// How the frames held out are posed anew.
     pub pose: FitOptions,
@@ -48,7 +48,7 @@ pub struct OwnSizesOptions {
 impl Default for OwnSizesOptions {
     fn default() -> Self {
         Self {
-            fit: BodyFitOptions::default(),
+            fit: BodyFitOptions::default().with_proportions(CLOTHED),
             pose: FitOptions::default(),
             fitted: 8,
             held_out: 4,
@@ -97,17 +97,6 @@ pub struct Judged {
     pub iou: [Option<f64>; 2],
     /// Root of the mean squared residual per pixel of both, grey levels, mean of the frames.
     pub rms: [f64; 2],
-}
-
-/// A camera that was left out of a frame.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LeftOut {
-    /// The frame.
-    pub frame: usize,
-    /// The camera's name.
-    pub camera: String,
-    /// Why.
-    pub because: Unusable,
 }
 
 /// What was found, and whether it is to be taken.
@@ -210,7 +199,7 @@ pub fn own_sizes<E: From<OwnSizesError>>(
         let mut frames = Vec::new();
         for &one in chosen_ones {
             let PosedFrame { frame, ref pose, .. } = track[one];
-            let views = usable(frame, views(frame)?, &mut left_out);
+            let views = usable_views(frame, views(frame)?, &mut left_out);
             read += 1;
             progress(OwnSizesProgress::Reading(read, chosen));
             if cancel.is_cancelled() {
@@ -245,22 +234,8 @@ pub fn own_sizes<E: From<OwnSizesError>>(
     Ok(OwnSizes { start: Arc::clone(model), fit: own, scaled, judged, doubts, choice, left_out })
 }
 
-/// The views that can be a person's; others are noted.
-fn usable(frame: usize, views: Vec<FitView>, left_out: &mut Vec<LeftOut>) -> Vec<FitView> {
-    let mut keep = |view: &FitView| match check_view(view) {
-        Ok(()) => true,
-        Err(because) => {
-            left_out.push(LeftOut { frame, camera: view.camera.name().to_owned(), because });
-            false
-        }
-    };
-    views.into_iter().filter(|view| view.weight > 0.0 && keep(view)).collect()
-}
-
 fn refusal(found: usize, all: usize, choice: &Choice, left_out: &[LeftOut]) -> OwnSizesError {
-    // A picture in which nobody is may be between others; one that cannot be right is the better reason.
-    let wrong = left_out.iter().find(|one| one.because != Unusable::Nobody).or(left_out.first());
-    match wrong {
+    match worst(left_out) {
         Some(LeftOut { frame, camera, because }) => OwnSizesError::Unusable {
             camera: camera.clone(),
             frame: *frame,
