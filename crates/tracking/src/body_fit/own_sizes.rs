@@ -1,9 +1,9 @@
 //! A person's own sizes in one go, and whether they are to be taken.
 //!
 //! From a track with a body of about the right size, well-spread frames are chosen and some of them held out. Sizes are
-//! fitted to the others ([`fit_body`]). Then the body found and the body to begin with, scaled as a whole, are posed anew in the
-//! frames held out, and what does not overlap better there, or is no person's size, is not taken: a fact of the report,
-//! not an error. Errors are what forbids to look at all.
+//! fitted to the others ([`fit_body`]). Then the body found, as the silhouettes show it, and the body to begin with, scaled
+//! as a whole, are posed anew in the frames held out, and what does not overlap better there, or is no person's size, is
+//! not taken: a fact of the report, not an error. Errors are what forbids to look at all.
 
 use std::sync::Arc;
 
@@ -14,7 +14,6 @@ use super::frames::{BodyFrame, Choice, PosedFrame, choose};
 use super::options::{BodyFitOptions, CLOTHED};
 use super::report::BodyFit;
 use super::usable::{LeftOut, Unusable, usable_views, worst};
-use super::widening::narrowed;
 use crate::body::{Kinematics, Model, Pose, SizeChoice, SizeKind};
 use crate::cancel::CancelToken;
 use crate::fit::{Evidence, Fit, FitOptions, FitView};
@@ -126,7 +125,7 @@ impl OwnSizes {
     }
 
     /// The person: with sizes of its own, or the body to begin with where those are doubted. To be followed on silhouettes
-    /// that are [`narrowed`] by [`widening_px`](Self::widening_px).
+    /// that are [`narrowed`](super::widening::narrowed) by [`widening_px`](Self::widening_px).
     #[must_use]
     pub fn model(&self) -> &Model {
         if self.is_taken() { &self.fit.model } else { &self.start }
@@ -220,13 +219,10 @@ pub fn own_sizes<E: From<OwnSizesError>>(
         fit_body(Arc::clone(model), frames, Some(0.0), options, cancel, progress).map_err(OwnSizesError::from)
     };
     let own = fit(fitted.clone(), &options.fit, &mut |at| progress(OwnSizesProgress::Fitting(at)))?;
-    let narrow_px = own.widening.map_or(0.0, |widening| widening.believed_px());
     let choice_of_sizes = SizeChoice { lengths: false, radii: false, ..options.fit.choice };
     let whole = BodyFitOptions { choice: choice_of_sizes, widening: 0.0, ..options.fit.clone() };
-    let scaled =
-        fit(narrowed_frames(fitted, narrow_px), &whole, &mut |at| progress(OwnSizesProgress::Scaling(at)))?;
-    let held_out = narrowed_frames(held_out, narrow_px);
-    let bodies = [&scaled.model, &own.model].map(|model| Arc::new(model.clone()));
+    let scaled = fit(fitted, &whole, &mut |at| progress(OwnSizesProgress::Scaling(at)))?;
+    let bodies = [scaled.model.clone(), own.as_seen()].map(Arc::new);
     let judged = judge(&bodies, &held_out, options, cancel, |done| {
         progress(OwnSizesProgress::Judging(done, held_out.len()));
     })?;
@@ -250,13 +246,6 @@ fn refusal(found: usize, all: usize, choice: &Choice, left_out: &[LeftOut]) -> O
             poor: choice.poor,
         },
     }
-}
-
-fn narrowed_frames(mut frames: Vec<BodyFrame>, by_px: f64) -> Vec<BodyFrame> {
-    for view in frames.iter_mut().flat_map(|frame| &mut frame.views) {
-        *view = narrowed(view, by_px);
-    }
-    frames
 }
 
 /// Poses both bodies anew in the frames held out.
