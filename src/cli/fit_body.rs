@@ -9,9 +9,7 @@ use anyhow::{Context, bail};
 use backlit_formats::pose_file::{self, Quaternions};
 use backlit_formats::{Footage, Take, model_file};
 use backlit_tracking::body::{Model, Pose, SizeChoice};
-use backlit_tracking::body_fit::{
-    Approach, BodyFit, BodyFitOptions, CLOTHED, approach, fit_body, frames, scale,
-};
+use backlit_tracking::body_fit::{Approach, BodyFit, BodyFitOptions, approach, fit_body, frames, scale};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
@@ -23,8 +21,9 @@ use super::output;
 use super::take_options::{self, FrameRange, PartArguments};
 
 const NOTES: &str = "\
-Sizes and the poses of all chosen frames are found together, from the silhouettes, the proportions of people and, where
-the take has them, its reference keypoints in these frames. Left and right share their sizes. The body is first scaled
+Sizes and the poses of all chosen frames are found together, from the silhouettes, the proportions and girths of people
+and, where the take has them, its reference keypoints in these frames. Silhouettes that are too wide all round are not
+taken for girth where that is sure. Left and right share their sizes. The body is first scaled
 as a whole to the smallest frame, then tracked to the others. A T-pose shows lengths of arms and radii; bent elbows and
 knees show where upper and lower limbs meet: several frames of a movement are better than one.
 A size of which the silhouettes say hardly more than the proportions of people do is marked: it is a guess.
@@ -64,7 +63,8 @@ pub(crate) struct FitBodyArguments {
     /// Keep the proportions of all lengths, of all radii, or of both: then the body is only scaled as a whole
     #[arg(long, value_enum, value_name = "KIND")]
     hold: Option<HoldWord>,
-    /// How much the proportions of people count [default: 1 with keypoints; without them 20, for people in clothes]
+    /// How much the proportions of people count [default, for a body built as full_body:
+    /// 0.2 with keypoints, without them 14, for people in clothes; for others 1 and 20]
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     proportions: Option<f64>,
     /// Write the body to this file
@@ -124,14 +124,15 @@ impl FitBodyArguments {
         Ok(frames::spread(&part.frames(take)?, self.count as usize))
     }
 
-    fn options(&self, has_joints: bool) -> BodyFitOptions {
+    fn options(&self, model: &Model, has_joints: bool) -> BodyFitOptions {
         let choice = SizeChoice {
             symmetric: !self.asymmetric,
             lengths: !matches!(self.hold, Some(HoldWord::Lengths | HoldWord::Both)),
             radii: !matches!(self.hold, Some(HoldWord::Radii | HoldWord::Both)),
         };
-        let proportions = self.proportions.unwrap_or(if has_joints { 1.0 } else { CLOTHED });
-        BodyFitOptions { choice, ..BodyFitOptions::default() }.with_proportions(proportions)
+        let usual = BodyFitOptions::for_people(model, has_joints);
+        let weighed = self.proportions.map(|factor| BodyFitOptions::default().with_proportions(factor));
+        BodyFitOptions { choice, ..weighed.unwrap_or(usual) }
     }
 }
 
@@ -164,7 +165,7 @@ pub(crate) fn run(arguments: &FitBodyArguments) -> anyhow::Result<()> {
         false => joints_of(take, &model, frame),
     };
     let plan = plan(arguments, take, &model, chosen, &joints)?;
-    let options = arguments.options(plan.frames.iter().any(|&frame| !joints(frame).is_empty()));
+    let options = arguments.options(&model, plan.frames.iter().any(|&frame| !joints(frame).is_empty()));
     let fit = follow_and_fit(&footage, &cameras, &model, &plan, joints, &options)?;
     if let Some(out) = &arguments.out {
         model_file::write(out, &fit.model)?;

@@ -15,6 +15,9 @@ pub(crate) struct BodyReport {
     /// Factors of the body that the fit began with.
     size: f64,
     girth: f64,
+    /// By how many pixels silhouettes are too wide all round; none where they were taken as they are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    widening: Option<WideningReport>,
     iou: Before<Option<f64>>,
     rms: Before<f64>,
     iterations: usize,
@@ -26,6 +29,14 @@ pub(crate) struct BodyReport {
 struct Before<T> {
     before: T,
     after: T,
+}
+
+/// Pixels.
+#[derive(Debug, Serialize)]
+struct WideningReport {
+    px: f64,
+    deviation_px: f64,
+    believed: bool,
 }
 
 /// Metres.
@@ -55,6 +66,11 @@ impl BodyReport {
             frames: fit.frames.clone(),
             size: fit.size,
             girth: fit.girth,
+            widening: fit.widening.map(|found| WideningReport {
+                px: found.px,
+                deviation_px: found.deviation_px,
+                believed: found.is_believed,
+            }),
             iou: Before { before: fit.iou[0], after: fit.iou[1] },
             rms: Before { before: fit.rms[0], after: fit.rms[1] },
             iterations: fit.iterations,
@@ -76,6 +92,17 @@ pub(crate) fn text(fit: &BodyFit, written: Option<&Path>) -> String {
     );
     if let [Some(before), Some(after)] = fit.iou {
         out.push_str(&format!("IoU {before:.3} scaled as a whole, {after:.3} with its own sizes\n"));
+    }
+    if let Some(found) = fit.widening.filter(|found| found.is_believed) {
+        let word = if found.px > 0.0 { "wide" } else { "narrow" };
+        out.push_str(&format!(
+            "the silhouettes are {:.1} ± {:.1} px too {word} all round: sizes are those without it\n",
+            found.px.abs(),
+            found.deviation_px
+        ));
+    }
+    for one in &fit.left_out {
+        out.push_str(&format!("left out: camera {} in frame {}: {}\n", one.camera, one.frame, one.because));
     }
     let mut table = Table::new(["mm", "before", "found", "±", ""]);
     for size in &fit.sizes {

@@ -8,6 +8,7 @@ pub(crate) fn origin(origin: &Origin) -> String {
         Origin::Start => "the start".to_owned(),
         Origin::Trunk => "trunk turned or moved".to_owned(),
         Origin::TurnedRound => "turned round".to_owned(),
+        Origin::Hull => "from the visual hull".to_owned(),
         Origin::Chain { limb } => format!("{limb} searched"),
         Origin::Pair { limbs: [one, other] } => format!("{one} and {other} searched"),
     }

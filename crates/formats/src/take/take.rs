@@ -263,7 +263,10 @@ impl Take {
 
     /// The same at a part of its size: each square of `divisor`² pixels is averaged to one. Columns at the right and
     /// rows at the bottom that fill no square are left out.
-    fn frame_reduced(&self, camera: usize, frame: usize, divisor: usize) -> Result<RgbImage, TakeError> {
+    ///
+    /// # Errors
+    /// As [`full_frame`](Self::full_frame).
+    pub fn frame_reduced(&self, camera: usize, frame: usize, divisor: usize) -> Result<RgbImage, TakeError> {
         let footage = self.footage_of(camera)?;
         if frame >= self.frame_count {
             return Err(TakeError::NoFrame { frame, count: self.frame_count });

@@ -44,6 +44,17 @@ pub enum Setting {
     Phones,
 }
 
+impl Setting {
+    /// What it is called in tables.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Around => "four cameras around",
+            Self::Phones => "two phones, 37°",
+        }
+    }
+}
+
 /// What to vary.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Options {
@@ -64,7 +75,7 @@ pub struct Options {
     /// Seed of the starts.
     pub seed: u64,
     /// How much the proportions count, before and now.
-    pub proportions: f64,
+    pub proportions: [f64; 2],
     /// Standard deviation of the widening, metres.
     pub widening_deviation_m: f64,
 }
@@ -80,7 +91,7 @@ impl Default for Options {
             start_angle_rad: 5.0_f64.to_radians(),
             start_distance_m: 0.03,
             seed: 1,
-            proportions: CLOTHED,
+            proportions: [20.0, CLOTHED],
             widening_deviation_m: BodyFitOptions::default().widening,
         }
     }
@@ -91,6 +102,14 @@ impl Default for Options {
 pub struct Report {
     /// One entry a setting, widening and build.
     pub cases: Vec<Case>,
+}
+
+impl Report {
+    /// The cases of one setting and widening each, in their order.
+    #[must_use]
+    pub fn groups(&self) -> Vec<&[Case]> {
+        self.cases.chunk_by(|a, b| a.setting == b.setting && a.widened == b.widened).collect()
+    }
 }
 
 /// One build before one set of cameras with one widening.
@@ -229,7 +248,7 @@ impl Scene {
         );
         let generic = Proportions { surveyed: false, ..Proportions::default() };
         let old = BodyFitOptions { proportions: generic, widening: 0.0, ..BodyFitOptions::default() };
-        let old = old.with_proportions(options.proportions);
+        let old = old.with_proportions(options.proportions[0]);
         let plan = Approach { start: start.clone(), size: None, frames: vec![0], step: 1 };
         let (size, first) = approach(
             &adult,
@@ -255,8 +274,10 @@ impl Scene {
             fit_body(adult.clone(), to_fit.collect(), Some(size), &old, cancel, |_| {}).map_err(failed)?;
         let before = self.follow(&Arc::new(before.model), start, 0.0, cancel)?.0;
         let fit = BodyFitOptions { widening: options.widening_deviation_m, ..BodyFitOptions::default() };
-        let now =
-            OwnSizesOptions { fit: fit.with_proportions(options.proportions), ..OwnSizesOptions::default() };
+        let now = OwnSizesOptions {
+            fit: fit.with_proportions(options.proportions[1]),
+            ..OwnSizesOptions::default()
+        };
         let own = own_sizes(
             &average,
             &track,

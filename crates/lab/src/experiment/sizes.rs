@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Model, Pose, SizeKind, builtin};
-use backlit_tracking::body_fit::{BodyFit, BodyFitError, BodyFitOptions, BodyFrame, fit_body};
+use backlit_tracking::body_fit::{BodyFit, BodyFitError, BodyFitOptions, BodyFrame, WELL_SEEN, fit_body};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::render::{Ramp, RendererKind};
@@ -46,7 +46,7 @@ impl Default for Options {
             start_angle_rad: 5.0_f64.to_radians(),
             start_distance_m: 0.03,
             seed: 1,
-            fit: BodyFitOptions::default(),
+            fit: BodyFitOptions::default().with_proportions(WELL_SEEN),
         }
     }
 }

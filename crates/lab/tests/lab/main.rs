@@ -5,5 +5,6 @@
 mod builtin_take;
 #[path = "../../../tracking/tests/tracking/footage.rs"]
 mod footage;
+mod own_sizes;
 mod turned_round;
 mod without_start;

@@ -9,10 +9,11 @@ use super::options::BodyFitOptions;
 use super::problem::{BodyProblem, BodyState};
 use super::report::{self, BodyFit};
 use super::scale;
+use super::usable::{LeftOut, Unusable, usable_views, worst};
 use super::widening::{self, Widening};
 use crate::body::{Kinematics, Model, ModelError, PoseError, Sizes};
 use crate::cancel::CancelToken;
-use crate::fit::{Evidence, FitError, FitView, LEAST_SCALE, Stage};
+use crate::fit::{Evidence, FitError, LEAST_SCALE, Stage};
 use crate::optimize::{Method, Solver, SolverOptions, Termination, Tolerances};
 use crate::render::{Ramp, RendererKind, View, prediction};
 use crate::residual::proportion_prior::BodySizes;
@@ -37,6 +38,8 @@ pub struct BodyProgress {
 pub enum BodyFitError {
     #[error("frame {frame}: {error}")]
     Frame { frame: usize, error: FitError },
+    #[error("camera \"{camera}\" in frame {frame}: {because}; no silhouette of any frame can be used")]
+    Unusable { camera: String, frame: usize, because: Unusable },
     #[error("no frame was given")]
     NoFrames,
     #[error("`stages` is empty; expected at least one stage")]
@@ -78,7 +81,7 @@ pub fn fit_body(
     mut progress: impl FnMut(BodyProgress),
 ) -> Result<BodyFit, BodyFitError> {
     check(options)?;
-    let frames = usable(&start, frames)?;
+    let (frames, left_out) = usable(&start, frames)?;
     let sizes = Sizes::new(start.clone(), options.choice);
     let (size, poses) = match size {
         Some(size) => (size, frames.iter().map(|frame| frame.start.normalized()).collect()),
@@ -108,7 +111,8 @@ pub fn fit_body(
     let iou = [overlap_before, overlap(&sizes, &descent.state, &frames)];
     let rms = [first_rms, descent.rms[1]];
     let numbers = frames.iter().map(|frame| frame.frame).collect();
-    Ok(report::summary(&sizes, descent, found, options, numbers, rms, iou)?)
+    let fit = report::summary(&sizes, descent, found, options, numbers, rms, iou)?;
+    Ok(BodyFit { left_out, ..fit })
 }
 
 /// What every stage looks at.
@@ -209,23 +213,30 @@ fn check(options: &BodyFitOptions) -> Result<(), BodyFitError> {
     }
 }
 
-/// Checked frames with a silhouette in at least one camera, without the cameras that have none.
-fn usable(model: &Model, mut frames: Vec<BodyFrame>) -> Result<Vec<BodyFrame>, BodyFitError> {
+/// Checked frames with a silhouette in at least one camera, without the cameras that have none or one that cannot be a
+/// person's, and those cameras.
+fn usable(model: &Model, mut frames: Vec<BodyFrame>) -> Result<(Vec<BodyFrame>, Vec<LeftOut>), BodyFitError> {
     let Some(first) = frames.first().map(|frame| frame.frame) else { return Err(BodyFitError::NoFrames) };
+    let mut left_out = Vec::new();
     for BodyFrame { frame, views, start, .. } in &mut frames {
         let at_frame = |error: FitError| BodyFitError::Frame { frame: *frame, error };
         start.check(model).map_err(|error: PoseError| at_frame(error.into()))?;
         for view in views.iter() {
             view.check().map_err(at_frame)?;
         }
-        views.retain(FitView::has_data);
+        *views = usable_views(*frame, std::mem::take(views), &mut left_out);
     }
     frames.retain(|frame| !frame.views.is_empty());
-    if frames.is_empty() {
-        let reasons = "no frame has a silhouette in any camera that counts".to_owned();
-        return Err(BodyFitError::Frame { frame: first, error: FitError::NoData { reasons } });
+    if !frames.is_empty() {
+        return Ok((frames, left_out));
     }
-    Ok(frames)
+    if let Some(LeftOut { frame, camera, because }) = worst(&left_out)
+        && *because != Unusable::Nobody
+    {
+        return Err(BodyFitError::Unusable { camera: camera.clone(), frame: *frame, because: *because });
+    }
+    let reasons = "no frame has a silhouette in any camera that counts".to_owned();
+    Err(BodyFitError::Frame { frame: first, error: FitError::NoData { reasons } })
 }
 
 /// IoU of model and masks, all frames and cameras together; `None` without masks.

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::body::SizeChoice;
+use crate::body::anthropometry::Anthropometry;
+use crate::body::{Model, SizeChoice};
 use crate::fit::{DataView, FitOptions, Stage};
 use crate::render::Ramp;
 use crate::residual::Proportions;
@@ -32,7 +33,8 @@ pub struct BodyFitOptions {
     /// pixels are taken to be off by their whole range. A body of capsules is off in the same way in every picture, so
     /// that more pictures do not make its sizes surer.
     pub shape_weight: f64,
-    /// Standard deviation of a common widening of all silhouettes, metres where the body is; 0 takes them as they are.
+    /// Standard deviation of a common widening of all silhouettes, metres where the body is; 0 takes them as they are. They
+    /// are also taken as they are where radii are held, and for a body of which no survey knows the girths.
     pub widening: f64,
     /// Stages, from far away and as a whole to near and size by size.
     pub stages: Vec<BodyStage>,
@@ -56,9 +58,25 @@ pub struct BodyFitOptions {
 
 /// What the weight of the proportions is multiplied by for people in clothes of whom no joint is known: shorts and
 /// shoes hide where bones end, the same way in all frames, and what silhouettes seem to say of it is wrong.
-pub const CLOTHED: f64 = 12.0;
+pub const CLOTHED: f64 = 14.0;
+
+/// The same where joints are known, which say where bones end, and for simulated people that really are capsules: real
+/// people's proportions have little to add.
+pub const WELL_SEEN: f64 = 0.2;
+
+/// Both for bodies of which no survey knows the proportions: the generic prior is three times as wide.
+const GENERIC: [f64; 2] = [20.0, 1.0];
 
 impl BodyFitOptions {
+    /// The choices for a real person: how much proportions count depends on whether a survey knows them for this body, and
+    /// on whether joints are known.
+    #[must_use]
+    pub fn for_people(model: &Model, joints_known: bool) -> Self {
+        let known = Anthropometry::of(model).is_some();
+        let [clothed, seen] = if known { [CLOTHED, WELL_SEEN] } else { GENERIC };
+        Self::default().with_proportions(if joints_known { seen } else { clothed })
+    }
+
     /// The same with proportions that count so many times as much.
     #[must_use]
     pub fn with_proportions(mut self, factor: f64) -> Self {

@@ -1,9 +1,9 @@
 //! A person's own sizes in one go, and whether they are to be taken.
 //!
 //! From a track with a body of about the right size, well-spread frames are chosen and some of them held out. Sizes are
-//! fitted to the others ([`fit_body`]). Then the body found and the body to begin with, scaled as a whole, are posed anew in the
-//! frames held out, and what does not overlap better there, or is no person's size, is not taken: a fact of the report,
-//! not an error. Errors are what forbids to look at all.
+//! fitted to the others ([`fit_body`]). Then the body found, as the silhouettes show it, and the body to begin with, scaled
+//! as a whole, are posed anew in the frames held out, and what does not overlap better there, or is no person's size, is
+//! not taken: a fact of the report, not an error. Errors are what forbids to look at all.
 
 use std::sync::Arc;
 
@@ -11,10 +11,9 @@ use thiserror::Error;
 
 use super::fit::{BodyFitError, BodyProgress, fit_body};
 use super::frames::{BodyFrame, Choice, PosedFrame, choose};
-use super::options::BodyFitOptions;
+use super::options::{BodyFitOptions, CLOTHED};
 use super::report::BodyFit;
-use super::usable::{Unusable, check_view};
-use super::widening::narrowed;
+use super::usable::{LeftOut, Unusable, usable_views, worst};
 use crate::body::{Kinematics, Model, Pose, SizeChoice, SizeKind};
 use crate::cancel::CancelToken;
 use crate::fit::{Evidence, Fit, FitOptions, FitView};
@@ -28,7 +27,7 @@ pub const FEWEST_FRAMES: usize = 3;
 /// Every choice of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OwnSizesOptions {
-    /// The fit of sizes.
+    /// The fit of sizes; by default of people in clothes of whom no joint is known.
     pub fit: BodyFitOptions,
     /// How the frames held out are posed anew.
     pub pose: FitOptions,
@@ -48,7 +47,7 @@ pub struct OwnSizesOptions {
 impl Default for OwnSizesOptions {
     fn default() -> Self {
         Self {
-            fit: BodyFitOptions::default(),
+            fit: BodyFitOptions::default().with_proportions(CLOTHED),
             pose: FitOptions::default(),
             fitted: 8,
             held_out: 4,
@@ -99,17 +98,6 @@ pub struct Judged {
     pub rms: [f64; 2],
 }
 
-/// A camera that was left out of a frame.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LeftOut {
-    /// The frame.
-    pub frame: usize,
-    /// The camera's name.
-    pub camera: String,
-    /// Why.
-    pub because: Unusable,
-}
-
 /// What was found, and whether it is to be taken.
 #[derive(Debug, Clone)]
 pub struct OwnSizes {
@@ -137,7 +125,7 @@ impl OwnSizes {
     }
 
     /// The person: with sizes of its own, or the body to begin with where those are doubted. To be followed on silhouettes
-    /// that are [`narrowed`] by [`widening_px`](Self::widening_px).
+    /// that are [`narrowed`](super::widening::narrowed) by [`widening_px`](Self::widening_px).
     #[must_use]
     pub fn model(&self) -> &Model {
         if self.is_taken() { &self.fit.model } else { &self.start }
@@ -210,7 +198,7 @@ pub fn own_sizes<E: From<OwnSizesError>>(
         let mut frames = Vec::new();
         for &one in chosen_ones {
             let PosedFrame { frame, ref pose, .. } = track[one];
-            let views = usable(frame, views(frame)?, &mut left_out);
+            let views = usable_views(frame, views(frame)?, &mut left_out);
             read += 1;
             progress(OwnSizesProgress::Reading(read, chosen));
             if cancel.is_cancelled() {
@@ -231,13 +219,10 @@ pub fn own_sizes<E: From<OwnSizesError>>(
         fit_body(Arc::clone(model), frames, Some(0.0), options, cancel, progress).map_err(OwnSizesError::from)
     };
     let own = fit(fitted.clone(), &options.fit, &mut |at| progress(OwnSizesProgress::Fitting(at)))?;
-    let narrow_px = own.widening.map_or(0.0, |widening| widening.believed_px());
     let choice_of_sizes = SizeChoice { lengths: false, radii: false, ..options.fit.choice };
     let whole = BodyFitOptions { choice: choice_of_sizes, widening: 0.0, ..options.fit.clone() };
-    let scaled =
-        fit(narrowed_frames(fitted, narrow_px), &whole, &mut |at| progress(OwnSizesProgress::Scaling(at)))?;
-    let held_out = narrowed_frames(held_out, narrow_px);
-    let bodies = [&scaled.model, &own.model].map(|model| Arc::new(model.clone()));
+    let scaled = fit(fitted, &whole, &mut |at| progress(OwnSizesProgress::Scaling(at)))?;
+    let bodies = [scaled.model.clone(), own.as_seen()].map(Arc::new);
     let judged = judge(&bodies, &held_out, options, cancel, |done| {
         progress(OwnSizesProgress::Judging(done, held_out.len()));
     })?;
@@ -245,22 +230,8 @@ pub fn own_sizes<E: From<OwnSizesError>>(
     Ok(OwnSizes { start: Arc::clone(model), fit: own, scaled, judged, doubts, choice, left_out })
 }
 
-/// The views that can be a person's; others are noted.
-fn usable(frame: usize, views: Vec<FitView>, left_out: &mut Vec<LeftOut>) -> Vec<FitView> {
-    let mut keep = |view: &FitView| match check_view(view) {
-        Ok(()) => true,
-        Err(because) => {
-            left_out.push(LeftOut { frame, camera: view.camera.name().to_owned(), because });
-            false
-        }
-    };
-    views.into_iter().filter(|view| view.weight > 0.0 && keep(view)).collect()
-}
-
 fn refusal(found: usize, all: usize, choice: &Choice, left_out: &[LeftOut]) -> OwnSizesError {
-    // A picture in which nobody is may be between others; one that cannot be right is the better reason.
-    let wrong = left_out.iter().find(|one| one.because != Unusable::Nobody).or(left_out.first());
-    match wrong {
+    match worst(left_out) {
         Some(LeftOut { frame, camera, because }) => OwnSizesError::Unusable {
             camera: camera.clone(),
             frame: *frame,
@@ -275,13 +246,6 @@ fn refusal(found: usize, all: usize, choice: &Choice, left_out: &[LeftOut]) -> O
             poor: choice.poor,
         },
     }
-}
-
-fn narrowed_frames(mut frames: Vec<BodyFrame>, by_px: f64) -> Vec<BodyFrame> {
-    for view in frames.iter_mut().flat_map(|frame| &mut frame.views) {
-        *view = narrowed(view, by_px);
-    }
-    frames
 }
 
 /// Poses both bodies anew in the frames held out.

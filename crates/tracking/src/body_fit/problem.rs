@@ -83,7 +83,10 @@ impl<'a> BodyProblem<'a> {
         let terms: Vec<Term<'a>> = frames.iter().zip(distances).enumerate().flat_map(of_frame).collect();
         let pixels = terms.iter().flat_map(|term| &term.metres_per_px);
         let mean_metres_per_px = pixels.sum::<f64>() / (terms.len() * body.limbs().len()).max(1) as f64;
-        let is_free = options.widening > 0.0 && mean_metres_per_px > 0.0;
+        let prior = options.proportions.prior(sizes);
+        // Only people's girths tell a widening from a girth.
+        let knows_girths = options.choice.radii && prior.is_surveyed;
+        let is_free = knows_girths && options.widening > 0.0 && mean_metres_per_px > 0.0;
         Self {
             sizes,
             options,
@@ -91,7 +94,7 @@ impl<'a> BodyProblem<'a> {
             stage,
             references: begin.poses.clone(),
             terms,
-            prior: options.proportions.prior(sizes),
+            prior,
             mean_metres_per_px,
             widening_deviation_px: is_free.then(|| options.widening / mean_metres_per_px),
             silhouette_cost: 0.0,
@@ -295,7 +298,8 @@ mod tests {
 
     /// Two frames with two cameras, grey data, joints and all priors: the gradient of the whole by every column.
     fn check_choice(choice: SizeChoice, widening: f64) {
-        let start = Arc::new(builtin::upper_body());
+        let body = if widening > 0.0 { builtin::full_body() } else { builtin::upper_body() };
+        let start = Arc::new(body);
         let sizes = Sizes::new(start.clone(), choice);
         let camera = |centre: DVec3| {
             let place = CameraFromWorld::looking_at(centre, DVec3::new(0.0, 0.3, 0.0), DVec3::Y);
@@ -336,6 +340,7 @@ mod tests {
                 widening_px: if widening > 0.0 { 0.8 } else { 0.0 },
             },
         };
+        assert_eq!(problem.widening_deviation_px.is_some(), widening > 0.0);
         let first_size = problem.first_size();
         let moved = |column: usize, offset: f64| {
             let mut moved = state.clone();

@@ -7,6 +7,7 @@ use nalgebra::DVector;
 
 use super::fit::Descent;
 use super::options::BodyFitOptions;
+use super::usable::LeftOut;
 use super::widening::{self, Widening};
 use crate::body::{Model, ModelError, Pose, SizeKind, Sizes};
 use crate::optimize::{NormalEquations, Termination};
@@ -62,6 +63,8 @@ pub struct BodyFit {
     pub frames: Vec<usize>,
     /// Their poses.
     pub poses: Vec<Pose>,
+    /// Silhouettes that cannot be a person's, and were left out.
+    pub left_out: Vec<LeftOut>,
     /// The body's size over the start's, as a factor.
     pub size: f64,
     /// The body's girth beside its size, as a factor: how much stouter than the average.
@@ -145,6 +148,7 @@ pub(super) fn summary(
         girth_spread: prior.stoutness,
         widening,
         poses: state.poses,
+        left_out: Vec::new(),
         rms,
         iou,
         iterations,

@@ -26,6 +26,17 @@ pub enum Unusable {
     Hidden { share: f64 },
 }
 
+/// A camera that was left out of a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LeftOut {
+    /// The frame.
+    pub frame: usize,
+    /// The camera's name.
+    pub camera: String,
+    /// Why.
+    pub because: Unusable,
+}
+
 /// Looks at a mask by itself.
 ///
 /// # Errors
@@ -58,6 +69,28 @@ pub fn check_view(view: &FitView) -> Result<(), Unusable> {
         Evidence::Mask(mask) => check_mask(mask),
         Evidence::Measurement(_) => Ok(()),
     }
+}
+
+/// A frame's views that count and can be a person's; others that count are noted.
+pub(super) fn usable_views(
+    frame: usize,
+    mut views: Vec<FitView>,
+    left_out: &mut Vec<LeftOut>,
+) -> Vec<FitView> {
+    let mut keep = |view: &FitView| match check_view(view) {
+        Ok(()) => view.has_data(),
+        Err(because) => {
+            left_out.push(LeftOut { frame, camera: view.camera.name().to_owned(), because });
+            false
+        }
+    };
+    views.retain(|view| view.weight > 0.0 && keep(view));
+    views
+}
+
+/// The best reason of all: a picture in which nobody is may be between others, one that cannot be right is worse.
+pub(super) fn worst(left_out: &[LeftOut]) -> Option<&LeftOut> {
+    left_out.iter().find(|one| one.because != Unusable::Nobody).or(left_out.first())
 }
 
 /// Neighbours across and down of which one is subject and the other background, or unknown.

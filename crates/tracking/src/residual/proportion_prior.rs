@@ -88,6 +88,7 @@ impl Proportions {
             neighbour: self.neighbour,
             size: self.size,
             stoutness: if people.is_some() { STOUTNESS } else { self.girth },
+            is_surveyed: people.is_some(),
         }
     }
 
@@ -127,6 +128,8 @@ pub(crate) struct SizePrior {
     pub size: f64,
     /// Deviation of b.
     pub stoutness: f64,
+    /// Whether it knows real people's girths.
+    pub is_surveyed: bool,
 }
 
 /// A body's unknown sizes.
