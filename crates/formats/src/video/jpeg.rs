@@ -343,7 +343,10 @@ fn inverse_cosine(block: [f32; 64]) -> [[u8; 8]; 8] {
     let waves = &*WAVES;
     let mut across = [[0.0_f32; 8]; 8];
     for (sums, coefficients) in across.iter_mut().zip(block.as_chunks::<8>().0) {
-        for (&coefficient, wave) in coefficients.iter().zip(waves) {
+        // Most are 0.
+        for (&coefficient, wave) in
+            coefficients.iter().zip(waves).filter(|(coefficient, _)| **coefficient != 0.0)
+        {
             for (sum, wave) in sums.iter_mut().zip(wave) {
                 *sum += coefficient * wave;
             }

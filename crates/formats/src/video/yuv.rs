@@ -111,28 +111,20 @@ impl Planes {
         let [y, u, v] = &self.planes;
         let matrix = Matrix::new(self.colour);
         let mut out = vec![0; width * height * 3];
-        let mut terms = vec![[0; 3]; chroma_width];
+        let mut terms = [0; 3].map(|_| vec![0; width]);
         for row in 0..height {
             if row & ((1 << self.shift[1]) - 1) == 0 {
                 let from = (row >> self.shift[1]) * chroma_width;
-                let chroma = u[from..].iter().zip(&v[from..]);
-                for (term, (&u, &v)) in terms.iter_mut().zip(chroma) {
-                    *term = matrix.chroma(u, v);
+                let chroma = u[from..from + chroma_width].iter().zip(&v[from..]);
+                for (block, (&u, &v)) in chroma.enumerate() {
+                    let columns = block << self.shift[0]..(block + 1) << self.shift[0];
+                    for (terms, term) in terms.iter_mut().zip(matrix.chroma(u, v)) {
+                        terms[columns.clone()].fill(term);
+                    }
                 }
             }
             let luma = &y[row * width..(row + 1) * width];
-            let pixels = &mut out[row * width * 3..(row + 1) * width * 3];
-            if self.shift[0] == 1 {
-                for ((luma, pixels), term) in luma.chunks(2).zip(pixels.chunks_mut(6)).zip(&terms) {
-                    for (&luma, pixel) in luma.iter().zip(pixels.as_chunks_mut().0) {
-                        *pixel = matrix.pixel(luma, term);
-                    }
-                }
-            } else {
-                for ((&luma, pixel), term) in luma.iter().zip(pixels.as_chunks_mut().0).zip(&terms) {
-                    *pixel = matrix.pixel(luma, term);
-                }
-            }
+            matrix.row(luma, &terms, &mut out[row * width * 3..(row + 1) * width * 3]);
         }
         RgbImage::from_raw(width as u32, height as u32, out).unwrap_or_default()
     }
@@ -140,16 +132,19 @@ impl Planes {
 
 /// Fixed-point factors, so that (sample << [`SAMPLE_BITS`]) · factor >> 16 is the product, rounded down.
 struct Matrix {
-    luma: i32,
-    black: i32,
-    red_v: i32,
-    green: [i32; 2],
-    blue_u: i32,
+    luma: i16,
+    black: i16,
+    red_v: i16,
+    green: [i16; 2],
+    blue_u: i16,
 }
 
+/// Pixels that are worked out together, as vectors do it.
+const LANES: usize = 16;
+
 /// The upper half of a product.
-fn product(sample: i32, factor: i32) -> i32 {
-    ((sample << SAMPLE_BITS) * factor) >> (FACTOR_BITS + SAMPLE_BITS)
+fn product(sample: i16, factor: i16) -> i16 {
+    ((i32::from(sample << SAMPLE_BITS) * i32::from(factor)) >> (FACTOR_BITS + SAMPLE_BITS)) as i16
 }
 
 impl Matrix {
@@ -158,7 +153,7 @@ impl Matrix {
         let kg = 1.0 - kr - kb;
         let (luma, chroma, black) =
             if colour.full_range { (1.0, 1.0, 0) } else { (255.0 / 219.0, 255.0 / 224.0, 16) };
-        let fixed = |factor: f64| (factor * f64::from(1 << FACTOR_BITS)).round() as i32;
+        let fixed = |factor: f64| (factor * f64::from(1 << FACTOR_BITS)).round() as i16;
         Self {
             luma: fixed(luma),
             black,
@@ -169,15 +164,33 @@ impl Matrix {
     }
 
     /// What chroma adds to red, green and blue.
-    fn chroma(&self, u: u8, v: u8) -> [i32; 3] {
-        let (u, v) = (i32::from(u) - 128, i32::from(v) - 128);
+    fn chroma(&self, u: u8, v: u8) -> [i16; 3] {
+        let (u, v) = (i16::from(u) - 128, i16::from(v) - 128);
         let green = product(u, self.green[0]) + product(v, self.green[1]);
         [product(v, self.red_v), green, product(u, self.blue_u)]
     }
 
-    fn pixel(&self, luma: u8, chroma: &[i32; 3]) -> [u8; 3] {
-        let luma = product(i32::from(luma) - self.black, self.luma);
-        chroma.map(|chroma| (luma + chroma).clamp(0, 255) as u8)
+    /// A row of pixels.
+    fn row(&self, luma: &[u8], terms: &[Vec<i16>; 3], out: &mut [u8]) {
+        let [red, green, blue] = terms.each_ref().map(|terms| terms.as_chunks::<LANES>());
+        let (lanes, rest) = luma.as_chunks::<LANES>();
+        let (pixels, last) = out.as_chunks_mut::<{ 3 * LANES }>();
+        let terms = red.0.iter().zip(green.0).zip(blue.0);
+        for ((luma, ((red, green), blue)), pixels) in lanes.iter().zip(terms).zip(pixels) {
+            let [red, green, blue] = self.lanes(luma, [red, green, blue]);
+            for (k, pixel) in pixels.as_chunks_mut().0.iter_mut().enumerate() {
+                *pixel = [red[k], green[k], blue[k]];
+            }
+        }
+        for (k, (&luma, pixel)) in rest.iter().zip(last.as_chunks_mut().0).enumerate() {
+            let luma = product(i16::from(luma) - self.black, self.luma);
+            *pixel = [red.1[k], green.1[k], blue.1[k]].map(|term| (luma + term).clamp(0, 255) as u8);
+        }
+    }
+
+    fn lanes(&self, luma: &[u8; LANES], terms: [&[i16; LANES]; 3]) -> [[u8; LANES]; 3] {
+        let luma = luma.map(|luma| product(i16::from(luma) - self.black, self.luma));
+        terms.map(|terms| std::array::from_fn(|k| (luma[k] + terms[k]).clamp(0, 255) as u8))
     }
 }
 
