@@ -141,7 +141,7 @@ fn takes_that_cannot_be_right_are_refused() {
         other => panic!("{other:?}"),
     };
     // A black plate: all but a few pixels of the subject and its surroundings are unknown.
-    let black = |at: usize, label| if at % 17 == 0 { label } else { Label::Unknown };
+    let black = |at: usize, label| if at.is_multiple_of(17) { label } else { Label::Unknown };
     assert!(matches!(refused(black), Unusable::Unknown { share } if share > 0.9));
     assert_eq!(refused(|_, _| Label::Background), Unusable::Nobody);
     let near = |at: usize, _| if at % 96 < 80 { Label::Subject } else { Label::Background };
