@@ -10,6 +10,7 @@ use image::RgbImage;
 use rayon::prelude::*;
 use thiserror::Error;
 
+use super::take::Known;
 use super::{Take, TakeError};
 
 /// A take with everything that is made once for all its frames: ideal cameras, rectifications, backgrounds.
@@ -22,7 +23,14 @@ pub struct Footage {
     rectifications: Vec<Rectification>,
     /// Pixels of every camera that its lens does not see.
     unseen: Vec<Vec<usize>>,
-    backgrounds: Vec<OnceLock<Background>>,
+    backgrounds: Vec<OnceLock<Learnt>>,
+}
+
+/// A background, and the pixels that the subject covers in every frame.
+#[derive(Debug)]
+struct Learnt {
+    background: Background,
+    always_subject: Vec<usize>,
 }
 
 /// Why a picture or a silhouette cannot be had.
@@ -84,31 +92,39 @@ impl Footage {
     /// # Errors
     /// No such camera, no background in the take, or it cannot be read.
     pub fn background(&self, camera: usize) -> Result<&Background, FootageError> {
-        if let Some(background) = self.backgrounds.get(camera).and_then(OnceLock::get) {
-            return Ok(background);
+        Ok(&self.learnt(camera)?.background)
+    }
+
+    fn learnt(&self, camera: usize) -> Result<&Learnt, FootageError> {
+        if let Some(learnt) = self.backgrounds.get(camera).and_then(OnceLock::get) {
+            return Ok(learnt);
         }
         let pictures = self.take.background(camera)?;
         let name = || self.cameras[camera].name().to_owned();
         let pictures: Vec<RgbImage> =
             pictures.iter().map(|picture| self.rectified(camera, picture)).collect::<Result<_, _>>()?;
+        let failed = |error| FootageError::Background { camera: name(), error };
+        let mut always_subject = Vec::new();
         let background = match pictures.as_slice() {
             [] => return Err(FootageError::NoBackground { camera: name() }),
-            [plate] => self.plate(camera, plate)?,
-            frames => Background::from_frames(frames)
-                .map_err(|error| FootageError::Background { camera: name(), error })?,
+            [plate] => {
+                let background = Background::from_plate(plate);
+                match self.take.plate_knowledge(camera)? {
+                    None => background,
+                    Some(known) => {
+                        let known =
+                            self.rectifications[camera].nearest(&known, Known::Scene).unwrap_or_default();
+                        let indices = known.iter().enumerate();
+                        let covered = indices.filter(|(_, known)| **known == Known::AlwaysSubject);
+                        always_subject = covered.map(|(index, _)| index).collect();
+                        let is_known: Vec<bool> = known.iter().map(|known| *known == Known::Scene).collect();
+                        background.with_known(&is_known).map_err(failed)?
+                    }
+                }
+            }
+            frames => Background::from_frames(frames).map_err(failed)?,
         };
-        Ok(self.backgrounds[camera].get_or_init(|| background))
-    }
-
-    /// A plate, of which only what is not transparent is believed.
-    fn plate(&self, camera: usize, plate: &RgbImage) -> Result<Background, FootageError> {
-        let background = Background::from_plate(plate);
-        let Some(known) = self.take.known_background(camera)? else { return Ok(background) };
-        let known = self.rectifications[camera].nearest(&known, true).unwrap_or_default();
-        background.with_known(&known).map_err(|error| FootageError::Background {
-            camera: self.cameras[camera].name().to_owned(),
-            error,
-        })
+        Ok(self.backgrounds[camera].get_or_init(|| Learnt { background, always_subject }))
     }
 
     /// The silhouette in a picture of [`picture`](Self::picture). Where the lens saw nothing it is unknown.
@@ -121,12 +137,15 @@ impl Footage {
         picture: &RgbImage,
         options: &SegmentOptions,
     ) -> Result<Mask, FootageError> {
-        let background = self.background(camera)?;
+        let Learnt { background, always_subject } = self.learnt(camera)?;
         let mut mask = segment(picture, background, options).map_err(|error| FootageError::Segment {
             camera: self.cameras[camera].name().to_owned(),
             error,
         })?;
         let labels = mask.labels_mut();
+        for &pixel in always_subject {
+            labels[pixel] = Label::Subject;
+        }
         for &pixel in &self.unseen[camera] {
             labels[pixel] = Label::Unknown;
         }

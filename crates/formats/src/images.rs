@@ -25,14 +25,14 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<RgbImage, FileError> {
     decode_any(path, bytes).map(DynamicImage::into_rgb8)
 }
 
-/// Which pixels of a picture are not transparent, row by row; `None` for a picture without an alpha channel.
+/// The alpha channel, row by row: 0 is transparent, 255 opaque. `None` for a picture without one.
 ///
 /// # Errors
 /// As [`decode`].
-pub fn opaque_pixels(path: &Path, bytes: &[u8]) -> Result<Option<Vec<bool>>, FileError> {
+pub fn alpha(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, FileError> {
     let picture = decode_any(path, bytes)?;
     let has_alpha = picture.color().has_alpha();
-    Ok(has_alpha.then(|| picture.into_rgba8().pixels().map(|pixel| pixel[3] >= 128).collect()))
+    Ok(has_alpha.then(|| picture.into_rgba8().pixels().map(|pixel| pixel[3]).collect()))
 }
 
 /// Decodes a picture as grey levels.

@@ -16,9 +16,12 @@ const FEWEST: usize = 5;
 const REACH: f64 = 0.065;
 /// And beyond a keypoint that is joined to one other at most: a hand beyond its wrist.
 const REACH_OF_END: f64 = 0.12;
+/// How far a body reaches at least beyond the lines of its tree: a forearm's radius.
+const SURE_REACH: f64 = 0.02;
 /// Keypoints that are nearer to one another are joined, as a share of the person's extent: a hip is further from the shoulder
-/// across, which is 0.35 of a person's height.
-const NEAR: f64 = 0.37;
+/// across, which is 0.35 of a person's height, and the extent of who
+/// bends is smaller than that.
+const NEAR: f64 = 0.5;
 
 /// One keypoint: its place in pixels, with pixel centres at integers, and how sure the tool is, 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,24 +112,12 @@ fn last_number(path: &Path) -> Option<u64> {
 /// pixels: then nobody knows.
 #[must_use]
 pub fn generous_mask(people: &[Person], size: [usize; 2], divisor: usize) -> Option<Mask> {
-    let [width, height] = size.map(|side| side / divisor.max(1));
-    let scale = 1.0 / divisor.max(1) as f64;
-    let people: Vec<Vec<DVec2>> = people
-        .iter()
-        .map(|person| {
-            let sure = person.iter().flatten().filter(|keypoint| keypoint.score >= LOWEST_SCORE);
-            sure.map(|keypoint| (keypoint.place + 0.5) * scale - 0.5).collect()
-        })
-        .filter(|places: &Vec<DVec2>| places.len() >= FEWEST)
-        .collect();
-    if people.is_empty() || width.checked_mul(height).is_none_or(|pixels| pixels > MAX_PIXELS) {
-        return None;
-    }
-    let mut mask = Mask::filled(width, height, Label::Background).ok()?;
+    let people = places_of(people, divisor);
+    let mut mask = mask_for(&people, size, divisor)?;
+    let size = [mask.width(), mask.height()];
     for places in &people {
         let (extent, edges, tree) = (extent(places), near(places), tree(places));
-        let mut paint =
-            |from, to, reach: f64| stroke(mask.labels_mut(), [width, height], from, to, reach * extent);
+        let mut paint = |from, to, reach: f64| stroke(mask.labels_mut(), size, from, to, reach * extent);
         edges.iter().chain(&tree).for_each(|&(from, to)| paint(from, to, REACH));
         for &place in places {
             if tree.iter().filter(|(from, to)| *from == place || *to == place).count() < 2 {
@@ -135,6 +126,37 @@ pub fn generous_mask(people: &[Person], size: [usize; 2], divisor: usize) -> Opt
         }
     }
     Some(mask)
+}
+
+/// Where a person surely is: narrow strokes along the shortest tree of each person's keypoints. Otherwise as
+/// [`generous_mask`].
+#[must_use]
+pub fn sure_mask(people: &[Person], size: [usize; 2], divisor: usize) -> Option<Mask> {
+    let people = places_of(people, divisor);
+    let mut mask = mask_for(&people, size, divisor)?;
+    let size = [mask.width(), mask.height()];
+    for places in &people {
+        let radius = SURE_REACH * extent(places);
+        tree(places).into_iter().for_each(|(from, to)| stroke(mask.labels_mut(), size, from, to, radius));
+    }
+    Some(mask)
+}
+
+/// The sure keypoints of each person who has enough of them, in a picture that is reduced.
+fn places_of(people: &[Person], divisor: usize) -> Vec<Vec<DVec2>> {
+    let scale = 1.0 / divisor.max(1) as f64;
+    let places = people.iter().map(|person| {
+        let sure = person.iter().flatten().filter(|keypoint| keypoint.score >= LOWEST_SCORE);
+        sure.map(|keypoint| (keypoint.place + 0.5) * scale - 0.5).collect::<Vec<DVec2>>()
+    });
+    places.filter(|places| places.len() >= FEWEST).collect()
+}
+
+/// An empty mask of the reduced picture; `None` without people, or where it would be too large.
+fn mask_for(people: &[Vec<DVec2>], size: [usize; 2], divisor: usize) -> Option<Mask> {
+    let [width, height] = size.map(|side| side / divisor.max(1));
+    let is_small = width.checked_mul(height).is_some_and(|pixels| pixels <= MAX_PIXELS);
+    if people.is_empty() || !is_small { None } else { Mask::filled(width, height, Label::Background).ok() }
 }
 
 /// The longer side of the box around all people's keypoints of the largest person, pixels; `None` where nobody is found.

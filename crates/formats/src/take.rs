@@ -27,4 +27,4 @@ pub use footage::{BackgroundSource, CameraFootage, MAX_BACKGROUND_FRAMES, MAX_FR
 pub use frame_pattern::{FramePattern, PatternError};
 pub use reference::{Joint, Reference};
 pub use spec::{BodySizes, FORMAT};
-pub use take::{FILE_NAME, Take};
+pub use take::{FILE_NAME, Known, Take};

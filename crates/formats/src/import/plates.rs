@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use backlit_tracking::segment::{
-    Background, LearningFrame, LearningOptions, LearntPlate, SegmentOptions, learn_plate, segment,
+    Background, LearningFrame, LearningOptions, SegmentOptions, learn_plate, segment,
 };
-use backlit_tracking::silhouette::Label;
+use backlit_tracking::silhouette::{Label, Mask};
 use image::{DynamicImage, RgbImage, Rgba, RgbaImage};
 
 use super::{Found, FoundCamera, ImportError};
 use crate::keypoints::Person;
+use crate::take::Known;
 use crate::{images, keypoints};
 
 /// Most frames that a plate is learnt from.
@@ -24,6 +25,9 @@ const MOST_REDUCTION: usize = 16;
 const GUESSING_HEIGHT_PX: usize = 480;
 /// No side of a reduced picture is shorter, pixels.
 const SHORTEST_SIDE: usize = 64;
+
+/// The subject covers a pixel always if it does so in this share of the frames.
+const ALWAYS: f64 = 0.95;
 
 /// Frames that are spread over the recording.
 fn spread(found: &Found, most: usize) -> Vec<usize> {
@@ -83,7 +87,7 @@ fn person_px(found: &Found, camera: &FoundCamera) -> Result<Option<f64>, ImportE
 
 /// Learns a camera's plate, reduced, from frames that are spread over the recording. Where there are keypoints, pixels near them
 /// are left out.
-pub(super) fn learn(found: &Found, camera: &FoundCamera, divisor: usize) -> Result<LearntPlate, ImportError> {
+pub(super) fn learn(found: &Found, camera: &FoundCamera, divisor: usize) -> Result<Plate, ImportError> {
     let frames = spread(found, MOST_FRAMES);
     Ok(learn_from(camera, &frames, &Keypoints::of(camera)?, divisor)?.0)
 }
@@ -94,12 +98,15 @@ fn learn_from(
     frames: &[usize],
     keypoints: &Keypoints,
     divisor: usize,
-) -> Result<(LearntPlate, RgbImage), ImportError> {
+) -> Result<(Plate, RgbImage), ImportError> {
     let (mut pictures, mut masks) = (Vec::new(), Vec::new());
+    let mut sure = Covered::default();
     let size = [camera.camera.width(), camera.camera.height()];
     for &frame in frames {
         pictures.push(camera.pictures.reduced(frame, divisor)?);
-        masks.push(keypoints::generous_mask(&keypoints.people(frame)?, size, divisor));
+        let people = keypoints.people(frame)?;
+        masks.push(keypoints::generous_mask(&people, size, divisor));
+        sure.add(keypoints::sure_mask(&people, size, divisor));
     }
     let frames: Vec<LearningFrame<'_>> = pictures
         .iter()
@@ -110,15 +117,59 @@ fn learn_from(
         ImportError::Background { camera: camera.camera.name().to_owned(), reason: error.to_string() }
     })?;
     let middle = pictures.len() / 2;
-    Ok((plate, pictures.swap_remove(middle)))
+    let known = plate.known.iter().enumerate().map(|(index, &known)| match known {
+        true => Known::Scene,
+        false if sure.always(index) => Known::AlwaysSubject,
+        false => Known::Nothing,
+    });
+    let known = known.collect();
+    Ok((Plate { picture: plate.picture, known }, pictures.swap_remove(middle)))
 }
 
-/// Writes a plate whose unknown pixels are transparent.
-pub(super) fn write(path: &Path, plate: &LearntPlate) -> Result<(), ImportError> {
+/// A plate, and what it knows of each pixel.
+pub(super) struct Plate {
+    pub(super) picture: RgbImage,
+    pub(super) known: Vec<Known>,
+}
+
+impl Plate {
+    /// The share of the pixels in which the scene is known, 0 to 1.
+    pub(super) fn known_share(&self) -> f64 {
+        self.known.iter().filter(|known| **known == Known::Scene).count() as f64
+            / self.known.len().max(1) as f64
+    }
+}
+
+/// In how many frames the subject surely covers each pixel.
+#[derive(Default)]
+struct Covered {
+    counts: Vec<usize>,
+    frames: usize,
+}
+
+impl Covered {
+    fn add(&mut self, mask: Option<Mask>) {
+        let Some(mask) = mask else { return };
+        self.counts.resize(mask.labels().len(), 0);
+        self.frames += 1;
+        for (count, label) in self.counts.iter_mut().zip(mask.labels()) {
+            *count += usize::from(*label == Label::Subject);
+        }
+    }
+
+    /// Whether that is so in nearly all frames.
+    fn always(&self, pixel: usize) -> bool {
+        let count = self.counts.get(pixel).copied().unwrap_or(0);
+        self.frames > 0 && count as f64 >= ALWAYS * self.frames as f64
+    }
+}
+
+/// Writes a plate whose alpha channel says what it knows.
+pub(super) fn write(path: &Path, plate: &Plate) -> Result<(), ImportError> {
     let mut picture = RgbaImage::new(plate.picture.width(), plate.picture.height());
     for ((pixel, seen), known) in picture.pixels_mut().zip(plate.picture.pixels()).zip(&plate.known) {
         let [r, g, b] = seen.0;
-        *pixel = Rgba([r, g, b, if *known { 255 } else { 0 }]);
+        *pixel = Rgba([r, g, b, known.alpha()]);
     }
     Ok(images::write_png(path, &DynamicImage::ImageRgba8(picture))?)
 }

@@ -301,7 +301,13 @@ mod tests {
     use super::*;
 
     fn parse(text: &str, markers: Option<&[(String, Joint)]>) -> Result<Reference, FileError> {
-        let options = ReferenceOptions { markers, first_frame: 5, frame_count: 3, metres_per_unit: 0.001 };
+        let options = ReferenceOptions {
+            markers,
+            first_frame: 5,
+            frame_count: 3,
+            metres_per_unit: 0.001,
+            axes: Axes::default(),
+        };
         Reference::parse(Path::new("k.csv"), text.as_bytes(), &builtin::upper_body(), &options)
     }
 

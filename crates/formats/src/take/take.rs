@@ -53,6 +53,42 @@ pub struct Take {
     cache: Arc<FrameCache>,
 }
 
+/// What a plate knows of a pixel, by its alpha channel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Known {
+    /// Nothing: alpha below 32.
+    Nothing,
+    /// The subject covers it in every frame: alpha from 32 to 127.
+    AlwaysSubject,
+    /// What is there without the subject: alpha from 128 on.
+    Scene,
+}
+
+impl Known {
+    /// From this alpha on the scene is known.
+    const OPAQUE: u8 = 128;
+    /// From this alpha on the subject covers the pixel.
+    const COVERED: u8 = 32;
+
+    /// The alpha that says so in a file.
+    #[must_use]
+    pub fn alpha(self) -> u8 {
+        match self {
+            Self::Nothing => 0,
+            Self::AlwaysSubject => 64,
+            Self::Scene => 255,
+        }
+    }
+
+    fn of_alpha(alpha: u8) -> Self {
+        match alpha {
+            0..Self::COVERED => Self::Nothing,
+            Self::COVERED..Self::OPAQUE => Self::AlwaysSubject,
+            Self::OPAQUE.. => Self::Scene,
+        }
+    }
+}
+
 /// The take file of a folder, or the file itself.
 fn file_of(path: &Path) -> PathBuf {
     if path.is_dir() { path.join(FILE_NAME) } else { path.to_owned() }
@@ -344,32 +380,33 @@ impl Take {
         pictures.map_err(|error| TakeError::Background { camera: footage.camera.clone(), error })
     }
 
-    /// Which pixels of a camera's reduced plate are known, row by row: those that are not transparent. `None` where all are.
+    /// What a camera's reduced plate knows of each pixel, row by row. `None` where it knows all.
     ///
     /// # Errors
     /// As [`background`](Self::background).
-    pub fn known_background(&self, camera: usize) -> Result<Option<Vec<bool>>, TakeError> {
+    pub fn plate_knowledge(&self, camera: usize) -> Result<Option<Vec<Known>>, TakeError> {
         let footage = self.footage_of(camera)?;
         let Some(BackgroundSource::Plate(path)) = &footage.background else { return Ok(None) };
-        let known =
-            self.files.read(path, MAX_PICTURE_BYTES).and_then(|bytes| images::opaque_pixels(path, &bytes));
-        let known = known.map_err(|error| TakeError::Background { camera: footage.camera.clone(), error })?;
+        let alpha = self.files.read(path, MAX_PICTURE_BYTES).and_then(|bytes| images::alpha(path, &bytes));
+        let alpha = alpha.map_err(|error| TakeError::Background { camera: footage.camera.clone(), error })?;
+        let Some(alpha) = alpha.filter(|alpha| alpha.iter().any(|&alpha| alpha < Known::OPAQUE)) else {
+            return Ok(None);
+        };
         let (full, small) = (&self.full_rig.cameras()[camera], &self.rig.cameras()[camera]);
-        let side = self.reduction as usize;
-        let is_reduced = |known: &Vec<bool>| known.len() == small.width() * small.height();
-        if known.as_ref().is_some_and(is_reduced) {
-            return Ok(known);
+        if alpha.len() == small.width() * small.height() {
+            return Ok(Some(alpha.into_iter().map(Known::of_alpha).collect()));
         }
-        Ok(known.filter(|known| known.contains(&false)).map(|known| {
-            let mut out = vec![true; small.width() * small.height()];
-            for (index, _) in known.iter().enumerate().filter(|(_, known)| !**known) {
-                let (x, y) = (index % full.width() / side, index / full.width() / side);
-                if x < small.width() && y < small.height() {
-                    out[y * small.width() + x] = false;
-                }
+        // Of the pixels that are averaged to one, the least known counts.
+        let (side, width) = (self.reduction as usize, small.width());
+        let mut out = vec![Known::Scene; width * small.height()];
+        for (index, &alpha) in alpha.iter().enumerate() {
+            let (x, y) = (index % full.width() / side, index / full.width() / side);
+            if x < width && y < small.height() {
+                let worst = &mut out[y * width + x];
+                *worst = (*worst).min(Known::of_alpha(alpha));
             }
-            out
-        }))
+        }
+        Ok(Some(out))
     }
 
     fn footage_of(&self, camera: usize) -> Result<&CameraFootage, TakeError> {
