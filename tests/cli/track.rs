@@ -249,8 +249,6 @@ fn bad_takes_are_explained() {
     expect(&TAKE.replace("name = \"side\"", "name = \"back\""), &["take.toml, line ", "back", "front, side"]);
     let elsewhere = TAKE.replace("model", "footage = \"${NOWHERE:-gone}/wave\"\nmodel");
     expect(&elsewhere, &["take.toml, line 4", "`footage`", "${NOWHERE:-gone}/wave", "cameras.json"]);
-    let (without, _) = TAKE.split_once("[reference]").unwrap();
-    expect(&without.replace("start = \"start.json\"\n", ""), &["no `start`", "frame 0", "--start POSE"]);
     assert!(!scene.path("out/track.json").exists());
     scene.write("wave/take.toml", TAKE);
     let replace = |name: &str, picture: Option<RgbImage>| {
@@ -266,6 +264,23 @@ fn bad_takes_are_explained() {
     scene.fails("track wave --out out", 1, &["side/02.png", "camera \"side\""]);
     scene.fails("track nowhere --out out", 1, &["nowhere"]);
     scene.fails("track wave/front --out out", 1, &["wave/front", "no take.toml"]);
+}
+
+#[test]
+fn a_take_without_a_start_is_searched_for_one() {
+    let scene = take();
+    let (without, _) = TAKE.split_once("[reference]").unwrap();
+    scene.write("wave/take.toml", &without.replace("start = \"start.json\"\n", ""));
+    let summary: Value = serde_json::from_str(&scene.ok("track wave --out out --json")).unwrap();
+    assert_eq!(summary["begun"]["searched"], true);
+    assert_eq!(summary["frames"].as_u64(), Some(FRAMES as u64));
+    assert!(summary["iou"]["mean"].as_f64().unwrap() > 0.8, "{summary}");
+    // Where nobody is seen there is nothing to find.
+    for camera in ["front", "side"] {
+        let file = |name: &str| scene.path(&format!("wave/{camera}/{name}"));
+        fs::copy(file("plate.png"), file("00.png")).unwrap();
+    }
+    scene.fails("track wave --out none", 1, &["no `start`", "frame 0", "--start POSE"]);
 }
 
 #[test]

@@ -108,7 +108,9 @@ impl NewTake {
     fn settings(&mut self, ui: &mut Ui, looked: &Looked) -> Option<Wish> {
         let mut wish = None;
         row(ui, "Frames a second", |ui| {
-            let response = ui.add_sized(vec2(76.0, size::BUTTON), egui::TextEdit::singleline(&mut self.rate));
+            let field = vec2(76.0, size::BUTTON);
+            let rate = |ui: &mut Ui| text_field(ui, "Frames a second", "", &mut self.rate);
+            let response = ui.allocate_ui(field, rate).inner;
             let typed = self.rate.trim().parse().ok().filter(|rate: &f64| *rate > 0.0 && rate.is_finite());
             if response.lost_focus() && typed != looked.found.frame_rate && typed.is_some() {
                 self.options.frame_rate = typed;

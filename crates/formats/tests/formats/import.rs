@@ -27,7 +27,7 @@ fn camera(name: &str, x: f64) -> Camera {
 fn picture(frame: u32) -> RgbImage {
     RgbImage::from_fn(160, 120, |x, y| {
         let is_block =
-            (30 + 3 * frame..54 + 3 * frame).contains(&x) && (20 + frame % 4..100 + frame % 4).contains(&y);
+            (20 + 5 * frame..44 + 5 * frame).contains(&x) && (20 + frame % 4..100 + frame % 4).contains(&y);
         if is_block { Rgb([220, 120, 90]) } else { Rgb([90 + (x % 9) as u8, 110, 130 + (y % 7) as u8]) }
     })
 }

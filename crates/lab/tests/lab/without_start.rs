@@ -71,7 +71,8 @@ fn a_person_is_found_and_faces_the_right_way() {
             found.candidates[1..].iter().any(|other| turned(&other.pose) < -0.5),
             "the other way was tried"
         );
-        assert!(found.candidates[1..].iter().all(|other| other.cost > found.candidates[0].cost));
+        // Of costs within 3 % the less wrung body comes first.
+        assert!(found.candidates[1..].iter().all(|other| 1.03 * other.cost > found.candidates[0].cost));
         let heights = found.heights.unwrap();
         assert!((heights.ratio() - 1.0).abs() < 0.15, "{heights:?}");
     }
@@ -203,35 +204,24 @@ fn a_track_begins_where_somebody_appears() {
     }
 }
 
-/// Between two frames the body walks away and turns about, too far for a search about where it was.
+/// Between two frames the figure walks away and turns about, too far for a search about where it was.
 #[test]
 fn a_lost_track_begins_anew_in_the_hull() {
-    let model = Arc::new(builtin::upper_body());
-    let start = |seed| {
-        let levels = vec![Level { degrees: 20, metres: 0.1 }];
-        Draw { starts: 1, levels, cameras: vec![4], seed, ..Draw::default() }.draw().unwrap().remove(0)
-    };
-    let (before, mut after) = (start(3), start(5));
-    let walk = DVec3::new(1.2, 0.1, -0.8);
-    after.truth.root += walk;
-    let views_after = after.views[&4].iter().map(|view| {
-        let camera = Arc::clone(&view.camera);
-        let mask = capsules::hard_mask(&model, &after.truth, &camera).unwrap();
-        FitView { camera, evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
-    });
-    let views_after: Vec<FitView> = views_after.collect();
+    let model = Arc::new(builtin::full_body());
+    let before = posed(&model, MOMENTS[0]);
+    let mut after = posed(&model, MOMENTS[1]);
+    after.root += DVec3::new(0.6, 0.5, 0.0);
+    let [views_before, views_after] = [&before, &after].map(|pose| views(&model, pose, &[0, 1, 2, 3]));
     let track = |search: WhenToSearch| {
-        let tracker = Tracker::new(Arc::clone(&model), FitOptions::default(), before.truth.clone()).unwrap();
+        let tracker = Tracker::new(Arc::clone(&model), FitOptions::default(), before.clone()).unwrap();
         let mut tracker = tracker.with_search(search);
-        for frame in 0..4 {
-            tracker.track_frame(frame, before.views[&4].clone(), &CancelToken::new()).unwrap();
-        }
-        tracker.track_frame(4, views_after.clone(), &CancelToken::new()).unwrap()
+        tracker.track_frame(0, views_before.clone(), &CancelToken::new()).unwrap();
+        tracker.track_frame(1, views_after.clone(), &CancelToken::new()).unwrap()
     };
     let [without, with] = [WhenToSearch::Never, WhenToSearch::WhenPoor].map(track);
-    let error = |found: &FrameEstimate| leaf_error_mm(&model, &found.pose, &after.truth);
+    let error = |found: &FrameEstimate| mean_joint_error_mm(&model, &found.pose, &after);
     assert!(error(&without) > 100.0, "{:.0} mm", error(&without));
-    assert!(error(&with) < 30.0, "{:.0} mm, {:?}", error(&with), with.lost_because);
+    assert!(error(&with) < 60.0, "{:.0} mm, {:?}", error(&with), with.lost_because);
 }
 
 /// Four cameras of the real footage, with the person's own sizes.

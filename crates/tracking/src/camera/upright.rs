@@ -16,7 +16,7 @@ use nalgebra::{Matrix3, SymmetricEigen};
 use super::Camera;
 
 /// ε: how much the cameras' own up directions count beside their levels.
-const OWN_UP: f64 = 0.05;
+const OWN_UP: f64 = 0.005;
 /// Up is a world axis where it is as near to one as this cosine (12°): most calibrations set their world on the floor.
 const NEAR_AXIS: f64 = 0.978;
 
