@@ -63,7 +63,7 @@ pub(crate) struct FitBodyArguments {
     /// Keep the proportions of all lengths, of all radii, or of both: then the body is only scaled as a whole
     #[arg(long, value_enum, value_name = "KIND")]
     hold: Option<HoldWord>,
-    /// How much the proportions of people count [default, for a body built as full_body:
+    /// How much the proportions of people count [default, for a body built as the built-in full one:
     /// 0.2 with keypoints, without them 14, for people in clothes; for others 1 and 20]
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     proportions: Option<f64>,

@@ -5,7 +5,6 @@ use std::time::Duration;
 
 use anyhow::Context;
 use backlit_formats::Footage;
-use backlit_formats::take::BodySizes;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::body_fit::{
     Doubt, OwnSizes, OwnSizesProgress, PersonOptions, PersonProgress, find_person,
@@ -64,7 +63,7 @@ fn no_start(frame: usize) -> String {
     format!("the take has no `start`, and none can be found in frame {frame}; give a pose with --start POSE")
 }
 
-/// Finds what is lacking and says so on standard error: a start, and where the take asks for it the person's own sizes. The body
+/// Finds what is lacking and says so on standard error: a start, and where that is asked for the person's own sizes. The body
 /// is returned where it is another than the take's.
 ///
 /// # Errors
@@ -75,11 +74,12 @@ pub(crate) fn begin(
     frames: &[usize],
     fit: &FitOptions,
     start: Option<Pose>,
+    sizes: bool,
 ) -> anyhow::Result<(Pose, Option<Model>, Begun)> {
     let take = footage.take();
     let spinner = ProgressBar::new_spinner();
     spinner.enable_steady_tick(Duration::from_millis(200));
-    let options = PersonOptions::new(fit.clone(), take.sizes() == BodySizes::Fit, take.frame_rate());
+    let options = PersonOptions::new(fit.clone(), sizes, take.frame_rate());
     let is_given = start.is_some();
     let person = find_person(
         take.model(),

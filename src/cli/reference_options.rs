@@ -11,11 +11,11 @@ use clap::Args;
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "What to compare with")]
 pub(crate) struct ReferenceArguments {
-    /// Keypoints to measure joint errors against, in the place of the take's: a TRC of Pose2Sim, OpenSim or OpenCap, or a table
+    /// Keypoints to measure joint errors against, in the place of the take's: a TRC of another tool, or a table
     /// frame,joint,x,y,z. Neither start nor fit uses them
     #[arg(long, value_name = "FILE")]
     reference: Option<PathBuf>,
-    /// Which of the file's axes are the world's x, y and z, as zxy or x-zy [default: xyz, or zxy for OpenSim's Y up, whichever
+    /// Which of the file's axes are the world's x, y and z, as zxy or x-zy [default: xyz, or zxy of a file whose Y is up, whichever
     /// puts the markers before the cameras]
     #[arg(long, value_name = "AXES", requires = "reference", allow_hyphen_values = true, value_parser = axes)]
     reference_axes: Option<Axes>,

@@ -6,6 +6,7 @@ use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
+use backlit_formats::take::BodySizes;
 use backlit_formats::{Footage, Take, model_file};
 use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
@@ -198,8 +199,10 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let cameras = arguments.part.cameras(footage.take())?;
     let known = arguments.start.known_pose(footage.take(), frames[0])?;
     let fit = arguments.follow.solver.options()?;
+    // A body that is named has its sizes.
+    let sizes = arguments.model.is_none() && footage.take().sizes() == BodySizes::Fit;
     output::make_folder(&arguments.out)?;
-    let (start, body, begun) = own_body::begin(&footage, &cameras, &frames, &fit, known)?;
+    let (start, body, begun) = own_body::begin(&footage, &cameras, &frames, &fit, known, sizes)?;
     if let Some(body) = body {
         model_file::write(&arguments.out.join("body.toml"), &body)?;
         footage = Footage::new(Take::open_with_model(&arguments.take, body)?);

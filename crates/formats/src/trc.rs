@@ -45,7 +45,7 @@ const JOINTS: [(&str, &str); 6] = [
     ("ankle", "lower calf"),
 ];
 
-/// The limb of the built-in full body whose second joint a marker shows: of "RShoulder" and "right_shoulder" the "right
+/// The limb of the built-in full body whose second joint a marker shows: of `RShoulder` and `right_shoulder` the "right
 /// clavicle". `None` for markers that show no joint.
 #[must_use]
 pub fn limb_of_marker(marker: &str) -> Option<String> {
@@ -64,7 +64,7 @@ pub fn limb_of_marker(marker: &str) -> Option<String> {
 pub struct Axes([DVec3; 3]);
 
 impl Axes {
-    /// Of a table for OpenSim, whose Y is up, of a world whose Z is up: the world's x, y, z are the table's z, x, y.
+    /// Of a table for `OpenSim`, whose Y is up, of a world whose Z is up: the world's x, y, z are the table's z, x, y.
     pub const Y_UP: Self = Self([DVec3::Z, DVec3::X, DVec3::Y]);
 
     /// Parses three letters, each with a minus or none: "zxy" says that the world's x is the table's z, and so on.

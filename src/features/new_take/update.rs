@@ -55,7 +55,7 @@ impl NewTake {
         self.write.begin(context.pool, (), |()| job);
     }
 
-    pub(super) fn stop(&mut self) {
+    pub(super) fn stop(&self) {
         self.write.stop();
     }
 

@@ -28,6 +28,9 @@ pub(super) struct Sequence {
     pub(super) example: PathBuf,
 }
 
+/// A picture: its number, that number's digits, and its path.
+type Numbered = (u64, usize, PathBuf);
+
 /// The files of interest, in the order of their paths.
 #[derive(Debug, Default)]
 pub(super) struct Listing {
@@ -118,7 +121,7 @@ impl Listing {
 
     /// Sorts the pictures of a folder into those that are numbered and single ones.
     fn numbered(&mut self, pictures: impl Iterator<Item = PathBuf>) {
-        let mut groups: BTreeMap<(PathBuf, String, String), Vec<(u64, usize, PathBuf)>> = BTreeMap::new();
+        let mut groups: BTreeMap<(PathBuf, String, String), Vec<Numbered>> = BTreeMap::new();
         for path in pictures {
             let folder = path.parent().unwrap_or(Path::new("")).to_owned();
             match path.file_name().and_then(|name| name.to_str()).and_then(split_number) {

@@ -332,7 +332,7 @@ impl Take {
 
     /// The same take with other keypoints to compare with: a TRC, or a table whose markers have joints' names. Where no `axes`
     /// are given, those are taken that put most markers into the cameras' pictures: the file's own, or those of a file for
-    /// OpenSim, Y up. The first row belongs to the first frame unless `first_frame` gives its number.
+    /// `OpenSim`, Y up. The first row belongs to the first frame unless `first_frame` gives its number.
     ///
     /// # Errors
     /// No such file, or not a table of keypoints of this body.

@@ -1,4 +1,4 @@
-//! Keypoints of other tools: tables of markers and OpenPose's JSON, as their tools wrote them.
+//! Keypoints of other tools: tables of markers and `OpenPose`'s JSON, as their tools wrote them.
 
 use std::path::Path;
 

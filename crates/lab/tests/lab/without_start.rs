@@ -7,7 +7,7 @@ use backlit_formats::{Footage, Take};
 use backlit_lab::experiment::basin::leaf_error_mm;
 use backlit_lab::experiment::no_start;
 use backlit_lab::experiment::starts::{Draw, Level};
-use backlit_lab::synthetic::{Build, Figure, capsules, motion, silhouette, studio};
+use backlit_lab::synthetic::{Build, Figure, motion, silhouette, studio};
 use backlit_tracking::body::{Kinematics, Model, Pose, Sides, builtin};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
@@ -15,7 +15,7 @@ use backlit_tracking::fit::{Evidence, FitError, FitOptions, FitView};
 use backlit_tracking::metrics::mean_joint_error_mm;
 use backlit_tracking::search::{Doubt, Found, WithoutStart, WithoutStartError, without_start};
 use backlit_tracking::silhouette::{Label, Mask};
-use backlit_tracking::track::{FrameEstimate, Lost, Tracker, WhenToSearch};
+use backlit_tracking::track::{Lost, Tracker};
 use glam::DVec3;
 
 use crate::footage::footage;
@@ -202,26 +202,6 @@ fn a_track_begins_where_somebody_appears() {
         assert!(error < 60.0 && !found.is_lost(), "frame {frame}: {error:.0} mm {:?}", found.lost_because);
         assert_eq!(found.hypotheses.is_empty(), frame > 1, "one search");
     }
-}
-
-/// Between two frames the figure walks away and turns about, too far for a search about where it was.
-#[test]
-fn a_lost_track_begins_anew_in_the_hull() {
-    let model = Arc::new(builtin::full_body());
-    let before = posed(&model, MOMENTS[0]);
-    let mut after = posed(&model, MOMENTS[1]);
-    after.root += DVec3::new(0.6, 0.5, 0.0);
-    let [views_before, views_after] = [&before, &after].map(|pose| views(&model, pose, &[0, 1, 2, 3]));
-    let track = |search: WhenToSearch| {
-        let tracker = Tracker::new(Arc::clone(&model), FitOptions::default(), before.clone()).unwrap();
-        let mut tracker = tracker.with_search(search);
-        tracker.track_frame(0, views_before.clone(), &CancelToken::new()).unwrap();
-        tracker.track_frame(1, views_after.clone(), &CancelToken::new()).unwrap()
-    };
-    let [without, with] = [WhenToSearch::Never, WhenToSearch::WhenPoor].map(track);
-    let error = |found: &FrameEstimate| mean_joint_error_mm(&model, &found.pose, &after);
-    assert!(error(&without) > 100.0, "{:.0} mm", error(&without));
-    assert!(error(&with) < 60.0, "{:.0} mm, {:?}", error(&with), with.lost_because);
 }
 
 /// Four cameras of the real footage, with the person's own sizes.
