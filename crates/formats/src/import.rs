@@ -5,6 +5,7 @@
 //! | `scan` | videos, numbered pictures, calibrations, keypoints and tables in folders |
 //! | `matching` | which file belongs to which camera, by names and numbers |
 //! | `picture_size` | how pictures were made from those that a calibration is for |
+//! | `pictures` | a camera's footage: a video or numbered pictures |
 //! | `project` | the tools whose projects are recognised |
 //! | `look` | all of it together: what was found, what is missing |
 //! | `plates` | backgrounds learnt from the footage, the size to work at |
@@ -16,14 +17,16 @@
 mod look;
 mod matching;
 mod picture_size;
+mod pictures;
 mod plates;
 mod project;
 mod scan;
 mod start;
 mod write;
 
-pub use look::{Found, FoundCamera, ImportError, ImportOptions, Pictures, look};
+pub use look::{Found, FoundCamera, ImportError, ImportOptions, look};
 pub use matching::MatchedBy;
 pub use picture_size::PictureSize;
+pub use pictures::Pictures;
 pub use project::Project;
 pub use write::{Background, ImportStep, write};
