@@ -65,3 +65,16 @@ fn people_are_read_and_covered_generously() {
         assert!((0.02..0.4).contains(&share), "{file}: {share:.2} of the picture");
     }
 }
+
+/// People may stand half or wholly outside of the picture, and numbers may be absurd.
+#[test]
+fn people_outside_of_the_picture_cover_nothing_of_it() {
+    for (x, y) in [(-900.0, 40.0), (40.0, -900.0), (-900.0, -900.0), (5000.0, 9000.0), (-1e300, 1e300)] {
+        let places = (0..6).flat_map(|k| [x + f64::from(k) * 20.0, y + f64::from(k % 3) * 30.0, 0.9]);
+        let numbers: Vec<String> = places.map(|number| format!("{number:e}")).collect();
+        let text = format!("{{\"people\": [{{\"pose_keypoints_2d\": [{}]}}]}}", numbers.join(", "));
+        let people = keypoints::parse(Path::new("a.json"), text.as_bytes()).unwrap();
+        let mask = keypoints::generous_mask(&people, [320, 240], 2).unwrap();
+        assert_eq!(mask.count(Label::Subject), 0, "{x} {y}");
+    }
+}
