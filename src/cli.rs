@@ -26,6 +26,7 @@
 //!
 //! Exit codes: 0 done, 1 an error (on standard error, in one line), 2 a command that makes no sense.
 
+pub(crate) mod background;
 pub(crate) mod cameras;
 pub(crate) mod command;
 pub(crate) mod evidence;
@@ -80,6 +81,7 @@ pub fn run() -> ExitCode {
         Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),
         Some(Command::Observability(arguments)) => observability::run(&arguments),
         Some(Command::Silhouettes(arguments)) => silhouettes::run(&arguments),
+        Some(Command::Background(arguments)) => background::run(&arguments),
         Some(Command::Cameras(arguments)) => cameras::run(&arguments),
         Some(Command::Experiment(arguments)) => experiment::run(&arguments),
     };

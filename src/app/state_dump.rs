@@ -36,8 +36,18 @@ struct StateWriter {
 #[derive(Debug, Serialize, PartialEq)]
 struct Exported {
     pixels_per_point: f32,
+    pointer: Pointer,
     state: Value,
     widgets: Vec<Widget>,
+}
+
+/// What the window knows of the pointer: who drives it from outside waits until it has seen a move or a press.
+#[derive(Debug, Serialize, PartialEq)]
+struct Pointer {
+    /// Points of the window; nothing where the pointer is outside.
+    at: Option<[f32; 2]>,
+    /// Whether a button is down.
+    is_down: bool,
 }
 
 /// A widget that has a name.
@@ -67,10 +77,14 @@ impl egui::Plugin for StateWriter {
         "exported state"
     }
 
-    fn output_hook(&mut self, _ctx: &Context, output: &mut FullOutput) {
+    fn output_hook(&mut self, ctx: &Context, output: &mut FullOutput) {
         let Some(update) = &output.platform_output.accesskit_update else { return };
         let exported = Exported {
             pixels_per_point: output.pixels_per_point,
+            pointer: ctx.input(|input| Pointer {
+                at: input.pointer.latest_pos().map(|at| [at.x, at.y]),
+                is_down: input.pointer.any_down(),
+            }),
             state: self.state.clone(),
             widgets: named(update).into_iter().map(Widget::from).collect(),
         };

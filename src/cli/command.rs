@@ -6,7 +6,8 @@ use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use super::{
-    cameras, experiment, export, fit, fit_body, import, observability, render, screenshot, silhouettes, track,
+    background, cameras, experiment, export, fit, fit_body, import, observability, render, screenshot,
+    silhouettes, track,
 };
 
 const ABOUT: &str =
@@ -56,6 +57,8 @@ pub(crate) enum Command {
     Track(track::TrackArguments),
     /// Write a track as motion files of other programs: BVH, TRC, MOT, C3D, glTF, NumPy, CSV
     Export(export::ExportArguments),
+    /// Learn the background of a take again without the body that was tracked in it
+    Background(background::BackgroundArguments),
     /// Draw the window without a display and write its picture
     Screenshot(screenshot::ScreenshotArguments),
     /// Tell what the cameras see of a frame's pose and what not, and compare sets of cameras

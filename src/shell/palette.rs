@@ -2,7 +2,7 @@
 
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
-use backlit_ui::widgets::{search_card, text_field};
+use backlit_ui::widgets::{search_card, search_field};
 use egui::{Button, Key, RichText, ScrollArea, Ui, vec2};
 
 use crate::context::command::{Command, Menu, WindowCommand};
@@ -40,9 +40,7 @@ impl Palette {
         let modal = search_card(ui.ctx(), "palette").show(ui.ctx(), |ui| {
             ui.set_width(WIDTH);
             let hint = "What do you want to do?";
-            let field = text_field(ui, "Find a command", hint, &mut self.text);
-            field.request_focus();
-            if field.changed() {
+            if search_field(ui, "Find a command", hint, &mut self.text).changed() {
                 self.marked = 0;
             }
             let found = matching(&self.text, &context.preferences.used_commands);

@@ -2,7 +2,7 @@
 
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
-use backlit_ui::widgets::{Icon, icon_button, search_card, text_field};
+use backlit_ui::widgets::{Icon, icon_button, search_card, search_field};
 use egui::{Align, Label, RichText, ScrollArea, Ui, vec2};
 
 use crate::context::command::{Command, Menu, keys_text};
@@ -43,7 +43,7 @@ pub(crate) fn ui(ui: &Ui, search: &mut String) -> bool {
                 close = icon_button(ui, Icon::Close, "Close keys", "Close   Esc").clicked();
             });
         });
-        text_field(ui, "Search keys", "Search keys", search).request_focus();
+        search_field(ui, "Search keys", "Search keys", search);
         ui.add_space(4.0);
         let words: Vec<String> = search.to_lowercase().split_whitespace().map(str::to_owned).collect();
         ScrollArea::vertical()

@@ -6,14 +6,19 @@ use std::io::{BufRead, BufReader};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::TempDir;
 
 /// Programs without which there is nothing to drive.
 const PROGRAMS: [&str; 3] = ["Xvfb", "xdotool", "import"];
 
+/// One screen at a time: frames drawn without a GPU are slow enough alone.
+static TURN: Mutex<()> = Mutex::new(());
+
 /// A screen that nobody sees.
 pub(crate) struct Desk {
+    _turn: MutexGuard<'static, ()>,
     server: Child,
     display: String,
     home: TempDir,
@@ -31,6 +36,7 @@ impl Desk {
                 return None;
             }
         }
+        let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let home = TempDir::new().unwrap();
         for folder in ["run", "data", "config", "bin"] {
             fs::create_dir(home.path().join(folder)).unwrap();
@@ -46,7 +52,13 @@ impl Desk {
         let mut number = String::new();
         BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
         assert!(!number.trim().is_empty(), "the virtual screen does not start");
-        Some(Self { server, display: format!(":{}", number.trim()), home, windows: Cell::new(0) })
+        Some(Self {
+            _turn: turn,
+            server,
+            display: format!(":{}", number.trim()),
+            home,
+            windows: Cell::new(0),
+        })
     }
 
     pub(crate) fn home(&self) -> &Path {

@@ -161,8 +161,13 @@ fn looking(window: &mut Window<'_>) {
     window.until("the panel is gone", |state| state["panel"] == false);
     window.key("ctrl+b");
     window.until("and back", |state| state["panel"] == true);
+    // A narrow tile keeps it in its menu.
+    window.click("More for Camera 1");
     window.click("Used in the fit");
     window.until("camera 1 is left out", |state| state["cameras"][0]["used"] == false);
+    // Keys belong to the menu as long as it is open.
+    window.key("Escape");
+    window.until_gone("Close tile");
     window.key("ctrl+z");
     window.until("and is used again", |state| state["cameras"][0]["used"] == true && state["idle"] == true);
 }
@@ -236,8 +241,11 @@ fn opening_again(desk: &Desk, (path, saved): &(PathBuf, Value)) {
     window.kill();
 
     let mut window = Window::open(desk, &[]);
-    window.until("what was unsaved is offered", |state| !state["recovery"].is_null());
+    window.until("what was unsaved is offered", |state| {
+        state["recovery"].as_array().is_some_and(|all| all.len() == 1)
+    });
     window.picture("offer");
+    window.click("Unsaved work…");
     window.click("Restore");
     let restored =
         window.until("it is back", |state| state["take"]["loaded"] == true && state["idle"] == true);

@@ -139,19 +139,59 @@ impl<'a> Window<'a> {
         }
     }
 
+    /// Waits until no widget has this name.
+    pub(crate) fn until_gone(&mut self, name: &str) {
+        let began = Instant::now();
+        while self.place(name).is_some() {
+            self.must_live();
+            assert!(began.elapsed() < PATIENCE, "{name} is still there");
+            sleep(GLANCE);
+        }
+        println!("ok: {name} is gone");
+    }
+
+    /// Moves the pointer, and waits until the window has seen it there: what is under it is judged once a frame.
     fn point_at(&mut self, place: [i32; 2]) {
         self.pointer = place;
         let [x, y] = place.map(|number| number.to_string());
         let id = self.id.clone();
         self.xdotool(&["mousemove", "--window", &id, &x, &y]);
-        sleep(2 * GLANCE);
+        self.until_pointer("is there", |pointer, scale| {
+            let at = |axis: usize| scale * pointer["at"][axis].as_f64().unwrap_or(f64::NAN);
+            (0..2).all(|axis| (at(axis) - f64::from(place[axis])).abs() < 1.5)
+        });
+    }
+
+    /// Presses or lets go the mouse button, and waits until the window has seen it.
+    fn button(&mut self, is_down: bool) {
+        self.xdotool(&[if is_down { "mousedown" } else { "mouseup" }, "1"]);
+        self.until_pointer("is pressed or let go", |pointer, _| pointer["is_down"] == is_down);
+    }
+
+    fn until_pointer(&mut self, what: &str, is_so: impl Fn(&Value, f64) -> bool) {
+        let began = Instant::now();
+        loop {
+            let exported = self.exported();
+            if is_so(&exported["pointer"], exported["pixels_per_point"].as_f64().unwrap()) {
+                return;
+            }
+            self.must_live();
+            assert!(
+                began.elapsed() < PATIENCE,
+                "the pointer, sent to {:?}: not so that it {what}: {}",
+                self.pointer,
+                exported["pointer"]
+            );
+            sleep(GLANCE / 4);
+        }
     }
 
     /// Clicks the first widget of this name.
     pub(crate) fn click(&mut self, name: &str) {
         let place = self.waited_for(name);
         self.point_at(place);
-        self.xdotool(&["click", "1"]);
+        self.button(true);
+        self.button(false);
         self.point_at([place[0], 2]);
     }
 
@@ -166,8 +206,7 @@ impl<'a> Window<'a> {
     pub(crate) fn press_at(&mut self, name: &str) {
         let place = self.waited_for(name);
         self.point_at(place);
-        self.xdotool(&["mousedown", "1"]);
-        sleep(2 * GLANCE);
+        self.button(true);
     }
 
     pub(crate) fn move_by(&mut self, x: i32, y: i32) {
@@ -175,8 +214,8 @@ impl<'a> Window<'a> {
         self.point_at([left + x, top + y]);
     }
 
-    pub(crate) fn release(&self) {
-        self.xdotool(&["mouseup", "1"]);
+    pub(crate) fn release(&mut self) {
+        self.button(false);
     }
 
     /// Keeps a picture of the screen, where pictures are wanted.
@@ -216,7 +255,7 @@ impl<'a> Window<'a> {
     pub(crate) fn kill(mut self) {
         self.process.kill().unwrap();
         self.process.wait().unwrap();
-        self.release();
+        self.xdotool(&["mouseup", "1"]);
     }
 }
 

@@ -219,6 +219,21 @@ fn the_palette_offers_first_what_was_used_last() {
 }
 
 #[test]
+fn the_palette_takes_what_is_typed_before_it_is_drawn() {
+    let mut harness = open_sized(AppOptions::default(), vec2(1300.0, 860.0));
+    settle(&mut harness);
+    // A slow frame has the keys that open it, the text and Enter almost at once.
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::K);
+    harness.step();
+    for letter in "about".chars() {
+        harness.event(egui::Event::Text(letter.to_string()));
+    }
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    harness.get_by_label_contains("Markerless Motion Capture");
+}
+
+#[test]
 fn about_copies_the_citation() {
     let opening = Some(Opening::Ready(Box::new(take::take())));
     let mut harness = open_sized(AppOptions { opening, ..AppOptions::default() }, vec2(1300.0, 860.0));

@@ -10,6 +10,7 @@
 //! | [`model_file`] | body models |
 //! | [`pose_file`] | poses |
 //! | [`mod@import`] | a take made of footage and a calibration |
+//! | [`plate`] | a camera's view without the subject, learnt from footage |
 //! | [`keypoints`], [`trc`] | what other tools found in the same footage |
 //! | [`starts_file`] | starts of fits of known truth |
 //! | [`calibration`] | cameras, in several formats |
@@ -34,6 +35,7 @@ pub mod keypoints;
 pub mod model_file;
 pub mod motion;
 pub mod npy;
+pub mod plate;
 pub mod pose_file;
 pub mod starts_file;
 pub mod take;

@@ -43,4 +43,4 @@ pub use size_handles::SizeHandles;
 pub use slider::{ValueSlider, focus_holds_arrows_only, hold_arrows};
 pub use slider_row::{SliderRow, hint, named_row, number_field, row_name};
 pub use still_plot::still_plot;
-pub use text_field::text_field;
+pub use text_field::{search_field, text_field};

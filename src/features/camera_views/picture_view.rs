@@ -114,12 +114,14 @@ fn follow_pointer(
     state: &mut TileState,
     events: &mut Vec<TileEvent>,
 ) {
-    let (at, primary_pressed, primary_down, modifiers) = ui.input(|input| {
-        let pointer = &input.pointer;
-        (pointer.interact_pos(), pointer.primary_pressed(), pointer.primary_down(), input.modifiers)
-    });
     let is_held = response.is_pointer_button_down_on();
-    let inside = at.filter(|_| response.contains_pointer());
+    let (at, pressed_at, primary_down, modifiers) = ui.input(|input| {
+        let pointer = &input.pointer;
+        let at = pointer.interact_pos();
+        let pressed_at = pointer.press_origin().or(at).filter(|_| is_held && pointer.primary_pressed());
+        (at, pressed_at, pointer.primary_down(), input.modifiers)
+    });
+    let inside = pressed_at.or(at.filter(|_| response.contains_pointer()));
     let grips = Grips { body: input.body, joints: input.joints, limbs: input.limbs, view: *view };
     // Without handles there is nothing to hold: limbs are only shown.
     let under = inside.filter(|_| !input.joints.is_empty());
@@ -131,13 +133,8 @@ fn follow_pointer(
     let is_cancelled = state.pointer.grip().is_some()
         && ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape));
     if let Some(at) = at {
-        let pointer = PointerInput {
-            at,
-            is_pressed: is_held && primary_pressed,
-            is_down: is_held && primary_down,
-            modifiers,
-            is_cancelled,
-        };
+        let pointer =
+            PointerInput { at, pressed_at, is_down: is_held && primary_down, modifiers, is_cancelled };
         state.pointer.update(&pointer, under, &grips, events);
     }
     if state.pointer.action().is_some() {

@@ -27,8 +27,8 @@ const TWIST_PER_POINT: f64 = PI / 360.0;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PointerInput {
     pub(crate) at: Pos2,
-    /// The button went down on the picture in this frame.
-    pub(crate) is_pressed: bool,
+    /// Where the button went down on the picture in this frame. In a slow frame the pointer has left the place since.
+    pub(crate) pressed_at: Option<Pos2>,
     /// The button that went down on the picture is still down.
     pub(crate) is_down: bool,
     /// Modifier keys that are down.
@@ -120,7 +120,7 @@ impl Pointer {
         }
     }
 
-    /// Takes in one frame of the pointer; `under` is what it is on.
+    /// Takes in one frame of the pointer; `under` is what it is on, or what it was pressed on in this frame.
     pub(crate) fn update(
         &mut self,
         pointer: &PointerInput,
@@ -129,8 +129,8 @@ impl Pointer {
         events: &mut Vec<TileEvent>,
     ) {
         self.dropped_at = self.dropped_at.filter(|place| pointer.at.distance(*place) < LEAVES);
-        if pointer.is_pressed {
-            self.press = under.map(|grip| Press { grip, pressed_at: pointer.at, stage: Stage::Pressed });
+        if let Some(pressed_at) = pointer.pressed_at {
+            self.press = under.map(|grip| Press { grip, pressed_at, stage: Stage::Pressed });
             events.push(TileEvent::Activate);
             events.extend(under.map(|grip| match grip {
                 Grip::Joint(joint) => TileEvent::SelectJoint(joint),
@@ -320,12 +320,23 @@ mod tests {
         }
 
         fn frame(&mut self, at: Pos2, button: &str, modifiers: Modifiers) -> Vec<TileEvent> {
+            self.slow_frame((button == "press").then_some(at), at, button, modifiers)
+        }
+
+        fn slow_frame(
+            &mut self,
+            pressed_at: Option<Pos2>,
+            at: Pos2,
+            button: &str,
+            modifiers: Modifiers,
+        ) -> Vec<TileEvent> {
             let view = ViewTransform { rect: RECT, points_per_px: 2.0, centre_px: pos2(50.0, 50.0) };
             let grips = Grips { body: &self.body, joints: &self.joints, limbs: &self.limbs, view };
-            let under = backlit_ui::widgets::grip_at(at, &view, &self.joints, &self.limbs);
+            let place = pressed_at.unwrap_or(at);
+            let under = backlit_ui::widgets::grip_at(place, &view, &self.joints, &self.limbs);
             let pointer = PointerInput {
                 at,
-                is_pressed: button == "press",
+                pressed_at,
                 is_down: button != "up",
                 modifiers,
                 is_cancelled: button == "escape",
@@ -360,6 +371,15 @@ mod tests {
         assert!(fixture.frame(far, "down", Modifiers::NONE).is_empty(), "nothing new while it rests");
         assert_eq!(fixture.frame(far, "up", Modifiers::NONE), [TileEvent::Drag(DragEvent::End)]);
         assert!(fixture.frame(far, "up", Modifiers::NONE).is_empty());
+    }
+
+    #[test]
+    fn a_press_holds_what_it_was_on_though_the_pointer_has_left_within_the_frame() {
+        let mut fixture = Fixture::new();
+        let joint = JointId::End(fixture.forearm);
+        let events = fixture.slow_frame(Some(WRIST), WRIST + vec2(0.0, 60.0), "down", Modifiers::NONE);
+        let drag = begin(Drag::Joint { joint, target_px: DVec2::new(50.0, 80.0) });
+        assert_eq!(events, [TileEvent::Activate, TileEvent::SelectJoint(joint), drag]);
     }
 
     #[test]

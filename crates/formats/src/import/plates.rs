@@ -1,20 +1,16 @@
 //! Backgrounds learnt from footage that never shows the scene alone, and the size to work at.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use backlit_tracking::segment::{
-    Background, LearningFrame, LearningOptions, SegmentOptions, learn_plate, segment,
-};
-use backlit_tracking::silhouette::{Label, Mask};
-use image::{DynamicImage, RgbImage, Rgba, RgbaImage};
+use backlit_tracking::segment::{Background, LearningFrame, LearningOptions, SegmentOptions, segment};
+use backlit_tracking::silhouette::Label;
+use image::RgbImage;
 
 use super::{Found, FoundCamera, ImportError};
+use crate::keypoints;
 use crate::keypoints::Person;
-use crate::take::Known;
-use crate::{images, keypoints};
+use crate::plate::{self, Covered, MOST_FRAMES, Plate};
 
-/// Most frames that a plate is learnt from.
-const MOST_FRAMES: usize = 120;
 /// Frames that tell how tall the person is in the picture.
 const GUESSING_FRAMES: usize = 12;
 /// A person of this height in the picture is well seen, pixels: more costs time and gives next to nothing.
@@ -26,13 +22,9 @@ const GUESSING_HEIGHT_PX: usize = 480;
 /// No side of a reduced picture is shorter, pixels.
 const SHORTEST_SIDE: usize = 64;
 
-/// The subject covers a pixel always if it does so in this share of the frames.
-const ALWAYS: f64 = 0.95;
-
 /// Frames that are spread over the recording.
 fn spread(found: &Found, most: usize) -> Vec<usize> {
-    let count = most.min(found.count);
-    (0..count).map(|k| found.first + k * (found.count - 1) / (count - 1).max(1)).collect()
+    plate::spread(found.count, most).map(|frame| found.first + frame).collect()
 }
 
 /// A camera's people in a frame.
@@ -106,70 +98,18 @@ fn learn_from(
         pictures.push(camera.pictures.reduced(frame, divisor)?);
         let people = keypoints.people(frame)?;
         masks.push(keypoints::generous_mask(&people, size, divisor));
-        sure.add(keypoints::sure_mask(&people, size, divisor));
+        if let Some(mask) = keypoints::sure_mask(&people, size, divisor) {
+            sure.add(plate::are_subject(mask.labels()));
+        }
     }
     let frames: Vec<LearningFrame<'_>> = pictures
         .iter()
         .zip(&masks)
         .map(|(picture, mask)| LearningFrame { picture, subject: mask.as_ref() })
         .collect();
-    let plate = learn_plate(&frames, &LearningOptions::default()).map_err(|error| {
+    let plate = Plate::learn(&frames, &LearningOptions::default(), &sure).map_err(|error| {
         ImportError::Background { camera: camera.camera.name().to_owned(), reason: error.to_string() }
     })?;
     let middle = pictures.len() / 2;
-    let known = plate.known.iter().enumerate().map(|(index, &known)| match known {
-        true => Known::Scene,
-        false if sure.always(index) => Known::AlwaysSubject,
-        false => Known::Nothing,
-    });
-    let known = known.collect();
-    Ok((Plate { picture: plate.picture, known }, pictures.swap_remove(middle)))
-}
-
-/// A plate, and what it knows of each pixel.
-pub(super) struct Plate {
-    pub(super) picture: RgbImage,
-    pub(super) known: Vec<Known>,
-}
-
-impl Plate {
-    /// The share of the pixels in which the scene is known, 0 to 1.
-    pub(super) fn known_share(&self) -> f64 {
-        self.known.iter().filter(|known| **known == Known::Scene).count() as f64
-            / self.known.len().max(1) as f64
-    }
-}
-
-/// In how many frames the subject surely covers each pixel.
-#[derive(Default)]
-struct Covered {
-    counts: Vec<usize>,
-    frames: usize,
-}
-
-impl Covered {
-    fn add(&mut self, mask: Option<Mask>) {
-        let Some(mask) = mask else { return };
-        self.counts.resize(mask.labels().len(), 0);
-        self.frames += 1;
-        for (count, label) in self.counts.iter_mut().zip(mask.labels()) {
-            *count += usize::from(*label == Label::Subject);
-        }
-    }
-
-    /// Whether that is so in nearly all frames.
-    fn always(&self, pixel: usize) -> bool {
-        let count = self.counts.get(pixel).copied().unwrap_or(0);
-        self.frames > 0 && count as f64 >= ALWAYS * self.frames as f64
-    }
-}
-
-/// Writes a plate whose alpha channel says what it knows.
-pub(super) fn write(path: &Path, plate: &Plate) -> Result<(), ImportError> {
-    let mut picture = RgbaImage::new(plate.picture.width(), plate.picture.height());
-    for ((pixel, seen), known) in picture.pixels_mut().zip(plate.picture.pixels()).zip(&plate.known) {
-        let [r, g, b] = seen.0;
-        *pixel = Rgba([r, g, b, known.alpha()]);
-    }
-    Ok(images::write_png(path, &DynamicImage::ImageRgba8(picture))?)
+    Ok((plate, pictures.swap_remove(middle)))
 }

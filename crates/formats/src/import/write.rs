@@ -11,7 +11,7 @@ use super::{Found, FoundCamera, ImportError, Pictures};
 use super::{plates, start};
 use crate::calibration::backlit;
 use crate::take::{FILE_NAME, FORMAT};
-use crate::{FileError, FileProblem, atomic, model_file, pose_file};
+use crate::{FileError, FileProblem, atomic, model_file, plate, pose_file};
 
 /// Where backgrounds come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -107,23 +107,17 @@ impl Learning<'_> {
                     return Err(ImportError::Cancelled);
                 }
                 progress(ImportStep::Learning { camera: name.clone() });
-                let plate = plates::learn(self.found, camera, self.reduction)?;
+                let learnt = plates::learn(self.found, camera, self.reduction)?;
                 let folder = self.out.join("background");
                 std::fs::create_dir_all(&folder)
                     .map_err(|error| FileError::new(&folder, FileProblem::Write { error }))?;
-                let file = format!("{}.png", file_name(&name));
-                plates::write(&folder.join(&file), &plate)?;
-                progress(ImportStep::Learnt { camera: name, known: plate.known_share() });
+                let file = plate::file_name(&name);
+                learnt.write(&folder.join(&file))?;
+                progress(ImportStep::Learnt { camera: name, known: learnt.known_share() });
                 Ok(Some(format!("background/{}", escaped(&file))))
             }
         }
     }
-}
-
-/// A camera's name as the name of a file.
-fn file_name(camera: &str) -> String {
-    let allowed = |letter: char| letter.is_alphanumeric() || matches!(letter, '-' | '_' | '.' | ' ');
-    camera.chars().map(|letter| if allowed(letter) { letter } else { '_' }).collect()
 }
 
 /// A path as seen from a folder, with slashes; whole where they share nothing.

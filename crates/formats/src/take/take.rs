@@ -327,6 +327,18 @@ impl Take {
         Ok(Self { reference: Some(reference), ..self.clone() })
     }
 
+    /// The same take with other plates, by the cameras' indices.
+    #[must_use]
+    pub fn with_plates(&self, plates: impl IntoIterator<Item = (usize, PathBuf)>) -> Self {
+        let mut take = self.clone();
+        for (camera, path) in plates {
+            if let Some(footage) = take.footage.get_mut(camera) {
+                footage.background = Some(BackgroundSource::Plate(path));
+            }
+        }
+        take
+    }
+
     /// A camera's pictures without the subject: one plate or several frames, none if the take has none. Reduced and
     /// not rectified.
     ///

@@ -1,0 +1,84 @@
+//! A plate learnt again from a take's footage once its body is tracked: pixels near the body are left out.
+
+use std::collections::BTreeMap;
+
+use backlit_tracking::body::{Kinematics, Model, Pose};
+use backlit_tracking::render::prediction::covered;
+use backlit_tracking::render::{Ramp, RendererKind, View};
+use backlit_tracking::segment::{BackgroundError, LearningFrame, LearningOptions};
+use backlit_tracking::silhouette::{Label, Mask, MaskError};
+use image::RgbImage;
+use rayon::prelude::*;
+use thiserror::Error;
+
+use super::{Covered, MOST_FRAMES, Plate, spread};
+use crate::{Take, TakeError};
+
+/// A body is drawn stouter by so much to leave out clothes, hair and what the track is off by, metres.
+const MARGIN_M: f64 = 0.05;
+/// Within limbs of this share of their radius the subject is sure to be.
+const CORE: f64 = 0.5;
+/// A pixel is known if it is free of the body in this share of the frames: a wrong pose now and then teaches nothing.
+const FREE_SHARE: f64 = 0.15;
+
+/// Why a plate cannot be learnt.
+#[derive(Debug, Error)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum PlateError {
+    #[error(transparent)]
+    Take(#[from] TakeError),
+    #[error("camera \"{camera}\", background: {error}")]
+    Learning { camera: String, error: BackgroundError },
+}
+
+/// One frame: its picture, where the body may be, and where it is for sure.
+type Seen = (RgbImage, Mask, Vec<bool>);
+
+/// Learns a camera's plate from the frames of a take in which the body's pose is known, spread over them. It is of the take's
+/// reduced size, with the lens's distortion, as a take's plates are.
+///
+/// # Errors
+/// No such camera or frame, a picture that cannot be read, or fewer than two poses.
+pub fn plate_without_body(
+    take: &Take,
+    camera: usize,
+    model: &Model,
+    poses: &BTreeMap<usize, Pose>,
+) -> Result<Plate, PlateError> {
+    let numbers: Vec<usize> = spread(poses.len(), MOST_FRAMES).collect();
+    let chosen: Vec<(&usize, &Pose)> = poses.iter().collect();
+    let resized = |radius: &dyn Fn(f64) -> f64| {
+        let sizes = |limb: usize| {
+            let limb = &model.limbs()[limb];
+            [limb.length, radius(limb.radius)]
+        };
+        model.with_sizes(sizes).unwrap_or_else(|_| model.clone())
+    };
+    let (stout, core) = (resized(&|radius| radius + MARGIN_M), resized(&|radius| CORE * radius));
+    let seen_by = take.rig().cameras().get(camera);
+    let drawn = |body: &Model, pose: &Pose| {
+        let place = Kinematics::new(model, pose);
+        seen_by.map(|camera| covered(&View::new(body, &place, camera, RendererKind::Capsule, Ramp::Half)))
+    };
+    let look = |&index: &usize| -> Result<Seen, TakeError> {
+        let (&frame, pose) = chosen[index];
+        let picture = take.frame(camera, frame)?;
+        let (near, sure) = (drawn(&stout, pose).unwrap_or_default(), drawn(&core, pose).unwrap_or_default());
+        let labels = near.iter().map(|&near| if near { Label::Subject } else { Label::Background });
+        let (width, height) = (picture.width() as usize, picture.height() as usize);
+        let no_camera = |_: MaskError| TakeError::NoCamera { camera, count: take.rig().count() };
+        let mask = Mask::new(width, height, labels.collect()).map_err(no_camera)?;
+        Ok((picture, mask, sure))
+    };
+    let seen: Vec<Result<Seen, TakeError>> = numbers.par_iter().map(look).collect();
+    let seen = seen.into_iter().collect::<Result<Vec<Seen>, TakeError>>()?;
+    let mut always = Covered::default();
+    seen.iter().for_each(|(_, _, sure)| always.add(sure.iter().copied()));
+    let frames: Vec<LearningFrame<'_>> =
+        seen.iter().map(|(picture, mask, _)| LearningFrame { picture, subject: Some(mask) }).collect();
+    let usual = LearningOptions::default();
+    let free = (FREE_SHARE * frames.len() as f64).ceil() as usize;
+    let options = LearningOptions { min_free_frames: usual.min_free_frames.max(free), ..usual };
+    Plate::learn(&frames, &options, &always)
+        .map_err(|error| PlateError::Learning { camera: take.footage()[camera].camera().to_owned(), error })
+}

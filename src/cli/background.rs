@@ -1,0 +1,83 @@
+//! `backlit background`: plates learnt again without the tracked body.
+
+use std::path::{Path, PathBuf};
+
+use backlit_formats::motion;
+use backlit_formats::plate::{self, plate_without_body};
+use backlit_formats::{Take, model_file};
+use backlit_tracking::body::{Model, Pose};
+use clap::Args;
+
+use super::output;
+
+const NOTES: &str = "\
+A take whose background was learnt from its footage does not know it where the subject was always near. Once a body is
+tracked, only that is left out, and more of the background is learnt. Writes one plate a camera to the folder of --out.
+`backlit track` does the same by itself, and writes the plates beside its results.
+
+Example:
+  backlit background TAKE --without results --out TAKE/background";
+
+/// What `backlit background` is told.
+#[derive(Debug, Args)]
+#[command(after_help = NOTES)]
+pub(crate) struct BackgroundArguments {
+    /// Take: its folder or its take.toml
+    take: PathBuf,
+    /// The track whose body is left out: the track.json that `backlit track` wrote, or its folder
+    #[arg(long, value_name = "TRACK")]
+    without: PathBuf,
+    /// Folder for the plates; made if it is not there
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Body of the track: a built-in name or a body file [default: the body.toml beside the track, else the built-in body
+    /// that the track names]
+    #[arg(long, value_name = "MODEL")]
+    model: Option<String>,
+}
+
+/// Learns and writes.
+///
+/// # Errors
+/// A take or track that cannot be read, or a folder that cannot be written.
+pub(crate) fn run(arguments: &BackgroundArguments) -> anyhow::Result<()> {
+    let track = match &arguments.without {
+        folder if folder.is_dir() => folder.join("track.json"),
+        file => file.clone(),
+    };
+    let beside = track.with_file_name("body.toml");
+    let model = match &arguments.model {
+        Some(model) => Some(model_file::resolve(model)?),
+        None if beside.is_file() => Some(model_file::read(&beside)?),
+        None => None,
+    };
+    let motion = motion::read_track(&track, model.as_ref())?;
+    let take = Take::open(&arguments.take)?;
+    learn(&take, &motion.model, &motion.poses, &arguments.out).map(drop)
+}
+
+/// Learns the plates of all cameras that have a picture of the background, and says what each of them knows now.
+///
+/// # Errors
+/// A picture cannot be read or a plate not be written.
+pub(crate) fn learn(
+    take: &Take,
+    model: &Model,
+    poses: &std::collections::BTreeMap<usize, Pose>,
+    folder: &Path,
+) -> anyhow::Result<Take> {
+    output::make_folder(folder)?;
+    let mut plates = Vec::new();
+    for camera in 0..take.rig().count() {
+        let name = take.rig().cameras()[camera].name();
+        let learnt = plate_without_body(take, camera, model, poses)?;
+        let path = folder.join(plate::file_name(name));
+        learnt.write(&path)?;
+        let unknown = 100.0 * (1.0 - learnt.known_share());
+        output::complain(&format!(
+            "{name}: the background was learnt again without the body; {unknown:.1} % of it are unknown"
+        ));
+        plates.push((camera, path));
+    }
+    Ok(take.with_plates(plates))
+}
