@@ -13,10 +13,12 @@ use super::output;
 use super::table::Table;
 
 const NOTES: &str = "\
-Looks for videos or numbered pictures, a calibration, plates and keypoints in the folders and files that are named, gives each
+Looks for videos or numbered pictures, a calibration, plates, masks and keypoints in the folders and files that are named, gives each
 camera its own by names and numbers, and writes a take: take.toml, the cameras for its pictures, and backgrounds that are
 learnt from the footage where there is no plate. Projects of Pose2Sim, EasyMocap, Anipose, FreeMoCap, Caliscope and OpenCap
 are recognised by their files. The footage stays where it is.
+Masks made elsewhere (in folders or files called masks, seg, silhouettes, alpha, …; as many as there are frames) are taken in
+the place of backgrounds, with or without footage beside them.
 Pictures of another size than the calibration's were scaled, letterboxed or cut; the pictures tell, or --pictures does.
 
 Examples:
@@ -145,6 +147,8 @@ fn camera_json(camera: &FoundCamera) -> serde_json::Value {
         "calibrated_size": camera.calibrated_size,
         "pictures": camera.picture_size.word(),
         "plate": camera.plate,
+        "masks": camera.masks.as_ref().map(|masks| masks.pictures.path()),
+        "mask_values": camera.masks.as_ref().and_then(|masks| masks.values.as_ref()).map(ToString::to_string),
         "keypoints": camera.keypoints,
         "notes": camera.notes,
     })
@@ -167,7 +171,12 @@ fn text(found: &Found) -> String {
             camera.pictures.count().to_string(),
             camera.frame_rate.or(found.frame_rate).map_or("?".to_owned(), |rate| format!("{rate:.2}")),
             format!("{}×{}", camera.camera.width(), camera.camera.height()),
-            if camera.plate.is_some() { "plate" } else { "from the footage" }.to_owned(),
+            match (&camera.masks, &camera.plate) {
+                (Some(_), _) => "not needed: masks",
+                (None, Some(_)) => "plate",
+                (None, None) => "from the footage",
+            }
+            .to_owned(),
             if camera.keypoints.is_some() { "yes" } else { "no" }.to_owned(),
         ]);
     }
@@ -178,6 +187,16 @@ fn text(found: &Found) -> String {
             let [width, height] = camera.calibrated_size;
             let how = camera.picture_size;
             out += &format!("{name}: the calibration is for {width}×{height}; taken as {how} (--pictures)\n");
+        }
+        if let Some(masks) = &camera.masks {
+            let (path, beside) =
+                (masks.pictures.path(), if masks.are_alone { ", with no footage" } else { "" });
+            let values =
+                masks.values.as_ref().map_or_else(|| "\"auto\"".to_owned(), |values| values.to_string());
+            out += &format!(
+                "{name}: silhouettes are the masks at {}{beside} (mask_values = {values})\n",
+                path.display()
+            );
         }
         for note in &camera.notes {
             out += &format!("{name}: {note}\n");

@@ -248,7 +248,7 @@ impl Footage {
                 let lens = &self.inner.take().rig().cameras()[camera];
                 Ok(read_mask(path, lens)?)
             }
-            None => Ok(self.inner.mask(camera, image, options)?),
+            None => Ok(self.inner.mask(camera, frame, image, options)?),
         }
     }
 }

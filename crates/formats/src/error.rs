@@ -7,6 +7,7 @@ use backlit_tracking::body::{ModelError, PoseError};
 use backlit_tracking::camera::{CameraError, RigError};
 use thiserror::Error;
 
+use crate::masks::MaskProblem;
 use crate::video::VideoProblem;
 
 /// What is wrong with a file, and where.
@@ -131,6 +132,8 @@ pub enum FileProblem {
     Picture { message: String },
     #[error(transparent)]
     Video { error: VideoProblem },
+    #[error(transparent)]
+    Mask { error: MaskProblem },
     #[error("has {}×{} pixels; expected {}×{}", found[0], found[1], expected[0], expected[1])]
     PictureSize { found: [usize; 2], expected: [usize; 2] },
 }

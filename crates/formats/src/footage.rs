@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::take::Known;
-use super::{Take, TakeError};
+use super::{Take, TakeError, masks};
 
 /// A take with everything that is made once for all its frames: ideal cameras, rectifications, backgrounds.
 ///
@@ -42,7 +42,7 @@ pub enum FootageError {
     #[error("camera \"{camera}\": the picture is not of the camera's size")]
     Size { camera: String },
     #[error(
-        "camera \"{camera}\" has no `background` in the take; expected a plate or frames without the subject"
+        "camera \"{camera}\" has no `background` in the take; expected a plate or frames without the subject, or `masks`"
     )]
     NoBackground { camera: String },
     #[error("camera \"{camera}\", background: {error}")]
@@ -127,11 +127,36 @@ impl Footage {
         Ok(self.backgrounds[camera].get_or_init(|| Learnt { background, always_subject }))
     }
 
-    /// The silhouette in a picture of [`picture`](Self::picture). Where the lens saw nothing it is unknown.
+    /// The silhouette of a frame whose [`picture`](Self::picture) this is: the one that was [made elsewhere](Self::given_mask),
+    /// else the picture is segmented by these options. Where the lens saw nothing it is unknown.
     ///
     /// # Errors
-    /// As [`background`](Self::background); or options that make no sense.
+    /// As [`given_mask`](Self::given_mask) and [`background`](Self::background); or options that make no sense.
     pub fn mask(
+        &self,
+        camera: usize,
+        frame: usize,
+        picture: &RgbImage,
+        options: &SegmentOptions,
+    ) -> Result<Mask, FootageError> {
+        match self.given_mask(camera, frame)? {
+            Some(mask) => Ok(mask),
+            None => self.segmented(camera, picture, options),
+        }
+    }
+
+    /// The silhouette of a frame that the take has from elsewhere, on the ideal grid; `None` for a camera without masks. It is
+    /// reduced and rectified by area before it is decided which pixels are subject.
+    ///
+    /// # Errors
+    /// No such camera or frame, or the mask cannot be read or understood; the message names file and frame.
+    pub fn given_mask(&self, camera: usize, frame: usize) -> Result<Option<Mask>, FootageError> {
+        let Some(shares) = self.take.mask_shares(camera, frame)? else { return Ok(None) };
+        // Where the lens saw nothing the picture is black: nothing is known there.
+        Ok(masks::mask_of(&self.rectified(camera, &shares)?))
+    }
+
+    fn segmented(
         &self,
         camera: usize,
         picture: &RgbImage,
@@ -159,8 +184,13 @@ impl Footage {
     /// The first camera's, in the order asked for, whose picture or silhouette cannot be had.
     pub fn fit_views(&self, cameras: &[usize], frame: usize) -> Result<Vec<FitView>, FootageError> {
         let one = |&camera: &usize| {
-            let picture = self.picture(camera, frame)?;
-            let mask = self.mask(camera, &picture, &self.take.measurement()[camera])?;
+            let mask = match self.given_mask(camera, frame)? {
+                Some(mask) => mask,
+                None => {
+                    let picture = self.picture(camera, frame)?;
+                    self.segmented(camera, &picture, &self.take.measurement()[camera])?
+                }
+            };
             let evidence = Evidence::Mask(Arc::new(mask));
             Ok(FitView { camera: Arc::clone(&self.cameras[camera]), evidence, weight: 1.0 })
         };

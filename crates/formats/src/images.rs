@@ -75,6 +75,11 @@ pub fn read_grey(path: &Path) -> Result<GrayImage, FileError> {
     decode_grey(path, &DiskFiles.read(path, MAX_PICTURE_BYTES)?)
 }
 
+/// All bytes of a picture's file on the disk.
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
+    DiskFiles.read(path, MAX_PICTURE_BYTES)
+}
+
 /// Writes a PNG; see [`atomic`].
 ///
 /// # Errors
@@ -107,7 +112,7 @@ fn reader<'a>(path: &Path, bytes: &'a [u8]) -> Result<ImageReader<Cursor<&'a [u8
     Ok(reader)
 }
 
-fn decode_any(path: &Path, bytes: &[u8]) -> Result<DynamicImage, FileError> {
+pub(crate) fn decode_any(path: &Path, bytes: &[u8]) -> Result<DynamicImage, FileError> {
     let reader = reader(path, bytes)?;
     check_whole(path, bytes, reader.format())?;
     reader.decode().map_err(|error| broken(path, &error.to_string()))
@@ -126,7 +131,7 @@ fn check_whole(path: &Path, bytes: &[u8], format: Option<ImageFormat>) -> Result
     if whole { Ok(()) } else { Err(broken(path, "the file ends too early")) }
 }
 
-fn broken(path: &Path, message: &str) -> FileError {
+pub(crate) fn broken(path: &Path, message: &str) -> FileError {
     FileError::new(path, FileProblem::Picture { message: message.to_owned() })
 }
 

@@ -3,6 +3,8 @@
 //! | file | holds |
 //! |---|---|
 //! | `scan` | videos, numbered pictures, calibrations, keypoints and tables in folders |
+//! | `candidates` | files that may be footage, and the folder that goes with most cameras |
+//! | `masks` | silhouettes that were made elsewhere |
 //! | `matching` | which file belongs to which camera, by names and numbers |
 //! | `picture_size` | how pictures were made from those that a calibration is for |
 //! | `pictures` | a camera's footage: a video or numbered pictures |
@@ -14,7 +16,9 @@
 //!
 //! Nothing is copied: a take names the footage where it lies.
 
+mod candidates;
 mod look;
+mod masks;
 mod matching;
 mod picture_size;
 mod pictures;
@@ -25,6 +29,7 @@ mod start;
 mod write;
 
 pub use look::{Found, FoundCamera, ImportError, ImportOptions, look};
+pub use masks::FoundMasks;
 pub use matching::MatchedBy;
 pub use picture_size::PictureSize;
 pub use pictures::Pictures;

@@ -16,6 +16,7 @@
 //! | [`calibration`] | cameras, in several formats |
 //! | [`export`] | tracks as tables and JSON |
 //! | [`motion`] | motion for animation and biomechanics |
+//! | [`masks`] | silhouettes that were made elsewhere |
 //! | [`images`], [`npy`] | pictures and arrays |
 //! | [`video`] | videos, any frame of them |
 //! | [`files`] | the disk, or files held in memory |
@@ -32,6 +33,7 @@ pub mod images;
 pub mod import;
 mod json_text;
 pub mod keypoints;
+pub mod masks;
 pub mod model_file;
 pub mod motion;
 pub mod npy;

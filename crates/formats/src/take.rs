@@ -4,7 +4,9 @@
 //! |---|---|
 //! | [`take`] | [`Take`]: the parsed take; pictures on demand |
 //! | [`frame_pattern`] | names of numbered pictures |
+//! | `pictures` | its pictures, backgrounds and masks, reduced |
 //! | [`footage`] | one camera's pictures and background |
+//! | `masks` | one camera's masks that were made elsewhere |
 //! | `films` | videos: offsets, the frames that all cameras have |
 //! | [`mod@reference`] | keypoints to compare with |
 //! | [`error`] | what is wrong, by camera and frame |
@@ -15,7 +17,9 @@ mod films;
 pub mod footage;
 pub mod frame_pattern;
 mod known;
+mod masks;
 mod measurement;
+mod pictures;
 mod reader;
 pub mod reference;
 mod spec;

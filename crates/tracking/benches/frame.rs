@@ -60,7 +60,7 @@ fn table(name: &str, footage: &Footage) {
                 .iter()
                 .enumerate()
                 .map(|(camera, picture)| {
-                    Arc::new(footage.mask(camera, picture, &take.measurement()[camera]).unwrap())
+                    Arc::new(footage.mask(camera, frame, picture, &take.measurement()[camera]).unwrap())
                 })
                 .collect();
             let segmented = began.elapsed().as_secs_f64();

@@ -22,6 +22,7 @@
 //! | `own_sizes` | [`own_sizes()`]: all of it in one go, judged by frames held out |
 //! | `person` | [`find_person`]: a start, the right size and own sizes, from nothing but silhouettes |
 //! | [`usable`] | silhouettes that cannot be a person's |
+//! | [`survey`](mod@survey) | those of a few frames, looked at before a take is tracked |
 //! | `report` | [`BodyFit`]: what was found, and how well each size is seen |
 
 mod approach;
@@ -33,6 +34,7 @@ mod person;
 mod problem;
 mod report;
 pub mod scale;
+pub mod survey;
 pub mod usable;
 pub mod widening;
 

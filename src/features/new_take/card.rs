@@ -228,10 +228,12 @@ fn words(ui: &mut Ui, camera: &FoundCamera) -> Option<Wish> {
     let count = camera.pictures.count();
     let facts = format!("{file}, {kind}, {count} frames{rate}, {width} × {height}");
     ui.label(RichText::new(facts).small().color(palette.text2));
-    let background = match (&camera.plate, &camera.keypoints) {
-        (Some(_), _) => "background: a picture",
-        (None, Some(_)) => "background: learnt from the footage, away from the keypoints",
-        (None, None) => "background: learnt from the footage",
+    let background = match (&camera.masks, &camera.plate, &camera.keypoints) {
+        (Some(masks), ..) if masks.are_alone => "silhouettes: these masks, with no footage",
+        (Some(_), ..) => "silhouettes: masks made elsewhere",
+        (None, Some(_), _) => "background: a picture",
+        (None, None, Some(_)) => "background: learnt from the footage, away from the keypoints",
+        (None, None, None) => "background: learnt from the footage",
     };
     ui.label(RichText::new(background).small().color(palette.text2));
     if camera.picture_size != PictureSize::Same {

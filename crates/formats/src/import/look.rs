@@ -5,25 +5,20 @@ use std::path::{Path, PathBuf};
 use backlit_tracking::camera::{Camera, CameraError};
 use thiserror::Error;
 
+use super::candidates::{Candidate, Footage, PLATES, best_group, footage_of, is_plate};
+use super::masks::{self, FoundMasks};
 use super::matching::{MatchedBy, matched};
 use super::picture_size::PictureSize;
 use super::pictures::Pictures;
 use super::project::{self, Project};
-use super::scan::{Listing, Sequence, scan};
+use super::scan::{Listing, scan};
 use crate::FileError;
 use crate::calibration::{self, CalibrationOptions};
-use crate::video::Video;
 
 /// Most files that are tried as a calibration.
 const MOST_TRIED: usize = 200;
 /// Words of paths that make a file likelier to be the calibration.
 const LIKELY: [&str; 5] = ["calib", "camera", "extri", "intri", "transforms"];
-/// Words of folders that hold footage as it was recorded, not pictures made of it.
-const RECORDED: [&str; 6] = ["video", "synchronized", "images", "inputmedia", "recording", "footage"];
-/// Words of pictures and folders that show the scene without the subject.
-const PLATES: [&str; 4] = ["background", "plate", "empty", "bg"];
-/// How many folders up a name is looked for.
-const PARENTS: usize = 4;
 
 /// What the user says beside the files.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,6 +54,8 @@ pub struct FoundCamera {
     pub frame_rate: Option<f64>,
     /// A picture of the scene without the subject.
     pub plate: Option<PathBuf>,
+    /// Silhouettes that were made elsewhere.
+    pub masks: Option<FoundMasks>,
     /// Two-dimensional keypoints, a file a frame.
     pub keypoints: Option<PathBuf>,
     /// What is missing or damaged in the footage, in words.
@@ -128,20 +125,6 @@ pub enum ImportError {
     Background { camera: String, reason: String },
 }
 
-/// A file or folder of footage and the names that it is known by.
-struct Candidate {
-    footage: Footage,
-    names: Vec<String>,
-    /// Footage of one recording lies together.
-    group: PathBuf,
-}
-
-#[derive(Clone)]
-enum Footage {
-    Video(PathBuf),
-    Numbered(Sequence),
-}
-
 /// Looks at folders and files: footage, calibration, plates, keypoints, markers.
 ///
 /// # Errors
@@ -151,7 +134,11 @@ pub fn look(paths: &[PathBuf], options: &ImportOptions) -> Result<Found, ImportE
     let pointed = paths.first().cloned().unwrap_or_default();
     let folder = paths.iter().find(|path| path.is_dir()).map(PathBuf::as_path);
     let project = Project::of(folder, &listing.calibrations);
-    let footage = footage_of(&listing);
+    let (mut masks, mut footage) = masks::parted(footage_of(&listing), paths);
+    let are_alone = footage.is_empty();
+    if are_alone {
+        footage = std::mem::take(&mut masks);
+    }
     if footage.is_empty() {
         return Err(ImportError::NoFootage(pointed));
     }
@@ -165,6 +152,7 @@ pub fn look(paths: &[PathBuf], options: &ImportOptions) -> Result<Found, ImportE
     }
     let keypoints = keypoints_of(&listing, project, &names);
     let plates = plates_of(&listing, &names);
+    let silhouettes = masks::of_cameras(&names, &masks);
     let mut left_out = Vec::new();
     let mut found = Vec::new();
     for (index, camera) in cameras.iter().enumerate() {
@@ -173,11 +161,13 @@ pub fn look(paths: &[PathBuf], options: &ImportOptions) -> Result<Found, ImportE
             continue;
         };
         match open(camera, &footage[own].footage, options) {
-            Ok(one) => found.push(FoundCamera {
-                keypoints: keypoints[index].clone(),
-                plate: plates[index].clone(),
-                ..one
-            }),
+            Ok(mut one) => {
+                one.keypoints.clone_from(&keypoints[index]);
+                one.plate.clone_from(&plates[index]);
+                let silhouettes = if are_alone { Some(&footage[own]) } else { silhouettes[index] };
+                masks::add(&mut one, silhouettes, are_alone);
+                found.push(one);
+            }
             Err(error) => left_out.push((camera.name().to_owned(), error.to_string())),
         }
     }
@@ -217,55 +207,6 @@ fn range_of(cameras: &[FoundCamera], folder: Option<&Path>) -> Result<(usize, us
         }
         _ => Err(ImportError::FrameRange { first, last, count }),
     }
-}
-
-fn footage_of(listing: &Listing) -> Vec<Candidate> {
-    let parents = |path: &Path| -> Vec<String> {
-        let names = path.ancestors().skip(1).take(PARENTS).filter_map(Path::file_name);
-        names.map(|name| name.to_string_lossy().into_owned()).collect()
-    };
-    let videos = listing.videos.iter().map(|path| {
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let names = std::iter::once(stem).chain(parents(path)).collect();
-        Candidate { footage: Footage::Video(path.clone()), names, group: group_of(path) }
-    });
-    let sequences = listing.sequences.iter().filter(|sequence| !is_plate(&sequence.folder)).map(|sequence| {
-        let before = sequence.pattern.split('%').next().unwrap_or_default().to_owned();
-        let names = parents(&sequence.example).into_iter().take(1).chain([before]);
-        let names = names.chain(parents(&sequence.folder)).collect();
-        Candidate { footage: Footage::Numbered(sequence.clone()), names, group: group_of(&sequence.folder) }
-    });
-    videos.chain(sequences).collect()
-}
-
-fn group_of(path: &Path) -> PathBuf {
-    path.parent().unwrap_or(Path::new("")).to_owned()
-}
-
-/// For each camera its footage: of the folder whose files go with most cameras, else of all.
-fn best_group(cameras: &[&str], footage: &[Candidate]) -> (Vec<Option<usize>>, MatchedBy) {
-    let mut groups: Vec<Option<&Path>> = vec![None];
-    for one in footage {
-        if !groups.contains(&Some(&one.group)) {
-            groups.push(Some(&one.group));
-        }
-    }
-    let tried = groups.into_iter().map(|group| {
-        let members: Vec<usize> = (0..footage.len())
-            .filter(|&index| group.is_none_or(|group| footage[index].group == group))
-            .collect();
-        let names: Vec<Vec<String>> = members.iter().map(|&index| footage[index].names.clone()).collect();
-        let (own, how) = matched(cameras, &names);
-        let own: Vec<Option<usize>> = own.into_iter().map(|own| own.map(|own| members[own])).collect();
-        let count = own.iter().flatten().count();
-        let path = group.map(|group| group.to_string_lossy().to_lowercase()).unwrap_or_default();
-        let last = path.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
-        let is_recorded = RECORDED.iter().any(|word| last.contains(word));
-        let by = [MatchedBy::Order, MatchedBy::Number, MatchedBy::Name].iter().position(|by| *by == how);
-        // Of equal ones the first: a single folder before all together, a shorter path before a longer one.
-        ((count, is_recorded, by, group.is_some(), usize::MAX - path.len()), (own, how))
-    });
-    tried.max_by(|a, b| a.0.cmp(&b.0)).map_or((vec![None; cameras.len()], MatchedBy::Order), |(_, best)| best)
 }
 
 /// The calibration, and its cameras: the one that is named, else the one that goes with most of the footage.
@@ -349,11 +290,6 @@ fn keypoints_of(listing: &Listing, project: Project, cameras: &[&str]) -> Vec<Op
     own.into_iter().map(|own| own.map(|own| folders[own].clone())).collect()
 }
 
-fn is_plate(path: &Path) -> bool {
-    let words = path.iter().rev().take(2).map(|part| part.to_string_lossy().to_lowercase());
-    words.into_iter().any(|word| PLATES.iter().any(|plate| word.contains(plate)))
-}
-
 /// For each camera its picture of the scene without the subject.
 fn plates_of(listing: &Listing, cameras: &[&str]) -> Vec<Option<PathBuf>> {
     let plates: Vec<&PathBuf> = listing.pictures.iter().filter(|path| is_plate(path)).collect();
@@ -370,16 +306,10 @@ fn plates_of(listing: &Listing, cameras: &[&str]) -> Vec<Option<PathBuf>> {
 
 /// Opens a camera's footage and makes the camera fit its pictures.
 fn open(camera: &Camera, footage: &Footage, options: &ImportOptions) -> Result<FoundCamera, ImportError> {
-    let (pictures, frame_rate, notes) = match footage {
-        Footage::Video(path) => {
-            let video = Video::open(path)?;
-            let (rate, notes) = (video.frame_rate(), video.notes());
-            (Pictures::Video(video), rate, notes)
-        }
-        Footage::Numbered(Sequence { folder, pattern, first, count, .. }) => {
-            let (folder, pattern) = (folder.clone(), pattern.clone());
-            (Pictures::Numbered { folder, pattern, first: *first, count: *count }, None, Vec::new())
-        }
+    let pictures = footage.open()?;
+    let (frame_rate, notes) = match &pictures {
+        Pictures::Video(video) => (video.frame_rate(), video.notes()),
+        Pictures::Numbered { .. } => (None, Vec::new()),
     };
     let picture = pictures.picture(0)?;
     let size = [picture.width() as usize, picture.height() as usize];
@@ -397,6 +327,7 @@ fn open(camera: &Camera, footage: &Footage, options: &ImportOptions) -> Result<F
         pictures,
         frame_rate,
         plate: None,
+        masks: None,
         keypoints: None,
         notes,
     })

@@ -40,9 +40,14 @@ impl Pictures {
     /// The video, or the first picture.
     #[must_use]
     pub fn path(&self) -> PathBuf {
+        self.path_of(0)
+    }
+
+    /// The video, or the picture with this place among them.
+    pub(super) fn path_of(&self, index: usize) -> PathBuf {
         match self {
             Self::Video(video) => video.path().to_owned(),
-            Self::Numbered { .. } => self.numbered(0).unwrap_or_default(),
+            Self::Numbered { .. } => self.numbered(index).unwrap_or_default(),
         }
     }
 

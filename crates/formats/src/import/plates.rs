@@ -68,13 +68,21 @@ fn person_px(found: &Found, camera: &FoundCamera) -> Result<Option<f64>, ImportE
     if let Some(&extent) = extents.get(extents.len() / 2) {
         return Ok(Some(extent));
     }
+    if let Some(masks) = &camera.masks {
+        return masks.person_px(&frames);
+    }
     let divisor = (camera.camera.height() / GUESSING_HEIGHT_PX).max(1);
     let (plate, picture) = learn_from(camera, &frames, &keypoints, divisor)?;
     let background = Background::from_plate(&plate.picture);
     let Ok(mask) = segment(&picture, &background, &SegmentOptions::default()) else { return Ok(None) };
+    Ok(height_px(&mask).map(|tall| tall * divisor as f64))
+}
+
+/// In how many rows more than a pixel is subject; `None` for nobody.
+pub(super) fn height_px(mask: &Mask) -> Option<f64> {
     let rows = mask.labels().chunks_exact(mask.width());
     let tall = rows.filter(|row| row.iter().filter(|&&label| label == Label::Subject).count() > 1).count();
-    Ok((tall > 0).then(|| (tall * divisor) as f64))
+    (tall > 0).then_some(tall as f64)
 }
 
 /// Learns a camera's plate, reduced, from frames that are spread over the recording. Where there are keypoints, pixels near them

@@ -7,7 +7,7 @@ use backlit_tracking::camera::Rig;
 use backlit_tracking::cancel::CancelToken;
 
 use super::scan::escaped;
-use super::{Found, FoundCamera, ImportError, Pictures};
+use super::{Found, FoundCamera, FoundMasks, ImportError, Pictures};
 use super::{plates, start};
 use crate::calibration::backlit;
 use crate::take::{FILE_NAME, FORMAT};
@@ -101,6 +101,7 @@ impl Learning<'_> {
         let name = camera.camera.name().to_owned();
         match (&camera.plate, self.background) {
             (_, Background::None) => Ok(None),
+            _ if camera.masks.is_some() => Ok(None),
             (Some(plate), Background::PlateOrFootage) => Ok(Some(escaped(&relative(plate, self.out)))),
             _ => {
                 if self.cancel.is_cancelled() {
@@ -172,19 +173,19 @@ impl TakeText<'_> {
             relative(calibration, self.out).replace('\n', " ")
         );
         for (camera, source) in self.found.cameras.iter().zip(&self.sources) {
-            let (path, from) = match &camera.pictures {
-                Pictures::Video(video) => (escaped(&relative(video.path(), self.out)), 0),
-                Pictures::Numbered { folder, pattern, first, .. } => {
-                    (format!("{}/{pattern}", escaped(&relative(folder, self.out))), *first)
-                }
-            };
+            let (path, from) = self.named(&camera.pictures);
+            let is_alone = camera.masks.as_ref().is_some_and(|masks| masks.are_alone);
+            let key = if is_alone { "masks" } else { "frames" };
+            let first = from + *first as u64;
             let _ = write!(
                 text,
-                "\n[[camera]]\nname = {}\nframes = {}\nfirst = {}\ncount = {count}\n",
+                "\n[[camera]]\nname = {}\n{key} = {}\nfirst = {first}\ncount = {count}\n",
                 quoted(camera.camera.name()),
                 quoted(&path),
-                from + *first as u64,
             );
+            if let Some(masks) = &camera.masks {
+                text += &self.masks(masks, first, from);
+            }
             if let Some(source) = source {
                 let _ = writeln!(text, "background = {}", quoted(source));
             }
@@ -196,6 +197,37 @@ impl TakeText<'_> {
                 "\n# Another tool's markers, to compare with: backlit track … --reference {table}\n"
             );
         }
+        text
+    }
+}
+
+impl TakeText<'_> {
+    /// The path of pictures, as the take names it, and the number of the first.
+    fn named(&self, pictures: &Pictures) -> (String, u64) {
+        match pictures {
+            Pictures::Video(video) => (escaped(&relative(video.path(), self.out)), 0),
+            Pictures::Numbered { folder, pattern, first, .. } => {
+                (format!("{}/{pattern}", escaped(&relative(folder, self.out))), *first)
+            }
+        }
+    }
+
+    /// Masks of a camera whose frames begin with `first`, of footage whose numbers begin with `from`.
+    fn masks(&self, masks: &FoundMasks, first: u64, from: u64) -> String {
+        let mut text = String::new();
+        if !masks.are_alone {
+            let (path, masks_from) = self.named(&masks.pictures);
+            text += "# Silhouettes that were made elsewhere: the footage is not segmented.\n";
+            let _ = writeln!(text, "masks = {}", quoted(&path));
+            let masks_first = masks_from + (first - from);
+            if masks_first != first {
+                let _ = writeln!(text, "masks_first = {masks_first}");
+            }
+        }
+        let _ = match &masks.values {
+            Some(values) => writeln!(text, "mask_values = {values}"),
+            None => writeln!(text, "mask_values = \"auto\""),
+        };
         text
     }
 }

@@ -12,6 +12,8 @@ pub enum TakeError {
     File(#[from] FileError),
     #[error("camera \"{camera}\", frame {frame}: {error}")]
     Frame { camera: String, frame: usize, error: FileError },
+    #[error("camera \"{camera}\", mask of frame {frame}: {error}")]
+    Mask { camera: String, frame: usize, error: FileError },
     #[error("camera \"{camera}\", background: {error}")]
     Background { camera: String, error: FileError },
     #[error(

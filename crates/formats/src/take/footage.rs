@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::FramePattern;
+use super::masks::CameraMasks;
 use crate::video::Video;
 
 /// Most frames a take may have: hours at any rate.
@@ -18,6 +19,7 @@ pub struct CameraFootage {
     /// The number of frame 0.
     pub(super) first: u64,
     pub(super) background: Option<BackgroundSource>,
+    pub(super) masks: Option<CameraMasks>,
 }
 
 /// What a camera's frames are taken from.
@@ -61,10 +63,7 @@ impl CameraFootage {
     /// The file of a frame, counted from 0 at the take's start. Of a video it is the same for all.
     #[must_use]
     pub fn path(&self, frame: usize) -> PathBuf {
-        match &self.frames {
-            Frames::Pictures { folder, pattern } => pattern.path(folder, self.number(frame)),
-            Frames::Video(video) => video.path().to_owned(),
-        }
+        self.frames.path(self.number(frame))
     }
 
     /// The camera's own number of a frame that is counted from 0 at the take's start: of its file, or in its video.

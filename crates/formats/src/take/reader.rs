@@ -32,7 +32,7 @@ const MAX_OFFSET_SECONDS: f64 = 1e6;
 /// A take file's text and where its paths lead.
 pub(super) struct Reader<'a> {
     pub(super) files: &'a dyn TakeFiles,
-    path: &'a Path,
+    pub(super) path: &'a Path,
     text: &'a str,
     /// The take's folder: model and start pose are looked for here.
     pub(super) folder: PathBuf,
@@ -113,6 +113,7 @@ impl<'a> Reader<'a> {
         let films: Vec<Film> = spec.views.iter().map(film).collect::<Result<_, _>>()?;
         let is_shifted = spec.views.iter().any(|view| view.offset.is_some() || view.offset_seconds.is_some());
         let mut films = films::align(films, is_shifted)?;
+        films.cameras.iter().try_for_each(|camera| camera.check_masks(self.files, films.frame_count))?;
         films.note_times(*spec.frame_rate.get_ref());
         Ok(films)
     }
@@ -120,19 +121,32 @@ impl<'a> Reader<'a> {
     fn film(&self, view: &ViewSpec, frame_rate: f64, cache: &Cache) -> Result<Film, TakeError> {
         let camera = view.name.get_ref().clone();
         let background = self.background(view, cache)?;
-        let text = self.expand(&view.frames, "camera.frames")?;
-        let failed = |error| TakeError::Frame { camera: camera.clone(), frame: 0, error };
-        let frames = match self.video(&text, cache).map_err(failed)? {
-            Some(video) => Frames::Video(video),
-            None => Frames::Pictures {
-                folder: self.footage.clone(),
-                pattern: self.pattern(&view.frames, "camera.frames")?,
-            },
+        let masks = self.masks(view, &|value, field| self.frames(value, field, cache))?;
+        let failed = |error: FileError| match error.path == self.path {
+            true => TakeError::File(error),
+            false => TakeError::Frame { camera: camera.clone(), frame: 0, error },
         };
-        let footage = CameraFootage { camera: camera.clone(), frames, first: view.first, background };
+        let frames = match (&view.frames, &masks) {
+            (Some(frames), _) => self.frames(frames, "camera.frames", cache).map_err(failed)?,
+            (None, Some(masks)) => masks.source.clone(),
+            (None, None) => {
+                let expected = "a camera with `frames`, `masks` or both".to_owned();
+                return Err(self.field(&view.name, "camera", expected).into());
+            }
+        };
+        let footage = CameraFootage { camera: camera.clone(), frames, first: view.first, background, masks };
         let count = self.count_frames(view, &footage)? as u64;
         let zero = self.offset(view, &footage, frame_rate)?;
         Ok(Film { footage, there: view.first..view.first.saturating_add(count), zero })
+    }
+
+    /// A video, or numbered pictures.
+    fn frames(&self, value: &Spanned<String>, field: &str, cache: &Cache) -> Result<Frames, FileError> {
+        let text = self.expand(value, field)?;
+        Ok(match self.video(&text, cache)? {
+            Some(video) => Frames::Video(video),
+            None => Frames::Pictures { folder: self.footage.clone(), pattern: self.pattern(value, field)? },
+        })
     }
 
     /// The video of a path, if the file there is one by its content.

@@ -73,7 +73,10 @@ pub(super) struct CalibrationSpec {
 #[serde(deny_unknown_fields)]
 pub(super) struct ViewSpec {
     pub(super) name: Spanned<String>,
-    pub(super) frames: Spanned<String>,
+    pub(super) frames: Option<Spanned<String>>,
+    pub(super) masks: Option<Spanned<String>>,
+    pub(super) masks_first: Option<Spanned<u64>>,
+    pub(super) mask_values: Option<Spanned<toml::Value>>,
     #[serde(default)]
     pub(super) first: u64,
     pub(super) count: Option<Spanned<u64>>,

@@ -6,14 +6,11 @@ use std::sync::Arc;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::{Camera, Rig};
 use backlit_tracking::segment::SegmentOptions;
-use image::RgbImage;
 
-use super::known::Known;
 use super::reader::Reader;
 use super::reference::ReferenceOptions;
 use super::spec::{BodySizes, FORMAT, TakeSpec};
-use super::{BackgroundSource, CameraFootage, Reference, TakeError};
-use crate::images::{self, MAX_PICTURE_BYTES};
+use super::{CameraFootage, Reference, TakeError};
 use crate::pose_file::{self, Quaternions};
 use crate::text::decode;
 use crate::trc::Axes;
@@ -33,25 +30,25 @@ const MAX_FRAME_RATE: f64 = 100_000.0;
 /// was opened) and its first one is of the camera's size; start pose and reference fit the model.
 #[derive(Debug, Clone)]
 pub struct Take {
-    files: Arc<dyn TakeFiles>,
-    path: PathBuf,
-    name: String,
-    frame_rate: f64,
-    model: Arc<Model>,
-    sizes: BodySizes,
+    pub(super) files: Arc<dyn TakeFiles>,
+    pub(super) path: PathBuf,
+    pub(super) name: String,
+    pub(super) frame_rate: f64,
+    pub(super) model: Arc<Model>,
+    pub(super) sizes: BodySizes,
     /// For pictures as they are on the disk.
-    full_rig: Rig,
+    pub(super) full_rig: Rig,
     /// For pictures that are reduced.
-    rig: Rig,
-    reduction: u32,
-    footage: Vec<CameraFootage>,
-    frame_count: usize,
-    start: Option<Pose>,
-    reference: Option<Reference>,
-    measurement: Vec<SegmentOptions>,
-    seconds: Arc<[f64]>,
-    notes: Arc<[String]>,
-    cache: Arc<FrameCache>,
+    pub(super) rig: Rig,
+    pub(super) reduction: u32,
+    pub(super) footage: Vec<CameraFootage>,
+    pub(super) frame_count: usize,
+    pub(super) start: Option<Pose>,
+    pub(super) reference: Option<Reference>,
+    pub(super) measurement: Vec<SegmentOptions>,
+    pub(super) seconds: Arc<[f64]>,
+    pub(super) notes: Arc<[String]>,
+    pub(super) cache: Arc<FrameCache>,
 }
 
 /// The take file of a folder, or the file itself.
@@ -246,41 +243,6 @@ impl Take {
         &self.cache
     }
 
-    /// A camera's picture of a frame (counted from 0), [reduced](Self::reduction) and not rectified.
-    ///
-    /// # Errors
-    /// As [`full_frame`](Self::full_frame).
-    pub fn frame(&self, camera: usize, frame: usize) -> Result<RgbImage, TakeError> {
-        self.frame_reduced(camera, frame, self.reduction as usize)
-    }
-
-    /// A camera's picture of a frame (counted from 0), as it is on the disk: not reduced and not rectified.
-    ///
-    /// # Errors
-    /// No such camera or frame, no file, not a whole picture, or not of the camera's size.
-    pub fn full_frame(&self, camera: usize, frame: usize) -> Result<RgbImage, TakeError> {
-        self.frame_reduced(camera, frame, 1)
-    }
-
-    /// The same at a part of its size: each square of `divisor`² pixels is averaged to one. Columns at the right and
-    /// rows at the bottom that fill no square are left out.
-    ///
-    /// # Errors
-    /// As [`full_frame`](Self::full_frame).
-    pub fn frame_reduced(&self, camera: usize, frame: usize, divisor: usize) -> Result<RgbImage, TakeError> {
-        let footage = self.footage_of(camera)?;
-        if frame >= self.frame_count {
-            return Err(TakeError::NoFrame { frame, count: self.frame_count });
-        }
-        let picture = match footage.video() {
-            Some(video) => self.video_frame(camera, video, footage.number(frame) as usize, divisor),
-            None => {
-                self.picture(camera, &footage.path(frame)).map(|picture| images::reduced(picture, divisor))
-            }
-        };
-        picture.map_err(|error| TakeError::Frame { camera: footage.camera.clone(), frame, error })
-    }
-
     /// The same take seen by other cameras: as many, for pictures of the same sizes as those on the disk, in the same order. `None` if they
     /// are not.
     #[must_use]
@@ -338,99 +300,6 @@ impl Take {
         }
         take
     }
-
-    /// A camera's pictures without the subject: one plate or several frames, none if the take has none. Reduced and
-    /// not rectified.
-    ///
-    /// # Errors
-    /// No such camera, no file, not a whole picture, or not of the camera's size.
-    pub fn background(&self, camera: usize) -> Result<Vec<RgbImage>, TakeError> {
-        let footage = self.footage_of(camera)?;
-        let divisor = self.reduction as usize;
-        let pictures: Result<Vec<RgbImage>, FileError> = match &footage.background {
-            None => return Ok(Vec::new()),
-            Some(BackgroundSource::Video { video, frames }) => {
-                frames.iter().map(|&frame| self.video_frame(camera, video, frame, divisor)).collect()
-            }
-            Some(pictures) => pictures.paths().into_iter().map(|path| self.plate(camera, path)).collect(),
-        };
-        pictures.map_err(|error| TakeError::Background { camera: footage.camera.clone(), error })
-    }
-
-    /// What a camera's reduced plate knows of each pixel, row by row. `None` where it knows all.
-    ///
-    /// # Errors
-    /// As [`background`](Self::background).
-    pub fn plate_knowledge(&self, camera: usize) -> Result<Option<Vec<Known>>, TakeError> {
-        let footage = self.footage_of(camera)?;
-        let Some(BackgroundSource::Plate(path)) = &footage.background else { return Ok(None) };
-        let alpha = self.files.read(path, MAX_PICTURE_BYTES).and_then(|bytes| images::alpha(path, &bytes));
-        let alpha = alpha.map_err(|error| TakeError::Background { camera: footage.camera.clone(), error })?;
-        let Some(alpha) = alpha.filter(|alpha| alpha.iter().any(|&alpha| alpha < Known::OPAQUE)) else {
-            return Ok(None);
-        };
-        let (full, small) = (&self.full_rig.cameras()[camera], &self.rig.cameras()[camera]);
-        if alpha.len() == small.width() * small.height() {
-            return Ok(Some(alpha.into_iter().map(Known::of_alpha).collect()));
-        }
-        // Of the pixels that are averaged to one, the least known counts.
-        let (side, width) = (self.reduction as usize, small.width());
-        let mut out = vec![Known::Scene; width * small.height()];
-        for (index, &alpha) in alpha.iter().enumerate() {
-            let (x, y) = (index % full.width() / side, index / full.width() / side);
-            if x < width && y < small.height() {
-                let worst = &mut out[y * width + x];
-                *worst = (*worst).min(Known::of_alpha(alpha));
-            }
-        }
-        Ok(Some(out))
-    }
-
-    fn footage_of(&self, camera: usize) -> Result<&CameraFootage, TakeError> {
-        self.footage.get(camera).ok_or(TakeError::NoCamera { camera, count: self.footage.len() })
-    }
-
-    fn picture(&self, camera: usize, path: &Path) -> Result<RgbImage, FileError> {
-        let bytes = self.files.read(path, MAX_PICTURE_BYTES)?;
-        // The size first: a wrong picture need not be decoded.
-        check_size(path, images::size(path, &bytes)?, &self.full_rig.cameras()[camera])?;
-        images::decode(path, &bytes)
-    }
-
-    /// A picture of a background, of the full size or of the reduced one already, reduced.
-    fn plate(&self, camera: usize, path: &Path) -> Result<RgbImage, FileError> {
-        let bytes = self.files.read(path, MAX_PICTURE_BYTES)?;
-        let found = images::size(path, &bytes)?;
-        if check_size(path, found, &self.rig.cameras()[camera]).is_ok() {
-            return images::decode(path, &bytes);
-        }
-        check_size(path, found, &self.full_rig.cameras()[camera])?;
-        Ok(images::reduced(images::decode(path, &bytes)?, self.reduction as usize))
-    }
-
-    fn video_frame(
-        &self,
-        camera: usize,
-        video: &Video,
-        frame: usize,
-        divisor: usize,
-    ) -> Result<RgbImage, FileError> {
-        check_size(video.path(), video.size(), &self.full_rig.cameras()[camera])?;
-        video.frame_reduced(frame, divisor).map(Arc::unwrap_or_clone)
-    }
-
-    fn check_first_picture(&self, camera: usize) -> Result<(), TakeError> {
-        let path = self.footage[camera].path(0);
-        let check = || {
-            if let Some(video) = self.footage[camera].video() {
-                return check_size(&path, video.size(), &self.full_rig.cameras()[camera]);
-            }
-            let bytes = self.files.read(&path, MAX_PICTURE_BYTES)?;
-            check_size(&path, images::size(&path, &bytes)?, &self.full_rig.cameras()[camera])
-        };
-        let name = || self.footage[camera].camera.clone();
-        check().map_err(|error| TakeError::Frame { camera: name(), frame: 0, error })
-    }
 }
 
 /// The cameras of pictures that are reduced.
@@ -442,12 +311,4 @@ fn reduced_rig(rig: &Rig, reduction: u32) -> Result<Rig, FileProblem> {
     };
     let cameras = rig.cameras().iter().map(reduced).collect::<Result<_, _>>()?;
     Rig::new(cameras).map_err(|error| FileProblem::Rig { error })
-}
-
-fn check_size(path: &Path, found: [usize; 2], camera: &Camera) -> Result<(), FileError> {
-    let expected = [camera.width(), camera.height()];
-    if found == expected {
-        return Ok(());
-    }
-    Err(FileError::new(path, FileProblem::PictureSize { found, expected }))
 }

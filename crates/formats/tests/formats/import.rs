@@ -5,6 +5,7 @@ use std::path::Path;
 use backlit_formats::import::{
     self, Background, Found, ImportError, ImportOptions, MatchedBy, PictureSize, Project,
 };
+use backlit_formats::masks::MaskValues;
 use backlit_formats::take::BodySizes;
 use backlit_formats::{Footage, Take, calibration, images};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
@@ -75,7 +76,7 @@ fn a_folder_of_pictures_becomes_a_take_with_silhouettes() {
     let footage = Footage::new(take);
     for (camera, frame) in [(0, 0), (1, 17)] {
         let picture = footage.picture(camera, frame).unwrap();
-        let mask = footage.mask(camera, &picture, &footage.take().measurement()[camera]).unwrap();
+        let mask = footage.mask(camera, frame, &picture, &footage.take().measurement()[camera]).unwrap();
         let found = mask.count(Label::Subject);
         assert!(found.abs_diff(24 * 80) < 80, "frame {frame}: {found} pixels of {}", 24 * 80);
     }
@@ -115,6 +116,98 @@ fn what_is_missing_is_named() {
         .unwrap();
     let said = message(folder.path());
     assert!(said.contains("left, right, top") && said.contains("Camera 1"), "{said}");
+}
+
+/// Masks of the recording's block, as many as the camera has pictures.
+fn masks(folder: &Path, pattern: impl Fn(u32, u32) -> String, white: u8, counts: [u32; 2]) {
+    for (camera, count) in [1, 2].into_iter().zip(counts) {
+        for frame in 0..count {
+            let picture = picture(frame);
+            let level = |x, y| image::Luma([if picture.get_pixel(x, y)[0] == 220 { white } else { 0 }]);
+            let path = folder.join(pattern(camera, frame));
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            images::write_png(&path, &image::GrayImage::from_fn(160, 120, level).into()).unwrap();
+        }
+    }
+}
+
+/// The take that becomes of a folder, and its text.
+fn taken(folder: &Path, out: &Path) -> (Found, Footage, String) {
+    let options = ImportOptions { frame_rate: Some(50.0), ..ImportOptions::default() };
+    let found = look(folder, &options).unwrap();
+    write(&found, out).unwrap();
+    let text = std::fs::read_to_string(out.join("take.toml")).unwrap();
+    (found, Footage::new(Take::open(out).unwrap()), text)
+}
+
+fn block(footage: &Footage, camera: usize, frame: usize) -> usize {
+    footage.given_mask(camera, frame).unwrap().unwrap().count(Label::Subject)
+}
+
+#[test]
+fn masks_beside_the_footage_are_found_and_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("take");
+    let places: [&dyn Fn(u32, u32) -> String; 2] =
+        [&|camera, frame| format!("masks/cam{camera}/{frame:06}.png"), &|camera, frame| {
+            format!("images/Camera {camera}/{:04}_mask.png", frame + 5)
+        }];
+    for place in places {
+        let recorded = folder.path().join("recording");
+        recording(&recorded);
+        masks(&recorded, place, 1, [20, 18]);
+        let (found, footage, text) = taken(&recorded, &out);
+        assert_eq!((found.matched_by, found.count, footage.take().reduction()), (MatchedBy::Name, 18, 1));
+        for (index, camera) in found.cameras.iter().enumerate() {
+            assert_eq!(camera.pictures.count(), [20, 18][index], "the footage is not the masks");
+            let masks = camera.masks.as_ref().unwrap();
+            assert_eq!((masks.values.as_ref(), masks.are_alone), (Some(&MaskValues::NonZero), false));
+            assert!(camera.notes.is_empty(), "{:?}", camera.notes);
+            assert_eq!(block(&footage, index, 17), 24 * 80);
+        }
+        assert!(text.contains("mask_values = \"nonzero\"") && !text.contains("background"), "{text}");
+        assert_eq!(footage.picture(0, 3).unwrap().get_pixel(0, 0)[0], 90, "footage, not masks");
+        std::fs::remove_dir_all(&recorded).unwrap();
+        std::fs::remove_dir_all(&out).unwrap();
+    }
+    // Masks that do not go with the footage are told and left alone; so is a folder that only is called so.
+    let recorded = folder.path().join("recording");
+    recording(&recorded);
+    masks(&recorded, places[0], 255, [20, 7]);
+    let (found, _, text) = taken(&recorded, &out);
+    assert!(found.cameras[0].masks.is_some() && found.cameras[1].masks.is_none());
+    let note = &found.cameras[1].notes[0];
+    assert!(note.contains("masks/cam2") && note.contains("there are 7, and 18 frames of footage"), "{note}");
+    assert_eq!((text.matches("masks =").count(), text.matches("background =").count()), (1, 1), "{text}");
+    std::fs::remove_dir_all(&recorded).unwrap();
+    recording(&recorded);
+    std::fs::rename(recorded.join("images"), recorded.join("seg")).unwrap();
+    let found = look(&recorded, &ImportOptions::default()).unwrap();
+    assert!(found.cameras.iter().all(|camera| camera.masks.is_none()));
+}
+
+#[test]
+fn masks_without_footage_become_a_take() {
+    let folder = tempfile::tempdir().unwrap();
+    let (recorded, out) = (folder.path().join("recording"), folder.path().join("take"));
+    recording(&recorded);
+    std::fs::remove_dir_all(recorded.join("images")).unwrap();
+    masks(&recorded, |camera, frame| format!("silhouettes/cam{camera}_{frame}.png"), 255, [18, 18]);
+    let (found, footage, text) = taken(&recorded, &out);
+    assert!(found.cameras.iter().all(|camera| camera.masks.as_ref().unwrap().are_alone));
+    assert_eq!((footage.take().frame_count(), text.matches("frames =").count()), (18, 0), "{text}");
+    assert!(footage.take().footage()[1].is_masks_alone());
+    assert_eq!(block(&footage, 1, 4), 24 * 80);
+    // Several people: the take opens, and says what must be chosen where the masks are wanted.
+    std::fs::remove_dir_all(&out).unwrap();
+    masks(&recorded, |camera, frame| format!("silhouettes/cam{camera}_{frame}.png"), 2, [18, 18]);
+    let path = recorded.join("silhouettes/cam1_0.png");
+    let one = image::GrayImage::from_fn(160, 120, |x, _| image::Luma([u8::from(x < 9)]));
+    images::write_png(&path, &one.into()).unwrap();
+    let (found, footage, text) = taken(&recorded, &out);
+    assert!(found.cameras[0].notes[0].contains("has the numbers 1, 2"), "{:?}", found.cameras[0].notes);
+    assert!(text.contains("mask_values = \"auto\""), "{text}");
+    assert!(footage.fit_views(&[0], 0).unwrap_err().to_string().contains("ids = [1]"));
 }
 
 #[test]

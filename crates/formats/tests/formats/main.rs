@@ -7,6 +7,7 @@ mod calibration_files;
 mod calibration_texts;
 #[path = "../../../tracking/tests/tracking/footage.rs"]
 mod footage;
+mod given_masks;
 mod hostile_files;
 mod import;
 mod keypoint_files;

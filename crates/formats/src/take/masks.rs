@@ -1,0 +1,191 @@
+//! One camera's masks that were made elsewhere: where they are, and what their numbers mean.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+
+use toml::Spanned;
+
+use super::footage::Frames;
+use super::reader::Reader;
+use super::spec::ViewSpec;
+use super::{CameraFootage, FramePattern, TakeError};
+use crate::masks::{MaskValues, Numbers};
+use crate::video::VideoProblem;
+use crate::{FileError, FileProblem, TakeFiles, images};
+
+/// Where one camera's masks are.
+#[derive(Debug, Clone)]
+pub(super) struct CameraMasks {
+    pub(super) source: Frames,
+    /// A frame of the camera's own number, and the number of its mask.
+    first: [u64; 2],
+    /// What the take says.
+    pub(super) given: Option<MaskValues>,
+    /// What that means for these masks, once it is known. Shared by clones of a take.
+    pub(super) told: Arc<OnceLock<MaskValues>>,
+    /// There is no footage beside them.
+    pub(super) is_alone: bool,
+}
+
+/// Asked whether the size of a file's picture is right.
+type SizeCheck<'a> = dyn Fn(&Path, [usize; 2]) -> Result<(), FileError> + 'a;
+
+impl CameraMasks {
+    /// The number of the mask that belongs to a frame of the camera's own number.
+    fn number(&self, frame: u64) -> u64 {
+        frame.saturating_sub(self.first[0]).saturating_add(self.first[1])
+    }
+
+    pub(super) fn path(&self, frame: u64) -> PathBuf {
+        self.source.path(self.number(frame))
+    }
+
+    /// The mask of a frame of the camera's own number; its size is checked before it is decoded.
+    pub(super) fn read(
+        &self,
+        files: &dyn TakeFiles,
+        frame: u64,
+        check: &SizeCheck<'_>,
+    ) -> Result<Numbers, FileError> {
+        match &self.source {
+            Frames::Video(video) => {
+                check(video.path(), video.size())?;
+                Ok(Numbers::of_picture(&*video.frame(self.number(frame) as usize)?))
+            }
+            Frames::Pictures { .. } => {
+                Numbers::decode(&self.path(frame), &self.picture(files, frame, check)?)
+            }
+        }
+    }
+
+    /// Only checks the size of that mask.
+    pub(super) fn check_size(
+        &self,
+        files: &dyn TakeFiles,
+        frame: u64,
+        check: &SizeCheck<'_>,
+    ) -> Result<(), FileError> {
+        match &self.source {
+            Frames::Video(video) => check(video.path(), video.size()),
+            Frames::Pictures { .. } => self.picture(files, frame, check).map(drop),
+        }
+    }
+
+    /// The bytes of a picture of the right size.
+    fn picture(
+        &self,
+        files: &dyn TakeFiles,
+        frame: u64,
+        check: &SizeCheck<'_>,
+    ) -> Result<Vec<u8>, FileError> {
+        let path = self.path(frame);
+        let bytes = files.read(&path, images::MAX_PICTURE_BYTES)?;
+        check(&path, images::size(&path, &bytes)?)?;
+        Ok(bytes)
+    }
+
+    /// Whether the mask of a frame of the camera's own number is there.
+    fn check_there(&self, files: &dyn TakeFiles, frame: u64) -> Result<(), FileError> {
+        let path = self.path(frame);
+        let problem = match &self.source {
+            Frames::Pictures { .. } if files.exists(&path) => return Ok(()),
+            Frames::Pictures { .. } => FileProblem::Missing,
+            Frames::Video(video) => {
+                let (frame, count) = (self.number(frame) as usize, video.frame_count());
+                if frame < count {
+                    return Ok(());
+                }
+                FileProblem::Video { error: VideoProblem::NoFrame { frame, count } }
+            }
+        };
+        Err(FileError::new(&path, problem))
+    }
+}
+
+impl CameraFootage {
+    /// Whether the camera has masks that were made elsewhere: then its silhouettes are not segmented.
+    #[must_use]
+    pub fn has_masks(&self) -> bool {
+        self.masks.is_some()
+    }
+
+    /// Whether it has nothing but those masks: its pictures are the masks, drawn.
+    #[must_use]
+    pub fn is_masks_alone(&self) -> bool {
+        self.masks.as_ref().is_some_and(|masks| masks.is_alone)
+    }
+
+    /// The file of a frame's mask, counted from 0 at the take's start, if there are masks. Of a video it is the same for all.
+    #[must_use]
+    pub fn mask_path(&self, frame: usize) -> Option<PathBuf> {
+        Some(self.masks.as_ref()?.path(self.number(frame)))
+    }
+
+    /// Looks whether all frames of the take have their masks.
+    ///
+    /// # Errors
+    /// The first one that is missing.
+    pub(super) fn check_masks(&self, files: &dyn TakeFiles, frame_count: usize) -> Result<(), TakeError> {
+        let Some(masks) = self.masks.as_ref().filter(|masks| !masks.is_alone) else { return Ok(()) };
+        (0..frame_count).try_for_each(|frame| {
+            masks.check_there(files, self.number(frame)).map_err(|error| self.mask_error(frame, error))
+        })
+    }
+
+    pub(super) fn mask_error(&self, frame: usize, error: FileError) -> TakeError {
+        TakeError::Mask { camera: self.camera.clone(), frame, error }
+    }
+}
+
+impl Reader<'_> {
+    /// The masks that a take file names for a camera.
+    ///
+    /// # Errors
+    /// Keys that do not go together, a video that cannot be opened, or no pattern.
+    pub(super) fn masks(
+        &self,
+        view: &ViewSpec,
+        open: &dyn Fn(&Spanned<String>, &str) -> Result<Frames, FileError>,
+    ) -> Result<Option<CameraMasks>, TakeError> {
+        let Some(masks) = &view.masks else {
+            if let Some(first) = &view.masks_first {
+                return Err(self.field(first, "masks_first", "`masks` beside it".to_owned()).into());
+            }
+            if let Some(values) = &view.mask_values {
+                return Err(self.field(values, "mask_values", "`masks` beside it".to_owned()).into());
+            }
+            return Ok(None);
+        };
+        let is_alone = view.frames.is_none();
+        let first = match &view.masks_first {
+            Some(first) if is_alone => {
+                let expected = "`first`, where there are no `frames` beside the masks".to_owned();
+                return Err(self.field(first, "masks_first", expected).into());
+            }
+            Some(first) => *first.get_ref(),
+            None => view.first,
+        };
+        let given = match &view.mask_values {
+            None => None,
+            Some(values) => MaskValues::parse(values.get_ref())
+                .ok_or_else(|| self.field(values, "mask_values", MaskValues::EXPECTED.to_owned()))?,
+        };
+        let camera = view.name.get_ref();
+        let failed = |error: FileError| match error.path == self.path {
+            true => TakeError::File(error),
+            false => TakeError::Mask { camera: camera.clone(), frame: 0, error },
+        };
+        let source = open(masks, "camera.masks").map_err(failed)?;
+        Ok(Some(CameraMasks { source, first: [view.first, first], given, told: Arc::default(), is_alone }))
+    }
+}
+
+impl Frames {
+    /// The file with this number.
+    pub(super) fn path(&self, number: u64) -> PathBuf {
+        match self {
+            Self::Pictures { folder, pattern } => FramePattern::path(pattern, folder, number),
+            Self::Video(video) => video.path().to_owned(),
+        }
+    }
+}

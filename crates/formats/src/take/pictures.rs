@@ -1,0 +1,226 @@
+//! A take's pictures: frames, backgrounds and masks made elsewhere, reduced and not rectified.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use backlit_tracking::camera::Camera;
+use image::{RgbImage, imageops};
+
+use super::known::Known;
+use super::{BackgroundSource, CameraFootage, Take, TakeError};
+use crate::images::{self, MAX_PICTURE_BYTES};
+use crate::masks::{self, MaskValues, Source};
+use crate::video::Video;
+use crate::{FileError, FileProblem};
+
+impl Take {
+    /// A camera's picture of a frame (counted from 0), [reduced](Self::reduction) and not rectified.
+    ///
+    /// # Errors
+    /// As [`full_frame`](Self::full_frame).
+    pub fn frame(&self, camera: usize, frame: usize) -> Result<RgbImage, TakeError> {
+        self.frame_reduced(camera, frame, self.reduction as usize)
+    }
+
+    /// A camera's picture of a frame (counted from 0), as it is on the disk: not reduced and not rectified.
+    ///
+    /// # Errors
+    /// No such camera or frame, no file, not a whole picture, or not of the camera's size.
+    pub fn full_frame(&self, camera: usize, frame: usize) -> Result<RgbImage, TakeError> {
+        self.frame_reduced(camera, frame, 1)
+    }
+
+    /// The same at a part of its size: each square of `divisor`² pixels is averaged to one. Columns at the right and
+    /// rows at the bottom that fill no square are left out.
+    ///
+    /// # Errors
+    /// As [`full_frame`](Self::full_frame).
+    pub fn frame_reduced(&self, camera: usize, frame: usize, divisor: usize) -> Result<RgbImage, TakeError> {
+        let footage = self.footage_of(camera)?;
+        if frame >= self.frame_count {
+            return Err(TakeError::NoFrame { frame, count: self.frame_count });
+        }
+        if footage.is_masks_alone() {
+            return Ok(masks::drawn(&self.shares_reduced(camera, frame, divisor)?));
+        }
+        let picture = match footage.video() {
+            Some(video) => self.video_frame(camera, video, footage.number(frame) as usize, divisor),
+            None => {
+                self.picture(camera, &footage.path(frame)).map(|picture| images::reduced(picture, divisor))
+            }
+        };
+        picture.map_err(|error| TakeError::Frame { camera: footage.camera.clone(), frame, error })
+    }
+
+    /// What the numbers of a camera's masks mean; `None` for a camera without any. Where the take does not say it, masks
+    /// that are spread over the take are looked at, once.
+    ///
+    /// # Errors
+    /// No such camera, or a mask that cannot be read, is of another size or makes no sense.
+    pub fn mask_values(&self, camera: usize) -> Result<Option<&MaskValues>, TakeError> {
+        let footage = self.footage_of(camera)?;
+        let Some(own) = &footage.masks else { return Ok(None) };
+        if let Some(told) = own.told.get() {
+            return Ok(Some(told));
+        }
+        let source = Source {
+            count: self.frame_count,
+            path: &|frame| own.path(footage.number(frame)),
+            read: &|frame| own.read(self.files.as_ref(), footage.number(frame), &self.check_mask(camera)),
+        };
+        let told = masks::told(own.given.as_ref(), &source);
+        let told = told.map_err(|(frame, error)| footage.mask_error(frame, error))?;
+        Ok(Some(own.told.get_or_init(|| told)))
+    }
+
+    /// A camera's mask of a frame, [reduced](Self::reduction) and not rectified, as [shares](masks::shares). `None` for a
+    /// camera without masks.
+    ///
+    /// # Errors
+    /// As [`mask_values`](Self::mask_values), or no such frame.
+    pub(crate) fn mask_shares(&self, camera: usize, frame: usize) -> Result<Option<RgbImage>, TakeError> {
+        if !self.footage_of(camera)?.has_masks() {
+            return Ok(None);
+        }
+        if frame >= self.frame_count {
+            return Err(TakeError::NoFrame { frame, count: self.frame_count });
+        }
+        self.shares_reduced(camera, frame, self.reduction as usize).map(Some)
+    }
+
+    /// The shares of a frame's mask at a part of the pictures' size.
+    fn shares_reduced(&self, camera: usize, frame: usize, divisor: usize) -> Result<RgbImage, TakeError> {
+        let footage = self.footage_of(camera)?;
+        let (Some(own), Some(values)) = (&footage.masks, self.mask_values(camera)?) else {
+            return Ok(RgbImage::default());
+        };
+        let numbers = own.read(self.files.as_ref(), footage.number(frame), &self.check_mask(camera));
+        let numbers = numbers.map_err(|error| footage.mask_error(frame, error))?;
+        let shares = masks::shares(&numbers, values);
+        let full = &self.full_rig.cameras()[camera];
+        if numbers.size == [full.width(), full.height()] {
+            return Ok(images::reduced(shares, divisor));
+        }
+        if divisor == self.reduction as usize {
+            return Ok(shares);
+        }
+        // A mask that is reduced already, for a picture of another size.
+        let side = |side: usize| (side / divisor.max(1)).max(1) as u32;
+        let (width, height) = (side(full.width()), side(full.height()));
+        Ok(imageops::resize(&shares, width, height, imageops::FilterType::Nearest))
+    }
+
+    /// Masks are of the pictures' size, or reduced already.
+    fn check_mask(&self, camera: usize) -> impl Fn(&Path, [usize; 2]) -> Result<(), FileError> {
+        let (full, small) = (&self.full_rig.cameras()[camera], &self.rig.cameras()[camera]);
+        move |path, found| check_size(path, found, small).or_else(|_| check_size(path, found, full))
+    }
+
+    /// A camera's pictures without the subject: one plate or several frames, none if the take has none. Reduced and
+    /// not rectified.
+    ///
+    /// # Errors
+    /// No such camera, no file, not a whole picture, or not of the camera's size.
+    pub fn background(&self, camera: usize) -> Result<Vec<RgbImage>, TakeError> {
+        let footage = self.footage_of(camera)?;
+        let divisor = self.reduction as usize;
+        let pictures: Result<Vec<RgbImage>, FileError> = match &footage.background {
+            None => return Ok(Vec::new()),
+            Some(BackgroundSource::Video { video, frames }) => {
+                frames.iter().map(|&frame| self.video_frame(camera, video, frame, divisor)).collect()
+            }
+            Some(pictures) => pictures.paths().into_iter().map(|path| self.plate(camera, path)).collect(),
+        };
+        pictures.map_err(|error| TakeError::Background { camera: footage.camera.clone(), error })
+    }
+
+    /// What a camera's reduced plate knows of each pixel, row by row. `None` where it knows all.
+    ///
+    /// # Errors
+    /// As [`background`](Self::background).
+    pub fn plate_knowledge(&self, camera: usize) -> Result<Option<Vec<Known>>, TakeError> {
+        let footage = self.footage_of(camera)?;
+        let Some(BackgroundSource::Plate(path)) = &footage.background else { return Ok(None) };
+        let alpha = self.files.read(path, MAX_PICTURE_BYTES).and_then(|bytes| images::alpha(path, &bytes));
+        let alpha = alpha.map_err(|error| TakeError::Background { camera: footage.camera.clone(), error })?;
+        let Some(alpha) = alpha.filter(|alpha| alpha.iter().any(|&alpha| alpha < Known::OPAQUE)) else {
+            return Ok(None);
+        };
+        let (full, small) = (&self.full_rig.cameras()[camera], &self.rig.cameras()[camera]);
+        if alpha.len() == small.width() * small.height() {
+            return Ok(Some(alpha.into_iter().map(Known::of_alpha).collect()));
+        }
+        // Of the pixels that are averaged to one, the least known counts.
+        let (side, width) = (self.reduction as usize, small.width());
+        let mut out = vec![Known::Scene; width * small.height()];
+        for (index, &alpha) in alpha.iter().enumerate() {
+            let (x, y) = (index % full.width() / side, index / full.width() / side);
+            if x < width && y < small.height() {
+                let worst = &mut out[y * width + x];
+                *worst = (*worst).min(Known::of_alpha(alpha));
+            }
+        }
+        Ok(Some(out))
+    }
+
+    fn footage_of(&self, camera: usize) -> Result<&CameraFootage, TakeError> {
+        self.footage.get(camera).ok_or(TakeError::NoCamera { camera, count: self.footage.len() })
+    }
+
+    fn picture(&self, camera: usize, path: &Path) -> Result<RgbImage, FileError> {
+        let bytes = self.files.read(path, MAX_PICTURE_BYTES)?;
+        // The size first: a wrong picture need not be decoded.
+        check_size(path, images::size(path, &bytes)?, &self.full_rig.cameras()[camera])?;
+        images::decode(path, &bytes)
+    }
+
+    /// A picture of a background, of the full size or of the reduced one already, reduced.
+    fn plate(&self, camera: usize, path: &Path) -> Result<RgbImage, FileError> {
+        let bytes = self.files.read(path, MAX_PICTURE_BYTES)?;
+        let found = images::size(path, &bytes)?;
+        if check_size(path, found, &self.rig.cameras()[camera]).is_ok() {
+            return images::decode(path, &bytes);
+        }
+        check_size(path, found, &self.full_rig.cameras()[camera])?;
+        Ok(images::reduced(images::decode(path, &bytes)?, self.reduction as usize))
+    }
+
+    fn video_frame(
+        &self,
+        camera: usize,
+        video: &Video,
+        frame: usize,
+        divisor: usize,
+    ) -> Result<RgbImage, FileError> {
+        check_size(video.path(), video.size(), &self.full_rig.cameras()[camera])?;
+        video.frame_reduced(frame, divisor).map(Arc::unwrap_or_clone)
+    }
+
+    pub(super) fn check_first_picture(&self, camera: usize) -> Result<(), TakeError> {
+        let footage = &self.footage[camera];
+        if let Some(own) = &footage.masks {
+            own.check_size(self.files.as_ref(), footage.number(0), &self.check_mask(camera))
+                .map_err(|error| footage.mask_error(0, error))?;
+        }
+        if footage.is_masks_alone() {
+            return Ok(());
+        }
+        let path = footage.path(0);
+        let check = || {
+            if let Some(video) = footage.video() {
+                return check_size(&path, video.size(), &self.full_rig.cameras()[camera]);
+            }
+            let bytes = self.files.read(&path, MAX_PICTURE_BYTES)?;
+            check_size(&path, images::size(&path, &bytes)?, &self.full_rig.cameras()[camera])
+        };
+        check().map_err(|error| TakeError::Frame { camera: footage.camera.clone(), frame: 0, error })
+    }
+}
+
+fn check_size(path: &Path, found: [usize; 2], camera: &Camera) -> Result<(), FileError> {
+    let expected = [camera.width(), camera.height()];
+    if found == expected {
+        return Ok(());
+    }
+    Err(FileError::new(path, FileProblem::PictureSize { found, expected }))
+}
