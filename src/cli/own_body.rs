@@ -79,7 +79,10 @@ pub(crate) fn begin(
     let take = footage.take();
     let spinner = ProgressBar::new_spinner();
     spinner.enable_steady_tick(Duration::from_millis(200));
-    let options = PersonOptions::new(fit.clone(), sizes, take.frame_rate());
+    let mut options = PersonOptions::new(fit.clone(), sizes, take.frame_rate());
+    if sizes {
+        options.joints = take.keypoint_joints(&options.followed(frames))?;
+    }
     let is_given = start.is_some();
     let person = find_person(
         take.model(),

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::take::Known;
-use super::{Take, TakeError, masks};
+use super::{Take, TakeError, keypoints, masks};
 
 /// A take with everything that is made once for all its frames: ideal cameras, rectifications, backgrounds.
 ///
@@ -31,6 +31,8 @@ pub struct Footage {
 struct Learnt {
     background: Background,
     always_subject: Vec<usize>,
+    /// Pixels of which neither the background nor the subject is known.
+    unknown: Vec<usize>,
 }
 
 /// Why a picture or a silhouette cannot be had.
@@ -104,7 +106,7 @@ impl Footage {
         let pictures: Vec<RgbImage> =
             pictures.iter().map(|picture| self.rectified(camera, picture)).collect::<Result<_, _>>()?;
         let failed = |error| FootageError::Background { camera: name(), error };
-        let mut always_subject = Vec::new();
+        let (mut always_subject, mut unknown) = (Vec::new(), Vec::new());
         let background = match pictures.as_slice() {
             [] => return Err(FootageError::NoBackground { camera: name() }),
             [plate] => {
@@ -114,9 +116,11 @@ impl Footage {
                     Some(known) => {
                         let known =
                             self.rectifications[camera].nearest(&known, Known::Scene).unwrap_or_default();
-                        let indices = known.iter().enumerate();
-                        let covered = indices.filter(|(_, known)| **known == Known::AlwaysSubject);
-                        always_subject = covered.map(|(index, _)| index).collect();
+                        let those = |wanted: Known| {
+                            let pixels = known.iter().enumerate().filter(move |(_, known)| **known == wanted);
+                            pixels.map(|(index, _)| index).collect()
+                        };
+                        (always_subject, unknown) = (those(Known::AlwaysSubject), those(Known::Nothing));
                         let is_known: Vec<bool> = known.iter().map(|known| *known == Known::Scene).collect();
                         background.with_known(&is_known).map_err(failed)?
                     }
@@ -124,7 +128,7 @@ impl Footage {
             }
             frames => Background::from_frames(frames).map_err(failed)?,
         };
-        Ok(self.backgrounds[camera].get_or_init(|| Learnt { background, always_subject }))
+        Ok(self.backgrounds[camera].get_or_init(|| Learnt { background, always_subject, unknown }))
     }
 
     /// The silhouette of a frame whose [`picture`](Self::picture) this is: the one that was [made elsewhere](Self::given_mask),
@@ -141,7 +145,7 @@ impl Footage {
     ) -> Result<Mask, FootageError> {
         match self.given_mask(camera, frame)? {
             Some(mask) => Ok(mask),
-            None => self.segmented(camera, picture, options),
+            None => self.segmented(camera, frame, picture, options),
         }
     }
 
@@ -159,10 +163,11 @@ impl Footage {
     fn segmented(
         &self,
         camera: usize,
+        frame: usize,
         picture: &RgbImage,
         options: &SegmentOptions,
     ) -> Result<Mask, FootageError> {
-        let Learnt { background, always_subject } = self.learnt(camera)?;
+        let Learnt { background, always_subject, unknown } = self.learnt(camera)?;
         let mut mask = segment(picture, background, options).map_err(|error| FootageError::Segment {
             camera: self.cameras[camera].name().to_owned(),
             error,
@@ -171,10 +176,26 @@ impl Footage {
         for &pixel in always_subject {
             labels[pixel] = Label::Subject;
         }
+        if !unknown.is_empty()
+            && let Some(coarse) = self.by_keypoints(camera, frame)?
+        {
+            for &pixel in unknown {
+                labels[pixel] = coarse[pixel];
+            }
+        }
         for &pixel in &self.unseen[camera] {
             labels[pixel] = Label::Unknown;
         }
         Ok(mask)
+    }
+
+    /// What keypoints tell of the silhouette, on the ideal grid; `None` without any.
+    fn by_keypoints(&self, camera: usize, frame: usize) -> Result<Option<Vec<Label>>, FootageError> {
+        let full = &self.take.full_rig().cameras()[camera];
+        let size = [full.width(), full.height()];
+        let people = self.take.people(camera, frame)?;
+        let coarse = keypoints::coarse_mask(&people, size, self.take.reduction() as usize);
+        Ok(coarse.and_then(|mask| self.rectifications[camera].nearest(mask.labels(), Label::Unknown)))
     }
 
     /// The evidence of some cameras in a frame, by the take's own measurement settings. Cameras are shared out
@@ -188,7 +209,7 @@ impl Footage {
                 Some(mask) => mask,
                 None => {
                     let picture = self.picture(camera, frame)?;
-                    self.segmented(camera, &picture, &self.take.measurement()[camera])?
+                    self.segmented(camera, frame, &picture, &self.take.measurement()[camera])?
                 }
             };
             let evidence = Evidence::Mask(Arc::new(mask));

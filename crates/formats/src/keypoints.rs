@@ -1,11 +1,14 @@
 //! Two-dimensional keypoints of other tools: `OpenPose`'s JSON, a file a frame, which `Pose2Sim` and `MMPose` write too.
 
+pub mod joints;
+
 use std::path::{Path, PathBuf};
 
 use backlit_tracking::silhouette::{Label, MAX_PIXELS, Mask};
 use glam::DVec2;
 use serde::Deserialize;
 
+use super::take::{FramePattern, split_number};
 use super::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles, json_text, text};
 
 /// Keypoints with a lower score are not believed to be anywhere.
@@ -100,10 +103,25 @@ pub fn files_of(folder: &Path) -> Result<Vec<(u64, PathBuf)>, FileError> {
     Ok(found)
 }
 
+/// The names of a folder's files with `%03d`, or as many digits as they have, in the place of the number, and the first
+/// number. `None` for a folder without such files, or where names differ otherwise.
+///
+/// # Errors
+/// The folder cannot be read.
+pub fn pattern_of(folder: &Path) -> Result<Option<(String, u64)>, FileError> {
+    let files = files_of(folder)?;
+    let Some((first, path)) = files.first() else { return Ok(None) };
+    let Some(name) = path.file_name().and_then(|name| name.to_str()) else { return Ok(None) };
+    let Some((before, digits, after)) = split_number(name) else { return Ok(None) };
+    let number = if digits.len() > 1 { format!("%0{}d", digits.len()) } else { "%d".to_owned() };
+    let pattern = format!("{}{number}{}", before.replace('%', "%%"), after.replace('%', "%%"));
+    let fits = FramePattern::new(&pattern)
+        .is_ok_and(|pattern| files.iter().all(|(number, path)| pattern.path(folder, *number) == *path));
+    Ok(fits.then_some((pattern, *first)))
+}
+
 fn last_number(path: &Path) -> Option<u64> {
-    let stem = path.file_stem()?.to_str()?;
-    let digits = |letter: char| letter.is_ascii_digit();
-    stem.rsplit(|letter: char| !digits(letter)).find(|number| !number.is_empty())?.parse().ok()
+    split_number(path.file_name()?.to_str()?)?.1.parse().ok()
 }
 
 /// Where the people of a picture may be, generously: strokes between keypoints that are near to one another, 6.5 % of the
@@ -112,7 +130,7 @@ fn last_number(path: &Path) -> Option<u64> {
 /// pixels: then nobody knows.
 #[must_use]
 pub fn generous_mask(people: &[Person], size: [usize; 2], divisor: usize) -> Option<Mask> {
-    let people = places_of(people, divisor);
+    let people = places_of(people, divisor, FEWEST);
     let mut mask = mask_for(&people, size, divisor)?;
     let size = [mask.width(), mask.height()];
     for places in &people {
@@ -132,7 +150,7 @@ pub fn generous_mask(people: &[Person], size: [usize; 2], divisor: usize) -> Opt
 /// [`generous_mask`].
 #[must_use]
 pub fn sure_mask(people: &[Person], size: [usize; 2], divisor: usize) -> Option<Mask> {
-    let people = places_of(people, divisor);
+    let people = places_of(people, divisor, FEWEST);
     let mut mask = mask_for(&people, size, divisor)?;
     let size = [mask.width(), mask.height()];
     for places in &people {
@@ -142,14 +160,59 @@ pub fn sure_mask(people: &[Person], size: [usize; 2], divisor: usize) -> Option<
     Some(mask)
 }
 
-/// The sure keypoints of each person who has enough of them, in a picture that is reduced.
-fn places_of(people: &[Person], divisor: usize) -> Vec<Vec<DVec2>> {
+/// A silhouette as far as keypoints tell: the tallest person covers the narrow strokes of [`sure_mask`] and the trunk between
+/// shoulders and hips, nobody covers what lies outside of the [`generous_mask`], and the rest is unknown. `None` where nobody
+/// is found.
+#[must_use]
+pub fn coarse_mask(people: &[Person], size: [usize; 2], divisor: usize) -> Option<Mask> {
+    let mut mask = generous_mask(people, size, divisor)?;
+    let height = |person: &&Person| largest_extent(std::slice::from_ref(*person)).unwrap_or(0.0);
+    let tallest = people.iter().max_by(|a, b| height(a).total_cmp(&height(b)))?;
+    let sure = sure_mask(std::slice::from_ref(tallest), size, divisor)?;
+    let trunk = trunk_of(tallest, divisor);
+    let width = mask.width();
+    for (index, (label, sure)) in mask.labels_mut().iter_mut().zip(sure.labels()).enumerate() {
+        let place = DVec2::new((index % width) as f64, (index / width) as f64);
+        let is_trunk = || trunk.is_some_and(|corners| is_within(place, corners));
+        match label {
+            Label::Subject if *sure == Label::Subject || is_trunk() => {}
+            Label::Subject => *label = Label::Unknown,
+            Label::Background | Label::Unknown => {}
+        }
+    }
+    Some(mask)
+}
+
+/// Where shoulders and hips stand, going round the trunk: of `OpenPose`'s `BODY_25` and `COCO` of 18, and of those that begin
+/// with the 17 of COCO, as `HALPE_26`, `BODY_25B` excepted, which has as many as `BODY_25`.
+const TRUNKS: [(&[usize], [usize; 4]); 3] =
+    [(&[25], [2, 5, 12, 9]), (&[18], [2, 5, 11, 8]), (&[17, 26, 133, 136], [5, 6, 12, 11])];
+
+/// The corners of a person's trunk, shoulders and hips, in a picture that is reduced.
+fn trunk_of(person: &Person, divisor: usize) -> Option<[DVec2; 4]> {
+    let (_, corners) = TRUNKS.iter().find(|(counts, _)| counts.contains(&person.len()))?;
+    let places = places_of(&[corners.iter().map(|&corner| person[corner]).collect()], divisor, corners.len());
+    places.first().and_then(|places| <[DVec2; 4]>::try_from(places.as_slice()).ok())
+}
+
+/// Whether a place is within a polygon: a ray from it crosses the outline an odd number of times.
+fn is_within(place: DVec2, corners: [DVec2; 4]) -> bool {
+    let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+    let crossed = sides.filter(|(a, b)| {
+        let share = (place.y - a.y) / (b.y - a.y);
+        (a.y > place.y) != (b.y > place.y) && place.x < a.x + share * (b.x - a.x)
+    });
+    crossed.count() % 2 == 1
+}
+
+/// The sure keypoints of each person who has `fewest` of them or more, in a picture that is reduced.
+fn places_of(people: &[Person], divisor: usize, fewest: usize) -> Vec<Vec<DVec2>> {
     let scale = 1.0 / divisor.max(1) as f64;
     let places = people.iter().map(|person| {
         let sure = person.iter().flatten().filter(|keypoint| keypoint.score >= LOWEST_SCORE);
         sure.map(|keypoint| (keypoint.place + 0.5) * scale - 0.5).collect::<Vec<DVec2>>()
     });
-    places.filter(|places| places.len() >= FEWEST).collect()
+    places.filter(|places| places.len() >= fewest).collect()
 }
 
 /// An empty mask of the reduced picture; `None` without people, or where it would be too large.
@@ -162,7 +225,7 @@ fn mask_for(people: &[Vec<DVec2>], size: [usize; 2], divisor: usize) -> Option<M
 /// The longer side of the box around a person's keypoints, pixels, of the largest person; `None` where nobody is found.
 #[must_use]
 pub fn largest_extent(people: &[Person]) -> Option<f64> {
-    places_of(people, 1).iter().map(|places| extent(places)).max_by(f64::total_cmp)
+    places_of(people, 1, FEWEST).iter().map(|places| extent(places)).max_by(f64::total_cmp)
 }
 
 fn extent(places: &[DVec2]) -> f64 {

@@ -7,6 +7,7 @@
 //! | `pictures` | its pictures, backgrounds and masks, reduced |
 //! | [`footage`] | one camera's pictures and background |
 //! | `masks` | one camera's masks that were made elsewhere |
+//! | `keypoints` | one camera's two-dimensional keypoints |
 //! | `films` | videos: offsets, the frames that all cameras have |
 //! | [`mod@reference`] | keypoints to compare with |
 //! | [`error`] | what is wrong, by camera and frame |
@@ -16,6 +17,7 @@ pub mod error;
 mod films;
 pub mod footage;
 pub mod frame_pattern;
+mod keypoints;
 mod known;
 mod masks;
 mod measurement;
@@ -29,6 +31,7 @@ pub mod take;
 pub use error::TakeError;
 pub use films::USUAL_BACKGROUND_FRAMES;
 pub use footage::{BackgroundSource, CameraFootage, MAX_BACKGROUND_FRAMES, MAX_FRAMES};
+pub(crate) use frame_pattern::split_number;
 pub use frame_pattern::{FramePattern, PatternError};
 pub use known::Known;
 pub use reference::{Joint, Reference};

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use backlit_tracking::segment::{Background, LearningFrame, LearningOptions, SegmentOptions, segment};
-use backlit_tracking::silhouette::Label;
+use backlit_tracking::silhouette::{Label, Mask};
 use image::RgbImage;
 
 use super::{Found, FoundCamera, ImportError};

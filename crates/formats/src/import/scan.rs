@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use crate::take::split_number;
 use crate::{FileError, FileProblem, keypoints};
 
 /// How deep folders are searched.
@@ -155,16 +156,6 @@ impl Listing {
 /// A text of a path in which no number is meant.
 pub(super) fn escaped(text: &str) -> String {
     text.replace('%', "%%")
-}
-
-/// What stands before, in and behind the last number of a name.
-fn split_number(name: &str) -> Option<(&str, &str, &str)> {
-    let stem = name.rfind('.').unwrap_or(name.len());
-    let end = name[..stem].rfind(|letter: char| letter.is_ascii_digit())? + 1;
-    let start = name[..end]
-        .rfind(|letter: char| !letter.is_ascii_digit())
-        .map_or(0, |at| at + name[at..].chars().next().map_or(1, char::len_utf8));
-    Some((&name[..start], &name[start..end], &name[end..]))
 }
 
 #[cfg(test)]

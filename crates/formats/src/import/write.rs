@@ -11,7 +11,7 @@ use super::{Found, FoundCamera, FoundMasks, ImportError, Pictures};
 use super::{plates, start};
 use crate::calibration::backlit;
 use crate::take::{FILE_NAME, FORMAT};
-use crate::{FileError, FileProblem, atomic, model_file, plate, pose_file};
+use crate::{FileError, FileProblem, atomic, keypoints, model_file, plate, pose_file};
 
 /// Where backgrounds come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,9 +73,9 @@ pub fn write(
         .map(|camera| learning.background_of(camera, progress))
         .collect::<Result<_, _>>()?;
     let body = start::of_keypoints(found)?;
-    if let Some((model, pose)) = &body {
-        model_file::write(&out.join("body.toml"), model)?;
-        pose_file::write(&out.join("start.json"), model, pose)?;
+    if let Some(body) = &body {
+        model_file::write(&out.join("body.toml"), &body.model)?;
+        pose_file::write(&out.join("start.json"), &body.model, &body.pose)?;
     }
     let text = TakeText { found, out, frame_rate, sources, reduction, has_start: body.is_some() };
     atomic::write(&file, text.to_text().as_bytes())?;
@@ -188,6 +188,15 @@ impl TakeText<'_> {
             }
             if let Some(source) = source {
                 let _ = writeln!(text, "background = {}", quoted(source));
+            }
+            if let Some((folder, (pattern, number))) = camera
+                .keypoints
+                .as_ref()
+                .and_then(|folder| Some((folder, keypoints::pattern_of(folder).ok()??)))
+            {
+                let path = format!("{}/{pattern}", escaped(&relative(folder, self.out)));
+                let first = number + self.found.first as u64;
+                let _ = writeln!(text, "keypoints = {}\nkeypoints_first = {first}", quoted(&path));
             }
         }
         if let Some(table) = &self.found.table {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::FramePattern;
+use super::keypoints::CameraKeypoints;
 use super::masks::CameraMasks;
 use crate::video::Video;
 
@@ -20,6 +21,7 @@ pub struct CameraFootage {
     pub(super) first: u64,
     pub(super) background: Option<BackgroundSource>,
     pub(super) masks: Option<CameraMasks>,
+    pub(super) keypoints: Option<CameraKeypoints>,
 }
 
 /// What a camera's frames are taken from.

@@ -85,6 +85,16 @@ impl FramePattern {
     }
 }
 
+/// What stands before, in and behind the last number of a file's name.
+pub(crate) fn split_number(name: &str) -> Option<(&str, &str, &str)> {
+    let stem = name.rfind('.').unwrap_or(name.len());
+    let end = name[..stem].rfind(|letter: char| letter.is_ascii_digit())? + 1;
+    let start = name[..end]
+        .rfind(|letter: char| !letter.is_ascii_digit())
+        .map_or(0, |at| at + name[at..].chars().next().map_or(1, char::len_utf8));
+    Some((&name[..start], &name[start..end], &name[end..]))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

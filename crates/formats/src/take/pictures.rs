@@ -163,7 +163,7 @@ impl Take {
         Ok(Some(out))
     }
 
-    fn footage_of(&self, camera: usize) -> Result<&CameraFootage, TakeError> {
+    pub(super) fn footage_of(&self, camera: usize) -> Result<&CameraFootage, TakeError> {
         self.footage.get(camera).ok_or(TakeError::NoCamera { camera, count: self.footage.len() })
     }
 

@@ -37,7 +37,7 @@ pub(super) struct Reader<'a> {
     /// The take's folder: model and start pose are looked for here.
     pub(super) folder: PathBuf,
     /// All else is looked for here.
-    footage: PathBuf,
+    pub(super) footage: PathBuf,
 }
 
 impl<'a> Reader<'a> {
@@ -134,7 +134,9 @@ impl<'a> Reader<'a> {
                 return Err(self.field(&view.name, "camera", expected).into());
             }
         };
-        let footage = CameraFootage { camera: camera.clone(), frames, first: view.first, background, masks };
+        let keypoints = self.keypoints(view)?;
+        let (camera, first) = (camera.clone(), view.first);
+        let footage = CameraFootage { camera, frames, first, background, masks, keypoints };
         let count = self.count_frames(view, &footage)? as u64;
         let zero = self.offset(view, &footage, frame_rate)?;
         Ok(Film { footage, there: view.first..view.first.saturating_add(count), zero })
@@ -183,7 +185,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn pattern(&self, value: &Spanned<String>, field: &str) -> Result<FramePattern, FileError> {
+    pub(super) fn pattern(&self, value: &Spanned<String>, field: &str) -> Result<FramePattern, FileError> {
         let text = self.expand(value, field)?;
         FramePattern::new(&text).map_err(|error| {
             let (found, expected) = (format!("{text:?}"), format!("a pattern of file names: it has {error}"));

@@ -87,6 +87,8 @@ pub(super) struct ViewSpec {
     #[serde(default)]
     pub(super) background_first: u64,
     pub(super) background_count: Option<Spanned<u64>>,
+    pub(super) keypoints: Option<Spanned<String>>,
+    pub(super) keypoints_first: Option<u64>,
     #[serde(default)]
     pub(super) measurement: toml::Table,
 }

@@ -10,7 +10,7 @@ use backlit_tracking::segment::SegmentOptions;
 use super::reader::Reader;
 use super::reference::ReferenceOptions;
 use super::spec::{BodySizes, FORMAT, TakeSpec};
-use super::{CameraFootage, Reference, TakeError};
+use super::{BackgroundSource, CameraFootage, Reference, TakeError};
 use crate::pose_file::{self, Quaternions};
 use crate::text::decode;
 use crate::trc::Axes;

@@ -53,7 +53,7 @@ const ROWS: [Row; 15] = [
     ("chest", Some(0.08), girth(1.12, 0.05)),
     ("neck", None, girth(1.0, 0.1)),
     ("skull", None, girth(0.0, 0.1)),
-    ("hip", None, girth(0.78, 0.05)),
+    ("hip", Some(0.09), girth(0.78, 0.05)),
     ("flank", None, girth(1.12, 0.08)),
     ("rib", None, girth(1.12, 0.05)),
     ("side", None, girth(1.12, 0.05)),

@@ -1,5 +1,6 @@
 //! A person in one go: where they stand, how large they are, and a pose to begin with.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use thiserror::Error;
@@ -26,13 +27,26 @@ pub struct PersonOptions {
     pub followed_rate: f64,
     /// Frames that are followed to find sizes, at most.
     pub most_followed: usize,
+    /// Joints that are known by frame, as of another tool's keypoints; empty where none are.
+    pub joints: BTreeMap<usize, ReferenceJoints>,
 }
+
+/// Joints that another tool finds are off by so much, metres: 20 to 30 mm of `OpenPose`'s beside optical markers (Nakano et
+/// al., Frontiers in Sports and Active Living 2, 2020), and a body's joints are not just where the tool marks them.
+const KEYPOINT_DEVIATION_M: f64 = 0.03;
 
 impl PersonOptions {
     /// For a recording of so many frames a second.
     #[must_use]
     pub fn new(fit: FitOptions, sizes: bool, frame_rate: f64) -> Self {
-        Self { fit, sizes, frame_rate, followed_rate: 20.0, most_followed: 60 }
+        Self { fit, sizes, frame_rate, followed_rate: 20.0, most_followed: 60, joints: BTreeMap::new() }
+    }
+
+    /// Which frames are followed to find sizes.
+    #[must_use]
+    pub fn followed(&self, frames: &[usize]) -> Vec<usize> {
+        let step = ((self.frame_rate / self.followed_rate).round() as usize).max(1);
+        frames.iter().copied().step_by(step).take(self.most_followed).collect()
     }
 }
 
@@ -110,14 +124,15 @@ pub fn find_person<E: From<PersonError>>(
         return Ok(Person { model, start, search, sizes: None });
     }
     let posed = follow(&model, start.clone(), frames, options, cancel, &mut views, &mut progress)?;
-    let choices = OwnSizesOptions { pose: options.fit.clone(), ..OwnSizesOptions::default() };
+    let mut choices = OwnSizesOptions { pose: options.fit.clone(), ..OwnSizesOptions::default() };
+    choices.fit.joint_deviation = KEYPOINT_DEVIATION_M;
     let found = own_sizes(
         &model,
         &posed,
         &choices,
         cancel,
         |frame| views(frame).map_err(SizesOr::Views),
-        |_| ReferenceJoints::new(),
+        |frame| options.joints.get(&frame).cloned().unwrap_or_default(),
         |at| progress(PersonProgress::Sizes(at)),
     );
     if cancel.is_cancelled() {
@@ -155,8 +170,7 @@ fn follow<E: From<PersonError>>(
     views: &mut impl FnMut(usize) -> Result<Vec<FitView>, E>,
     progress: &mut impl FnMut(PersonProgress),
 ) -> Result<Vec<PosedFrame>, E> {
-    let step = ((options.frame_rate / options.followed_rate).round() as usize).max(1);
-    let followed: Vec<usize> = frames.iter().copied().step_by(step).take(options.most_followed).collect();
+    let followed = options.followed(frames);
     let tracker =
         Tracker::new(Arc::clone(model), options.fit.clone(), start).map_err(PersonError::Options)?;
     let tracker = tracker.with_motion(Motion::Velocity, options.frame_rate).map_err(PersonError::Motion)?;

@@ -1,0 +1,124 @@
+//! Joints in space from the keypoints of several cameras, and the body that they make.
+
+use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
+use backlit_tracking::body_fit::scale;
+use backlit_tracking::camera::Camera;
+use backlit_tracking::metrics::ReferenceJoints;
+use backlit_tracking::search::start;
+use glam::{DMat3, DVec2, DVec3};
+
+use super::{Person, largest_extent};
+
+/// Keypoints with a lower score are not believed to be anywhere.
+const LOWEST_SCORE: f64 = 0.3;
+/// A joint whose rays miss one another by more is not believed, metres.
+const FARTHEST_RAY: f64 = 0.12;
+/// A pose is made of so many joints or more.
+const FEWEST_JOINTS: usize = 8;
+/// A body whose joints are farther from the keypoints, metres in the mean, is not believed.
+const FARTHEST_JOINTS: f64 = 0.15;
+
+/// The limbs of the full body whose second joints keypoints show.
+const LIMBS: [&str; 12] = [
+    "left clavicle",
+    "right clavicle",
+    "left upper arm",
+    "right upper arm",
+    "left forearm",
+    "right forearm",
+    "left hip",
+    "right hip",
+    "left lower thigh",
+    "right lower thigh",
+    "left lower calf",
+    "right lower calf",
+];
+
+/// Which keypoint shows which limb's second joint, in the order of [`LIMBS`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct KeypointOrder([usize; 12]);
+
+/// That of COCO, which `HALPE_26`, `BODY_25B` and whole-body models begin with, and that of `OpenPose`'s `BODY_25`.
+const ORDERS: [KeypointOrder; 2] = [
+    KeypointOrder([5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16]),
+    KeypointOrder([5, 2, 6, 3, 7, 4, 12, 9, 13, 10, 14, 11]),
+];
+
+/// A body that keypoints make.
+#[derive(Debug, Clone)]
+pub struct KeypointBody {
+    /// The average body, scaled to the joints.
+    pub model: Model,
+    /// Its pose.
+    pub pose: Pose,
+    /// The order of keypoints that makes the best body.
+    pub order: KeypointOrder,
+}
+
+/// The tallest of some people in a picture.
+#[must_use]
+pub fn tallest(people: Vec<Person>) -> Option<Person> {
+    let height = |person: &Person| largest_extent(std::slice::from_ref(person)).unwrap_or(0.0);
+    people.into_iter().max_by(|a, b| height(a).total_cmp(&height(b)))
+}
+
+/// The body that the keypoints of one person in one moment make, as cameras see them. `None` where they are of fewer than two
+/// cameras, or make no body.
+#[must_use]
+pub fn body_of(people: &[(&Camera, Person)]) -> Option<KeypointBody> {
+    let bodies = ORDERS.into_iter().filter_map(|order| body_of_order(people, order));
+    let best = bodies.min_by(|a, b| a.0.total_cmp(&b.0));
+    best.filter(|(error, _)| *error < FARTHEST_JOINTS).map(|(_, body)| body)
+}
+
+/// The joints of a body that keypoints of this order show, world metres: those of its limbs that are seen by two cameras or more
+/// whose rays meet.
+#[must_use]
+pub fn joints_of(model: &Model, people: &[(&Camera, Person)], order: KeypointOrder) -> ReferenceJoints {
+    let mut joints = ReferenceJoints::new();
+    for (name, index) in LIMBS.iter().zip(order.0) {
+        let seen = people.iter().filter_map(|(camera, person)| {
+            let keypoint = (*person.get(index)?)?;
+            (keypoint.score >= LOWEST_SCORE).then_some((*camera, keypoint.place))
+        });
+        if let (Some(point), Some(limb)) = (meeting_point(seen), model.limb_index(name)) {
+            joints.push((Some(limb), point));
+        }
+    }
+    joints
+}
+
+/// The body, and how far its joints are from the keypoints in the mean, metres.
+fn body_of_order(people: &[(&Camera, Person)], order: KeypointOrder) -> Option<(f64, KeypointBody)> {
+    let average = builtin::full_body();
+    let joints = joints_of(&average, people, order);
+    if joints.len() < FEWEST_JOINTS {
+        return None;
+    }
+    let size = scale::from_joints(&average, std::slice::from_ref(&joints)).unwrap_or(0.0);
+    let model = average.scaled(size.exp()).ok()?;
+    let pose = start::from_joints(&model, &joints)?;
+    let ends = Kinematics::new(&model, &pose);
+    let off =
+        joints.iter().map(|(limb, point)| limb.map_or(pose.root, |limb| ends.ends()[limb]).distance(*point));
+    Some((off.sum::<f64>() / joints.len() as f64, KeypointBody { model, pose, order }))
+}
+
+/// The point that is nearest to the rays of pixels; `None` for fewer than two, or where they miss one another.
+fn meeting_point<'a>(pixels: impl Iterator<Item = (&'a Camera, DVec2)>) -> Option<DVec3> {
+    let rays: Vec<(DVec3, DVec3)> =
+        pixels.filter_map(|(camera, pixel)| Some((camera.centre(), camera.ray_in_world(pixel)?))).collect();
+    if rays.len() < 2 {
+        return None;
+    }
+    let (mut sum, mut right) = (DMat3::ZERO, DVec3::ZERO);
+    for &(centre, ray) in &rays {
+        let across = DMat3::IDENTITY - DMat3::from_cols(ray * ray.x, ray * ray.y, ray * ray.z);
+        sum += across;
+        right += across * centre;
+    }
+    let point = sum.inverse() * right;
+    let off = |(centre, ray): &(DVec3, DVec3)| (point - *centre).cross(*ray).length();
+    let mean = rays.iter().map(off).sum::<f64>() / rays.len() as f64;
+    (point.is_finite() && mean < FARTHEST_RAY).then_some(point)
+}

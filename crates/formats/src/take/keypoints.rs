@@ -1,0 +1,85 @@
+//! One camera's two-dimensional keypoints of another tool, a file a frame.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use backlit_tracking::camera::Camera;
+use backlit_tracking::metrics::ReferenceJoints;
+use toml::Spanned;
+
+use super::reader::Reader;
+use super::spec::ViewSpec;
+use super::{CameraFootage, FramePattern, Take, TakeError};
+use crate::keypoints::joints::{body_of, joints_of, tallest};
+use crate::keypoints::{self, Person};
+use crate::{FileError, MAX_TEXT_BYTES};
+
+/// Where one camera's keypoints are.
+#[derive(Debug, Clone)]
+pub(super) struct CameraKeypoints {
+    folder: PathBuf,
+    pattern: FramePattern,
+    /// A frame of the camera's own number, and the number of its file.
+    first: [u64; 2],
+}
+
+impl CameraKeypoints {
+    fn path(&self, frame: u64) -> PathBuf {
+        let number = frame.saturating_sub(self.first[0]).saturating_add(self.first[1]);
+        self.pattern.path(&self.folder, number)
+    }
+}
+
+impl Reader<'_> {
+    pub(super) fn keypoints(&self, view: &ViewSpec) -> Result<Option<CameraKeypoints>, FileError> {
+        let pattern = |keypoints: &Spanned<String>| self.pattern(keypoints, "camera.keypoints");
+        let Some(pattern) = view.keypoints.as_ref().map(pattern).transpose()? else { return Ok(None) };
+        let first = [view.first, view.keypoints_first.unwrap_or(view.first)];
+        Ok(Some(CameraKeypoints { folder: self.footage.clone(), pattern, first }))
+    }
+}
+
+impl CameraFootage {
+    /// The file of a frame's keypoints, counted from 0 at the take's start, if the camera has keypoints.
+    #[must_use]
+    pub fn keypoint_path(&self, frame: usize) -> Option<PathBuf> {
+        self.keypoints.as_ref().map(|keypoints| keypoints.path(self.number(frame)))
+    }
+}
+
+impl Take {
+    /// The people whose keypoints a camera's frame (counted from 0) has, in pixels of the picture on the disk. None where the
+    /// camera has no keypoints, or this frame no file.
+    ///
+    /// # Errors
+    /// No such camera or frame, or a file that is not one of keypoints.
+    pub fn people(&self, camera: usize, frame: usize) -> Result<Vec<Person>, TakeError> {
+        let footage = self.footage_of(camera)?;
+        let Some(path) = footage.keypoint_path(frame).filter(|path| self.files.exists(path)) else {
+            return Ok(Vec::new());
+        };
+        let people = self.files.read(&path, MAX_TEXT_BYTES);
+        let people = people.and_then(|bytes| keypoints::parse(&path, &bytes));
+        people.map_err(|error| TakeError::Frame { camera: footage.camera.clone(), frame, error })
+    }
+
+    /// The joints of the take's body that keypoints show in these frames, world metres; frames without any are left out.
+    ///
+    /// # Errors
+    /// As [`people`](Self::people).
+    pub fn keypoint_joints(&self, frames: &[usize]) -> Result<BTreeMap<usize, ReferenceJoints>, TakeError> {
+        let (mut all, mut order) = (BTreeMap::new(), None);
+        for &frame in frames {
+            let mut people: Vec<(&Camera, Person)> = Vec::new();
+            for (index, camera) in self.full_rig.cameras().iter().enumerate() {
+                people.extend(tallest(self.people(index, frame)?).map(|person| (camera, person)));
+            }
+            order = order.or_else(|| body_of(&people).map(|body| body.order));
+            let joints = order.map(|order| joints_of(&self.model, &people, order)).unwrap_or_default();
+            if !joints.is_empty() {
+                all.insert(frame, joints);
+            }
+        }
+        Ok(all)
+    }
+}
