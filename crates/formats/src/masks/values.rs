@@ -263,7 +263,7 @@ mod tests {
             "{said}"
         );
         let clear = Numbers { alpha: Some(vec![0, 255]), is_coloured: true, ..numbers(&[9, 70]) };
-        assert_eq!(told_of(None, &[clear.clone()]), Ok(MaskValues::Alpha));
+        assert_eq!(told_of(None, std::slice::from_ref(&clear)), Ok(MaskValues::Alpha));
         let opaque = Numbers { alpha: Some(vec![255, 255]), ..clear };
         assert!(told_of(None, &[opaque]).unwrap_err().1.contains("0.png: is coloured"));
     }
