@@ -79,6 +79,9 @@ fn is_right(mask: &Mask, frame: u32) -> bool {
 const BESIDE: &str = "frames = \"f%d.jpg\"\nmasks = \"m%d.png\"\nmasks_first = 5";
 const ALONE: &str = "masks = \"m%d.png\"\nfirst = 5";
 
+/// The file of a frame's mask.
+type Masks = dyn Fn(u32) -> Vec<u8>;
+
 #[test]
 fn masks_of_every_kind_stand_in_the_place_of_segmentation() {
     let with_alpha = |frame| {
@@ -93,7 +96,7 @@ fn masks_of_every_kind_stand_in_the_place_of_segmentation() {
         let id = |x, y| Luma([if is_subject(frame, x, y) { 3 } else { u8::from(y > 10) * 2 }]);
         encoded(GrayImage::from_fn(SIZE[0], SIZE[1], id).into(), ImageFormat::Png)
     };
-    let kinds: [(&str, MaskValues, Box<dyn Fn(u32) -> Vec<u8>>); 5] = [
+    let kinds: [(&str, MaskValues, Box<Masks>); 5] = [
         ("", MaskValues::NonZero, Box::new(|frame| mask(frame, [1, 0]))),
         ("mask_values = \"auto\"", MaskValues::NonZero, Box::new(|frame| mask(frame, [255, 0]))),
         ("", MaskValues::Alpha, Box::new(with_alpha)),
@@ -197,7 +200,7 @@ fn masks_are_reduced_by_area_and_rectified_as_footage_is() {
     for is_small in [false, true] {
         let take = take("reduction = 2", ALONE, |files| {
             if is_small {
-                put(files, small)
+                put(files, small);
             }
         })
         .unwrap();
