@@ -20,6 +20,7 @@ use serde::Serialize;
 use super::evidence::{self, PictureKind};
 use super::fit_options::{MODEL_HELP, SolverArguments};
 use super::output;
+use super::own_body;
 use super::table::Table;
 use super::take_options::{self, StartArguments};
 
@@ -116,6 +117,7 @@ fn read(arguments: &FitArguments) -> anyhow::Result<Problem> {
         let footage = take_options::open(take)?;
         let cameras: Vec<usize> = (0..footage.cameras().len()).collect();
         let views = footage.fit_views(&cameras, frame)?;
+        own_body::check_silhouettes(&footage, &cameras, &[frame])?;
         let start = arguments.start.pose(&footage, &cameras, frame, &arguments.solver.options()?)?;
         return Ok(Problem { model: Arc::clone(footage.take().model()), views, start });
     }

@@ -1,5 +1,6 @@
 //! What a take lacks before it can be tracked, found from its silhouettes: a pose to begin with, the person's own sizes.
 
+use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -7,7 +8,7 @@ use anyhow::Context;
 use backlit_formats::Footage;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::body_fit::{
-    Doubt, OwnSizes, OwnSizesProgress, PersonOptions, PersonProgress, find_person,
+    Doubt, OwnSizes, OwnSizesProgress, PersonOptions, PersonProgress, find_person, survey,
 };
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::FitOptions;
@@ -61,6 +62,24 @@ pub(crate) fn search_start(
 
 fn no_start(frame: usize) -> String {
     format!("the take has no `start`, and none can be found in frame {frame}; give a pose with --start POSE")
+}
+
+/// Looks at the silhouettes of some of these frames, and says on standard error which cameras' cannot be right. Frames that
+/// cannot be read are told when it is their turn.
+///
+/// # Errors
+/// No camera shows a person in any of them.
+pub(crate) fn check_silhouettes(
+    footage: &Footage,
+    cameras: &[usize],
+    frames: &[usize],
+) -> anyhow::Result<()> {
+    let looked_at = survey::spread(frames, survey::LOOKED_AT);
+    let views = |frame| Ok::<_, Infallible>(footage.fit_views(cameras, frame).unwrap_or_default());
+    let Ok(found) = survey::survey(&looked_at, views);
+    found.check()?;
+    found.doubts().for_each(|doubt| output::complain(&doubt.to_string()));
+    Ok(())
 }
 
 /// Finds what is lacking and says so on standard error: a start, and where that is asked for the person's own sizes. The body

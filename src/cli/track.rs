@@ -199,6 +199,7 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let cameras = arguments.part.cameras(footage.take())?;
     let known = arguments.start.known_pose(footage.take(), frames[0])?;
     let fit = arguments.follow.solver.options()?;
+    own_body::check_silhouettes(&footage, &cameras, &frames)?;
     // A body that is named has its sizes.
     let sizes = arguments.model.is_none() && footage.take().sizes() == BodySizes::Fit;
     output::make_folder(&arguments.out)?;

@@ -283,6 +283,51 @@ fn a_take_without_a_start_is_searched_for_one() {
     scene.fails("track wave --out none", 1, &["no `start`", "frame 0", "--start POSE"]);
 }
 
+/// The silhouettes that the program writes are masks made elsewhere to another take, which needs no footage.
+#[test]
+fn masks_and_cameras_alone_are_tracked() {
+    let scene = take();
+    scene.ok("silhouettes wave --out masks");
+    let mut text = TAKE.replace("../cameras.json", "../masks/cameras.json");
+    for camera in ["front", "side"] {
+        let beside = format!("frames = \"{camera}/%02d.png\"\nbackground = \"{camera}/plate.png\"");
+        assert!(text.contains(&beside));
+        text = text.replace(&beside, &format!("masks = \"../masks/{camera}/frame_%06d.png\""));
+    }
+    scene.write("wave/take.toml", &text);
+    let summary: Value = serde_json::from_str(&scene.ok("track wave --out out --json")).unwrap();
+    assert_eq!((summary["frames"].as_u64(), summary["lost"].as_u64()), (Some(FRAMES as u64), Some(0)));
+    assert!(summary["joint_error_mm"]["mean"].as_f64().unwrap() < 40.0, "{summary}");
+    scene.ok("fit wave --frame 1");
+}
+
+#[test]
+fn silhouettes_that_cannot_be_right_are_told_before_anything_is_tracked() {
+    let scene = take();
+    scene.ok("silhouettes wave --out masks");
+    let inverted = |camera: &str| {
+        for frame in 0..FRAMES {
+            let path = scene.path(&format!("masks/{camera}/frame_{frame:06}.png"));
+            let mut picture = image::open(&path).unwrap().into_luma8();
+            picture.pixels_mut().for_each(|pixel| pixel[0] = 255 - pixel[0]);
+            images::write_png(&path, &picture.into()).unwrap();
+        }
+    };
+    let mut text = TAKE.to_owned();
+    for camera in ["front", "side"] {
+        let plate = format!("background = \"{camera}/plate.png\"");
+        text = text.replace(&plate, &format!("masks = \"../masks/{camera}/frame_%06d.png\""));
+        inverted(camera);
+    }
+    scene.write("wave/take.toml", &text);
+    let said = ["the silhouettes cannot be right", "camera \"front\", frame 0", "the subject covers"];
+    scene.fails("track wave --out none", 1, &said);
+    assert!(!scene.path("none/track.json").exists());
+    scene.fails("fit wave --frame 1", 1, &["camera \"front\", frame 1", "the subject covers"]);
+    inverted("side");
+    scene.ok("track wave --out some");
+}
+
 #[test]
 fn an_empty_frame_is_lost_and_the_track_goes_on() {
     let scene = take();

@@ -47,7 +47,9 @@ pub(crate) fn shares(numbers: &Numbers, values: &MaskValues) -> RgbImage {
 pub(crate) fn mask_of(shares: &RgbImage) -> Option<Mask> {
     let label = |pixel: &Rgb<u8>| match pixel.0 {
         [_, known, _] if known < HALF => Label::Unknown,
-        [subject, known, _] if 2 * u16::from(subject) >= u16::from(known) => Label::Subject,
+        // Half of an odd number was rounded.
+        [subject, known, _] if (2 * u16::from(subject)).abs_diff(u16::from(known)) <= 1 => Label::Unknown,
+        [subject, known, _] if 2 * u16::from(subject) > u16::from(known) => Label::Subject,
         _ => Label::Background,
     };
     let labels = shares.pixels().map(label).collect();
@@ -90,8 +92,8 @@ mod tests {
         let mut numbers = grey(6, &[0, 1, 3, 127, 128, 255]);
         numbers.alpha = Some(vec![0, 255, 127, 128, 1, 254]);
         let found = |values: MaskValues| mask_of(&shares(&numbers, &values)).unwrap().to_string();
-        assert_eq!(found(MaskValues::Grey), "....##\n");
-        assert_eq!(found(MaskValues::Alpha), ".#.#.#\n");
+        assert_eq!(found(MaskValues::Grey), "...??#\n");
+        assert_eq!(found(MaskValues::Alpha), ".#??.#\n");
         assert_eq!(found(MaskValues::NonZero), ".#####\n");
         assert_eq!(found(MaskValues::Ids(vec![3, 255])), "..#..#\n");
         assert_eq!(found(MaskValues::Classes), "...??#\n");
@@ -122,5 +124,12 @@ mod tests {
         let shares = shares(&grey(8, &numbers), &MaskValues::Classes);
         // Three of four unknown; half of two known; one of two known; half known and empty.
         assert_eq!(mask_of(&reduced(shares, 2)).unwrap().to_string(), "###.\n?#..\n");
+    }
+
+    #[test]
+    fn exactly_half_is_nobody_s() {
+        let halves = grey(6, &[255, 255, 255, 0, 0, 0, 255, 0, 255, 0, 255, 0]);
+        let mask = mask_of(&reduced(shares(&halves, &MaskValues::NonZero), 2)).unwrap();
+        assert_eq!(mask.to_string(), "#?.\n");
     }
 }

@@ -112,7 +112,8 @@ fn packed(path: &Path, bytes: &[u8]) -> Result<Option<Numbers>, FileError> {
     let info = reader.info();
     let (depth, is_palette) = (info.bit_depth, info.color_type == ColorType::Indexed);
     let is_narrow = matches!(depth, BitDepth::One | BitDepth::Two | BitDepth::Four);
-    if !is_palette && !(info.color_type == ColorType::Grayscale && is_narrow) {
+    let is_packed = is_palette || (info.color_type == ColorType::Grayscale && is_narrow);
+    if !is_packed {
         return Ok(None);
     }
     let colours: Vec<[u8; 3]> = info.palette.as_deref().unwrap_or_default().as_chunks::<3>().0.to_vec();
@@ -168,7 +169,7 @@ mod tests {
         let of_bits = |rows: &[u8]| png(ColorType::Grayscale, BitDepth::Two, None, rows);
         let rows = [0b00_01_10_11, 0b01_000000, 0b11_00_00_01, 0b10_000000];
         assert_eq!(numbers(&of_bits(&rows)), (vec![0, 1, 2, 3, 1, 3, 0, 0, 1, 2], 3));
-        let one = png(ColorType::Grayscale, BitDepth::One, None, &[0b01011_000, 0b11111_000]);
+        let one = png(ColorType::Grayscale, BitDepth::One, None, &[0b0101_1000, 0b1111_1000]);
         assert_eq!(numbers(&one), (vec![0, 1, 0, 1, 1, 1, 1, 1, 1, 1], 1));
         // As DAVIS and its successors write people: the index counts, not the colour.
         let colours = vec![0, 0, 0, 128, 0, 0, 0, 128, 0];

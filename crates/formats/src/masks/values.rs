@@ -1,8 +1,8 @@
 //! What the numbers of a mask mean.
 //!
 //! A soft grey mask and one with unknown pixels look alike. They are told apart by their levels: a mask whose numbers are 0, 32,
-//! 96, 128 and 255 and no others is one of ours, or a trimap, and 128 is unknown. Any other grey is a probability, or a border
-//! between pixels: half of white and more is subject, and nothing is unknown.
+//! 96, 128 and 255 and no others is one of ours, or a trimap, and its greys are unknown. Any other grey is a probability, or a
+//! border between pixels: more than half of white is subject, and nothing but the half itself is unknown.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -30,11 +30,11 @@ const NAMED: usize = 8;
 /// What the numbers of a mask mean.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum MaskValues {
-    /// Grey levels or probabilities: from half of white on the subject. Nothing is unknown.
+    /// Grey levels or probabilities: above half of white the subject; exactly half, 127 and 128 of 255, is unknown.
     Grey,
     /// All but 0 is the subject: 0 and 1, 0 and 255.
     NonZero,
-    /// The alpha channel: from half on the subject.
+    /// The alpha channel, as grey levels.
     Alpha,
     /// Of 255, below 64 the background, below 192 unknown, else the subject, as Backlit writes masks; 32 and 96 are shadow.
     Classes,
@@ -263,7 +263,7 @@ mod tests {
             "{said}"
         );
         let clear = Numbers { alpha: Some(vec![0, 255]), is_coloured: true, ..numbers(&[9, 70]) };
-        assert_eq!(told_of(None, &[clear.clone()]), Ok(MaskValues::Alpha));
+        assert_eq!(told_of(None, std::slice::from_ref(&clear)), Ok(MaskValues::Alpha));
         let opaque = Numbers { alpha: Some(vec![255, 255]), ..clear };
         assert!(told_of(None, &[opaque]).unwrap_err().1.contains("0.png: is coloured"));
     }

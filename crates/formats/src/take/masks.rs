@@ -30,6 +30,9 @@ pub(super) struct CameraMasks {
 /// Asked whether the size of a file's picture is right.
 type SizeCheck<'a> = dyn Fn(&Path, [usize; 2]) -> Result<(), FileError> + 'a;
 
+/// Opens the video or the numbered pictures that a field of a take file names.
+type OpenFrames<'a> = dyn Fn(&Spanned<String>, &str) -> Result<Frames, FileError> + 'a;
+
 impl CameraMasks {
     /// The number of the mask that belongs to a frame of the camera's own number.
     fn number(&self, frame: u64) -> u64 {
@@ -145,7 +148,7 @@ impl Reader<'_> {
     pub(super) fn masks(
         &self,
         view: &ViewSpec,
-        open: &dyn Fn(&Spanned<String>, &str) -> Result<Frames, FileError>,
+        open: &OpenFrames<'_>,
     ) -> Result<Option<CameraMasks>, TakeError> {
         let Some(masks) = &view.masks else {
             if let Some(first) = &view.masks_first {

@@ -5,6 +5,7 @@
 mod builtin_take;
 #[path = "../../../tracking/tests/tracking/footage.rs"]
 mod footage;
+mod given_masks;
 mod own_sizes;
 mod turned_round;
 mod without_start;

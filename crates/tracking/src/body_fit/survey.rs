@@ -189,7 +189,10 @@ mod tests {
         if person(x, y) == Label::Subject { Label::Background } else { Label::Subject }
     }
 
-    fn of(cameras: &[(&str, fn(usize, usize) -> Label)]) -> Survey {
+    /// What a camera of this name sees, pixel by pixel.
+    type Named<'a> = (&'a str, fn(usize, usize) -> Label);
+
+    fn of(cameras: &[Named<'_>]) -> Survey {
         let views = |_| Ok::<_, Infallible>(cameras.iter().map(|(name, of)| view(name, of)).collect());
         survey(&[3, 9], views).unwrap()
     }
