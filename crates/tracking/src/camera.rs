@@ -4,6 +4,7 @@
 //! `a_from_b`: `point_in_camera = camera_from_world · point_in_world`. Metres and pixels.
 
 #[expect(clippy::module_inception, reason = "the file is named after the type that it holds")]
+mod adjust;
 mod camera;
 mod distortion;
 mod intrinsics;
@@ -11,6 +12,7 @@ mod rectify;
 mod rig;
 mod upright;
 
+pub use adjust::{AdjustOptions, Adjusted, Sighting, adjust};
 pub use camera::{Camera, CameraError, CameraFromWorld, FARTHEST, LARGEST_NUMBER, MAX_SIDE};
 pub use distortion::Distortion;
 pub use intrinsics::Intrinsics;

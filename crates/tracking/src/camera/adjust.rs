@@ -1,0 +1,440 @@
+//! Bundle adjustment: cameras and points in space, moved together until the points are seen where they are marked.
+//!
+//! B. Triggs, P. McLauchlan, R. Hartley, A. Fitzgibbon, "Bundle Adjustment: A Modern Synthesis" (2000): Levenberg-Marquardt on
+//! the cameras alone, the points eliminated (Schur complement), a robust loss (Cauchy) on the distances in pixels. A calibration
+//! that is given is not thrown away: every camera is held to what it was by deviations that calibrations have. What the
+//! sightings cannot tell, where the whole rig stands, turns and how large it is, stays as it was: the points found are laid
+//! over the points given by the similarity that fits them best (S. Umeyama, IEEE PAMI 13(4), 1991).
+
+use glam::{DMat3, DVec2, DVec3};
+use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector, Vector3};
+
+use super::{Camera, CameraFromWorld, Intrinsics};
+use crate::geometry::rotation::exp;
+
+/// Numbers of one camera: turn, place of the centre, logarithm of the focal length, principal point.
+const COLUMNS: usize = 9;
+/// Steps of central differences, by column.
+const DIFFERENCES: [f64; COLUMNS] = [1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-2, 1e-2];
+/// The same of a point, metres.
+const POINT_DIFFERENCE: f64 = 1e-5;
+/// A round that lowers the cost by a smaller share is the last one.
+const TOLERANCE: f64 = 1e-6;
+/// Damping beyond which no step helps.
+const MOST_DAMPING: f64 = 1e12;
+
+type CameraRow = SMatrix<f64, 2, COLUMNS>;
+type PointRow = SMatrix<f64, 2, 3>;
+
+/// Where a camera sees a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sighting {
+    /// Index of the camera.
+    pub camera: usize,
+    /// Index of the point.
+    pub point: usize,
+    /// Pixels.
+    pub pixel: DVec2,
+}
+
+/// How far cameras may be from what they were, as standard deviations, and how sightings spread.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AdjustOptions {
+    /// Of a sighting, as a share of the picture's height.
+    pub sighting: f64,
+    /// Of a camera's turn about each axis, radians.
+    pub turn_rad: f64,
+    /// Of a camera's place along each axis, metres.
+    pub place_m: f64,
+    /// Of the focal length, as a share of it.
+    pub focal: f64,
+    /// Of the principal point, as a share of the picture's height.
+    pub principal: f64,
+    /// Most rounds.
+    pub rounds: usize,
+}
+
+impl Default for AdjustOptions {
+    fn default() -> Self {
+        Self { sighting: 0.005, turn_rad: 0.02, place_m: 0.03, focal: 0.005, principal: 0.005, rounds: 60 }
+    }
+}
+
+/// Cameras that see the points where they are marked, as far as that can be.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Adjusted {
+    /// The cameras, in their order.
+    pub cameras: Vec<Camera>,
+    /// The points, world metres.
+    pub points: Vec<DVec3>,
+    /// Median distance of the sightings from where the points are seen, pixels: before, with the points given, and after.
+    pub median_px: [f64; 2],
+}
+
+/// Adjusts cameras and points to the sightings. `None` where fewer than two cameras see a point, an index is beyond its
+/// list, or the sightings say nothing about the cameras.
+#[must_use]
+pub fn adjust(
+    cameras: &[Camera],
+    points: &[DVec3],
+    sightings: &[Sighting],
+    options: &AdjustOptions,
+) -> Option<Adjusted> {
+    let is_known = |sighting: &Sighting| sighting.camera < cameras.len() && sighting.point < points.len();
+    let mut seeing: Vec<usize> = sightings.iter().map(|sighting| sighting.camera).collect();
+    seeing.sort_unstable();
+    seeing.dedup();
+    if seeing.len() < 2 || !sightings.iter().all(is_known) {
+        return None;
+    }
+    let bundle = Bundle { given: cameras, sightings, options };
+    let none = vec![[0.0; COLUMNS]; cameras.len()];
+    let before = bundle.median_px(cameras, points);
+    let mut state = State { changes: none, cameras: cameras.to_vec(), points: points.to_vec() };
+    let (mut cost, mut damping) = (bundle.cost(&state), 1e-3);
+    for _ in 0..options.rounds {
+        let equations = bundle.equations(&state);
+        let mut gain = 0.0;
+        while damping < MOST_DAMPING {
+            let next = equations.step(damping).and_then(|step| bundle.moved(&state, &step));
+            if let Some(next) = next {
+                let lower = bundle.cost(&next);
+                if lower < cost {
+                    gain = (cost - lower) / cost;
+                    (state, cost) = (next, lower);
+                    damping = (damping / 5.0).max(1e-9);
+                    break;
+                }
+            }
+            damping *= 4.0;
+        }
+        if gain < TOLERANCE {
+            break;
+        }
+    }
+    let (cameras, points) = laid_over(&state.cameras, &state.points, points)?;
+    let median_px = [before?, bundle.median_px(&cameras, &points)?];
+    Some(Adjusted { cameras, points, median_px })
+}
+
+#[derive(Debug, Clone)]
+struct State {
+    changes: Vec<[f64; COLUMNS]>,
+    cameras: Vec<Camera>,
+    points: Vec<DVec3>,
+}
+
+struct Bundle<'a> {
+    given: &'a [Camera],
+    sightings: &'a [Sighting],
+    options: &'a AdjustOptions,
+}
+
+impl Bundle<'_> {
+    /// A camera that is changed by these numbers.
+    fn changed(&self, camera: usize, by: &[f64; COLUMNS]) -> Option<Camera> {
+        let given = &self.given[camera];
+        let turn = DMat3::from_quat(exp(DVec3::new(by[0], by[1], by[2])));
+        let centre = given.centre() + DVec3::new(by[3], by[4], by[5]);
+        let k = given.intrinsics();
+        let zoom = by[6].exp();
+        let intrinsics = Intrinsics { fx: k.fx * zoom, fy: k.fy * zoom, cx: k.cx + by[7], cy: k.cy + by[8] };
+        placed(given, intrinsics, turn * given.camera_from_world().rotation, centre)
+    }
+
+    /// What a camera's numbers deviate by.
+    fn deviations(&self, camera: usize) -> [f64; COLUMNS] {
+        let AdjustOptions { turn_rad, place_m, focal, principal, .. } = *self.options;
+        let principal = principal * self.given[camera].height() as f64;
+        [turn_rad, turn_rad, turn_rad, place_m, place_m, place_m, focal, principal, principal]
+    }
+
+    fn sighting_px(&self, camera: usize) -> f64 {
+        self.options.sighting * self.given[camera].height() as f64
+    }
+
+    /// How far a sighting is off, in deviations.
+    fn miss(&self, sighting: &Sighting, camera: &Camera, point: DVec3) -> Option<DVec2> {
+        Some((camera.project(point)? - sighting.pixel) / self.sighting_px(sighting.camera))
+    }
+
+    /// Twice the negative logarithm of the likelihood. A point behind its camera counts as a hundred deviations.
+    fn cost(&self, state: &State) -> f64 {
+        let of_sightings = self.sightings.iter().map(|sighting| {
+            let miss = self.miss(sighting, &state.cameras[sighting.camera], state.points[sighting.point]);
+            miss.map_or(1e4, DVec2::length_squared).ln_1p()
+        });
+        let of_cameras = state.changes.iter().enumerate().map(|(camera, changes)| {
+            let deviations = self.deviations(camera);
+            changes
+                .iter()
+                .zip(deviations)
+                .map(|(change, deviation)| (change / deviation).powi(2))
+                .sum::<f64>()
+        });
+        of_sightings.sum::<f64>() + of_cameras.sum::<f64>()
+    }
+
+    /// The normal equations, each sighting weighed by the loss.
+    fn equations(&self, state: &State) -> Equations {
+        let count = COLUMNS * state.cameras.len();
+        let mut equations = Equations {
+            cameras: DMatrix::zeros(count, count),
+            of_cameras: DVector::zeros(count),
+            points: vec![(Matrix3::zeros(), Vector3::zeros()); state.points.len()],
+            both: vec![Vec::new(); state.points.len()],
+        };
+        for (camera, changes) in state.changes.iter().enumerate() {
+            for (column, (change, deviation)) in changes.iter().zip(self.deviations(camera)).enumerate() {
+                let (at, weight) = (COLUMNS * camera + column, deviation.powi(-2));
+                equations.cameras[(at, at)] += weight;
+                equations.of_cameras[at] -= weight * change;
+            }
+        }
+        let beside: Vec<[Option<[Camera; 2]>; COLUMNS]> =
+            (0..state.cameras.len()).map(|camera| self.beside(camera, &state.changes[camera])).collect();
+        for sighting in self.sightings {
+            let camera = &state.cameras[sighting.camera];
+            let point = state.points[sighting.point];
+            let Some(miss) = self.miss(sighting, camera, point) else { continue };
+            let weight = 1.0 / (1.0 + miss.length_squared());
+            let sides = |sides: [Option<DVec2>; 2], step: f64| match sides {
+                [Some(after), Some(before)] => (after - before) / (2.0 * step),
+                _ => DVec2::ZERO,
+            };
+            let of_camera = CameraRow::from_fn(|row, column| {
+                let Some(pair) = &beside[sighting.camera][column] else { return 0.0 };
+                let misses = [0, 1].map(|side| self.miss(sighting, &pair[side], point));
+                sides(misses, DIFFERENCES[column])[row]
+            });
+            let of_point = PointRow::from_fn(|row, column| {
+                let step = POINT_DIFFERENCE * DVec3::AXES[column];
+                let misses = [point + step, point - step].map(|point| self.miss(sighting, camera, point));
+                sides(misses, POINT_DIFFERENCE)[row]
+            });
+            equations.add(sighting, &of_camera, &of_point, weight, -miss);
+        }
+        equations
+    }
+
+    /// A camera with each of its numbers a little larger and a little smaller.
+    fn beside(&self, camera: usize, changes: &[f64; COLUMNS]) -> [Option<[Camera; 2]>; COLUMNS] {
+        std::array::from_fn(|column| {
+            let side = |by: f64| {
+                let mut changes = *changes;
+                changes[column] += by * DIFFERENCES[column];
+                self.changed(camera, &changes)
+            };
+            Some([side(1.0)?, side(-1.0)?])
+        })
+    }
+
+    fn moved(&self, state: &State, step: &Step) -> Option<State> {
+        let mut changes = state.changes.clone();
+        for (change, by) in changes.iter_mut().flatten().zip(step.cameras.iter()) {
+            *change += by;
+        }
+        let cameras =
+            (0..changes.len()).map(|camera| self.changed(camera, &changes[camera])).collect::<Option<_>>()?;
+        let points = state.points.iter().zip(&step.points).map(|(point, by)| *point + *by).collect();
+        Some(State { changes, cameras, points })
+    }
+
+    fn median_px(&self, cameras: &[Camera], points: &[DVec3]) -> Option<f64> {
+        let mut misses: Vec<f64> = self
+            .sightings
+            .iter()
+            .filter_map(|sighting| {
+                let seen = cameras[sighting.camera].project(points[sighting.point])?;
+                Some(seen.distance(sighting.pixel))
+            })
+            .collect();
+        let middle = misses.len() / 2;
+        (middle < misses.len()).then(|| *misses.select_nth_unstable_by(middle, f64::total_cmp).1)
+    }
+}
+
+/// JᵀWJ and −JᵀWr: of the cameras, of each point, and of both together for each camera that sees the point.
+struct Equations {
+    cameras: DMatrix<f64>,
+    of_cameras: DVector<f64>,
+    points: Vec<(Matrix3<f64>, Vector3<f64>)>,
+    both: Vec<Vec<(usize, SMatrix<f64, COLUMNS, 3>)>>,
+}
+
+struct Step {
+    cameras: DVector<f64>,
+    points: Vec<DVec3>,
+}
+
+impl Equations {
+    fn add(&mut self, sighting: &Sighting, camera: &CameraRow, point: &PointRow, weight: f64, right: DVec2) {
+        let right = SVector::<f64, 2>::new(right.x, right.y) * weight;
+        let at = COLUMNS * sighting.camera;
+        let mut block = self.cameras.fixed_view_mut::<COLUMNS, COLUMNS>(at, at);
+        block += camera.transpose() * camera * weight;
+        let mut part = self.of_cameras.fixed_rows_mut::<COLUMNS>(at);
+        part += camera.transpose() * right;
+        let (matrix, side) = &mut self.points[sighting.point];
+        *matrix += point.transpose() * point * weight;
+        *side += point.transpose() * right;
+        self.both[sighting.point].push((at, camera.transpose() * point * weight));
+    }
+
+    /// The step with this damping of each diagonal. `None` where the equations have no solution.
+    fn step(&self, damping: f64) -> Option<Step> {
+        let (mut matrix, mut right) = (self.cameras.clone(), self.of_cameras.clone());
+        for at in 0..right.len() {
+            matrix[(at, at)] *= 1.0 + damping;
+        }
+        let damped = |(matrix, _): &(Matrix3<f64>, Vector3<f64>)| {
+            let mut matrix = *matrix;
+            (0..3).for_each(|at| matrix[(at, at)] = matrix[(at, at)] * (1.0 + damping) + 1e-9);
+            matrix.try_inverse()
+        };
+        let inverses: Vec<Matrix3<f64>> = self.points.iter().map(damped).collect::<Option<_>>()?;
+        for (point, inverse) in inverses.iter().enumerate() {
+            for (at, block) in &self.both[point] {
+                let through = block * inverse;
+                let mut part = right.fixed_rows_mut::<COLUMNS>(*at);
+                part -= through * self.points[point].1;
+                for (other, beside) in &self.both[point] {
+                    let mut part = matrix.fixed_view_mut::<COLUMNS, COLUMNS>(*at, *other);
+                    part -= through * beside.transpose();
+                }
+            }
+        }
+        let cameras = matrix.cholesky()?.solve(&right);
+        let points = inverses.iter().enumerate().map(|(point, inverse)| {
+            let mut side = self.points[point].1;
+            for (at, block) in &self.both[point] {
+                side -= block.transpose() * cameras.fixed_rows::<COLUMNS>(*at);
+            }
+            let step = inverse * side;
+            DVec3::new(step.x, step.y, step.z)
+        });
+        let points = points.collect();
+        Some(Step { cameras, points })
+    }
+}
+
+/// Cameras and points moved, turned and scaled together so that the points lie over those given. All are seen as before.
+fn laid_over(cameras: &[Camera], points: &[DVec3], given: &[DVec3]) -> Option<(Vec<Camera>, Vec<DVec3>)> {
+    let count = points.len() as f64;
+    let middle = |points: &[DVec3]| points.iter().sum::<DVec3>() / count;
+    let (from, to) = (middle(points), middle(given));
+    let (mut across, mut spread) = (Matrix3::zeros(), 0.0);
+    for (point, given) in points.iter().zip(given) {
+        let (a, b) = (*point - from, *given - to);
+        across += Vector3::from(b.to_array()) * Vector3::from(a.to_array()).transpose();
+        spread += a.length_squared();
+    }
+    let svd = across.svd(true, true);
+    let (u, vt) = (svd.u?, svd.v_t?);
+    let mirror = if (u * vt).determinant() < 0.0 { -1.0 } else { 1.0 };
+    let signs = Vector3::new(1.0, 1.0, mirror);
+    let turn = u * Matrix3::from_diagonal(&signs) * vt;
+    let scale = svd.singular_values.dot(&signs) / spread;
+    if !(scale.is_finite() && scale > 0.0) {
+        return None;
+    }
+    let turn = DMat3::from_cols_slice(turn.as_slice());
+    let moved = |point: DVec3| to + scale * (turn * (point - from));
+    let camera = |camera: &Camera| {
+        let rotation = camera.camera_from_world().rotation * turn.transpose();
+        placed(camera, *camera.intrinsics(), rotation, moved(camera.centre()))
+    };
+    let cameras = cameras.iter().map(camera).collect::<Option<_>>()?;
+    Some((cameras, points.iter().copied().map(moved).collect()))
+}
+
+/// The same camera with another pinhole, elsewhere.
+fn placed(camera: &Camera, intrinsics: Intrinsics, rotation: DMat3, centre: DVec3) -> Option<Camera> {
+    let place = CameraFromWorld { rotation, translation: -(rotation * centre) };
+    let size = [camera.width() as u64, camera.height() as u64];
+    Camera::new(camera.name(), size, intrinsics, *camera.distortion(), place).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Distortion;
+
+    /// Four cameras round a room, and points as a person leaves them.
+    fn scene() -> (Vec<Camera>, Vec<DVec3>, Vec<Sighting>) {
+        let lens = Distortion::OpenCv { k1: -0.05, k2: 0.1, p1: 5e-4, p2: 5e-4, k3: 0.0 };
+        let cameras: Vec<Camera> = (0..4)
+            .map(|k| {
+                let angle = 0.4 + 1.5 * f64::from(k);
+                let centre = DVec3::new(3.5 * angle.cos(), 3.5 * angle.sin(), 1.2 + 0.3 * f64::from(k));
+                let place = CameraFromWorld::looking_at(centre, DVec3::new(0.0, 0.0, 1.0), DVec3::Z);
+                let intrinsics = Intrinsics { fx: 1600.0, fy: 1600.0, cx: 540.0, cy: 960.0 };
+                Camera::new(&format!("c{k}"), [1080, 1920], intrinsics, lens, place).unwrap()
+            })
+            .collect();
+        let wave = |k: usize, by: f64| (by * (k as f64 + 1.0)).sin();
+        let points: Vec<DVec3> = (0..150)
+            .map(|k| DVec3::new(0.5 * wave(k, 1.3), 0.5 * wave(k, 2.9), 1.0 + 0.7 * wave(k, 4.7)))
+            .collect();
+        let seen = points.iter().enumerate().flat_map(|(point, &at)| {
+            let cameras = cameras.iter().enumerate();
+            cameras
+                .filter_map(move |(camera, seen)| Some(Sighting { camera, point, pixel: seen.project(at)? }))
+        });
+        let sightings = seen.collect();
+        (cameras, points, sightings)
+    }
+
+    /// A calibration that is off by what calibrations are off by.
+    fn disturbed(cameras: &[Camera]) -> Vec<Camera> {
+        let none = AdjustOptions::default();
+        let bundle = Bundle { given: cameras, sightings: &[], options: &none };
+        let off = |k: usize| {
+            std::array::from_fn(|column| {
+                [0.004, 0.01, 0.002, 6.0][[0, 0, 0, 1, 1, 1, 2, 3, 3][column]]
+                    * (7.0 * (k + 1) as f64 + column as f64).sin()
+            })
+        };
+        (0..cameras.len()).map(|k| bundle.changed(k, &off(k)).unwrap()).collect()
+    }
+
+    #[test]
+    fn a_disturbed_calibration_is_found_again_from_points_that_move_through_it() {
+        let (cameras, points, mut sightings) = scene();
+        // One in twenty is somewhere else altogether.
+        for sighting in sightings.iter_mut().step_by(20) {
+            sighting.pixel += DVec2::new(170.0, -230.0);
+        }
+        let given = disturbed(&cameras);
+        let adjusted = adjust(&given, &points, &sightings, &AdjustOptions::default()).unwrap();
+        let [before, after] = adjusted.median_px;
+        assert!(before > 6.0 && after < 0.3, "{before} px before, {after} px after");
+        // The points given are the true ones: the rig lies where it was.
+        for (camera, (found, truth)) in adjusted.cameras.iter().zip(&cameras).enumerate() {
+            let off = found.centre().distance(truth.centre());
+            assert!(off < 0.01, "camera {camera} is {off} m off");
+        }
+        let off = adjusted.points.iter().zip(&points).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+        assert!(off < 0.01, "{off}");
+    }
+
+    #[test]
+    fn an_exact_calibration_stays_as_it_is() {
+        let (cameras, points, sightings) = scene();
+        let adjusted = adjust(&cameras, &points, &sightings, &AdjustOptions::default()).unwrap();
+        for (found, truth) in adjusted.cameras.iter().zip(&cameras) {
+            assert!(found.centre().distance(truth.centre()) < 1e-6);
+        }
+    }
+
+    #[test]
+    fn one_camera_or_a_point_that_is_not_there_is_no_bundle() {
+        let (cameras, points, sightings) = scene();
+        let options = AdjustOptions::default();
+        let alone: Vec<Sighting> =
+            sightings.iter().copied().filter(|sighting| sighting.camera == 0).collect();
+        assert_eq!(adjust(&cameras, &points, &alone, &options), None);
+        assert_eq!(adjust(&cameras, &points[..9], &sightings, &options), None);
+        assert_eq!(adjust(&[], &[], &[], &options), None);
+    }
+}
