@@ -6,7 +6,7 @@
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::Evidence;
 use backlit_tracking::synchronise::{
-    self as clocks, CameraOffset, Recording, SynchroniseError, SynchroniseOptions, Synchronisation,
+    self as clocks, CameraOffset, Recording, Synchronisation, SynchroniseError, SynchroniseOptions,
 };
 use thiserror::Error;
 

@@ -167,8 +167,11 @@ offset_seconds = 0.25
             "{head}cameras = {{ calibration = \"c\" }}\ncamera = [{{ name = \"a\", frames = \"a.mp4\" }}]\n"
         );
         let new = shifted(Path::new("t"), &text, &[shift("a", 3, 0.12)]).unwrap();
-        assert!(new.contains("camera = [{ name = \"a\", frames = \"a.mp4\" , offset = 3 }]")
-            || new.contains("camera = [{ name = \"a\", frames = \"a.mp4\", offset = 3 }]"), "{new}");
+        assert!(
+            new.contains("camera = [{ name = \"a\", frames = \"a.mp4\" , offset = 3 }]")
+                || new.contains("camera = [{ name = \"a\", frames = \"a.mp4\", offset = 3 }]"),
+            "{new}"
+        );
         let error = shifted(Path::new("t"), &text, &[shift("z", 3, 0.12)]).unwrap_err().to_string();
         assert_eq!(error, "t: `camera` is without a camera \"z\"; expected one of that name");
         let error = shifted(Path::new("t"), "format = \"other\"", &[]).unwrap_err().to_string();

@@ -16,6 +16,8 @@ const LEAST_FRAMES: usize = 12;
 const LEAST_MOTION_PX: f64 = 1.5;
 /// A pair whose best evidence is less than this has nothing to say, nats.
 const LEAST_EVIDENCE: f64 = 4.0;
+/// Offsets over the longest recording: times that make no sense are not to fill the memory.
+const MOST_OFFSETS: f64 = 10_000.0;
 /// Rounds over all cameras; each can only raise the evidence.
 const ROUNDS: usize = 20;
 /// A pair's own peak is looked for this many steps of the grid (half frames) about the offsets of all cameras.
@@ -41,7 +43,10 @@ pub fn synchronise(
     check(recordings, options)?;
     let refused: Vec<Option<Undecided>> = recordings.iter().map(refusal).collect();
     let count = recordings.len();
-    let step = 0.5 * recordings.iter().map(Recording::period).fold(0.0, f64::max);
+    let period = recordings.iter().map(Recording::period).fold(0.0, f64::max);
+    let longest =
+        recordings.iter().map(|recording| recording.span()[1] - recording.span()[0]).fold(0.0, f64::max);
+    let step = (0.5 * period).max(longest / MOST_OFFSETS);
     let couples: Vec<[usize; 2]> = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b])).collect();
     let pairs: Vec<Pair> = couples
         .into_par_iter()

@@ -15,6 +15,9 @@ const WIDEST: f64 = 2.8;
 const NEAR_EXTREME: f64 = 0.1;
 /// Motion is measured over so many seconds.
 const SPEED_OVER_S: f64 = 0.3;
+/// Both cameras' signals are smoothed so many times. Between two samples the mean of both has half the noise of either, so
+/// that without smoothing noisy masks draw offsets towards halves of a frame.
+const SMOOTHED: usize = 2;
 /// Frames farther apart than this many usual steps have a gap between them.
 const GAP: f64 = 2.6;
 
@@ -84,6 +87,9 @@ impl PairSignals {
 
 impl Signal {
     fn new(mut samples: Vec<Sample>, period: f64) -> Self {
+        for _ in 0..SMOOTHED {
+            smooth(&mut samples, GAP * period);
+        }
         let velocities: Vec<f64> = (0..samples.len()).map(|at| velocity(&samples, at)).collect();
         for (sample, velocity) in samples.iter_mut().zip(velocities) {
             sample.velocity = velocity;
@@ -108,8 +114,12 @@ impl Signal {
         if spread <= 0.0 || !spread.is_finite() {
             return None;
         }
-        let scaled = |sample: Sample| Sample { value: (sample.value - middle) / spread, ..sample };
-        Some(Self::new(self.samples.into_iter().map(scaled).collect(), self.period))
+        let scaled = |sample: Sample| Sample {
+            value: (sample.value - middle) / spread,
+            velocity: sample.velocity / spread,
+            ..sample
+        };
+        Some(Self { samples: self.samples.into_iter().map(scaled).collect(), period: self.period })
     }
 
     /// The sample at a time, between two others; `None` beyond the ends and in gaps. `near` is where the last one was found
@@ -139,6 +149,19 @@ impl Signal {
             pixel: between(before.pixel, after.pixel),
             velocity: between(before.velocity, after.velocity),
         })
+    }
+}
+
+/// Every value with a quarter of each neighbour's, unless there is a gap between them.
+fn smooth(samples: &mut [Sample], gap: f64) {
+    let old: Vec<(f64, f64)> = samples.iter().map(|sample| (sample.seconds, sample.value)).collect();
+    for (at, sample) in samples.iter_mut().enumerate() {
+        let own = sample.value;
+        let beside = |index: Option<usize>| {
+            let other = index.and_then(|index| old.get(index));
+            other.filter(|other| (other.0 - sample.seconds).abs() <= gap).map_or(own, |other| other.1)
+        };
+        sample.value = 0.5 * own + 0.25 * (beside(at.checked_sub(1)) + beside(Some(at + 1)));
     }
 }
 
