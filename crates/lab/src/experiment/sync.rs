@@ -432,17 +432,13 @@ pub fn table(report: &Report) -> String {
             case.found.iter().filter_map(|found| Some(found.deviation_s? / found.period_s)).collect();
         deviations.sort_by(f64::total_cmp);
         let deviation = deviations.get(deviations.len() / 2).map_or("–".to_owned(), |d| format!("{d:.2}"));
-        let loops = case
-            .found
-            .iter()
-            .filter_map(|found| found.loop_error_s)
-            .fold(None, |a: Option<f64>, b| Some(a.map_or(b, |a| a.max(b))));
+        let loops = case.found.iter().filter_map(|found| found.loop_error_s).reduce(f64::max);
         let took = case.found.iter().map(|found| found.took_s).fold(0.0, f64::max);
-        let told = case.found.iter().filter(|found| found.error_s.is_some()).count();
         text += &format!(
-            "| {} | {} | {told} of {} | {} | {} | {} | {deviation} | {} | {took:.2} |\n",
+            "| {} | {} | {} of {} | {} | {} | {} | {deviation} | {} | {took:.2} |\n",
             case.setting,
             case.trouble,
+            errors.len(),
             case.found.len(),
             case.wrong(),
             of(errors.len() / 2),

@@ -8,13 +8,13 @@ use backlit_tracking::synchronise::{
 };
 use glam::{DVec2, DVec3};
 
-const SIZE: [u64; 2] = [80, 60];
+const SIZE: [u64; 2] = [120, 90];
 const RATE: f64 = 25.0;
 const FRAMES: usize = 70;
 
 fn camera(at: DVec3) -> Camera {
     let place = CameraFromWorld::looking_at(at, DVec3::new(0.0, 0.0, 1.0), DVec3::Z);
-    let pinhole = Intrinsics { fx: 75.0, fy: 75.0, cx: 39.5, cy: 29.5 };
+    let pinhole = Intrinsics { fx: 112.0, fy: 112.0, cx: 59.5, cy: 44.5 };
     Camera::new("c", SIZE, pinhole, Distortion::None, place).unwrap()
 }
 
@@ -114,7 +114,7 @@ fn cut_empty_and_unknown_frames_do_no_harm() {
     // The same camera with a picture that ends in the middle of the body.
     let pinhole = *cameras[1].intrinsics();
     let place = *cameras[1].camera_from_world();
-    let low = Camera::new("low", [80, 34], pinhole, Distortion::None, place).unwrap();
+    let low = Camera::new("low", [120, 51], pinhole, Distortion::None, place).unwrap();
     let cut_off = record(&low, ahead[1], |_, mask| mask);
     check(&find(&[whole, cut_off]), &ahead, 0.3);
 }
