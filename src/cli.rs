@@ -14,6 +14,7 @@
 //! | `export` | `backlit export` |
 //! | `observability` | `backlit observability` |
 //! | `silhouettes` | `backlit silhouettes` |
+//! | `sync` | `backlit sync` |
 //! | `cameras` | `backlit cameras` |
 //! | `experiment` | `backlit experiment`: one file an experiment |
 //! | `take_options` | options that choose frames, cameras and start |
@@ -45,6 +46,7 @@ pub(crate) mod reference_options;
 pub(crate) mod render;
 pub(crate) mod screenshot;
 pub(crate) mod silhouettes;
+pub(crate) mod sync;
 pub(crate) mod table;
 pub(crate) mod take_options;
 pub(crate) mod track;
@@ -82,6 +84,7 @@ pub fn run() -> ExitCode {
         Some(Command::Observability(arguments)) => observability::run(&arguments),
         Some(Command::Silhouettes(arguments)) => silhouettes::run(&arguments),
         Some(Command::Background(arguments)) => background::run(&arguments),
+        Some(Command::Sync(arguments)) => sync::run(&arguments),
         Some(Command::Cameras(arguments)) => cameras::run(&arguments),
         Some(Command::Experiment(arguments)) => experiment::run(&arguments),
     };

@@ -7,7 +7,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use super::{
     background, cameras, experiment, export, fit, fit_body, import, observability, render, screenshot,
-    silhouettes, track,
+    silhouettes, sync, track,
 };
 
 const ABOUT: &str =
@@ -65,6 +65,8 @@ pub(crate) enum Command {
     Observability(observability::ObservabilityArguments),
     /// Write the silhouettes of a take as pictures
     Silhouettes(silhouettes::SilhouetteArguments),
+    /// Find how far the cameras of a take were started apart, from the motion of the silhouettes
+    Sync(sync::SyncArguments),
     /// Show the cameras of a calibration of another tool, and write them in other formats
     Cameras(cameras::CameraArguments),
     /// Run an experiment of the report again: numbers, a table and plots

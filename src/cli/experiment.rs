@@ -20,6 +20,7 @@
 //! | [`frame_basin`] | `backlit experiment basin --take` |
 //! | [`basin_map`] | `backlit experiment basin --take --map` |
 //! | [`footage`] | `backlit experiment footage` |
+//! | [`sync`] | `backlit experiment sync` |
 //! | [`no_start`] | `backlit experiment no-start` |
 
 pub(crate) mod arguments;
@@ -39,6 +40,7 @@ pub(crate) mod robustness;
 pub(crate) mod sequence;
 pub(crate) mod shadow;
 pub(crate) mod sizes;
+pub(crate) mod sync;
 pub(crate) mod track;
 pub(crate) mod waiting;
 
@@ -95,6 +97,8 @@ enum Experiment {
     /// A take with keypoints, single frames without a start, by all sets of cameras: how many find the person
     #[command(name = "no-start")]
     NoStart(no_start::Arguments),
+    /// Cameras whose clocks are off by known times, found from the motion of the silhouettes
+    Sync(sync::Arguments),
 }
 
 /// Runs the experiment.
@@ -118,5 +122,6 @@ pub(crate) fn run(arguments: &ExperimentArguments) -> anyhow::Result<()> {
         Experiment::Basin(arguments) => basin::run(arguments),
         Experiment::Footage(arguments) => footage::run(arguments),
         Experiment::NoStart(arguments) => no_start::run(arguments),
+        Experiment::Sync(arguments) => sync::run(arguments),
     }
 }

@@ -7,6 +7,7 @@
 //! |---|---|
 //! | [`take`] | a take: footage, cameras, body, start pose, reference |
 //! | [`footage`] | a take's rectified pictures and silhouettes |
+//! | [`synchronise`] | offsets of a take's cameras, found from its silhouettes |
 //! | [`model_file`] | body models |
 //! | [`pose_file`] | poses |
 //! | [`mod@import`] | a take made of footage and a calibration |
@@ -40,6 +41,7 @@ pub mod npy;
 pub mod plate;
 pub mod pose_file;
 pub mod starts_file;
+pub mod synchronise;
 pub mod take;
 mod text;
 mod toml_text;

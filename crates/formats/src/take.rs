@@ -9,6 +9,7 @@
 //! | `masks` | one camera's masks that were made elsewhere |
 //! | `keypoints` | one camera's two-dimensional keypoints |
 //! | `films` | videos: offsets, the frames that all cameras have |
+//! | `offsets` | offsets written into a take file |
 //! | [`mod@reference`] | keypoints to compare with |
 //! | [`error`] | what is wrong, by camera and frame |
 
@@ -21,6 +22,7 @@ mod keypoints;
 mod known;
 mod masks;
 mod measurement;
+mod offsets;
 mod pictures;
 mod reader;
 pub mod reference;
@@ -34,6 +36,7 @@ pub use footage::{BackgroundSource, CameraFootage, MAX_BACKGROUND_FRAMES, MAX_FR
 pub(crate) use frame_pattern::split_number;
 pub use frame_pattern::{FramePattern, PatternError};
 pub use known::Known;
+pub use offsets::{OffsetShift, shift_offsets};
 pub use reference::{Joint, Reference};
 pub use spec::{BodySizes, FORMAT};
 pub use take::{FILE_NAME, Take};

@@ -27,6 +27,7 @@
 //! | [`curve`] | one fit, iteration by iteration, against its truth |
 //! | [`sizes`] | the sizes of people of several builds, from silhouettes |
 //! | [`own_sizes`] | the same in one go from a track with the average body, masks exact and too wide, and the track after |
+//! | [`sync`] | clocks of cameras that are off, found from the motion of the silhouettes |
 //! | [`scene`] | simulated data of a pose as a fit takes them |
 //! | [`progress`] | how far an experiment is, and why one cannot run |
 
@@ -52,6 +53,7 @@ pub mod sequence;
 pub mod shadow;
 pub mod sizes;
 pub mod starts;
+pub mod sync;
 pub mod track;
 
 pub use curve::Curve;

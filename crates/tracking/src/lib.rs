@@ -94,6 +94,7 @@
 //! | [`posing`] | moving a body by hand: chains follow through the same optimiser |
 //! | [`observability`] | what the cameras see of a pose and what not: directions, covariances, sets of cameras |
 //! | [`visual_hull`] | what all silhouettes leave of space |
+//! | [`synchronise`] | the offsets of cameras' clocks, from the motion of silhouettes |
 //! | [`metrics`] | joint errors against a reference |
 //! | [`geometry`] | rotations and distances of rays, with their derivatives |
 //! | [`cancel`] | stopping long work from outside |
@@ -134,5 +135,6 @@ pub mod residual;
 pub mod search;
 pub mod segment;
 pub mod silhouette;
+pub mod synchronise;
 pub mod track;
 pub mod visual_hull;

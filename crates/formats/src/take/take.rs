@@ -20,7 +20,7 @@ use crate::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles, model_
 /// The take file in a take's folder.
 pub const FILE_NAME: &str = "take.toml";
 /// Largest take file that is read, bytes.
-const MAX_BYTES: u64 = 1 << 20;
+pub(super) const MAX_BYTES: u64 = 1 << 20;
 /// Frame rates above this are a mistake, frames per second.
 const MAX_FRAME_RATE: f64 = 100_000.0;
 
@@ -52,7 +52,7 @@ pub struct Take {
 }
 
 /// The take file of a folder, or the file itself.
-fn file_of(path: &Path) -> PathBuf {
+pub(super) fn file_of(path: &Path) -> PathBuf {
     if path.is_dir() { path.join(FILE_NAME) } else { path.to_owned() }
 }
 

@@ -268,7 +268,7 @@ fn resized(body: &Model, [length, radius]: [f64; 2]) -> Result<Model, Experiment
 }
 
 /// The camera turned about its centre, about an axis in any direction.
-fn turned(camera: &Camera, angle: f64, random: &mut Pcg64Mcg) -> Result<Camera, CameraError> {
+pub(super) fn turned(camera: &Camera, angle: f64, random: &mut Pcg64Mcg) -> Result<Camera, CameraError> {
     let axis = loop {
         let axis = DVec3::from_array(std::array::from_fn(|_| random.random_range(-1.0..1.0)));
         if (0.01..1.0).contains(&axis.length_squared()) {

@@ -7,5 +7,6 @@ mod builtin_take;
 mod footage;
 mod given_masks;
 mod own_sizes;
+mod sync;
 mod turned_round;
 mod without_start;

@@ -17,6 +17,7 @@ fn allowed(module: &str) -> Option<Vec<&'static str>> {
         "filter" => vec!["geometry"],
         "metrics" => vec!["body"],
         "posing" => vec!["body", "residual", "optimize"],
+        "synchronise" => vec!["camera", "silhouette"],
         "visual_hull" => vec!["camera", "silhouette", "cancel"],
         "fit" => fit.to_vec(),
         "observability" => vec!["fit", "residual", "render", "body", "camera", "optimize", "geometry"],

@@ -21,4 +21,5 @@ mod normal_equations;
 mod observability;
 mod robust_terms;
 mod segment_footage;
+mod synchronise;
 mod vectors;
