@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use backlit_formats::import::{
     self, Background, Found, FoundCamera, ImportOptions, ImportStep, MatchedBy, PictureSize, Pictures,
+    WriteOptions,
 };
 use backlit_tracking::cancel::CancelToken;
 use clap::{Args, ValueEnum};
@@ -19,6 +20,7 @@ learnt from the footage where there is no plate. Projects of Pose2Sim, EasyMocap
 are recognised by their files. The footage stays where it is.
 Masks made elsewhere (in folders or files called masks, seg, silhouettes, alpha, …; as many as there are frames) are taken in
 the place of backgrounds, with or without footage beside them.
+Cameras that do not see the keypoints at the same places in space are adjusted by bundle adjustment, and it is said.
 Pictures of another size than the calibration's were scaled, letterboxed or cut; the pictures tell, or --pictures does.
 
 Examples:
@@ -51,6 +53,9 @@ pub(crate) struct ImportArguments {
     /// How pictures of another size than the calibration's were made: scaled, letterboxed, cut-at-corner or cut-around
     #[arg(long, value_name = "HOW", value_parser = picture_size)]
     pictures: Option<PictureSize>,
+    /// Keep the cameras as they were calibrated, though keypoints say that they are off
+    #[arg(long)]
+    keep_cameras: bool,
     /// Where backgrounds come from
     #[arg(long, value_enum, default_value_t = BackgroundWord::Plate)]
     background: BackgroundWord,
@@ -86,14 +91,21 @@ pub(crate) fn run(arguments: &ImportArguments) -> anyhow::Result<()> {
         output::print(&text(&found))?;
     }
     let mut written = None;
-    let mut known = serde_json::Map::new();
+    let (mut known, mut adjusted) = (serde_json::Map::new(), None);
     if let (Some(out), false) = (&arguments.out, arguments.dry_run) {
         let background = match arguments.background {
             BackgroundWord::Plate => Background::PlateOrFootage,
             BackgroundWord::Footage => Background::Footage,
             BackgroundWord::None => Background::None,
         };
-        let file = import::write(&found, out, background, &CancelToken::new(), &mut |step| match step {
+        let options = WriteOptions { background, adjust_cameras: !arguments.keep_cameras };
+        let file = import::write(&found, out, options, &CancelToken::new(), &mut |step| match step {
+            ImportStep::Adjusted { median_px: [before, after] } => {
+                output::complain(&format!(
+                    "the cameras were adjusted: keypoints were {before:.1} px off, now {after:.1} px (--keep-cameras)"
+                ));
+                adjusted = Some([before, after]);
+            }
             ImportStep::Measuring => {}
             ImportStep::Learning { camera } => {
                 output::complain(&format!("{camera}: the background is being learnt from the footage"));
@@ -121,6 +133,7 @@ pub(crate) fn run(arguments: &ImportArguments) -> anyhow::Result<()> {
             "frames": found.count,
             "cameras": found.cameras.iter().map(camera_json).collect::<Vec<_>>(),
             "known_background": known,
+            "adjusted_px": adjusted,
             "markers": found.table,
             "left_out": found.left_out.iter().map(|(name, why)| json!({"name": name, "reason": why})).collect::<Vec<_>>(),
         }));

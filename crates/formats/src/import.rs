@@ -11,6 +11,7 @@
 //! | `project` | the tools whose projects are recognised |
 //! | `look` | all of it together: what was found, what is missing |
 //! | `plates` | backgrounds learnt from the footage, the size to work at |
+//! | `rig` | a calibration that is off, mended by keypoints |
 //! | `start` | a pose to begin with, from keypoints |
 //! | `write` | the take |
 //!
@@ -24,6 +25,7 @@ mod picture_size;
 mod pictures;
 mod plates;
 mod project;
+mod rig;
 mod scan;
 mod start;
 mod write;
@@ -34,4 +36,4 @@ pub use matching::MatchedBy;
 pub use picture_size::PictureSize;
 pub use pictures::Pictures;
 pub use project::Project;
-pub use write::{Background, ImportStep, write};
+pub use write::{Background, ImportStep, WriteOptions, write};

@@ -15,6 +15,8 @@ use super::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles, json_t
 const LOWEST_SCORE: f64 = 0.1;
 /// A person of fewer keypoints than this covers nothing and is not believed.
 const FEWEST: usize = 5;
+/// A person of whom a smaller share of the keypoints is believed may be elsewhere too.
+const WHOLE: f64 = 0.7;
 /// How far a body reaches beyond the lines between its keypoints, as a share of the person's extent in the picture.
 const REACH: f64 = 0.065;
 /// And beyond a keypoint that is joined to one other at most: a hand beyond its wrist.
@@ -126,10 +128,17 @@ fn last_number(path: &Path) -> Option<u64> {
 
 /// Where the people of a picture may be, generously: strokes between keypoints that are near to one another, 6.5 % of the
 /// person's extent wide on either side and 12 % about hands and other ends, whatever the order of the keypoints. `size` is that of the picture, width first, which is
-/// [reduced](crate::images::reduced) by `divisor`. `None` where nobody is found, or the picture has too many
-/// pixels: then nobody knows.
+/// [reduced](crate::images::reduced) by `divisor`. `None` where nobody is found, the tallest person not whole, or the picture
+/// has too many pixels: then nobody knows.
 #[must_use]
 pub fn generous_mask(people: &[Person], size: [usize; 2], divisor: usize) -> Option<Mask> {
+    let is_believed = |keypoint: &&Keypoint| keypoint.score >= LOWEST_SCORE;
+    let share = |person: &Person| {
+        person.iter().flatten().filter(is_believed).count() as f64 / person.len().max(1) as f64
+    };
+    if tallest(people).is_none_or(|person| share(person) < WHOLE) {
+        return None;
+    }
     let people = places_of(people, divisor, FEWEST);
     let mut mask = mask_for(&people, size, divisor)?;
     let size = [mask.width(), mask.height()];
@@ -166,8 +175,7 @@ pub fn sure_mask(people: &[Person], size: [usize; 2], divisor: usize) -> Option<
 #[must_use]
 pub fn coarse_mask(people: &[Person], size: [usize; 2], divisor: usize) -> Option<Mask> {
     let mut mask = generous_mask(people, size, divisor)?;
-    let height = |person: &&Person| largest_extent(std::slice::from_ref(*person)).unwrap_or(0.0);
-    let tallest = people.iter().max_by(|a, b| height(a).total_cmp(&height(b)))?;
+    let tallest = tallest(people)?;
     let sure = sure_mask(std::slice::from_ref(tallest), size, divisor)?;
     let trunk = trunk_of(tallest, divisor);
     let width = mask.width();
@@ -195,14 +203,16 @@ fn trunk_of(person: &Person, divisor: usize) -> Option<[DVec2; 4]> {
     places.first().and_then(|places| <[DVec2; 4]>::try_from(places.as_slice()).ok())
 }
 
-/// Whether a place is within a polygon: a ray from it crosses the outline an odd number of times.
+/// Whether a place is within four corners, in whatever order: within a triangle of three of them.
 fn is_within(place: DVec2, corners: [DVec2; 4]) -> bool {
-    let sides = corners.iter().zip(corners.iter().cycle().skip(1));
-    let crossed = sides.filter(|(a, b)| {
-        let share = (place.y - a.y) / (b.y - a.y);
-        (a.y > place.y) != (b.y > place.y) && place.x < a.x + share * (b.x - a.x)
-    });
-    crossed.count() % 2 == 1
+    (0..4).any(|left_out| {
+        let side = |k: usize| {
+            let [a, b] = [k, k + 1].map(|k| corners[(left_out + 1 + k % 3) % 4]);
+            (b - a).perp_dot(place - a)
+        };
+        let sides = [0, 1, 2].map(side);
+        sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0)
+    })
 }
 
 /// The sure keypoints of each person who has `fewest` of them or more, in a picture that is reduced.
@@ -220,6 +230,13 @@ fn mask_for(people: &[Vec<DVec2>], size: [usize; 2], divisor: usize) -> Option<M
     let [width, height] = size.map(|side| side / divisor.max(1));
     let is_small = width.checked_mul(height).is_some_and(|pixels| pixels <= MAX_PIXELS);
     if people.is_empty() || !is_small { None } else { Mask::filled(width, height, Label::Background).ok() }
+}
+
+/// The tallest of some people in a picture, of whom something is believed.
+#[must_use]
+pub fn tallest(people: &[Person]) -> Option<&Person> {
+    let height = |person: &&Person| largest_extent(std::slice::from_ref(*person)).unwrap_or(0.0);
+    people.iter().max_by(|a, b| height(a).total_cmp(&height(b)))
 }
 
 /// The longer side of the box around a person's keypoints, pixels, of the largest person; `None` where nobody is found.

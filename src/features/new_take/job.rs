@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use backlit_formats::images;
-use backlit_formats::import::{self, Background, Found, ImportOptions, ImportStep};
+use backlit_formats::import::{self, Found, ImportOptions, ImportStep, WriteOptions};
 use backlit_jobs::{Job, Outbox, Step};
 use egui::ColorImage;
 
@@ -61,8 +61,7 @@ impl Job<Written> for WriteJob {
                 out.send(Written::Step(format!("Learning the background of {camera}")));
             }
         };
-        let written =
-            import::write(&self.found, &self.out, Background::PlateOrFootage, out.cancel(), &mut say);
+        let written = import::write(&self.found, &self.out, WriteOptions::default(), out.cancel(), &mut say);
         out.send(match written {
             Ok(file) => Written::Done(file),
             Err(error) => Written::Failed(error.to_string()),

@@ -23,20 +23,20 @@ const GUESSING_HEIGHT_PX: usize = 480;
 const SHORTEST_SIDE: usize = 64;
 
 /// Frames that are spread over the recording.
-fn spread(found: &Found, most: usize) -> Vec<usize> {
+pub(super) fn spread(found: &Found, most: usize) -> Vec<usize> {
     plate::spread(found.count, most).map(|frame| found.first + frame).collect()
 }
 
 /// A camera's people in a frame.
-struct Keypoints(Vec<(u64, PathBuf)>);
+pub(super) struct Keypoints(Vec<(u64, PathBuf)>);
 
 impl Keypoints {
-    fn of(camera: &FoundCamera) -> Result<Self, ImportError> {
+    pub(super) fn of(camera: &FoundCamera) -> Result<Self, ImportError> {
         Ok(Self(camera.keypoints.as_deref().map(keypoints::files_of).transpose()?.unwrap_or_default()))
     }
 
     /// The first file belongs to the footage's first frame, whatever its number.
-    fn people(&self, frame: usize) -> Result<Vec<Person>, ImportError> {
+    pub(super) fn people(&self, frame: usize) -> Result<Vec<Person>, ImportError> {
         let Some((first, _)) = self.0.first() else { return Ok(Vec::new()) };
         let file = self.0.iter().find(|(number, _)| *number == first + frame as u64);
         Ok(file.map(|(_, path)| keypoints::read(path)).transpose()?.unwrap_or_default())

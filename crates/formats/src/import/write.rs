@@ -3,12 +3,12 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use backlit_tracking::camera::Rig;
+use backlit_tracking::camera::{Adjusted, Rig};
 use backlit_tracking::cancel::CancelToken;
 
 use super::scan::escaped;
 use super::{Found, FoundCamera, FoundMasks, ImportError, Pictures};
-use super::{plates, start};
+use super::{plates, rig, start};
 use crate::calibration::backlit;
 use crate::take::{FILE_NAME, FORMAT};
 use crate::{FileError, FileProblem, atomic, keypoints, model_file, plate, pose_file};
@@ -24,9 +24,29 @@ pub enum Background {
     None,
 }
 
+/// What is made of what was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WriteOptions {
+    /// Where backgrounds come from.
+    pub background: Background,
+    /// Whether cameras may be adjusted where keypoints say that the calibration is off.
+    pub adjust_cameras: bool,
+}
+
+impl Default for WriteOptions {
+    fn default() -> Self {
+        Self { background: Background::PlateOrFootage, adjust_cameras: true }
+    }
+}
+
 /// What is being done.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ImportStep {
+    /// The cameras were adjusted to the keypoints, which were off by so many pixels in the median before and are after.
+    Adjusted {
+        /// Pixels, before and after.
+        median_px: [f64; 2],
+    },
     /// How tall the person is in the pictures is being measured.
     Measuring,
     /// A camera's background is being learnt.
@@ -50,7 +70,7 @@ pub enum ImportStep {
 pub fn write(
     found: &Found,
     out: &Path,
-    background: Background,
+    options: WriteOptions,
     cancel: &CancelToken,
     progress: &mut dyn FnMut(ImportStep),
 ) -> Result<PathBuf, ImportError> {
@@ -61,12 +81,24 @@ pub fn write(
     let frame_rate = found.frame_rate.ok_or(ImportError::NoFrameRate)?;
     let failed = |path: &Path, error| FileError::new(path, FileProblem::Write { error });
     std::fs::create_dir_all(out).map_err(|error| failed(out, error))?;
-    let rig = Rig::new(found.cameras.iter().map(|camera| camera.camera.clone()).collect());
-    let rig = rig.map_err(|error| FileError::new(&found.calibration, FileProblem::Rig { error }))?;
-    atomic::write(&out.join("cameras.json"), backlit::to_text(&rig).as_bytes())?;
+    let rig_text = |found: &Found| {
+        let rig = Rig::new(found.cameras.iter().map(|camera| camera.camera.clone()).collect());
+        let rig = rig.map_err(|error| FileError::new(&found.calibration, FileProblem::Rig { error }))?;
+        Ok::<String, ImportError>(backlit::to_text(&rig))
+    };
+    let mut adjusted = found.clone();
+    let adjustment = if options.adjust_cameras { rig::adjusted(found)? } else { None };
+    if let Some(Adjusted { cameras, median_px, .. }) = &adjustment {
+        atomic::write(&out.join("cameras_given.json"), rig_text(found)?.as_bytes())?;
+        let found_cameras = adjusted.cameras.iter_mut().zip(cameras);
+        found_cameras.for_each(|(found, camera)| found.camera = camera.clone());
+        progress(ImportStep::Adjusted { median_px: *median_px });
+    }
+    let found = &adjusted;
+    atomic::write(&out.join("cameras.json"), rig_text(found)?.as_bytes())?;
     progress(ImportStep::Measuring);
     let reduction = plates::reduction(found)?;
-    let learning = Learning { found, out, background, reduction, cancel };
+    let learning = Learning { found, out, background: options.background, reduction, cancel };
     let sources = found
         .cameras
         .iter()
@@ -77,7 +109,8 @@ pub fn write(
         model_file::write(&out.join("body.toml"), &body.model)?;
         pose_file::write(&out.join("start.json"), &body.model, &body.pose)?;
     }
-    let text = TakeText { found, out, frame_rate, sources, reduction, has_start: body.is_some() };
+    let (has_start, is_adjusted) = (body.is_some(), adjustment.is_some());
+    let text = TakeText { found, out, frame_rate, sources, reduction, has_start, is_adjusted };
     atomic::write(&file, text.to_text().as_bytes())?;
     Ok(file)
 }
@@ -141,6 +174,7 @@ struct TakeText<'a> {
     sources: Vec<Option<String>>,
     reduction: usize,
     has_start: bool,
+    is_adjusted: bool,
 }
 
 impl TakeText<'_> {
@@ -169,8 +203,13 @@ impl TakeText<'_> {
         }
         let _ = write!(
             text,
-            "\n[cameras]\n# From {}\ncalibration = \"cameras.json\"\n",
-            relative(calibration, self.out).replace('\n', " ")
+            "\n[cameras]\n# From {}{}\ncalibration = \"cameras.json\"\n",
+            relative(calibration, self.out).replace('\n', " "),
+            if self.is_adjusted {
+                ", adjusted to the keypoints; as it was given: cameras_given.json"
+            } else {
+                ""
+            },
         );
         for (camera, source) in self.found.cameras.iter().zip(&self.sources) {
             let (path, from) = self.named(&camera.pictures);

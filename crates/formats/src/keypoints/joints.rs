@@ -7,10 +7,10 @@ use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
 use glam::{DMat3, DVec2, DVec3};
 
-use super::{Person, largest_extent};
+use super::Person;
 
 /// Keypoints with a lower score are not believed to be anywhere.
-const LOWEST_SCORE: f64 = 0.3;
+pub(crate) const LOWEST_SCORE: f64 = 0.3;
 /// A joint whose rays miss one another by more is not believed, metres.
 const FARTHEST_RAY: f64 = 0.12;
 /// A pose is made of so many joints or more.
@@ -53,13 +53,6 @@ pub struct KeypointBody {
     pub pose: Pose,
     /// The order of keypoints that makes the best body.
     pub order: KeypointOrder,
-}
-
-/// The tallest of some people in a picture.
-#[must_use]
-pub fn tallest(people: Vec<Person>) -> Option<Person> {
-    let height = |person: &Person| largest_extent(std::slice::from_ref(person)).unwrap_or(0.0);
-    people.into_iter().max_by(|a, b| height(a).total_cmp(&height(b)))
 }
 
 /// The body that the keypoints of one person in one moment make, as cameras see them. `None` where they are of fewer than two
@@ -105,7 +98,7 @@ fn body_of_order(people: &[(&Camera, Person)], order: KeypointOrder) -> Option<(
 }
 
 /// The point that is nearest to the rays of pixels; `None` for fewer than two, or where they miss one another.
-fn meeting_point<'a>(pixels: impl Iterator<Item = (&'a Camera, DVec2)>) -> Option<DVec3> {
+pub(crate) fn meeting_point<'a>(pixels: impl Iterator<Item = (&'a Camera, DVec2)>) -> Option<DVec3> {
     let rays: Vec<(DVec3, DVec3)> =
         pixels.filter_map(|(camera, pixel)| Some((camera.centre(), camera.ray_in_world(pixel)?))).collect();
     if rays.len() < 2 {

@@ -10,8 +10,8 @@ use toml::Spanned;
 use super::reader::Reader;
 use super::spec::ViewSpec;
 use super::{CameraFootage, FramePattern, Take, TakeError};
-use crate::keypoints::joints::{body_of, joints_of, tallest};
-use crate::keypoints::{self, Person};
+use crate::keypoints::joints::{body_of, joints_of};
+use crate::keypoints::{self, Person, tallest};
 use crate::{FileError, MAX_TEXT_BYTES};
 
 /// Where one camera's keypoints are.
@@ -72,7 +72,7 @@ impl Take {
         for &frame in frames {
             let mut people: Vec<(&Camera, Person)> = Vec::new();
             for (index, camera) in self.full_rig.cameras().iter().enumerate() {
-                people.extend(tallest(self.people(index, frame)?).map(|person| (camera, person)));
+                people.extend(tallest(&self.people(index, frame)?).map(|person| (camera, person.clone())));
             }
             order = order.or_else(|| body_of(&people).map(|body| body.order));
             let joints = order.map(|order| joints_of(&self.model, &people, order)).unwrap_or_default();

@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use backlit_formats::import::{
-    self, Background, Found, ImportError, ImportOptions, MatchedBy, PictureSize, Project,
-};
+use backlit_formats::import::{self, Found, ImportError, ImportOptions, MatchedBy, PictureSize, Project};
 use backlit_formats::masks::MaskValues;
 use backlit_formats::take::BodySizes;
 use backlit_formats::{Footage, Take, calibration, images};
@@ -53,7 +51,7 @@ fn look(folder: &Path, options: &ImportOptions) -> Result<Found, ImportError> {
 }
 
 fn write(found: &Found, out: &Path) -> Result<std::path::PathBuf, ImportError> {
-    import::write(found, out, Background::PlateOrFootage, &CancelToken::new(), &mut |_| {})
+    import::write(found, out, WriteOptions::default(), &CancelToken::new(), &mut |_| {})
 }
 
 #[test]

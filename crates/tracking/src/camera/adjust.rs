@@ -1,6 +1,6 @@
 //! Bundle adjustment: cameras and points in space, moved together until the points are seen where they are marked.
 //!
-//! B. Triggs, P. McLauchlan, R. Hartley, A. Fitzgibbon, "Bundle Adjustment: A Modern Synthesis" (2000): Levenberg-Marquardt on
+//! B. Triggs and others, "Bundle Adjustment: A Modern Synthesis" (2000): Levenberg-Marquardt on
 //! the cameras alone, the points eliminated (Schur complement), a robust loss (Cauchy) on the distances in pixels. A calibration
 //! that is given is not thrown away: every camera is held to what it was by deviations that calibrations have. What the
 //! sightings cannot tell, where the whole rig stands, turns and how large it is, stays as it was: the points found are laid
@@ -254,7 +254,7 @@ impl Bundle<'_> {
     }
 }
 
-/// JᵀWJ and −JᵀWr: of the cameras, of each point, and of both together for each camera that sees the point.
+/// `JᵀWJ` and `−JᵀWr`: of the cameras, of each point, and of both together for each camera that sees the point.
 struct Equations {
     cameras: DMatrix<f64>,
     of_cameras: DVector<f64>,
