@@ -194,7 +194,8 @@ impl Footage {
         let full = &self.take.full_rig().cameras()[camera];
         let size = [full.width(), full.height()];
         let people = self.take.people(camera, frame)?;
-        let coarse = keypoints::coarse_mask(&people, size, self.take.reduction() as usize);
+        let order = self.take.keypoint_order()?;
+        let coarse = keypoints::coarse_mask(&people, order, size, self.take.reduction() as usize);
         Ok(coarse.and_then(|mask| self.rectifications[camera].nearest(mask.labels(), Label::Unknown)))
     }
 

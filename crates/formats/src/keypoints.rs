@@ -8,6 +8,7 @@ use backlit_tracking::silhouette::{Label, MAX_PIXELS, Mask};
 use glam::DVec2;
 use serde::Deserialize;
 
+use self::joints::KeypointOrder;
 use super::take::{FramePattern, split_number};
 use super::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles, json_text, text};
 
@@ -171,13 +172,18 @@ pub fn sure_mask(people: &[Person], size: [usize; 2], divisor: usize) -> Option<
 
 /// A silhouette as far as keypoints tell: the tallest person covers the narrow strokes of [`sure_mask`] and the trunk between
 /// shoulders and hips, nobody covers what lies outside of the [`generous_mask`], and the rest is unknown. `None` where nobody
-/// is found.
+/// is found. Without an `order` nobody knows which keypoints are shoulders and hips.
 #[must_use]
-pub fn coarse_mask(people: &[Person], size: [usize; 2], divisor: usize) -> Option<Mask> {
+pub fn coarse_mask(
+    people: &[Person],
+    order: Option<KeypointOrder>,
+    size: [usize; 2],
+    divisor: usize,
+) -> Option<Mask> {
     let mut mask = generous_mask(people, size, divisor)?;
     let tallest = tallest(people)?;
     let sure = sure_mask(std::slice::from_ref(tallest), size, divisor)?;
-    let trunk = trunk_of(tallest, divisor);
+    let trunk = order.and_then(|order| trunk_of(tallest, order, divisor));
     let width = mask.width();
     for (index, (label, sure)) in mask.labels_mut().iter_mut().zip(sure.labels()).enumerate() {
         let place = DVec2::new((index % width) as f64, (index / width) as f64);
@@ -191,15 +197,10 @@ pub fn coarse_mask(people: &[Person], size: [usize; 2], divisor: usize) -> Optio
     Some(mask)
 }
 
-/// Where shoulders and hips stand, going round the trunk: of `OpenPose`'s `BODY_25` and `COCO` of 18, and of those that begin
-/// with the 17 of COCO, as `HALPE_26`, `BODY_25B` excepted, which has as many as `BODY_25`.
-const TRUNKS: [(&[usize], [usize; 4]); 3] =
-    [(&[25], [2, 5, 12, 9]), (&[18], [2, 5, 11, 8]), (&[17, 26, 133, 136], [5, 6, 12, 11])];
-
 /// The corners of a person's trunk, shoulders and hips, in a picture that is reduced.
-fn trunk_of(person: &Person, divisor: usize) -> Option<[DVec2; 4]> {
-    let (_, corners) = TRUNKS.iter().find(|(counts, _)| counts.contains(&person.len()))?;
-    let places = places_of(&[corners.iter().map(|&corner| person[corner]).collect()], divisor, corners.len());
+fn trunk_of(person: &Person, order: KeypointOrder, divisor: usize) -> Option<[DVec2; 4]> {
+    let corners = order.trunk().map(|corner| person.get(corner).copied().flatten());
+    let places = places_of(&[corners.to_vec()], divisor, corners.len());
     places.first().and_then(|places| <[DVec2; 4]>::try_from(places.as_slice()).ok())
 }
 

@@ -38,6 +38,13 @@ const LIMBS: [&str; 12] = [
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct KeypointOrder([usize; 12]);
 
+impl KeypointOrder {
+    /// Left and right shoulder, left and right hip.
+    pub(super) fn trunk(self) -> [usize; 4] {
+        [0, 1, 6, 7].map(|limb| self.0[limb])
+    }
+}
+
 /// That of COCO, which `HALPE_26`, `BODY_25B` and whole-body models begin with, and that of `OpenPose`'s `BODY_25`.
 const ORDERS: [KeypointOrder; 2] = [
     KeypointOrder([5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16]),

@@ -10,9 +10,13 @@ use toml::Spanned;
 use super::reader::Reader;
 use super::spec::ViewSpec;
 use super::{CameraFootage, FramePattern, Take, TakeError};
-use crate::keypoints::joints::{body_of, joints_of};
+use crate::keypoints::joints::{KeypointOrder, body_of, joints_of};
 use crate::keypoints::{self, Person, tallest};
+use crate::plate;
 use crate::{FileError, MAX_TEXT_BYTES};
+
+/// Frames whose keypoints are looked at to tell their order.
+const MOST_LOOKED_AT: usize = 12;
 
 /// Where one camera's keypoints are.
 #[derive(Debug, Clone)]
@@ -63,19 +67,42 @@ impl Take {
         people.map_err(|error| TakeError::Frame { camera: footage.camera.clone(), frame, error })
     }
 
+    /// In which order the keypoints of this take stand; `None` where they make no body in any of the frames that are looked at.
+    ///
+    /// # Errors
+    /// As [`people`](Self::people).
+    pub fn keypoint_order(&self) -> Result<Option<KeypointOrder>, TakeError> {
+        if let Some(order) = self.keypoint_order.get() {
+            return Ok(*order);
+        }
+        let mut order = None;
+        for frame in plate::spread(self.frame_count, MOST_LOOKED_AT) {
+            order = body_of(&self.tallest_people(frame)?).map(|body| body.order);
+            if order.is_some() {
+                break;
+            }
+        }
+        Ok(*self.keypoint_order.get_or_init(|| order))
+    }
+
+    /// The tallest person of each camera in a frame.
+    fn tallest_people(&self, frame: usize) -> Result<Vec<(&Camera, Person)>, TakeError> {
+        let mut people = Vec::new();
+        for (index, camera) in self.full_rig.cameras().iter().enumerate() {
+            people.extend(tallest(&self.people(index, frame)?).map(|person| (camera, person.clone())));
+        }
+        Ok(people)
+    }
+
     /// The joints of the take's body that keypoints show in these frames, world metres; frames without any are left out.
     ///
     /// # Errors
     /// As [`people`](Self::people).
     pub fn keypoint_joints(&self, frames: &[usize]) -> Result<BTreeMap<usize, ReferenceJoints>, TakeError> {
-        let (mut all, mut order) = (BTreeMap::new(), None);
+        let mut all = BTreeMap::new();
+        let Some(order) = self.keypoint_order()? else { return Ok(all) };
         for &frame in frames {
-            let mut people: Vec<(&Camera, Person)> = Vec::new();
-            for (index, camera) in self.full_rig.cameras().iter().enumerate() {
-                people.extend(tallest(&self.people(index, frame)?).map(|person| (camera, person.clone())));
-            }
-            order = order.or_else(|| body_of(&people).map(|body| body.order));
-            let joints = order.map(|order| joints_of(&self.model, &people, order)).unwrap_or_default();
+            let joints = joints_of(&self.model, &self.tallest_people(frame)?, order);
             if !joints.is_empty() {
                 all.insert(frame, joints);
             }

@@ -1,7 +1,7 @@
 //! A parsed take; its pictures are read on demand.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::{Camera, Rig};
@@ -11,6 +11,7 @@ use super::reader::Reader;
 use super::reference::ReferenceOptions;
 use super::spec::{BodySizes, FORMAT, TakeSpec};
 use super::{BackgroundSource, CameraFootage, Reference, TakeError};
+use crate::keypoints::joints::KeypointOrder;
 use crate::pose_file::{self, Quaternions};
 use crate::text::decode;
 use crate::trc::Axes;
@@ -48,7 +49,9 @@ pub struct Take {
     pub(super) measurement: Vec<SegmentOptions>,
     pub(super) seconds: Arc<[f64]>,
     pub(super) notes: Arc<[String]>,
-    pub(super) cache: Arc<FrameCache>,
+    cache: Arc<FrameCache>,
+    /// Found once keypoints are first needed.
+    pub(super) keypoint_order: Arc<OnceLock<Option<KeypointOrder>>>,
 }
 
 /// The take file of a folder, or the file itself.
@@ -135,6 +138,7 @@ impl Take {
             reference,
             measurement,
             cache,
+            keypoint_order: Arc::default(),
         };
         for camera in 0..take.rig.count() {
             take.check_first_picture(camera)?;

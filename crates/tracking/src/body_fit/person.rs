@@ -31,10 +31,6 @@ pub struct PersonOptions {
     pub joints: BTreeMap<usize, ReferenceJoints>,
 }
 
-/// Joints that another tool finds are off by so much, metres: 20 to 30 mm of `OpenPose`'s beside optical markers (Nakano et
-/// al., Frontiers in Sports and Active Living 2, 2020), and a body's joints are not just where the tool marks them.
-const KEYPOINT_DEVIATION_M: f64 = 0.03;
-
 impl PersonOptions {
     /// For a recording of so many frames a second.
     #[must_use]
@@ -124,8 +120,7 @@ pub fn find_person<E: From<PersonError>>(
         return Ok(Person { model, start, search, sizes: None });
     }
     let posed = follow(&model, start.clone(), frames, options, cancel, &mut views, &mut progress)?;
-    let mut choices = OwnSizesOptions { pose: options.fit.clone(), ..OwnSizesOptions::default() };
-    choices.fit.joint_deviation = KEYPOINT_DEVIATION_M;
+    let choices = OwnSizesOptions { pose: options.fit.clone(), ..OwnSizesOptions::default() };
     let found = own_sizes(
         &model,
         &posed,
