@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
-use backlit_formats::Take;
+use backlit_formats::{Take, TakeError};
 use backlit_lab::experiment::Simulation;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::fit::{DataView, Evidence};
+use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::silhouette::{Label, Mask, Measurement, SignedDistance};
@@ -121,6 +122,17 @@ impl Footage {
             original: inner.clone(),
             inner,
         }
+    }
+
+    /// The joints that keypoints of another tool show in these frames, by frame.
+    ///
+    /// # Errors
+    /// A file that is not one of keypoints.
+    pub(crate) fn keypoint_joints(
+        &self,
+        frames: &[usize],
+    ) -> Result<BTreeMap<usize, ReferenceJoints>, TakeError> {
+        self.inner.take().keypoint_joints(frames)
     }
 
     /// The same with other silhouettes in the place of those that are measured.

@@ -10,6 +10,7 @@ mod fit_body;
 mod footage;
 mod formats;
 mod golden;
+mod import;
 mod observability;
 mod real_footage;
 mod render;

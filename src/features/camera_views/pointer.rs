@@ -320,25 +320,19 @@ mod tests {
         }
 
         fn frame(&mut self, at: Pos2, button: &str, modifiers: Modifiers) -> Vec<TileEvent> {
-            self.slow_frame((button == "press").then_some(at), at, button, modifiers)
+            self.moved((button == "press").then_some(at), at, button, modifiers)
         }
 
-        fn slow_frame(
-            &mut self,
-            pressed_at: Option<Pos2>,
-            at: Pos2,
-            button: &str,
-            modifiers: Modifiers,
-        ) -> Vec<TileEvent> {
+        fn moved(&mut self, press: Option<Pos2>, at: Pos2, button: &str, keys: Modifiers) -> Vec<TileEvent> {
             let view = ViewTransform { rect: RECT, points_per_px: 2.0, centre_px: pos2(50.0, 50.0) };
             let grips = Grips { body: &self.body, joints: &self.joints, limbs: &self.limbs, view };
-            let place = pressed_at.unwrap_or(at);
+            let place = press.unwrap_or(at);
             let under = backlit_ui::widgets::grip_at(place, &view, &self.joints, &self.limbs);
             let pointer = PointerInput {
                 at,
-                pressed_at,
+                pressed_at: press,
                 is_down: button != "up",
-                modifiers,
+                modifiers: keys,
                 is_cancelled: button == "escape",
             };
             let mut events = Vec::new();
@@ -377,7 +371,7 @@ mod tests {
     fn a_press_holds_what_it_was_on_though_the_pointer_has_left_within_the_frame() {
         let mut fixture = Fixture::new();
         let joint = JointId::End(fixture.forearm);
-        let events = fixture.slow_frame(Some(WRIST), WRIST + vec2(0.0, 60.0), "down", Modifiers::NONE);
+        let events = fixture.moved(Some(WRIST), WRIST + vec2(0.0, 60.0), "down", Modifiers::NONE);
         let drag = begin(Drag::Joint { joint, target_px: DVec2::new(50.0, 80.0) });
         assert_eq!(events, [TileEvent::Activate, TileEvent::SelectJoint(joint), drag]);
     }

@@ -29,7 +29,16 @@ pub(super) struct PersonJob {
 
 impl Job<Found> for PersonJob {
     fn step(&mut self, out: &Outbox<Found>) -> Step {
-        let options = PersonOptions::new((*self.fit.fit).clone(), self.sizes, self.footage.frame_rate);
+        let mut options = PersonOptions::new((*self.fit.fit).clone(), self.sizes, self.footage.frame_rate);
+        if self.sizes {
+            match self.footage.keypoint_joints(&options.followed(&self.frames)) {
+                Ok(joints) => options.joints = joints,
+                Err(error) => {
+                    out.send(Found::Refused(format!("The keypoints cannot be read: {error}.")));
+                    return Step::Done;
+                }
+            }
+        }
         let mut fit = self.fit.clone();
         let mut views = |frame: usize| -> Result<Vec<FitView>, PersonError> {
             fit.frame = Some(Arc::new(load_frame(&self.footage, &self.measurement, frame)));

@@ -122,3 +122,54 @@ pub(crate) fn meeting_point<'a>(pixels: impl Iterator<Item = (&'a Camera, DVec2)
     let mean = rays.iter().map(off).sum::<f64>() / rays.len() as f64;
     (point.is_finite() && mean < FARTHEST_RAY).then_some(point)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Keypoint, coarse_mask};
+    use super::*;
+    use backlit_tracking::silhouette::Label;
+
+    /// A person upright in a picture of 200 × 300, in the order of COCO.
+    fn person() -> Person {
+        let places = [
+            [100, 30],
+            [104, 26],
+            [96, 26],
+            [110, 28],
+            [90, 28],
+            [130, 70],
+            [70, 70],
+            [145, 120],
+            [55, 120],
+            [150, 160],
+            [50, 160],
+            [118, 160],
+            [82, 160],
+            [120, 215],
+            [80, 215],
+            [122, 270],
+            [78, 270],
+        ];
+        let keypoint = |[x, y]: [i32; 2]| Keypoint { place: DVec2::new(x.into(), y.into()), score: 0.9 };
+        places.map(|place| Some(keypoint(place))).to_vec()
+    }
+
+    #[test]
+    fn keypoints_tell_the_trunk_from_what_may_be_and_what_is_not() {
+        let person = person();
+        let mask = coarse_mask(std::slice::from_ref(&person), Some(ORDERS[0]), [200, 300], 1).unwrap();
+        let label = |x, y| mask.get(x, y).unwrap();
+        assert_eq!(label(100, 110), Label::Subject, "within the trunk");
+        assert_eq!(label(130, 72), Label::Subject, "at the shoulder");
+        assert_eq!(label(132, 130), Label::Unknown, "beside the trunk");
+        assert_eq!(label(10, 20), Label::Background, "far away");
+        // Without an order, or in another one, nobody knows where the trunk is.
+        let mask = coarse_mask(std::slice::from_ref(&person), None, [200, 300], 1).unwrap();
+        assert_eq!(mask.get(100, 110), Some(Label::Unknown));
+        let mask = coarse_mask(std::slice::from_ref(&person), Some(ORDERS[0]), [200, 300], 2).unwrap();
+        assert_eq!((mask.width(), mask.get(50, 55)), (100, Some(Label::Subject)));
+        // Of half a person nobody knows where the rest is.
+        let half = person.iter().enumerate().map(|(k, keypoint)| keypoint.filter(|_| k < 11)).collect();
+        assert_eq!(coarse_mask(&[half], Some(ORDERS[0]), [200, 300], 1), None);
+    }
+}

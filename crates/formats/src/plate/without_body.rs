@@ -3,10 +3,12 @@
 use std::collections::BTreeMap;
 
 use backlit_tracking::body::{Kinematics, Model, Pose};
+use backlit_tracking::camera::Camera;
 use backlit_tracking::render::prediction::covered;
 use backlit_tracking::render::{Ramp, RendererKind, View};
 use backlit_tracking::segment::{BackgroundError, LearningFrame, LearningOptions};
 use backlit_tracking::silhouette::{Label, Mask, MaskError};
+use glam::DVec2;
 use image::RgbImage;
 use rayon::prelude::*;
 use thiserror::Error;
@@ -55,20 +57,23 @@ pub fn plate_without_body(
         model.with_sizes(sizes).unwrap_or_else(|_| model.clone())
     };
     let (stout, core) = (resized(&|radius| radius + MARGIN_M), resized(&|radius| CORE * radius));
-    let seen_by = take.rig().cameras().get(camera);
-    let drawn = |body: &Model, pose: &Pose| {
-        let place = Kinematics::new(model, pose);
-        seen_by.map(|camera| covered(&View::new(body, &place, camera, RendererKind::Capsule, Ramp::Half)))
+    let no_camera = || TakeError::NoCamera { camera, count: take.rig().count() };
+    let seen_by = take.rig().cameras().get(camera).ok_or_else(no_camera)?;
+    let (ideal, places) = (seen_by.without_distortion(), ideal_places(seen_by));
+    let drawn = |body: &Model, pose: &Pose| -> Vec<bool> {
+        let kinematics = Kinematics::new(body, pose);
+        let view = View::new(body, &kinematics, &ideal, RendererKind::Capsule, Ramp::Half);
+        let covered = covered(&view);
+        places.iter().map(|place| place.is_some_and(|place| covered[place])).collect()
     };
     let look = |&index: &usize| -> Result<Seen, TakeError> {
         let (&frame, pose) = chosen[index];
         let picture = take.frame(camera, frame)?;
-        let (near, sure) = (drawn(&stout, pose).unwrap_or_default(), drawn(&core, pose).unwrap_or_default());
-        let labels = near.iter().map(|&near| if near { Label::Subject } else { Label::Background });
-        let (width, height) = (picture.width() as usize, picture.height() as usize);
-        let no_camera = |_: MaskError| TakeError::NoCamera { camera, count: take.rig().count() };
-        let mask = Mask::new(width, height, labels.collect()).map_err(no_camera)?;
-        Ok((picture, mask, sure))
+        let labels = drawn(&stout, pose).into_iter();
+        let labels = labels.map(|near| if near { Label::Subject } else { Label::Background }).collect();
+        let mask = Mask::new(seen_by.width(), seen_by.height(), labels);
+        let mask = mask.map_err(|_error: MaskError| no_camera())?;
+        Ok((picture, mask, drawn(&core, pose)))
     };
     let seen: Vec<Result<Seen, TakeError>> = numbers.par_iter().map(look).collect();
     let seen = seen.into_iter().collect::<Result<Vec<Seen>, TakeError>>()?;
@@ -81,4 +86,16 @@ pub fn plate_without_body(
     let options = LearningOptions { min_free_frames: usual.min_free_frames.max(free), ..usual };
     Plate::learn(&frames, &options, &always)
         .map_err(|error| PlateError::Learning { camera: take.footage()[camera].camera().to_owned(), error })
+}
+
+/// For each pixel of a camera the index of the one at its place in a picture without distortion; `None` where that is outside.
+fn ideal_places(camera: &Camera) -> Vec<Option<usize>> {
+    let (width, height, pinhole) = (camera.width(), camera.height(), camera.intrinsics());
+    let place = |index: usize| {
+        let bent = pinhole.plane_from_pixel(DVec2::new((index % width) as f64, (index / width) as f64));
+        let at = pinhole.pixel_from_plane(camera.distortion().undistort(bent)?).round();
+        let is_inside = at.x >= 0.0 && at.y >= 0.0 && at.x < width as f64 && at.y < height as f64;
+        is_inside.then(|| at.y as usize * width + at.x as usize)
+    };
+    (0..width * height).map(place).collect()
 }

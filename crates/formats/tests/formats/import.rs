@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use backlit_formats::import::{self, Found, ImportError, ImportOptions, MatchedBy, PictureSize, Project};
+use backlit_formats::import::{
+    self, Found, ImportError, ImportOptions, MatchedBy, PictureSize, Project, WriteOptions,
+};
 use backlit_formats::masks::MaskValues;
 use backlit_formats::take::BodySizes;
 use backlit_formats::{Footage, Take, calibration, images};

@@ -6,6 +6,7 @@ mod builtin_take;
 #[path = "../../../tracking/tests/tracking/footage.rs"]
 mod footage;
 mod given_masks;
+mod learnt_plates;
 mod own_sizes;
 mod sync;
 mod turned_round;

@@ -1,0 +1,77 @@
+//! From another tool's project to a tracked person, by two commands and without a hand; and what `import` says.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use serde_json::Value;
+
+use crate::footage::footage;
+
+/// The mean distance of a joint from the project's own markers, which are themselves off by 8 to 17 pixels in places. All 70
+/// frames have 43.2.
+const MEAN_ERROR_MM: f64 = 50.0;
+/// Smallest mean overlap: 0.891 over all frames.
+const IOU: f64 = 0.87;
+
+/// A whole project, where it is there.
+fn project() -> Option<PathBuf> {
+    let project = footage()?.with_file_name("formats").join("project_pose2sim_single");
+    project.is_dir().then_some(project)
+}
+
+fn backlit(arguments: &[&str]) -> (Value, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_backlit")).args(arguments).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{arguments:?}: {said}");
+    (serde_json::from_slice(&output.stdout).unwrap(), said)
+}
+
+#[test]
+fn a_project_of_another_tool_becomes_a_tracked_person() {
+    let Some(project) = project() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let [take, results] = ["take", "results"].map(|name| folder.path().join(name).display().to_string());
+    let (found, said) = backlit(&["import", project.to_str().unwrap(), "--out", &take, "--json"]);
+    assert_eq!((&found["project"], &found["frames"]), (&"a Pose2Sim project".into(), &70.into()), "{found}");
+    // The calibration is 10 to 20 pixels off; what keypoints make of it is said.
+    assert!(found["adjusted_px"][1].as_f64().unwrap() < 8.0, "{found}");
+    assert!(said.contains("--keep-cameras"), "{said}");
+    if found["cameras"].as_array().unwrap().len() < 4 {
+        eprintln!("SKIPPED: one of the videos needs ffmpeg");
+        return;
+    }
+    let table = project.join("pose-3d/S00_P00_T01_BalancingTrial_0-70.trc");
+    let reference = table.to_str().unwrap();
+    // Every fifth frame: faster, and harder than all of them.
+    let track = ["track", &take, "--out", &results, "--reference", reference, "--every", "5", "--json"];
+    let (summary, _) = backlit(&track);
+    assert_eq!((&summary["frames"], &summary["lost"]), (&14.into(), &0.into()), "{summary}");
+    let number = |pointer: &str| summary.pointer(pointer).and_then(Value::as_f64).unwrap();
+    assert!(number("/joint_error_mm/mean") <= MEAN_ERROR_MM, "{summary}");
+    assert!(number("/iou/mean") >= IOU, "{summary}");
+
+    // The background again, without the person that was tracked.
+    let plates = folder.path().join("plates");
+    let output = Command::new(env!("CARGO_BIN_EXE_backlit"))
+        .args(["background", &take, "--without", &results, "--out", plates.to_str().unwrap()])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && said.lines().count() == 4, "{said}");
+    assert!(plates.join("cam03.png").is_file());
+}
+
+#[test]
+fn what_is_not_there_to_import_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = |arguments: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_backlit")).args(arguments).output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let empty = folder.path().to_str().unwrap();
+    let message = said(&["import", empty, "--dry-run"]);
+    assert!(message.contains(empty) && message.contains("expected"), "{message}");
+    let message = said(&["background", empty, "--without", empty, "--out", empty]);
+    assert!(message.contains("track.json"), "{message}");
+}
