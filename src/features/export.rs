@@ -8,11 +8,13 @@
 //! | `order` | what is to be exported, and what paints it |
 //! | `update` | asked for, begun, stopped, told |
 //! | `job` | painting and writing, one picture a step |
+//! | `motion` | poses for other programs: BVH, TRC, C3D, glTF and others |
 //! | `series` | numbered PNGs, an animated PNG or a GIF from one picture after another |
 
 pub(crate) mod choices;
 mod dialog;
 mod job;
+mod motion;
 mod order;
 pub(crate) mod series;
 #[cfg(test)]
@@ -42,7 +44,7 @@ pub(crate) struct Export {
     /// Folder of the last export.
     folder: Option<PathBuf>,
     task: Task<(), job::Exported>,
-    dialogs: FileDialogs<()>,
+    dialogs: FileDialogs<motion::Asked>,
 }
 
 /// An export that is under way.

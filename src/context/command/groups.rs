@@ -26,7 +26,7 @@ group! {
 
 group! {
     /// Pictures for other people.
-    ExportCommand { View, Window, Steps, Frames, Stop, ShowExported }
+    ExportCommand { View, Window, Steps, Frames, Motion, Stop, ShowExported }
 }
 
 group! {

@@ -51,6 +51,7 @@ pub(super) const TABLE: &[Row] = &[
     row(Menu::File, Export(ExportCommand::Window), "Export window…", "The window as it is, as a PNG of any size", &[ctrl_shift(Key::E)]),
     row(Menu::File, Export(ExportCommand::Steps), "Export iterations…", "All steps of the shown run, as PNGs or as a picture that moves", &[]),
     row(Menu::File, Export(ExportCommand::Frames), "Export frames…", "A range of frames with their poses, as PNGs or as a picture that moves", &[]),
+    row(Menu::File, Export(ExportCommand::Motion), "Export motion…", "All poses, as BVH, TRC, MOT, C3D, glTF, NumPy or CSV: the file's ending says which", &[]),
     row(Menu::File, Export(ExportCommand::Stop), "Stop export", "End the export that is under way", &[]),
     row(Menu::File, Export(ExportCommand::ShowExported), "Show exported files", "Open the folder of the last export", &[]),
     row(Menu::File, Recovery(RecoveryCommand::Show), "Unsaved work…", "What this window or an earlier one has left unsaved: go on with it, or discard it", &[]),

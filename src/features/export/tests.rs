@@ -3,7 +3,18 @@
 use super::Running;
 use super::job::Exported;
 use crate::app::testing::{Breaks, errors, open, settle};
+use crate::context::command::{Command, ExportCommand};
 use crate::context::preferences::Layout;
+use crate::document::edit::Edit;
+
+#[test]
+fn there_is_no_motion_before_a_frame_has_a_pose() {
+    let (_window, mut app) = open(Layout::Pose);
+    let command = Command::Export(ExportCommand::Motion);
+    assert!(app.unavailable(command).is_some_and(|why| why.contains("No frame has a pose")));
+    app.edit(Edit::SetKey { frame: 0 }, None);
+    assert_eq!(app.unavailable(command), None);
+}
 
 #[test]
 fn an_export_that_breaks_down_is_said_once_and_is_over() {

@@ -7,6 +7,7 @@ use egui::Ui;
 
 use super::dialog::{Answer, ExportDialog};
 use super::job::{ExportJob, Exported};
+use super::motion::Asked;
 use super::{Export, ExportOrder, Running, Subject};
 use crate::context::command::{Command, ExportCommand};
 use crate::context::file_dialog::Wanted;
@@ -22,6 +23,7 @@ impl Export {
             ExportCommand::Window => self.open_card(Subject::Window, context, requests),
             ExportCommand::Steps => self.open_card(Subject::Steps, context, requests),
             ExportCommand::Frames => self.open_card(Subject::Frames, context, requests),
+            ExportCommand::Motion => self.ask_for_motion(context, requests),
             ExportCommand::Stop => self.stop(),
             ExportCommand::ShowExported => {
                 if let Some(folder) = &self.folder {
@@ -37,6 +39,11 @@ impl Export {
         match command {
             ExportCommand::ShowExported => {
                 because(self.folder.is_none(), "Nothing was exported since the start")
+            }
+            ExportCommand::Motion => {
+                let document = context.document();
+                let is_still = document.estimates.is_empty() && document.keys.is_empty();
+                no_take(context).or(because(is_still, "No frame has a pose yet: track, or pose by hand"))
             }
             ExportCommand::Stop => because(self.running.is_none(), "Nothing is being exported"),
             ExportCommand::Window => is_exporting,
@@ -66,7 +73,7 @@ impl Export {
             } else {
                 ("Export", Wanted::NewFile(name, &[]))
             };
-            if let Err(why) = self.dialogs.ask(context.egui, (), title, wanted) {
+            if let Err(why) = self.dialogs.ask(context.egui, Asked::Pictures, title, wanted) {
                 requests.complain(why.to_string());
             }
         }
@@ -99,9 +106,14 @@ impl Export {
 
     /// Takes in what was painted, and the file that was chosen.
     pub(crate) fn update(&mut self, requests: &mut Requests) {
-        for ((), path) in self.dialogs.answers() {
-            if let Some(dialog) = &mut self.dialog {
-                dialog.set_path(&path);
+        for (asked, path) in self.dialogs.answers() {
+            match (asked, &mut self.dialog) {
+                (Asked::Motion(motion, options), _) => {
+                    self.folder = path.parent().map(Path::to_owned);
+                    Self::write_motion(&path, motion, options, requests);
+                }
+                (Asked::Pictures, Some(dialog)) => dialog.set_path(&path),
+                (Asked::Pictures, None) => {}
             }
         }
         for news in self.task.poll() {

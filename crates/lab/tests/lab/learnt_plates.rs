@@ -71,7 +71,7 @@ fn a_plate_is_learnt_without_the_body_that_is_tracked() {
     let body = builtin::full_body();
     for camera in 0..2 {
         let plate = plate_without_body(&take, camera, &body, &poses).unwrap();
-        assert!(plate.known_share() > 0.9, "camera {camera}: {}", plate.known_share());
+        assert!(plate.known_share() > 0.85, "camera {camera}: {}", plate.known_share());
         for ((x, y, pixel), known) in plate.picture.enumerate_pixels().zip(&plate.known) {
             assert!(*known != Known::Scene || *pixel == wall(x, y), "camera {camera}: {x}, {y}");
         }
