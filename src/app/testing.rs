@@ -36,8 +36,13 @@ pub(crate) fn open(layout: Layout) -> (Headless, App) {
 
 /// A window on a demonstration, in a layout.
 pub(crate) fn open_take(demonstration: Demonstration, layout: Layout) -> (Headless, App) {
+    open_source(TakeSource::Demonstration(demonstration), layout)
+}
+
+/// A window on any take, in a layout.
+pub(crate) fn open_source(source: TakeSource, layout: Layout) -> (Headless, App) {
     let mut window = Headless::new(1100.0, 700.0, 1.0);
-    let opening = Some(Opening::Take(TakeSource::Demonstration(demonstration)));
+    let opening = Some(Opening::Take(source));
     let options = AppOptions { opening, is_inline: true, ..AppOptions::default() };
     let mut app = App::new(window.ctx.clone(), options).unwrap();
     settle(&mut window, &mut app);

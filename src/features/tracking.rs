@@ -7,6 +7,7 @@
 //! | `job`, [`read_ahead`] | the fit of frame after frame |
 //! | `poses_job`, `body_job`, `person_job` | the search, the fit of the sizes, and both where nothing is known |
 //! | `body` | which frames say something of the sizes, and what is said of them |
+//! | `survey` | whether the silhouettes can be a person's at all |
 //! | `keys` | the key poses around a frame |
 //! | `choices` | how it tracks, in the Solver section |
 //! | `other_poses` | what a search has found, in the Refit section |
@@ -21,6 +22,7 @@ mod person_job;
 mod pose_words;
 mod poses_job;
 mod read_ahead;
+mod survey;
 #[cfg(test)]
 mod tests;
 mod update;

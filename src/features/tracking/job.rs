@@ -16,6 +16,7 @@ use backlit_tracking::track::{FixedLagSmoother, FrameEstimate, Track, Tracker, s
 
 use super::Found;
 use super::read_ahead::ReadAhead;
+use super::survey::nobody_to_track;
 use crate::document::tracking_choices::{AtKeys, Following, TrackingChoices};
 use crate::document::{Estimate, Origin};
 use crate::session::prediction::FitInputs;
@@ -52,6 +53,8 @@ pub(super) struct TrackInputs {
 #[derive(Debug)]
 pub(super) struct TrackJob {
     inputs: TrackInputs,
+    /// Whether the silhouettes were looked at.
+    is_surveyed: bool,
     tracker: Option<Tracker>,
     reader: Option<ReadAhead>,
     /// Of the leg that is being tracked: what smoothing or joining still needs.
@@ -68,6 +71,7 @@ impl TrackJob {
         Self {
             joins: inputs.legs.len() > 1,
             inputs,
+            is_surveyed: false,
             tracker: None,
             reader: None,
             kept: Track::default(),
@@ -241,6 +245,12 @@ impl Job<Found> for TrackJob {
     fn step(&mut self, out: &Outbox<Found>) -> Step {
         if out.cancel().is_cancelled() {
             self.end_leg(out);
+            return Step::Done;
+        }
+        if !std::mem::replace(&mut self.is_surveyed, true)
+            && let Some(why) = nobody_to_track(&self.inputs, out.cancel())
+        {
+            out.send(Found::Refused(why));
             return Step::Done;
         }
         let Some(frame) = self.next_frame() else {

@@ -4,14 +4,17 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Pose, Sides};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::segment::SegmentOptions;
 
 use super::read_ahead::ReadAhead;
-use crate::app::testing::{Breaks, errors, open_take, settle};
+use crate::app::testing::{Breaks, errors, open_source, open_take, settle};
 use crate::context::command::{Command, FitCommand, HistoryCommand, TrackingCommand};
 use crate::context::preferences::Layout;
+use crate::document::edit::Edit;
 use crate::session::load_frame;
 use crate::take::demonstration::Demonstration;
 use crate::take::footage::Footage;
+use crate::take::source::TakeSource;
 
 #[test]
 fn a_tracker_or_a_search_that_breaks_down_is_said_once_and_nothing_waits_for_it() {
@@ -31,6 +34,22 @@ fn a_tracker_or_a_search_that_breaks_down_is_said_once_and_nothing_waits_for_it(
         assert_eq!(errors(&app).len(), said + 1, "{command:?}");
         assert_eq!(errors(&app)[said], "The tracker broke down: thirteen. Your work is unharmed.");
     }
+}
+
+#[test]
+fn silhouettes_that_show_nobody_are_told_before_they_are_tracked() {
+    let (mut window, mut app) = open_source(TakeSource::BuiltIn, Layout::Pose);
+    let blind =
+        SegmentOptions { z_threshold: 1e4, shadow: None, dont_know: None, ..SegmentOptions::default() };
+    app.edit(Edit::SetMeasurement(Box::new(blind)), None);
+    app.run(Command::Tracking(TrackingCommand::Forward), &window.ctx.clone());
+    settle(&mut window, &mut app);
+    assert!(app.document().estimates.is_empty());
+    let said = errors(&app);
+    assert!(
+        said.len() == 1 && said[0].starts_with("Not tracked: the silhouettes cannot be right"),
+        "{said:?}"
+    );
 }
 
 #[test]

@@ -34,7 +34,7 @@ const LIMBS: [&str; 12] = [
     "right lower calf",
 ];
 
-/// Which keypoint shows which limb's second joint, in the order of [`LIMBS`].
+/// Which keypoint shows which limb's second joint, in the order of `LIMBS`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct KeypointOrder([usize; 12]);
 
