@@ -36,7 +36,7 @@ pub(crate) struct SyncArguments {
     /// Cameras were started at most so far apart, seconds [default: as far as they overlap by three tenths]
     #[arg(long, value_name = "SECONDS")]
     within: Option<f64>,
-    /// Frames that are looked at; of a longer take every so manieth
+    /// Most frames that are looked at; a longer take is thinned evenly
     #[arg(long, value_name = "N", default_value_t = USUAL_FRAMES, value_parser = some_frames)]
     frames: usize,
     /// Print what was found as JSON

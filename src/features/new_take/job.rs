@@ -41,6 +41,8 @@ pub(super) fn look(paths: &[PathBuf], options: &ImportOptions) -> Result<Looked,
 pub(super) enum Written {
     /// What is done just now.
     Step(String),
+    /// Something that was done and is to be known.
+    Said(String),
     /// The take file.
     Done(PathBuf),
     /// Why there is none.
@@ -57,9 +59,15 @@ pub(super) struct WriteJob {
 impl Job<Written> for WriteJob {
     fn step(&mut self, out: &Outbox<Written>) -> Step {
         let mut say = |step: ImportStep| {
-            if let ImportStep::Learning { camera } = step {
+            match step {
+            ImportStep::Learning { camera } => {
                 out.send(Written::Step(format!("Learning the background of {camera}")));
             }
+            ImportStep::Adjusted { median_px: [before, after] } => out.send(Written::Said(format!(
+                "The cameras were adjusted: keypoints were {before:.1} px off, now {after:.1} px. The take keeps both."
+            ))),
+            ImportStep::Measuring | ImportStep::Learnt { .. } => {}
+        }
         };
         let written = import::write(&self.found, &self.out, WriteOptions::default(), out.cancel(), &mut say);
         out.send(match written {

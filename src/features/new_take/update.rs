@@ -95,6 +95,7 @@ impl NewTake {
                         *said = text;
                     }
                 }
+                News::Output(Written::Said(text)) => requests.inform(text, None),
                 News::Output(Written::Done(file)) => {
                     *self = Self::default();
                     requests.request(Request::CloseCard);
