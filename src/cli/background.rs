@@ -1,11 +1,10 @@
 //! `backlit background`: plates learnt again without the tracked body.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use backlit_formats::motion;
 use backlit_formats::plate::{self, plate_without_body};
 use backlit_formats::{Take, model_file};
-use backlit_tracking::body::{Model, Pose};
 use clap::Args;
 
 use super::output;
@@ -13,7 +12,7 @@ use super::output;
 const NOTES: &str = "\
 A take whose background was learnt from its footage does not know it where the subject was always near. Once a body is
 tracked, only that is left out, and more of the background is learnt. Writes one plate a camera to the folder of --out.
-`backlit track` does the same by itself, and writes the plates beside its results.
+Name them as `background` in take.toml, or write them in the place of those that are there.
 
 Example:
   backlit background TAKE --without results --out TAKE/background";
@@ -36,7 +35,7 @@ pub(crate) struct BackgroundArguments {
     model: Option<String>,
 }
 
-/// Learns and writes.
+/// Learns the plates of all cameras, writes them, and says what each of them knows now.
 ///
 /// # Errors
 /// A take or track that cannot be read, or a folder that cannot be written.
@@ -53,31 +52,15 @@ pub(crate) fn run(arguments: &BackgroundArguments) -> anyhow::Result<()> {
     };
     let motion = motion::read_track(&track, model.as_ref())?;
     let take = Take::open(&arguments.take)?;
-    learn(&take, &motion.model, &motion.poses, &arguments.out).map(drop)
-}
-
-/// Learns the plates of all cameras that have a picture of the background, and says what each of them knows now.
-///
-/// # Errors
-/// A picture cannot be read or a plate not be written.
-pub(crate) fn learn(
-    take: &Take,
-    model: &Model,
-    poses: &std::collections::BTreeMap<usize, Pose>,
-    folder: &Path,
-) -> anyhow::Result<Take> {
-    output::make_folder(folder)?;
-    let mut plates = Vec::new();
-    for camera in 0..take.rig().count() {
-        let name = take.rig().cameras()[camera].name();
-        let learnt = plate_without_body(take, camera, model, poses)?;
-        let path = folder.join(plate::file_name(name));
-        learnt.write(&path)?;
+    output::make_folder(&arguments.out)?;
+    for (index, camera) in take.rig().cameras().iter().enumerate() {
+        let name = camera.name();
+        let learnt = plate_without_body(&take, index, &motion.model, &motion.poses)?;
+        learnt.write(&arguments.out.join(plate::file_name(name)))?;
         let unknown = 100.0 * (1.0 - learnt.known_share());
         output::complain(&format!(
             "{name}: the background was learnt again without the body; {unknown:.1} % of it are unknown"
         ));
-        plates.push((camera, path));
     }
-    Ok(take.with_plates(plates))
+    Ok(())
 }

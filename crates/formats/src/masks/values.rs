@@ -12,6 +12,7 @@ use thiserror::Error;
 use toml::Value;
 
 use super::Numbers;
+use crate::plate::spread;
 use crate::{FileError, FileProblem};
 
 /// Masks that are looked at to tell what their numbers mean.
@@ -130,8 +131,8 @@ pub(crate) fn told(
     source: &Source<'_>,
 ) -> Result<MaskValues, (usize, FileError)> {
     let mut seen = Seen::default();
-    let few = spread(source.count, LOOKED_AT);
-    let many = spread(source.count, MOST_LOOKED_AT).into_iter().filter(|index| !few.contains(index));
+    let few: Vec<usize> = spread(source.count, LOOKED_AT).collect();
+    let many = spread(source.count, MOST_LOOKED_AT).filter(|index| !few.contains(index));
     for (order, index) in few.iter().copied().chain(many).enumerate() {
         if order >= few.len() && seen.tells(given) {
             break;
@@ -142,12 +143,6 @@ pub(crate) fn told(
     }
     let failed = |error| (0, FileError::new(&(source.path)(0), FileProblem::Mask { error }));
     seen.values(given).map_err(failed)
-}
-
-/// At most so many indices, from the first to the last.
-fn spread(count: usize, most: usize) -> Vec<usize> {
-    let wanted = most.min(count);
-    (0..wanted).map(|k| k * (count - 1) / (wanted - 1).max(1)).collect()
 }
 
 /// What was seen in some masks.

@@ -10,7 +10,7 @@ use backlit_tracking::segment::SegmentOptions;
 use super::reader::Reader;
 use super::reference::ReferenceOptions;
 use super::spec::{BodySizes, FORMAT, TakeSpec};
-use super::{BackgroundSource, CameraFootage, Reference, TakeError};
+use super::{CameraFootage, Reference, TakeError};
 use crate::keypoints::joints::KeypointOrder;
 use crate::pose_file::{self, Quaternions};
 use crate::text::decode;
@@ -291,18 +291,6 @@ impl Take {
             }
         };
         Ok(Self { reference: Some(reference), ..self.clone() })
-    }
-
-    /// The same take with other plates, by the cameras' indices.
-    #[must_use]
-    pub fn with_plates(&self, plates: impl IntoIterator<Item = (usize, PathBuf)>) -> Self {
-        let mut take = self.clone();
-        for (camera, path) in plates {
-            if let Some(footage) = take.footage.get_mut(camera) {
-                footage.background = Some(BackgroundSource::Plate(path));
-            }
-        }
-        take
     }
 }
 
