@@ -23,6 +23,8 @@ pub(crate) use unavailable::{Unavailable, unavailable};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use backlit_formats::take::BodySizes;
+
 use crate::context::activity::Activity;
 use crate::context::arrangement::Arrangement;
 use crate::context::clock::Clock;
@@ -159,6 +161,15 @@ impl<'a> Context<'a> {
             && document.estimates.is_empty()
     }
 
+    /// Whether the take has an average body, and nobody has found the person's own sizes yet.
+    pub(crate) fn lacks_sizes(&self) -> bool {
+        let document = self.document();
+        self.session
+            .take
+            .as_ref()
+            .is_some_and(|take| take.take().sizes() == BodySizes::Fit && *take.model() == document.model)
+    }
+
     /// All that a prediction of the frame on the screen depends on, but the pose.
     pub(crate) fn fit_inputs(&self) -> Option<FitInputs> {
         let document = self.document();
@@ -258,6 +269,8 @@ pub(crate) enum Request {
     Used(Command),
     /// Lay the card of a new take over the window.
     NewTakeCard,
+    /// The card on which cameras are shifted.
+    OffsetsCard,
     /// Close what lies over the window.
     CloseCard,
     /// Lay the card of the export over the window.

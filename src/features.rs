@@ -9,6 +9,7 @@ pub(crate) mod fit;
 pub mod laboratory;
 pub(crate) mod new_take;
 pub(crate) mod observability;
+pub(crate) mod offsets;
 pub(crate) mod pose;
 pub mod recovery;
 pub mod scene;
@@ -28,6 +29,7 @@ pub(crate) struct Features {
     pub(crate) laboratory: laboratory::Laboratory,
     pub(crate) new_take: new_take::NewTake,
     pub(crate) observability: observability::Observability,
+    pub(crate) offsets: offsets::Offsets,
     pub(crate) pose: pose::Posing,
     pub(crate) recovery: recovery::Recovery,
     pub(crate) scene: scene::Scene,

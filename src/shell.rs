@@ -38,5 +38,6 @@ pub(crate) enum Overlay {
     About,
     Export,
     NewTake,
+    Offsets,
     UnsavedWork,
 }

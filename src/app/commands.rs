@@ -125,6 +125,10 @@ impl Inspector {
                 );
             }
             Command::Laboratory(command) => self.features.laboratory.run(command),
+            Command::Offsets => self.with(
+                |features| &mut features.offsets,
+                |offsets, context, requests| offsets.open(context, requests),
+            ),
             Command::Tour => {
                 self.with(
                     |features| &mut features.tour,

@@ -20,6 +20,10 @@ impl Inspector {
             |features| &mut features.new_take,
             |new_take, context, requests| new_take.update(context, requests),
         );
+        self.update_feature(
+            |features| &mut features.offsets,
+            |offsets, _, requests| offsets.update(requests),
+        );
         self.update_feature(|features| &mut features.export, |export, _, requests| export.update(requests));
         self.update_feature(
             |features| &mut features.convergence,
@@ -29,6 +33,7 @@ impl Inspector {
             |features| &mut features.tracking,
             |tracking, context, requests| tracking.update(context, requests),
         );
+        self.lend_to(|features| &mut features.camera_views, |views, context, _| views.update(context));
         self.lend_to(|features| &mut features.timeline, |timeline, context, _| timeline.update(context));
         self.update_feature(
             |features| &mut features.laboratory,

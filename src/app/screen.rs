@@ -143,6 +143,10 @@ impl Inspector {
                 |all| &mut all.new_take,
                 |new_take, context, requests| new_take.card(ui, context, requests),
             ),
+            Overlay::Offsets => self.with(
+                |all| &mut all.offsets,
+                |offsets, context, requests| offsets.card(ui, context, requests),
+            ),
             Overlay::Export => {
                 let mut export = std::mem::take(&mut self.features.export);
                 let stays = export.card(ui, &self.context(), requests);

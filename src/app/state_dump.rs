@@ -282,6 +282,7 @@ fn overlay_name(overlay: &Overlay) -> &'static str {
         Overlay::About => "about",
         Overlay::Export => "export",
         Overlay::NewTake => "new take",
+        Overlay::Offsets => "offsets",
         Overlay::UnsavedWork => "unsaved work",
     }
 }

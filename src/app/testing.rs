@@ -1,5 +1,6 @@
 //! The window for tests of the features: without display, with the pool that tests turn themselves.
 
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use egui_painter::Headless;
@@ -49,6 +50,37 @@ pub(crate) fn open_source(source: TakeSource, layout: Layout) -> (Headless, App)
     app.state.preferences.layout = layout;
     settle(&mut window, &mut app);
     (window, app)
+}
+
+/// The first pictures of the built-in take as a take of its own, with a line more in its file.
+pub(crate) fn small_take(folder: &Path, line: &str) -> PathBuf {
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/take");
+    for file in ["cameras.json", "start.json"] {
+        std::fs::copy(from.join(file), folder.join(file)).unwrap();
+    }
+    let text = std::fs::read_to_string(from.join("take.toml")).unwrap();
+    let (cameras, rest) = text.split_once("[reference]").unwrap();
+    let (_, measurement) = rest.split_once("[measurement]").unwrap();
+    std::fs::write(
+        folder.join("take.toml"),
+        format!("{cameras}[measurement]{measurement}").replacen(
+            "frame_rate",
+            &format!("{line}\nframe_rate"),
+            1,
+        ),
+    )
+    .unwrap();
+    for camera in ["cam1", "cam2", "cam3", "cam4"] {
+        std::fs::create_dir_all(folder.join(camera)).unwrap();
+        for file in std::fs::read_dir(from.join(camera)).unwrap().map(|file| file.unwrap().path()) {
+            let name = file.file_name().unwrap().to_owned();
+            let is_late = (8..60).any(|frame| name.to_string_lossy().contains(&format!("_{frame:03}")));
+            if !is_late {
+                std::fs::copy(&file, folder.join(camera).join(name)).unwrap();
+            }
+        }
+    }
+    folder.to_owned()
 }
 
 /// What was said to have gone wrong.

@@ -7,6 +7,7 @@ use crate::features::basin::Basin;
 use crate::features::camera_views::CameraViews;
 use crate::features::convergence::Convergence;
 use crate::features::fit::Fit;
+use crate::features::offsets::Offsets;
 use crate::features::pose::Posing;
 use crate::features::scene::Scene;
 
@@ -25,6 +26,7 @@ impl Inspector {
             Command::Timeline(command) => features.timeline.unavailable(command, context),
             Command::Observability(command) => features.observability.unavailable(command, context),
             Command::Scene(_) => Scene::unavailable(context),
+            Command::Offsets => Offsets::unavailable(context),
             Command::Pose(command) => Posing::unavailable(command, context),
             Command::View(command) => CameraViews::unavailable(command, context),
             Command::Fit(command) => Fit::unavailable(command, context),

@@ -15,7 +15,7 @@ use super::output;
 use crate::app::{Opening, PictureOptions, headless_export, headless_picture, opening_of};
 use crate::context::preferences::Layout;
 use crate::features::export::choices::{DELAYS_MS, MAX_SIDE};
-use crate::features::export::{ExportChoices, Part, SeriesFormat};
+use crate::features::export::{ExportChoices, MotionChoices, Part, SeriesFormat};
 use crate::features::export::{ExportOrder, Subject};
 use crate::take::demonstration::Demonstration;
 use crate::take::source::TakeSource;
@@ -280,6 +280,7 @@ fn order(arguments: &ScreenshotArguments) -> anyhow::Result<ExportOrder> {
         delay_ms: arguments.delay,
         repeats: !arguments.once,
         accepted_only: arguments.accepted_only,
+        motion: MotionChoices::default(),
         folder: None,
     };
     let subject = match arguments.sequence {

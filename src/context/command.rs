@@ -64,6 +64,7 @@ group! {
         Timeline(TimelineCommand) of TimelineCommand::every(),
         Demonstration(Demonstration) of Demonstration::ALL,
         Laboratory(LaboratoryCommand) of LaboratoryCommand::every(),
+        Offsets,
         Tour,
     }
 }

@@ -44,6 +44,7 @@ pub(crate) fn why(command: Command, context: &Context<'_>) -> Why {
         | Command::Pose(_)
         | Command::View(_)
         | Command::Laboratory(_)
+        | Command::Offsets
         | Command::Tour => None,
         Command::Demonstration(which) => {
             because(!which.is_available(), "BACKLIT_DATA does not name a folder that has the real footage")

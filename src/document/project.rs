@@ -94,7 +94,7 @@ mod tests {
 
     use super::*;
     use crate::document::edit::Edit;
-    use crate::document::tracking_choices::{AtKeys, Following, TrackingChoices};
+    use crate::document::tracking_choices::{AtKeys, Following, TrackedBody, TrackingChoices};
     use crate::document::{CameraUse, Estimate, Origin};
     use crate::take::replacement::Calibration;
     use crate::take::source::TakeSource;
@@ -125,6 +125,7 @@ mod tests {
                 motion: Following::Smoothed { lag: Some(3) },
                 search: WhenToSearch::Never,
                 at_keys: AtKeys::Stop,
+                body: TrackedBody::AsItIs,
             }),
             Edit::Pin { limb: 5, pinned: true },
             Edit::SetSize { limb: 2, length: 0.2, radius: 0.05, both_sides: true },

@@ -46,6 +46,17 @@ pub(crate) enum AtKeys {
     Stop,
 }
 
+/// The body that is tracked where a take has an average one.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum TrackedBody {
+    /// The person's own sizes are found first.
+    #[default]
+    Own,
+    /// The body stays as it is.
+    AsItIs,
+}
+
 /// All choices of a run of the tracker, besides those of a frame's fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -57,22 +68,20 @@ pub struct TrackingChoices {
     /// What becomes of key poses on the way.
     #[serde(default)]
     pub(crate) at_keys: AtKeys,
+    /// Whether the person's own sizes are found first.
+    #[serde(default)]
+    pub(crate) body: TrackedBody,
 }
 
 impl TrackingChoices {
     /// What goes with a preset: the report begins every frame at the last pose and never looks for others; everything
     /// else carries the motion on, and looks where a fit is poor.
     pub(crate) fn of_preset(preset: Option<Preset>) -> Self {
-        match preset {
-            Some(Preset::Report) => {
-                Self { motion: Following::Still, search: WhenToSearch::Never, at_keys: AtKeys::default() }
-            }
-            _ => Self {
-                motion: Following::default(),
-                search: WhenToSearch::WhenPoor,
-                at_keys: AtKeys::default(),
-            },
-        }
+        let (motion, search) = match preset {
+            Some(Preset::Report) => (Following::Still, WhenToSearch::Never),
+            _ => (Following::default(), WhenToSearch::WhenPoor),
+        };
+        Self { motion, search, at_keys: AtKeys::default(), body: TrackedBody::default() }
     }
 }
 
@@ -95,7 +104,8 @@ mod tests {
             Following::Smoothed { lag: None },
             Following::Smoothed { lag: Some(7) },
         ] {
-            let choices = TrackingChoices { motion, search: WhenToSearch::Always, at_keys: AtKeys::Stop };
+            let (search, at_keys, body) = (WhenToSearch::Always, AtKeys::Stop, TrackedBody::AsItIs);
+            let choices = TrackingChoices { motion, search, at_keys, body };
             let text = serde_json::to_string(&choices).unwrap();
             assert_eq!(serde_json::from_str::<TrackingChoices>(&text).unwrap(), choices, "{text}");
         }

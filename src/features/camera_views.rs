@@ -12,6 +12,7 @@
 //! | `event` | [`TileEvent`]: what the user did in a tile |
 //! | `pointer` | press, travel, modifiers, Esc: the pointer's way to those events |
 //! | `header`, `tile_menu` | badge, name, view mode, link, expand, more |
+//! | `full_pictures` | footage at its full size, where it is worked on at a part of it |
 //! | `picture_view` | texture, outline, limbs, joints, sight ray |
 //! | `comparison` | wipe and blink between two modes |
 //! | `observed` | a body that sways, ellipses of joints |
@@ -22,6 +23,7 @@
 mod alone;
 mod comparison;
 pub(crate) mod event;
+mod full_pictures;
 mod gutter;
 mod header;
 mod hover_card;
@@ -53,6 +55,7 @@ use backlit_tracking::body::Model;
 use backlit_ui::drawing::{Comparison, ViewMode};
 use backlit_ui::widgets::{Framing, ViewTransform};
 
+use crate::context::Context;
 use crate::context::picture_alone::PictureAlone;
 use crate::context::preferences::Layout;
 use crate::session::prediction::Derivatives;
@@ -64,6 +67,7 @@ pub(crate) struct CameraViews {
     /// What all views share, kept from start to start.
     pub(crate) preferences: CameraViewPreferences,
     tiles: Tiles,
+    full: full_pictures::FullPictures,
     /// How each camera's picture lay on the screen when it was last shown.
     shown: BTreeMap<usize, ViewTransform>,
     /// One camera's picture and nothing else, for an export.
@@ -113,6 +117,11 @@ impl CameraViews {
     /// Another take is open, with so many cameras.
     pub(crate) fn reset(&mut self, cameras: usize) {
         *self = Self { preferences: self.preferences, tiles: Tiles::new(cameras), ..Self::default() };
+    }
+
+    /// Asks for what the views lack.
+    pub(crate) fn update(&mut self, context: &Context<'_>) {
+        self.full.update(context);
     }
 
     /// What the tiles of a layout show, by camera.

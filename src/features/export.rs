@@ -8,20 +8,21 @@
 //! | `order` | what is to be exported, and what paints it |
 //! | `update` | asked for, begun, stopped, told |
 //! | `job` | painting and writing, one picture a step |
-//! | `motion` | poses for other programs: BVH, TRC, C3D, glTF and others |
+//! | `motion`, `motion_card` | poses for other programs, BVH, TRC, C3D, glTF and others, and the card on which that is chosen |
 //! | `series` | numbered PNGs, an animated PNG or a GIF from one picture after another |
 
 pub(crate) mod choices;
 mod dialog;
 mod job;
 mod motion;
+mod motion_card;
 mod order;
 pub(crate) mod series;
 #[cfg(test)]
 mod tests;
 mod update;
 
-pub use choices::{ExportChoices, Part, SeriesFormat};
+pub use choices::{ExportChoices, MotionChoices, Part, SeriesFormat};
 pub(crate) use job::ExportJob;
 pub(crate) use order::{ExportOrder, Painter, PictureOf, Shot, Subject};
 pub(crate) use series::{ExportError, SeriesOptions, SeriesWriter};
@@ -38,13 +39,20 @@ pub(crate) struct Export {
     /// What was chosen last, kept from start to start.
     pub(crate) preferences: ExportChoices,
     /// The card, while it lies over the window.
-    dialog: Option<Box<dialog::ExportDialog>>,
+    card: Option<Card>,
     order: Option<ExportOrder>,
     running: Option<Running>,
     /// Folder of the last export.
     folder: Option<PathBuf>,
     task: Task<(), job::Exported>,
-    dialogs: FileDialogs<motion::Asked>,
+    dialogs: FileDialogs<()>,
+}
+
+/// A card over the window.
+#[derive(Debug)]
+enum Card {
+    Pictures(Box<dialog::ExportDialog>),
+    Motion(Box<motion_card::MotionCard>),
 }
 
 /// An export that is under way.
@@ -61,7 +69,7 @@ impl Default for Export {
     fn default() -> Self {
         Self {
             preferences: ExportChoices::default(),
-            dialog: None,
+            card: None,
             order: None,
             running: None,
             folder: None,

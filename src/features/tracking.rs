@@ -62,6 +62,8 @@ pub(crate) struct Tracking {
     shown: Option<Instant>,
     /// How far the search for a person is.
     at: Option<String>,
+    /// All frames are tracked as soon as the person is found.
+    tracks_then: bool,
     /// What was found has become the document's: it is tracked next.
     tracks_next: bool,
 }
@@ -73,10 +75,8 @@ enum Work {
     /// Of other poses, for a frame.
     Search(usize),
     FitBody,
-    /// A person is found; then all frames are tracked, if that was asked for.
-    Person {
-        tracks: bool,
-    },
+    /// A person is found: where they stand, their own sizes.
+    Person,
 }
 
 /// What the jobs say.
@@ -124,6 +124,7 @@ impl Default for Tracking {
             newest: None,
             shown: None,
             at: None,
+            tracks_then: false,
             tracks_next: false,
         }
     }
@@ -170,7 +171,7 @@ impl Tracking {
                 let text = "Fitting the body to several frames. Esc stops it; nothing is changed then.";
                 return Some(text.to_owned());
             }
-            Work::Person { .. } => {
+            Work::Person => {
                 let at = self.at.as_deref().unwrap_or("Looking for the person");
                 return Some(format!("{at}. Esc stops it; nothing is changed then."));
             }
@@ -209,7 +210,7 @@ impl Tracking {
                     because(last - first < 2, "There is no frame between the key poses around this frame")
                 }
             }),
-            TrackingCommand::FindAndTrack | TrackingCommand::FindStart => no_track(),
+            TrackingCommand::FindStart => no_track(),
             TrackingCommand::TurnRound => no_track().or(not_tracked(context)),
             TrackingCommand::Clear => not_tracked(context),
         }

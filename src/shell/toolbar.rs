@@ -137,8 +137,6 @@ fn right(ui: &mut Ui, context: &Context<'_>, features: &mut Features, requests: 
 fn likely_next(context: &Context<'_>) -> Command {
     if context.busy.tracking || context.busy.fitting {
         Command::Fit(FitCommand::Stop)
-    } else if context.lacks_start() {
-        Command::Tracking(TrackingCommand::FindAndTrack)
     } else if context.session.take.is_some() {
         Command::Tracking(TrackingCommand::Forward)
     } else {

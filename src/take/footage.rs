@@ -4,15 +4,18 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
+use backlit_formats::synchronise::{self, TakeClocks, TakeClocksError};
 use backlit_formats::{Take, TakeError};
 use backlit_lab::experiment::Simulation;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::Camera;
+use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{DataView, Evidence};
 use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::silhouette::{Label, Mask, Measurement, SignedDistance};
+use backlit_tracking::synchronise::SynchroniseOptions;
 use image::{DynamicImage, RgbImage};
 
 use crate::take::demonstration::{Demonstration, UNKNOWN_GREY};
@@ -135,6 +138,20 @@ impl Footage {
         self.inner.take().keypoint_joints(frames)
     }
 
+    /// How far the cameras were started apart, from the motion of the take's silhouettes. `on_frame` hears how many frames are
+    /// done, of how many.
+    ///
+    /// # Errors
+    /// A silhouette that cannot be had, a single camera, or `cancel`.
+    pub(crate) fn clocks(
+        &self,
+        cancel: &CancelToken,
+        on_frame: impl FnMut(usize, usize),
+    ) -> Result<TakeClocks, TakeClocksError> {
+        let options = SynchroniseOptions::default();
+        synchronise::find(&self.inner, synchronise::USUAL_FRAMES, &options, cancel, on_frame)
+    }
+
     /// The same with other silhouettes in the place of those that are measured.
     pub(crate) fn with_masks(&self, masks: Arc<MaskFiles>) -> Self {
         Self {
@@ -213,6 +230,15 @@ impl Footage {
     /// The take itself.
     pub(crate) fn take(&self) -> &Take {
         self.inner.take()
+    }
+
+    /// A camera's picture as large as it is on the disk, rectified: where frames are worked on at a part of their size. Nothing
+    /// where they are not, or where it cannot be read.
+    pub(crate) fn full_picture(&self, camera: usize, frame: usize) -> Option<RgbImage> {
+        if self.take().reduction() < 2 {
+            return None;
+        }
+        self.inner.full_picture(camera, frame).ok()
     }
 
     /// Reads, rectifies and segments one camera's picture. What goes wrong is said in the result: the other

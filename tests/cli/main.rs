@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod cameras;
 mod experiment;
 mod export;
 mod fit;

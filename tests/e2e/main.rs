@@ -221,13 +221,17 @@ fn saving(desk: &Desk, window: &mut Window<'_>) -> (PathBuf, Value) {
         .until("the project is saved", |state| state["unsaved"] == false && !state["project"].is_null());
     assert!(fs::metadata(&path).unwrap().len() > 1000);
 
-    // The motion, in the format of the file's ending.
+    // The motion, by its card.
     let motion = desk.home().join("motion.bvh");
     desk.answer_dialogs_with(&motion);
     window.key("ctrl+k");
     window.until("the palette is there again", |state| state["over"] == "palette");
     window.type_text("export motion");
     window.key("Return");
+    window.until("the card is there", |state| state["over"] == "export");
+    window.picture("export-motion");
+    window.click("Choose…");
+    window.click("Export");
     window.until("the motion is written", |_| motion.is_file());
     let text = fs::read_to_string(&motion).unwrap();
     assert!(text.starts_with("HIERARCHY") && text.contains("Frames: "), "{text:.200}");

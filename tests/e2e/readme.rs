@@ -57,6 +57,22 @@ fn is_still(state: &Value) -> bool {
     state["take"]["loaded"] == true && state["idle"] == true
 }
 
+/// The built-in take's pictures and calibration, as a camera system would leave them: no take file, no start.
+fn recording(home: &Path) -> PathBuf {
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/take");
+    let to = home.join("Monday");
+    std::fs::create_dir_all(&to).unwrap();
+    std::fs::copy(from.join("cameras.json"), to.join("cameras.json")).unwrap();
+    for camera in ["cam1", "cam2", "cam3", "cam4"] {
+        std::fs::create_dir_all(to.join(camera)).unwrap();
+        for frame in 0..60 {
+            let name = format!("{camera}/frame_{frame:03}.jpg");
+            std::fs::copy(from.join(&name), to.join(&name)).unwrap();
+        }
+    }
+    to
+}
+
 #[test]
 fn readme() {
     let Some(folder) = std::env::var_os("BACKLIT_SCREENSHOTS").map(PathBuf::from) else {
@@ -83,6 +99,18 @@ fn readme() {
     sitting.go_on_to(46);
     sitting.window.resize(1280, 800);
     sitting.picture("pose-light");
+
+    let new_take = desk();
+    let recording = recording(new_take.home());
+    let mut sitting = Sitting::new(&new_take, &folder);
+    sitting.window.resize(1280, 800);
+    new_take.answer_dialogs_with(&recording);
+    sitting.command("new take", "the card", |state| state["over"] == "new take");
+    sitting.window.click("Choose folder…");
+    sitting.window.click("Frames a second");
+    sitting.window.type_text("30\t");
+    sitting.window.until("it is looked at again", is_still);
+    sitting.picture("new-take");
 
     let demonstration = desk();
     let mut sitting = Sitting::new(&demonstration, &folder);

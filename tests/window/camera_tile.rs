@@ -141,6 +141,7 @@ impl Scene {
                 jacobian: Some(&self.jacobian),
                 limb_colours: &self.colours,
             },
+            full: None,
             generation: 1,
             camera: Some(&self.camera),
             raw_camera: Some(&self.camera),

@@ -68,8 +68,20 @@ fn footage_becomes_a_take_without_a_file_by_hand() {
     assert!(take.join("take.toml").is_file() && take.join("background/cam2.png").is_file());
     let session = harness.state().session();
     assert_eq!(session.frame_count(), FRAMES);
-    // Nothing says where the person stands, so that is what the first button finds.
-    harness.get_by_role_and_label(Role::Button, "Find and track");
+    harness.get_by_role_and_label(Role::Button, "Track forward");
+}
+
+#[test]
+fn nothing_on_the_card_moves_once_it_is_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let recorded = recording(folder.path());
+    let mut harness = open(Theme::Dark, vec2(1600.0, 1000.0));
+    look_at(&mut harness, vec![recorded]);
+    let place = |harness: &Harness<'_, App>| harness.get_by_label("Create take").rect();
+    let before = place(&harness);
+    // As when the pointer moves.
+    harness.run_steps(3);
+    assert_eq!(place(&harness), before);
 }
 
 #[test]

@@ -21,6 +21,8 @@ pub struct Footage {
     take: Take,
     cameras: Vec<Arc<Camera>>,
     rectifications: Vec<Rectification>,
+    /// The same for pictures at their full size, made when one is asked for.
+    full_rectifications: Vec<OnceLock<Rectification>>,
     /// Pixels of every camera that its lens does not see.
     unseen: Vec<Vec<usize>>,
     backgrounds: Vec<OnceLock<Learnt>>,
@@ -62,6 +64,7 @@ impl Footage {
         Self {
             cameras: cameras.iter().map(|camera| Arc::new(camera.without_distortion())).collect(),
             unseen: rectifications.iter().map(Rectification::unseen).collect(),
+            full_rectifications: cameras.iter().map(|_| OnceLock::new()).collect(),
             rectifications,
             backgrounds: cameras.iter().map(|_| OnceLock::new()).collect(),
             take,
@@ -87,6 +90,19 @@ impl Footage {
     pub fn picture(&self, camera: usize, frame: usize) -> Result<RgbImage, FootageError> {
         let picture = self.take.frame(camera, frame)?;
         self.rectified(camera, &picture)
+    }
+
+    /// The same as large as it is on the disk: on the ideal grid of the camera at its full size, whose pixels are the
+    /// [reduction](Take::reduction) times as many on each side.
+    ///
+    /// # Errors
+    /// As [`picture`](Self::picture).
+    pub fn full_picture(&self, camera: usize, frame: usize) -> Result<RgbImage, FootageError> {
+        let picture = self.take.full_frame(camera, frame)?;
+        let full = &self.take.full_rig().cameras()[camera];
+        let rectification = self.full_rectifications[camera].get_or_init(|| Rectification::new(full));
+        let rectified = rectification.rectify(&picture);
+        rectified.ok_or_else(|| FootageError::Size { camera: full.name().to_owned() })
     }
 
     /// What a camera sees without the subject, on the ideal grid.

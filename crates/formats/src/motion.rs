@@ -25,6 +25,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use backlit_tracking::body::{Model, Pose};
+use serde::{Deserialize, Serialize};
 
 use super::export::TrackExport;
 use super::{FileError, FileProblem, atomic};
@@ -82,7 +83,8 @@ impl Motion {
 }
 
 /// A kind of file that a motion is written to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum MotionFormat {
     /// Biovision hierarchy: Blender, `MotionBuilder`, Maya.
     Bvh,

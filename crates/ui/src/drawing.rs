@@ -81,3 +81,17 @@ pub fn compose(mode: ViewMode, input: &PictureInput<'_>) -> ColorImage {
         ViewMode::JacobianColumn => derivative::compose_jacobian(&input),
     }
 }
+
+/// Whether a mode shows footage as it is or tinted, so that it can lie over a larger picture of the same.
+pub fn shows_footage(mode: ViewMode, input: &PictureInput<'_>) -> bool {
+    input.frame.is_some() && matches!(input.fitting().shown(mode), ViewMode::Footage | ViewMode::Tinted)
+}
+
+/// What such a mode lays over the footage, as premultiplied colours.
+pub fn compose_over_footage(mode: ViewMode, input: &PictureInput<'_>) -> ColorImage {
+    let input = input.fitting();
+    match input.shown(mode) {
+        ViewMode::Tinted => tinted::compose_over_footage(&input),
+        _ => ColorImage::filled(input.size, egui::Color32::TRANSPARENT),
+    }
+}

@@ -27,7 +27,7 @@ mod text_field;
 pub use badge::{camera_badge, paint_camera_badge};
 pub use button::{icon_button, icon_toggle, primary_button};
 pub use calibration_marks::paint_calibration;
-pub use card::{card, search_card};
+pub use card::{Card, button_row, card, search_card};
 pub use checkbox::checkbox;
 pub use choice::choice;
 pub use fitting_label::fitting_label;

@@ -173,7 +173,7 @@ group! {
 
 group! {
     /// The tracker.
-    TrackingCommand { FindAndTrack, FindStart, Forward, Back, Between, TurnRound, Clear }
+    TrackingCommand { FindStart, Forward, Back, Between, TurnRound, Clear }
 }
 
 group! {

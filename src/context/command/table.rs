@@ -6,8 +6,8 @@ use backlit_ui::drawing::{Comparison, ViewMode};
 use egui::{Key, KeyboardShortcut};
 
 use super::Command::{
-    Basin, Convergence, Demonstration as Show, Export, File, Fit, History, Laboratory, Observability, Pose,
-    Recovery, Scene, Timeline, Tour, Tracking, View, Window,
+    Basin, Convergence, Demonstration as Show, Export, File, Fit, History, Laboratory, Observability,
+    Offsets, Pose, Recovery, Scene, Timeline, Tour, Tracking, View, Window,
 };
 use super::keys::{ctrl, ctrl_shift, key, shift};
 use super::{
@@ -51,7 +51,7 @@ pub(super) const TABLE: &[Row] = &[
     row(Menu::File, Export(ExportCommand::Window), "Export window…", "The window as it is, as a PNG of any size", &[ctrl_shift(Key::E)]),
     row(Menu::File, Export(ExportCommand::Steps), "Export iterations…", "All steps of the shown run, as PNGs or as a picture that moves", &[]),
     row(Menu::File, Export(ExportCommand::Frames), "Export frames…", "A range of frames with their poses, as PNGs or as a picture that moves", &[]),
-    row(Menu::File, Export(ExportCommand::Motion), "Export motion…", "All poses, as BVH, TRC, MOT, C3D, glTF, NumPy or CSV: the file's ending says which", &[]),
+    row(Menu::File, Export(ExportCommand::Motion), "Export motion…", "All poses, those set by hand too, as BVH, glTF, C3D, TRC, MOT, NumPy or CSV", &[]),
     row(Menu::File, Export(ExportCommand::Stop), "Stop export", "End the export that is under way", &[]),
     row(Menu::File, Export(ExportCommand::ShowExported), "Show exported files", "Open the folder of the last export", &[]),
     row(Menu::File, Recovery(RecoveryCommand::Show), "Unsaved work…", "What this window or an earlier one has left unsaved: go on with it, or discard it", &[]),
@@ -157,11 +157,11 @@ pub(super) const TABLE: &[Row] = &[
     row(Menu::Fit, Basin(BasinCommand::Run(BasinView::Angles)), "Run basin", "Fit this frame from many starts farther and farther off, in the background", &[]),
     row(Menu::Fit, Basin(BasinCommand::Run(BasinView::Map)), "Run basin map", "Fit this frame from a grid of starts with two angles set off, in the background", &[]),
     row(Menu::Fit, Basin(BasinCommand::Cancel), "Cancel basin", "Stop the basin's fits; what is done stays", &[]),
-    row(Menu::Track, Tracking(TrackingCommand::FindAndTrack), "Find and track", "Find where the person stands and, if the take asks for it, their own sizes; then fit frame after frame to the end", &[]),
     row(Menu::Track, Tracking(TrackingCommand::FindStart), "Find start", "Find where the person stands in this frame from the silhouettes alone", &[]),
-    row(Menu::Track, Tracking(TrackingCommand::Forward), "Track forward", "Fit frame after frame from here to the end", &[ctrl(Key::Enter)]),
+    row(Menu::Track, Tracking(TrackingCommand::Forward), "Track forward", "Fit frame after frame from here to the end. Where the take has no start, or asks for the person's own sizes, they are found first", &[ctrl(Key::Enter)]),
     row(Menu::Track, Tracking(TrackingCommand::Back), "Track back", "Fit frame after frame from here to the beginning", &[ctrl_shift(Key::Enter)]),
     row(Menu::Track, Tracking(TrackingCommand::Between), "Track between keys", "Fit from the key pose before on and from the one after back; both tracks are joined where their joints lie nearest, and the frames about the join are blended and fitted again", &[ctrl_shift(Key::K)]),
+    row(Menu::Track, Offsets, "Camera offsets…", "Cameras that were started apart: look at two side by side and shift one, or find the shifts from the silhouettes", &[]),
     row(Menu::Track, Timeline(TimelineCommand::SetKeyPose), "Set or clear key pose", "Keep the pose of this frame as one that was set by hand, a diamond in the timeline: the tracker starts again from it. Dragging a joint sets one too; again clears it", &[key(Key::K)]),
     row(Menu::Track, Timeline(TimelineCommand::PreviousKey), "Previous key pose", "Go to the key pose before", &[key(Key::OpenBracket)]),
     row(Menu::Track, Timeline(TimelineCommand::NextKey), "Next key pose", "Go to the next key pose", &[key(Key::CloseBracket)]),

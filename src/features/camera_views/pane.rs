@@ -53,7 +53,8 @@ impl CameraViews {
     ) -> bool {
         let Some(pane) = CameraPane::new(context, place.camera) else { return false };
         let tile = self.tiles(context.preferences.layout).get(place.camera).copied().unwrap_or_default();
-        let input = pane.input(place, tile, self.preferences);
+        let full = self.full.of(place.camera, context.selection.frame);
+        let input = CameraTileInput { full, ..pane.input(place, tile, self.preferences) };
         if let Some(alone) = self.picture_alone {
             self.legend_height = alone::ui(ui, input, alone, self.legend_height);
             return false;
@@ -147,6 +148,7 @@ impl<'a> CameraPane<'a> {
             settings: preferences.settings,
             subject_px: subject(session, index),
             picture: self.picture(),
+            full: None,
             generation: self.generation(),
             camera: Some(self.camera),
             raw_camera: session.take.as_ref().and_then(|take| take.take().rig().cameras().get(index)),

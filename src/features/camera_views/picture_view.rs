@@ -1,6 +1,10 @@
 //! The picture with its marks, and what the pointer does in it.
 
-use backlit_ui::drawing::{CalibrationMarks, JointId, ProjectedLimb, ViewMode, compose};
+use std::sync::Arc;
+
+use backlit_ui::drawing::{
+    CalibrationMarks, JointId, ProjectedLimb, ViewMode, compose, compose_over_footage, shows_footage,
+};
 use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
 use backlit_ui::style::theme::{Theme, size};
 use backlit_ui::widgets::image_canvas::{cached_texture, navigate, paint_picture, paint_pixel_grid};
@@ -92,8 +96,16 @@ fn paint_part(
     let painter = ui.painter_at(part);
     let size_px = input.picture.size;
     let is_crisp = view.is_crisp(ui.ctx().pixels_per_point());
-    let texture = cached_texture(ui.ctx(), id.with("texture"), (input.generation, mode), is_crisp, || {
-        compose(mode, &input.picture)
+    let over = input.full.filter(|_| shows_footage(mode, &input.picture));
+    if let Some(full) = over {
+        let key = Arc::as_ptr(full) as usize;
+        let footage = cached_texture(ui.ctx(), id.with("full"), key, is_crisp, || full.clone());
+        paint_picture(&painter, view, size_px, &footage);
+    }
+    let key = (input.generation, mode, over.is_some());
+    let texture = cached_texture(ui.ctx(), id.with("texture"), key, is_crisp, || match over {
+        Some(_) => compose_over_footage(mode, &input.picture),
+        None => compose(mode, &input.picture),
     });
     paint_picture(&painter, view, size_px, &texture);
     if mode.has_outline() {

@@ -1,5 +1,7 @@
 //! One camera's tile: header, picture with its marks, and a gutter where there is room.
 
+use std::sync::Arc;
+
 use backlit_tracking::body::Model;
 use backlit_tracking::camera::Camera;
 use backlit_tracking::silhouette::Overlap;
@@ -7,7 +9,7 @@ use backlit_ui::drawing::{JointId, JointMark, LimitMark, PictureInput, Projected
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
 use backlit_ui::widgets::{Framing, ViewTransform};
-use egui::{Id, Rect, StrokeKind, Ui, UiBuilder, pos2};
+use egui::{ColorImage, Id, Rect, StrokeKind, Ui, UiBuilder, pos2};
 use glam::DVec2;
 
 use super::pointer::Pointer;
@@ -40,6 +42,8 @@ pub struct CameraTileInput<'a> {
     pub subject_px: Option<Rect>,
     /// Footage, data and prediction.
     pub picture: PictureInput<'a>,
+    /// The footage at its full size, where `picture` has a part of it.
+    pub full: Option<&'a Arc<ColorImage>>,
     /// Changes whenever anything in `picture` does. Textures are made anew only then.
     pub generation: u64,
     /// The calibration, for the marks of it.

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use backlit_formats::motion::{Axes, EulerOrder, MotionFormat, Names, Unit};
 use serde::{Deserialize, Serialize};
 
 /// Pixels of an exported picture across, at most; as much as the readers of pictures take.
@@ -60,6 +61,29 @@ impl SeriesFormat {
     }
 }
 
+/// How a motion is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MotionChoices {
+    /// Kind of file.
+    pub format: MotionFormat,
+    /// Which way the file's axes point; `None`: as the format expects.
+    pub axes: Option<Axes>,
+    /// Unit of lengths; `None`: as the format expects.
+    pub unit: Option<Unit>,
+    /// What joints are called.
+    pub names: Names,
+    /// Order of angles in BVH.
+    pub euler: EulerOrder,
+}
+
+impl Default for MotionChoices {
+    fn default() -> Self {
+        let format = MotionFormat::Bvh;
+        Self { format, axes: None, unit: None, names: Names::default(), euler: EulerOrder::default() }
+    }
+}
+
 /// All choices.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -87,6 +111,8 @@ pub struct ExportChoices {
     pub repeats: bool,
     /// Without the steps that were rejected.
     pub accepted_only: bool,
+    /// How a motion is written.
+    pub motion: MotionChoices,
     /// Where the last export went.
     pub folder: Option<PathBuf>,
 }
@@ -105,6 +131,7 @@ impl Default for ExportChoices {
             delay_ms: 120,
             repeats: true,
             accepted_only: false,
+            motion: MotionChoices::default(),
             folder: None,
         }
     }

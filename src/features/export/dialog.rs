@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
-use backlit_ui::widgets::{card, checkbox, number_field, primary_button, row_name, segmented, text_field};
+use backlit_ui::widgets::{
+    button_row, card, checkbox, number_field, primary_button, row_name, segmented, text_field,
+};
 use egui::{Align, Button, Layout as Direction, RichText, Ui, vec2};
 
 use super::choices::{DELAYS_MS, MAX_SIDE, SCALES};
@@ -159,7 +161,7 @@ impl ExportDialog {
             let problem = self.problem(&facts);
             self.summary(ui, &facts, problem.as_deref());
             ui.add_space(space::WIDGET);
-            ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+            button_row(ui, |ui| {
                 let export = ui.add_enabled_ui(problem.is_none(), |ui| primary_button(ui, "Export")).inner;
                 let export = export.on_disabled_hover_text(problem.as_deref().unwrap_or_default());
                 if export.clicked() {
@@ -324,25 +326,30 @@ impl ExportDialog {
         if facts.frame_count == 0 && self.part() == Part::View {
             return Some("Open a take first.".to_owned());
         }
-        if path.as_os_str().is_empty() {
-            return Some("Say where to.".to_owned());
-        }
         if self.pixels(facts).into_iter().any(|side| side > i64::from(MAX_SIDE)) {
             return Some(format!("That is more than {MAX_SIDE} pixels a side."));
         }
-        if !self.wants_folder() && path.is_dir() {
-            return Some("That is a folder; the picture needs a file name.".to_owned());
-        }
-        if self.wants_folder() && path.is_file() {
-            return Some("That is a file; the pictures need a folder.".to_owned());
-        }
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty())?;
-        (!folder.is_dir()).then(|| format!("There is no folder {}.", folder.display()))
+        path_problem(path, self.wants_folder())
     }
 }
 
+/// Why a file, or a folder of pictures, cannot be written there, in a sentence.
+pub(super) fn path_problem(path: &Path, is_folder: bool) -> Option<String> {
+    if path.as_os_str().is_empty() {
+        return Some("Say where to.".to_owned());
+    }
+    if !is_folder && path.is_dir() {
+        return Some("That is a folder; a file needs a name.".to_owned());
+    }
+    if is_folder && path.is_file() {
+        return Some("That is a file; the pictures need a folder.".to_owned());
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty())?;
+    (!folder.is_dir()).then(|| format!("There is no folder {}.", folder.display()))
+}
+
 /// A name and what is chosen for it.
-fn row(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
+pub(super) fn row(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
     ui.horizontal(|ui| {
         ui.set_height(size::BUTTON);
         row_name(ui, name, NAMES);
@@ -352,7 +359,12 @@ fn row(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
 
 /// Where pictures go that nobody has said where.
 fn pictures_folder() -> Option<PathBuf> {
-    let home = std::env::var_os("HOME").or_else(|| std::env::var_os("USERPROFILE")).map(PathBuf::from)?;
+    let home = home_folder()?;
     let pictures = home.join("Pictures");
-    [pictures, home].into_iter().find(|folder| folder.is_dir())
+    if pictures.is_dir() { Some(pictures) } else { Some(home) }
+}
+
+pub(super) fn home_folder() -> Option<PathBuf> {
+    let home = std::env::var_os("HOME").or_else(|| std::env::var_os("USERPROFILE")).map(PathBuf::from)?;
+    home.is_dir().then_some(home)
 }

@@ -1,31 +1,13 @@
-//! The motion for other programs: poses as the document has them, those set by hand included. The file's ending says its
-//! format; axes and unit are those that the format expects.
+//! The motion for other programs: poses as the document has them, those set by hand included.
 
-use std::path::Path;
-use std::sync::Arc;
-
-use anyhow::anyhow;
-use backlit_formats::motion::{self, Motion, MotionFormat, MotionOptions};
+use backlit_formats::motion::{Motion, MotionOptions};
 use backlit_tracking::camera::up_of;
 
-use super::Export;
-use crate::context::file_dialog::Wanted;
-use crate::context::{Context, Requests};
-
-/// The endings that are offered, the first as a name is made up.
-const ENDINGS: [&str; 7] = ["bvh", "trc", "mot", "c3d", "glb", "npz", "csv"];
-
-/// What a file dialog was opened for.
-#[derive(Debug)]
-pub(super) enum Asked {
-    /// Where pictures go.
-    Pictures,
-    /// Where this motion goes.
-    Motion(Arc<Motion>, MotionOptions),
-}
+use super::choices::MotionChoices;
+use crate::context::Context;
 
 /// The poses of a document: of each frame that has one of its own, fitted or set by hand.
-fn motion_of(context: &Context<'_>) -> Motion {
+pub(super) fn motion_of(context: &Context<'_>) -> Motion {
     let document = context.document();
     let frames = document.estimates.keys().chain(document.keys.keys());
     let take = context.session.take.as_ref();
@@ -37,37 +19,14 @@ fn motion_of(context: &Context<'_>) -> Motion {
     }
 }
 
-impl Export {
-    /// Asks where the motion goes.
-    pub(super) fn ask_for_motion(&self, context: &Context<'_>, requests: &mut Requests) {
-        let motion = motion_of(context);
-        let cameras = context.session.take.as_ref().map(|take| take.cameras.clone()).unwrap_or_default();
-        let up = up_of(cameras.iter().map(|camera| &**camera));
-        let options =
-            MotionOptions { up: up.unwrap_or(MotionOptions::default().up), ..MotionOptions::default() };
-        let wanted = Wanted::NewFile(format!("{}.bvh", motion.name), &ENDINGS);
-        let asked = Asked::Motion(Arc::new(motion), options);
-        if let Err(why) = self.dialogs.ask(context.egui, asked, "Export motion", wanted) {
-            requests.complain(why.to_string());
-        }
-    }
-
-    /// Has the motion written in the format of the file's ending.
-    pub(super) fn write_motion(
-        path: &Path,
-        motion: Arc<Motion>,
-        options: MotionOptions,
-        requests: &mut Requests,
-    ) {
-        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
-        let Some(format) = MotionFormat::of_extension(ending) else {
-            requests.complain(format!(
-                "Not exported: the name ends in \"{ending}\"; expected .bvh, .trc, .mot, .c3d, .glb, .npz or .csv."
-            ));
-            return;
-        };
-        requests.write(path, move || {
-            motion::to_bytes(format, &motion, &options).map_err(|problem| anyhow!("{problem}"))
-        });
-    }
+/// How these frames of it are written. Which way is up is told by the cameras.
+pub(super) fn options(
+    choices: MotionChoices,
+    [first, last]: [usize; 2],
+    context: &Context<'_>,
+) -> MotionOptions {
+    let cameras = context.session.take.as_ref().map(|take| take.cameras.clone()).unwrap_or_default();
+    let up = up_of(cameras.iter().map(|camera| &**camera)).unwrap_or(MotionOptions::default().up);
+    let MotionChoices { axes, unit, names, euler, .. } = choices;
+    MotionOptions { axes, up, unit, range: Some(first..=last), names, euler }
 }

@@ -7,8 +7,8 @@ use egui::Ui;
 
 use super::dialog::{Answer, ExportDialog};
 use super::job::{ExportJob, Exported};
-use super::motion::Asked;
-use super::{Export, ExportOrder, Running, Subject};
+use super::motion_card::{self, MotionAnswer, MotionCard};
+use super::{Card, Export, ExportOrder, Running, Subject};
 use crate::context::command::{Command, ExportCommand};
 use crate::context::file_dialog::Wanted;
 use crate::context::unavailable::{because, no_take};
@@ -23,7 +23,7 @@ impl Export {
             ExportCommand::Window => self.open_card(Subject::Window, context, requests),
             ExportCommand::Steps => self.open_card(Subject::Steps, context, requests),
             ExportCommand::Frames => self.open_card(Subject::Frames, context, requests),
-            ExportCommand::Motion => self.ask_for_motion(context, requests),
+            ExportCommand::Motion => self.open_motion_card(context, requests),
             ExportCommand::Stop => self.stop(),
             ExportCommand::ShowExported => {
                 if let Some(folder) = &self.folder {
@@ -58,32 +58,54 @@ impl Export {
 
     /// Asks what is to be exported, and where to.
     fn open_card(&mut self, subject: Subject, context: &Context<'_>, requests: &mut Requests) {
-        self.dialog = Some(Box::new(ExportDialog::new(subject, self.preferences.clone(), context)));
+        let dialog = ExportDialog::new(subject, self.preferences.clone(), context);
+        self.card = Some(Card::Pictures(Box::new(dialog)));
+        requests.request(Request::ExportCard);
+    }
+
+    fn open_motion_card(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        self.card = Some(Card::Motion(Box::new(MotionCard::new(&self.preferences, context))));
         requests.request(Request::ExportCard);
     }
 
     /// Shows the card, and says whether it stays.
     pub(crate) fn card(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> bool {
-        let Some(dialog) = &mut self.dialog else { return false };
-        let Answer { closes, asks_for_path, order } = dialog.ui(ui, context);
-        if asks_for_path {
-            let (is_folder, name) = dialog.wanted_name();
-            let (title, wanted) = if is_folder {
-                ("Export to folder", Wanted::Folder)
-            } else {
-                ("Export", Wanted::NewFile(name, &[]))
-            };
-            if let Err(why) = self.dialogs.ask(context.egui, Asked::Pictures, title, wanted) {
-                requests.complain(why.to_string());
+        let (closes, asked) = match &mut self.card {
+            Some(Card::Pictures(dialog)) => {
+                let Answer { closes, asks_for_path, order } = dialog.ui(ui, context);
+                if let Some(order) = order {
+                    self.preferences = order.choices.clone();
+                    self.order = Some(order);
+                    requests.request(Request::Export);
+                }
+                let (is_folder, name) = dialog.wanted_name();
+                let wanted = match is_folder {
+                    true => ("Export to folder", Wanted::Folder),
+                    false => ("Export", Wanted::NewFile(name, &[])),
+                };
+                (closes, asks_for_path.then_some(wanted))
             }
-        }
-        if let Some(order) = order {
-            self.preferences = order.choices.clone();
-            self.order = Some(order);
-            requests.request(Request::Export);
+            Some(Card::Motion(card)) => {
+                let MotionAnswer { closes, asks_for_path, written } = card.ui(ui, context, requests);
+                if let Some((choices, path)) = written {
+                    self.folder = path.parent().map(Path::to_owned);
+                    self.preferences.motion = choices;
+                    self.preferences.folder.clone_from(&self.folder);
+                }
+                let wanted = asks_for_path.map(|path| {
+                    ("Export motion", Wanted::NewFile(name_of(Path::new(&path)), &motion_card::ENDINGS))
+                });
+                (closes, wanted)
+            }
+            None => return false,
+        };
+        if let Some((title, wanted)) = asked
+            && let Err(why) = self.dialogs.ask(context.egui, (), title, wanted)
+        {
+            requests.complain(why.to_string());
         }
         if closes {
-            self.dialog = None;
+            self.card = None;
         }
         !closes
     }
@@ -106,14 +128,11 @@ impl Export {
 
     /// Takes in what was painted, and the file that was chosen.
     pub(crate) fn update(&mut self, requests: &mut Requests) {
-        for (asked, path) in self.dialogs.answers() {
-            match (asked, &mut self.dialog) {
-                (Asked::Motion(motion, options), _) => {
-                    self.folder = path.parent().map(Path::to_owned);
-                    Self::write_motion(&path, motion, options, requests);
-                }
-                (Asked::Pictures, Some(dialog)) => dialog.set_path(&path),
-                (Asked::Pictures, None) => {}
+        for ((), path) in self.dialogs.answers() {
+            match &mut self.card {
+                Some(Card::Pictures(dialog)) => dialog.set_path(&path),
+                Some(Card::Motion(card)) => card.set_path(&path),
+                None => {}
             }
         }
         for news in self.task.poll() {

@@ -7,7 +7,7 @@ use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::image_canvas::cached_texture;
-use backlit_ui::widgets::{card, hint, primary_button, row_name, text_field};
+use backlit_ui::widgets::{button_row, card, hint, primary_button, row_name, text_field};
 use egui::{
     Align, Button, Color32, CornerRadius, Id, Layout as Direction, Rect, RichText, Role, ScrollArea, Sense,
     Ui, WidgetInfo, pos2, vec2,
@@ -137,7 +137,7 @@ impl NewTake {
         if let State::Writing(_, said) = &self.state {
             ui.label(RichText::new(format!("{said}…")).color(theme::palette(ui).text2));
         }
-        ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+        button_row(ui, |ui| {
             if matches!(self.state, State::Writing(..)) {
                 if button(ui, "Stop") {
                     wish = Some(Wish::Stop);
@@ -181,7 +181,9 @@ fn found(ui: &mut Ui, looked: &Looked) -> Option<Wish> {
     );
     ui.label(RichText::new(of).color(palette.text2));
     let room = (ui.ctx().content_rect().height() - CAMERAS).clamp(PICTURE + 8.0, 4.5 * (PICTURE + 8.0));
-    ScrollArea::vertical().max_height(room).auto_shrink([false, true]).show(ui, |ui| {
+    let cameras =
+        ScrollArea::vertical().max_height(room).min_scrolled_height(room).auto_shrink([false, true]);
+    cameras.show(ui, |ui| {
         for (camera, picture) in found.cameras.iter().zip(&looked.pictures) {
             ui.horizontal_top(|ui| {
                 let (rect, response) = ui.allocate_exact_size(vec2(PICTURE, PICTURE), Sense::hover());

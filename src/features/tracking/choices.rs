@@ -7,7 +7,7 @@ use egui::Ui;
 
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
-use crate::document::tracking_choices::{AtKeys, Following};
+use crate::document::tracking_choices::{AtKeys, Following, TrackedBody};
 
 /// Width of the names, as in the rest of the section.
 const NAME: f32 = 78.0;
@@ -50,6 +50,15 @@ const AT_KEYS: [(AtKeys, &str, &str); 3] = [
     (AtKeys::Stop, "Stop before", "The track ends before the next key pose"),
 ];
 
+const BODIES: [(TrackedBody, &str, &str); 2] = [
+    (
+        TrackedBody::Own,
+        "Own sizes",
+        "The take has an average body: Track forward finds the person's own lengths and girths first",
+    ),
+    (TrackedBody::AsItIs, "As it is", "The average body is tracked"),
+];
+
 /// The rows.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let choices = context.document().tracking;
@@ -72,6 +81,16 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         }
         hint(ui, "on the way");
     });
+    if context.lacks_sizes() {
+        row(ui, "Body", |ui| {
+            let rows = BODIES.map(|(body, text, tooltip)| (body, text, tooltip.to_owned()));
+            let text = rows.iter().find(|(body, ..)| *body == choices.body).map_or("", |(_, text, _)| text);
+            if let Some(body) = choice(ui, "Body", BOX, text, &rows) {
+                chosen.body = body;
+            }
+            hint(ui, "of the person");
+        });
+    }
     if chosen != choices {
         requests.edit(Edit::SetTracking(chosen));
     }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use backlit_jobs::{Job, Outbox, Step};
+use backlit_tracking::body::Pose;
 use backlit_tracking::body_fit::{
     OwnSizesProgress, Person, PersonError, PersonOptions, PersonProgress, find_person,
 };
@@ -21,7 +22,9 @@ pub(super) struct PersonJob {
     pub(super) footage: Arc<Footage>,
     pub(super) measurement: Arc<Vec<SegmentOptions>>,
     pub(super) fit: FitInputs,
-    /// The first is searched for a start; sizes are fitted to some of them.
+    /// The pose of the first frame, where it is known.
+    pub(super) start: Option<Pose>,
+    /// The first is searched for a start where none is known; sizes are fitted to some of them.
     pub(super) frames: Vec<usize>,
     /// Whether the body's sizes are looked for.
     pub(super) sizes: bool,
@@ -45,8 +48,15 @@ impl Job<Found> for PersonJob {
             Ok(fit.views())
         };
         let tell = |at| out.send(Found::At(progress_text(at)));
-        let found =
-            find_person(&self.fit.model, None, &self.frames, &options, out.cancel(), &mut views, tell);
+        let found = find_person(
+            &self.fit.model,
+            self.start.take(),
+            &self.frames,
+            &options,
+            out.cancel(),
+            &mut views,
+            tell,
+        );
         match found {
             _ if out.cancel().is_cancelled() => {}
             Ok(person) => {
@@ -79,7 +89,7 @@ fn progress_text(at: PersonProgress) -> String {
 
 /// "Found the person. Body 3 % taller, own sizes: IoU 0.893 in frames held out, only scaled 0.871."
 fn said_of(person: &Person) -> String {
-    let mut said = "Found the person.".to_owned();
+    let mut said = if person.search.is_some() { "Found the person." } else { "" }.to_owned();
     for doubt in person.search.iter().flat_map(|found| &found.doubts) {
         let text = doubt.to_string();
         let mut letters = text.chars();
@@ -99,5 +109,5 @@ fn said_of(person: &Person) -> String {
         Some(Err(error)) => said += &format!(" No sizes of its own can be found: {error}."),
         None => {}
     }
-    said
+    said.trim_start().to_owned()
 }

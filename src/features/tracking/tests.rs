@@ -7,10 +7,11 @@ use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::segment::SegmentOptions;
 
 use super::read_ahead::ReadAhead;
-use crate::app::testing::{Breaks, errors, open_source, open_take, settle};
+use crate::app::testing::{Breaks, errors, open_source, open_take, settle, small_take};
 use crate::context::command::{Command, FitCommand, HistoryCommand, TrackingCommand};
 use crate::context::preferences::Layout;
 use crate::document::edit::Edit;
+use crate::document::tracking_choices::TrackedBody;
 use crate::session::load_frame;
 use crate::take::demonstration::Demonstration;
 use crate::take::footage::Footage;
@@ -50,6 +51,26 @@ fn silhouettes_that_show_nobody_are_told_before_they_are_tracked() {
         said.len() == 1 && said[0].starts_with("Not tracked: the silhouettes cannot be right"),
         "{said:?}"
     );
+}
+
+#[test]
+fn the_persons_own_sizes_are_found_first_where_the_take_asks_for_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let take = small_take(folder.path(), "sizes = \"fit\"");
+    let (mut window, mut app) = open_source(TakeSource::Path(take), Layout::Pose);
+    let said = |app: &mut crate::app::App| {
+        app.run(Command::Tracking(TrackingCommand::Forward), &window.ctx.clone());
+        let said = app.features.tracking.sentence().unwrap();
+        app.features.tracking.stop();
+        said
+    };
+    // The start is the take's.
+    assert!(said(&mut app).starts_with("Finding the person’s sizes"));
+    let mut tracking = app.document().tracking;
+    tracking.body = TrackedBody::AsItIs;
+    app.edit(Edit::SetTracking(tracking), None);
+    assert!(said(&mut app).starts_with("Tracking, 0 of 8 frames"));
+    settle(&mut window, &mut app);
 }
 
 #[test]

@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use backlit_formats::take::BodySizes;
 use backlit_jobs::{Job, News};
 use backlit_tracking::body::Pose;
 use backlit_tracking::body_fit::Person;
@@ -23,7 +22,7 @@ use crate::context::command::{Command, HistoryCommand, TrackingCommand};
 use crate::context::command_button::next_gesture;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
-use crate::document::tracking_choices::AtKeys;
+use crate::document::tracking_choices::{AtKeys, TrackedBody};
 use crate::session::playback::{FrameRange, PlaybackChange};
 
 /// While the tracker is at work, the screen goes on to its newest frame this often: drawing every one would take
@@ -48,9 +47,8 @@ impl Tracking {
     /// Does a command. A fit that was going on has ended.
     pub(crate) fn run(&mut self, command: TrackingCommand, context: &Context<'_>, requests: &mut Requests) {
         match command {
-            TrackingCommand::FindAndTrack => self.find_person(true, context, requests),
-            TrackingCommand::FindStart => self.find_person(false, context, requests),
-            TrackingCommand::Forward => self.track(false, context, requests),
+            TrackingCommand::FindStart => self.find_start(context, requests),
+            TrackingCommand::Forward => self.track_forward(context, requests),
             TrackingCommand::Back => self.track(true, context, requests),
             TrackingCommand::Between => self.track_between_keys(context, requests),
             TrackingCommand::TurnRound => self.turn_round(context, requests),
@@ -164,17 +162,37 @@ impl Tracking {
         requests.request(Request::LeaveStep);
     }
 
-    /// Looks for the person in the frame on the screen where no start is known. Where all frames are to be tracked, the body's
-    /// own sizes are found too, if the take has an average body.
-    fn find_person(&mut self, tracks: bool, context: &Context<'_>, requests: &mut Requests) {
+    /// Tracks from the frame on the screen to the end. What is lacking is found first: a start, the person's own sizes.
+    fn track_forward(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        let sizes = context.document().tracking.body == TrackedBody::Own && context.lacks_sizes();
+        if sizes || context.lacks_start() {
+            let start = (!context.lacks_start()).then(|| context.shown_pose().clone());
+            self.find_person(start, sizes, context, requests);
+            self.tracks_then = true;
+        } else {
+            self.track(false, context, requests);
+        }
+    }
+
+    /// Looks for the person in the frame on the screen.
+    fn find_start(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        self.find_person(None, false, context, requests);
+        self.tracks_then = false;
+    }
+
+    fn find_person(
+        &mut self,
+        start: Option<Pose>,
+        sizes: bool,
+        context: &Context<'_>,
+        requests: &mut Requests,
+    ) {
         let Some((take, fit)) = context.session.take.clone().zip(context.fit_inputs()) else { return };
         let (here, count) = (context.selection.frame, context.session.frame_count());
-        let sizes = tracks && take.take().sizes() == BodySizes::Fit;
-        let frames = (here..count).collect();
-        let measurement = context.document().measurement.clone();
-        let job = PersonJob { footage: take, measurement, fit, frames, sizes };
-        self.begin(Work::Person { tracks }, context, job);
-        self.at = None;
+        let (measurement, frames) = (context.document().measurement.clone(), (here..count).collect());
+        self.at = start.is_some().then(|| "Finding the person’s sizes".to_owned());
+        let job = PersonJob { footage: take, measurement, fit, start, frames, sizes };
+        self.begin(Work::Person, context, job);
         requests.request(Request::LeaveStep);
     }
 
@@ -194,7 +212,7 @@ impl Tracking {
         let what = "Find person".to_owned();
         requests.edit(Edit::SetPose { frame, pose: person.start.clone(), what });
         requests.inform(said, Some(Command::History(HistoryCommand::Undo)));
-        self.tracks_next = matches!(self.work, Some(Work::Person { tracks: true }));
+        self.tracks_next = std::mem::take(&mut self.tracks_then);
     }
 
     /// Takes in what was found since the last frame of the window; all of a track is one undoable act.

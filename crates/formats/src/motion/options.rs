@@ -3,9 +3,11 @@
 use std::ops::RangeInclusive;
 
 use glam::{DQuat, DVec3, EulerRot};
+use serde::{Deserialize, Serialize};
 
 /// Which way a file's axes point. All are right-handed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Axes {
     /// y up. A world with z up becomes (x, z, −y).
     YUp,
@@ -35,7 +37,8 @@ impl Axes {
 }
 
 /// The unit of a file's lengths.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Unit {
     /// m
     Metres,
@@ -69,7 +72,8 @@ impl Unit {
 
 /// What joints and bones are called. Other names than ours are those of the built-in full body; limbs that have none,
 /// and other bodies, keep ours.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Names {
     /// The limbs' names.
     #[default]
@@ -81,7 +85,8 @@ pub enum Names {
 }
 
 /// The order of three angles: Z X Y means `R = Rz Rx Ry`, each about the axes that the ones before have turned.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[expect(missing_docs, reason = "each variant is its own description")]
 pub enum EulerOrder {
     Xyz,

@@ -43,13 +43,51 @@ impl Take {
         if footage.is_masks_alone() {
             return Ok(masks::drawn(&self.shares_reduced(camera, frame, divisor)?));
         }
-        let picture = match footage.video() {
-            Some(video) => self.video_frame(camera, video, footage.number(frame) as usize, divisor),
-            None => {
-                self.picture(camera, &footage.path(frame)).map(|picture| images::reduced(picture, divisor))
-            }
-        };
+        let picture = self.numbered(camera, footage, footage.number(frame), divisor);
         picture.map_err(|error| TakeError::Frame { camera: footage.camera.clone(), frame, error })
+    }
+
+    /// What a camera shows so many of its own frames later than in a frame of the take, also before the first frame and after
+    /// the last one that all cameras have; as large as [`frame_reduced`](Self::frame_reduced) has it. `None` where the camera
+    /// has no such picture.
+    ///
+    /// # Errors
+    /// No such camera, or a picture that cannot be read or is not of the camera's size.
+    pub fn shifted_frame(
+        &self,
+        camera: usize,
+        frame: usize,
+        shift: i64,
+        divisor: usize,
+    ) -> Result<Option<RgbImage>, TakeError> {
+        let footage = self.footage_of(camera)?;
+        let Some(number) = footage.number(frame).checked_add_signed(shift) else { return Ok(None) };
+        let has_it = match footage.video() {
+            Some(video) => number < video.frame_count() as u64,
+            None => self.files.exists(&footage.frames.path(number)),
+        };
+        if !has_it || footage.is_masks_alone() {
+            return Ok(None);
+        }
+        let picture = self.numbered(camera, footage, number, divisor);
+        picture.map(Some).map_err(|error| TakeError::Frame { camera: footage.camera.clone(), frame, error })
+    }
+
+    /// The picture of a camera's own number.
+    fn numbered(
+        &self,
+        camera: usize,
+        footage: &CameraFootage,
+        number: u64,
+        divisor: usize,
+    ) -> Result<RgbImage, FileError> {
+        match footage.video() {
+            Some(video) => self.video_frame(camera, video, number as usize, divisor),
+            None => {
+                let picture = self.picture(camera, &footage.frames.path(number))?;
+                Ok(images::reduced(picture, divisor))
+            }
+        }
     }
 
     /// What the numbers of a camera's masks mean; `None` for a camera without any. Where the take does not say it, masks

@@ -18,14 +18,14 @@ use crate::calibration_files::formats;
 
 const SIZE: [u64; 2] = [160, 120];
 
-fn camera(name: &str, x: f64) -> Camera {
+pub(crate) fn camera(name: &str, x: f64) -> Camera {
     let place = CameraFromWorld::looking_at(DVec3::new(x, -4.0, 1.0), DVec3::new(0.0, 0.0, 1.0), DVec3::Z);
     let intrinsics = Intrinsics { fx: 150.0, fy: 150.0, cx: 79.5, cy: 59.5 };
     Camera::new(name, SIZE, intrinsics, Distortion::None, place).unwrap()
 }
 
 /// A block before a wall that steps to the side and up and down.
-fn picture(frame: u32) -> RgbImage {
+pub(crate) fn picture(frame: u32) -> RgbImage {
     RgbImage::from_fn(160, 120, |x, y| {
         let is_block =
             (20 + 5 * frame..44 + 5 * frame).contains(&x) && (20 + frame % 4..100 + frame % 4).contains(&y);

@@ -10,6 +10,7 @@ mod footage;
 mod given_masks;
 mod hostile_files;
 mod import;
+mod import_projects;
 mod keypoint_files;
 mod motion_files;
 mod real_take;

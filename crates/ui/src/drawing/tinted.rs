@@ -44,6 +44,15 @@ pub(super) fn compose(input: &PictureInput<'_>) -> ColorImage {
     ColorImage::new(input.size, pixels)
 }
 
+/// The tints alone, as premultiplied colours that dim what is under them.
+pub(super) fn compose_over_footage(input: &PictureInput<'_>) -> ColorImage {
+    let tints = TINTS.get_or_init(Tints::new);
+    input.map(|x, y, index| {
+        let label = (input.label(index), input.is_shadow(index));
+        tints.of(label, input.lambda(index) < HALF, x, y).layer
+    })
+}
+
 /// The tints of what a pixel may be.
 #[derive(Debug)]
 struct Tints {
@@ -91,6 +100,8 @@ impl Tints {
 struct Tint {
     /// Where there is no footage.
     flat: Color32,
+    /// What is laid over footage, premultiplied.
+    layer: Color32,
     channels: [[u8; 256]; 3],
 }
 
@@ -104,7 +115,11 @@ impl Tint {
                 channel[usize::from(level)] = value;
             }
         }
-        Self { flat, channels }
+        let [r, g, b] =
+            [flat.r(), flat.g(), flat.b()].map(|level| (f32::from(level) * opacity).round() as u8);
+        let covered = 1.0 - (1.0 - opacity) * (1.0 - FOOTAGE_DIM);
+        let layer = Color32::from_rgba_premultiplied(r, g, b, (255.0 * covered).round() as u8);
+        Self { flat, layer, channels }
     }
 
     #[inline]
@@ -133,6 +148,24 @@ mod tests {
     use super::*;
     use crate::drawing::input::tests::prediction;
     use crate::drawing::{ViewMode, compose as compose_mode};
+
+    #[test]
+    fn a_tint_over_footage_is_the_tinted_footage() {
+        let tints = Tints::new();
+        for tint in [&tints.ground, &tints.agreement, &tints.missing, &tints.spurious, &tints.shadow] {
+            for level in [0, 90, 200, 255] {
+                let over = |layer: u8| {
+                    let kept = 1.0 - f32::from(tint.layer.a()) / 255.0;
+                    f32::from(layer) + f32::from(level) * kept
+                };
+                let laid = [tint.layer.r(), tint.layer.g(), tint.layer.b()].map(over);
+                let mixed = tint.over([level; 3]);
+                for (laid, mixed) in laid.into_iter().zip([mixed.r(), mixed.g(), mixed.b()]) {
+                    assert!((laid - f32::from(mixed)).abs() < 2.0, "{laid} {mixed}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn tints_lie_over_footage_that_is_18_percent_darker() {

@@ -1,0 +1,266 @@
+//! What a motion's file is to be, and where it goes: a card over the window. The choices are kept from start to start.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::anyhow;
+use backlit_formats::motion::{self, Axes, EulerOrder, Motion, MotionFormat, Names, Unit};
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::{button_row, card, choice, number_field, primary_button, segmented, text_field};
+use egui::{Align, Button, Layout as Direction, RichText, Ui, vec2};
+
+use super::choices::{ExportChoices, MotionChoices};
+use super::dialog::{home_folder, path_problem, row};
+use super::motion::{motion_of, options};
+use crate::context::{Context, Requests};
+
+/// Width of the card, and of its boxes.
+const WIDTH: f32 = 460.0;
+const BOX: f32 = 190.0;
+
+const FORMATS: [(MotionFormat, &str); 7] = [
+    (MotionFormat::Bvh, "BVH"),
+    (MotionFormat::Glb, "glTF"),
+    (MotionFormat::C3d, "C3D"),
+    (MotionFormat::Trc, "TRC"),
+    (MotionFormat::Mot, "MOT"),
+    (MotionFormat::Npz, "NumPy"),
+    (MotionFormat::Csv, "CSV"),
+];
+
+/// The endings that a file dialog offers.
+pub(super) const ENDINGS: [&str; 7] = ["bvh", "glb", "c3d", "trc", "mot", "npz", "csv"];
+
+/// The card's state.
+#[derive(Debug)]
+pub(crate) struct MotionCard {
+    choices: MotionChoices,
+    motion: Arc<Motion>,
+    /// First and last frame that are written.
+    frames: [usize; 2],
+    path: String,
+}
+
+/// What becomes of the card.
+#[derive(Debug, Default)]
+pub(super) struct MotionAnswer {
+    /// It is closed.
+    pub(super) closes: bool,
+    /// The file is to be chosen in a dialog of the desktop's; this is its name so far.
+    pub(super) asks_for_path: Option<String>,
+    /// It is written: with these choices, to this file.
+    pub(super) written: Option<(MotionChoices, PathBuf)>,
+}
+
+impl MotionCard {
+    /// The card as it opens.
+    pub(super) fn new(choices: &ExportChoices, context: &Context<'_>) -> Self {
+        let motion = Arc::new(motion_of(context));
+        let end = |frame: Option<(&usize, _)>| frame.map_or(0, |(frame, _)| *frame);
+        let frames = [end(motion.poses.first_key_value()), end(motion.poses.last_key_value())];
+        let folder = choices.folder.clone().or_else(home_folder).unwrap_or_default();
+        let name = format!("{}.{}", motion.name, choices.motion.format.extension());
+        Self { choices: choices.motion, motion, frames, path: folder.join(name).display().to_string() }
+    }
+
+    /// The file was chosen in a dialog of the desktop's; its ending says the format.
+    pub(super) fn set_path(&mut self, path: &Path) {
+        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+        self.path = path.display().to_string();
+        match MotionFormat::of_extension(ending) {
+            Some(format) => self.choices.format = format,
+            None => self.match_ending(),
+        }
+    }
+
+    /// The file gets the ending of the format.
+    fn match_ending(&mut self) {
+        let ending = self.choices.format.extension();
+        let path = Path::new(&self.path);
+        let is_format =
+            |ending: &std::ffi::OsStr| MotionFormat::of_extension(&ending.to_string_lossy()).is_some();
+        self.path = match path.extension() {
+            Some(old) if is_format(old) => path.with_extension(ending).display().to_string(),
+            _ => format!("{}.{ending}", self.path),
+        };
+    }
+
+    /// Shows the card.
+    pub(super) fn ui(&mut self, ui: &Ui, context: &Context<'_>, requests: &mut Requests) -> MotionAnswer {
+        let mut answer = MotionAnswer::default();
+        let modal = card(ui.ctx(), "export motion").show(ui.ctx(), |ui| {
+            ui.set_width(WIDTH);
+            ui.spacing_mut().item_spacing.y = 6.0;
+            ui.label(RichText::new("Export motion").text_style(theme::title()));
+            ui.add_space(space::ROW);
+            let before = self.choices.format;
+            segmented(ui, &mut self.choices.format, &FORMATS);
+            if self.choices.format != before {
+                self.match_ending();
+            }
+            ui.add_space(space::ROW);
+            self.contents(ui);
+            if self.path_row(ui) {
+                answer.asks_for_path = Some(self.path.clone());
+            }
+            let problem = self.problem();
+            let palette = theme::palette(ui);
+            match &problem {
+                Some(problem) => ui.label(RichText::new(problem).small().color(palette.warn)),
+                None => ui.label(RichText::new(self.summary()).small().color(palette.text3)),
+            };
+            ui.add_space(space::WIDGET);
+            button_row(ui, |ui| {
+                let export = ui.add_enabled_ui(problem.is_none(), |ui| primary_button(ui, "Export")).inner;
+                if export.on_disabled_hover_text(problem.unwrap_or_default()).clicked() {
+                    answer.written = Some((self.choices, PathBuf::from(self.path.trim())));
+                    self.write(context, requests);
+                }
+                answer.closes = ui.add(Button::new("Cancel").min_size(vec2(0.0, size::BUTTON))).clicked();
+            });
+        });
+        answer.closes |= modal.should_close() || answer.written.is_some();
+        answer
+    }
+
+    fn contents(&mut self, ui: &mut Ui) {
+        let (axes, unit) = self.choices.format.defaults();
+        row(ui, "Axes", |ui| {
+            let rows = [
+                (None, format!("{}, as expected", axes_text(axes)), "What programs expect of such a file"),
+                (
+                    Some(Axes::YUp),
+                    axes_text(Axes::YUp).to_owned(),
+                    "Blender, Maya and OpenSim turn it as they need",
+                ),
+                (Some(Axes::ZUp), axes_text(Axes::ZUp).to_owned(), "As in most laboratories"),
+                (Some(Axes::World), axes_text(Axes::World).to_owned(), "Nothing is turned"),
+            ];
+            pick(ui, "Axes", &mut self.choices.axes, &rows);
+        });
+        row(ui, "Unit", |ui| {
+            let mut rows = vec![(
+                None,
+                format!("{}, as expected", unit_text(unit)),
+                "What programs expect of such a file",
+            )];
+            rows.extend(
+                UNITS.map(|unit| (Some(unit), unit_text(unit).to_owned(), "Lengths and places in the file")),
+            );
+            pick(ui, "Unit", &mut self.choices.unit, &rows);
+        });
+        row(ui, "Joint names", |ui| {
+            let rows = [
+                (Names::Ours, "Backlit’s".to_owned(), "The names of the limbs"),
+                (Names::OpenSim, "OpenSim’s".to_owned(), "As models of OpenSim and OpenCap call them"),
+                (Names::Mixamo, "Mixamo’s".to_owned(), "As Mixamo’s characters call them: mixamorig:Hips"),
+            ];
+            pick(ui, "Joint names", &mut self.choices.names, &rows);
+        });
+        if self.choices.format == MotionFormat::Bvh {
+            row(ui, "Angles", |ui| {
+                let rows = EulerOrder::ALL.map(|order| {
+                    let [first, second, third] = order.letters();
+                    (order, format!("{first} {second} {third}"), "The order in which the three angles turn")
+                });
+                pick(ui, "Angles", &mut self.choices.euler, &rows);
+            });
+        }
+        row(ui, "Frames", |ui| {
+            let [mut from, mut to] = self.frames.map(|frame| frame as f64);
+            number_field(ui, "First frame", &mut from, 0, "", 0.2, 64.0);
+            ui.label("to");
+            number_field(ui, "Last frame", &mut to, 0, "", 0.2, 64.0);
+            let most = self.motion.poses.last_key_value().map_or(0, |(frame, _)| *frame);
+            let frame = |value: f64| (value.max(0.0) as usize).min(most);
+            self.frames = [frame(from), frame(to).max(frame(from))];
+        });
+    }
+
+    /// Where to; whether that is to be chosen in a dialog of the desktop's.
+    fn path_row(&mut self, ui: &mut Ui) -> bool {
+        let mut asks = false;
+        row(ui, "File", |ui| {
+            ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
+                asks = ui.add(Button::new("Choose…").min_size(vec2(0.0, size::BUTTON))).clicked();
+                text_field(ui, "File", "", &mut self.path);
+            });
+        });
+        asks
+    }
+
+    /// "70 frames; y up, in centimetres. The file that is there is replaced."
+    fn summary(&self) -> String {
+        let (axes, unit) = self.choices.format.defaults();
+        let (axes, unit) = (self.choices.axes.unwrap_or(axes), self.choices.unit.unwrap_or(unit));
+        let [first, last] = self.frames;
+        let (count, of) = (self.motion.poses.range(first..=last).count(), last - first + 1);
+        let gaps = if count < of {
+            format!(" of {of}: the others have no pose of their own")
+        } else {
+            String::new()
+        };
+        let axes = if axes == Axes::World { "axes of the take" } else { axes_text(axes) };
+        let frames = if count == 1 { "frame" } else { "frames" };
+        let there =
+            if Path::new(self.path.trim()).exists() { " The file that is there is replaced." } else { "" };
+        format!("{count} {frames}{gaps}; {}, {}.{there}", lower(axes), lower(unit_text(unit)))
+    }
+
+    /// Why nothing can be written as it is, in a sentence.
+    fn problem(&self) -> Option<String> {
+        let [first, last] = self.frames;
+        if self.motion.poses.range(first..=last).next().is_none() {
+            return Some("None of these frames has a pose of its own.".to_owned());
+        }
+        let path = Path::new(self.path.trim());
+        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+        let format = self.choices.format;
+        if MotionFormat::of_extension(ending) != Some(format) && !path.as_os_str().is_empty() {
+            return Some(format!("The name must end in .{}.", format.extension()));
+        }
+        path_problem(path, false)
+    }
+
+    fn write(&self, context: &Context<'_>, requests: &mut Requests) {
+        let (motion, format) = (self.motion.clone(), self.choices.format);
+        let options = options(self.choices, self.frames, context);
+        requests.write(Path::new(self.path.trim()), move || {
+            motion::to_bytes(format, &motion, &options).map_err(|problem| anyhow!("{problem}"))
+        });
+    }
+}
+
+const UNITS: [Unit; 3] = [Unit::Metres, Unit::Centimetres, Unit::Millimetres];
+
+fn axes_text(axes: Axes) -> &'static str {
+    match axes {
+        Axes::YUp => "Y up",
+        Axes::ZUp => "Z up",
+        Axes::World => "As in the take",
+    }
+}
+
+fn unit_text(unit: Unit) -> &'static str {
+    match unit {
+        Unit::Metres => "Metres",
+        Unit::Centimetres => "Centimetres",
+        Unit::Millimetres => "Millimetres",
+    }
+}
+
+/// The same within a sentence.
+fn lower(text: &str) -> String {
+    text.to_lowercase()
+}
+
+/// A box of choices.
+fn pick<T: PartialEq + Copy>(ui: &mut Ui, name: &str, chosen: &mut T, rows: &[(T, String, &str)]) {
+    let text = rows.iter().find(|(value, ..)| value == chosen).map_or("", |(_, text, _)| text);
+    let shown: Vec<(T, &str, String)> =
+        rows.iter().map(|(value, text, tooltip)| (*value, text.as_str(), (*tooltip).to_owned())).collect();
+    if let Some(value) = choice(ui, name, BOX, text, &shown) {
+        *chosen = value;
+    }
+}
