@@ -269,6 +269,8 @@ pub(crate) enum Request {
     Used(Command),
     /// Lay the card of a new take over the window.
     NewTakeCard,
+    /// So many megabytes may be taken by frames that were read.
+    FramesMb(usize),
     /// The card on which cameras are shifted.
     OffsetsCard,
     /// Close what lies over the window.

@@ -98,7 +98,9 @@ impl Session {
 
     /// Forgets what was made of another take.
     pub(crate) fn reset(&mut self, take: Option<Arc<Footage>>) {
-        *self = Self { take, ..Self::default() };
+        let mut frames = std::mem::take(&mut self.frames);
+        frames.clear();
+        *self = Self { take, frames, ..Self::default() };
     }
 
     /// Takes in a frame that was read.

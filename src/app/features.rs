@@ -11,6 +11,7 @@ use crate::features::convergence::CurvesFile;
 impl Inspector {
     /// Every feature takes in what its tasks have done, and asks for what it lacks.
     pub(crate) fn update_features(&mut self) {
+        self.keep_to_memory();
         self.update_feature(
             |features| &mut features.fit,
             |fit, context, requests| fit.update(context, requests),
@@ -57,6 +58,18 @@ impl Inspector {
             |features| &mut features.tour,
             |tour, context, requests| tour.update(context, requests),
         );
+    }
+
+    /// Half of the memory for frames is for what is on the screen or was, half for decoded videos.
+    fn keep_to_memory(&mut self) {
+        let half = self.state.preferences.frames_mb / 2;
+        let session = &mut self.state.session;
+        session.frames.set_limit_mb(half);
+        if let Some(cache) = session.take.as_ref().map(|take| take.take().frame_cache())
+            && cache.limit_mb() != half
+        {
+            cache.set_limit_mb(half);
+        }
     }
 
     /// Ends a fit that is going on, because its pose is about to change: what it has done stays as a run.

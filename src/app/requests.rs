@@ -169,6 +169,7 @@ impl Inspector {
             Request::Used(command) => self.state.preferences.use_command(command.text()),
             Request::RecoveryCard => self.shell.overlay = Some(Overlay::UnsavedWork),
             Request::NewTakeCard => self.shell.overlay = Some(Overlay::NewTake),
+            Request::FramesMb(megabytes) => self.state.preferences.frames_mb = megabytes,
             Request::OffsetsCard => self.shell.overlay = Some(Overlay::Offsets),
             Request::CloseCard => self.shell.overlay = None,
             Request::ExportCard => self.shell.overlay = Some(Overlay::Export),

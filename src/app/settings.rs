@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Inspector;
 use crate::context::arrangement::Kept;
-use crate::context::preferences::{Layout, Preferences};
+use crate::context::preferences::{FRAMES_MB, FRAMES_MB_CHOICES, Layout, Preferences};
 use crate::context::view_settings::ViewSettings;
 use crate::features::basin::BasinPreferences;
 use crate::features::camera_views::CameraViewPreferences;
@@ -31,6 +31,8 @@ pub struct Settings {
     pub linked_zoom: bool,
     /// How all camera views look.
     pub views: ViewSettings,
+    /// Megabytes that frames which were read may take.
+    pub frames_mb: usize,
     /// Takes that were opened last, the newest first.
     pub recent: Vec<PathBuf>,
     /// What the 3-D scene shows.
@@ -60,6 +62,7 @@ impl Default for Settings {
             lanes: true,
             linked_zoom: false,
             views: ViewSettings::default(),
+            frames_mb: FRAMES_MB,
             recent: Vec::new(),
             scene: ScenePreferences::default(),
             kept: Kept::default(),
@@ -85,6 +88,7 @@ impl Settings {
     pub(crate) fn with_memory_of(self, other: Self) -> Self {
         Self {
             theme: other.theme,
+            frames_mb: other.frames_mb,
             recent: other.recent,
             export: other.export,
             curves: other.curves,
@@ -108,6 +112,7 @@ impl Inspector {
             lanes: self.features.timeline.shows_lanes,
             linked_zoom: views.linked_zoom,
             views: views.settings,
+            frames_mb: preferences.frames_mb,
             recent: preferences.recent,
             scene: self.features.scene.preferences,
             kept: preferences.kept,
@@ -126,6 +131,7 @@ impl Inspector {
             theme: settings.theme,
             layout: settings.layout,
             panel: settings.panel,
+            frames_mb: settings.frames_mb.clamp(*FRAMES_MB_CHOICES.start(), *FRAMES_MB_CHOICES.end()),
             recent: settings.recent,
             kept: settings.kept,
             used_commands: settings.used_commands,

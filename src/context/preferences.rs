@@ -39,6 +39,10 @@ impl Layout {
 /// Most recent takes that are offered.
 const MAX_RECENT: usize = 5;
 
+/// Megabytes that frames which were read may take at first, and may be chosen.
+pub(crate) const FRAMES_MB: usize = 1024;
+pub(crate) const FRAMES_MB_CHOICES: std::ops::RangeInclusive<usize> = 64..=65_536;
+
 /// The arrangement.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Preferences {
@@ -48,6 +52,8 @@ pub(crate) struct Preferences {
     pub(crate) layout: Layout,
     /// Whether the right panel is there.
     pub(crate) panel: bool,
+    /// Megabytes that frames which were read may take.
+    pub(crate) frames_mb: usize,
     /// Takes that were opened last, the newest first.
     pub(crate) recent: Vec<PathBuf>,
     /// How the user has arranged the tiles.
@@ -64,6 +70,7 @@ impl Default for Preferences {
             theme: Theme::Dark,
             layout: Layout::Pose,
             panel: true,
+            frames_mb: FRAMES_MB,
             recent: Vec::new(),
             kept: Kept::default(),
             used_commands: Vec::new(),

@@ -17,7 +17,7 @@ pub(crate) use error::ProjectError;
 
 use std::path::Path;
 
-use backlit_formats::{DiskFiles, TakeFiles, atomic};
+use backlit_formats::{DiskFiles, TakeFiles, atomic, json_text};
 use serde::Deserialize;
 
 use crate::document::Document;
@@ -66,7 +66,7 @@ pub fn read_project(path: &Path) -> Result<Document, ProjectError> {
             ProjectError::Format { path, found }
         });
     }
-    let file: ProjectFile = serde_json::from_slice(&text).map_err(json)?;
+    let file: ProjectFile = json_text::parse_bytes(path, &text)?;
     Reader { path }.document(file)
 }
 
@@ -196,6 +196,11 @@ mod tests {
             ("\"pins\": [", "\"pins\": [\"tail\",", "`pins` names the limb \"tail\""),
             ("\"z_threshold\": ", "\"z_threshold\": -", "`measurement`, camera 0 counted from 0: "),
             ("\"lost\": false", "\"lost\": false, \"colour\": 1", "unknown field `colour`"),
+            ("\"lost\": false", "\"lost\": 0", "`estimates.4.lost`"),
+            ("\"iou\": ", "\"iou\": -", "`estimates.4.iou` is -"),
+            ("\"cost\": ", "\"cost\": -", "`estimates.4.cost` is -"),
+            ("\"keys\": {", "\"keys\": {\"3\": {\"root\": [0, 0, 0]},", "\"3\" is given twice"),
+            ("\"measurement\": [", "\"measurement\": [{},", "`measurement` has 2 entries"),
         ] {
             assert!(good.contains(from), "{from}");
             std::fs::write(&path, good.replacen(from, to, 1)).unwrap();

@@ -223,14 +223,15 @@ fn saving(desk: &Desk, window: &mut Window<'_>) -> (PathBuf, Value) {
 
     // The motion, by its card.
     let motion = desk.home().join("motion.bvh");
-    desk.answer_dialogs_with(&motion);
     window.key("ctrl+k");
     window.until("the palette is there again", |state| state["over"] == "palette");
     window.type_text("export motion");
     window.key("Return");
     window.until("the card is there", |state| state["over"] == "export");
     window.picture("export-motion");
-    window.click("Choose…");
+    window.click("Motion file");
+    window.key("ctrl+a");
+    window.type_text(motion.to_str().unwrap());
     window.click("Export");
     window.until("the motion is written", |_| motion.is_file());
     let text = fs::read_to_string(&motion).unwrap();

@@ -3,14 +3,16 @@
 //! The library's errors know line and column. A small scan of the text up to there tells which field that is;
 //! the same scan finds the line of a field that turns out to be wrong later.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::marker::PhantomData;
 use std::path::Path;
+use std::str::FromStr;
 
 use serde::de::{DeserializeOwned, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use super::text::line_at;
+use super::text::{decode, line_at};
 use super::{FileError, FileProblem, TextFormat};
 
 /// Checks the `format` field, then parses the whole text.
@@ -48,6 +50,35 @@ pub(super) fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, F
             FileProblem::Syntax { format: TextFormat::Json, field: field_at(text, offset), message };
         FileError::new(path, problem).at_line((error.line() > 0).then(|| error.line()))
     })
+}
+
+/// Parses a file's content, for files that are not this crate's own.
+///
+/// # Errors
+/// No text, no JSON, or a field that is wrong. The error names the line and the field.
+pub fn parse_bytes<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T, FileError> {
+    parse(path, decode(path, bytes)?)
+}
+
+/// A map for `#[serde(deserialize_with = …)]` whose keys must differ: of two values for one key neither is the right one.
+///
+/// # Errors
+/// A key given twice, or one that cannot be read.
+pub fn unique_keys<'de, D, K, V>(deserializer: D) -> Result<BTreeMap<K, V>, D::Error>
+where
+    D: Deserializer<'de>,
+    K: FromStr + Ord,
+    V: Deserialize<'de>,
+{
+    let mut map = BTreeMap::new();
+    for (text, value) in Entries::<V>::deserialize(deserializer)?.0 {
+        let wrong = |what: &str| serde::de::Error::custom(format_args!("\"{text}\" {what}"));
+        let key = text.parse().map_err(|_error| wrong("is no key of this map; expected a frame's number"))?;
+        if map.insert(key, value).is_some() {
+            return Err(wrong("is given twice"));
+        }
+    }
+    Ok(map)
 }
 
 /// NaN and infinities, which JSON does not have but some programs write.

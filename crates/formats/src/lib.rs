@@ -32,7 +32,7 @@ pub mod files;
 pub mod footage;
 pub mod images;
 pub mod import;
-mod json_text;
+pub mod json_text;
 pub mod keypoints;
 pub mod masks;
 pub mod model_file;

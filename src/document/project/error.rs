@@ -32,6 +32,15 @@ pub enum ProjectError {
     Pose { path: PathBuf, field: String, source: PoseError },
     #[error("{}: `{field}` names the limb \"{limb}\", which the model does not have", path.display())]
     Limb { path: PathBuf, field: String, limb: String },
+    #[error(
+        "{}: `{field}` names the limb \"{limb}\", which has no rotation of its own: it turns with the limb before it",
+        path.display()
+    )]
+    Rigid { path: PathBuf, field: String, limb: String },
+    #[error("{}: `{field}` is {value}; expected {expected}", path.display())]
+    Number { path: PathBuf, field: String, value: f64, expected: &'static str },
+    #[error("{}: `measurement` has {count} entries; expected one for each of the {cameras} cameras", path.display())]
+    Measurements { path: PathBuf, count: usize, cameras: usize },
     #[error("{}: `masks.{frame}` names the camera \"{camera}\", which the take does not have", path.display())]
     MaskCamera { path: PathBuf, frame: usize, camera: String },
     #[error("{}: `fit`: {source}", path.display())]

@@ -40,6 +40,7 @@ impl Reader<'_> {
         let mut estimates = BTreeMap::new();
         for (frame, record) in &file.estimates {
             let pose = self.pose(&model, &format!("estimates.{frame}.pose"), &record.pose)?;
+            self.check_numbers(*frame, record)?;
             estimates.insert(*frame, Arc::new(estimate(pose, record)));
         }
         let mut pins = BTreeSet::new();
@@ -47,6 +48,14 @@ impl Reader<'_> {
             pins.insert(self.limb(&model, "pins", name)?);
         }
         let cameras = self.cameras(file.cameras)?;
+        let count = file.measurement.len();
+        if count > 0 && count != cameras.len() {
+            return Err(ProjectError::Measurements {
+                path: self.path.to_owned(),
+                count,
+                cameras: cameras.len(),
+            });
+        }
         let masks = self.masks(&cameras, file.masks)?;
         let calibration = file.calibration.map(|record| self.calibration(record)).transpose()?;
         Ok(Document {
@@ -102,6 +111,8 @@ impl Reader<'_> {
                     frame,
                     camera: name.clone(),
                 })?;
+                // Beside the project, where the path is not whole.
+                let path = self.path.parent().map_or_else(|| path.clone(), |folder| folder.join(&path));
                 masks.entry(frame).or_default().insert(camera, path);
             }
         }
@@ -112,13 +123,33 @@ impl Reader<'_> {
         let mut pose = Pose::rest(model);
         pose.root = DVec3::from_array(record.root);
         for (name, [w, x, y, z]) in &record.rotations {
-            let limb = self.limb(model, field, name)?;
-            pose.rotations[model.limbs()[limb].rotation] = DQuat::from_xyzw(*x, *y, *z, *w);
+            let limb = &model.limbs()[self.limb(model, field, name)?];
+            if !limb.has_own_rotation {
+                let (path, field) = (self.path.to_owned(), format!("{field}.rotations"));
+                return Err(ProjectError::Rigid { path, field, limb: name.clone() });
+            }
+            pose.rotations[limb.rotation] = DQuat::from_xyzw(*x, *y, *z, *w);
         }
         let wrong =
             |source| ProjectError::Pose { path: self.path.to_owned(), field: field.to_owned(), source };
         pose.check(model).map_err(wrong)?;
         Ok(pose)
+    }
+
+    /// What a fit has measured of a frame.
+    fn check_numbers(&self, frame: usize, record: &EstimateRecord) -> Result<(), ProjectError> {
+        let numbers = [
+            ("cost", record.cost, f64::INFINITY, "a number from 0 on"),
+            ("rms", record.rms, f64::INFINITY, "a number from 0 on"),
+            ("iou", record.iou, 1.0, "a number from 0 to 1"),
+        ];
+        for (name, value, most, expected) in numbers {
+            if let Some(value) = value.filter(|value| !(0.0..=most).contains(value)) {
+                let (path, field) = (self.path.to_owned(), format!("estimates.{frame}.{name}"));
+                return Err(ProjectError::Number { path, field, value, expected });
+            }
+        }
+        Ok(())
     }
 
     fn limb(&self, model: &Model, field: &str, name: &str) -> Result<usize, ProjectError> {

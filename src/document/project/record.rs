@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use backlit_formats::calibration::backlit;
+use backlit_formats::json_text::unique_keys;
 use backlit_tracking::body::{Model, ModelSpec, Pose};
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::segment::SegmentOptions;
@@ -22,9 +23,9 @@ pub(crate) struct ProjectFile {
     pub(crate) take: Option<TakeRecord>,
     pub(crate) model: ModelSpec,
     pub(crate) start: PoseRecord,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "unique_keys")]
     pub(crate) keys: BTreeMap<usize, PoseRecord>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "unique_keys")]
     pub(crate) estimates: BTreeMap<usize, EstimateRecord>,
     #[serde(default)]
     pub(crate) cameras: Vec<CameraRecord>,
@@ -40,7 +41,7 @@ pub(crate) struct ProjectFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) calibration: Option<CalibrationRecord>,
     /// By frame, then by camera's name.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "unique_keys")]
     pub(crate) masks: BTreeMap<usize, BTreeMap<String, PathBuf>>,
 }
 
@@ -65,7 +66,7 @@ pub(crate) enum TakeRecord {
 pub(crate) struct PoseRecord {
     pub(crate) root: [f64; 3],
     /// w x y z by the limb that owns the rotation; left out where it is at rest.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "unique_keys")]
     pub(crate) rotations: BTreeMap<String, [f64; 4]>,
 }
 

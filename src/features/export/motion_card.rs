@@ -184,7 +184,7 @@ impl MotionCard {
         row(ui, "File", |ui| {
             ui.with_layout(Direction::right_to_left(Align::Center), |ui| {
                 asks = ui.add(Button::new("Choose…").min_size(vec2(0.0, size::BUTTON))).clicked();
-                text_field(ui, "File", "", &mut self.path);
+                text_field(ui, "Motion file", "", &mut self.path);
             });
         });
         asks

@@ -2,12 +2,17 @@
 
 use backlit_tracking::segment::{DontKnowOptions, SegmentOptions, ShadowOptions, ShadowTest};
 use backlit_ui::style::format;
-use backlit_ui::widgets::{SliderRow, checkbox, section, segmented};
+use backlit_ui::widgets::{SliderRow, checkbox, hint, named_row, number_field, section, segmented};
 use egui::Ui;
 
 use crate::context::command_button::gesture;
-use crate::context::{Context, Requests};
+use crate::context::preferences::FRAMES_MB_CHOICES;
+use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
+
+/// Width of the name and of the field of the memory's row.
+const MEMORY_NAME: f32 = 78.0;
+const MEMORY_FIELD: f32 = 84.0;
 
 /// The Measurement section.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, open: bool) {
@@ -23,6 +28,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
         if toggles != *options {
             requests.edit(Edit::SetMeasurement(Box::new(toggles)));
         }
+        memory(ui, context, requests);
     });
 }
 
@@ -94,4 +100,18 @@ fn shadows(ui: &mut Ui, options: &mut SegmentOptions) {
         let tip = "A shadow neither pulls nor pushes; otherwise it counts as background";
         checkbox(ui, &mut shadow.unknown, "Shadow weighs nothing").on_hover_text(tip);
     }
+}
+
+/// How much memory frames may take that were read.
+fn memory(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+    named_row(ui, "Memory", MEMORY_NAME, |ui| {
+        let mut megabytes = context.preferences.frames_mb as f64;
+        let field = number_field(ui, "Memory for frames", &mut megabytes, 0, " MB", 8.0, MEMORY_FIELD);
+        let tip = "Frames that were read stay within so much memory, decoded videos included; going back to them is quick";
+        if field.on_hover_text(tip).changed() {
+            let [least, most] = [*FRAMES_MB_CHOICES.start(), *FRAMES_MB_CHOICES.end()];
+            requests.request(Request::FramesMb((megabytes.max(0.0) as usize).clamp(least, most)));
+        }
+        hint(ui, "for frames that were read");
+    });
 }
