@@ -182,11 +182,11 @@ pub fn load_pair(
     Parts::joined(places, lenses).calibration(extrinsics, options)
 }
 
-pub(super) fn read_from(
-    files: &dyn TakeFiles,
-    path: &Path,
-    options: CalibrationOptions,
-) -> Result<Rig, FileError> {
+/// As [`read`], of any files.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_from(files: &dyn TakeFiles, path: &Path, options: CalibrationOptions) -> Result<Rig, FileError> {
     Ok(load_from(files, path, options)?.rig)
 }
 
@@ -303,7 +303,7 @@ fn content(path: &Path, bytes: &[u8], options: CalibrationOptions) -> Result<Con
 
 /// Whether a first line is a table's head or `key = value`.
 fn is_toml(line: &str) -> bool {
-    let head = line.split('#').next().unwrap_or_default().trim();
+    let head = without_comment(line).trim();
     let is_head =
         head.starts_with('[') && head.ends_with(']') && (!head.contains(',') || head.starts_with("[\""));
     let is_number = head.trim_matches(['[', ']', ' ']).parse::<f64>().is_ok();
@@ -313,6 +313,20 @@ fn is_toml(line: &str) -> bool {
             && key.chars().all(|letter| letter.is_alphanumeric() || matches!(letter, '_' | '-' | '.' | '"'))
     };
     is_head && !is_number && head.len() > 2 || line.split_once('=').is_some_and(|(key, _)| is_key(key))
+}
+
+/// A line of TOML up to a `#` that is in no quotes.
+fn without_comment(line: &str) -> &str {
+    let (mut is_quoted, mut is_escaped) = (false, false);
+    let end = line.find(|letter: char| {
+        let begins = letter == '#' && !is_quoted;
+        if letter == '"' && !is_escaped {
+            is_quoted = !is_quoted;
+        }
+        is_escaped = letter == '\\' && !is_escaped;
+        begins
+    });
+    &line[..end.unwrap_or(line.len())]
 }
 
 /// Whether a first line is a header of YAML or `key: value`.
@@ -381,6 +395,14 @@ fn rig(path: &Path, cameras: Vec<Camera>, size: Option<[u64; 2]>) -> Result<Rig,
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_table_whose_name_has_any_letter_begins_a_toml() {
+        for line in ["[\"#\"]", "[\"a # b\"] # c", "[\"a\\\"#\"]", "[a] # [b]", "a = 1"] {
+            assert!(is_toml(line), "{line}");
+        }
+        assert!(!is_toml("[1, 2]") && !is_toml("camera,1"));
+    }
 
     #[test]
     fn what_is_no_calibration_is_said_so() {

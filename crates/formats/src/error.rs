@@ -1,14 +1,18 @@
 //! Why a file could not be read or written: which file, which line, which field, what was expected.
 
-use std::fmt;
+use std::fmt::{self, Write};
 use std::path::{Path, PathBuf};
 
 use backlit_tracking::body::{ModelError, PoseError};
-use backlit_tracking::camera::{CameraError, RigError};
+use backlit_tracking::camera::{CameraError, MAX_PIXELS, RigError};
 use thiserror::Error;
 
 use crate::masks::MaskProblem;
+use crate::text::{Safe, cut, shown};
 use crate::video::VideoProblem;
+
+/// Longest text of what is wrong with a file, letters: a message is read, not searched.
+const LONGEST: usize = 480;
 
 /// What is wrong with a file, and where.
 #[derive(Debug, Error)]
@@ -52,11 +56,16 @@ impl FileError {
 
 impl fmt::Display for FileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.path.display())?;
+        write!(f, "{}", shown(&cut_path(&self.path.to_string_lossy(), [80, 160])))?;
         if let Some(line) = self.line {
             write!(f, ", line {line}")?;
         }
-        write!(f, ": {}", self.problem)
+        f.write_str(": ")?;
+        let mut safe = Safe { out: f, left: LONGEST };
+        let written = write!(safe, "{}", self.problem);
+        let left = safe.left;
+        // What was too long has ended the writing, not an error of the one who is written to.
+        if written.is_err() && left == 0 { f.write_str("…") } else { written }
     }
 }
 
@@ -100,25 +109,25 @@ pub enum FileProblem {
     NotText,
     #[error("is not valid {format}: {}{message}", InField(.field.as_deref()))]
     Syntax { format: TextFormat, field: Option<String>, message: String },
-    #[error("`format` is {found}; expected \"{expected}\"")]
+    #[error("`format` is {}; expected \"{expected}\"", cut(.found))]
     Format { found: String, expected: &'static str },
-    #[error("`{field}` is {found}; expected {expected}")]
+    #[error("`{}` is {}; expected {expected}", in_short(.field), cut(.found))]
     Field { field: String, found: String, expected: String },
-    #[error("`{field}`: {message}")]
+    #[error("`{}`: {message}", in_short(.field))]
     Option { field: String, message: String },
-    #[error("`{field}` is given twice; expected it once")]
+    #[error("`{}` is given twice; expected it once", in_short(.field))]
     Duplicate { field: String },
-    #[error("`{field}` names \"{limb}\", and the model has no limb of that name")]
+    #[error("`{}` names \"{}\", and the model has no limb of that name", in_short(.field), cut(.limb))]
     UnknownLimb { field: String, limb: String },
-    #[error("`{field}`: \"{limb}\" follows another limb's rotation and has none of its own; leave it out")]
+    #[error("`{field}`: \"{}\" follows another limb's rotation and has none of its own; leave it out", cut(.limb))]
     RigidLimb { field: String, limb: String },
-    #[error("`{field}`: the environment variable {variable} is not set, and no default is given")]
+    #[error("`{field}`: the environment variable {} is not set, and no default is given", cut(.variable))]
     Variable { field: String, variable: String },
     #[error(transparent)]
     Model { error: ModelError },
     #[error(transparent)]
     Pose { error: PoseError },
-    #[error("camera \"{camera}\": {error}")]
+    #[error("camera \"{}\": {error}", cut(.camera))]
     Camera { camera: String, error: CameraError },
     #[error(transparent)]
     Rig { error: RigError },
@@ -134,6 +143,11 @@ pub enum FileProblem {
     Video { error: VideoProblem },
     #[error(transparent)]
     Mask { error: MaskProblem },
+    #[error(
+        "has {}×{} pixels; expected at most {} megapixels of 8 bits, and fewer of more", found[0], found[1],
+        MAX_PIXELS >> 20
+    )]
+    PictureTooLarge { found: [usize; 2] },
     #[error("has {}×{} pixels; expected {}×{}", found[0], found[1], expected[0], expected[1])]
     PictureSize { found: [usize; 2], expected: [usize; 2] },
 }
@@ -168,10 +182,25 @@ impl fmt::Display for TextFormat {
     }
 }
 
+/// The path of a field.
+fn in_short(path: &str) -> String {
+    cut_path(path, [50, 50])
+}
+
+/// Of a long path so many letters of its beginning and of its end, which tell most.
+fn cut_path(path: &str, [begins, ends]: [usize; 2]) -> String {
+    let count = path.chars().count();
+    if count <= begins + ends + 1 {
+        return path.to_owned();
+    }
+    let head: String = path.chars().take(begins).collect();
+    head + "…" + &path.chars().skip(count - ends).collect::<String>()
+}
+
 struct InField<'a>(Option<&'a str>);
 
 impl fmt::Display for InField<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.map_or(Ok(()), |field| write!(f, "in `{field}`: "))
+        self.0.map_or(Ok(()), |field| write!(f, "in `{}`: ", in_short(field)))
     }
 }

@@ -5,8 +5,8 @@ pub(crate) mod reduce;
 use std::io::Cursor;
 use std::path::Path;
 
-use backlit_tracking::camera::MAX_SIDE;
-use image::{DynamicImage, GrayImage, ImageFormat, ImageReader, Limits, RgbImage};
+use backlit_tracking::camera::{MAX_PIXELS, MAX_SIDE};
+use image::{DynamicImage, GrayImage, ImageDecoder, ImageFormat, ImageReader, Limits, RgbImage};
 
 use super::{DiskFiles, FileError, FileProblem, TakeFiles, atomic};
 
@@ -14,8 +14,10 @@ pub use reduce::reduced;
 
 /// Largest picture file that is read, bytes.
 pub const MAX_PICTURE_BYTES: u64 = 256 << 20;
-/// Most memory that decoding one picture may take, bytes: room for 64 megapixels of 16-bit colour.
-const MAX_DECODED_BYTES: u64 = 512 << 20;
+/// Most memory that decoding one picture may take, bytes, with what it is turned into.
+const MAX_DECODED_BYTES: u64 = 480 << 20;
+/// Bytes of a pixel that pictures are turned into at most: four of 8 bits.
+const TURNED_BYTES: u64 = 4;
 
 /// Decodes a picture as colour; an alpha channel is dropped, 16-bit levels are rounded to 8.
 ///
@@ -115,7 +117,15 @@ fn reader<'a>(path: &Path, bytes: &'a [u8]) -> Result<ImageReader<Cursor<&'a [u8
 pub(crate) fn decode_any(path: &Path, bytes: &[u8]) -> Result<DynamicImage, FileError> {
     let reader = reader(path, bytes)?;
     check_whole(path, bytes, reader.format())?;
-    reader.decode().map_err(|error| broken(path, &error.to_string()))
+    let decoder = reader.into_decoder().map_err(|error| broken(path, &error.to_string()))?;
+    let (width, height) = decoder.dimensions();
+    let pixels = u64::from(width) * u64::from(height);
+    let bytes = decoder.total_bytes().saturating_add(TURNED_BYTES * pixels);
+    if pixels > MAX_PIXELS || bytes > MAX_DECODED_BYTES {
+        let found = [width as usize, height as usize];
+        return Err(FileError::new(path, FileProblem::PictureTooLarge { found }));
+    }
+    DynamicImage::from_decoder(decoder).map_err(|error| broken(path, &error.to_string()))
 }
 
 /// The decoders fill what is missing at a file's end with grey, silently.
@@ -131,8 +141,19 @@ fn check_whole(path: &Path, bytes: &[u8], format: Option<ImageFormat>) -> Result
     if whole { Ok(()) } else { Err(broken(path, "the file ends too early")) }
 }
 
+/// The decoder's message, without its own words for what it was reading.
 pub(crate) fn broken(path: &Path, message: &str) -> FileError {
-    FileError::new(path, FileProblem::Picture { message: message.to_owned() })
+    let told = message.split_once(" decoding ").and_then(|(_, rest)| rest.split_once(": "));
+    let mut told = told.map_or(message, |(_, rest)| rest).to_owned();
+    // A chunk of a PNG is told by its name.
+    while let Some((before, (name, rest))) = told
+        .split_once("ChunkType { type: ")
+        .and_then(|(before, rest)| Some((before, rest.split_once(", critical: ")?)))
+    {
+        let after = rest.split_once(" }").map_or("", |(_, after)| after);
+        told = format!("{before}{name}{after}");
+    }
+    FileError::new(path, FileProblem::Picture { message: told.trim().to_owned() })
 }
 
 /// Whether a file has the length, with `more`, that it says itself at a place. 0 is said by some writers of BMP.
@@ -229,6 +250,27 @@ mod tests {
         let mut bytes = encoded(ImageFormat::Png);
         bytes[16..24].copy_from_slice(&[0, 0, 0x3F, 0xFF, 0, 0, 0x3F, 0xFF]);
         decode(Path::new("huge.png"), &bytes).unwrap_err();
+    }
+
+    /// 32 KB that unfold to 16,384 × 16,384 grey pixels are refused by their head, whole as they are.
+    #[test]
+    fn a_small_file_of_a_huge_picture_is_refused_at_once() {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 16_384, 16_384);
+        encoder.set_color(png::ColorType::Grayscale);
+        encoder.set_depth(png::BitDepth::One);
+        let mut writer = encoder.write_header().unwrap();
+        writer.write_image_data(&vec![0; 16_384 * 16_384 / 8]).unwrap();
+        writer.finish().unwrap();
+        assert!(bytes.len() < 200_000, "{}", bytes.len());
+        let began = std::time::Instant::now();
+        for result in
+            [decode(Path::new("bomb.png"), &bytes).err(), alpha(Path::new("bomb.png"), &bytes).err()]
+        {
+            let message = result.unwrap().to_string();
+            assert!(message.starts_with("bomb.png: has 16384×16384 pixels; expected at most"), "{message}");
+        }
+        assert!(began.elapsed() < std::time::Duration::from_secs(1), "{:?}", began.elapsed());
     }
 
     #[test]

@@ -13,10 +13,13 @@ use serde::de::{DeserializeOwned, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use super::text::{decode, line_at};
-use super::{FileError, FileProblem, TextFormat};
+use super::{FileError, FileProblem, TextFormat, plain_words};
 
 /// Checks the `format` field, then parses the whole text.
-pub(super) fn parse_versioned<T: DeserializeOwned>(
+///
+/// # Errors
+/// Not JSON, another format, or not such a value. The error names the line and the field.
+pub fn parse_versioned<T: DeserializeOwned>(
     path: &Path,
     text: &str,
     expected: &'static str,
@@ -34,20 +37,25 @@ pub(super) fn parse_versioned<T: DeserializeOwned>(
     Err(FileError::new(path, FileProblem::Format { found, expected }).at_line(line))
 }
 
-/// Parses a text.
-pub(super) fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, FileError> {
+/// Parses a text; `path` is for the error's message.
+///
+/// # Errors
+/// Not JSON, or not such a value. The error names the line and the field.
+pub fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, FileError> {
     serde_json::from_str(text).map_err(|error| {
         let start =
             text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum::<usize>();
         let offset = start.saturating_add(error.column().saturating_sub(1)).min(text.len());
         let full = error.to_string();
         let message = full.rsplit_once(" at line ").map_or(full.as_str(), |(message, _)| message);
-        let message = match not_a_number(text, offset) {
-            Some(word) => format!("{word} is not a number; expected a finite number"),
-            None => message.to_owned(),
+        let field = field_at(text, offset);
+        let problem = match not_a_number(text, offset) {
+            Some(word) => {
+                let message = format!("{word} is not a number; expected a finite number");
+                FileProblem::Syntax { format: TextFormat::Json, field, message }
+            }
+            None => plain_words::problem(TextFormat::Json, field, message),
         };
-        let problem =
-            FileProblem::Syntax { format: TextFormat::Json, field: field_at(text, offset), message };
         FileError::new(path, problem).at_line((error.line() > 0).then(|| error.line()))
     })
 }
@@ -93,7 +101,8 @@ fn not_a_number(text: &str, offset: usize) -> Option<&'static str> {
 }
 
 /// The line of the field with these keys from the outermost object down.
-pub(super) fn line_of(text: &str, keys: &[&str]) -> Option<usize> {
+#[must_use]
+pub fn line_of(text: &str, keys: &[&str]) -> Option<usize> {
     let mut scan = Scan::default();
     for (offset, &byte) in text.as_bytes().iter().enumerate() {
         scan.step(text, offset, byte);
@@ -104,6 +113,9 @@ pub(super) fn line_of(text: &str, keys: &[&str]) -> Option<usize> {
     None
 }
 
+/// Steps of a path that are told of its beginning and of its end.
+const STEPS_SHOWN: usize = 60;
+
 /// The field that the byte at `offset` belongs to, as in `rotations.torso[2]`.
 fn field_at(text: &str, offset: usize) -> Option<String> {
     let mut scan = Scan::default();
@@ -111,7 +123,9 @@ fn field_at(text: &str, offset: usize) -> Option<String> {
         scan.step(text, offset, byte);
     }
     let mut out = String::new();
-    for step in &scan.path {
+    // Of a deep path the ends: the message shows no more.
+    let middle = STEPS_SHOWN..scan.path.len().saturating_sub(STEPS_SHOWN);
+    for (_, step) in scan.path.iter().enumerate().filter(|(index, _)| !middle.contains(index)) {
         match step {
             Step::Key(Some(key)) if out.is_empty() => out.push_str(key),
             Step::Key(Some(key)) => out.extend([".", key]),
@@ -177,7 +191,10 @@ impl<'a> Scan<'a> {
 
 /// An object's entries in the order of the file. A key given twice is an error.
 #[derive(Debug)]
-pub(super) struct Entries<T>(pub(super) Vec<(String, T)>);
+pub struct Entries<T>(
+    /// Keys and values.
+    pub Vec<(String, T)>,
+);
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Entries<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -228,16 +245,16 @@ mod tests {
                 "{\"name\": \"a\", \"turns\": {\"x\":\n [1, -Infinity]}}",
                 "line 2: is not valid JSON: in `turns.x[1]`: Inf",
             ),
-            ("{\"name\": \"a\", \"turns\": {\"x\": [1, null]}}", "in `turns.x[1]`: invalid type: null"),
+            ("{\"name\": \"a\", \"turns\": {\"x\": [1, null]}}", "`turns.x[1]` is null; expected a number"),
             (
                 "{\"name\": \"a\",\n \"turns\": {\"x,\\\"{\": [\"b\", 2]}}",
-                "in `turns.x,\\\"{[0]`: invalid type: string",
+                "`turns.x,\\\"{[0]` is \"b\"; expected a number",
             ),
-            ("{\"name\": 3}", "in `name`: invalid type: integer"),
+            ("{\"name\": 3}", "`name` is 3; expected a text"),
             ("{\n\"nmae\": 3}", "line 2: is not valid JSON: unknown field `nmae`"),
             ("{\"turns\": {\"x\": [1, 2], \"x\": [1, 2]}}", "in `turns`: \"x\" is given twice"),
-            ("{\"name\": \"a\", \"turns\": {\"x\": [1, 2", "in `turns.x[1]`: EOF while parsing"),
-            ("", "EOF"),
+            ("{\"name\": \"a\", \"turns\": {\"x\": [1, 2", "in `turns.x[1]`: the text ends too early"),
+            ("", "the text ends too early"),
         ];
         for (text, expected) in cases {
             let message = parse::<Sample>(Path::new("s.json"), text).unwrap_err().to_string();

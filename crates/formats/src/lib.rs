@@ -23,6 +23,7 @@
 //! | [`files`] | the disk, or files held in memory |
 //! | [`atomic`] | whole files or none |
 //! | [`error`] | what is wrong with a file, and where |
+//! | [`mod@text`], [`json_text`] | what of a file may be shown; JSON with errors that name the field |
 
 pub mod atomic;
 pub mod calibration;
@@ -38,12 +39,13 @@ pub mod masks;
 pub mod model_file;
 pub mod motion;
 pub mod npy;
+mod plain_words;
 pub mod plate;
 pub mod pose_file;
 pub mod starts_file;
 pub mod synchronise;
 pub mod take;
-mod text;
+pub mod text;
 mod toml_text;
 pub mod trc;
 pub mod video;

@@ -41,7 +41,10 @@ fn place(error: &ModelError) -> Option<(&str, &str)> {
         ModelError::Format { .. }
         | ModelError::NoLimbs
         | ModelError::TooManyLimbs { .. }
-        | ModelError::EmptyName { .. } => None,
+        | ModelError::EmptyName { .. }
+        | ModelError::Name { .. }
+        | ModelError::BodyName { .. }
+        | ModelError::Root { .. } => None,
     }
 }
 
@@ -141,7 +144,7 @@ mod tests {
             (HEAD.to_owned() + &limb("a", "radius = nan"), "line 7: limb \"a\": `radius` is NaN"),
             (
                 HEAD.to_owned() + &limb("a", "radius = \"x\""),
-                "line 7: is not valid TOML: invalid type: string",
+                "line 7: `limb[0].radius` is \"x\"; expected a number",
             ),
             (HEAD.to_owned() + &limb("a", ""), "missing field `radius`"),
             (
@@ -154,7 +157,7 @@ mod tests {
             ),
             (
                 HEAD.to_owned() + &limb("a", "radius = 1\ncolour = 3"),
-                "line 8: is not valid TOML: unknown field `colour`",
+                "line 8: is not valid TOML: in `limb[0]`: unknown field `colour`",
             ),
             (
                 HEAD.to_owned() + &limb("a", "radius = 1") + &limb("a", "radius = 1"),

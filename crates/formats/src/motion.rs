@@ -48,7 +48,7 @@ mod trc;
 mod zip;
 
 pub use options::{Axes, EulerOrder, MotionOptions, Names, Unit};
-pub use read::read_track;
+pub use read::{parse_track, read_track};
 
 use scene::Scene;
 

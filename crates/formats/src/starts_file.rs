@@ -5,7 +5,9 @@
 //! metres. `cameras[N]` is a list of N cameras: centre `c`, `R` with the camera's axes as rows, focal length
 //! `f`, size `W` × `H`, `cx`, `cy` counted from the picture's corner. `starts` have `angle_deg`, `truth` and
 //! `start` (root, then w x y z a rotation) and `masks[N]`: base64 of the pixels row by row, first pixel in the
-//! highest bit, 1 = subject.
+//! highest bit, 1 = subject. Every start has a mask for every camera of every list of `cameras`, in its order, and no other.
+//! Keys that are not known, and keys that are given twice, are refused; `note`, `rot_parent`, `rot_limb`, `chain`, `index` and
+//! `root_m` are what the writer noted for people.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -17,10 +19,16 @@ use backlit_tracking::fit::{Evidence, FitView};
 use backlit_tracking::silhouette::{Label, Mask, MaskError};
 use glam::{DMat3, DVec3};
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use thiserror::Error;
 
-use crate::FileError;
 use crate::files::{DiskFiles, MAX_TEXT_BYTES, TakeFiles};
+use crate::json_text::{self, Entries};
+use crate::text::decode;
+use crate::{FileError, FileProblem};
+
+/// Bits behind a mask's last pixel: up to 7 fill its byte, up to 4 the last character.
+const PADDING_BITS: usize = 12;
 
 /// A start, its truth, and what the cameras see of the truth.
 #[derive(Debug, Clone)]
@@ -43,8 +51,6 @@ pub struct Start {
 pub enum StartsFileError {
     #[error(transparent)]
     File(#[from] FileError),
-    #[error("{}: {error}", path.display())]
-    Json { path: PathBuf, error: serde_json::Error },
     #[error("{}: `model`: {error}", path.display())]
     Model { path: PathBuf, error: ModelError },
     #[error("{}: `model.limbs[{limb}].{field}` is {value}; expected the index of another", path.display())]
@@ -53,6 +59,8 @@ pub enum StartsFileError {
     Camera { path: PathBuf, count: usize, error: CameraError },
     #[error("{}: `starts[{start}].{field}`: {error}", path.display())]
     Pose { path: PathBuf, start: usize, field: &'static str, error: PoseError },
+    #[error("{}: `starts[{start}].masks.{count}` has {found} masks; expected {expected}, one a camera of `cameras.{count}`", path.display())]
+    Masks { path: PathBuf, start: usize, count: usize, found: usize, expected: usize },
     #[error("{}: `starts[{start}].masks.{count}[{camera}]` has {found} pixels; expected {expected}", path.display())]
     Pixels { path: PathBuf, start: usize, count: usize, camera: usize, found: usize, expected: usize },
     #[error("{}: `starts[{start}].masks.{count}`: {error}", path.display())]
@@ -62,20 +70,33 @@ pub enum StartsFileError {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct StartsJson {
+    #[serde(default, rename = "note")]
+    _note: IgnoredAny,
     model: ModelJson,
-    cameras: BTreeMap<usize, Vec<CameraJson>>,
+    cameras: Entries<Vec<CameraJson>>,
     starts: Vec<StartJson>,
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct ModelJson {
     limbs: Vec<LimbJson>,
+    #[serde(default, rename = "rot_parent")]
+    _rot_parent: IgnoredAny,
+    #[serde(default, rename = "rot_limb")]
+    _rot_limb: IgnoredAny,
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct LimbJson {
     name: String,
+    #[serde(default, rename = "chain")]
+    _chain: IgnoredAny,
+    #[serde(default, rename = "index")]
+    _index: IgnoredAny,
     parent: i64,
     rot: i64,
     own: bool,
@@ -85,6 +106,7 @@ struct LimbJson {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 #[expect(non_snake_case, reason = "the file's names")]
 struct CameraJson {
     c: DVec3,
@@ -97,27 +119,43 @@ struct CameraJson {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct StartJson {
     angle_deg: f64,
+    #[serde(default, rename = "root_m")]
+    _root_m: IgnoredAny,
     truth: Vec<f64>,
     start: Vec<f64>,
-    masks: BTreeMap<usize, Vec<String>>,
+    masks: Entries<Vec<String>>,
 }
+
+type Cameras = BTreeMap<usize, Vec<Arc<Camera>>>;
 
 /// Reads all starts.
 ///
 /// # Errors
 /// The first thing that is wrong, by field.
 pub fn read(path: &Path) -> Result<Vec<Start>, StartsFileError> {
-    let bytes = DiskFiles.read(path, MAX_TEXT_BYTES)?;
-    let json = |error| StartsFileError::Json { path: path.to_owned(), error };
-    let file: StartsJson = serde_json::from_slice(&bytes).map_err(json)?;
+    parse(path, &DiskFiles.read(path, MAX_TEXT_BYTES)?)
+}
+
+/// The same from bytes; `path` is for the error's message.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Start>, StartsFileError> {
+    let file: StartsJson = json_text::parse(path, decode(path, bytes)?)?;
     if file.starts.is_empty() {
         return Err(StartsFileError::Empty { path: path.to_owned() });
     }
     let model = Arc::new(file.model.model(path)?);
     let mut cameras = BTreeMap::new();
-    for (&count, list) in &file.cameras {
+    for (key, list) in &file.cameras.0 {
+        let count = counted(path, "cameras", key)?;
+        if list.len() != count {
+            let (field, found) = (format!("cameras.{key}"), format!("a list of {}", list.len()));
+            return Err(wrong(path, field, found, format!("{count} cameras")).into());
+        }
         let camera = |(index, camera): (usize, &CameraJson)| camera.camera(index).map(Arc::new);
         let list = list.iter().enumerate().map(camera).collect::<Result<Vec<_>, _>>();
         let failed = |error| StartsFileError::Camera { path: path.to_owned(), count, error };
@@ -125,6 +163,18 @@ pub fn read(path: &Path) -> Result<Vec<Start>, StartsFileError> {
     }
     let starts = file.starts.iter().enumerate();
     starts.map(|(index, start)| start.start(path, index, &model, &cameras)).collect()
+}
+
+/// A key that says how many cameras a list is for.
+fn counted(path: &Path, field: &str, key: &str) -> Result<usize, FileError> {
+    let count = key.parse::<usize>().ok().filter(|count| count.to_string() == key);
+    count.ok_or_else(|| {
+        wrong(path, field.to_owned(), format!("with the key \"{key}\""), "a number of cameras".to_owned())
+    })
+}
+
+fn wrong(path: &Path, field: String, found: String, expected: String) -> FileError {
+    FileError::new(path, FileProblem::Field { field, found, expected })
 }
 
 impl ModelJson {
@@ -177,45 +227,82 @@ impl StartJson {
         path: &Path,
         index: usize,
         model: &Arc<Model>,
-        cameras: &BTreeMap<usize, Vec<Arc<Camera>>>,
+        cameras: &Cameras,
     ) -> Result<Start, StartsFileError> {
         let pose = |field, state: &[f64]| {
             let failed = |error| StartsFileError::Pose { path: path.to_owned(), start: index, field, error };
             Pose::from_state(model, state).map(|pose| pose.normalized()).map_err(failed)
         };
+        if !(0.0..=360.0).contains(&self.angle_deg) {
+            let (field, found) = (format!("starts[{index}].angle_deg"), self.angle_deg.to_string());
+            return Err(wrong(path, field, found, "degrees from 0 to 360".to_owned()).into());
+        }
         let mut views = BTreeMap::new();
-        for (&count, masks) in &self.masks {
-            let Some(cameras) = cameras.get(&count) else { continue };
-            let mut list = Vec::with_capacity(cameras.len());
-            for (at, (camera, text)) in cameras.iter().zip(masks).enumerate() {
-                let (width, height) = (camera.width(), camera.height());
-                let (bits, expected) = (bits(text), width * height);
-                if bits.len() < expected {
-                    return Err(StartsFileError::Pixels {
-                        path: path.to_owned(),
-                        start: index,
-                        count,
-                        camera: at,
-                        found: bits.len(),
-                        expected,
-                    });
-                }
-                let failed =
-                    |error| StartsFileError::Mask { path: path.to_owned(), start: index, count, error };
-                let mask = Mask::new(width, height, bits[..expected].to_vec()).map_err(failed)?;
-                let evidence = Evidence::Mask(Arc::new(mask));
-                list.push(FitView { camera: Arc::clone(camera), evidence, weight: 1.0 });
-            }
-            views.insert(count, list);
+        for (key, masks) in &self.masks.0 {
+            let field = format!("starts[{index}].masks");
+            let count = counted(path, &field, key)?;
+            let Some(cameras) = cameras.get(&count) else {
+                let found = format!("with masks of {count} cameras");
+                return Err(wrong(path, field, found, "as many as a list of `cameras` has".to_owned()).into());
+            };
+            views.insert(count, self.views(path, [index, count], cameras, masks)?);
+        }
+        if let Some((count, cameras)) = cameras.iter().find(|(count, _)| !views.contains_key(*count)) {
+            let (count, expected) = (*count, cameras.len());
+            return Err(StartsFileError::Masks {
+                path: path.to_owned(),
+                start: index,
+                count,
+                found: 0,
+                expected,
+            });
         }
         Ok(Start {
             model: Arc::clone(model),
-            // A float cast saturates.
             degrees: self.angle_deg.round() as u32,
             truth: pose("truth", &self.truth)?,
             start: pose("start", &self.start)?,
             views,
         })
+    }
+}
+
+impl StartJson {
+    /// What a list of cameras sees.
+    fn views(
+        &self,
+        path: &Path,
+        [start, count]: [usize; 2],
+        cameras: &[Arc<Camera>],
+        masks: &[String],
+    ) -> Result<Vec<FitView>, StartsFileError> {
+        let path = || path.to_owned();
+        let (found, expected) = (masks.len(), cameras.len());
+        if found != expected {
+            return Err(StartsFileError::Masks { path: path(), start, count, found, expected });
+        }
+        let mut list = Vec::with_capacity(cameras.len());
+        for (at, (camera, text)) in cameras.iter().zip(masks).enumerate() {
+            let (width, height) = (camera.width(), camera.height());
+            let (bits, expected) = (bits(text), width * height);
+            // Bytes are whole, and so are the characters of six bits.
+            if !(expected..expected + PADDING_BITS).contains(&bits.len()) {
+                let found = bits.len();
+                return Err(StartsFileError::Pixels {
+                    path: path(),
+                    start,
+                    count,
+                    camera: at,
+                    found,
+                    expected,
+                });
+            }
+            let failed = |error| StartsFileError::Mask { path: path(), start, count, error };
+            let mask = Mask::new(width, height, bits[..expected].to_vec()).map_err(failed)?;
+            let evidence = Evidence::Mask(Arc::new(mask));
+            list.push(FitView { camera: Arc::clone(camera), evidence, weight: 1.0 });
+        }
+        Ok(list)
     }
 }
 
@@ -271,7 +358,18 @@ mod tests {
             ("\"f\": 4", "\"f\": 0", "`cameras.1`: `fx` is 0"),
             ("Bg==", "", "`starts[0].masks.1[0]` has 0 pixels; expected 8"),
             ("\"truth\": [0, 0,", "\"truth\": [0,", "`starts[0].truth`"),
-            ("\"starts\": [{", "\"starts\": {", "expected a sequence"),
+            ("\"starts\": [{", "\"starts\": {", "`starts` is a table; expected a list"),
+            ("[\"Bg==\"]", "[]", "`starts[0].masks.1` has 0 masks; expected 1, one a camera of `cameras.1`"),
+            ("[\"Bg==\"]", "[\"Bg==\", \"Bg==\"]", "`starts[0].masks.1` has 2 masks; expected 1"),
+            ("{\"1\": [\"Bg==\"]}", "{}", "`starts[0].masks.1` has 0 masks; expected 1"),
+            ("{\"1\": [\"Bg==\"]}", "{\"1\": [\"Bg==\"], \"3\": []}", "is with masks of 3 cameras"),
+            ("{\"1\": [\"Bg==\"]}", "{\"1\": [\"Bg==\"], \"1\": [\"Bg==\"]}", "\"1\" is given twice"),
+            ("{\"1\": [\"Bg==\"]}", "{\"01\": [\"Bg==\"]}", "with the key \"01\""),
+            ("Bg==", "BgAAAAAA", "has 48 pixels; expected 8"),
+            ("\"angle_deg\"", "\"angles_deg\"", "unknown field `angles_deg`"),
+            ("\"angle_deg\": 5", "\"angle_deg\": -5", "`starts[0].angle_deg` is -5; expected degrees"),
+            ("\"cameras\": {\"1\"", "\"cameras\": {\"2\"", "`cameras.2` is a list of 1; expected 2 cameras"),
+            ("\"name\": \"b\"", "\"name\": \"b\", \"name\": \"b\"", "given twice: `name`"),
         ];
         for (from, to, expected) in cases {
             let message = read_text(&FILE.replace(from, to)).unwrap_err().to_string();

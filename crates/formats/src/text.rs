@@ -1,8 +1,14 @@
-//! From bytes to text, and from places in a text to line numbers.
+//! From bytes to text, from places in a text to line numbers, and what of a file may be shown.
 
+use std::fmt::{self, Write};
 use std::path::Path;
 
+use backlit_tracking::names::is_unsafe;
+
 use super::{FileError, FileProblem};
+
+/// Most letters of a name, a number or a word of a file that a message repeats.
+pub const MOST_SHOWN: usize = 60;
 
 /// The bytes as text, without a byte order mark.
 pub(super) fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, FileError> {
@@ -19,4 +25,74 @@ pub(super) fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, FileEr
 pub(super) fn line_at(text: &str, offset: usize) -> usize {
     let end = offset.min(text.len());
     1 + text.as_bytes()[..end].iter().filter(|&&byte| byte == b'\n').count()
+}
+
+/// A text from a file as it may be shown: letters that would steer a terminal are written out, as `\u{1b}`. Whoever writes a
+/// name of a file, a camera, a limb or a take to a terminal writes it through this.
+#[must_use]
+pub fn shown(text: &str) -> Shown<'_> {
+    Shown { text, most: usize::MAX }
+}
+
+/// As [`shown`], no more than [`MOST_SHOWN`] letters of it.
+#[must_use]
+pub fn cut(text: &str) -> Shown<'_> {
+    Shown { text, most: MOST_SHOWN }
+}
+
+/// A text that can be shown; see [`shown`] and [`cut`].
+#[derive(Debug, Clone, Copy)]
+pub struct Shown<'a> {
+    text: &'a str,
+    most: usize,
+}
+
+impl fmt::Display for Shown<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut safe = Safe { out: f, left: self.most };
+        let written = safe.write_str(self.text);
+        let left = safe.left;
+        match written {
+            // What was too long has ended the writing, not an error of the one who is written to.
+            Err(_) if left == 0 => f.write_char('…'),
+            other => other,
+        }
+    }
+}
+
+/// Writes texts as they may be shown, up to so many letters; then it is an error with nothing `left`.
+pub(super) struct Safe<'a, 'b> {
+    pub(super) out: &'a mut fmt::Formatter<'b>,
+    pub(super) left: usize,
+}
+
+impl Write for Safe<'_, '_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        for letter in text.chars() {
+            self.left = match self.left.checked_sub(1) {
+                Some(left) => left,
+                None => return Err(fmt::Error),
+            };
+            match letter {
+                '\n' => self.out.write_char(' ')?,
+                letter if is_unsafe(letter) => write!(self.out, "{}", letter.escape_default())?,
+                letter => self.out.write_char(letter)?,
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_steers_a_terminal_is_written_out_and_long_texts_are_cut() {
+        assert_eq!(shown("a\u{1b}[31mü\u{202e}b\n").to_string(), "a\\u{1b}[31mü\\u{202e}b ");
+        assert_eq!(shown("\u{9b}\u{7f}\t").to_string(), "\\u{9b}\\u{7f}\\t");
+        assert_eq!(cut(&"ä".repeat(60)).to_string(), "ä".repeat(60));
+        assert_eq!(cut(&"ä".repeat(61)).to_string(), "ä".repeat(60) + "…");
+        assert_eq!(cut("").to_string(), "");
+    }
 }

@@ -6,7 +6,7 @@ use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 
 use super::text::line_at;
-use super::{FileError, FileProblem, TextFormat};
+use super::{FileError, FileProblem, TextFormat, plain_words};
 
 /// Checks the `format` key, then parses the whole text.
 pub(super) fn parse_versioned<T: DeserializeOwned>(
@@ -14,16 +14,18 @@ pub(super) fn parse_versioned<T: DeserializeOwned>(
     text: &str,
     expected: &'static str,
 ) -> Result<T, FileError> {
-    let syntax = |error: &toml::de::Error| {
-        let message = error.message().trim().replace('\n', "; ");
-        let problem = FileProblem::Syntax { format: TextFormat::Toml, field: None, message };
+    let failed = |error: &toml::de::Error, field: Option<String>| {
+        let problem = plain_words::problem(TextFormat::Toml, field, error.message());
         FileError::new(path, problem).at_line(error.span().map(|span| line_at(text, span.start)))
     };
-    let table = DeTable::parse(text).map_err(|error| syntax(&error))?;
+    let table = DeTable::parse(text).map_err(|error| failed(&error, None))?;
     let format = table.get_ref().get("format");
     let found = match format.map(|value| value.get_ref()) {
         Some(DeValue::String(found)) if found == expected => {
-            return toml::from_str(text).map_err(|error| syntax(&error));
+            return toml::from_str(text).map_err(|error| {
+                let field = error.span().and_then(|span| field_at(table.get_ref(), span.start));
+                failed(&error, field)
+            });
         }
         Some(DeValue::String(found)) => format!("\"{found}\""),
         Some(other) => other.type_str().to_owned(),
@@ -31,6 +33,39 @@ pub(super) fn parse_versioned<T: DeserializeOwned>(
     };
     let line = format.map(|value| line_at(text, value.span().start));
     Err(FileError::new(path, FileProblem::Format { found, expected }).at_line(line))
+}
+
+/// The field that holds the byte at `offset`, as in `limb[2].radius`: the innermost one. Of a key, the table that has it.
+fn field_at(table: &DeTable<'_>, offset: usize) -> Option<String> {
+    let mut waiting: Vec<(String, &DeTable<'_>)> = vec![(String::new(), table)];
+    let mut innermost: Option<(usize, String)> = None;
+    // Tables may have their heads far from their parents', so all are looked at.
+    while let Some((path, table)) = waiting.pop() {
+        for (key, value) in table.iter() {
+            if key.span().contains(&offset) {
+                return Some(path).filter(|path| !path.is_empty());
+            }
+            let dot = if path.is_empty() { "" } else { "." };
+            let mut items = vec![(format!("{path}{dot}{}", key.get_ref()), value)];
+            while let Some((path, value)) = items.pop() {
+                let span = value.span();
+                if span.contains(&offset) && innermost.as_ref().is_none_or(|(length, _)| span.len() < *length)
+                {
+                    innermost = Some((span.len(), path.clone()));
+                }
+                match value.get_ref() {
+                    DeValue::Table(table) => waiting.push((path, table)),
+                    DeValue::Array(array) => {
+                        items.extend(
+                            array.iter().enumerate().map(|(at, item)| (format!("{path}[{at}]"), item)),
+                        );
+                    }
+                    _ => {}
+                }
+            }
+        }
+    }
+    innermost.map(|(_, path)| path)
 }
 
 /// One step down into a TOML text.

@@ -24,7 +24,7 @@ pub(crate) mod sizes;
 
 pub use kinematics::{Kinematics, MovingColumn};
 pub use limb::{JointAngles, JointLimits, Limb, LimbSphere, Range};
-pub use model::{FORMAT, LimbSpec, MAX_LIMBS, MAX_SIZE, Model, ModelError, ModelSpec};
+pub use model::{FORMAT, LimbSpec, MAX_ANGLE, MAX_LIMBS, MAX_SIZE, Model, ModelError, ModelSpec, ROOT};
 pub use parameters::Parameters;
 pub use pose::{FARTHEST_ROOT, Pose, PoseError};
 pub use sides::Sides;

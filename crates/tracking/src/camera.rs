@@ -13,7 +13,7 @@ mod rig;
 mod upright;
 
 pub use adjust::{AdjustOptions, Adjusted, Sighting, adjust};
-pub use camera::{Camera, CameraError, CameraFromWorld, FARTHEST, LARGEST_NUMBER, MAX_SIDE};
+pub use camera::{Camera, CameraError, CameraFromWorld, FARTHEST, LARGEST_NUMBER, MAX_PIXELS, MAX_SIDE};
 pub use distortion::Distortion;
 pub use intrinsics::Intrinsics;
 pub use rectify::Rectification;

@@ -126,6 +126,7 @@ pub mod filter;
 pub mod fit;
 pub mod geometry;
 pub mod metrics;
+pub mod names;
 pub mod observability;
 pub mod optimize;
 pub mod posing;

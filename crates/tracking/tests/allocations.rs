@@ -1,4 +1,4 @@
-//! An iteration allocates nothing but what is kept of it.
+//! An iteration allocates nothing but what is kept of it, and a long track keeps no more than its lag.
 
 use std::slice::from_ref;
 use std::sync::Arc;
@@ -6,11 +6,13 @@ use std::sync::Arc;
 use allocation_counter::measure;
 use backlit_tracking::body::{Kinematics, Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::{Evidence, FitOptions, FitView, Objective, Preset};
 use backlit_tracking::optimize::{LeastSquares, NormalEquations, StepMemory};
 use backlit_tracking::render::{Ramp, RendererKind, predict};
 use backlit_tracking::search::start;
 use backlit_tracking::silhouette::Measurement;
+use backlit_tracking::track::{BlockSmoother, FrameEstimate, KalmanOptions, Motion, Tracker};
 use glam::DVec3;
 use nalgebra::DVector;
 
@@ -49,4 +51,53 @@ fn evaluating_and_solving_allocate_nothing_after_the_first_time() {
             assert_eq!(found, 0, "{renderer}, {parameters:?}: {found} allocations");
         }
     }
+}
+
+/// Two frames of the full body that a Kalman filter has followed: the second one is foretold.
+fn followed() -> [FrameEstimate; 2] {
+    let model = Arc::new(builtin::full_body());
+    let pose = Pose::rest(&model);
+    let place = CameraFromWorld::looking_at(DVec3::new(0.5, 0.3, 4.0), DVec3::new(0.0, -0.2, 0.0), DVec3::Y);
+    let pinhole = Intrinsics { fx: 40.0, fy: 40.0, cx: 23.5, cy: 17.5 };
+    let camera = Arc::new(Camera::new("camera", [48, 36], pinhole, Distortion::None, place).unwrap());
+    let rest = Kinematics::new(&model, &pose);
+    let lambda = predict(&model, &rest, &camera, RendererKind::Capsule, Ramp::Half).lambda;
+    let data = Arc::new(Measurement::new(48, 36, lambda, vec![1.0; 48 * 36]).unwrap());
+    let view = || {
+        vec![FitView {
+            camera: Arc::clone(&camera),
+            evidence: Evidence::Measurement(Arc::clone(&data)),
+            weight: 1.0,
+        }]
+    };
+    let options = FitOptions::preset(Preset::Robust).with_ramp(Ramp::Half).with_iterations(2);
+    let tracker = Tracker::new(Arc::clone(&model), options, pose).unwrap();
+    let mut tracker = tracker.with_motion(Motion::Kalman(KalmanOptions::default()), 30.0).unwrap();
+    [0, 1].map(|frame| tracker.track_frame(frame, view(), &CancelToken::new()).unwrap())
+}
+
+#[test]
+fn smoothing_keeps_as_many_frames_as_its_lag_however_long_the_track_is() {
+    const LAG: usize = 8;
+    let [_, frame] = followed();
+    assert!(frame.belief.as_ref().unwrap().predicted.is_some());
+    let of_one = |frame: FrameEstimate| measure(|| drop(std::hint::black_box(frame.clone()))).bytes_max;
+    let (whole, settled) = (of_one(frame.clone()), of_one(frame.clone().settled()));
+    println!("a frame of the full body: {whole} bytes with all that smoothing needs, {settled} without");
+    assert!(3 * settled < 2 * whole, "{settled} of {whole} bytes are left");
+    // What is known of a frame goes to a file or a screen, and is not kept here.
+    let most = |count: usize| {
+        let follow = || {
+            let mut smoother = BlockSmoother::new(LAG);
+            for number in 0..count {
+                drop(smoother.push(FrameEstimate { frame: number, ..frame.clone() }).unwrap());
+            }
+            drop(smoother.finish().unwrap());
+        };
+        measure(follow).bytes_max
+    };
+    let (short, long) = (most(3 * LAG), most(12 * LAG));
+    println!("at most {short} bytes for {} frames, {long} for {}", 3 * LAG, 12 * LAG);
+    assert!(long <= short + short / 50, "{short} and {long} bytes");
+    assert!(long < 4 * LAG as u64 * whole, "{long} bytes for {LAG} frames of {whole}");
 }

@@ -253,7 +253,7 @@ mod tests {
             (good.replacen("\"fx\": 420.25", "\"fx\": -1.0", 1), "camera \"b\": `fx` is -1"),
             (
                 good.replacen("\"fx\": 420.25", "\"fx\": null", 1),
-                "line 8: is not valid JSON: in `cameras[0].fx`",
+                "line 8: `cameras[0].fx` is null; expected a number",
             ),
             (good.replacen("\"fx\": 420.25,", "", 1), "missing field `fx`"),
             (good.replacen("\"b\"", "\"a\"", 1), "camera name \"a\" is used twice"),
@@ -261,7 +261,7 @@ mod tests {
             (good.replacen("\"opencv\"", "\"none\"", 1), "`cameras[0].distortion.model` is \"none\" beside"),
             (
                 good.replacen("\"opencv\"", "\"fish\"", 1),
-                "in `cameras[0].distortion.model`: unknown variant `fish`",
+                "in `cameras[0].distortion.model`: unknown word `fish`",
             ),
             (good.replacen("\"opencv\"", "\"fisheye\"", 1), "is \"fisheye\" beside `p1`; expected no `p1`"),
             (good.replacen("cameras 1", "cameras 9", 1), "line 2: `format` is \"backlit-cameras 9\""),

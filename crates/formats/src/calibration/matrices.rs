@@ -14,7 +14,7 @@ use serde_json::Value;
 use super::node::{Node, Value as Tree};
 use super::{CalibrationOptions, rig};
 use crate::json_text::{self, Entries};
-use crate::{FileError, FileProblem};
+use crate::{FileError, FileProblem, plain_words};
 
 #[derive(Deserialize)]
 struct RigSpec {
@@ -111,7 +111,7 @@ impl Source<'_> {
         match Vec::<T>::deserialize(self.value(key, expected)?) {
             Ok(numbers) if count.contains(&numbers.len()) => Ok(numbers),
             Ok(numbers) => Err(self.problem(key, &format!("{} numbers", numbers.len()), expected)),
-            Err(error) => Err(self.problem(key, &error.to_string(), expected)),
+            Err(error) => Err(self.problem(key, &plain_words::found(&error.to_string()), expected)),
         }
     }
 
@@ -119,7 +119,7 @@ impl Source<'_> {
         let expected = "three rows of three numbers";
         match <[[f64; 3]; 3]>::deserialize(self.value(key, expected)?) {
             Ok(rows) => Ok(DMat3::from_cols_array_2d(&rows).transpose()),
-            Err(error) => Err(self.problem(key, &error.to_string(), expected)),
+            Err(error) => Err(self.problem(key, &plain_words::found(&error.to_string()), expected)),
         }
     }
 
@@ -182,7 +182,7 @@ mod tests {
                 "line 7: `cameras.right.t` is 2 numbers; expected three",
             ),
             (GOOD.replacen("\"t\": [1, 2, 3]", "\"x\": 1", 1), "line 2: `cameras.right.t` is missing"),
-            (GOOD.replacen("536.0", "\"a\"", 1), "line 3: `cameras.right.K` is invalid type: string"),
+            (GOOD.replacen("536.0", "\"a\"", 1), "line 3: `cameras.right.K` is \"a\"; expected three rows"),
             (
                 GOOD.replacen("\"K\": [[1680.0, 0,", "\"K\": [[1680.0, 1,", 1),
                 "line 3: `cameras.right.K` is another matrix; expected [[fx",

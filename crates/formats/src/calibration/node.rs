@@ -7,14 +7,14 @@ use toml::de::{DeTable, DeValue};
 
 use super::lens::rotation_from_vector;
 use crate::text::line_at;
-use crate::{FileError, FileProblem, TextFormat};
+use crate::{FileError, FileProblem, TextFormat, plain_words};
 
 /// Deepest nesting that is read.
 pub(super) const MAX_DEPTH: usize = 32;
 /// Most values that are read from one file.
 pub(super) const MAX_NODES: usize = 1_000_000;
 /// Most keys of one table: they are looked for one after the other.
-pub(super) const MAX_KEYS: usize = 20_000;
+pub(super) const MAX_KEYS: usize = 4_000;
 
 /// One value and its line.
 #[derive(Debug, Clone)]
@@ -222,8 +222,7 @@ impl<'a> Field<'a> {
 /// The tree of a TOML text, tables in the order of the file.
 pub(super) fn from_toml(path: &Path, text: &str) -> Result<Node, FileError> {
     let table = DeTable::parse(text).map_err(|error| {
-        let message = error.message().trim().replace('\n', "; ");
-        let problem = FileProblem::Syntax { format: TextFormat::Toml, field: None, message };
+        let problem = plain_words::problem(TextFormat::Toml, None, error.message());
         FileError::new(path, problem).at_line(error.span().map(|span| line_at(text, span.start)))
     })?;
     let lines = Lines::new(text);

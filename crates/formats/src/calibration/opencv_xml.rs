@@ -10,8 +10,24 @@ use crate::{FileError, FileProblem, TextFormat};
 /// Most XML nodes that are read.
 const MAX_XML_NODES: u32 = 200_000;
 
+/// Most attributes of an element: the library compares each with all the others.
+const MAX_ATTRIBUTES: usize = 256;
+
 /// The document of an XML text.
+///
+/// # Errors
+/// Not XML, or more nodes or attributes than any calibration has.
 pub(super) fn document<'a>(path: &Path, text: &'a str) -> Result<Document<'a>, FileError> {
+    // No tag and no attribute holds a `<`.
+    let mut line = 1;
+    for tag in text.split('<') {
+        if tag.bytes().filter(|&byte| byte == b'=').count() > MAX_ATTRIBUTES && !tag.starts_with('!') {
+            let message = format!("more than {MAX_ATTRIBUTES} attributes in one element");
+            let problem = FileProblem::Syntax { format: TextFormat::Xml, field: None, message };
+            return Err(FileError::new(path, problem).at_line(Some(line)));
+        }
+        line += tag.bytes().filter(|&byte| byte == b'\n').count();
+    }
     let limits = ParsingOptions { nodes_limit: MAX_XML_NODES, ..ParsingOptions::default() };
     Document::parse_with_options(text, limits).map_err(|error| {
         let problem =

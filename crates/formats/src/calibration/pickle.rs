@@ -76,11 +76,16 @@ pub(super) fn arrays(path: &Path, bytes: &[u8]) -> Result<Vec<(String, Array)>, 
     let Object::Dict(entries) = &machine.objects[root] else {
         return Err(machine.error("the outermost value is not a dict"));
     };
-    let mut found = Vec::new();
+    let (mut found, mut numbers) = (Vec::new(), 0);
     for (key, value) in entries {
         if let (Object::Text(key), Object::Array(Some(array))) =
             (&machine.objects[*key], &machine.objects[*value])
         {
+            // One array may stand there under many keys.
+            numbers += array.numbers.len();
+            if numbers > MAX_NUMBERS {
+                return Err(machine.error(&format!("more than {MAX_NUMBERS} numbers")));
+            }
             found.push((key.clone(), array.clone()));
         }
     }

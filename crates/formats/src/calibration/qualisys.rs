@@ -16,27 +16,20 @@ use std::str::FromStr;
 
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
 use glam::{DMat3, DVec3};
-use roxmltree::{Document, Node, ParsingOptions};
+use roxmltree::Node;
 
-use super::{CalibrationOptions, rig};
-use crate::{FileError, FileProblem, TextFormat};
+use super::{CalibrationOptions, opencv_xml, rig};
+use crate::{FileError, FileProblem};
 
 /// The file's pixel numbers in one pixel.
 const PER_PIXEL: f64 = 64.0;
-/// Most XML nodes that are read.
-const MAX_NODES: u32 = 200_000;
 
 /// Parses the content of such a file; `path` is for the error's message.
 ///
 /// # Errors
 /// Not such a file, or not valid cameras. The error names the line, the camera and the field.
 pub fn parse(path: &Path, text: &str, options: CalibrationOptions) -> Result<Rig, FileError> {
-    let limits = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
-    let document = Document::parse_with_options(text, limits).map_err(|error| {
-        let problem =
-            FileProblem::Syntax { format: TextFormat::Xml, field: None, message: error.to_string() };
-        FileError::new(path, problem).at_line(Some(error.pos().row as usize))
-    })?;
+    let document = opencv_xml::document(path, text)?;
     let mut cameras = Vec::new();
     for node in document.descendants().filter(|node| node.has_tag_name("camera")) {
         let source = Source { path, node };

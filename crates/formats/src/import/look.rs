@@ -307,9 +307,10 @@ fn plates_of(listing: &Listing, cameras: &[&str]) -> Vec<Option<PathBuf>> {
 /// Opens a camera's footage and makes the camera fit its pictures.
 fn open(camera: &Camera, footage: &Footage, options: &ImportOptions) -> Result<FoundCamera, ImportError> {
     let pictures = footage.open()?;
-    let (frame_rate, notes) = match &pictures {
-        Pictures::Video(video) => (video.frame_rate(), video.notes()),
-        Pictures::Numbered { .. } => (None, Vec::new()),
+    let (frame_rate, notes) = match (&pictures, footage) {
+        (Pictures::Video(video), _) => (video.frame_rate(), video.notes()),
+        (Pictures::Numbered { .. }, Footage::Numbered(sequence)) => (None, Vec::from_iter(sequence.gap())),
+        (Pictures::Numbered { .. }, Footage::Video(_)) => (None, Vec::new()),
     };
     let picture = pictures.picture(0)?;
     let size = [picture.width() as usize, picture.height() as usize];

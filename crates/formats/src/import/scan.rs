@@ -25,8 +25,23 @@ pub(super) struct Sequence {
     pub(super) first: u64,
     /// How many there are without a gap.
     pub(super) count: usize,
+    /// How many lie behind the first gap.
+    pub(super) behind: usize,
     /// The first picture.
     pub(super) example: PathBuf,
+}
+
+impl Sequence {
+    /// Says that pictures lie behind a gap, which are not used.
+    pub(super) fn gap(&self) -> Option<String> {
+        let missing = self.first.saturating_add(self.count as u64);
+        (self.behind > 0).then(|| {
+            format!(
+                "picture {missing} is missing, so that the frames end there; {} later ones are not used",
+                self.behind
+            )
+        })
+    }
 }
 
 /// A picture: its number, that number's digits, and its path.
@@ -147,8 +162,9 @@ impl Listing {
             let is_filled = group.iter().all(|picture| picture.1 == digits);
             let number = if is_filled && digits > 1 { format!("%0{digits}d") } else { "%d".to_owned() };
             let pattern = format!("{}{number}{}", escaped(&before), escaped(&after));
+            let behind = group.len() - count;
             let example = group.swap_remove(0).2;
-            self.sequences.push(Sequence { folder, pattern, first, count, example });
+            self.sequences.push(Sequence { folder, pattern, first, count, behind, example });
         }
     }
 }
@@ -194,6 +210,7 @@ mod tests {
         assert_eq!(short(&found.calibrations), ["calibration/Calib.toml"]);
         let [three, four] = &found.sequences[..] else { panic!("{:?}", found.sequences) };
         assert_eq!((three.pattern.as_str(), three.first, three.count), ("é100%%_%04d.jpg", 7, 5));
+        assert_eq!((three.behind, four.behind), (1, 0), "number 20 lies behind a gap");
         assert_eq!((four.pattern.as_str(), four.first, four.count), ("%d.png", 7, 5));
         assert!(scan(&[folder.path().join("none")]).unwrap_err().is_missing());
     }

@@ -46,11 +46,14 @@ struct FrameSpec {
 /// No such file, not a track, a frame given twice, numbers that are no pose, or a body that is not the track's: its name
 /// is unknown, limbs differ, or joints lie elsewhere. The error names the file, the field, and the line where there is one.
 pub fn read_track(path: &Path, model: Option<&Model>) -> Result<Motion, FileError> {
-    parse(path, &DiskFiles.read(path, MAX_BYTES)?, model)
+    parse_track(path, &DiskFiles.read(path, MAX_BYTES)?, model)
 }
 
 /// The same from bytes; `path` is for the error's message.
-fn parse(path: &Path, bytes: &[u8], model: Option<&Model>) -> Result<Motion, FileError> {
+///
+/// # Errors
+/// As [`read_track`].
+pub fn parse_track(path: &Path, bytes: &[u8], model: Option<&Model>) -> Result<Motion, FileError> {
     let text = text::decode(path, bytes)?;
     let spec: TrackSpec = json_text::parse_versioned(path, text, FORMAT)?;
     let line = |field| json_text::line_of(text, &[field]);
@@ -149,7 +152,7 @@ mod tests {
         let export =
             TrackExport { name: "a", frame_rate: 8.0, model: &model, cameras: &["left"], track: &track };
         let text = track_json::to_text(&export);
-        let read = |text: &str, model| parse(Path::new("track.json"), text.as_bytes(), model);
+        let read = |text: &str, model| parse_track(Path::new("track.json"), text.as_bytes(), model);
         let motion = read(&text, None).unwrap();
         assert_eq!((motion.frame_rate, motion.poses.len()), (8.0, 2));
         let expected = Motion::of_track(&export);

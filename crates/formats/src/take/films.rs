@@ -29,6 +29,8 @@ pub(super) struct Film {
     pub(super) footage: CameraFootage,
     pub(super) there: Range<u64>,
     pub(super) zero: i64,
+    /// Pictures behind a gap, in words.
+    pub(super) gap: Option<String>,
 }
 
 impl Film {
@@ -57,7 +59,7 @@ pub(super) fn align(films: Vec<Film>, is_shifted: bool) -> Result<Films, TakeErr
     if ends <= begins && !films.is_empty() {
         return Err(TakeError::NoCommonFrame { camera: name(shortest), ends, other: name(latest), begins });
     }
-    let mut notes = Vec::new();
+    let mut notes: Vec<String> = films.iter().filter_map(|film| film.gap.clone()).collect();
     if begins > 0 {
         notes.push(format!(
             "the take begins {begins} frames later, because camera \"{}\" has no earlier one",

@@ -155,7 +155,7 @@ impl Reader<'_> {
                 return Err(self.field(first, "masks_first", "`masks` beside it".to_owned()).into());
             }
             if let Some(values) = &view.mask_values {
-                return Err(self.field(values, "mask_values", "`masks` beside it".to_owned()).into());
+                return Err(self.mask_values(values, "`masks` beside it").into());
             }
             return Ok(None);
         };
@@ -171,7 +171,7 @@ impl Reader<'_> {
         let given = match &view.mask_values {
             None => None,
             Some(values) => MaskValues::parse(values.get_ref())
-                .ok_or_else(|| self.field(values, "mask_values", MaskValues::EXPECTED.to_owned()))?,
+                .ok_or_else(|| self.mask_values(values, MaskValues::EXPECTED))?,
         };
         let camera = view.name.get_ref();
         let failed = |error: FileError| match error.path == self.path {
@@ -180,6 +180,13 @@ impl Reader<'_> {
         };
         let source = open(masks, "camera.masks").map_err(failed)?;
         Ok(Some(CameraMasks { source, first: [view.first, first], given, told: Arc::default(), is_alone }))
+    }
+}
+
+impl Reader<'_> {
+    fn mask_values(&self, values: &Spanned<toml::Value>, expected: &str) -> FileError {
+        let (field, found) = ("mask_values".to_owned(), values.get_ref().to_string());
+        self.problem(values.span(), FileProblem::Field { field, found, expected: expected.to_owned() })
     }
 }
 

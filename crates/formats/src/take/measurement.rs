@@ -4,6 +4,9 @@ use backlit_tracking::segment::SegmentOptions;
 use serde::Deserialize;
 use toml::{Table, Value};
 
+use crate::plain_words;
+use crate::text::cut;
+
 /// Tests and regions that `false` switches off: TOML has no word for nothing.
 const SWITCHES: [&str; 3] = ["shadow", "dont_know", "region"];
 
@@ -28,8 +31,15 @@ fn parse(mut table: Table) -> Result<SegmentOptions, String> {
     for (key, _) in SWITCHES.iter().zip(off).filter(|(_, off)| *off) {
         table.remove(*key);
     }
+    // A parser would take the list's numbers for the table's, in an order that nobody has promised.
+    if let Some((_, value)) =
+        table.iter().find(|(key, value)| SWITCHES.contains(&key.as_str()) && !value.is_table())
+    {
+        let shown = value.to_string();
+        return Err(format!("is {}; expected a table, as {{ … }}, or false", cut(&shown)));
+    }
     let mut options =
-        SegmentOptions::deserialize(table).map_err(|error| error.message().trim().to_owned())?;
+        SegmentOptions::deserialize(table).map_err(|error| plain_words::plain(error.message()))?;
     let [no_shadow, no_dont_know, no_region] = off;
     options.shadow = options.shadow.filter(|_| !no_shadow);
     options.dont_know = options.dont_know.filter(|_| !no_dont_know);
@@ -82,6 +92,9 @@ mod tests {
             ("z_threshold = nan", "z_threshold"),
             ("closing_px = 1000000000000", "closing_px"),
             ("shadow = { dark = 3 }", "shadow"),
+            ("shadow = [0.1, 0.9, 20, 30]", "shadow"),
+            ("region = [1, 2, 3, 4]", "region"),
+            ("dont_know = 3", "dont_know"),
         ] {
             assert_eq!(options(&table(text)).err().unwrap().key, key, "{text}");
         }

@@ -1,5 +1,6 @@
 //! From what a take file says to what it means: paths, cameras, frames, keypoints, options.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -10,7 +11,7 @@ use backlit_tracking::segment::SegmentOptions;
 use toml::{Spanned, Table};
 
 use super::films::{self, Cache, Film, Films};
-use super::footage::{Frames, count_files};
+use super::footage::{Frames, count_files, gap};
 use super::reference::ReferenceOptions;
 use super::spec::{ReferenceSpec, TakeSpec, ViewSpec};
 use super::{
@@ -26,6 +27,8 @@ use crate::{FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles};
 
 /// Pictures are reduced by no more than this.
 const MAX_REDUCTION: u32 = 64;
+/// Most markers that are mapped to joints: a body has 257 joints, and few have several markers.
+const MAX_MARKERS: usize = 1000;
 /// Offsets beyond this are a mistake, seconds.
 const MAX_OFFSET_SECONDS: f64 = 1e6;
 
@@ -55,7 +58,7 @@ impl<'a> Reader<'a> {
         Ok(reader)
     }
 
-    fn problem(&self, span: Range<usize>, problem: FileProblem) -> FileError {
+    pub(super) fn problem(&self, span: Range<usize>, problem: FileProblem) -> FileError {
         FileError::new(self.path, problem).at_line(Some(line_at(self.text, span.start)))
     }
 
@@ -139,7 +142,10 @@ impl<'a> Reader<'a> {
         let footage = CameraFootage { camera, frames, first, background, masks, keypoints };
         let count = self.count_frames(view, &footage)? as u64;
         let zero = self.offset(view, &footage, frame_rate)?;
-        Ok(Film { footage, there: view.first..view.first.saturating_add(count), zero })
+        let there = view.first..view.first.saturating_add(count);
+        let is_open = view.count.is_none() && view.last.is_none();
+        let gap = is_open.then(|| gap(&footage, &|path| self.files.exists(path), there.end)).flatten();
+        Ok(Film { footage, there, zero, gap })
     }
 
     /// A video, or numbered pictures.
@@ -282,6 +288,12 @@ impl<'a> Reader<'a> {
         take: &TakeSpec,
     ) -> Result<Reference, FileError> {
         let path = self.footage.join(self.expand(&spec.keypoints, "reference.keypoints")?);
+        if let Some(count) = spec.markers.as_ref().map(BTreeMap::len).filter(|&count| count > MAX_MARKERS) {
+            let (field, found) = ("reference.markers".to_owned(), format!("a table of {count}"));
+            let expected = format!("at most {MAX_MARKERS} markers");
+            let problem = FileProblem::Field { field, found, expected };
+            return Err(self.problem(spec.keypoints.span(), problem));
+        }
         let mut markers = Vec::new();
         for (marker, limb) in spec.markers.iter().flatten() {
             let joint = Joint::named(model, limb.get_ref()).ok_or_else(|| {

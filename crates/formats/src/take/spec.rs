@@ -13,7 +13,7 @@ pub const FORMAT: &str = "backlit-take 1";
 pub(super) struct TakeSpec {
     #[serde(rename = "format")]
     pub(super) _format: String,
-    pub(super) name: String,
+    pub(super) name: Spanned<String>,
     pub(super) frame_rate: Spanned<f64>,
     #[serde(default)]
     pub(super) units: Units,

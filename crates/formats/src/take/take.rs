@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::{Camera, Rig};
+use backlit_tracking::names;
 use backlit_tracking::segment::SegmentOptions;
 
 use super::reader::Reader;
@@ -89,6 +90,10 @@ impl Take {
         let text = decode(path, &bytes)?;
         let spec: TakeSpec = toml_text::parse_versioned(path, text, FORMAT)?;
         let reader = Reader::new(files.as_ref(), path, text, &spec)?;
+        let name = spec.name.get_ref();
+        if !name.is_empty() && !names::is_name(name) {
+            return Err(reader.field(&spec.name, "name", names::EXPECTED.to_owned()).into());
+        }
         let frame_rate = *spec.frame_rate.get_ref();
         if !(frame_rate > 0.0 && frame_rate <= MAX_FRAME_RATE) {
             let expected = format!("frames per second, above 0 and at most {MAX_FRAME_RATE}");
@@ -118,7 +123,7 @@ impl Take {
             None => None,
         };
         let measurement = reader.measurement(&spec)?;
-        let (name, sizes, model) = (spec.name, spec.sizes, Arc::new(model));
+        let (name, sizes, model) = (spec.name.into_inner(), spec.sizes, Arc::new(model));
         let path = path.to_owned();
         let take = Self {
             files,

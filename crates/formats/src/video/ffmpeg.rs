@@ -278,7 +278,9 @@ mod tests {
         let missing = Programs { ffmpeg: "no-such-ffmpeg".into(), ffprobe: "no-such-ffprobe".into() };
         let message = |letters: &[u8; 4]| {
             let parts = FileParts::in_memory(avi(letters));
-            Video::with_programs(parts, Path::new("v"), Arc::default(), &missing).unwrap_err().to_string()
+            Video::with_programs(parts, Path::new("v"), Arc::default(), Some(&missing))
+                .unwrap_err()
+                .to_string()
         };
         for (letters, codec) in [(b"VP90", "VP9"), (b"HEVC", "HEVC"), (b"AV01", "AV1"), (b"abcd", "\"abcd\"")]
         {

@@ -1,5 +1,6 @@
 //! What is wrong with a video.
 
+use backlit_tracking::camera::MAX_PIXELS;
 use thiserror::Error;
 
 use crate::reason;
@@ -20,7 +21,10 @@ pub enum VideoProblem {
     NoFrames { whole: usize },
     #[error("has more than {limit} frames; expected fewer")]
     TooManyFrames { limit: usize },
-    #[error("has pictures of {}×{} pixels; expected 1 to {limit} a side", size[0], size[1])]
+    #[error(
+        "has pictures of {}×{} pixels; expected 1 to {limit} a side, and at most {} megapixels", size[0], size[1],
+        MAX_PIXELS >> 20
+    )]
     Size { size: [usize; 2], limit: usize },
     #[error("cannot be read: {}", reason(.error))]
     Read { error: std::io::Error },

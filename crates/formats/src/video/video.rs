@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use backlit_tracking::camera::MAX_SIDE;
+use backlit_tracking::camera::{MAX_PIXELS, MAX_SIDE};
 use image::RgbImage;
 
 use super::cache::{FrameCache, Key};
@@ -80,7 +80,16 @@ impl Video {
     /// As [`open`](Self::open).
     pub fn from_files(files: &dyn TakeFiles, path: &Path, cache: Arc<FrameCache>) -> Result<Self, FileError> {
         let parts = files.parts(path)?;
-        Self::with_programs(parts, path, cache, &Programs::default())
+        Self::with_programs(parts, path, cache, Some(&Programs::default()))
+            .map_err(|error| FileError::new(path, FileProblem::Video { error }))
+    }
+
+    /// Opens a video that is decoded here, without any other program.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open); a video of another coding.
+    pub fn decoded_here(parts: FileParts, path: &Path) -> Result<Self, FileError> {
+        Self::with_programs(parts, path, Arc::default(), None)
             .map_err(|error| FileError::new(path, FileProblem::Video { error }))
     }
 
@@ -98,7 +107,7 @@ impl Video {
         mut parts: FileParts,
         path: &Path,
         cache: Arc<FrameCache>,
-        programs: &Programs,
+        programs: Option<&Programs>,
     ) -> Result<Self, VideoProblem> {
         let head = parts.read_up_to(0, HEAD_BYTES).map_err(|error| VideoProblem::Read { error })?;
         let container = Container::of(&head).ok_or(VideoProblem::Unknown)?;
@@ -116,6 +125,10 @@ impl Video {
             }
         }
         let codec = why.or_else(|| index.as_ref().map(|index| index.codec.name().to_owned()));
+        let Some(programs) = programs else {
+            let codec = codec.unwrap_or_else(|| "of a kind that is not decoded here".to_owned());
+            return Err(VideoProblem::NeedsProgram { codec, program: "ffmpeg".to_owned() });
+        };
         let piped = Piped::open(parts, path, codec, index.as_ref(), programs)?;
         Self::of(path, Source::Piped(Box::new(piped)), cache)
     }
@@ -134,7 +147,8 @@ impl Video {
             }
         };
         let limit = MAX_SIDE as usize;
-        if size.iter().any(|&side| side == 0 || side > limit) {
+        let pixels = (size[0] as u64).saturating_mul(size[1] as u64);
+        if size.iter().any(|&side| side == 0 || side > limit) || pixels > MAX_PIXELS {
             return Err(VideoProblem::Size { size, limit });
         }
         let inner = Inner {

@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
 
 mod bad_numbers;
+mod bombs;
 mod calibration_files;
 mod calibration_texts;
 #[path = "../../../tracking/tests/tracking/footage.rs"]

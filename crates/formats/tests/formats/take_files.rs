@@ -86,6 +86,30 @@ fn open(files: BTreeMap<PathBuf, Vec<u8>>) -> Result<Take, TakeError> {
     Take::from_files(Arc::new(MemoryFiles::new(files)), Path::new("t/take.toml"))
 }
 
+#[test]
+fn pictures_behind_a_gap_are_told() {
+    let mut files = good();
+    assert!(open(files.clone()).unwrap().notes().is_empty());
+    for number in [10, 12] {
+        files.insert(format!("t/footage/b/{number:03}.png").into(), picture(8, 6, 1, ImageFormat::Png));
+    }
+    let notes = open(files.clone()).unwrap().notes();
+    let expected = "camera \"b\": pictures 8 to 9 are missing, so that its frames end there; at least 2 later ones are not used";
+    assert_eq!(notes, [expected]);
+    // Who says how many frames there are means those.
+    let text = TAKE.replacen("first = 5", "first = 5\ncount = 3", 1);
+    files.insert("t/take.toml".into(), text.into_bytes());
+    assert!(open(files).unwrap().notes().is_empty());
+}
+
+#[test]
+fn names_that_steer_a_terminal_are_refused_and_not_repeated() {
+    let message = edited("name = \"two cameras\"", "name = \"a\\u001B[2Jb\"");
+    assert!(message.contains("line 2: `name` is \"a\\u{1b}[2Jb\"; expected 1 to 200 letters"), "{message}");
+    let message = edited("name = \"a\"", "name = \"\\u001B]0;x\\u0007\"");
+    assert!(message.contains("there is no camera \"\\u{1b}]0;x\\u{7}\""), "{message}");
+}
+
 /// What a take says whose file `path` is changed by `change`.
 fn message(path: &str, change: impl FnOnce(&mut Vec<u8>)) -> String {
     let mut files = good();
@@ -209,7 +233,7 @@ fn errors_in_the_take_file_name_the_line() {
             "frame_rate = 25\nframes = 3",
             "t/take.toml, line 4: is not valid TOML: unknown field `frames`",
         ),
-        ("first = 5", "start = 5", "line 14: is not valid TOML: unknown field `start`"),
+        ("first = 5", "start = 5", "line 14: is not valid TOML: in `camera[0]`: unknown field `start`"),
         ("opening_px = 2", "opening = 2", "line 32: `measurement.opening`: unknown field"),
         ("region = { x = 1", "region = { z = 1", "line 23: `measurement.region`: unknown field `z`"),
         ("frame_rate = 25", "frame_rate = 0", "line 3: `frame_rate` is 0.0; expected frames per second"),

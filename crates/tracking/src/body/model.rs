@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::limb::{JointLimits, Limb, LimbSphere};
+use crate::names;
 
 /// Name and version of the model file's format.
 pub const FORMAT: &str = "backlit-body 1";
@@ -12,6 +13,12 @@ pub const FORMAT: &str = "backlit-body 1";
 pub const MAX_LIMBS: usize = 256;
 /// Lengths and radii above this (metres) are a mistake of units.
 pub const MAX_SIZE: f64 = 100.0;
+/// Limits beyond this, radians, limit nothing and are a mistake: of degrees, or of something else.
+pub const MAX_ANGLE: f64 = 4.0 * std::f64::consts::PI;
+/// Names of a long cycle that are told of its beginning and of its end.
+const CYCLE_SHOWN: usize = 4;
+/// What stands for the root among names of joints, so that no limb may be called so.
+pub const ROOT: &str = "root";
 
 /// A body model as files say it: see `docs/formats.md`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -64,9 +71,15 @@ pub enum ModelError {
     TooManyLimbs { count: usize },
     #[error("limb {number}: `name` is empty")]
     EmptyName { number: usize },
+    #[error("limb {number}: `name` is \"{}\"; expected {}", names::excerpt(.name), names::EXPECTED)]
+    Name { number: usize, name: String },
+    #[error("the body's `name` is \"{}\"; expected {}", names::excerpt(.name), names::EXPECTED)]
+    BodyName { name: String },
+    #[error("limb {number}: `name` is \"{ROOT}\", which stands for the root; expected another name")]
+    Root { number: usize },
     #[error("limb \"{limb}\": `name` is used twice; expected every name once")]
     DuplicateName { limb: String },
-    #[error("limb \"{limb}\": `{field}` names \"{target}\", and no limb has that name")]
+    #[error("limb \"{limb}\": `{field}` names \"{}\", and no limb has that name", names::excerpt(.target))]
     UnknownLimb { limb: String, field: &'static str, target: String },
     #[error("limb \"{limb}\": `{field}` = \"{target}\" makes a cycle: {cycle}")]
     Cycle { limb: String, field: &'static str, target: String, cycle: String },
@@ -111,6 +124,9 @@ impl Model {
         }
         if spec.limbs.len() > MAX_LIMBS {
             return Err(ModelError::TooManyLimbs { count: spec.limbs.len() });
+        }
+        if !spec.name.is_empty() && !names::is_name(&spec.name) {
+            return Err(ModelError::BodyName { name: spec.name.clone() });
         }
         for (index, limb) in spec.limbs.iter().enumerate() {
             check_limb(index, limb)?;
@@ -344,6 +360,12 @@ fn check_limb(index: usize, limb: &LimbSpec) -> Result<(), ModelError> {
     if limb.name.trim().is_empty() {
         return Err(ModelError::EmptyName { number: index + 1 });
     }
+    if !names::is_name(&limb.name) {
+        return Err(ModelError::Name { number: index + 1, name: limb.name.clone() });
+    }
+    if limb.name == ROOT {
+        return Err(ModelError::Root { number: index + 1 });
+    }
     let direction_length = limb.direction.length();
     if !direction_length.is_finite() || direction_length < 1e-9 {
         return Err(ModelError::Direction { limb: name(), value: limb.direction });
@@ -357,12 +379,10 @@ fn check_limb(index: usize, limb: &LimbSpec) -> Result<(), ModelError> {
         for (field, range) in
             [("flexion", limits.flexion), ("sideways", limits.sideways), ("twist", limits.twist)]
         {
-            if !range.is_valid() {
-                return Err(ModelError::Limits {
-                    limb: name(),
-                    field,
-                    problem: "is not a range; expected [smallest, largest] in radians",
-                });
+            if !range.is_valid() || range.0.abs().max(range.1.abs()) > MAX_ANGLE {
+                let problem =
+                    "is not a range; expected [smallest, largest] in radians, none beyond two whole turns";
+                return Err(ModelError::Limits { limb: name(), field, problem });
             }
         }
         let across = limits.axis.reject_from(limb.direction);
@@ -379,14 +399,14 @@ fn check_limb(index: usize, limb: &LimbSpec) -> Result<(), ModelError> {
             let problem = "has no radius above 0; expected metres";
             return Err(ModelError::Sphere { limb: name(), index, problem });
         }
-        let place = sphere.offset.abs().max_element().max(sphere.at.abs());
-        let is_number = sphere.at.is_finite() && sphere.offset.is_finite();
-        if !is_number || place > MAX_SIZE {
-            return Err(ModelError::Sphere {
-                limb: name(),
-                index,
-                problem: "is not finite or far off the limb",
-            });
+        if !(0.0..=1.0).contains(&sphere.at) {
+            let problem = "does not lie on the limb; expected `at` from 0, its first joint, to 1, its second";
+            return Err(ModelError::Sphere { limb: name(), index, problem });
+        }
+        if !sphere.offset.abs().cmple(DVec3::splat(MAX_SIZE)).all() {
+            let problem =
+                "lies far off the limb; expected an `offset` of three numbers in metres, at most 100";
+            return Err(ModelError::Sphere { limb: name(), index, problem });
         }
     }
     Ok(())
@@ -399,7 +419,10 @@ fn check_cycles(spec: &ModelSpec, field: &'static str, next: &[Option<usize>]) -
         while let Some(target) = next[current] {
             path.push(target);
             if target == start {
-                let names: Vec<&str> = path.iter().map(|&limb| spec.limbs[limb].name.as_str()).collect();
+                let mut names: Vec<&str> = path.iter().map(|&limb| spec.limbs[limb].name.as_str()).collect();
+                if names.len() > 2 * CYCLE_SHOWN {
+                    names.splice(CYCLE_SHOWN..names.len() - CYCLE_SHOWN, ["…"]);
+                }
                 return Err(ModelError::Cycle {
                     limb: spec.limbs[start].name.clone(),
                     field,
@@ -417,64 +440,4 @@ fn check_cycles(spec: &ModelSpec, field: &'static str, next: &[Option<usize>]) -
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn limb(name: &str, parent: Option<&str>) -> LimbSpec {
-        LimbSpec {
-            name: name.into(),
-            parent: parent.map(Into::into),
-            rigid_with: None,
-            direction: DVec3::X,
-            length: 0.3,
-            radius: 0.05,
-            limits: None,
-            spheres: Vec::new(),
-        }
-    }
-
-    fn model(limbs: Vec<LimbSpec>) -> Result<Model, ModelError> {
-        Model::new(&ModelSpec { format: FORMAT.into(), name: "test".into(), limbs })
-    }
-
-    #[test]
-    fn errors_name_limb_and_field() {
-        let cases: Vec<(Vec<LimbSpec>, &str)> = vec![
-            (vec![], "no limb"),
-            (vec![limb("a", Some("b"))], "limb \"a\": `parent` names \"b\""),
-            (vec![limb("a", Some("b")), limb("b", Some("a"))], "makes a cycle: a → b → a"),
-            (vec![limb("a", None), limb("a", None)], "`name` is used twice"),
-            (vec![LimbSpec { length: f64::NAN, ..limb("a", None) }], "`length` is NaN"),
-            (vec![LimbSpec { radius: 0.0, ..limb("a", None) }], "`radius` is 0"),
-            (vec![LimbSpec { direction: DVec3::ZERO, ..limb("a", None) }], "`direction`"),
-            (
-                vec![limb("a", Some("b")), LimbSpec { rigid_with: Some("a".into()), ..limb("b", None) }],
-                "`parent` = \"a\" makes a cycle",
-            ),
-            (
-                vec![LimbSpec { rigid_with: Some("a".into()), ..limb("a", None) }],
-                "`rigid_with` = \"a\" makes a cycle",
-            ),
-        ];
-        for (limbs, expected) in cases {
-            let message = model(limbs).unwrap_err().to_string();
-            assert!(message.contains(expected), "{message:?} should contain {expected:?}");
-        }
-    }
-
-    #[test]
-    fn a_child_may_stand_before_its_parent() {
-        let model = model(vec![limb("hand", Some("arm")), limb("arm", None)]).unwrap();
-        assert_eq!(model.limbs()[0].name, "arm");
-        assert_eq!(model.limbs()[1].parent, Some(0));
-        // Columns of the state keep the file's order.
-        assert_eq!(model.rotation_owners(), [1, 0]);
-        assert_eq!(model.rotation_parents(), [Some(1), None]);
-    }
-
-    #[test]
-    fn a_model_survives_its_own_file() {
-        let body = crate::body::builtin::full_body();
-        assert_eq!(Model::new(&body.to_spec()).unwrap(), body);
-    }
-}
+mod tests;

@@ -4,9 +4,12 @@ use glam::{DMat3, DVec2, DVec3};
 use thiserror::Error;
 
 use super::{Distortion, Intrinsics};
+use crate::names;
 
 /// Most pixels across or down a picture.
 pub const MAX_SIDE: u32 = 16_384;
+/// Most pixels of a picture, as of a mask: of larger ones not even one could be decoded within 500 MB.
+pub const MAX_PIXELS: u64 = 64 << 20;
 /// Larger numbers in a calibration (pixels, coefficients of a lens) are a mistake, and would not stay finite when squared.
 pub const LARGEST_NUMBER: f64 = 1e9;
 /// A focal length below this projects everything to one point.
@@ -53,10 +56,12 @@ impl CameraFromWorld {
 #[derive(Debug, Error, Clone, PartialEq)]
 #[expect(missing_docs, reason = "the messages say what each variant and field is")]
 pub enum CameraError {
-    #[error("`name` is empty")]
-    Name,
+    #[error("`name` is \"{}\"; expected {}", names::excerpt(.name), names::EXPECTED)]
+    Name { name: String },
     #[error("`{field}` is {value}; expected 1 to {MAX_SIDE} pixels")]
     Size { field: &'static str, value: u64 },
+    #[error("`width` × `height` is {} × {}; expected at most {MAX_PIXELS} pixels", size[0], size[1])]
+    Pixels { size: [u64; 2] },
     #[error("`{field}` is {value}; expected a number of pixels above 0 and at most {LARGEST_NUMBER:e}")]
     Focal { field: &'static str, value: f64 },
     #[error("`{field}` is {value}; expected a number of at most {LARGEST_NUMBER:e}")]
@@ -90,13 +95,16 @@ impl Camera {
         distortion: Distortion,
         camera_from_world: CameraFromWorld,
     ) -> Result<Self, CameraError> {
-        if name.trim().is_empty() {
-            return Err(CameraError::Name);
+        if !names::is_name(name) {
+            return Err(CameraError::Name { name: name.to_owned() });
         }
         for (field, value) in [("width", size[0]), ("height", size[1])] {
             if value == 0 || value > u64::from(MAX_SIDE) {
                 return Err(CameraError::Size { field, value });
             }
+        }
+        if size[0] * size[1] > MAX_PIXELS {
+            return Err(CameraError::Pixels { size });
         }
         for (field, value) in [("fx", intrinsics.fx), ("fy", intrinsics.fy)] {
             if !(SMALLEST_FOCAL_PX..=LARGEST_NUMBER).contains(&value) {

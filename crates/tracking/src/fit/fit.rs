@@ -62,6 +62,15 @@ pub struct SolverSummary {
     pub empty_cameras: Vec<String>,
 }
 
+impl SolverSummary {
+    /// Whether the numbers ran out of range: then the pose, however it looks, says nothing.
+    #[must_use]
+    pub fn is_broken(&self) -> bool {
+        self.termination == Termination::NotFinite
+            || !(self.final_cost.is_finite() && self.final_rms.is_finite())
+    }
+}
+
 /// A fit that is stepped from outside.
 #[derive(Debug)]
 pub struct Fit {

@@ -69,6 +69,16 @@ impl FrameEstimate {
         self.overlap = FrameMasks::of(views).overlap(model, &self.pose, renderer);
     }
 
+    /// Without what only the filter, smoothing and tuning need: what was foretold, and what the frame says by itself. That is two
+    /// thirds of what a filter keeps of a frame.
+    #[must_use]
+    pub fn settled(mut self) -> Self {
+        if let Some(belief) = &mut self.belief {
+            (belief.predicted, belief.seen) = (None, None);
+        }
+        self
+    }
+
     /// Whether the subject, or a limb of it, was lost.
     #[must_use]
     pub fn is_lost(&self) -> bool {

@@ -29,6 +29,8 @@ pub enum Lost {
     Nobody,
     /// No start was given, and the silhouettes do not meet in space: none could be found.
     NoStart,
+    /// The fit's numbers ran out of range, so that its pose says nothing.
+    Numbers,
     /// Hardly any overlap of model and silhouettes.
     Overlap {
         /// IoU of all cameras together.
@@ -53,6 +55,7 @@ impl UsualCost {
     /// How a fitted frame is lost, if it is.
     pub(super) fn judge(&self, rms: f64, iou: Option<f64>) -> Option<Lost> {
         match iou {
+            _ if !rms.is_finite() => Some(Lost::Numbers),
             Some(iou) if iou < LOST_BELOW_IOU => Some(Lost::Overlap { iou }),
             _ => {
                 let usual = self.usual()?;
@@ -121,6 +124,19 @@ impl LastResort {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_fit_whose_numbers_ran_out_of_range_is_lost_however_it_overlaps() {
+        let mut usual = UsualCost::default();
+        for rms in [f64::INFINITY, f64::NAN] {
+            assert_eq!(usual.judge(rms, Some(0.95)), Some(Lost::Numbers));
+            assert_eq!(usual.judge(rms, None), Some(Lost::Numbers));
+            usual.remember(rms, Some(Lost::Numbers));
+        }
+        // Nothing is learnt from it.
+        (0..FEWEST).for_each(|_| usual.remember(10.0, None));
+        assert_eq!(usual.usual(), Some(10.0));
+    }
 
     #[test]
     fn a_cost_that_jumps_is_lost_and_one_that_stays_is_usual() {

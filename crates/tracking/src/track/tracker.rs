@@ -53,6 +53,18 @@ struct Attempt {
     lost: Option<Lost>,
 }
 
+impl Attempt {
+    /// A fit whose numbers ran out of range is never better, and any other is better than that.
+    fn is_better(&self, other: &Self) -> bool {
+        rms(&self.found.summary).total_cmp(&rms(&other.found.summary)).is_lt()
+    }
+}
+
+/// What a fit is judged by: infinite where the numbers ran out of range.
+fn rms(summary: &SolverSummary) -> f64 {
+    if summary.is_broken() { f64::INFINITY } else { summary.final_rms }
+}
+
 /// The frame before.
 #[derive(Debug)]
 struct LastFrame {
@@ -219,7 +231,7 @@ impl Tracker {
         let mut attempt = self.attempt(found, &masks);
         if let Some(views) = again.filter(|_| attempt.lost.is_some() && !cancel.is_cancelled()) {
             let wider = self.attempt(self.fit_widely(views, &start, &masks, cancel)?, &masks);
-            if wider.found.summary.final_rms < attempt.found.summary.final_rms {
+            if wider.is_better(&attempt) {
                 attempt = wider;
                 // Where the motion was wrong it says nothing of what follows.
                 predicted = Err(Begins::FoundElsewhere);
@@ -230,7 +242,7 @@ impl Tracker {
             && let Ok(found) = self.find(views, Some(&start), cancel)
         {
             let found = self.attempt(found, &masks);
-            if found.found.summary.final_rms < attempt.found.summary.final_rms {
+            if found.is_better(&attempt) {
                 attempt = found;
                 predicted = Err(Begins::FoundElsewhere);
             }
@@ -240,7 +252,7 @@ impl Tracker {
 
     fn attempt(&self, found: Found, masks: &FrameMasks) -> Attempt {
         let overlap = masks.overlap(&self.model, &found.summary.pose, self.options.renderer);
-        let lost = self.usual.judge(found.summary.final_rms, iou(&overlap));
+        let lost = self.usual.judge(rms(&found.summary), iou(&overlap));
         Attempt { found, overlap, lost }
     }
 
@@ -277,8 +289,8 @@ impl Tracker {
         let estimate = FrameEstimate {
             frame,
             pose: summary.pose,
-            cost: Some(summary.final_cost),
-            rms: Some(summary.final_rms),
+            cost: Some(summary.final_cost).filter(|cost| cost.is_finite()),
+            rms: Some(summary.final_rms).filter(|rms| rms.is_finite()),
             overlap,
             empty_cameras: summary.empty_cameras,
             iterations: summary.iterations.len(),
@@ -368,7 +380,7 @@ impl Tracker {
         let overlap = || iou(&masks.overlap(model, &found.summary.pose, options.renderer));
         let is_poor = || {
             overlap().is_some_and(|iou| iou < SEARCH_BELOW_IOU)
-                || self.usual.judge(found.summary.final_rms, None).is_some()
+                || self.usual.judge(rms(&found.summary), None).is_some()
         };
         match again.filter(|_| is_poor()) {
             Some(views) => self.search(views, start, options, cancel),

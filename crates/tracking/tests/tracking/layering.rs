@@ -8,9 +8,9 @@ fn allowed(module: &str) -> Option<Vec<&'static str>> {
     let fit = ["residual", "render", "body", "camera", "silhouette", "optimize", "cancel"];
     Some(match module {
         "lib" => Vec::new(),
-        "geometry" | "cancel" | "processor" => Vec::new(),
+        "geometry" | "cancel" | "processor" | "names" => Vec::new(),
         "optimize" | "silhouette" => vec!["processor"],
-        "body" | "camera" => vec!["geometry"],
+        "body" | "camera" => vec!["geometry", "names"],
         "segment" => vec!["silhouette", "cancel", "processor"],
         "render" => vec!["body", "camera", "silhouette", "geometry", "cancel", "processor"],
         "residual" => vec!["render", "body", "camera", "silhouette", "optimize", "geometry", "processor"],

@@ -1,0 +1,15 @@
+//! Every reader, with what it begins from and what must hold of what it read.
+
+mod takes;
+mod texts;
+mod videos;
+
+use crate::engine::Target;
+
+/// All targets.
+pub(crate) fn all() -> Vec<Target> {
+    let mut all = texts::targets();
+    all.extend(takes::targets());
+    all.extend(videos::targets());
+    all
+}

@@ -1,0 +1,203 @@
+//! Bodies, poses, starts, tracks, cameras, keypoints and markers.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use backlit_formats::calibration::write::{self, Format};
+use backlit_formats::calibration::{self, CalibrationOptions};
+use backlit_formats::pose_file::{self, Quaternions};
+use backlit_formats::{MemoryFiles, keypoints, model_file, motion, starts_file, trc};
+use backlit_tracking::body::builtin;
+use backlit_tracking::camera::Rig;
+
+use crate::engine::{Answer, Target};
+use crate::mutate::Syntax;
+use crate::seeds;
+
+const OPTIONS: CalibrationOptions = CalibrationOptions { size: None, metres_per_unit: 1.0 };
+
+fn model(bytes: &[u8]) -> Answer {
+    let found = model_file::parse(Path::new("body.toml"), bytes);
+    if let Ok(model) = &found {
+        let again = model_file::parse(Path::new("again.toml"), model_file::to_text(model).as_bytes());
+        assert_eq!(&again.unwrap(), model);
+    }
+    found.into()
+}
+
+fn pose(bytes: &[u8]) -> Answer {
+    let model = builtin::upper_body();
+    let path = Path::new("pose.json");
+    let raw = pose_file::parse(path, bytes, &model, Quaternions::Raw);
+    if let Ok(pose) = &raw {
+        let text = pose_file::to_text(&model, pose);
+        assert_eq!(&pose_file::parse(path, text.as_bytes(), &model, Quaternions::Raw).unwrap(), pose);
+        let unit = pose_file::parse(path, bytes, &model, Quaternions::Normalised).unwrap();
+        assert!(unit.rotations.iter().all(|q| (q.length() - 1.0).abs() < 1e-9), "{unit:?}");
+    }
+    raw.into()
+}
+
+fn starts(bytes: &[u8]) -> Answer {
+    let found = starts_file::parse(Path::new("starts.json"), bytes);
+    if let Ok(starts) = &found {
+        for start in starts {
+            assert!(start.truth.check(&start.model).is_ok() && start.start.check(&start.model).is_ok());
+        }
+    }
+    found.into()
+}
+
+fn track(bytes: &[u8]) -> Answer {
+    let path = Path::new("track.json");
+    let found = motion::parse_track(path, bytes, None);
+    if let Ok(motion) = &found {
+        let again = motion::parse_track(path, seeds::track_text(motion).as_bytes(), None).unwrap();
+        assert_eq!((&again.name, again.frame_rate), (&motion.name, motion.frame_rate));
+        assert!(again.poses.keys().eq(motion.poses.keys()));
+        for (a, b) in again.poses.values().zip(motion.poses.values()) {
+            assert!(a.root == b.root && a.local(b).iter().all(|x| x.abs() < 1e-9), "{a:?} {b:?}");
+        }
+    }
+    found.into()
+}
+
+fn keypoint_file(bytes: &[u8]) -> Answer {
+    let found = keypoints::parse(Path::new("frame.json"), bytes);
+    if let Ok(people) = &found {
+        // What becomes of them next.
+        let _ = keypoints::generous_mask(people, [64, 48], 2);
+        let _ = keypoints::sure_mask(people, [64, 48], 2);
+        let _ = (keypoints::tallest(people), keypoints::largest_extent(people));
+    }
+    found.into()
+}
+
+fn markers(bytes: &[u8]) -> Answer {
+    trc::parse(Path::new("markers.trc"), bytes).into()
+}
+
+/// A rig that was read is written in our own format and read as the same; what another format holds of it is read too.
+fn check_rig(rig: &Rig) {
+    let text = calibration::backlit::to_text(rig);
+    assert_eq!(&calibration::parse(Path::new("again.json"), text.as_bytes(), OPTIONS).unwrap(), rig);
+    for format in Format::ALL.into_iter().filter(|format| *format != Format::EasyMocap) {
+        let Ok(texts) = write::to_text(rig, format) else { continue };
+        let again = calibration::parse(Path::new("again"), texts[0].as_bytes(), OPTIONS);
+        let again = again.unwrap_or_else(|error| panic!("{}: {error}\n{}", format.name(), texts[0]));
+        let names =
+            |rig: &Rig| rig.cameras().iter().map(|camera| camera.name().to_owned()).collect::<Vec<_>>();
+        assert_eq!(names(&again), names(rig), "{}\n{}", format.name(), texts[0]);
+    }
+}
+
+fn cameras(bytes: &[u8]) -> Answer {
+    let found = calibration::parse(Path::new("cameras"), bytes, OPTIONS);
+    if let Ok(rig) = &found {
+        check_rig(rig);
+    }
+    found.into()
+}
+
+/// As [`cameras`] where only one of two files changes.
+fn pair(changed: &str, bytes: &[u8], beside: &str, other: Vec<u8>) -> Answer {
+    let files = MemoryFiles::new([(changed, bytes.to_vec()), (beside, other)]);
+    let found = calibration::read_from(&files, Path::new(changed), OPTIONS);
+    if let Ok(rig) = &found {
+        check_rig(rig);
+    }
+    found.into()
+}
+
+/// Sizes that a file does not say are given.
+fn sized(bytes: &[u8]) -> Answer {
+    calibration::parse(Path::new("cameras"), bytes, CalibrationOptions { size: Some([640, 480]), ..OPTIONS })
+        .into()
+}
+
+const CAMERA_WORDS: &[&str] = &[
+    "cameras",
+    "size",
+    "fx",
+    "rotation",
+    "translation",
+    "distortion",
+    "name",
+    "data:",
+    "rows:",
+    "- ",
+    "  ",
+    "---",
+    "!!opencv-matrix",
+    "|",
+    "&a",
+    "*a",
+    "<<: *a",
+    "fisheye = true",
+    "\"format\": \"backlit-cameras 1\"",
+    "<a>",
+    "</a>",
+    "<![CDATA[",
+    "<!--",
+    "-->",
+    "<!DOCTYPE a [<!ENTITY b \"c\">]>",
+    "&b;",
+    "type_id=\"opencv-matrix\"",
+    "T_cn_cnm1",
+];
+
+fn text(name: &'static str, seeds: fn() -> Vec<Vec<u8>>, read: fn(&[u8]) -> Answer) -> Target {
+    Target { name, syntax: Syntax::Text, seeds, words: CAMERA_WORDS, read, short: 1000 }
+}
+
+pub(super) fn targets() -> Vec<Target> {
+    const BODY: &[&str] = &[
+        "[[limb]]\n",
+        "parent = \"torso\"\n",
+        "rigid_with = \"torso\"\n",
+        "limits",
+        "spheres",
+        "root",
+        "at",
+        "offset",
+    ];
+    const POSE: &[&str] = &["\"root\"", "\"rotations\"", "[1, 0, 0, 0]", "\"left hip\""];
+    vec![
+        Target { words: BODY, ..text("model", seeds::models, model) },
+        Target { words: POSE, ..text("pose", seeds::poses, pose) },
+        Target { words: POSE, ..text("starts", || seeds::kept("starts", false), starts) },
+        Target { words: POSE, short: 400, ..text("track", seeds::tracks, track) },
+        Target {
+            words: &["\"people\""],
+            ..text("keypoints", || seeds::kept("keypoints", false), keypoint_file)
+        },
+        Target { words: &["\t\t", "Units"], ..text("markers", || seeds::kept("markers", false), markers) },
+        text("cameras", seeds::own_cameras, cameras),
+        text("calibration_json", seeds::calibration_json, cameras),
+        text("calibration_yaml", seeds::calibration_yaml, cameras),
+        text("calibration_xml", seeds::calibration_xml, cameras),
+        text("calibration_toml", seeds::calibration_toml, cameras),
+        text("calibration_sized", || [seeds::calibration_yaml(), seeds::calibration_json()].concat(), sized),
+        text("easymocap", seeds::easymocap, |bytes| pair("intri.yml", bytes, "extri.yml", seeds::extri())),
+        text(
+            "colmap_cameras",
+            || seeds::kept("colmap_cameras", false),
+            |bytes| pair("cameras.txt", bytes, "images.txt", seeds::kept("colmap_images", false).remove(0)),
+        ),
+        text(
+            "colmap_images",
+            || seeds::kept("colmap_images", false),
+            |bytes| pair("images.txt", bytes, "cameras.txt", seeds::kept("colmap_cameras", false).remove(0)),
+        ),
+        Target {
+            syntax: Syntax::Binary,
+            words: &["cos\nsystem\n", "}(", "u."],
+            ..text("pickle", seeds::pickles, cameras)
+        },
+    ]
+}
+
+/// Shared by those who open takes.
+pub(super) fn memory(files: Vec<(&'static str, Vec<u8>)>) -> Arc<MemoryFiles> {
+    Arc::new(MemoryFiles::new(files))
+}
