@@ -22,10 +22,12 @@
 //! | `own_body` | a start and sizes where the take has none |
 //! | `inspector` | `backlit [TAKE]`: the window, or what it would have shown |
 //! | `screenshot` | `backlit screenshot` |
+//! | `interrupt` | Ctrl+C |
 //! | `table` | tables for people |
 //! | `output` | standard output and folders |
 //!
-//! Exit codes: 0 done, 1 an error (on standard error, in one line), 2 a command that makes no sense.
+//! Exit codes: 0 done, 1 an error (on standard error, in one line), 2 a command that makes no sense, 130
+//! stopped by Ctrl+C.
 
 pub(crate) mod background;
 pub(crate) mod cameras;
@@ -39,6 +41,7 @@ pub(crate) mod fit_body_report;
 pub(crate) mod fit_options;
 pub(crate) mod import;
 pub(crate) mod inspector;
+pub(crate) mod interrupt;
 pub(crate) mod observability;
 pub(crate) mod output;
 pub(crate) mod own_body;
@@ -59,6 +62,7 @@ use clap::{CommandFactory, Parser};
 
 use backlit_tracking::processor;
 use command::{Cli, Command, no_such_command};
+use interrupt::Interrupted;
 
 /// Set to 256, fits use vectors of at most so many bits: results are then the same on all x86 processors.
 const NARROW_VECTORS: &str = "BACKLIT_VECTORS";
@@ -94,7 +98,8 @@ pub fn run() -> ExitCode {
             Some(error) => usage(error),
             None => {
                 output::complain(&format!("error: {error:#}"));
-                ExitCode::FAILURE
+                let is_interrupted = error.downcast_ref::<Interrupted>().is_some();
+                if is_interrupted { ExitCode::from(interrupt::EXIT_CODE) } else { ExitCode::FAILURE }
             }
         },
     }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use anyhow::anyhow;
 use backlit_formats::{Footage, images};
+use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::track::Tracker;
 use image::DynamicImage;
@@ -62,6 +63,6 @@ fn track(footage: &Footage) -> anyhow::Result<TrackReport> {
     let start = StartArguments::none().pose(footage, &cameras, 0, &FitOptions::default())?;
     let tracker = Tracker::new(Arc::clone(take.model()), FitOptions::default(), start)?;
     let mut report = TrackReport::new(take, &cameras, None);
-    follow(footage, &cameras, &frames, tracker, &mut report, |_| Ok(()))?;
+    follow(footage, &cameras, &frames, tracker, &mut report, &CancelToken::new(), |_| Ok(()))?;
     Ok(report)
 }

@@ -16,6 +16,7 @@ use backlit_tracking::search::{Found, WithoutStart, without_start};
 use indicatif::ProgressBar;
 use serde::Serialize;
 
+use super::interrupt::Interrupted;
 use super::output;
 
 /// What was found before tracking began.
@@ -94,6 +95,7 @@ pub(crate) fn begin(
     fit: &FitOptions,
     start: Option<Pose>,
     sizes: bool,
+    cancel: &CancelToken,
 ) -> anyhow::Result<(Pose, Option<Model>, Begun)> {
     let take = footage.take();
     let spinner = ProgressBar::new_spinner();
@@ -108,11 +110,12 @@ pub(crate) fn begin(
         start,
         frames,
         &options,
-        &CancelToken::new(),
+        cancel,
         |frame| -> Result<_, anyhow::Error> { Ok(footage.fit_views(cameras, frame)?) },
         |at| spinner.set_message(progress_text(at)),
     );
     spinner.finish_and_clear();
+    anyhow::ensure!(!cancel.is_cancelled(), Interrupted);
     let person = if is_given { person? } else { person.with_context(|| no_start(frames[0]))? };
     let mut begun = Begun::default();
     if let Some(found) = &person.search {

@@ -17,6 +17,7 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::fit_options::SolverArguments;
+use super::interrupt::{self, Interrupted};
 use super::output;
 use super::own_body;
 use super::reference_options::ReferenceArguments;
@@ -193,6 +194,7 @@ pub(crate) enum MotionWord {
 /// # Errors
 /// A take that cannot be read. What was tracked until then is written.
 pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
+    let cancel = interrupt::listen()?;
     let smoothing = arguments.follow.smoothing()?;
     let mut footage = take_options::open_with_model(&arguments.take, arguments.model.as_deref())?;
     let frames = arguments.part.frames(footage.take())?;
@@ -203,7 +205,7 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     // A body that is named has its sizes.
     let sizes = arguments.model.is_none() && footage.take().sizes() == BodySizes::Fit;
     output::make_folder(&arguments.out)?;
-    let (start, body, begun) = own_body::begin(&footage, &cameras, &frames, &fit, known, sizes)?;
+    let (start, body, begun) = own_body::begin(&footage, &cameras, &frames, &fit, known, sizes, &cancel)?;
     if let Some(body) = body {
         model_file::write(&arguments.out.join("body.toml"), &body)?;
         footage = Footage::new(Take::open_with_model(&arguments.take, body)?);
@@ -216,12 +218,12 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
             bail!("--tune is for --motion kalman or smoothed");
         }
         let tracker = arguments.follow.tracker_with(take, start.clone(), noise)?;
-        noise = tuned(&footage, &cameras, &frames, tracker, noise)?;
+        noise = tuned(&footage, &cameras, &frames, tracker, noise, &cancel)?;
     }
     let tracker = arguments.follow.tracker_with(take, start, noise)?;
     let mut report = TrackReport::new(take, &cameras, smoothing);
     let mut written = Instant::now();
-    let tracked = follow(&footage, &cameras, &frames, tracker, &mut report, |report| {
+    let tracked = follow(&footage, &cameras, &frames, tracker, &mut report, &cancel, |report| {
         if written.elapsed() > WRITE_EVERY {
             track_files::write(&arguments.out, take, report)?;
             written = Instant::now();
@@ -237,6 +239,7 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
         })?;
     }
     report.finish(take);
+    report.is_partial = tracked.is_err();
     report.begun = Some(begun);
     if let Some(judge) = &judge {
         report.judge(judge);
@@ -261,9 +264,10 @@ fn tuned(
     frames: &[usize],
     tracker: Tracker,
     noise: KalmanOptions,
+    cancel: &CancelToken,
 ) -> anyhow::Result<KalmanOptions> {
     let mut report = TrackReport::new(footage.take(), cameras, None).with_beliefs();
-    follow(footage, cameras, frames, tracker, &mut report, |_| Ok(()))?;
+    follow(footage, cameras, frames, tracker, &mut report, cancel, |_| Ok(()))?;
     let found =
         tune(report.track(), noise).context("--tune needs ten frames or more that follow one another")?;
     let ratio = |innovation: Innovation| innovation.ratio().unwrap_or(f64::NAN);
@@ -281,20 +285,21 @@ fn tuned(
 /// and segmented; the results do not depend on it.
 ///
 /// # Errors
-/// The first picture that cannot be had, or what `after_frame` returns. The report has what was tracked before.
+/// The first picture that cannot be had, what `after_frame` returns, or [`Interrupted`]. The report has what was tracked before.
 pub(crate) fn follow(
     footage: &Footage,
     cameras: &[usize],
     frames: &[usize],
     mut tracker: Tracker,
     report: &mut TrackReport,
+    cancel: &CancelToken,
     mut after_frame: impl FnMut(&TrackReport) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let mut began = Instant::now();
     each_frame(footage, cameras, frames, |frame, views, progress| {
-        let estimate = tracker
-            .track_frame(frame, views, &CancelToken::new())
-            .with_context(|| format!("frame {frame}"))?;
+        let estimate = tracker.track_frame(frame, views, cancel).with_context(|| format!("frame {frame}"))?;
+        // A frame that was broken off is no frame.
+        anyhow::ensure!(!cancel.is_cancelled(), Interrupted);
         report.add(footage.take(), estimate, began.elapsed().as_secs_f64() * 1e3)?;
         began = Instant::now();
         progress.set_message(report.progress_text());
@@ -340,4 +345,29 @@ pub(crate) fn each_frame(
 fn progress_bar(frames: usize) -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:30} {pos} of {len} frames, {eta} left  {msg}");
     ProgressBar::new(frames as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+#[cfg(test)]
+mod tests {
+    use backlit_tracking::fit::FitOptions;
+
+    use super::*;
+
+    #[test]
+    fn what_was_tracked_before_ctrl_c_stays() {
+        let take = Take::open(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/take")).unwrap();
+        let start = take.start().unwrap().clone();
+        let tracker = Tracker::new(take.model().clone(), FitOptions::default(), start).unwrap();
+        let (footage, cancel) = (Footage::new(take), CancelToken::new());
+        let mut report = TrackReport::new(footage.take(), &[0, 1], None);
+        let frames: Vec<usize> = (0..10).collect();
+        let error = follow(&footage, &[0, 1], &frames, tracker, &mut report, &cancel, |report| {
+            if report.track().frames.len() == 3 {
+                cancel.cancel();
+            }
+            Ok(())
+        });
+        assert!(error.unwrap_err().downcast_ref::<Interrupted>().is_some());
+        assert_eq!(report.track().frames.len(), 3);
+    }
 }

@@ -29,6 +29,8 @@ pub(crate) struct TrackReport {
     jitter_mm: Option<f64>,
     /// What was found before tracking began.
     pub(crate) begun: Option<Begun>,
+    /// It was stopped before its last frame.
+    pub(crate) is_partial: bool,
 }
 
 /// The summary as JSON has it.
@@ -47,6 +49,9 @@ pub(crate) struct TrackSummary {
     /// What was found before tracking began: a start, sizes.
     #[serde(skip_serializing_if = "Option::is_none")]
     begun: Option<Begun>,
+    /// It was stopped before its last frame.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    partial: bool,
 }
 
 #[derive(Debug, Serialize)]
@@ -131,6 +136,7 @@ impl TrackReport {
             last_iou: None,
             jitter_mm: None,
             begun: None,
+            is_partial: false,
         }
     }
 
@@ -276,6 +282,7 @@ impl TrackReport {
                 p95: times.map_or(0.0, |times| times.p95),
             },
             begun: self.begun.clone(),
+            partial: self.is_partial,
         }
     }
 

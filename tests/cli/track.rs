@@ -342,3 +342,30 @@ fn an_empty_frame_is_lost_and_the_track_goes_on() {
     assert_eq!((summary["frames"].as_u64(), summary["lost"].as_u64()), (Some(FRAMES as u64), Some(1)));
     assert_eq!(json(scene.path("out/track.json"))["frames"][2]["lost"], true);
 }
+
+/// The search of the first frame takes its time: Ctrl+C comes before a frame is done.
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_a_track_in_order() {
+    use std::process::{Command, Stdio};
+    use std::time::{Duration, Instant};
+
+    let scene = Scene::new();
+    let take = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/take");
+    let mut command = scene.command("track --search --out results");
+    let program = command.arg(take).stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
+    let began = Instant::now();
+    // It listens before it makes the folder.
+    while !scene.path("results").is_dir() {
+        assert!(began.elapsed() < Duration::from_secs(60), "the folder is not made");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let sent = Command::new("kill").args(["-INT", &program.id().to_string()]).status();
+    assert!(sent.is_ok_and(|status| status.success()));
+    let output = program.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert!(said.contains("stopped by Ctrl+C"), "{said}");
+    let left = fs::read_dir(scene.path("results")).unwrap().map(|file| file.unwrap().file_name());
+    assert!(left.into_iter().all(|name| !name.to_string_lossy().ends_with(".part")));
+}

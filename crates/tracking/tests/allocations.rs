@@ -1,5 +1,7 @@
 //! An iteration allocates nothing but what is kept of it, and a long track keeps no more than its lag.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
+
 use std::slice::from_ref;
 use std::sync::Arc;
 
