@@ -284,8 +284,11 @@ impl Document {
         let mut spec = self.model.to_spec();
         let other = if both { self.model.mirrored_limb(limb) } else { limb };
         for index in [limb, other] {
-            spec.limbs[index].length = length;
-            spec.limbs[index].radius = radius;
+            // The specification has the file's order, the model parents first.
+            let name = &self.model.limbs()[index].name;
+            if let Some(limb) = spec.limbs.iter_mut().find(|limb| limb.name == *name) {
+                (limb.length, limb.radius) = (length, radius);
+            }
         }
         let model = Model::new(&spec).map_err(|source| EditError::Size { limb, source })?;
         self.model = Arc::new(model);

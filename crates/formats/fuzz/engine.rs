@@ -200,8 +200,7 @@ fn message_fault(answer: &Answer) -> Option<String> {
     if let Some(letter) = message.chars().find(|letter| letter.is_control()) {
         return Some(format!("its message has {letter:?}: {message:?}"));
     }
-    let mut words =
-        message.split(|letter: char| letter.is_whitespace() || "`\"'()[]{}<>,;:".contains(letter));
+    let mut words = message.split(|letter: char| letter.is_whitespace() || "`\"'()[]<>,;:".contains(letter));
     let foreign = words.find(|word| FOREIGN.contains(word))?;
     Some(format!("its message says {foreign}: {message}"))
 }

@@ -278,8 +278,10 @@ fn limits_of(limb: &Limb, rotation: DQuat) -> Option<JointLimits> {
 /// The model with limits that are wide enough for a pose: nothing is drawn in when a drag begins.
 fn widened(model: &Model, pose: &Pose) -> Model {
     let mut spec = model.to_spec();
-    for (spec, limb) in spec.limbs.iter_mut().zip(model.limbs()) {
-        if limb.has_own_rotation {
+    for spec in &mut spec.limbs {
+        // The specification has the file's order, the model parents first.
+        let limb = model.limb_index(&spec.name).map(|index| &model.limbs()[index]);
+        if let Some(limb) = limb.filter(|limb| limb.has_own_rotation) {
             spec.limits = limits_of(limb, pose.rotations[limb.rotation]);
         }
     }

@@ -108,6 +108,8 @@ pub struct Model {
     rotations_parents_first: Vec<usize>,
     /// By limb, the one on the other side of the body: views ask for it in every frame.
     mirrored: Vec<usize>,
+    /// Indices of the limbs in the order of the file: in another one, rotations would be counted in another order.
+    of_file: Vec<usize>,
 }
 
 impl Model {
@@ -221,14 +223,15 @@ impl Model {
             rotation_parents,
             rotations_parents_first,
             mirrored,
+            of_file: place,
         }
     }
 
-    /// The model as a file would say it.
+    /// The model as its file said it, limbs in the same order.
     #[must_use]
     pub fn to_spec(&self) -> ModelSpec {
         let name = |index: usize| self.limbs[index].name.clone();
-        let limbs = self.limbs.iter().map(|limb| LimbSpec {
+        let limbs = self.of_file.iter().map(|&index| &self.limbs[index]).map(|limb| LimbSpec {
             name: limb.name.clone(),
             parent: limb.parent.map(name),
             rigid_with: (!limb.has_own_rotation).then(|| name(self.rotation_owners[limb.rotation])),

@@ -80,4 +80,14 @@ fn a_child_may_stand_before_its_parent() {
 fn a_model_survives_its_own_file() {
     let body = crate::body::builtin::full_body();
     assert_eq!(Model::new(&body.to_spec()).unwrap(), body);
+    // Also where children stand before their parents: columns of the state are counted in the file's order.
+    let hand = || limb("hand", Some("arm"));
+    for limbs in [
+        vec![hand(), limb("arm", None), limb("leg", None)],
+        vec![limb("leg", None), hand(), limb("arm", None)],
+    ] {
+        let model = model(limbs.clone()).unwrap();
+        assert_eq!(model.to_spec().limbs, limbs);
+        assert_eq!(Model::new(&model.to_spec()).unwrap(), model);
+    }
 }
