@@ -16,7 +16,6 @@ mod seeds;
 mod small_videos;
 mod targets;
 
-use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -73,7 +72,8 @@ fn what_was_found_once_is_answered() {
 #[test]
 fn faults_are_found() {
     let seeds: fn() -> Vec<Vec<u8>> = || vec![b"[1, 2, 3]".to_vec()];
-    let readers: [(&str, fn(&[u8]) -> engine::Answer); 4] = [
+    type Reader = fn(&[u8]) -> engine::Answer;
+    let readers: [(&str, Reader); 4] = [
         ("panics", |bytes| {
             assert!(!bytes.starts_with(b"[["));
             engine::Answer::Read
@@ -114,8 +114,7 @@ fn watch(current: &Current) {
         last = current.0;
         if looks > PATIENCE_LOOKS && !current.1.is_empty() {
             let path = keep(current.1, &current.2);
-            writeln!(std::io::stderr(), "{}: a case does not end; it is {}", current.1, path.display())
-                .unwrap();
+            eprintln!("{}: a case does not end; it is {}", current.1, path.display());
             std::process::exit(1);
         }
     }
