@@ -62,7 +62,7 @@ fn render_takes_quaternions_as_they_are() {
 fn a_jacobian_of_absurd_size_is_refused_before_anything_is_written() {
     let scene = Scene::new();
     let text = fs::read_to_string(scene.path("cameras.json")).unwrap();
-    let large = text.replacen("128", "16384", 1).replacen("96", "16384", 1);
+    let large = text.replacen("128", "8192", 1).replacen("96", "8192", 1);
     assert_ne!(text, large);
     scene.write("cameras.json", &large);
     scene.fails(&format!("{RENDER} --jacobian raw"), 1, &["camera \"front\"", "35 columns", "MiB"]);

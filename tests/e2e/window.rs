@@ -186,10 +186,22 @@ impl<'a> Window<'a> {
         }
     }
 
+    /// Points at the first widget of this name. A frame has been drawn by then; where that has moved the widget, it is followed.
+    fn reach(&mut self, name: &str) -> [i32; 2] {
+        let began = Instant::now();
+        loop {
+            let place = self.waited_for(name);
+            self.point_at(place);
+            if self.place(name) == Some(place) {
+                return place;
+            }
+            assert!(began.elapsed() < PATIENCE, "{name} does not stay where it is");
+        }
+    }
+
     /// Clicks the first widget of this name.
     pub(crate) fn click(&mut self, name: &str) {
-        let place = self.waited_for(name);
-        self.point_at(place);
+        let place = self.reach(name);
         self.button(true);
         self.button(false);
         self.point_at([place[0], 2]);
@@ -204,8 +216,7 @@ impl<'a> Window<'a> {
 
     /// Presses the mouse button on a widget and holds it.
     pub(crate) fn press_at(&mut self, name: &str) {
-        let place = self.waited_for(name);
-        self.point_at(place);
+        self.reach(name);
         self.button(true);
     }
 

@@ -93,17 +93,8 @@ pub(crate) struct Fault {
 }
 
 /// Time of this thread on a processor: others that use the machine do not count.
-#[cfg(unix)]
 fn processor_time() -> Duration {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-    Duration::new(time.tv_sec.unsigned_abs(), u32::try_from(time.tv_nsec).unwrap_or(0))
-}
-
-/// Where that is not known, all time counts.
-#[cfg(not(unix))]
-fn processor_time() -> Duration {
-    static BEGAN: std::sync::LazyLock<std::time::Instant> = std::sync::LazyLock::new(std::time::Instant::now);
-    BEGAN.elapsed()
+    cpu_time::ThreadTime::now().as_duration()
 }
 
 /// Runs a target, for so many seconds of processor time at most; every case is told to `watch` before it runs.
