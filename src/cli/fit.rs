@@ -101,6 +101,10 @@ pub(crate) fn run(arguments: &FitArguments) -> anyhow::Result<()> {
     let (start_cost, start_rms) = (fit.initial_cost(), fit.initial_rms());
     let times_us = run_timed(&mut fit);
     let summary = fit.summary();
+    anyhow::ensure!(
+        summary.initial_cost.is_finite() && summary.final_cost.is_finite(),
+        "the fit has no cost: its numbers ran out of range; is the start near the cameras' view?"
+    );
     if let Some(path) = &arguments.out {
         pose_file::write(path, &model, &summary.pose)?;
     }

@@ -5,6 +5,7 @@ use std::io::{ErrorKind, Write, stderr, stdout};
 use std::path::Path;
 
 use anyhow::{Context, bail};
+use backlit_formats::text::shown;
 use serde::Serialize;
 
 /// Prints text as it is. A reader that has heard enough (`| head`) is no error.
@@ -27,10 +28,10 @@ pub(crate) fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
     print(&(serde_json::to_string_pretty(value)? + "\n"))
 }
 
-/// Prints a line on standard error.
+/// Prints a line on standard error. What it repeats of a file cannot steer the terminal.
 pub(crate) fn complain(line: &str) {
     // Where standard error is closed there is nobody to tell.
-    let _ = writeln!(stderr().lock(), "{line}");
+    let _ = writeln!(stderr().lock(), "{}", shown(line));
 }
 
 /// Makes sure that a folder is there.
