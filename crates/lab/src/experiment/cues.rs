@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::cues::{Cue, CueOptions, CueReach, CueWatch, WatchedCamera};
+use backlit_tracking::cues::{Cue, CueOptions, CueReach, CueStrength, CueWatch, WatchedCamera};
 use backlit_tracking::fit::{Evidence, FitOptions, FitView};
 use backlit_tracking::metrics::Statistics;
 use backlit_tracking::render::RendererKind;
@@ -30,8 +30,9 @@ use crate::synthetic::occlusions::Occlusion;
 pub const DRAWN_RATE: f64 = 60.0;
 /// A joint that is farther off is lost, millimetres.
 const LOST_MM: f64 = 150.0;
-/// Words in the names of limbs that count: arms and legs.
-const LIMBS: [&str; 6] = ["upper arm", "forearm", "hand", "thigh", "calf", "foot"];
+/// Words in the names of limbs that count: arms and legs. Feet are told apart, since no keypoint shows where they point.
+const LIMBS: [&str; 5] = ["upper arm", "forearm", "hand", "thigh", "calf"];
+const FOOT: &str = "foot";
 
 /// What to vary.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -78,19 +79,23 @@ impl Default for Options {
     }
 }
 
-/// Silhouettes alone, each cue, all cues; keypoints at all limbs too.
+/// Weights of edges, which are off by default: of the cue alone, and beside all others.
+const EDGES_ALONE: f64 = 3e3;
+const EDGES_BESIDE: f64 = 1e3;
+
+/// Silhouettes alone, each cue, the default ones together, all of them; keypoints at all limbs too.
 #[must_use]
 pub fn ways() -> Vec<Way> {
-    let options = CueOptions::default();
+    let defaults = CueOptions::default();
+    let with_edges = |weight: f64| CueOptions { edges: CueStrength { weight, ..defaults.edges }, ..defaults };
     let way = |name: &str, cues: CueOptions| Way { name: name.to_owned(), cues: Some(cues) };
+    let keypoints = defaults.only(&[Cue::Keypoints]);
     let mut ways = vec![Way { name: "silhouettes alone".to_owned(), cues: None }];
-    ways.extend(Cue::ALL.map(|cue| way(cue.name(), options.only(&[cue]))));
-    ways.push(way(
-        "keypoints at all limbs",
-        CueOptions { reach: CueReach::All, ..options.only(&[Cue::Keypoints]) },
-    ));
-    ways.push(way("flow, edges, stereo", options.only(&[Cue::Flow, Cue::Edges, Cue::Stereo])));
-    ways.push(way("all cues", options));
+    ways.extend(Cue::ALL.map(|cue| way(cue.name(), with_edges(EDGES_ALONE).only(&[cue]))));
+    ways.push(way("flow, stereo", defaults.only(&[Cue::Flow, Cue::Stereo])));
+    ways.push(way("keypoints, flow, stereo", defaults));
+    ways.push(way("all cues", with_edges(EDGES_BESIDE)));
+    ways.push(way("keypoints at all limbs", CueOptions { reach: CueReach::All, ..keypoints }));
     ways
 }
 
@@ -116,6 +121,8 @@ pub struct Case {
     pub covered_p95_mm: Option<f64>,
     /// Share of the ends of covered limbs that are lost.
     pub covered_lost: f64,
+    /// Mean error of the ends of feet, covered or not.
+    pub feet_mm: Option<f64>,
     /// Mean error of the ends of limbs that are not covered.
     pub seen_mm: Option<f64>,
     /// Mean error in frames in which no limb is covered.
@@ -193,6 +200,7 @@ fn greatest_common_divisor(a: usize, b: usize) -> usize {
 #[derive(Debug, Default)]
 struct Tally {
     covered: Vec<f64>,
+    feet: Vec<f64>,
     seen: Vec<f64>,
     nothing_covered: Vec<f64>,
     all: Vec<f64>,
@@ -210,11 +218,16 @@ impl Tally {
         self.frames_lost += usize::from(estimate.is_lost());
         self.parts += estimate.holds.len();
         self.unsure += estimate.unsure_limbs().count();
-        let is_nothing_covered = !covered.contains(&true);
+        let counts = |name: &str| LIMBS.iter().any(|word| name.contains(word));
+        let mut all = model.limbs().iter().zip(covered);
+        let is_nothing_covered = !all.any(|(limb, covered)| *covered && counts(&limb.name));
         for (index, limb) in model.limbs().iter().enumerate() {
             let error = 1000.0 * found.ends()[index].distance(truth.ends()[index]);
             self.all.push(error);
-            if !LIMBS.iter().any(|word| limb.name.contains(word)) {
+            if limb.name.contains(FOOT) {
+                self.feet.push(error);
+            }
+            if !counts(&limb.name) {
                 continue;
             }
             if is_nothing_covered {
@@ -242,6 +255,7 @@ impl Tally {
             covered_mm: mean(&self.covered),
             covered_p95_mm: Statistics::of(&self.covered).map(|all| all.p95),
             covered_lost: self.lost as f64 / self.covered.len().max(1) as f64,
+            feet_mm: mean(&self.feet),
             seen_mm: mean(&self.seen),
             nothing_covered_mm: mean(&self.nothing_covered),
             all_mm: mean(&self.all).unwrap_or_default(),

@@ -39,7 +39,8 @@ const FARTHEST_BACK: f64 = 0.7;
 #[must_use]
 pub fn follow_point(from: &GreyPicture, to: &GreyPicture, point: DVec2, guess: DVec2) -> Option<DVec2> {
     let found = follow(from, to, point, guess)?;
-    let back = follow(to, from, found, point)?;
+    // Back it begins where it is to end: the finest picture is enough.
+    let back = found + follow_at(to, from, found, point - found)?;
     (back.distance(point) < FARTHEST_BACK).then_some(found)
 }
 
@@ -67,7 +68,8 @@ fn follow(from: &GreyPicture, to: &GreyPicture, point: DVec2, guess: DVec2) -> O
 
 /// The motion at one level of the pyramid, begun at `motion`.
 fn follow_at(from: &GreyPicture, to: &GreyPicture, point: DVec2, mut motion: DVec2) -> Option<DVec2> {
-    let border = f64::from(RADIUS) + 1.0;
+    // The gradients' pixel, and the one beside it.
+    let border = f64::from(RADIUS) + 2.0;
     if !from.holds(point, border) {
         return None;
     }
@@ -93,20 +95,12 @@ struct Window {
     products: DMat2,
 }
 
-fn places(middle: DVec2) -> impl Iterator<Item = DVec2> {
-    (-RADIUS..=RADIUS)
-        .flat_map(move |y| (-RADIUS..=RADIUS).map(move |x| middle + DVec2::new(f64::from(x), f64::from(y))))
-}
-
 impl Window {
     fn new(picture: &GreyPicture, middle: DVec2) -> Self {
         // One more pixel on each side for the gradients.
         const WIDE: usize = SIDE + 2;
         let mut wide = [0.0_f32; WIDE * WIDE];
-        for (index, level) in wide.iter_mut().enumerate() {
-            let (x, y) = ((index % WIDE) as f64, (index / WIDE) as f64);
-            *level = picture.at(middle + DVec2::new(x, y) - f64::from(RADIUS + 1));
-        }
+        picture.square(middle - f64::from(RADIUS + 1), WIDE, &mut wide);
         let mut window =
             Self { levels: [0.0; SIDE * SIDE], gradients: [[0.0; 2]; SIDE * SIDE], products: DMat2::ZERO };
         for index in 0..SIDE * SIDE {
@@ -129,12 +123,15 @@ impl Window {
 
     /// Σ g (T − I).
     fn force(&self, picture: &GreyPicture, middle: DVec2) -> DVec2 {
+        let mut there = [0.0; SIDE * SIDE];
+        picture.square(middle - f64::from(RADIUS), SIDE, &mut there);
         let (mut x, mut y) = (0.0, 0.0);
-        for ((level, gradient), place) in self.levels.iter().zip(&self.gradients).zip(places(middle)) {
-            let off = level - picture.at(place);
-            x += f64::from(gradient[0] * off);
-            y += f64::from(gradient[1] * off);
+        for ((level, gradient), there) in self.levels.iter().zip(&self.gradients).zip(there) {
+            let off = level - there;
+            x += gradient[0] * off;
+            y += gradient[1] * off;
         }
+        let (x, y) = (f64::from(x), f64::from(y));
         DVec2::new(x, y)
     }
 }

@@ -46,7 +46,7 @@ pub struct CueOptions {
     pub keypoints: CueStrength,
     /// Points carried from the last frame.
     pub flow: CueStrength,
-    /// Edges along the outline.
+    /// Edges along the outline; off by default: measured, they do not help (docs/chapter6.md).
     pub edges: CueStrength,
     /// Points in space.
     pub stereo: CueStrength,
@@ -61,10 +61,10 @@ impl Default for CueOptions {
         Self {
             reach: CueReach::Covered,
             coverage: CoverageOptions::default(),
-            keypoints: CueStrength { weight: 3000.0, scale_m: 0.1 },
-            flow: CueStrength { weight: 300.0, scale_m: 0.02 },
-            edges: CueStrength { weight: 300.0, scale_m: 0.02 },
-            stereo: CueStrength { weight: 300.0, scale_m: 0.02 },
+            keypoints: CueStrength { weight: 1e5, scale_m: 0.1 },
+            flow: CueStrength { weight: 1e4, scale_m: 0.02 },
+            edges: CueStrength { weight: 0.0, scale_m: 0.02 },
+            stereo: CueStrength { weight: 1e4, scale_m: 0.02 },
             lowest_score: 0.3,
             offset_m: 0.03,
         }

@@ -118,6 +118,22 @@ impl GreyPicture {
         top + v * (bottom - top)
     }
 
+    /// The levels of a square of `side` × `side` places a pixel apart, the first of them at `first`: each what
+    /// [`at`](Self::at) says. The square must lie within the picture ([`holds`](Self::holds) its corners with a border of 1).
+    pub(super) fn square(&self, first: DVec2, side: usize, levels: &mut [f32]) {
+        let (column, row) = (first.x as usize, first.y as usize);
+        let (u, v) = ((first.x - column as f64) as f32, (first.y - row as f64) as f32);
+        for (y, levels) in levels.chunks_exact_mut(side).enumerate() {
+            let start = (row + y) * self.width + column;
+            let (above, below) = (&self.levels[start..], &self.levels[start + self.width..]);
+            for (x, level) in levels.iter_mut().enumerate() {
+                let top = above[x] + u * (above[x + 1] - above[x]);
+                let bottom = below[x] + u * (below[x + 1] - below[x]);
+                *level = top + v * (bottom - top);
+            }
+        }
+    }
+
     /// The same picture at half its size, made once; `None` for one that is too small.
     #[must_use]
     pub fn coarser(&self) -> Option<&Self> {
@@ -175,6 +191,12 @@ mod tests {
         let picture = GreyPicture::new(41, 37, levels).unwrap();
         let place = DVec2::new(12.3, 7.8);
         assert!((f64::from(picture.at(place)) - plane(12.3, 7.8)).abs() < 1e-4);
+        let mut square = [0.0; 9];
+        picture.square(place, 3, &mut square);
+        for (index, level) in square.iter().enumerate() {
+            let there = place + DVec2::new((index % 3) as f64, (index / 3) as f64);
+            assert!((level - picture.at(there)).abs() < 1e-4);
+        }
         let half = picture.coarser().unwrap();
         assert_eq!((half.width(), half.height()), (21, 19));
         assert!((f64::from(half.at(place)) - plane(24.6, 15.6)).abs() < 1e-3);

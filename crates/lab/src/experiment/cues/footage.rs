@@ -40,7 +40,7 @@ const NOISE_M: f64 = 0.012;
 const OFFSET_M: f64 = 0.015;
 const HIDDEN_NOISE_M: f64 = 0.025;
 /// No part of the figure is farther from the capsules of its pose, pixels.
-const CLOTH_PX: f64 = 24.0;
+const CLOTH_PX: f64 = 12.0;
 /// Share of the keypoints that are anywhere on the person.
 const WRONG: f64 = 0.03;
 
