@@ -47,7 +47,7 @@ pub struct CoverageOptions {
 
 impl Default for CoverageOptions {
     fn default() -> Self {
-        Self { enough_cameras: 2, seen_share: 0.25, margin_m: 0.03 }
+        Self { enough_cameras: 2, seen_share: 0.4, margin_m: 0.03 }
     }
 }
 

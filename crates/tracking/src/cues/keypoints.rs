@@ -10,6 +10,8 @@
 //!
 //! and never longer than three deviations of the prior. A keypoint of a limb that is covered teaches nothing: it would
 //! confirm itself.
+//!
+//! Keypoints pull at covered limbs, and at those that are nowhere near them: there a boundary was mistaken.
 
 use glam::{DMat3, DVec2, DVec3};
 
@@ -25,6 +27,9 @@ use crate::residual::cue::{Cue, CuePull, CueTarget};
 const DEVIATION: f64 = 0.06;
 /// A keypoint that is farther from its joint teaches nothing, metres.
 const FARTHEST: f64 = 0.15;
+/// Where a keypoint is farther than this from its joint, metres, silhouettes do not hold the limb, whatever they show: the fit
+/// has taken another limb's boundary for its own.
+const ELSEWHERE: f64 = 0.12;
 /// Longest offset, in deviations of the prior.
 const LONGEST: f64 = 3.0;
 
@@ -151,7 +156,11 @@ pub(super) fn pulls(
             let limb = keypoint.limb;
             let depth = camera.depth(kinematics.ends()[limb]);
             let Some(metres_per_px) = metres_per_px(camera, depth) else { continue };
-            if options.reach == CueReach::Covered && !is_covered(limb) {
+            let is_elsewhere = || {
+                seen(model, kinematics, camera, keypoint)
+                    .is_some_and(|(off, _)| off.length() > ELSEWHERE + offsets.offset(limb).length())
+            };
+            if options.reach == CueReach::Covered && !is_covered(limb) && !is_elsewhere() {
                 continue;
             }
             let rest = &model.limbs()[limb];
