@@ -152,6 +152,7 @@ pub(crate) fn track_text(motion: &Motion) -> String {
             termination: None,
             belief: None,
             hypotheses: Vec::new(),
+            holds: Vec::new(),
         };
         (frame, estimate)
     };

@@ -65,6 +65,7 @@ pub(super) mod tests {
             termination: Some(Termination::NoDecrease),
             belief: None,
             hypotheses: Vec::new(),
+            holds: Vec::new(),
         };
         let second = FrameEstimate {
             frame: 6,
@@ -78,6 +79,7 @@ pub(super) mod tests {
             termination: None,
             belief: None,
             hypotheses: Vec::new(),
+            holds: Vec::new(),
         };
         Track { frames: [(4, first), (6, second)].into() }
     }

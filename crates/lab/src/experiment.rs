@@ -24,6 +24,7 @@
 //! | [`robustness`] | the full body with one thing wrong at a time: masks, cameras, sizes |
 //! | [`shadow`] | simulated rooms with shadows: pixels found and joints, by test; noise that passes for a subject |
 //! | [`starts`] | starts of known distance from their truth |
+//! | [`cues`](mod@cues) | limbs that silhouettes do not hold, with and without cues of the pictures |
 //! | [`curve`] | one fit, iteration by iteration, against its truth |
 //! | [`sizes`] | the sizes of people of several builds, from silhouettes |
 //! | [`own_sizes`] | the same in one go from a track with the average body, masks exact and too wide, and the track after |
@@ -34,6 +35,7 @@
 pub mod basin;
 pub mod basin_map;
 pub mod bias;
+pub mod cues;
 pub mod curve;
 pub mod fig51;
 pub mod fig52;

@@ -11,6 +11,7 @@
 //! | [`silhouettes`] | exact masks |
 //! | [`capsules`] | exact masks and grey levels of a model's own capsules |
 //! | [`squats`] | the full body's squats with raised arms, before two telephones |
+//! | [`occlusions`] | arms folded, legs crossed and the like before two telephones |
 //! | [`upper_body`] | the report's upper body before its cameras: a movement |
 //!
 //! Nothing here reads a clock: the same numbers in give the same bytes out, on any number of threads.
@@ -21,6 +22,7 @@ pub mod figure;
 mod furniture;
 pub mod motion;
 pub mod noise;
+pub mod occlusions;
 pub mod people;
 pub mod render;
 pub mod room;

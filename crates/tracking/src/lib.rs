@@ -87,6 +87,7 @@
 //! | [`residual`] | what pulls on a pose: silhouettes, priors, limits, points, one module each |
 //! | [`optimize`] | least squares: normal equations, Gauss-Newton, Levenberg-Marquardt; [`optimize::gradient_check`] compares derivatives with differences |
 //! | [`fit`] | one frame's fit: evidence, options, cost, iterations |
+//! | [`cues`] | what pictures say of limbs that silhouettes do not hold: keypoints, flow, edges, stereo |
 //! | [`search`] | other poses that the silhouettes allow, ranked; where a fit begins |
 //! | [`track`] | following frames: motion, lost frames, smoothing |
 //! | [`filter`] | poses over time: constant velocity, the iterated Kalman update, the smoother |
@@ -122,6 +123,7 @@ pub mod body;
 pub mod body_fit;
 pub mod camera;
 pub mod cancel;
+pub mod cues;
 pub mod filter;
 pub mod fit;
 pub mod geometry;

@@ -11,9 +11,11 @@
 //! | [`interpenetration`] | how deep two limbs lie inside each other |
 //! | [`Loss`] | how large residuals are held back: Huber, Cauchy, Tukey |
 //! | [`motion_prior`] | stay near what the motion so far foretells |
+//! | [`cue`] | where keypoints, flow, edges and stereo saw a limb − where it is |
 //! | [`point`] | target − position of a joint, for posing by hand and for reference keypoints |
 
 pub(crate) mod body_size;
+pub mod cue;
 pub mod interpenetration;
 pub mod joint_limit;
 mod loss;

@@ -3,6 +3,8 @@
 //! | file | holds |
 //! |---|---|
 //! | `tracker` | [`Tracker`]: frame after frame |
+//! | `attempt` | a fit of a frame, before it is taken for its pose |
+//! | `cued` | the cues of the frame that is being tracked |
 //! | `frame_masks` | what a frame's cameras saw, kept until its fit is judged |
 //! | `estimate` | [`FrameEstimate`]: what it found in one; [`Track`] of all |
 //! | `motion` | [`Motion`]: how motion is carried from frame to frame: not at all, by velocity, by a Kalman filter |
@@ -11,6 +13,8 @@
 //! | `tune` | [`tune()`]: the filter's noise, from innovations |
 //! | [`join`](mod@join) | two tracks of the same frames, one forwards and one backwards, made one |
 
+mod attempt;
+mod cued;
 mod estimate;
 mod frame_masks;
 pub mod join;

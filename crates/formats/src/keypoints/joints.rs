@@ -3,6 +3,7 @@
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::body_fit::scale;
 use backlit_tracking::camera::Camera;
+use backlit_tracking::cues::JointKeypoint;
 use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
 use glam::{DMat3, DVec2, DVec3};
@@ -88,6 +89,26 @@ pub fn joints_of(model: &Model, people: &[(&Camera, Person)], order: KeypointOrd
     joints
 }
 
+/// The keypoints of one person as [cues](backlit_tracking::cues) take them: at which limb's second joint each is, in pixels of
+/// the `working` camera, the ideal and perhaps reduced one that the fit uses. `camera` is the one whose pixels the person's
+/// are. Keypoints of limbs that the model lacks, and where the lens has no inverse, are left out.
+#[must_use]
+pub fn cues_of(
+    model: &Model,
+    person: &Person,
+    order: KeypointOrder,
+    camera: &Camera,
+    working: &Camera,
+) -> Vec<JointKeypoint> {
+    let cue = |(name, index): (&&str, usize)| {
+        let keypoint = (*person.get(index)?)?;
+        let ray = camera.ray_in_camera(keypoint.place)?;
+        let pixel = working.intrinsics().pixel_from_plane(ray.truncate() / ray.z);
+        Some(JointKeypoint { limb: model.limb_index(name)?, pixel, score: keypoint.score.min(1.0) })
+    };
+    LIMBS.iter().zip(order.0).filter_map(cue).collect()
+}
+
 /// The body, and how far its joints are from the keypoints in the mean, metres.
 fn body_of_order(people: &[(&Camera, Person)], order: KeypointOrder) -> Option<(f64, KeypointBody)> {
     let average = builtin::full_body();
@@ -152,6 +173,33 @@ mod tests {
         ];
         let keypoint = |[x, y]: [i32; 2]| Keypoint { place: DVec2::new(x.into(), y.into()), score: 0.9 };
         places.map(|place| Some(keypoint(place))).to_vec()
+    }
+
+    /// Through a lens and in a picture of half the size, keypoints project back onto the joints.
+    #[test]
+    fn cues_are_in_pixels_of_the_working_camera() {
+        use backlit_tracking::camera::{CameraFromWorld, Distortion, Intrinsics};
+        let model = builtin::full_body();
+        let pose = Pose::rest(&model);
+        let joints = Kinematics::new(&model, &pose);
+        let place = CameraFromWorld::looking_at(DVec3::new(0.4, 3.5, 1.0), DVec3::ZERO, DVec3::Z);
+        let pinhole = Intrinsics { fx: 260.0, fy: 260.0, cx: 119.5, cy: 159.5 };
+        let lens = Distortion::OpenCv { k1: -0.2, k2: 0.05, p1: 0.001, p2: 0.0, k3: 0.0 };
+        let camera = Camera::new("c", [240, 320], pinhole, lens, place).unwrap();
+        let working = camera.without_distortion().reduced(2).unwrap();
+        let mut person: Person = vec![None; 17];
+        for (name, index) in LIMBS.iter().zip(ORDERS[0].0) {
+            let place = camera.project(joints.ends()[model.limb_index(name).unwrap()]).unwrap();
+            person[index] = Some(Keypoint { place, score: 1.4 });
+        }
+        person[9] = None;
+        let cues = cues_of(&model, &person, ORDERS[0], &camera, &working);
+        assert_eq!(cues.len(), 11);
+        for cue in cues {
+            let expected = working.project(joints.ends()[cue.limb]).unwrap();
+            assert!(cue.pixel.distance(expected) < 0.02 && cue.score == 1.0, "{cue:?} {expected}");
+        }
+        assert_eq!(cues_of(&builtin::single_limb(), &person, ORDERS[0], &camera, &working), []);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use backlit_formats::FootageError;
 use backlit_tracking::body::ModelError;
 use backlit_tracking::body_fit::{BodyFitError, OwnSizesError};
 use backlit_tracking::camera::CameraError;
+use backlit_tracking::cues::CueOptionsError;
 use backlit_tracking::fit::FitError;
 use backlit_tracking::search::WithoutStartError;
 use backlit_tracking::segment::{BackgroundError, SegmentError};
@@ -50,6 +51,8 @@ pub enum ExperimentError {
     Segment(#[from] SegmentError),
     #[error(transparent)]
     Measurement(#[from] MeasurementError),
+    #[error(transparent)]
+    Cues(#[from] CueOptionsError),
     #[error(transparent)]
     Motion(#[from] MotionError),
     #[error(transparent)]

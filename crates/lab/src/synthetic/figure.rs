@@ -36,6 +36,8 @@ pub struct Build {
     pub hair: f64,
     /// Reflectance of a shirt of one colour (linear red, green, blue); none for the red one with pale stripes.
     pub shirt: Option<DVec3>,
+    /// Contrast of a pattern of blotches all over skin and clothes, as of a patterned long sleeve; 0 for none.
+    pub pattern: f64,
 }
 
 impl Default for Build {
@@ -50,6 +52,7 @@ impl Default for Build {
             folds: 0.0035,
             hair: 0.014,
             shirt: None,
+            pattern: 0.0,
         }
     }
 }

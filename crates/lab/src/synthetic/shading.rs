@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::figure::{Figure, Material, Part, Touch};
+use super::figure::{Build, Figure, Material, Part, Touch};
 use super::room::RoomHit;
 use super::solid::{lattice, noise};
 
@@ -283,7 +283,17 @@ fn sky(p: DVec3, half: DVec3) -> DVec3 {
 }
 
 /// Reflectance and gloss of a point of the figure.
-fn figure_colours(touch: &Touch, plain_shirt: Option<DVec3>) -> (DVec3, f64) {
+fn figure_colours(touch: &Touch, build: &Build) -> (DVec3, f64) {
+    let (colour, gloss) = cloth_colours(touch, build.shirt);
+    if build.pattern == 0.0 {
+        return (colour, gloss);
+    }
+    let p = touch.local;
+    let blotches = 0.7 * noise(p * 26.0) + 0.5 * noise(p * 55.0);
+    (colour * (1.0 + build.pattern * blotches).max(0.1), gloss)
+}
+
+fn cloth_colours(touch: &Touch, plain_shirt: Option<DVec3>) -> (DVec3, f64) {
     let p = touch.local;
     match touch.material {
         Material::Skin => (skin(touch), 0.1),
@@ -410,6 +420,11 @@ impl Shade {
         Self { position, open: open_sky(figure, position, normal, Self::REACH), lamps }
     }
 
+    /// Nothing is in the way of any light.
+    pub(super) fn none(position: DVec3) -> Self {
+        Self { position, open: 1.0, lamps: [1.0; 3] }
+    }
+
     pub(super) fn serves(&self, position: DVec3) -> bool {
         self.position.distance_squared(position) < Self::SERVES * Self::SERVES
     }
@@ -424,7 +439,7 @@ pub(super) fn figure_light(
     shade: &Shade,
 ) -> DVec3 {
     let normal = figure.normal(position);
-    let (colour, gloss) = figure_colours(&figure.touch(position), figure.build.shirt);
+    let (colour, gloss) = figure_colours(&figure.touch(position), &figure.build);
     let mut light = colour * ambient(normal) * shade.open;
     for (lamp, seen) in lamps.iter().zip(shade.lamps) {
         let half = ((lamp.centre - position).normalize() - direction).normalize();

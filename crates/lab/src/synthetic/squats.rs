@@ -61,6 +61,11 @@ pub fn pose(model: &Model, seconds: f64) -> Pose {
 /// # Errors
 /// A size that no camera can have.
 pub fn cameras(size_px: [u64; 2]) -> Result<Vec<Arc<Camera>>, CameraError> {
+    cameras_at(PLACES, size_px)
+}
+
+/// The same two in other places, degrees to the subject's left of straight ahead.
+pub(super) fn cameras_at(places: [f64; 2], size_px: [u64; 2]) -> Result<Vec<Arc<Camera>>, CameraError> {
     let focal = FOCAL * size_px[1] as f64;
     let [cx, cy] = size_px.map(|side| 0.5 * (side as f64 - 1.0));
     let place = |(index, degrees): (usize, f64)| {
@@ -71,7 +76,7 @@ pub fn cameras(size_px: [u64; 2]) -> Result<Vec<Arc<Camera>>, CameraError> {
         let name = format!("phone{}", index + 1);
         Ok(Arc::new(Camera::new(&name, size_px, intrinsics, Distortion::None, place)?))
     };
-    PLACES.into_iter().enumerate().map(place).collect()
+    places.into_iter().enumerate().map(place).collect()
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use super::options::{DataView, OptionsError, Stage};
 use crate::body::PoseError;
 use crate::camera::Camera;
 use crate::render::Ramp;
+use crate::residual::cue::CueError;
 use crate::residual::silhouette::SampledData;
 use crate::silhouette::distance_ramp::DistanceRamp;
 use crate::silhouette::measurement;
@@ -51,6 +52,8 @@ pub enum FitError {
     Distorted { camera: String },
     #[error("`free` has {found} entries; the model has {expected} rotations")]
     FreeRotations { found: usize, expected: usize },
+    #[error(transparent)]
+    Cue(#[from] CueError),
     #[error("no camera has a silhouette to fit: {reasons}")]
     NoData { reasons: String },
 }

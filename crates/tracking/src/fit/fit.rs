@@ -10,6 +10,7 @@ use crate::body::{Model, Pose};
 use crate::cancel::CancelToken;
 use crate::optimize::{NormalEquations, Solver, Termination};
 use crate::residual::Loss;
+use crate::residual::cue::CueSet;
 use crate::residual::motion_prior::MotionPrior;
 use crate::silhouette::SignedDistance;
 
@@ -128,7 +129,7 @@ impl Fit {
         let options = options.at_scale(&model, &views, &start);
         let prepared = Prepared::new(&model, views, &start, &options, |_, _, _| 0.0)?;
         let pose = prepared.start.clone();
-        let constraints = Constraints { free, motion: None };
+        let constraints = Constraints { free, ..Constraints::default() };
         Ok(Self::begin(model, prepared, options, constraints, 0, &pose))
     }
 
@@ -147,11 +148,30 @@ impl Fit {
     /// pull to the start: the iterated Kalman update, begun at the frame's own fit.
     pub(crate) fn go_on_with(&mut self, motion: MotionPrior) {
         self.options.proximal_weight = 0.0;
-        self.constraints = Constraints { motion: Some(Arc::new(motion)), ..Constraints::default() };
+        let cues = self.constraints.cues.take();
+        self.constraints = Constraints { motion: Some(Arc::new(motion)), cues, ..Constraints::default() };
         self.stage = self.options.stages.len() - 1;
         let pose = self.solver.point().clone();
         self.begin_anew(&pose);
         self.termination = None;
+    }
+
+    /// The same fit with what the pictures say beside their silhouettes: pulls at limbs, from here on. The stage that it
+    /// is in begins anew where it stands. Without any pull nothing changes, to the bit.
+    ///
+    /// # Errors
+    /// A pull at a limb or through a camera that is none, or a camera with lens distortion.
+    pub fn with_cues(mut self, cues: Arc<CueSet>) -> Result<Self, FitError> {
+        cues.check(&self.model)?;
+        if !cues.pulls.is_empty() {
+            self.constraints.cues = Some(cues);
+            let pose = self.solver.point().clone();
+            self.begin_anew(&pose);
+            if self.iterations.is_empty() {
+                (self.initial_cost, self.initial_rms) = (self.solver.cost(), self.rms);
+            }
+        }
+        Ok(self)
     }
 
     fn begin(

@@ -12,6 +12,7 @@ use crate::optimize::{LeastSquares, NormalEquations};
 use crate::render::wrench::WrenchBlock;
 use crate::render::{BACKGROUND, Footprint, View};
 use crate::residual::Loss;
+use crate::residual::cue::CueSet;
 use crate::residual::interpenetration::{self, LimbPairs};
 use crate::residual::motion_prior::{self, MotionPrior};
 use crate::residual::silhouette::{KernelMemory, SampledData, StateMap, WorldBlocks};
@@ -32,6 +33,8 @@ pub struct Objective {
     constraints: Constraints,
     kinematics: Kinematics,
     world: WorldBlocks,
+    /// What cues pull, apart from the pixels.
+    cue_blocks: WorldBlocks,
     map: StateMap,
     /// Limbs that must not overlap; none where that is not asked for.
     pairs: Option<LimbPairs>,
@@ -45,6 +48,8 @@ pub(super) struct Constraints {
     pub(super) free: Option<Vec<bool>>,
     /// What the motion so far says of the pose. It takes the place of the proximal prior.
     pub(super) motion: Option<Arc<MotionPrior>>,
+    /// What the pictures say beside their silhouettes.
+    pub(super) cues: Option<Arc<CueSet>>,
 }
 
 #[derive(Debug)]
@@ -100,6 +105,7 @@ impl Objective {
             reference,
             constraints: Constraints::default(),
             world: WorldBlocks::new(limbs),
+            cue_blocks: WorldBlocks::new(limbs),
             map: StateMap::default(),
             pairs: (options.interpenetration_weight > 0.0).then(|| LimbPairs::of(&model)),
             kinematics,
@@ -123,13 +129,14 @@ impl Objective {
         self.constraints = constraints;
     }
 
-    /// JᵀJ, Jᵀρ and cost of what a frame says by itself: silhouettes, rest and limits, without any pull to another
+    /// JᵀJ, Jᵀρ and cost of what a frame says by itself: silhouettes, cues, rest and limits, without any pull to another
     /// pose. In tangent columns and as if every pixel were sampled.
     pub fn frame_equations(&mut self, pose: &Pose) -> NormalEquations {
         let mut equations = NormalEquations::zeros(Parameters::Tangent.columns(self.model.rotation_count()));
         self.look(pose);
         self.world.add_to(&self.kinematics, Parameters::Tangent, &mut self.map, &mut equations);
         equations.cost = self.silhouette_cost;
+        self.add_cues(Parameters::Tangent, &mut equations);
         self.add_anatomy(pose, Parameters::Tangent, &mut equations);
         let pixels = (self.stage.stride * self.stage.stride) as f64;
         equations.jtj *= pixels;
@@ -155,6 +162,15 @@ impl Objective {
     /// Squared grey levels per rad² of a prior weight of 1.
     fn prior_unit(&self) -> f64 {
         self.stage.priors * BACKGROUND * BACKGROUND / (self.stage.stride * self.stage.stride) as f64
+    }
+
+    /// At the pose that was looked at last.
+    fn add_cues(&mut self, parameters: Parameters, equations: &mut NormalEquations) {
+        let Some(cues) = &self.constraints.cues else { return };
+        self.cue_blocks.clear();
+        let unit = BACKGROUND * BACKGROUND / (self.stage.stride * self.stage.stride) as f64;
+        equations.cost += cues.add(&self.model, &self.kinematics, unit, &mut self.cue_blocks);
+        self.cue_blocks.add_to(&self.kinematics, parameters, &mut self.map, equations);
     }
 
     fn add_interpenetration(&mut self, equations: &mut NormalEquations) {
@@ -240,6 +256,7 @@ impl LeastSquares for Objective {
         equations.cost += self.silhouette_cost;
         let parameters = self.options.parameters;
         self.world.add_to(&self.kinematics, parameters, &mut self.map, equations);
+        self.add_cues(parameters, equations);
         self.add_priors(pose, equations);
         self.add_interpenetration(equations);
         self.hold(equations);

@@ -11,7 +11,7 @@ pub use super::state_map::StateMap;
 use crate::body::{Kinematics, MovingColumn, Parameters};
 use crate::camera::Camera;
 use crate::optimize::NormalEquations;
-use crate::render::wrench::WrenchBlock;
+use crate::render::wrench::{Wrench, WrenchBlock};
 use crate::render::{BACKGROUND, JointBlock, Lanes, PixelGrid, Primitive, RowWinners, View, prediction};
 use crate::silhouette::Measurement;
 
@@ -203,6 +203,14 @@ impl WorldBlocks {
                 sums.1 += forces * weight;
             }
         }
+    }
+
+    /// Adds one row: a wrench in world axes with its weight and its residual.
+    pub(crate) fn add_wrench(&mut self, limb: usize, wrench: Wrench, weight: f64, residual: f64) {
+        let h = SVector::from(wrench.to_array());
+        let (products, forces) = self.wrenches[limb].get_or_insert_with(Default::default);
+        products.ger(weight, &h, &h, 1.0);
+        forces.axpy(weight * residual, &h, 1.0);
     }
 
     /// Maps the sums to the state: JᵀJ += KᵀMK, Jᵀρ += Kᵀm, over the columns that move each limb.

@@ -6,6 +6,7 @@ use super::frame_masks::FrameMasks;
 use super::lost::Lost;
 use super::motion::FrameBelief;
 use crate::body::{Model, Pose};
+use crate::cues::LimbHold;
 use crate::fit::FitView;
 use crate::optimize::Termination;
 use crate::render::RendererKind;
@@ -37,6 +38,9 @@ pub struct FrameEstimate {
     pub belief: Option<FrameBelief>,
     /// What a search found before the fit, best first; empty where there was none.
     pub hypotheses: Vec<Hypothesis>,
+    /// What held which part of the body, by rotation; empty where nobody watched cues
+    /// ([`Tracker::with_cues`](super::Tracker::with_cues)) and in a frame in which nobody was found.
+    pub holds: Vec<LimbHold>,
 }
 
 impl FrameEstimate {
@@ -55,6 +59,7 @@ impl FrameEstimate {
             termination: None,
             belief: None,
             hypotheses: Vec::new(),
+            holds: Vec::new(),
         }
     }
 
@@ -62,6 +67,11 @@ impl FrameEstimate {
     #[must_use]
     pub fn iou(&self) -> Option<f64> {
         iou(&self.overlap)
+    }
+
+    /// The limbs that nothing held, each with those that turn with it: their poses are what motion and priors make of them.
+    pub fn unsure_limbs(&self) -> impl Iterator<Item = usize> + '_ {
+        self.holds.iter().filter(|hold| hold.is_unsure()).map(|hold| hold.limb)
     }
 
     /// Measures the overlap anew with what the frame's cameras saw, as after smoothing has moved the pose.

@@ -138,6 +138,7 @@ mod tests {
                 termination: None,
                 belief: None,
                 hypotheses: Vec::new(),
+                holds: Vec::new(),
             };
             (frame, estimate)
         };

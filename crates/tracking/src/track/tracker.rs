@@ -4,15 +4,17 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::attempt::{Attempt, Found, rms};
+use super::cued::Cued;
 use super::estimate::{FrameEstimate, iou};
 use super::frame_masks::FrameMasks;
 use super::lost::{LastResort, Lost, UsualCost};
 use super::motion::{Begins, Motion, MotionError, MotionFilter, Predicted};
 use crate::body::{Kinematics, Model, Parameters, Pose, Sides};
 use crate::cancel::CancelToken;
-use crate::fit::{Fit, FitError, FitOptions, FitView, SolverSummary};
+use crate::cues::{CueOptions, CueOptionsError, CueWatch, FrameCues};
+use crate::fit::{Fit, FitError, FitOptions, FitView};
 use crate::search::{self, Hypothesis, Origin, SearchOptions, WithoutStart, WithoutStartError};
-use crate::silhouette::Overlap;
 
 /// A first fit that overlaps better than this (IoU) is not questioned. On real footage with two and four cameras, fits
 /// of the right pose begin at 0.88 and those of a wrong one reach 0.88; a search from the right one changed nothing.
@@ -30,39 +32,6 @@ pub enum WhenToSearch {
     WhenPoor,
     /// Always.
     Always,
-}
-
-/// A frame's fit that has run.
-struct Found {
-    fit: Fit,
-    summary: SolverSummary,
-    hypotheses: Vec<Hypothesis>,
-}
-
-impl Found {
-    fn run(mut fit: Fit, hypotheses: Vec<Hypothesis>, cancel: &CancelToken) -> Self {
-        let summary = fit.run(cancel, |_| {});
-        Self { fit, summary, hypotheses }
-    }
-}
-
-/// The same, and how it is judged.
-struct Attempt {
-    found: Found,
-    overlap: Vec<Option<Overlap>>,
-    lost: Option<Lost>,
-}
-
-impl Attempt {
-    /// A fit whose numbers ran out of range is never better, and any other is better than that.
-    fn is_better(&self, other: &Self) -> bool {
-        rms(&self.found.summary).total_cmp(&rms(&other.found.summary)).is_lt()
-    }
-}
-
-/// What a fit is judged by: infinite where the numbers ran out of range.
-fn rms(summary: &SolverSummary) -> f64 {
-    if summary.is_broken() { f64::INFINITY } else { summary.final_rms }
 }
 
 /// The frame before.
@@ -92,6 +61,7 @@ pub struct Tracker {
     search: WhenToSearch,
     filter: Option<MotionFilter>,
     frame_seconds: f64,
+    cues: Option<Cued>,
 }
 
 impl Tracker {
@@ -127,6 +97,7 @@ impl Tracker {
             search: WhenToSearch::default(),
             filter: None,
             frame_seconds: 1.0,
+            cues: None,
         })
     }
 
@@ -155,6 +126,16 @@ impl Tracker {
     pub fn with_search(mut self, search: WhenToSearch) -> Self {
         self.search = search;
         self
+    }
+
+    /// Lets cues of the pictures pull at limbs that silhouettes do not hold, and says of every frame what held which limb.
+    ///
+    /// # Errors
+    /// Options that make no sense, by field.
+    pub fn with_cues(mut self, options: CueOptions) -> Result<Self, CueOptionsError> {
+        let watch = CueWatch::new(Arc::clone(&self.model), options, self.options.renderer)?;
+        self.cues = Some(Cued::new(watch));
+        Ok(self)
     }
 
     /// Goes on from a frame that was fitted before: the next one skips the wide first stages.
@@ -201,9 +182,27 @@ impl Tracker {
         views: Vec<FitView>,
         cancel: &CancelToken,
     ) -> Result<FrameEstimate, FitError> {
+        self.track_frame_with_cues(frame, views, FrameCues::default(), cancel)
+    }
+
+    /// The same with what the frame's pictures say beside their silhouettes, in the order of `views`. Only a tracker
+    /// [with cues](Self::with_cues) looks at it.
+    ///
+    /// # Errors
+    /// As [`track_frame`](Self::track_frame).
+    pub fn track_frame_with_cues(
+        &mut self,
+        frame: usize,
+        views: Vec<FitView>,
+        cues: FrameCues,
+        cancel: &CancelToken,
+    ) -> Result<FrameEstimate, FitError> {
         let masks = FrameMasks::of(&views);
         let mut predicted = self.predict(frame);
         let start = self.start_of(frame);
+        if let Some(cued) = &mut self.cues {
+            cued.begin(&views, cues, &start);
+        }
         let begins = self.last.as_ref().is_none_or(|last| last.lost);
         let again = (!begins).then(|| views.clone());
         let in_hull = (self.search != WhenToSearch::Never).then(|| views.clone());
@@ -286,6 +285,7 @@ impl Tracker {
             let seen = lost.is_none().then(|| fit.frame_equations()).map(|own| (own.jtj, own.jtr));
             filter.learn(&summary.pose, seen, predicted)
         });
+        let holds = self.cues.as_mut().map(|cued| cued.learn(&summary.pose, lost.is_some()));
         let estimate = FrameEstimate {
             frame,
             pose: summary.pose,
@@ -298,6 +298,7 @@ impl Tracker {
             termination: Some(summary.termination),
             belief,
             hypotheses,
+            holds: holds.unwrap_or_default(),
         };
         self.advance(frame, fitted, lost.is_some(), goes_on);
         estimate
@@ -315,6 +316,9 @@ impl Tracker {
         let names = || masks.cameras.iter().map(|camera| camera.name().to_owned()).collect();
         let empty = if because == Lost::Nobody { names() } else { Vec::new() };
         let belief = self.filter.as_mut().map(|filter| filter.learn(&pose, None, predicted));
+        if let Some(cued) = &mut self.cues {
+            cued.learn(&pose, true);
+        }
         let estimate = FrameEstimate {
             frame,
             overlap: masks.overlap(&self.model, &pose, self.options.renderer),
@@ -327,6 +331,7 @@ impl Tracker {
             termination: None,
             belief,
             hypotheses: Vec::new(),
+            holds: Vec::new(),
         };
         self.advance(frame, estimate.pose.clone(), true, false);
         estimate
@@ -336,7 +341,8 @@ impl Tracker {
     fn follow(&self, views: Vec<FitView>, start: Pose, cancel: &CancelToken) -> Result<Found, FitError> {
         let model = Arc::clone(&self.model);
         let options = self.options.clone().near_at_scale(&model, &views, &start);
-        Ok(Found::run(Fit::new(model, views, start, options)?, Vec::new(), cancel))
+        let fit = self.pulled(Fit::new(model, views, start, options)?)?;
+        Ok(Found::run(fit, Vec::new(), cancel))
     }
 
     /// Looks for the body in the visual hull, and fits it there. Where silhouettes do not tell front from back it looks as
@@ -376,7 +382,7 @@ impl Tracker {
         }
         let again = (self.search == WhenToSearch::WhenPoor).then(|| views.clone());
         let fit = Fit::new(Arc::clone(model), views, start.clone(), options.clone())?;
-        let found = Found::run(fit, Vec::new(), cancel);
+        let found = Found::run(self.pulled(fit)?, Vec::new(), cancel);
         let overlap = || iou(&masks.overlap(model, &found.summary.pose, options.renderer));
         let is_poor = || {
             overlap().is_some_and(|iou| iou < SEARCH_BELOW_IOU)
@@ -398,7 +404,15 @@ impl Tracker {
         // A track knows which way its body faces; a first frame's start may not.
         let effort = SearchOptions { turned: self.last.is_none(), ..SearchOptions::default() };
         let (fit, found) = search::fit_best(Arc::clone(&self.model), views, start, options, &effort, cancel)?;
-        Ok(Found::run(fit, found, cancel))
+        Ok(Found::run(self.pulled(fit)?, found, cancel))
+    }
+
+    /// A fit of the frame at hand with its cues, if there are any.
+    fn pulled(&self, fit: Fit) -> Result<Fit, FitError> {
+        match &self.cues {
+            Some(cued) => cued.pull(fit),
+            None => Ok(fit),
+        }
     }
 
     /// What the Kalman filter foretells of a frame, or why it begins there.

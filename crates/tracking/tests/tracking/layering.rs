@@ -19,10 +19,11 @@ fn allowed(module: &str) -> Option<Vec<&'static str>> {
         "posing" => vec!["body", "residual", "optimize"],
         "synchronise" => vec!["camera", "silhouette"],
         "visual_hull" => vec!["camera", "silhouette", "cancel"],
+        "cues" => vec!["residual", "render", "body", "camera", "silhouette"],
         "fit" => fit.to_vec(),
         "observability" => vec!["fit", "residual", "render", "body", "camera", "optimize", "geometry"],
         "search" => [&fit[..], &["fit", "posing", "metrics", "geometry", "visual_hull"]].concat(),
-        "track" => [&fit[..], &["fit", "search", "filter"]].concat(),
+        "track" => [&fit[..], &["fit", "cues", "search", "filter"]].concat(),
         "body_fit" => [&fit[..], &["fit", "track", "metrics", "search"]].concat(),
         _ => return None,
     })

@@ -5,6 +5,7 @@
 mod bad_evidence;
 mod bad_input;
 mod bodies;
+mod cues;
 mod drawing;
 mod errata;
 mod finite_differences;

@@ -1,0 +1,161 @@
+//! What two telephones see of a movement: masks, grey pictures, keypoints, and the truth.
+
+use std::sync::Arc;
+
+use backlit_tracking::body::{Kinematics, Model, Pose};
+use backlit_tracking::camera::Camera;
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::cues::{CameraCues, FrameCues, GreyPicture, JointKeypoint, WatchedCamera};
+use backlit_tracking::render::{Ramp, RendererKind, View, prediction};
+use glam::{DVec2, DVec3};
+use image::imageops::grayscale;
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::SeedableRng;
+
+use super::{DRAWN_RATE, Options};
+use crate::experiment::ExperimentError;
+use crate::experiment::track::widened;
+use crate::synthetic::occlusions::Occlusion;
+use crate::synthetic::{Build, Figure, Plate, Room, Sensor};
+
+/// Limbs whose second joints tools of keypoints see: those of COCO.
+const KEYPOINTS: [&str; 12] = [
+    "left clavicle",
+    "right clavicle",
+    "left upper arm",
+    "right upper arm",
+    "left forearm",
+    "right forearm",
+    "left hip",
+    "right hip",
+    "left lower thigh",
+    "right lower thigh",
+    "left lower calf",
+    "right lower calf",
+];
+/// How far off keypoints are in each direction, in metres at the person's distance: a deviation from frame to frame, one that
+/// a joint keeps, and a joint's from frame to frame that the camera does not see.
+const NOISE_M: f64 = 0.012;
+const OFFSET_M: f64 = 0.015;
+const HIDDEN_NOISE_M: f64 = 0.025;
+/// No part of the figure is farther from the capsules of its pose, pixels.
+const CLOTH_PX: f64 = 12.0;
+/// Share of the keypoints that are anywhere on the person.
+const WRONG: f64 = 0.03;
+
+/// One moment.
+#[derive(Debug, Clone)]
+pub(super) struct FilmedFrame {
+    pub(super) truth: Pose,
+    pub(super) cameras: Vec<WatchedCamera>,
+    pub(super) cues: FrameCues,
+}
+
+/// Films a movement at [`DRAWN_RATE`], every so manieth frame.
+pub(super) fn film(
+    model: &Model,
+    movement: Occlusion,
+    options: &Options,
+    every: usize,
+    cancel: &CancelToken,
+) -> Result<Vec<FilmedFrame>, ExperimentError> {
+    let build = Build { cloth: 1.12, folds: 0.006, pattern: options.pattern, ..Build::default() };
+    let cameras = movement.cameras(options.size_px)?;
+    let room = Room::default();
+    let plates: Vec<Plate> = cameras.iter().map(|camera| Plate::new(&room, camera, 1)).collect();
+    let mut random = Pcg64Mcg::seed_from_u64(options.seed);
+    let frame_seed = |frame: usize| options.seed.wrapping_add(1 + frame as u64);
+    let offsets = KEYPOINTS.map(|_| normal(&mut random) * OFFSET_M);
+    let count = (options.seconds * DRAWN_RATE).ceil() as usize;
+    let mut frames = Vec::with_capacity(count.div_ceil(every));
+    for frame in (0..count).step_by(every) {
+        if cancel.is_cancelled() {
+            return Err(ExperimentError::Cancelled);
+        }
+        let truth = movement.pose(model, frame as f64 / DRAWN_RATE);
+        let Some(figure) = Figure::new(model, &truth, build) else {
+            return Err(ExperimentError::Footage("the body has no limbs of that name".to_owned()));
+        };
+        let joints = Kinematics::new(model, &truth);
+        // The same noise whatever frames are left out.
+        let mut random = Pcg64Mcg::seed_from_u64(frame_seed(frame));
+        let mut watched = Vec::new();
+        let mut cues = FrameCues::default();
+        for (index, (camera, plate)) in cameras.iter().zip(&plates).enumerate() {
+            // Cloth stands off the body's capsules by less than this.
+            let ramp = Ramp::Distance { inner_px: 1.0, outer_px: CLOTH_PX };
+            let view = View::new(model, &joints, camera, RendererKind::Capsule, ramp);
+            let near: Vec<bool> = prediction::lambda(&view).iter().map(|level| *level < 255.0).collect();
+            let by_px = options.too_wide * breadth_px(model, &joints, camera);
+            let (light, mask) = plate.with_unshaded_figure(&figure, |x, y| near[y * camera.width() + x])?;
+            let mask = widened(mask, by_px)?;
+            let seed = options.seed.wrapping_add((2 * frame + index) as u64);
+            let exposed = Sensor::default().expose(&light, 1.0, seed);
+            let picture = GreyPicture::of_image(&grayscale(&exposed))
+                .map_err(|error| ExperimentError::Footage(error.to_string()))?;
+            let keypoints = keypoints(model, &joints, &figure, camera, &offsets, &mut random);
+            cues.cameras.push(CameraCues { keypoints, picture: Some(Arc::new(picture)) });
+            watched.push(WatchedCamera { camera: Arc::clone(camera), mask: Some(Arc::new(mask)) });
+        }
+        frames.push(FilmedFrame { truth, cameras: watched, cues });
+    }
+    Ok(frames)
+}
+
+/// The breadth of the shoulders in a picture's pixels, were they seen from the front.
+fn breadth_px(model: &Model, joints: &Kinematics, camera: &Camera) -> f64 {
+    let end = |name: &str| model.limb_index(name).map_or(DVec3::ZERO, |limb| joints.ends()[limb]);
+    let [right, left] = ["right clavicle", "left clavicle"].map(end);
+    let depth = camera.depth((right + left) / 2.0);
+    right.distance(left) * camera.intrinsics().mean_focal_px() / depth
+}
+
+fn keypoints(
+    model: &Model,
+    joints: &Kinematics,
+    figure: &Figure,
+    camera: &Camera,
+    offsets: &[DVec3; KEYPOINTS.len()],
+    random: &mut Pcg64Mcg,
+) -> Vec<JointKeypoint> {
+    let mut found = Vec::new();
+    for (name, offset) in KEYPOINTS.iter().zip(offsets) {
+        let Some(limb) = model.limb_index(name) else { continue };
+        let turn = joints.world_rotations()[model.limbs()[limb].rotation];
+        let place = joints.ends()[limb] + turn * *offset;
+        let (noise, is_wrong, doubt) = (normal(random), random.random_bool(WRONG), random.random::<f64>());
+        let anywhere = joints.ends()[random.random_range(0..joints.ends().len())];
+        let Some(pixel) = camera.project(if is_wrong { anywhere } else { place }) else { continue };
+        let is_hidden = hidden(figure, camera, place);
+        let deviation = if is_hidden { HIDDEN_NOISE_M } else { NOISE_M };
+        let px_per_m = camera.intrinsics().mean_focal_px() / camera.depth(place).max(0.1);
+        let score = match (is_wrong, is_hidden) {
+            (true, _) => 0.2 + 0.5 * doubt,
+            (_, true) => 0.4 + 0.3 * doubt,
+            _ => 0.7 + 0.3 * doubt,
+        };
+        found.push(JointKeypoint {
+            limb,
+            pixel: pixel + DVec2::new(noise.x, noise.y) * (deviation * px_per_m),
+            score,
+        });
+    }
+    found
+}
+
+/// Whether more than a limb's thickness of the figure lies before a joint.
+fn hidden(figure: &Figure, camera: &Camera, joint: DVec3) -> bool {
+    let way = joint - camera.centre();
+    let hit = figure.intersect(camera.centre(), way.normalize());
+    hit.is_some_and(|hit| hit < way.length() - 0.14)
+}
+
+/// Three normally distributed numbers (Box and Muller).
+fn normal(random: &mut Pcg64Mcg) -> DVec3 {
+    let mut one = || {
+        let (u, v): (f64, f64) = (random.random(), random.random());
+        (-2.0 * (1.0 - u).ln()).sqrt() * (std::f64::consts::TAU * v).cos()
+    };
+    DVec3::new(one(), one(), one())
+}
