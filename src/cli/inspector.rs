@@ -13,7 +13,7 @@ use image::DynamicImage;
 use super::command::no_such_command;
 use super::output;
 use super::take_options::{self, StartArguments};
-use super::track::follow;
+use super::track::{Followed, follow};
 use super::track_report::TrackReport;
 use crate::app::window::open_window;
 use crate::app::{Opening, PictureOptions, headless_picture, opening_of};
@@ -63,6 +63,7 @@ fn track(footage: &Footage) -> anyhow::Result<TrackReport> {
     let start = StartArguments::none().pose(footage, &cameras, 0, &FitOptions::default())?;
     let tracker = Tracker::new(Arc::clone(take.model()), FitOptions::default(), start)?;
     let mut report = TrackReport::new(take, &cameras, None);
-    follow(footage, &cameras, &frames, tracker, &mut report, &CancelToken::new(), |_| Ok(()))?;
+    let part = Followed { footage, cameras: &cameras, frames: &frames, cues: &[] };
+    follow(part, tracker, &mut report, &CancelToken::new(), |_| Ok(()))?;
     Ok(report)
 }

@@ -10,6 +10,7 @@ use backlit_formats::take::BodySizes;
 use backlit_formats::{Footage, Take, model_file};
 use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::cues::{Cue, CueOptions, FrameCues};
 use backlit_tracking::filter::Innovation;
 use backlit_tracking::fit::{FitView, Preset};
 use backlit_tracking::track::{KalmanOptions, Motion, Tracker, WhenToSearch, tune};
@@ -48,6 +49,7 @@ Examples:
   backlit track TAKE --out results --preset report --cameras cam01,cam03 --frames 10..40
   backlit track TAKE --out results --start reference --start-noise 5deg,3cm --seed 7 --json
   backlit track TAKE --out results --model person.toml --motion smoothed --search
+  backlit track TAKE --out results --cues keypoints,flow,stereo
   backlit track TAKE --out results --motion kalman --tune";
 
 /// What `backlit track` is told.
@@ -65,6 +67,9 @@ pub(crate) struct TrackArguments {
     /// Estimate the Kalman filter's noise from these frames first, then track with it
     #[arg(long)]
     tune: bool,
+    /// What else pulls at limbs that the silhouettes do not hold, with commas between: keypoints, flow, stereo
+    #[arg(long, value_name = "CUES", value_delimiter = ',', value_parser = cue)]
+    cues: Vec<Cue>,
     /// Another body than the take's, as from fit-body: a file, or a built-in one by name
     #[arg(long, value_name = "MODEL")]
     model: Option<String>,
@@ -218,12 +223,20 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
             bail!("--tune is for --motion kalman or smoothed");
         }
         let tracker = arguments.follow.tracker_with(take, start.clone(), noise)?;
-        noise = tuned(&footage, &cameras, &frames, tracker, noise, &cancel)?;
+        let part = Followed { footage: &footage, cameras: &cameras, frames: &frames, cues: &[] };
+        noise = tuned(part, tracker, noise, &cancel)?;
     }
-    let tracker = arguments.follow.tracker_with(take, start, noise)?;
+    let mut tracker = arguments.follow.tracker_with(take, start, noise)?;
+    if !arguments.cues.is_empty() {
+        if arguments.cues.contains(&Cue::Keypoints) && take.keypoint_order()?.is_none() {
+            bail!("--cues keypoints: the take has no keypoints of a body (`keypoints` of its cameras)");
+        }
+        tracker = tracker.with_cues(CueOptions::default().only(&arguments.cues))?;
+    }
     let mut report = TrackReport::new(take, &cameras, smoothing);
     let mut written = Instant::now();
-    let tracked = follow(&footage, &cameras, &frames, tracker, &mut report, &cancel, |report| {
+    let part = Followed { footage: &footage, cameras: &cameras, frames: &frames, cues: &arguments.cues };
+    let tracked = follow(part, tracker, &mut report, &cancel, |report| {
         if written.elapsed() > WRITE_EVERY {
             track_files::write(&arguments.out, take, report)?;
             written = Instant::now();
@@ -259,15 +272,13 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
 
 /// Tracks once to learn by which noise the frames are most likely, and says so.
 fn tuned(
-    footage: &Footage,
-    cameras: &[usize],
-    frames: &[usize],
+    part: Followed<'_>,
     tracker: Tracker,
     noise: KalmanOptions,
     cancel: &CancelToken,
 ) -> anyhow::Result<KalmanOptions> {
-    let mut report = TrackReport::new(footage.take(), cameras, None).with_beliefs();
-    follow(footage, cameras, frames, tracker, &mut report, cancel, |_| Ok(()))?;
+    let mut report = TrackReport::new(part.footage.take(), part.cameras, None).with_beliefs();
+    follow(part, tracker, &mut report, cancel, |_| Ok(()))?;
     let found =
         tune(report.track(), noise).context("--tune needs ten frames or more that follow one another")?;
     let ratio = |innovation: Innovation| innovation.ratio().unwrap_or(f64::NAN);
@@ -281,23 +292,46 @@ fn tuned(
     Ok(found.noise)
 }
 
+/// Which frames of which cameras are followed, and by what besides silhouettes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Followed<'a> {
+    pub(crate) footage: &'a Footage,
+    /// Indices in the take.
+    pub(crate) cameras: &'a [usize],
+    pub(crate) frames: &'a [usize],
+    /// None: silhouettes alone.
+    pub(crate) cues: &'a [Cue],
+}
+
+fn cue(text: &str) -> Result<Cue, &'static str> {
+    // Edges were measured to do more harm than good (docs/chapter6.md).
+    let offered = [Cue::Keypoints, Cue::Flow, Cue::Stereo];
+    offered.into_iter().find(|cue| cue.name() == text).ok_or("expected keypoints, flow or stereo")
+}
+
 /// Tracks these frames into a report, with a progress bar on a terminal. While one is fitted, the next is read
 /// and segmented; the results do not depend on it.
 ///
 /// # Errors
 /// The first picture that cannot be had, what `after_frame` returns, or [`Interrupted`]. The report has what was tracked before.
 pub(crate) fn follow(
-    footage: &Footage,
-    cameras: &[usize],
-    frames: &[usize],
+    part: Followed<'_>,
     mut tracker: Tracker,
     report: &mut TrackReport,
     cancel: &CancelToken,
     mut after_frame: impl FnMut(&TrackReport) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
+    let Followed { footage, cameras, frames, cues } = part;
+    let wants_pictures = cues.iter().any(|cue| *cue != Cue::Keypoints);
     let mut began = Instant::now();
     each_frame(footage, cameras, frames, |frame, views, progress| {
-        let estimate = tracker.track_frame(frame, views, cancel).with_context(|| format!("frame {frame}"))?;
+        let seen = match cues {
+            [] => FrameCues::default(),
+            _ => footage.cues(cameras, frame, wants_pictures)?,
+        };
+        let estimate = tracker
+            .track_frame_with_cues(frame, views, seen, cancel)
+            .with_context(|| format!("frame {frame}"))?;
         // A frame that was broken off is no frame.
         anyhow::ensure!(!cancel.is_cancelled(), Interrupted);
         report.add(footage.take(), estimate, began.elapsed().as_secs_f64() * 1e3)?;
@@ -361,7 +395,8 @@ mod tests {
         let (footage, cancel) = (Footage::new(take), CancelToken::new());
         let mut report = TrackReport::new(footage.take(), &[0, 1], None);
         let frames: Vec<usize> = (0..10).collect();
-        let error = follow(&footage, &[0, 1], &frames, tracker, &mut report, &cancel, |report| {
+        let part = Followed { footage: &footage, cameras: &[0, 1], frames: &frames, cues: &[] };
+        let error = follow(part, tracker, &mut report, &cancel, |report| {
             if report.track().frames.len() == 3 {
                 cancel.cancel();
             }

@@ -17,6 +17,8 @@ use super::take_options::reference_joints;
 #[derive(Debug)]
 pub(crate) struct TrackReport {
     cameras: Vec<String>,
+    /// Names of the body's limbs.
+    limbs: Vec<String>,
     track: Track,
     /// Smooths frames some frames late, where that is asked for.
     late: Option<FixedLagSmoother>,
@@ -40,6 +42,9 @@ pub(crate) struct TrackSummary {
     lost: usize,
     /// In how many frames a camera was left out because it saw nobody.
     left_out: BTreeMap<String, usize>,
+    /// In how many frames nothing held a limb, neither silhouettes nor cues; only where cues are used.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    unsure: BTreeMap<String, usize>,
     iou: IouSummary,
     /// Millimetres; null without reference keypoints.
     joint_error_mm: Option<ErrorSummary>,
@@ -128,6 +133,7 @@ impl TrackReport {
         let names = cameras.iter().map(|&camera| take.rig().cameras()[camera].name().to_owned());
         Self {
             cameras: names.collect(),
+            limbs: take.model().limbs().iter().map(|limb| limb.name.clone()).collect(),
             track: Track::default(),
             late: smoothing.and_then(|smoothing| smoothing.lag).map(FixedLagSmoother::new),
             keeps_beliefs: smoothing.is_some_and(|smoothing| smoothing.lag.is_none()),
@@ -245,6 +251,16 @@ impl TrackReport {
         self.last_iou.map(|iou| format!("IoU {iou:.3}")).unwrap_or_default()
     }
 
+    /// Frames in which nothing held a limb, by limb.
+    fn unsure(&self) -> BTreeMap<String, usize> {
+        let mut counts = BTreeMap::new();
+        let holds = self.track.frames.values().flat_map(|frame| &frame.holds);
+        for hold in holds.filter(|hold| hold.is_unsure()) {
+            *counts.entry(self.limbs[hold.limb].clone()).or_default() += 1;
+        }
+        counts
+    }
+
     /// Everything in numbers.
     pub(crate) fn summary(&self) -> TrackSummary {
         let frames = || self.track.frames.values();
@@ -264,6 +280,7 @@ impl TrackReport {
                     counts
                 },
             ),
+            unsure: self.unsure(),
             iou: IouSummary {
                 mean: mean(frames().filter_map(FrameEstimate::iou)),
                 by_camera: cameras.map(|(index, name)| (name.clone(), of_camera(index))).collect(),
@@ -294,6 +311,9 @@ impl TrackReport {
         let mut out = format!("{} {frames} tracked, {lost} lost\n", summary.frames);
         for (camera, count) in &summary.left_out {
             out.push_str(&format!("{camera} was left out of {count}, for it saw nobody\n"));
+        }
+        for (limb, count) in &summary.unsure {
+            out.push_str(&format!("{limb}: nothing held it in {count}\n"));
         }
         if let Some(errors) = &summary.joint_error_mm {
             let mut table = Table::new(["joint error, mm", "mean", "median", "95 %", "max"]);

@@ -343,6 +343,17 @@ fn an_empty_frame_is_lost_and_the_track_goes_on() {
     assert_eq!(json(scene.path("out/track.json"))["frames"][2]["lost"], true);
 }
 
+#[test]
+fn cues_are_told() {
+    let scene = take();
+    scene.ok("track wave --out out --cues flow,stereo");
+    let track = json(scene.path("out/track.json"));
+    let frame = &track["frames"][FRAMES - 1];
+    assert!(frame["held_by_cues"].is_object() && frame["unsure"].is_array(), "{frame}");
+    scene.fails("track wave --out out --cues keypoints", 1, &["--cues keypoints", "has no keypoints"]);
+    scene.fails("track wave --out out --cues touch", 2, &["keypoints, flow or stereo"]);
+}
+
 /// The search of the first frame takes its time: Ctrl+C comes before a frame is done.
 #[cfg(unix)]
 #[test]

@@ -3,10 +3,12 @@
 use std::sync::{Arc, OnceLock};
 
 use backlit_tracking::camera::{Camera, Rectification};
+use backlit_tracking::cues::{CameraCues, FrameCues, GreyPicture};
 use backlit_tracking::fit::{Evidence, FitView};
 use backlit_tracking::segment::{Background, BackgroundError, SegmentError, SegmentOptions, segment};
 use backlit_tracking::silhouette::{Label, Mask};
 use image::RgbImage;
+use image::imageops::grayscale;
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -234,6 +236,28 @@ impl Footage {
         };
         let views: Vec<Result<FitView, FootageError>> = cameras.par_iter().map(one).collect();
         views.into_iter().collect()
+    }
+
+    /// What a frame of these cameras has beside its silhouettes: the take's keypoints, and grey pictures if they are asked for.
+    ///
+    /// # Errors
+    /// As [`picture`](Self::picture), or a file that is not one of keypoints.
+    pub fn cues(
+        &self,
+        cameras: &[usize],
+        frame: usize,
+        wants_pictures: bool,
+    ) -> Result<FrameCues, FootageError> {
+        let one = |&camera: &usize| -> Result<CameraCues, FootageError> {
+            let keypoints = self.take.keypoint_cues(camera, frame, &self.cameras[camera])?;
+            let picture = match wants_pictures {
+                true => GreyPicture::of_image(&grayscale(&self.picture(camera, frame)?)).ok().map(Arc::new),
+                false => None,
+            };
+            Ok(CameraCues { keypoints, picture })
+        };
+        let cameras: Vec<Result<CameraCues, FootageError>> = cameras.par_iter().map(one).collect();
+        Ok(FrameCues { cameras: cameras.into_iter().collect::<Result<_, _>>()? })
     }
 
     fn rectified(&self, camera: usize, picture: &RgbImage) -> Result<RgbImage, FootageError> {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use backlit_tracking::body::Kinematics;
+use backlit_tracking::cues::LimbHold;
 use backlit_tracking::track::FrameEstimate;
 use serde_json::{Map, Value, json};
 
@@ -61,7 +62,7 @@ fn frame(export: &TrackExport<'_>, number: usize, estimate: &FrameEstimate) -> V
         let iou = estimate.overlap.get(camera).copied().flatten().and_then(|overlap| overlap.iou());
         ((*name).to_owned(), json!(iou))
     });
-    json!({
+    let mut out = json!({
         "frame": number,
         "seconds": number as f64 / export.frame_rate,
         "root": estimate.pose.root.to_array(),
@@ -73,7 +74,17 @@ fn frame(export: &TrackExport<'_>, number: usize, estimate: &FrameEstimate) -> V
         "iterations": estimate.iterations,
         "lost": estimate.is_lost(),
         "termination": estimate.termination.map(ending_text),
-    })
+    });
+    if !estimate.holds.is_empty() {
+        let name = |limb: usize| limbs[limb].name.clone();
+        let by_cues = estimate.holds.iter().filter(|hold| !hold.by_silhouettes && !hold.is_unsure());
+        let cues = |hold: &LimbHold| hold.cues.iter().map(|cue| cue.name()).collect::<Vec<_>>();
+        out["held_by_cues"] =
+            by_cues.map(|hold| (name(hold.limb), json!(cues(hold)))).collect::<Map<String, Value>>().into();
+        let unsure = estimate.holds.iter().filter(|hold| hold.is_unsure());
+        out["unsure"] = unsure.map(|hold| json!(name(hold.limb))).collect::<Vec<_>>().into();
+    }
+    out
 }
 
 #[cfg(test)]

@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use backlit_tracking::camera::Camera;
+use backlit_tracking::cues::JointKeypoint;
 use backlit_tracking::metrics::ReferenceJoints;
 use toml::Spanned;
 
 use super::reader::Reader;
 use super::spec::ViewSpec;
 use super::{CameraFootage, FramePattern, Take, TakeError};
-use crate::keypoints::joints::{KeypointOrder, body_of, joints_of};
+use crate::keypoints::joints::{KeypointOrder, body_of, cues_of, joints_of};
 use crate::keypoints::{self, Person, tallest};
 use crate::plate;
 use crate::{FileError, MAX_TEXT_BYTES};
@@ -92,6 +93,22 @@ impl Take {
             people.extend(tallest(&self.people(index, frame)?).map(|person| (camera, person.clone())));
         }
         Ok(people)
+    }
+
+    /// The keypoints of a camera's frame as [cues](backlit_tracking::cues), in pixels of the `working` camera: of the tallest person.
+    ///
+    /// # Errors
+    /// As [`people`](Self::people).
+    pub fn keypoint_cues(
+        &self,
+        camera: usize,
+        frame: usize,
+        working: &Camera,
+    ) -> Result<Vec<JointKeypoint>, TakeError> {
+        let Some(order) = self.keypoint_order()? else { return Ok(Vec::new()) };
+        let people = self.people(camera, frame)?;
+        let full = self.full_rig.cameras().get(camera).zip(tallest(&people));
+        Ok(full.map_or_else(Vec::new, |(full, person)| cues_of(&self.model, person, order, full, working)))
     }
 
     /// The joints of the take's body that keypoints show in these frames, world metres; frames without any are left out.

@@ -339,13 +339,13 @@ mod tests {
         let (mut subject, mut darker) = (0, 0);
         for ((before, after), label) in empty.light().iter().zip(full.light()).zip(mask.labels()) {
             assert!(before.is_finite() && after.is_finite() && after.min_element() >= 0.0);
-            if *label == backlit_tracking::silhouette::Label::Subject {
+            if *label == Label::Subject {
                 subject += usize::from(before.distance(*after) > 0.02);
             } else {
                 darker += usize::from(after.element_sum() < 0.9 * before.element_sum());
             }
         }
-        let area = mask.count(backlit_tracking::silhouette::Label::Subject);
+        let area = mask.count(Label::Subject);
         assert!(subject * 10 > area * 8, "{subject} of {area}");
         assert!(darker > 5, "{darker} pixels in shadow");
     }

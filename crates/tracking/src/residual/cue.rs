@@ -10,7 +10,7 @@
 //! | line through the pixel u, unit normal n | m n·(u − π(p)) | m nᵀ ∂π/∂p |
 //! | point x of the surface | r − \|x − q\|, q the axis's nearest point | −(x − q)/\|x − q\|, at q |
 //!
-//! ∂π/∂p = [fx/z, 0, −fx x/z²; 0, fy/z, −fy y/z²] R_camera with p = (x, y, z) in camera axes. The nearest point is
+//! ∂π/∂p = [fx/z, 0, −fx x/z²; 0, fy/z, −fy y/z²] `R_camera` with p = (x, y, z) in camera axes. The nearest point is
 //! stationary along the axis, so that its own motion drops out. Each row is a force at a point of the limb, a
 //! [wrench](crate::render::wrench): it is summed by limb and mapped to the state once a limb, as pixels are.
 //!
