@@ -13,6 +13,7 @@ use image::RgbaImage;
 use super::{App, AppOptions, Inspector, Opening};
 use crate::app::settings::Settings;
 use crate::context::command::{Command, FitCommand, TimelineCommand, TrackingCommand};
+use crate::context::notices::Severity;
 use crate::context::preferences::Layout;
 use crate::features::export::ExportOrder;
 
@@ -58,9 +59,27 @@ impl Default for PictureOptions {
 ///
 /// # Errors
 /// It cannot be opened: the error says why.
-pub(crate) fn headless_picture(opening: Opening, options: &PictureOptions) -> anyhow::Result<RgbaImage> {
+pub(crate) fn headless_picture(
+    opening: Opening,
+    options: &PictureOptions,
+) -> anyhow::Result<(RgbaImage, Vec<String>)> {
     let (mut window, mut app) = headless_app(opening, options)?;
-    Ok(settle(&mut window, &mut app, options.patience))
+    let picture = settle(&mut window, &mut app, options.patience);
+    Ok((picture, faults(&app)))
+}
+
+/// What went wrong on the way, or is missing in the picture: it is written all the same.
+fn faults(app: &App) -> Vec<String> {
+    let notices = app.state.notices.all().iter();
+    let said = notices.filter(|notice| notice.severity == Severity::Error).map(|notice| notice.text.clone());
+    let session = &app.state.session;
+    let frame = session.shown_frame(app.state.selection.frame);
+    let cameras = frame.into_iter().flat_map(|frame| frame.cameras.iter().enumerate());
+    let missing = cameras.filter_map(|(camera, shown)| {
+        let problem = shown.problem.as_deref()?;
+        Some(format!("camera {}: {problem}", camera + 1))
+    });
+    said.chain(missing).collect()
 }
 
 /// The same, but instead of the window's picture it writes what the order says: one camera's picture, or a series.
@@ -73,7 +92,7 @@ pub(crate) fn headless_export(
     camera: Option<usize>,
     mode: Option<ViewMode>,
     order: &ExportOrder,
-) -> anyhow::Result<()> {
+) -> anyhow::Result<Vec<String>> {
     let (mut window, mut app) = headless_app(opening, options)?;
     let count = app.state.session.camera_count();
     if let Some(camera) = camera {
@@ -89,7 +108,8 @@ pub(crate) fn headless_export(
     settle(&mut window, &mut app, options.patience);
     let export = app.export_job(order)?;
     ensure!(export.len() > 0, "there is no step: say with --iteration how many to do");
-    Ok(export.finish()?)
+    export.finish()?;
+    Ok(faults(&app))
 }
 
 /// The app in its window, when all is done that the options ask for.
@@ -128,6 +148,9 @@ fn headless_app(opening: Opening, options: &PictureOptions) -> anyhow::Result<(H
     for _ in 0..steps {
         app.run(Command::Fit(FitCommand::Step), &context);
         settle(&mut window, &mut app, options.patience);
+        if app.context().run().is_none_or(|run| run.ending.is_some()) {
+            break;
+        }
     }
     Ok((window, app))
 }

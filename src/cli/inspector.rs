@@ -49,7 +49,8 @@ pub(crate) fn run(path: Option<&Path>, state_file: Option<PathBuf>) -> anyhow::R
     };
     output::print(&format!("Tracking \"{}\" with the robust preset.\n\n", footage.take().name()))?;
     output::print(&track(&footage)?.text())?;
-    let picture = headless_picture(opening(), &PictureOptions { track: true, ..PictureOptions::default() })?;
+    let options = PictureOptions { track: true, ..PictureOptions::default() };
+    let (picture, _) = headless_picture(opening(), &options)?;
     let file = PathBuf::from(PICTURE);
     images::write_png(&file, &DynamicImage::ImageRgba8(picture))?;
     output::print(&format!("\nPicture of the window: {}\n", std::path::absolute(&file)?.display()))

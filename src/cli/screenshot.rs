@@ -1,6 +1,6 @@
 //! `backlit screenshot`: pictures of the window or of one camera's view, without a display; a series of them too.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::Context;
@@ -222,15 +222,27 @@ pub(crate) fn run(arguments: &ScreenshotArguments) -> anyhow::Result<()> {
         ..PictureOptions::default()
     };
     if arguments.camera.is_none() && arguments.sequence.is_none() && arguments.mode.is_none() {
-        let picture = headless_picture(opening, &options)?;
+        let (picture, faults) = headless_picture(opening, &options)?;
         images::write_png(&arguments.out, &DynamicImage::ImageRgba8(picture))?;
-        return Ok(());
+        return whole(&arguments.out, &faults);
     }
     let camera = match arguments.camera {
         Some(0) => anyhow::bail!("--camera is 0; cameras are counted from 1, as on their badges"),
         camera => camera.map(|camera| camera - 1),
     };
-    headless_export(opening, &options, camera, arguments.mode.map(ModeWord::mode), &order)
+    let faults = headless_export(opening, &options, camera, arguments.mode.map(ModeWord::mode), &order)?;
+    whole(&arguments.out, &faults)
+}
+
+/// A picture in which something is missing is written, but it is an error.
+fn whole(out: &Path, faults: &[String]) -> anyhow::Result<()> {
+    anyhow::ensure!(
+        faults.is_empty(),
+        "{} is written, but not all is in it: {}",
+        out.display(),
+        faults.join("; ")
+    );
+    Ok(())
 }
 
 /// What is to be written.

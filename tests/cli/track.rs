@@ -344,6 +344,19 @@ fn an_empty_frame_is_lost_and_the_track_goes_on() {
 }
 
 #[test]
+fn a_picture_in_which_something_is_missing_is_an_error() {
+    let scene = take();
+    scene.ok("screenshot wave --frame 1 --iteration 3 --out whole.png");
+    fs::write(scene.path("wave/front/02.png"), "no picture").unwrap();
+    scene.fails(
+        "screenshot wave --frame 2 --out torn.png",
+        1,
+        &["torn.png is written", "camera 1", "02.png"],
+    );
+    assert!(scene.path("torn.png").is_file());
+}
+
+#[test]
 fn cues_are_told() {
     let scene = take();
     scene.ok("track wave --out out --cues flow,stereo");
