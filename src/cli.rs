@@ -47,6 +47,7 @@ pub(crate) mod output;
 pub(crate) mod own_body;
 pub(crate) mod reference_options;
 pub(crate) mod render;
+pub(crate) mod resume;
 pub(crate) mod screenshot;
 pub(crate) mod silhouettes;
 pub(crate) mod sync;

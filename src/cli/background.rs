@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use backlit_formats::motion;
+use backlit_formats::Take;
+use backlit_formats::motion::Motion;
 use backlit_formats::plate::{self, plate_without_body};
-use backlit_formats::{Take, model_file};
 use clap::Args;
 
-use super::output;
+use super::{output, track_files};
 
 const NOTES: &str = "\
 A take whose background was learnt from its footage does not know it where the subject was always near. Once a body is
@@ -40,17 +40,7 @@ pub(crate) struct BackgroundArguments {
 /// # Errors
 /// A take or track that cannot be read, or a folder that cannot be written.
 pub(crate) fn run(arguments: &BackgroundArguments) -> anyhow::Result<()> {
-    let track = match &arguments.without {
-        folder if folder.is_dir() => folder.join("track.json"),
-        file => file.clone(),
-    };
-    let beside = track.with_file_name("body.toml");
-    let model = match &arguments.model {
-        Some(model) => Some(model_file::resolve(model)?),
-        None if beside.is_file() => Some(model_file::read(&beside)?),
-        None => None,
-    };
-    let motion = motion::read_track(&track, model.as_ref())?;
+    let motion = Motion::of_written(track_files::read(&arguments.without, arguments.model.as_deref())?);
     let take = Take::open(&arguments.take)?;
     output::make_folder(&arguments.out)?;
     for (index, camera) in take.rig().cameras().iter().enumerate() {

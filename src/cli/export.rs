@@ -3,13 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use backlit_formats::model_file;
-use backlit_formats::motion::{self, Axes, EulerOrder, MotionFormat, MotionOptions, Names, Unit};
+use backlit_formats::motion::{self, Axes, EulerOrder, Motion, MotionFormat, MotionOptions, Names, Unit};
 use clap::Args;
 use glam::DVec3;
 
-use super::output;
 use super::take_options::FrameRange;
+use super::{output, track_files};
 
 const NOTES: &str = "\
 Writes to the folder of --out one file a format, named after TRACK:
@@ -37,7 +36,8 @@ pub(crate) struct ExportArguments {
     /// Folder for the results; made if it is not there
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Body of the track: a built-in name or a body file [default: the built-in body that the track names]
+    /// Body of the track: a built-in name or a body file [default: the body.toml beside the track, else the built-in
+    /// body that the track names]
     #[arg(long, value_name = "MODEL")]
     model: Option<String>,
     /// Which way is up in the take's world: x, y, z, -x, -y, -z, or three numbers with commas between
@@ -65,12 +65,8 @@ pub(crate) struct ExportArguments {
 /// # Errors
 /// A track or body that cannot be read, no frame to write, or a folder that cannot be written.
 pub(crate) fn run(arguments: &ExportArguments) -> anyhow::Result<()> {
-    let track = match &arguments.track {
-        folder if folder.is_dir() => folder.join("track.json"),
-        file => file.clone(),
-    };
-    let model = arguments.model.as_deref().map(model_file::resolve).transpose()?;
-    let motion = motion::read_track(&track, model.as_ref())?;
+    let track = track_files::path_in(&arguments.track);
+    let motion = Motion::of_written(track_files::read(&arguments.track, arguments.model.as_deref())?);
     let range = match arguments.frames {
         Some(FrameRange { first, past: Some(past) }) if past <= first => {
             anyhow::bail!("--frames: there is no frame from {first} up to {past}")

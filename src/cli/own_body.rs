@@ -14,13 +14,13 @@ use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::search::{Found, WithoutStart, without_start};
 use indicatif::ProgressBar;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::interrupt::Interrupted;
 use super::output;
 
 /// What was found before tracking began.
-#[derive(Debug, Clone, Default, Serialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct Begun {
     /// The start was found by a search, not given.
     searched: bool,
@@ -30,7 +30,7 @@ pub(crate) struct Begun {
     sizes: Option<SizesFound>,
 }
 
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct SizesFound {
     /// Whether the body has them: else it is only scaled as a whole.
     taken: bool,

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use backlit_formats::take::BodySizes;
-use backlit_formats::{Footage, Take, model_file};
+use backlit_formats::{Footage, Take};
 use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::{Cue, CueOptions, FrameCues};
@@ -22,12 +22,16 @@ use super::interrupt::{self, Interrupted};
 use super::output;
 use super::own_body;
 use super::reference_options::ReferenceArguments;
+use super::resume::Earlier;
 use super::take_options::{self, PartArguments, StartArguments};
 use super::track_files;
 use super::track_report::{Smoothing, TrackReport};
 
 /// Results so far are written this often: nothing is lost if the program is stopped.
 const WRITE_EVERY: Duration = Duration::from_secs(5);
+
+/// Frames that the filter's noise is estimated from, at most: a filter keeps a third of a megabyte of each.
+const TUNED_FRAMES: usize = 600;
 
 const NOTES: &str = "\
 Writes to the folder of --out:
@@ -36,7 +40,7 @@ Writes to the folder of --out:
   joints.csv    the positions of the joints as a table: frame,joint,x,y,z
   frames.csv    cost, overlap (IoU) by camera and iterations of every frame
   summary.json  what --json prints
-  body.toml     the person's body, where sizes were fitted
+  body.toml     the body, where it is no built-in one
 A take without a start is searched for one; one that asks for sizes, as import writes it, gets the person's own sizes first.
 Joints are named after the limb whose second joint they are, or root. With reference keypoints in the take,
 joint errors are reported: millimetres between the fitted joint and the keypoint.
@@ -50,7 +54,8 @@ Examples:
   backlit track TAKE --out results --start reference --start-noise 5deg,3cm --seed 7 --json
   backlit track TAKE --out results --model person.toml --motion smoothed --search
   backlit track TAKE --out results --cues keypoints,flow,stereo
-  backlit track TAKE --out results --motion kalman --tune";
+  backlit track TAKE --out results --motion kalman --tune
+  backlit track TAKE --out results --resume";
 
 /// What `backlit track` is told.
 #[derive(Debug, Args)]
@@ -60,11 +65,14 @@ pub(crate) struct TrackArguments {
     take: PathBuf,
     /// Folder for the results; made if it is not there
     #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    pub(crate) out: PathBuf,
+    /// Go on where an earlier track into the same folder was stopped; give the same options again
+    #[arg(long)]
+    resume: bool,
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
-    /// Estimate the Kalman filter's noise from these frames first, then track with it
+    /// Estimate the Kalman filter's noise from these frames first, from 600 at most, then track with it
     #[arg(long)]
     tune: bool,
     /// What else pulls at limbs that the silhouettes do not hold, with commas between: keypoints, flow, stereo
@@ -72,7 +80,7 @@ pub(crate) struct TrackArguments {
     cues: Vec<Cue>,
     /// Another body than the take's, as from fit-body: a file, or a built-in one by name
     #[arg(long, value_name = "MODEL")]
-    model: Option<String>,
+    pub(crate) model: Option<String>,
     #[command(flatten)]
     part: PartArguments,
     #[command(flatten)]
@@ -80,7 +88,7 @@ pub(crate) struct TrackArguments {
     #[command(flatten)]
     reference: ReferenceArguments,
     #[command(flatten)]
-    follow: FollowArguments,
+    pub(crate) follow: FollowArguments,
 }
 
 /// How frames are followed.
@@ -114,7 +122,8 @@ impl FollowArguments {
         self.tracker_with(take, start, self.noise()?)
     }
 
-    fn is_kalman(&self) -> bool {
+    /// Whether a Kalman filter follows the motion.
+    pub(crate) fn is_kalman(&self) -> bool {
         matches!(self.motion, Some(MotionWord::Kalman | MotionWord::Smoothed))
     }
 
@@ -201,41 +210,42 @@ pub(crate) enum MotionWord {
 pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let cancel = interrupt::listen()?;
     let smoothing = arguments.follow.smoothing()?;
-    let mut footage = take_options::open_with_model(&arguments.take, arguments.model.as_deref())?;
-    let frames = arguments.part.frames(footage.take())?;
+    let earlier = if arguments.resume { Some(Earlier::read(arguments)?) } else { None };
+    let mut footage = match &earlier {
+        Some(earlier) => Footage::new(Take::open_with_model(&arguments.take, earlier.written.model.clone())?),
+        None => take_options::open_with_model(&arguments.take, arguments.model.as_deref())?,
+    };
+    let all_frames = arguments.part.frames(footage.take())?;
     let cameras = arguments.part.cameras(footage.take())?;
-    let known = arguments.start.known_pose(footage.take(), frames[0])?;
+    let frames = match &earlier {
+        Some(earlier) => earlier.frames_left(footage.take(), &cameras, &all_frames)?,
+        None => &all_frames,
+    };
     let fit = arguments.follow.solver.options()?;
-    own_body::check_silhouettes(&footage, &cameras, &frames)?;
-    // A body that is named has its sizes.
-    let sizes = arguments.model.is_none() && footage.take().sizes() == BodySizes::Fit;
-    output::make_folder(&arguments.out)?;
-    let (start, body, begun) = own_body::begin(&footage, &cameras, &frames, &fit, known, sizes, &cancel)?;
-    if let Some(body) = body {
-        model_file::write(&arguments.out.join("body.toml"), &body)?;
-        footage = Footage::new(Take::open_with_model(&arguments.take, body)?);
-    }
+    let (start, begun) = if let Some(earlier) = &earlier {
+        (earlier.last_pose(), earlier.begun.clone())
+    } else {
+        let known = arguments.start.known_pose(footage.take(), frames[0])?;
+        own_body::check_silhouettes(&footage, &cameras, frames)?;
+        // A body that is named has its sizes.
+        let sizes = arguments.model.is_none() && footage.take().sizes() == BodySizes::Fit;
+        output::make_folder(&arguments.out)?;
+        let (start, body, begun) = own_body::begin(&footage, &cameras, frames, &fit, known, sizes, &cancel)?;
+        if let Some(body) = body {
+            footage = Footage::new(Take::open_with_model(&arguments.take, body)?);
+        }
+        (start, Some(begun))
+    };
     let take = footage.take();
     let judge = arguments.reference.take(take)?;
-    let mut noise = arguments.follow.noise()?;
-    if arguments.tune {
-        if !arguments.follow.is_kalman() {
-            bail!("--tune is for --motion kalman or smoothed");
-        }
-        let tracker = arguments.follow.tracker_with(take, start.clone(), noise)?;
-        let part = Followed { footage: &footage, cameras: &cameras, frames: &frames, cues: &[] };
-        noise = tuned(part, tracker, noise, &cancel)?;
-    }
-    let mut tracker = arguments.follow.tracker_with(take, start, noise)?;
-    if !arguments.cues.is_empty() {
-        if arguments.cues.contains(&Cue::Keypoints) && take.keypoint_order()?.is_none() {
-            bail!("--cues keypoints: the take has no keypoints of a body (`keypoints` of its cameras)");
-        }
-        tracker = tracker.with_cues(CueOptions::default().only(&arguments.cues))?;
-    }
+    let part = Followed { footage: &footage, cameras: &cameras, frames, cues: &arguments.cues };
+    let mut tracker = tracker(arguments, part, start, &cancel)?;
     let mut report = TrackReport::new(take, &cameras, smoothing);
+    if let Some(earlier) = earlier {
+        tracker = tracker.resuming(&earlier.written.track);
+        report.resume(take, earlier.written.track);
+    }
     let mut written = Instant::now();
-    let part = Followed { footage: &footage, cameras: &cameras, frames: &frames, cues: &arguments.cues };
     let tracked = follow(part, tracker, &mut report, &cancel, |report| {
         if written.elapsed() > WRITE_EVERY {
             track_files::write(&arguments.out, take, report)?;
@@ -253,7 +263,7 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     }
     report.finish(take);
     report.is_partial = tracked.is_err();
-    report.begun = Some(begun);
+    report.begun = begun;
     if let Some(judge) = &judge {
         report.judge(judge);
     }
@@ -261,13 +271,42 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
         track_files::write(&arguments.out, take, &report)?;
     }
     if let Err(error) = tracked {
-        let (done, all, folder) = (report.track().frames.len(), frames.len(), arguments.out.display());
+        let (done, all, folder) = (report.track().frames.len(), all_frames.len(), arguments.out.display());
         return Err(match done {
             0 => error,
             _ => error.context(format!("stopped after {done} of {all} frames, which are in {folder}")),
         });
     }
     if arguments.json { output::print_json(&report.summary()) } else { output::print(&report.text()) }
+}
+
+/// The tracker that these frames are followed with.
+///
+/// # Errors
+/// Options that contradict each other or the take, or pictures that cannot be had while the noise is tuned.
+fn tracker(
+    arguments: &TrackArguments,
+    part: Followed<'_>,
+    start: Pose,
+    cancel: &CancelToken,
+) -> anyhow::Result<Tracker> {
+    let (follow, take) = (&arguments.follow, part.footage.take());
+    let mut noise = follow.noise()?;
+    if arguments.tune {
+        if !follow.is_kalman() {
+            bail!("--tune is for --motion kalman or smoothed");
+        }
+        let tracker = follow.tracker_with(take, start.clone(), noise)?;
+        noise = tuned(Followed { cues: &[], ..part }, tracker, noise, cancel)?;
+    }
+    let tracker = follow.tracker_with(take, start, noise)?;
+    if arguments.cues.is_empty() {
+        return Ok(tracker);
+    }
+    if arguments.cues.contains(&Cue::Keypoints) && take.keypoint_order()?.is_none() {
+        bail!("--cues keypoints: the take has no keypoints of a body (`keypoints` of its cameras)");
+    }
+    Ok(tracker.with_cues(CueOptions::default().only(&arguments.cues))?)
 }
 
 /// Tracks once to learn by which noise the frames are most likely, and says so.
@@ -278,6 +317,7 @@ fn tuned(
     cancel: &CancelToken,
 ) -> anyhow::Result<KalmanOptions> {
     let mut report = TrackReport::new(part.footage.take(), part.cameras, None).with_beliefs();
+    let part = Followed { frames: &part.frames[..part.frames.len().min(TUNED_FRAMES)], ..part };
     follow(part, tracker, &mut report, cancel, |_| Ok(()))?;
     let found =
         tune(report.track(), noise).context("--tune needs ten frames or more that follow one another")?;

@@ -1,13 +1,24 @@
-//! The files that `backlit track` writes.
+//! The files that `backlit track` writes, and those of them that are read again.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use backlit_formats::export::{TrackExport, tables, track_json};
-use backlit_formats::{Take, atomic};
+use backlit_formats::export::track_read::{self, WrittenTrack};
+use backlit_formats::export::{self, TrackExport};
+use backlit_formats::{DiskFiles, Take, TakeFiles, json_text, model_file};
+use backlit_tracking::body::builtin;
+use serde::Deserialize;
 
+use super::own_body::Begun;
 use super::track_report::TrackReport;
 
-/// Writes all files, each whole or not at all.
+/// The body, where it is no built-in one.
+const BODY: &str = "body.toml";
+/// What `--json` prints.
+const SUMMARY: &str = "summary.json";
+/// The longest summary that is read, bytes.
+const MAX_SUMMARY: u64 = 1 << 20;
+
+/// Writes all files: all of them, or none.
 ///
 /// # Errors
 /// The folder is not writable; the message names the file.
@@ -20,11 +31,45 @@ pub(crate) fn write(folder: &Path, take: &Take, report: &TrackReport) -> anyhow:
         cameras: &cameras,
         track: report.track(),
     };
-    track_json::write(&folder.join("track.json"), &export)?;
-    tables::write_poses(&folder.join("poses.csv"), &export)?;
-    tables::write_joints(&folder.join("joints.csv"), &export)?;
-    tables::write_frames(&folder.join("frames.csv"), &export)?;
     let summary = serde_json::to_string_pretty(&report.summary())? + "\n";
-    atomic::write(&folder.join("summary.json"), summary.as_bytes())?;
-    Ok(())
+    let mut others = vec![(SUMMARY, summary.as_bytes())];
+    let body = model_file::to_text(take.model());
+    if builtin::of_name(take.model().name()).is_none_or(|model| model != **take.model()) {
+        others.push((BODY, body.as_bytes()));
+    }
+    Ok(export::write(folder, &export, &others)?)
+}
+
+/// What was found before an earlier track into this folder began.
+pub(crate) fn begun(folder: &Path) -> Option<Begun> {
+    #[derive(Deserialize)]
+    struct OfBegun {
+        begun: Option<Begun>,
+    }
+    let path = folder.join(SUMMARY);
+    let bytes = DiskFiles.read(&path, MAX_SUMMARY).ok()?;
+    json_text::parse_bytes::<OfBegun>(&path, &bytes).ok()?.begun
+}
+
+/// The track file of a folder of results; a file is one itself.
+pub(crate) fn path_in(track: &Path) -> PathBuf {
+    if track.is_dir() { track.join("track.json") } else { track.to_owned() }
+}
+
+/// Reads a track, from its file or its folder. Its body is this model, or else the one that lies beside it if it is the
+/// track's, or else the built-in one that it names.
+///
+/// # Errors
+/// A track or body that cannot be read, or another body than the track's.
+pub(crate) fn read(track: &Path, model: Option<&str>) -> anyhow::Result<WrittenTrack> {
+    let path = path_in(track);
+    let beside = path.with_file_name(BODY);
+    if let Some(model) = model {
+        return Ok(track_read::read(&path, Some(&model_file::resolve(model)?))?);
+    }
+    if !beside.is_file() {
+        return Ok(track_read::read(&path, None)?);
+    }
+    let of_beside = track_read::read(&path, Some(&model_file::read(&beside)?));
+    of_beside.or_else(|error| track_read::read(&path, None).map_err(|_error| error.into()))
 }

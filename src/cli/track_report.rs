@@ -6,7 +6,7 @@ use backlit_formats::Take;
 use backlit_tracking::fit::FitView;
 use backlit_tracking::metrics::{self, JointErrors, Statistics};
 use backlit_tracking::render::RendererKind;
-use backlit_tracking::track::{FixedLagSmoother, FrameEstimate, SmoothingError, Track, smoothed};
+use backlit_tracking::track::{FrameEstimate, Smoother, SmoothingError, Track};
 use serde::Serialize;
 
 use super::own_body::Begun;
@@ -20,8 +20,8 @@ pub(crate) struct TrackReport {
     /// Names of the body's limbs.
     limbs: Vec<String>,
     track: Track,
-    /// Smooths frames some frames late, where that is asked for.
-    late: Option<FixedLagSmoother>,
+    /// Smooths frames by later ones, where that is asked for.
+    smoother: Option<Smoother>,
     /// Whether what the filter believed of a frame is needed after it.
     keeps_beliefs: bool,
     /// Milliseconds of every frame, in the order in which they were tracked.
@@ -127,16 +127,15 @@ pub(crate) struct Smoothing {
 }
 
 impl TrackReport {
-    /// A report of these cameras (indices in the take), its frames smoothed by later ones if that is asked for. Beliefs are
-    /// kept where smoothing needs them: they are by far the largest part of a track.
+    /// A report of these cameras (indices in the take), its frames smoothed by later ones if that is asked for.
     pub(crate) fn new(take: &Take, cameras: &[usize], smoothing: Option<Smoothing>) -> Self {
         let names = cameras.iter().map(|&camera| take.rig().cameras()[camera].name().to_owned());
         Self {
             cameras: names.collect(),
             limbs: take.model().limbs().iter().map(|limb| limb.name.clone()).collect(),
             track: Track::default(),
-            late: smoothing.and_then(|smoothing| smoothing.lag).map(FixedLagSmoother::new),
-            keeps_beliefs: smoothing.is_some_and(|smoothing| smoothing.lag.is_none()),
+            smoother: smoothing.map(|smoothing| Smoother::new(smoothing.lag)),
+            keeps_beliefs: false,
             times_ms: Vec::new(),
             errors: JointErrors::default(),
             last_iou: None,
@@ -146,7 +145,7 @@ impl TrackReport {
         }
     }
 
-    /// The same with all beliefs kept.
+    /// The same with all beliefs kept: they are by far the largest part of a track.
     pub(crate) fn with_beliefs(mut self) -> Self {
         self.keeps_beliefs = true;
         self
@@ -164,14 +163,22 @@ impl TrackReport {
     ) -> Result<(), SmoothingError> {
         self.times_ms.push(time_ms);
         self.last_iou = estimate.iou();
-        let known = match &mut self.late {
-            Some(smoother) => smoother.push(estimate)?,
-            None => Some(estimate),
+        let known = match &mut self.smoother {
+            Some(smoother) => {
+                // What is written on the way has the newest frames too, unsmoothed.
+                let newest = FrameEstimate { belief: None, ..estimate.clone() };
+                self.track.frames.insert(newest.frame, newest);
+                smoother.push(estimate)?
+            }
+            None => vec![estimate],
         };
-        if let Some(estimate) = known {
-            self.keep(take, estimate);
-        }
+        known.into_iter().for_each(|estimate| self.keep(take, estimate));
         Ok(())
+    }
+
+    /// Takes over the frames of an earlier run.
+    pub(crate) fn resume(&mut self, take: &Take, track: Track) {
+        track.frames.into_values().for_each(|estimate| self.keep(take, estimate));
     }
 
     fn keep(&mut self, take: &Take, mut estimate: FrameEstimate) {
@@ -182,19 +189,14 @@ impl TrackReport {
         self.track.frames.insert(estimate.frame, estimate);
     }
 
-    /// Smooths frames by later ones, as far as that was not done on the way. Costs stay those of the poses before, overlaps
+    /// Smooths the newest frames too, by as many later ones as there are. Costs stay those of the poses before, overlaps
     /// until they are measured anew.
     ///
     /// # Errors
     /// A track that cannot be smoothed.
     pub(crate) fn smooth(&mut self, take: &Take) -> Result<(), SmoothingError> {
-        if let Some(mut smoother) = self.late.take() {
-            for estimate in smoother.finish()? {
-                self.keep(take, estimate);
-            }
-        } else if self.keeps_beliefs {
-            self.track = smoothed(&self.track, None)?;
-            self.judge(take);
+        if let Some(mut smoother) = self.smoother.take() {
+            smoother.finish()?.into_iter().for_each(|estimate| self.keep(take, estimate));
         }
         Ok(())
     }

@@ -15,7 +15,7 @@ fn a_track_becomes_a_file_a_format() {
     let export =
         TrackExport { name: "wave", frame_rate: 30.0, model: &scene.model, cameras: &[], track: &track };
     fs::create_dir(scene.path("results")).unwrap();
-    track_json::write(&scene.path("results/track.json"), &export).unwrap();
+    fs::write(scene.path("results/track.json"), track_json::to_text(&export)).unwrap();
     scene.ok("export results --to bvh,trc,mot,c3d,glb,npz,csv --up y --frames 2..6 --out motion");
     for extension in ["bvh", "trc", "mot", "c3d", "glb", "npz", "csv"] {
         assert!(fs::metadata(scene.path(&format!("motion/track.{extension}"))).unwrap().len() > 100);

@@ -367,6 +367,28 @@ fn cues_are_told() {
     scene.fails("track wave --out out --cues touch", 2, &["keypoints, flow or stereo"]);
 }
 
+/// Stopped after some frames and gone on with, a track is the same to the byte.
+#[test]
+fn a_track_is_resumed() {
+    let scene = take();
+    scene.ok("track wave --out whole");
+    scene.fails("track wave --out parts --resume", 1, &["--resume", "track.json", "no such file"]);
+    scene.ok("track wave --out parts --frames 0..3");
+    let stopped = json(scene.path("parts/track.json"));
+    assert_eq!(stopped["frames"].as_array().unwrap().len(), 3);
+    scene.fails("track wave --out parts --resume --cameras side", 1, &["front, side; expected side"]);
+    scene.fails("track wave --out parts --resume --frames 1..5", 1, &["the same --frames"]);
+    scene.fails("track wave --out parts --resume --motion kalman", 1, &["--resume is not for"]);
+    scene.ok("track wave --out parts --resume");
+    for name in ["track.json", "poses.csv", "joints.csv", "frames.csv"] {
+        let read = |folder: &str| fs::read_to_string(scene.path(&format!("{folder}/{name}"))).unwrap();
+        assert_eq!(read("whole"), read("parts"), "{name}");
+    }
+    let mut summaries = ["whole", "parts"].map(|folder| json(scene.path(&format!("{folder}/summary.json"))));
+    summaries.iter_mut().for_each(|summary| summary["ms_per_frame"] = Value::Null);
+    assert_eq!(summaries[0], summaries[1]);
+}
+
 /// The search of the first frame takes its time: Ctrl+C comes before a frame is done.
 #[cfg(unix)]
 #[test]

@@ -5,12 +5,15 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use backlit_formats::calibration::write::{self, Format};
+use backlit_formats::export::track_read::WrittenTrack;
 use backlit_formats::export::{TrackExport, track_json};
-use backlit_formats::motion::Motion;
 use backlit_formats::{model_file, pose_file};
 use backlit_tracking::body::{Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
-use backlit_tracking::track::{FrameEstimate, Track};
+use backlit_tracking::cues::{Cue, LimbHold};
+use backlit_tracking::optimize::Termination;
+use backlit_tracking::silhouette::Overlap;
+use backlit_tracking::track::{FrameEstimate, Lost, Track};
 use glam::DVec3;
 use image::{DynamicImage, GrayImage, ImageFormat, Luma, Rgb, RgbImage, RgbaImage};
 
@@ -137,40 +140,42 @@ pub(crate) fn pickles() -> Vec<Vec<u8>> {
     vec![out]
 }
 
-/// A track of these poses.
-pub(crate) fn track_text(motion: &Motion) -> String {
-    let estimate = |(&frame, pose): (&usize, &Pose)| {
-        let estimate = FrameEstimate {
-            frame,
-            pose: pose.clone(),
-            cost: Some(1234.5),
-            rms: None,
-            overlap: vec![None],
-            empty_cameras: Vec::new(),
-            iterations: 7,
-            lost_because: None,
-            termination: None,
-            belief: None,
-            hypotheses: Vec::new(),
-            holds: Vec::new(),
-        };
-        (frame, estimate)
-    };
-    let track = Track { frames: motion.poses.iter().map(estimate).collect() };
-    let (name, model) = (motion.name.as_str(), &motion.model);
+/// A track as it is written.
+pub(crate) fn track_text(written: &WrittenTrack) -> String {
+    let cameras: Vec<&str> = written.cameras.iter().map(String::as_str).collect();
     track_json::to_text(&TrackExport {
-        name,
-        frame_rate: motion.frame_rate,
-        model,
-        cameras: &["a"],
-        track: &track,
+        name: &written.name,
+        frame_rate: written.frame_rate,
+        model: &written.model,
+        cameras: &cameras,
+        track: &written.track,
     })
 }
 
 pub(crate) fn tracks() -> Vec<Vec<u8>> {
-    let poses = BTreeMap::from([(3, turned(0.0)), (4, turned(0.1))]);
-    let motion = Motion { name: "walk".to_owned(), model: builtin::upper_body(), frame_rate: 25.0, poses };
-    vec![track_text(&motion).into_bytes()]
+    let good = FrameEstimate {
+        cost: Some(1234.5),
+        rms: Some(20.25),
+        overlap: vec![Some(Overlap { agreement: 90, missing: 10, spurious: 12 }), None],
+        empty_cameras: vec!["right".to_owned()],
+        iterations: 7,
+        termination: Some(Termination::StepLimit { steps: 7 }),
+        ..FrameEstimate::of_pose(3, turned(0.0))
+    };
+    let held = LimbHold { limb: 0, cameras: 1, by_silhouettes: false, cues: vec![Cue::Flow] };
+    let lost = FrameEstimate {
+        lost_because: Some(Lost::Cost { ratio: 1.5 }),
+        holds: vec![held],
+        ..FrameEstimate::of_pose(4, turned(0.1))
+    };
+    let written = WrittenTrack {
+        name: "walk".to_owned(),
+        model: builtin::upper_body(),
+        frame_rate: 25.0,
+        cameras: vec!["left".to_owned(), "right".to_owned()],
+        track: Track { frames: BTreeMap::from([(3, good), (4, lost)]) },
+    };
+    vec![track_text(&written).into_bytes()]
 }
 
 /// A small picture.

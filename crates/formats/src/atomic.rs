@@ -18,9 +18,7 @@ pub fn write_with(
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), FileError> {
     let file = NewFile::create(path)?;
-    let mut out = BufWriter::new(file.writer());
-    let written = write(&mut out).and_then(|()| out.flush());
-    written.map_err(|error| file.error(error))?;
+    file.fill(write)?;
     file.finish()
 }
 
@@ -30,6 +28,24 @@ pub fn write_with(
 /// The folder is missing or not writable. The error names the file.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     write_with(path, |out| out.write_all(bytes))
+}
+
+/// Writes what a file holds.
+pub type Fill<'a> = Box<dyn FnOnce(&mut dyn Write) -> io::Result<()> + 'a>;
+
+/// Writes files into a folder, by name: each is whole before the first takes its place. If one cannot be written, all are as
+/// they were before.
+///
+/// # Errors
+/// The folder is missing or not writable. The error names the file.
+pub fn write_all(folder: &Path, files: Vec<(&str, Fill<'_>)>) -> Result<(), FileError> {
+    let mut written = Vec::with_capacity(files.len());
+    for (name, fill) in files {
+        let file = NewFile::create(&folder.join(name))?;
+        file.fill(fill)?;
+        written.push(file);
+    }
+    written.into_iter().try_for_each(NewFile::finish)
 }
 
 /// A file that is written little by little, beside the one whose place it is going to take. If it is dropped before it is
@@ -83,6 +99,12 @@ impl NewFile {
         self.file.clone()
     }
 
+    fn fill(&self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), FileError> {
+        let mut out = BufWriter::new(self.writer());
+        let written = write(&mut out).and_then(|()| out.flush());
+        written.map_err(|error| self.error(error))
+    }
+
     /// What went wrong while it was written, with its name.
     #[must_use]
     pub fn error(&self, error: io::Error) -> FileError {
@@ -126,6 +148,22 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
         write(&path, b"new").unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), b"new");
+    }
+
+    #[test]
+    fn of_several_files_none_is_new_where_one_cannot_be_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let files = |last: io::Result<()>| -> Vec<(&str, Fill<'_>)> {
+            vec![("a", Box::new(|out| out.write_all(b"new"))), ("b", Box::new(|_| last))]
+        };
+        write(&folder.path().join("a"), b"old").unwrap();
+        let full = Err(io::Error::other("disk full"));
+        let message = write_all(folder.path(), files(full)).unwrap_err().to_string();
+        assert!(message.contains("b: cannot be written: disk full"), "{message}");
+        assert_eq!(std::fs::read(folder.path().join("a")).unwrap(), b"old");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+        write_all(folder.path(), files(Ok(()))).unwrap();
+        assert_eq!(std::fs::read(folder.path().join("a")).unwrap(), b"new");
     }
 
     #[test]

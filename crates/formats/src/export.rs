@@ -4,13 +4,21 @@
 //! |---|---|
 //! | [`tables`] | CSV: poses, joints, and how well each frame fits |
 //! | [`track_json`] | all of it in one `backlit-track 1` JSON |
+//! | [`track_read`] | that JSON again |
+//! | [`write`](write()) | all of these files at once |
+
+use std::path::Path;
 
 use backlit_tracking::body::Model;
 use backlit_tracking::optimize::Termination;
 use backlit_tracking::track::Track;
 
+use super::FileError;
+use super::atomic::{self, Fill};
+
 pub mod tables;
 pub mod track_json;
+pub mod track_read;
 
 /// A track and what its numbers belong to. The poses must be of the model.
 #[derive(Debug, Clone, Copy)]
@@ -35,6 +43,37 @@ pub fn ending_text(why: Termination) -> String {
         Termination::Cancelled => "stopped by you".to_owned(),
         why => why.to_string(),
     }
+}
+
+/// The ending that these are the words of.
+fn ending_of_text(text: &str) -> Option<Termination> {
+    use Termination as E;
+    let number = text.split_whitespace().find_map(|word| word.parse::<f64>().ok());
+    let with_number = number.map(|tolerance| {
+        let steps = tolerance as usize;
+        let gradient = E::ConvergedByGradient { tolerance };
+        [E::ConvergedByGain { tolerance }, E::ConvergedByStep { tolerance }, gradient, E::StepLimit { steps }]
+    });
+    let plain = [E::NoDecrease, E::NoGradient, E::Cancelled, E::NotFinite];
+    plain.into_iter().chain(with_number.into_iter().flatten()).find(|&why| ending_text(why) == text)
+}
+
+/// Writes `track.json`, `poses.csv`, `joints.csv` and `frames.csv` and these other files into a folder: all of them, or none.
+///
+/// # Errors
+/// The folder is missing or not writable. The error names the file.
+pub fn write(folder: &Path, export: &TrackExport<'_>, others: &[(&str, &[u8])]) -> Result<(), FileError> {
+    let track = track_json::to_text(export);
+    let mut files: Vec<(&str, Fill<'_>)> = vec![
+        ("track.json", Box::new(|out| out.write_all(track.as_bytes()))),
+        ("poses.csv", Box::new(|out| tables::write_poses(out, export))),
+        ("joints.csv", Box::new(|out| tables::write_joints(out, export))),
+        ("frames.csv", Box::new(|out| tables::write_frames(out, export))),
+    ];
+    for &(name, bytes) in others {
+        files.push((name, Box::new(move |out| out.write_all(bytes))));
+    }
+    atomic::write_all(folder, files)
 }
 
 /// The word for the root where a limb's name stands for its second joint.
@@ -82,5 +121,25 @@ pub(super) mod tests {
             holds: Vec::new(),
         };
         Track { frames: [(4, first), (6, second)].into() }
+    }
+
+    #[test]
+    fn every_ending_is_known_by_its_words() {
+        use Termination as E;
+        let tolerance = 2.5e-7;
+        for why in [
+            E::ConvergedByGain { tolerance },
+            E::ConvergedByStep { tolerance },
+            E::ConvergedByGradient { tolerance },
+            E::StepLimit { steps: 1 },
+            E::StepLimit { steps: 40 },
+            E::NoDecrease,
+            E::NoGradient,
+            E::Cancelled,
+            E::NotFinite,
+        ] {
+            assert_eq!(super::ending_of_text(&super::ending_text(why)), Some(why));
+        }
+        assert_eq!(super::ending_of_text("no idea"), None);
     }
 }

@@ -19,7 +19,6 @@
 //! | `glb`, `glb_buffer`, `capsule` | glTF 2.0 with a skinned body |
 //! | `npz`, `zip` | NumPy arrays |
 //! | `rows` | CSV |
-//! | `read` | [`read_track`]: our own written track again |
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -28,6 +27,7 @@ use backlit_tracking::body::{Model, Pose};
 use serde::{Deserialize, Serialize};
 
 use super::export::TrackExport;
+use super::export::track_read::WrittenTrack;
 use super::{FileError, FileProblem, atomic};
 
 mod bvh;
@@ -40,7 +40,6 @@ mod mot;
 mod names;
 mod npz;
 mod options;
-mod read;
 mod rows;
 mod scene;
 mod skeleton;
@@ -48,7 +47,6 @@ mod trc;
 mod zip;
 
 pub use options::{Axes, EulerOrder, MotionOptions, Names, Unit};
-pub use read::{parse_track, read_track};
 
 use scene::Scene;
 
@@ -79,6 +77,14 @@ impl Motion {
             frame_rate: export.frame_rate,
             poses: poses.collect(),
         }
+    }
+
+    /// The poses of a track that was read.
+    #[must_use]
+    pub fn of_written(written: WrittenTrack) -> Self {
+        let poses = written.track.frames.into_iter().map(|(frame, estimate)| (frame, estimate.pose));
+        let poses = poses.collect();
+        Self { name: written.name, model: written.model, frame_rate: written.frame_rate, poses }
     }
 }
 

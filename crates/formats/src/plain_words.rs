@@ -4,7 +4,7 @@ use crate::text::cut;
 use crate::{FileProblem, TextFormat};
 
 /// How a parser names what it wants, and how our documents do. The first that fits counts.
-const KINDS: [(&str, &str); 27] = [
+const KINDS: [(&str, &str); 29] = [
     ("a sequence of 3 f64", "three numbers"),
     ("a boolean", "true or false"),
     ("a string", "a text"),
@@ -27,6 +27,8 @@ const KINDS: [(&str, &str); 27] = [
     ("f32", "a number"),
     ("f64", "a number"),
     ("an array of length ", "a list of "),
+    ("variant identifier", "one of the words that are known"),
+    ("internally tagged enum ", "a table"),
     ("tuple struct Range", "two numbers"),
     ("tuple struct", "a list"),
     ("struct ", "a table"),

@@ -9,7 +9,7 @@
 //! | `estimate` | [`FrameEstimate`]: what it found in one; [`Track`] of all |
 //! | `motion` | [`Motion`]: how motion is carried from frame to frame: not at all, by velocity, by a Kalman filter |
 //! | `lost` | [`Lost`]: noticing that a track was lost |
-//! | `smoothing` | [`smoothed`]: what later frames say of earlier ones; [`FixedLagSmoother`]: some frames late; [`BlockSmoother`]: a track of any length in bounded memory |
+//! | `smoothing` | [`smoothed`]: what later frames say of earlier ones; [`Smoother`]: frame after frame, some frames late, in bounded memory |
 //! | `tune` | [`tune()`]: the filter's noise, from innovations |
 //! | [`join`](mod@join) | two tracks of the same frames, one forwards and one backwards, made one |
 
@@ -18,6 +18,7 @@ mod cued;
 mod estimate;
 mod frame_masks;
 pub mod join;
+mod last_frame;
 mod lost;
 mod motion;
 mod smoothing;
@@ -27,6 +28,6 @@ mod tune;
 pub use estimate::{FrameEstimate, Track};
 pub use lost::{LOST_ABOVE_RMS_RATIO, LOST_BELOW_IOU, Lost};
 pub use motion::{Begins, FrameBelief, KalmanOptions, Motion, MotionError, Predicted, Seen};
-pub use smoothing::{BlockSmoother, FixedLagSmoother, SmoothingError, WHOLE_LAG, smoothed};
+pub use smoothing::{Smoother, SmoothingError, WHOLE_LAG, smoothed};
 pub use tracker::{SEARCH_BELOW_IOU, Tracker, WhenToSearch};
 pub use tune::{Tuned, tune};

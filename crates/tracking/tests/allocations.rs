@@ -14,7 +14,7 @@ use backlit_tracking::optimize::{LeastSquares, NormalEquations, StepMemory};
 use backlit_tracking::render::{Ramp, RendererKind, predict};
 use backlit_tracking::search::start;
 use backlit_tracking::silhouette::Measurement;
-use backlit_tracking::track::{BlockSmoother, FrameEstimate, KalmanOptions, Motion, Tracker};
+use backlit_tracking::track::{FrameEstimate, KalmanOptions, Motion, Smoother, Tracker, WHOLE_LAG};
 use glam::DVec3;
 use nalgebra::DVector;
 
@@ -79,8 +79,7 @@ fn followed() -> [FrameEstimate; 2] {
 }
 
 #[test]
-fn smoothing_keeps_as_many_frames_as_its_lag_however_long_the_track_is() {
-    const LAG: usize = 8;
+fn smoothing_keeps_no_more_frames_however_long_the_track_is() {
     let [_, frame] = followed();
     assert!(frame.belief.as_ref().unwrap().predicted.is_some());
     let of_one = |frame: FrameEstimate| measure(|| drop(std::hint::black_box(frame.clone()))).bytes_max;
@@ -90,7 +89,7 @@ fn smoothing_keeps_as_many_frames_as_its_lag_however_long_the_track_is() {
     // What is known of a frame goes to a file or a screen, and is not kept here.
     let most = |count: usize| {
         let follow = || {
-            let mut smoother = BlockSmoother::new(LAG);
+            let mut smoother = Smoother::new(None);
             for number in 0..count {
                 drop(smoother.push(FrameEstimate { frame: number, ..frame.clone() }).unwrap());
             }
@@ -98,8 +97,8 @@ fn smoothing_keeps_as_many_frames_as_its_lag_however_long_the_track_is() {
         };
         measure(follow).bytes_max
     };
-    let (short, long) = (most(3 * LAG), most(12 * LAG));
-    println!("at most {short} bytes for {} frames, {long} for {}", 3 * LAG, 12 * LAG);
+    let (short, long) = (most(3 * WHOLE_LAG), most(8 * WHOLE_LAG));
+    println!("at most {short} bytes for {} frames, {long} for {}", 3 * WHOLE_LAG, 8 * WHOLE_LAG);
     assert!(long <= short + short / 50, "{short} and {long} bytes");
-    assert!(long < 4 * LAG as u64 * whole, "{long} bytes for {LAG} frames of {whole}");
+    assert!(long < 4 * WHOLE_LAG as u64 * whole, "{long} bytes for {WHOLE_LAG} frames of {whole}");
 }

@@ -12,7 +12,7 @@ use backlit_tracking::observability::believed_joints;
 use backlit_tracking::posing;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::track::join::{self, Source};
-use backlit_tracking::track::{FixedLagSmoother, FrameEstimate, Track, Tracker, smoothed};
+use backlit_tracking::track::{FrameEstimate, Smoother, SmoothingError, Track, Tracker};
 
 use super::Found;
 use super::read_ahead::ReadAhead;
@@ -57,10 +57,10 @@ pub(super) struct TrackJob {
     is_surveyed: bool,
     tracker: Option<Tracker>,
     reader: Option<ReadAhead>,
-    /// Of the leg that is being tracked: what smoothing or joining still needs.
+    /// Of the leg that is being tracked, if it is to be joined with the other.
     kept: Track,
-    /// Smooths the leg's frames some frames late, where that is asked for.
-    smoother: Option<FixedLagSmoother>,
+    /// Smooths the leg's frames by later ones, where that is asked for.
+    smoother: Option<Smoother>,
     /// Legs that are whole, if they are to be joined.
     whole: Vec<Track>,
     joins: bool,
@@ -144,30 +144,28 @@ impl TrackJob {
     /// Keeps what is needed later, and sends what is known of earlier frames by now.
     fn keep(&mut self, found: FrameEstimate, out: &Outbox<Found>) {
         if self.joins {
-            self.kept.frames.insert(found.frame, found);
-            return;
+            let plain = FrameEstimate { belief: None, ..found.clone() };
+            self.kept.frames.insert(plain.frame, plain);
         }
-        match self.inputs.choices.motion {
-            Following::Smoothed { lag: None } => {
-                self.kept.frames.insert(found.frame, found);
-            }
-            Following::Smoothed { lag: Some(lag) } => {
-                let smoother = self.smoother.get_or_insert_with(|| FixedLagSmoother::new(lag));
-                match smoother.push(found) {
-                    Ok(found) => self.revise(found.iter(), out),
-                    Err(error) => out.send(Found::Refused(format!("Poses cannot be smoothed: {error}."))),
-                }
-            }
-            Following::Still | Following::Velocity | Following::Kalman => {}
+        if let Following::Smoothed { lag } = self.inputs.choices.motion {
+            let smoother = self.smoother.get_or_insert_with(|| Smoother::new(lag));
+            let known = smoother.push(found);
+            self.revise(known, out);
         }
     }
 
     /// Frames are known better now.
-    fn revise<'a>(&self, found: impl Iterator<Item = &'a FrameEstimate> + Clone, out: &Outbox<Found>) {
-        self.tell_beliefs(found.clone(), out);
-        let found: Vec<_> = found.map(revised).collect();
-        if !found.is_empty() {
-            out.send(Found::Revised(found));
+    fn revise(&mut self, known: Result<Vec<FrameEstimate>, SmoothingError>, out: &Outbox<Found>) {
+        let known = match known {
+            Ok(known) => known,
+            Err(error) => return out.send(Found::Refused(format!("Poses cannot be smoothed: {error}."))),
+        };
+        self.tell_beliefs(&known, out);
+        if !known.is_empty() {
+            out.send(Found::Revised(known.iter().map(revised).collect()));
+        }
+        if self.joins {
+            self.kept.frames.extend(known.into_iter().map(|found| (found.frame, found)));
         }
     }
 
@@ -182,23 +180,11 @@ impl TrackJob {
 
     /// A leg is over, or the user has stopped it.
     fn end_leg(&mut self, out: &Outbox<Found>) {
-        let mut track = std::mem::take(&mut self.kept);
-        let late = self.smoother.take().map_or(Ok(Vec::new()), |mut smoother| smoother.finish());
-        let smoothed = match self.inputs.choices.motion {
-            Following::Smoothed { lag } => smoothed(&track, lag),
-            _ => Ok(Track::default()),
-        };
-        match late.and_then(|late| Ok((late, smoothed?))) {
-            Ok((late, smoothed)) => {
-                self.revise(late.iter().chain(smoothed.frames.values()), out);
-                if !smoothed.frames.is_empty() {
-                    track = smoothed;
-                }
-            }
-            Err(error) => out.send(Found::Refused(format!("Poses cannot be smoothed: {error}."))),
+        if let Some(mut smoother) = self.smoother.take() {
+            self.revise(smoother.finish(), out);
         }
         self.tracker = None;
-        self.whole.push(track);
+        self.whole.push(std::mem::take(&mut self.kept));
     }
 
     /// Joins the two legs. What lies between them is fitted again.

@@ -1,19 +1,17 @@
 //! CSV tables of a track. Numbers read back to the bit; what is not known or not finite is an empty field.
 
-use std::io::Write;
-use std::path::Path;
+use std::io::{self, Write};
 
 use backlit_tracking::body::{Kinematics, Model};
 
 use super::{ROOT, TrackExport, ending_text};
-use crate::{FileError, atomic};
 
 /// Writes `frame,root x,root y,root z` (metres) and, per rotation, `LIMB w,LIMB x,LIMB y,LIMB z`.
 ///
 /// # Errors
-/// The folder is missing or not writable.
-pub fn write_poses(path: &Path, export: &TrackExport<'_>) -> Result<(), FileError> {
-    table(path, |rows| {
+/// What `out` says.
+pub fn write_poses(out: &mut dyn Write, export: &TrackExport<'_>) -> io::Result<()> {
+    table(out, |rows| {
         let names =
             export.model.rotation_owners().iter().map(|&limb| export.model.limbs()[limb].name.as_str());
         let mut header = vec!["frame".to_owned()];
@@ -31,10 +29,10 @@ pub fn write_poses(path: &Path, export: &TrackExport<'_>) -> Result<(), FileErro
 /// Writes `frame,joint,x,y,z` (metres): the root and every limb's second joint. A take reads it as its reference.
 ///
 /// # Errors
-/// The folder is missing or not writable.
-pub fn write_joints(path: &Path, export: &TrackExport<'_>) -> Result<(), FileError> {
+/// What `out` says.
+pub fn write_joints(out: &mut dyn Write, export: &TrackExport<'_>) -> io::Result<()> {
     let model: &Model = export.model;
-    table(path, |rows| {
+    table(out, |rows| {
         rows.write_record(["frame", "joint", "x", "y", "z"])?;
         for (frame, estimate) in &export.track.frames {
             let frame = frame.to_string();
@@ -53,9 +51,9 @@ pub fn write_joints(path: &Path, export: &TrackExport<'_>) -> Result<(), FileErr
 /// Writes `frame,seconds,cost,rms,iterations,lost,termination` and, per camera, `iou CAMERA`.
 ///
 /// # Errors
-/// The folder is missing or not writable.
-pub fn write_frames(path: &Path, export: &TrackExport<'_>) -> Result<(), FileError> {
-    table(path, |rows| {
+/// What `out` says.
+pub fn write_frames(out: &mut dyn Write, export: &TrackExport<'_>) -> io::Result<()> {
+    table(out, |rows| {
         let columns = ["frame", "seconds", "cost", "rms", "iterations", "lost", "termination"];
         let cameras = export.cameras.iter().map(|camera| format!("iou {camera}"));
         rows.write_record(columns.map(str::to_owned).into_iter().chain(cameras))?;
@@ -82,18 +80,16 @@ fn number(value: f64) -> String {
 }
 
 fn table(
-    path: &Path,
+    out: &mut dyn Write,
     fill: impl FnOnce(&mut csv::Writer<&mut dyn Write>) -> csv::Result<()>,
-) -> Result<(), FileError> {
-    atomic::write_with(path, |out| {
-        let mut rows = csv::Writer::from_writer(out);
-        // Of an error of the disk, what the disk said.
-        fill(&mut rows).map_err(|error| match error.into_kind() {
-            csv::ErrorKind::Io(error) => error,
-            other => std::io::Error::other(format!("{other:?}")),
-        })?;
-        rows.flush()
-    })
+) -> io::Result<()> {
+    let mut rows = csv::Writer::from_writer(out);
+    // Of an error of the disk, what the disk said.
+    fill(&mut rows).map_err(|error| match error.into_kind() {
+        csv::ErrorKind::Io(error) => error,
+        other => io::Error::other(format!("{other:?}")),
+    })?;
+    rows.flush()
 }
 
 #[cfg(test)]
@@ -103,15 +99,14 @@ mod tests {
     use super::super::tests::sample;
     use super::*;
 
-    fn written(write: impl Fn(&Path, &TrackExport<'_>) -> Result<(), FileError>) -> String {
+    fn written(write: impl Fn(&mut dyn Write, &TrackExport<'_>) -> io::Result<()>) -> String {
         let (model, track) = (builtin::single_limb(), sample());
         let cameras = ["left, low", "right"];
         let export =
             TrackExport { name: "t", frame_rate: 8.0, model: &model, cameras: &cameras, track: &track };
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("t.csv");
-        write(&path, &export).unwrap();
-        std::fs::read_to_string(path).unwrap()
+        let mut out = Vec::new();
+        write(&mut out, &export).unwrap();
+        String::from_utf8(out).unwrap()
     }
 
     #[test]

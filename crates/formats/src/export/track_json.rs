@@ -1,25 +1,14 @@
 //! `backlit-track 1`: a track in one JSON (see `docs/formats.md`). What is not known or not finite is null.
 
-use std::path::Path;
-
 use backlit_tracking::body::Kinematics;
 use backlit_tracking::cues::LimbHold;
 use backlit_tracking::track::FrameEstimate;
 use serde_json::{Map, Value, json};
 
 use super::{ROOT, TrackExport, ending_text};
-use crate::{FileError, atomic};
 
 /// Name and version of the format.
 pub const FORMAT: &str = "backlit-track 1";
-
-/// Writes a track.
-///
-/// # Errors
-/// The folder is missing or not writable.
-pub fn write(path: &Path, export: &TrackExport<'_>) -> Result<(), FileError> {
-    atomic::write(path, to_text(export).as_bytes())
-}
 
 /// The content of a track file, one line a frame.
 #[must_use]
@@ -62,6 +51,11 @@ fn frame(export: &TrackExport<'_>, number: usize, estimate: &FrameEstimate) -> V
         let iou = estimate.overlap.get(camera).copied().flatten().and_then(|overlap| overlap.iou());
         ((*name).to_owned(), json!(iou))
     });
+    let pixels = export.cameras.iter().enumerate().map(|(camera, name)| {
+        let overlap = estimate.overlap.get(camera).copied().flatten();
+        let counts = overlap.map(|counts| [counts.agreement, counts.missing, counts.spurious]);
+        ((*name).to_owned(), json!(counts))
+    });
     let mut out = json!({
         "frame": number,
         "seconds": number as f64 / export.frame_rate,
@@ -71,10 +65,17 @@ fn frame(export: &TrackExport<'_>, number: usize, estimate: &FrameEstimate) -> V
         "cost": estimate.cost,
         "rms": estimate.rms,
         "iou": overlap.collect::<Map<String, Value>>(),
+        "pixels": pixels.collect::<Map<String, Value>>(),
         "iterations": estimate.iterations,
         "lost": estimate.is_lost(),
         "termination": estimate.termination.map(ending_text),
     });
+    if let Some(why) = estimate.lost_because {
+        out["lost_because"] = json!(why);
+    }
+    if !estimate.empty_cameras.is_empty() {
+        out["left_out"] = json!(estimate.empty_cameras);
+    }
     if !estimate.holds.is_empty() {
         let name = |limb: usize| limbs[limb].name.clone();
         let by_cues = estimate.holds.iter().filter(|hold| !hold.by_silhouettes && !hold.is_unsure());
@@ -100,10 +101,7 @@ mod tests {
         let cameras = ["left", "right"];
         let export =
             TrackExport { name: "a \"b\"", frame_rate: 8.0, model: &model, cameras: &cameras, track: &track };
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("t.json");
-        write(&path, &export).unwrap();
-        let text = std::fs::read_to_string(path).unwrap();
+        let text = to_text(&export);
         let read: Value = serde_json::from_str(&text).unwrap();
         assert_eq!((&read["format"], &read["name"]), (&json!(FORMAT), &json!("a \"b\"")));
         let [first, second] = &read["frames"].as_array().unwrap()[..] else { panic!("{text}") };
@@ -113,6 +111,8 @@ mod tests {
         assert_eq!(first["rotations"][limb][0], json!(track.frames[&4].pose.rotations[0].w));
         assert_eq!(first["joints"].as_object().unwrap().len(), 2);
         assert_eq!(first["iou"], json!({"left": 0.75, "right": null}));
+        assert_eq!(first["pixels"], json!({"left": [3, 1, 0], "right": null}));
         assert_eq!((&second["cost"], &second["lost"]), (&Value::Null, &json!(true)));
+        assert_eq!(second["lost_because"], json!({"reason": "nobody"}));
     }
 }

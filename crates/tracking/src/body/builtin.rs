@@ -38,6 +38,12 @@ pub fn full_body() -> Model {
     parse(FULL_BODY)
 }
 
+/// The built-in body that calls itself so ([`Model::name`]).
+#[must_use]
+pub fn of_name(name: &str) -> Option<Model> {
+    [single_limb(), upper_body(), full_body()].into_iter().find(|model| model.name() == name)
+}
+
 fn parse(text: &str) -> Model {
     #[expect(clippy::expect_used, reason = "embedded files are checked by a test")]
     let spec: ModelSpec = toml::from_str(text).expect("a built-in model is TOML");

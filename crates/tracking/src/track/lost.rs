@@ -6,6 +6,8 @@
 
 use std::collections::VecDeque;
 
+use serde::{Deserialize, Serialize};
+
 /// A frame counts as lost below this overlap of model and silhouettes (IoU).
 pub const LOST_BELOW_IOU: f64 = 0.4;
 
@@ -23,7 +25,8 @@ const REMEMBERED: usize = 10;
 const FEWEST: usize = 3;
 
 /// Why a frame counts as lost.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "reason", rename_all = "kebab-case")]
 pub enum Lost {
     /// No camera sees anybody.
     Nobody,

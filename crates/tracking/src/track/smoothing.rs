@@ -36,19 +36,15 @@ pub fn smoothed(track: &Track, lag: Option<usize>) -> Result<Track, SmoothingErr
     if runs_back(&order)? {
         order.reverse();
     }
-    let mut smoother = FixedLagSmoother::new(lag.unwrap_or(order.len()));
+    let mut smoother = Smoother { wait: Wait::Exactly(lag.unwrap_or(order.len())), waiting: VecDeque::new() };
     let mut smoothed = Track::default();
-    let mut keep = |estimate: FrameEstimate| smoothed.frames.insert(estimate.frame, estimate);
-    if lag.is_some() {
-        for estimate in order {
-            smoother.push(estimate.clone())?.map(&mut keep);
-        }
-    } else {
-        smoother.waiting.extend(order.into_iter().cloned());
+    let mut keep = |known: Vec<FrameEstimate>| {
+        smoothed.frames.extend(known.into_iter().map(|estimate| (estimate.frame, estimate)));
+    };
+    for estimate in order {
+        keep(smoother.take(estimate.clone())?);
     }
-    smoother.finish()?.into_iter().for_each(|estimate| {
-        keep(estimate);
-    });
+    keep(smoother.take_rest()?);
     Ok(smoothed)
 }
 
@@ -64,89 +60,49 @@ fn runs_back(frames: &[&FrameEstimate]) -> Result<bool, SmoothingError> {
     }
 }
 
-/// Smooths frame after frame, each by so many after it. It keeps no more frames than that.
+/// Frames after each that a [`Smoother`] waits for where all that come later count. With the default noise a velocity is
+/// forgotten within 0.3 s: what is so many frames later moves a joint that is seen by less than 10⁻⁶ rad. A joint that nobody
+/// sees for longer than this is not moved by what is seen of it afterwards.
+pub const WHOLE_LAG: usize = 64;
+
+/// How many frames after it a frame waits for.
+#[derive(Debug, Clone, Copy)]
+enum Wait {
+    /// So many: the smoother runs back over all of them for every frame.
+    Exactly(usize),
+    /// So many or more, up to twice as many: the smoother runs back once for so many frames.
+    AtLeast(usize),
+}
+
+/// Smooths frame after frame in bounded memory, each by frames that come after it. What it gives is without what only
+/// smoothing needs ([`FrameEstimate::settled`]).
 #[derive(Debug, Clone)]
-pub struct FixedLagSmoother {
-    lag: usize,
+pub struct Smoother {
+    wait: Wait,
     /// In the order in which they were tracked.
     waiting: VecDeque<FrameEstimate>,
 }
 
-impl FixedLagSmoother {
-    /// Smooths by `lag` later frames.
+impl Smoother {
+    /// Smooths by `lag` later frames, as a live track could show that many frames late; by all that could count
+    /// ([`WHOLE_LAG`] or more) where there is no lag.
     #[must_use]
-    pub fn new(lag: usize) -> Self {
-        Self { lag, waiting: VecDeque::new() }
-    }
-
-    /// Takes the next frame in the order of tracking; gives the one that `lag` frames have followed by now, smoothed.
-    ///
-    /// # Errors
-    /// A covariance that is certain of a direction.
-    pub fn push(&mut self, estimate: FrameEstimate) -> Result<Option<FrameEstimate>, SmoothingError> {
-        self.waiting.push_back(estimate);
-        if self.waiting.len() <= self.lag {
-            return Ok(None);
-        }
-        let mut later = None;
-        for index in (0..self.waiting.len()).rev() {
-            later = smoothed_by(&self.waiting[index], self.waiting.get(index + 1), later)?;
-        }
-        Ok(self.waiting.pop_front().map(|estimate| replaced(estimate, later)))
-    }
-
-    /// The frames that still wait, smoothed by all that there are.
-    ///
-    /// # Errors
-    /// A covariance that is certain of a direction.
-    pub fn finish(&mut self) -> Result<Vec<FrameEstimate>, SmoothingError> {
-        let waiting = std::mem::take(&mut self.waiting);
-        let found = run_back(&waiting)?;
-        Ok(waiting.into_iter().zip(found).map(|(frame, by)| replaced(frame, by)).collect())
-    }
-}
-
-/// Frames after each that a [`BlockSmoother`] should wait for where all that come later may count. With the default noise a
-/// velocity is forgotten within 0.3 s: what is so many frames later moves a joint that is seen by less than 10⁻⁶ rad. A joint
-/// that nobody sees for longer than this is not moved by what is seen of it afterwards.
-pub const WHOLE_LAG: usize = 64;
-
-/// Smooths a track of any length, each frame by `lag` frames after it or more, in bounded memory: it keeps no more than twice as
-/// many frames, and gives them without what only smoothing needs ([`FrameEstimate::settled`]). A frame costs two steps of the
-/// smoother, whatever the lag is.
-#[derive(Debug, Clone)]
-pub struct BlockSmoother {
-    lag: usize,
-    smoother: FixedLagSmoother,
-}
-
-impl BlockSmoother {
-    /// Smooths by `lag` later frames or more, at least one.
-    #[must_use]
-    pub fn new(lag: usize) -> Self {
-        Self { lag: lag.max(1), smoother: FixedLagSmoother::new(usize::MAX) }
+    pub fn new(lag: Option<usize>) -> Self {
+        Self { wait: lag.map_or(Wait::AtLeast(WHOLE_LAG), Wait::Exactly), waiting: VecDeque::new() }
     }
 
     /// Frames that it keeps now.
     #[must_use]
     pub fn kept(&self) -> usize {
-        self.smoother.waiting.len()
+        self.waiting.len()
     }
 
-    /// Takes the next frame in the order of tracking; gives those that enough frames have followed by now, smoothed. Mostly
-    /// none.
+    /// Takes the next frame in the order of tracking; gives those that enough frames have followed by now, smoothed.
     ///
     /// # Errors
     /// A covariance that is certain of a direction.
     pub fn push(&mut self, estimate: FrameEstimate) -> Result<Vec<FrameEstimate>, SmoothingError> {
-        let waiting = &mut self.smoother.waiting;
-        waiting.push_back(estimate);
-        if waiting.len() < 2 * self.lag {
-            return Ok(Vec::new());
-        }
-        let found = run_back(waiting)?;
-        let known = waiting.drain(..self.lag).zip(found);
-        Ok(known.map(|(estimate, by)| replaced(estimate, by).settled()).collect())
+        Ok(self.take(estimate)?.into_iter().map(FrameEstimate::settled).collect())
     }
 
     /// The frames that still wait, smoothed by all that there are.
@@ -154,20 +110,34 @@ impl BlockSmoother {
     /// # Errors
     /// A covariance that is certain of a direction.
     pub fn finish(&mut self) -> Result<Vec<FrameEstimate>, SmoothingError> {
-        Ok(self.smoother.finish()?.into_iter().map(FrameEstimate::settled).collect())
+        Ok(self.take_rest()?.into_iter().map(FrameEstimate::settled).collect())
     }
-}
 
-/// Each frame's pose and belief, given all frames after it.
-fn run_back(frames: &VecDeque<FrameEstimate>) -> Result<Vec<Option<(Pose, Belief)>>, SmoothingError> {
-    let mut found = Vec::with_capacity(frames.len());
-    let mut later = None;
-    for index in (0..frames.len()).rev() {
-        later = smoothed_by(&frames[index], frames.get(index + 1), later)?;
-        found.push(later.clone());
+    fn take(&mut self, estimate: FrameEstimate) -> Result<Vec<FrameEstimate>, SmoothingError> {
+        self.waiting.push_back(estimate);
+        let known = match self.wait {
+            Wait::Exactly(lag) => self.waiting.len().saturating_sub(lag),
+            Wait::AtLeast(lag) => self.waiting.len() / (2 * lag) * lag,
+        };
+        self.give(known)
     }
-    found.reverse();
-    Ok(found)
+
+    fn take_rest(&mut self) -> Result<Vec<FrameEstimate>, SmoothingError> {
+        self.give(self.waiting.len())
+    }
+
+    /// The first `known` of the waiting frames.
+    fn give(&mut self, known: usize) -> Result<Vec<FrameEstimate>, SmoothingError> {
+        let mut found = VecDeque::with_capacity(known);
+        let mut later = None;
+        for index in (0..self.waiting.len()).rev().take_while(|_| known > 0) {
+            later = smoothed_by(&self.waiting[index], self.waiting.get(index + 1), later)?;
+            if index < known {
+                found.push_front(later.clone());
+            }
+        }
+        Ok(self.waiting.drain(..known).zip(found).map(|(estimate, by)| replaced(estimate, by)).collect())
+    }
 }
 
 fn replaced(mut estimate: FrameEstimate, by: Option<(Pose, Belief)>) -> FrameEstimate {
@@ -250,7 +220,7 @@ mod tests {
         for frames in [forwards, backwards] {
             let all = followed(&frames);
             let whole = smoothed(&track(all.clone()), None).unwrap();
-            let mut smoother = BlockSmoother::new(WHOLE_LAG);
+            let mut smoother = Smoother::new(None);
             let mut known = Vec::new();
             for estimate in all {
                 known.extend(smoother.push(estimate).unwrap());

@@ -6,11 +6,12 @@ use serde::{Deserialize, Serialize};
 
 use super::attempt::{Attempt, Found, rms};
 use super::cued::Cued;
-use super::estimate::{FrameEstimate, iou};
+use super::estimate::{FrameEstimate, Track, iou};
 use super::frame_masks::FrameMasks;
+use super::last_frame::LastFrame;
 use super::lost::{LastResort, Lost, UsualCost};
 use super::motion::{Begins, Motion, MotionError, MotionFilter, Predicted};
-use crate::body::{Kinematics, Model, Parameters, Pose, Sides};
+use crate::body::{Kinematics, Model, Pose, Sides};
 use crate::cancel::CancelToken;
 use crate::cues::{CueOptions, CueOptionsError, CueWatch, FrameCues};
 use crate::fit::{Fit, FitError, FitOptions, FitView};
@@ -32,18 +33,6 @@ pub enum WhenToSearch {
     WhenPoor,
     /// Always.
     Always,
-}
-
-/// The frame before.
-#[derive(Debug)]
-struct LastFrame {
-    frame: usize,
-    /// As it was fitted, before any filter.
-    pose: Pose,
-    /// Whether the subject was lost there.
-    lost: bool,
-    /// Tangent units per second, where the motion goes on from the frame before that.
-    velocity: Option<Vec<f64>>,
 }
 
 /// Follows a body from frame to frame, forwards or backwards. Frames need not follow one another at equal distances:
@@ -147,6 +136,25 @@ impl Tracker {
         self
     }
 
+    /// Goes on after a track that was tracked forwards with the same options, as if this tracker had followed it: with its
+    /// last pose and velocity, and with what cost is usual in it. What a Kalman filter believes and what cues have learnt is
+    /// not known of it; they begin anew. Without frames nothing changes.
+    #[must_use]
+    pub fn resuming(mut self, track: &Track) -> Self {
+        for (&frame, estimate) in &track.frames {
+            let lost = estimate.lost_because;
+            if let Some(rms) = estimate.rms {
+                self.usual.remember(rms, lost);
+            }
+            if self.search != WhenToSearch::Never {
+                self.last_resort.is_due(lost.is_some());
+            }
+            self.advance(frame, estimate.pose.clone(), lost.is_some(), true);
+            self.start = Some(estimate.pose.clone());
+        }
+        self
+    }
+
     fn first_start(&self) -> Pose {
         self.start.clone().unwrap_or_else(|| Pose::rest(&self.model))
     }
@@ -155,14 +163,7 @@ impl Tracker {
     #[must_use]
     pub fn start_of(&self, frame: usize) -> Pose {
         let Some(last) = &self.last else { return self.first_start() };
-        match &last.velocity {
-            Some(velocity) => {
-                let seconds = self.seconds_between(last.frame, frame);
-                let step: Vec<f64> = velocity.iter().map(|value| value * seconds).collect();
-                last.pose.retract(Parameters::Tangent, &step)
-            }
-            None => last.pose.clone(),
-        }
+        last.leads_to(self.seconds_between(last.frame, frame))
     }
 
     /// Fits one frame. A camera that sees nobody is left out and named. A frame in which none sees anybody is marked lost
@@ -436,10 +437,7 @@ impl Tracker {
         let before = self.last.as_ref().filter(|last| {
             self.motion != Motion::Still && goes_on && !lost && !last.lost && last.frame != frame
         });
-        let velocity = before.map(|last| {
-            let seconds = self.seconds_between(last.frame, frame);
-            pose.local(&last.pose).into_iter().map(|value| value / seconds).collect()
-        });
+        let velocity = before.map(|last| last.velocity_to(&pose, self.seconds_between(last.frame, frame)));
         self.last = Some(LastFrame { frame, pose, lost, velocity });
     }
 }

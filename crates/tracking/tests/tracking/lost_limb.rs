@@ -10,7 +10,7 @@ use backlit_tracking::fit::{Evidence, FitOptions, FitView, Preset};
 use backlit_tracking::geometry::rotation;
 use backlit_tracking::render::{Ramp, RendererKind, predict};
 use backlit_tracking::silhouette::{Label, Mask};
-use backlit_tracking::track::{FrameEstimate, LOST_BELOW_IOU, Lost, Tracker, WhenToSearch};
+use backlit_tracking::track::{FrameEstimate, LOST_BELOW_IOU, Lost, Track, Tracker, WhenToSearch};
 use glam::DVec3;
 
 /// The frame in which the arm is elsewhere.
@@ -47,11 +47,14 @@ fn views(model: &Model, pose: &Pose) -> Vec<FitView> {
     cameras().into_iter().map(view).collect()
 }
 
+fn tracker(model: &Arc<Model>, search: WhenToSearch) -> Tracker {
+    let options = FitOptions::preset(Preset::Robust);
+    Tracker::new(Arc::clone(model), options, truth(model, 0)).unwrap().with_search(search)
+}
+
 fn track(search: WhenToSearch) -> (Arc<Model>, Vec<FrameEstimate>) {
     let model = Arc::new(builtin::upper_body());
-    let options = FitOptions::preset(Preset::Robust);
-    let tracker = Tracker::new(Arc::clone(&model), options, truth(&model, 0)).unwrap();
-    let mut tracker = tracker.with_search(search);
+    let mut tracker = tracker(&model, search);
     let frames = (0..JUMP + 3).map(|frame| {
         tracker.track_frame(frame, views(&model, &truth(&model, frame)), &CancelToken::new()).unwrap()
     });
@@ -91,5 +94,21 @@ fn a_lost_arm_is_found_again_in_the_same_frame() {
             frame.frame,
             frame.lost_because
         );
+    }
+}
+
+/// Up to the frame before the jump, whose cost is judged by all frames before it; and from a lost frame on.
+#[test]
+fn a_resumed_track_is_the_same_to_the_bit() {
+    let (model, frames) = track(WhenToSearch::Never);
+    for done in [JUMP, JUMP + 1] {
+        let track =
+            Track { frames: frames[..done].iter().map(|found| (found.frame, found.clone())).collect() };
+        let mut again = tracker(&model, WhenToSearch::Never).resuming(&track);
+        for expected in &frames[done..] {
+            let views = views(&model, &truth(&model, expected.frame));
+            let found = again.track_frame(expected.frame, views, &CancelToken::new()).unwrap();
+            assert_eq!(&found, expected, "frame {} after {done}", expected.frame);
+        }
     }
 }
