@@ -146,15 +146,18 @@ fn check(folder: &Path, round: u64) -> bool {
     let is_state = |digest: &String| states.iter().any(|(_, state)| state == digest);
     let project = folder.join("work.backlit");
     if project.exists() {
-        let saved = digest(&read_project(&project).unwrap());
+        let saved = digest(&read_project(&project).unwrap().document);
         assert!(is_state(&saved) || states.is_empty(), "round {round}: the file is none of the states");
     }
     let (left, wrong) = Copies::new(data(folder)).left();
     assert!(wrong.is_empty(), "round {round}: {wrong:?}");
-    let copies: Vec<String> = left.iter().map(|left| digest(&read_project(&left.path).unwrap())).collect();
+    let copies: Vec<String> =
+        left.iter().map(|left| digest(&read_project(&left.path).unwrap().document)).collect();
     // The newest of what is in the file and what is offered.
-    let known =
-        copies.iter().cloned().chain(project.exists().then(|| digest(&read_project(&project).unwrap())));
+    let known = copies
+        .iter()
+        .cloned()
+        .chain(project.exists().then(|| digest(&read_project(&project).unwrap().document)));
     let until = known.filter_map(|known| {
         let last = states.iter().rposition(|(_, state)| *state == known)?;
         // It was lost when the next state took its place.

@@ -10,6 +10,7 @@ use crate::app::open_job::{OpenJob, Opened};
 use crate::context::command::{Command, FileCommand};
 use crate::context::file_dialog::Wanted;
 use crate::context::write_advice::write_advice;
+use crate::document::history::Version;
 use crate::document::project::write_project;
 use crate::take::source::TakeSource;
 
@@ -78,10 +79,12 @@ impl App {
 
     /// Writes the project to a file.
     pub fn save_to(&mut self, path: &Path) {
-        let (document, revision) = (self.document().clone(), self.inspector.state.history.revision());
+        let history = &self.inspector.state.history;
+        let (document, runs, version) =
+            (history.document().clone(), history.runs().all().to_vec(), history.version());
         let file = path.to_owned();
         self.files.save.begin(&self.inspector.state.pool, file.clone(), |_| {
-            once(move |_| write_project(&file, &document).map(|()| revision))
+            once(move |_| write_project(&file, &document, &runs).map(|()| version))
         });
     }
 
@@ -110,7 +113,7 @@ impl App {
         for news in self.files.save.poll() {
             let path = self.files.save.inputs().cloned().unwrap_or_default();
             match news {
-                News::Output(Ok(revision)) => self.saved(path, revision),
+                News::Output(Ok(version)) => self.saved(path, version),
                 News::Output(Err(error)) => {
                     let said = format!(
                         "Not saved: {error}. Your work is still here, and the file is as it was. {}",
@@ -124,10 +127,10 @@ impl App {
         }
     }
 
-    fn saved(&mut self, path: PathBuf, revision: u64) {
+    fn saved(&mut self, path: PathBuf, version: Version) {
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         self.inspector.state.notices.info(self.inspector.state.now, format!("Saved to {name}."), None);
-        self.inspector.state.history.mark_saved(revision);
+        self.inspector.state.history.mark_saved(version);
         self.inspector.state.preferences.remember(path.clone());
         self.inspector.state.project = Some(path);
     }

@@ -7,7 +7,8 @@ use anyhow::Context;
 use backlit_formats::{Take, TakeError};
 
 use crate::document::Document;
-use crate::document::project::read_project;
+use crate::document::project::{Project, read_project};
+use crate::document::run::Run;
 use crate::document::take_match::match_take;
 use crate::take::footage::Footage;
 use crate::take::source::TakeSource;
@@ -34,6 +35,8 @@ pub(crate) enum OpenJob {
 pub(crate) struct OpenedProject {
     /// What it holds.
     pub(crate) document: Box<Document>,
+    /// Its runs of the fit.
+    pub(crate) runs: Vec<Run>,
     /// The file.
     pub(crate) path: PathBuf,
     /// Whether it is not any more as it is in the file: its take has moved.
@@ -97,7 +100,7 @@ impl OpenJob {
 }
 
 fn open_project(path: &Path, moved_to: Option<&Path>) -> Result<(Footage, Option<OpenedProject>), Failure> {
-    let mut document = read_project(path)?;
+    let Project { mut document, runs } = read_project(path)?;
     let source =
         document.take.clone().with_context(|| format!("{}: the project names no take", path.display()))?;
     let source = match (moved_to, source) {
@@ -122,7 +125,7 @@ fn open_project(path: &Path, moved_to: Option<&Path>) -> Result<(Footage, Option
     document.take = Some(source);
     Ok((
         footage,
-        Some(OpenedProject { document: Box::new(document), path: path.to_owned(), is_changed, note }),
+        Some(OpenedProject { document: Box::new(document), runs, path: path.to_owned(), is_changed, note }),
     ))
 }
 

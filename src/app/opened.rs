@@ -47,12 +47,14 @@ impl Inspector {
             self.state.notices.info(self.state.now, note, None);
         }
         let (history, path) = match project {
-            // What was left unsaved is in no file as it is.
-            Some(project) if left.is_some() => {
-                (History::unsaved(*project.document), left.as_ref().and_then(|left| left.project.clone()))
+            Some(project) => {
+                // What was left unsaved is in no file as it is.
+                let is_unsaved = left.is_some() || project.is_changed;
+                let begin = if is_unsaved { History::unsaved } else { History::new };
+                let left_of = left.as_ref().map(|left| left.project.clone());
+                let path = left_of.unwrap_or(Some(project.path));
+                (begin(*project.document).with_runs(project.runs), path)
             }
-            Some(project) if project.is_changed => (History::unsaved(*project.document), Some(project.path)),
-            Some(project) => (History::new(*project.document), Some(project.path)),
             None => (History::new(document_of(footage)), None),
         };
         if let Some(project) = &path {

@@ -18,7 +18,7 @@ use crate::context::notices::Notices;
 use crate::context::observability::ObservabilityMarks;
 use crate::context::preferences::Preferences;
 use crate::document::edit::Edit;
-use crate::document::history::History;
+use crate::document::history::{History, Version};
 use crate::document::project::ProjectError;
 use crate::features::recovery::Recovery;
 use crate::session::Session;
@@ -110,7 +110,7 @@ pub(crate) struct State {
 #[derive(Debug)]
 pub(crate) struct Files {
     pub(crate) open: Task<(), Opened>,
-    pub(crate) save: Task<PathBuf, Result<u64, ProjectError>>,
+    pub(crate) save: Task<PathBuf, Result<Version, ProjectError>>,
     pub(crate) take_in: Task<(), anyhow::Result<(Edit, String)>>,
     pub(crate) dialogs: FileDialogs<Asked>,
 }

@@ -12,6 +12,18 @@ use crate::document::runs::{RunChange, Runs};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Gesture(pub u64);
 
+/// What a file may hold: the same version means the same document and the same runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Version {
+    document: u64,
+    runs: u64,
+}
+
+impl Version {
+    /// One that no window has.
+    pub(crate) const NONE: Self = Self { document: u64::MAX, runs: 0 };
+}
+
 /// A document with its past and its undone future, and the runs of the fit.
 #[derive(Debug, Clone)]
 pub(crate) struct History {
@@ -23,7 +35,9 @@ pub(crate) struct History {
     open: Option<Gesture>,
     revision: u64,
     next_revision: u64,
-    saved: Option<u64>,
+    /// Changes of the runs that a file keeps.
+    runs_revision: u64,
+    saved: Option<Version>,
 }
 
 /// A document that can be gone back to, and what led away from it.
@@ -74,13 +88,19 @@ impl History {
             open: None,
             revision: 0,
             next_revision: 1,
-            saved: Some(0),
+            runs_revision: 0,
+            saved: Some(Version::default()),
         }
     }
 
     /// Begins with a document that is in no file.
     pub(crate) fn unsaved(document: Document) -> Self {
         Self { saved: None, ..Self::new(document) }
+    }
+
+    /// The same with these runs, which a file holds.
+    pub(crate) fn with_runs(self, runs: Vec<Run>) -> Self {
+        Self { runs: Runs::of(runs), ..self }
     }
 
     /// The same document, as one that needs no saving, with its runs and without its past.
@@ -101,6 +121,11 @@ impl History {
     /// Changes with every edit, undo and redo; the same number means the same document.
     pub(crate) fn revision(&self) -> u64 {
         self.revision
+    }
+
+    /// What a file would hold now.
+    pub(crate) fn version(&self) -> Version {
+        Version { document: self.revision, runs: self.runs_revision }
     }
 
     /// Makes a change that can be undone. With the gesture of the change before, both are one entry.
@@ -128,6 +153,9 @@ impl History {
 
     /// Changes the runs. Only their removal can be undone.
     pub(crate) fn change_runs(&mut self, change: RunChange) {
+        if !matches!(change, RunChange::Show(..) | RunChange::ShowOnly(_)) {
+            self.runs_revision += 1;
+        }
         if change == RunChange::Restore {
             let newest = self.undo.iter().rposition(|entry| entry.snapshot().is_none());
             if let Some(Entry::Runs(removed)) = newest.map(|index| self.undo.remove(index)) {
@@ -151,6 +179,7 @@ impl History {
                 Undone::Edit(what)
             }
             Entry::Runs(removed) => {
+                self.runs_revision += 1;
                 self.runs.bring_back(removed);
                 Undone::RemovedRuns
             }
@@ -202,15 +231,15 @@ impl History {
         true
     }
 
-    /// Says that the document of this revision is in its file.
-    pub(crate) fn mark_saved(&mut self, revision: u64) {
-        self.saved = Some(revision);
+    /// Says that this version is in its file.
+    pub(crate) fn mark_saved(&mut self, version: Version) {
+        self.saved = Some(version);
         self.open = None;
     }
 
     /// Whether there is work that is in no file.
     pub(crate) fn is_dirty(&self) -> bool {
-        self.saved != Some(self.revision)
+        self.saved != Some(self.version())
     }
 
     /// Puts a snapshot in the place of the document, which is returned as one.
@@ -278,11 +307,16 @@ mod tests {
         let edit = moved(history.document(), 1.0);
         history.apply(edit, None).unwrap();
         assert!(history.is_dirty());
-        history.mark_saved(history.revision());
+        history.mark_saved(history.version());
         history.undo();
         assert!(history.is_dirty());
         history.redo();
         assert!(!history.is_dirty());
+        history.change_runs(RunChange::Begin(Box::new(Run { number: 1, ..Run::default() })));
+        assert!(history.is_dirty(), "a file keeps runs too");
+        history.mark_saved(history.version());
+        history.change_runs(RunChange::Show(1, true));
+        assert!(!history.is_dirty(), "which curves are drawn is no work");
     }
 
     #[test]

@@ -8,10 +8,12 @@
 //! | `error` | `ProjectError`: what can be wrong |
 //! | `record` | the file as it is |
 //! | `reader` | from the file to a document that holds together |
+//! | `run_record` | the runs of the fit, both ways |
 
 mod error;
 mod reader;
 mod record;
+mod run_record;
 
 pub(crate) use error::ProjectError;
 
@@ -21,6 +23,7 @@ use backlit_formats::{DiskFiles, TakeFiles, atomic, json_text};
 use serde::Deserialize;
 
 use crate::document::Document;
+use crate::document::run::Run;
 use reader::Reader;
 use record::{ProjectFile, to_file};
 
@@ -30,22 +33,38 @@ pub(crate) const FORMAT: &str = "backlit-project 1";
 /// Files larger than this are not projects.
 const MAX_BYTES: u64 = 256 << 20;
 
-/// Writes a document. The file appears whole or not at all.
+/// What a project's file holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Project {
+    /// What is saved and undone.
+    pub document: Document,
+    /// The runs of the fit, by number.
+    pub runs: Vec<Run>,
+}
+
+/// Writes a document and the runs of the fit, each of these in one line. The file appears whole or not at all.
 ///
 /// # Errors
 /// The file system says no.
-pub fn write_project(path: &Path, document: &Document) -> Result<(), ProjectError> {
-    let file = to_file(document);
-    let json = serde_json::to_vec_pretty(&file)
-        .map_err(|source| ProjectError::Json { path: path.to_owned(), source })?;
-    Ok(atomic::write(path, &json)?)
+pub fn write_project(path: &Path, document: &Document, runs: &[Run]) -> Result<(), ProjectError> {
+    let json = |source| ProjectError::Json { path: path.to_owned(), source };
+    let file = to_file(document, runs);
+    let mut text = serde_json::to_string_pretty(&file).map_err(json)?;
+    if !file.runs.is_empty() {
+        let lines: Result<Vec<String>, _> = file.runs.iter().map(serde_json::to_string).collect();
+        let lines = lines.map_err(json)?.join(",\n    ");
+        let last_brace = "\n}";
+        text.truncate(text.len() - last_brace.len());
+        text += &format!(",\n  \"runs\": [\n    {lines}\n  ]\n}}");
+    }
+    Ok(atomic::write(path, text.as_bytes())?)
 }
 
-/// Reads a document; it is equal to the one that was written.
+/// Reads a project; it is equal to the one that was written.
 ///
 /// # Errors
 /// The first thing that is wrong, with the file and the field.
-pub fn read_project(path: &Path) -> Result<Document, ProjectError> {
+pub fn read_project(path: &Path) -> Result<Project, ProjectError> {
     let text = DiskFiles.read(path, MAX_BYTES)?;
     let json = |source: serde_json::Error| {
         let path = path.to_owned();
@@ -67,7 +86,7 @@ pub fn read_project(path: &Path) -> Result<Document, ProjectError> {
         });
     }
     let file: ProjectFile = json_text::parse_bytes(path, &text)?;
-    Reader { path }.document(file)
+    Reader { path }.project(file)
 }
 
 /// The version of a project's format; none of another format's.
@@ -94,6 +113,8 @@ mod tests {
 
     use super::*;
     use crate::document::edit::Edit;
+    use crate::document::run::{RunChoices, RunEnding, RunStep};
+    use crate::document::runs::StepRef;
     use crate::document::tracking_choices::{AtKeys, Following, TrackedBody, TrackingChoices};
     use crate::document::{CameraUse, Estimate, Origin};
     use crate::take::replacement::Calibration;
@@ -137,6 +158,46 @@ mod tests {
         document
     }
 
+    /// A run with a step that was taken, and one whose numbers ran out of range.
+    fn run(document: &Document, number: usize) -> Run {
+        let pose = document.pose_at(3).clone();
+        let step = RunStep {
+            pose,
+            mismatch: 8.0,
+            rms: 2.5,
+            iou: Some(0.75),
+            joint_error_mm: None,
+            cost: 9.0,
+            trial_cost: 9.0,
+            foretold: 1.25,
+            fell: 1.0,
+            damping: 0.5,
+            step_norm: 0.1,
+            seconds: 0.002,
+            stage: 0,
+            accepted: true,
+        };
+        let wild = RunStep { trial_cost: f64::INFINITY, stage: 1, accepted: false, ..step.clone() };
+        Run {
+            number,
+            name: "by hand".to_owned(),
+            is_named: true,
+            choices: RunChoices {
+                fit: document.fit.clone(),
+                cameras: document.cameras.clone(),
+                part: Some("right forearm".to_owned()),
+                branched_from: Some(StepRef { run: 1, step: 4 }),
+            },
+            detail: "capsule".to_owned(),
+            frame: 3,
+            colour: 1,
+            steps: vec![step, wild],
+            stages: vec!["wide".to_owned(), "narrow".to_owned()],
+            ending: Some(RunEnding::Solver("no step lowered the cost".to_owned())),
+            is_shown: true,
+        }
+    }
+
     fn calibration() -> Arc<Calibration> {
         use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
         let intrinsics = Intrinsics { fx: 410.123_456_789, fy: 1e3 / 3.0, cx: 135.5, cy: 0.1 + 0.2 };
@@ -151,8 +212,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.backlit");
         let document = example();
-        write_project(&path, &document).unwrap();
-        assert_eq!(read_project(&path).unwrap(), document);
+        let runs = vec![run(&document, 2), run(&document, 5)];
+        write_project(&path, &document, &runs).unwrap();
+        assert_eq!(read_project(&path).unwrap(), Project { document: document.clone(), runs });
+        write_project(&path, &document, &[]).unwrap();
+        assert_eq!(read_project(&path).unwrap(), Project { document, runs: Vec::new() });
         let names: Vec<_> =
             std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
         assert_eq!(names, ["a.backlit"], "nothing else is left in the folder");
@@ -162,12 +226,12 @@ mod tests {
     fn a_project_from_before_the_choices_of_tracking_is_read() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("old.backlit");
-        write_project(&path, &example()).unwrap();
+        write_project(&path, &example(), &[]).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
         assert!(json.as_object_mut().unwrap().remove("tracking").is_some());
         std::fs::write(&path, json.to_string()).unwrap();
-        let tracking = read_project(&path).unwrap().tracking;
+        let tracking = read_project(&path).unwrap().document.tracking;
         assert_eq!(tracking, TrackingChoices::of_preset(None));
     }
 
@@ -187,7 +251,8 @@ mod tests {
     fn errors_name_file_and_field() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("b.backlit");
-        write_project(&path, &example()).unwrap();
+        let document = example();
+        write_project(&path, &document, &[run(&document, 2), run(&document, 5)]).unwrap();
         let good = std::fs::read_to_string(&path).unwrap();
         for (from, to, expected) in [
             ("backlit-project 1", "backlit-project 9", "a newer Backlit wrote this project"),
@@ -201,6 +266,10 @@ mod tests {
             ("\"cost\": ", "\"cost\": -", "`estimates.4.cost` is -"),
             ("\"keys\": {", "\"keys\": {\"3\": {\"root\": [0, 0, 0]},", "\"3\" is given twice"),
             ("\"measurement\": [", "\"measurement\": [{},", "`measurement` has 2 entries"),
+            ("\"number\":5", "\"number\":2", "`runs[1].number` is 2"),
+            ("\"mismatch\":8.0", "\"mismatch\":-8.0", "`runs[0].steps[0].mismatch` is -8"),
+            ("\"stage\":1", "\"stage\":2", "`runs[0].steps[1].stage` is 2"),
+            ("\"damping\":0.5,\"step", "\"dumping\":0.5,\"step", "unknown field `dumping`"),
         ] {
             assert!(good.contains(from), "{from}");
             std::fs::write(&path, good.replacen(from, to, 1)).unwrap();

@@ -1,4 +1,5 @@
-//! The runs of the fit, the newest last. They stand beside the document: they are not saved, and none makes it dirty.
+//! The runs of the fit, the newest last. They stand beside the document: they are saved with it, and undo does not take
+//! their steps back.
 
 use backlit_tracking::body::Pose;
 
@@ -58,6 +59,12 @@ pub(super) fn is_same(one: &Pose, other: &Pose) -> bool {
 }
 
 impl Runs {
+    /// Those of a project.
+    pub(super) fn of(mut all: Vec<Run>) -> Self {
+        name_runs(&mut all);
+        Self { begun: all.last().map_or(0, |run| run.number), all }
+    }
+
     /// All of them, by number.
     pub(crate) fn all(&self) -> &[Run] {
         &self.all

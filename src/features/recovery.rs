@@ -30,6 +30,7 @@ use std::time::Instant;
 
 use backlit_jobs::{Priority, Task};
 
+use crate::document::history::Version;
 use crate::document::project::ProjectError;
 
 /// The feature.
@@ -43,12 +44,12 @@ pub(crate) struct Recovery {
     is_put_off: bool,
     /// The copies that a notice has told of.
     told: BTreeSet<PathBuf>,
-    /// Writes a revision to the copy.
-    task: Task<u64, Result<(), ProjectError>>,
+    /// Writes a version to the copy.
+    task: Task<Version, Result<(), ProjectError>>,
     /// Held while the copy is being written.
     writing: Arc<Mutex<()>>,
-    /// The revision that is in the copy.
-    written: Option<u64>,
+    /// The version that is in the copy.
+    written: Option<Version>,
     /// Whether the picture beside the copy is of an older pose.
     is_picture_old: bool,
     /// When the copy was begun to be written last, and whether that failed.

@@ -106,7 +106,7 @@ fn the_project_is_read_and_its_tables_name_all_there_is() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("example.backlit");
     std::fs::write(&path, example("Project")).unwrap();
-    let document = read_project(&path).unwrap();
+    let document = read_project(&path).unwrap().document;
     assert_eq!(document.take, Some(TakeSource::Path("balancing".into())));
     assert_eq!((document.model.name(), document.keys.len()), ("arm", 1));
     let found = &document.estimates[&13];
@@ -120,7 +120,7 @@ fn the_project_is_read_and_its_tables_name_all_there_is() {
 
     // What is written has no field that is not in the tables, and the tables have none besides.
     let written = folder.path().join("written.backlit");
-    backlit::document::project::write_project(&written, &document).unwrap();
+    backlit::document::project::write_project(&written, &document, &[]).unwrap();
     let written: Value = serde_json::from_slice(&std::fs::read(&written).unwrap()).unwrap();
     let section = section("Project");
     let (project, fit) = section.split_once("| `fit` | unit |").unwrap();
@@ -140,7 +140,7 @@ fn the_project_is_read_and_its_tables_name_all_there_is() {
         "format": "backlit-project 1", "take": "built-in", "model": written["model"], "start": {"root": [0, 0, 0]}
     });
     std::fs::write(&path, minimal.to_string()).unwrap();
-    assert!(read_project(&path).unwrap().cameras.is_empty());
+    assert!(read_project(&path).unwrap().document.cameras.is_empty());
 }
 
 /// Every word in code of a section.

@@ -90,7 +90,7 @@ fn a_calibration_replaces_the_cameras_and_is_undone() {
     let project = folder.path().join("a.backlit");
     harness.state_mut().save_to(&project);
     settle(&mut harness);
-    let saved = read_project(&project).unwrap();
+    let saved = read_project(&project).unwrap().document;
     assert_eq!(saved, *harness.state().document());
     let again = open(&project);
     assert!(centre(&again).distance(before) > 0.5, "a project brings its cameras");

@@ -101,7 +101,7 @@ fn a_project_that_cannot_be_written_is_said_and_the_work_goes_on() {
     let good = folder.path().join("good.backlit");
     harness.state_mut().save_to(&good);
     settle(&mut harness);
-    let saved = read_project(&good).unwrap();
+    let saved = read_project(&good).unwrap().document;
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 30.0));
     for (place, reason) in bad_places(folder.path()) {
         harness.state_mut().save_to(&place);
@@ -114,11 +114,11 @@ fn a_project_that_cannot_be_written_is_said_and_the_work_goes_on() {
         harness.state_mut().close_notices();
         harness.step();
     }
-    assert_eq!(read_project(&good).unwrap(), saved);
+    assert_eq!(read_project(&good).unwrap().document, saved);
     drag(&mut harness, "right wrist, Camera 1", vec2(0.0, 10.0));
     harness.state_mut().save_to(&good);
     settle(&mut harness);
-    assert_eq!(read_project(&good).unwrap(), *harness.state().document());
+    assert_eq!(read_project(&good).unwrap().document, *harness.state().document());
 }
 
 #[test]
@@ -188,7 +188,7 @@ fn a_copy_that_cannot_be_written_is_said_once_and_again_when_it_works() {
     harness.get_by_role_and_label(Role::Button, "Save as…");
     std::fs::remove_file(&data).unwrap();
     wait_for(&mut harness, WORKS);
-    assert_eq!(read_project(&copy).unwrap(), *harness.state().document());
+    assert_eq!(read_project(&copy).unwrap().document, *harness.state().document());
     harness.step();
     assert!(harness.query_by_label_contains(FAILED).is_none(), "the card has gone");
     assert!(harness.state().document().has_pose(0));
@@ -261,7 +261,7 @@ fn work_on_a_bad_disk() {
         wait_for(&mut harness, WORKS);
         harness.state_mut().save_to(&good);
         settle(&mut harness);
-        assert_eq!(read_project(&good).unwrap(), *harness.state().document());
+        assert_eq!(read_project(&good).unwrap().document, *harness.state().document());
     }
     let parts = |folder: &Path| {
         let names = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name());
@@ -280,7 +280,7 @@ fn on_a_bad_disk(command: &[&str], reason: &str) {
     take::write_to(&kept.join("arm"));
     let mut document = Document::new(builtin::single_limb());
     document.take = Some(TakeSource::BuiltIn);
-    write_project(&kept.join("good.backlit"), &document).unwrap();
+    write_project(&kept.join("good.backlit"), &document, &[]).unwrap();
     let run = |what: &[&OsStr]| {
         let mut process = Command::new(command[0]);
         process.args(&command[1..]).args([&disk, &kept]).args(what);

@@ -60,7 +60,7 @@ fn a_take_that_has_moved_is_found_again() {
     assert!(harness.state().is_unsaved(), "the file still names the old place");
     press(&mut harness, Modifiers::COMMAND, Key::S);
     assert!(!harness.state().is_unsaved());
-    assert_eq!(read_project(&path).unwrap(), expected);
+    assert_eq!(read_project(&path).unwrap().document, expected);
 }
 
 #[test]
@@ -70,7 +70,7 @@ fn a_take_may_stand_beside_its_project() {
     let inner = folder.path().join("moved");
     std::fs::create_dir_all(&inner).unwrap();
     std::fs::rename(folder.path().join("arm"), inner.join("arm")).unwrap();
-    write_project(&inner.join("work.backlit"), &document).unwrap();
+    write_project(&inner.join("work.backlit"), &document, &[]).unwrap();
     let harness = open(&inner.join("work.backlit"));
     assert_eq!(harness.state().document().take, Some(TakeSource::Path(inner.join("arm"))));
     assert!(!harness.state().is_unsaved());

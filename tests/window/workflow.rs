@@ -73,7 +73,7 @@ fn from_a_take_to_a_track_and_back_to_the_saved_file() {
     let path = folder.path().join("arm.backlit");
     harness.state_mut().save_to(&path);
     settle(&mut harness);
-    assert_eq!(read_project(&path).unwrap(), *harness.state().document());
+    assert_eq!(read_project(&path).unwrap().document, *harness.state().document());
     harness.get_by_label_contains("Saved to arm.backlit");
 
     press(&mut harness, Modifiers::COMMAND, Key::Z);
@@ -87,12 +87,19 @@ fn a_project_of_a_folder_is_reopened_equal() {
     take::write_to(folder.path());
     let mut harness = open(AppOptions { opening: Some(opening_of(folder.path())), ..AppOptions::default() });
     drag(&mut harness, "right elbow, Camera 2", vec2(20.0, 20.0));
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    settle(&mut harness);
     let path = folder.path().join("work.backlit");
     harness.state_mut().save_to(&path);
     settle(&mut harness);
-    let saved = harness.state().document().clone();
-    let again = open(AppOptions { opening: Some(opening_of(&path)), ..AppOptions::default() });
+    let (saved, runs) = (harness.state().document().clone(), harness.state().runs().to_vec());
+    assert!(runs.len() == 1 && runs[0].steps.len() > 3);
+    let mut again = open(AppOptions { opening: Some(opening_of(&path)), ..AppOptions::default() });
     assert_eq!(*again.state().document(), saved);
+    assert_eq!(again.state().runs(), runs, "runs are kept in the project");
+    press(&mut again, Modifiers::NONE, Key::Enter);
+    settle(&mut again);
+    assert_eq!(again.state().runs()[1].number, 2, "the next run is another one");
 }
 
 #[test]

@@ -184,7 +184,7 @@ impl fmt::Display for TextFormat {
 
 /// The path of a field.
 fn in_short(path: &str) -> String {
-    cut_path(path, [50, 50])
+    cut_path(&shown(path).to_string(), [50, 50])
 }
 
 /// Of a long path so many letters of its beginning and of its end, which tell most.

@@ -16,6 +16,12 @@ use super::{DiskFiles, FileError, FileProblem, MAX_TEXT_BYTES, TakeFiles, json_t
 const LOWEST_SCORE: f64 = 0.1;
 /// A person of fewer keypoints than this covers nothing and is not believed.
 const FEWEST: usize = 5;
+/// More than any tool finds on a person, face and hands included.
+const MOST_KEYPOINTS: usize = 512;
+/// As many as bodies have, without fingers and faces.
+const BODY_KEYPOINTS: usize = 40;
+/// Of more keypoints, those that are closer to one another than this share of the person's extent count once.
+const CLOSE: f64 = 0.02;
 /// A person of whom a smaller share of the keypoints is believed may be elsewhere too.
 const WHOLE: f64 = 0.7;
 /// How far a body reaches beyond the lines between its keypoints, as a share of the person's extent in the picture.
@@ -56,17 +62,18 @@ struct PersonSpec {
 /// Parses a file of one frame: x, y and score of each keypoint; a zero stands for one that was not found.
 ///
 /// # Errors
-/// Not JSON, no `people`, or numbers that do not come in threes. The error names the line or the field.
+/// Not JSON, no `people`, more than 512 keypoints of one person, or numbers that do not come in threes. The error names the line or the field.
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Person>, FileError> {
     let frame: Frame = json_text::parse(path, text::decode(path, bytes)?)?;
     let person = |(index, person): (usize, PersonSpec)| {
         let (triples, rest) = person.pose_keypoints_2d.as_chunks::<3>();
-        if rest.is_empty() && triples.iter().flatten().all(|number| number.is_finite()) {
+        let is_whole = rest.is_empty() && triples.len() <= MOST_KEYPOINTS;
+        if is_whole && triples.iter().flatten().all(|number| number.is_finite()) {
             return Ok(triples.iter().map(keypoint).collect());
         }
         let field = format!("people[{index}].pose_keypoints_2d");
         let found = format!("{} numbers", person.pose_keypoints_2d.len());
-        let expected = "x, y and score of each keypoint".to_owned();
+        let expected = format!("x, y and score of each keypoint, of {MOST_KEYPOINTS} at most");
         Err(FileError::new(path, FileProblem::Field { field, found, expected }))
     };
     frame.people.into_iter().enumerate().map(person).collect()
@@ -223,7 +230,22 @@ fn places_of(people: &[Person], divisor: usize, fewest: usize) -> Vec<Vec<DVec2>
         let sure = person.iter().flatten().filter(|keypoint| keypoint.score >= LOWEST_SCORE);
         sure.map(|keypoint| (keypoint.place + 0.5) * scale - 0.5).collect::<Vec<DVec2>>()
     });
-    places.filter(|places| places.len() >= fewest).collect()
+    places.filter(|places| places.len() >= fewest).map(thinned).collect()
+}
+
+/// Without those that are close to another, where there are more than bodies have: faces and hands.
+fn thinned(places: Vec<DVec2>) -> Vec<DVec2> {
+    if places.len() <= BODY_KEYPOINTS {
+        return places;
+    }
+    let close = CLOSE * extent(&places);
+    let mut kept: Vec<DVec2> = Vec::new();
+    for place in places {
+        if kept.iter().all(|other| other.distance(place) >= close) {
+            kept.push(place);
+        }
+    }
+    kept
 }
 
 /// An empty mask of the reduced picture; `None` without people, or where it would be too large.
@@ -264,16 +286,19 @@ fn near(places: &[DVec2]) -> Vec<(DVec2, DVec2)> {
 
 /// The shortest tree that reaches all places (Prim): the nearest one that is not yet reached, again and again.
 fn tree(places: &[DVec2]) -> Vec<(DVec2, DVec2)> {
-    let (mut reached, mut left, mut edges) = (places[..1].to_vec(), places[1..].to_vec(), Vec::new());
-    while !left.is_empty() {
-        let pairs = reached
-            .iter()
-            .flat_map(|&from| left.iter().enumerate().map(move |(to, place)| (from, to, place)));
-        let nearest = pairs.min_by(|a, b| a.0.distance_squared(*a.2).total_cmp(&b.0.distance_squared(*b.2)));
-        let Some((from, to, _)) = nearest else { break };
-        let place = left.swap_remove(to);
-        reached.push(place);
-        edges.push((from, place));
+    let Some((&first, rest)) = places.split_first() else { return Vec::new() };
+    // Each place that is left, with the nearest one that is reached.
+    let mut left: Vec<(DVec2, DVec2)> = rest.iter().map(|&place| (first, place)).collect();
+    let mut edges = Vec::with_capacity(left.len());
+    let length = |(from, to): &(DVec2, DVec2)| from.distance_squared(*to);
+    while let Some(nearest) = (0..left.len()).min_by(|&a, &b| length(&left[a]).total_cmp(&length(&left[b]))) {
+        let edge = left.swap_remove(nearest);
+        for (from, place) in &mut left {
+            if edge.1.distance_squared(*place) < from.distance_squared(*place) {
+                *from = edge.1;
+            }
+        }
+        edges.push(edge);
     }
     edges
 }

@@ -69,10 +69,12 @@ pub(super) struct Safe<'a, 'b> {
 impl Write for Safe<'_, '_> {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         for letter in text.chars() {
-            self.left = match self.left.checked_sub(1) {
-                Some(left) => left,
-                None => return Err(fmt::Error),
+            let length = if is_unsafe(letter) { letter.escape_default().count() } else { 1 };
+            let Some(left) = self.left.checked_sub(length) else {
+                self.left = 0;
+                return Err(fmt::Error);
             };
+            self.left = left;
             match letter {
                 '\n' => self.out.write_char(' ')?,
                 letter if is_unsafe(letter) => write!(self.out, "{}", letter.escape_default())?,
@@ -94,5 +96,6 @@ mod tests {
         assert_eq!(cut(&"ä".repeat(60)).to_string(), "ä".repeat(60));
         assert_eq!(cut(&"ä".repeat(61)).to_string(), "ä".repeat(60) + "…");
         assert_eq!(cut("").to_string(), "");
+        assert_eq!(cut(&"\u{7f}".repeat(60)).to_string(), "\\u{7f}".repeat(10) + "…");
     }
 }

@@ -45,6 +45,8 @@ pub enum ProjectError {
     MaskCamera { path: PathBuf, frame: usize, camera: String },
     #[error("{}: `fit`: {source}", path.display())]
     Fit { path: PathBuf, source: OptionsError },
+    #[error("{}: `{field}.fit`: {source}", path.display())]
+    RunFit { path: PathBuf, field: String, source: OptionsError },
     #[error("{}: `measurement`, camera {index} counted from 0: {source}", path.display())]
     Measurement { path: PathBuf, index: usize, source: SegmentError },
     #[error("{}: `cameras`: the weight of {camera} is {weight}; expected a number from 0 on", path.display())]

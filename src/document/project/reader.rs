@@ -8,10 +8,10 @@ use backlit_formats::calibration::{CalibrationOptions, backlit};
 use backlit_tracking::body::{Model, Pose};
 use glam::{DQuat, DVec3};
 
-use super::ProjectError;
 use super::record::{
     CalibrationRecord, CameraRecord, EstimateRecord, OriginRecord, PoseRecord, ProjectFile, TakeRecord,
 };
+use super::{Project, ProjectError};
 use crate::document::tracking_choices::TrackingChoices;
 use crate::document::{CameraUse, Document, Estimate, Origin};
 use crate::take::replacement::{Calibration, MaskFiles};
@@ -23,7 +23,7 @@ pub(crate) struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    pub(crate) fn document(&self, file: ProjectFile) -> Result<Document, ProjectError> {
+    pub(crate) fn project(&self, file: ProjectFile) -> Result<Project, ProjectError> {
         let model = Model::new(&file.model)
             .map_err(|source| ProjectError::Model { path: self.path.to_owned(), source })?;
         let wrong = |source| ProjectError::Fit { path: self.path.to_owned(), source };
@@ -58,7 +58,8 @@ impl Reader<'_> {
         }
         let masks = self.masks(&cameras, file.masks)?;
         let calibration = file.calibration.map(|record| self.calibration(record)).transpose()?;
-        Ok(Document {
+        let runs = self.runs(&model, file.runs)?;
+        let document = Document {
             take: file.take.map(|take| match take {
                 TakeRecord::BuiltIn => TakeSource::BuiltIn,
                 TakeRecord::Demonstration(which) => TakeSource::Demonstration(which),
@@ -75,10 +76,11 @@ impl Reader<'_> {
             pins: Arc::new(pins),
             calibration,
             masks: Arc::new(masks),
-        })
+        };
+        Ok(Project { document, runs })
     }
 
-    fn cameras(&self, records: Vec<CameraRecord>) -> Result<Vec<CameraUse>, ProjectError> {
+    pub(super) fn cameras(&self, records: Vec<CameraRecord>) -> Result<Vec<CameraUse>, ProjectError> {
         let camera = |record: CameraRecord| {
             if record.weight.is_finite() && record.weight >= 0.0 {
                 Ok(CameraUse { name: record.name, used: record.used, weight: record.weight })
@@ -119,7 +121,7 @@ impl Reader<'_> {
         Ok(masks)
     }
 
-    fn pose(&self, model: &Model, field: &str, record: &PoseRecord) -> Result<Pose, ProjectError> {
+    pub(super) fn pose(&self, model: &Model, field: &str, record: &PoseRecord) -> Result<Pose, ProjectError> {
         let mut pose = Pose::rest(model);
         pose.root = DVec3::from_array(record.root);
         for (name, [w, x, y, z]) in &record.rotations {
@@ -145,11 +147,14 @@ impl Reader<'_> {
         ];
         for (name, value, most, expected) in numbers {
             if let Some(value) = value.filter(|value| !(0.0..=most).contains(value)) {
-                let (path, field) = (self.path.to_owned(), format!("estimates.{frame}.{name}"));
-                return Err(ProjectError::Number { path, field, value, expected });
+                return Err(self.number(format!("estimates.{frame}.{name}"), value, expected));
             }
         }
         Ok(())
+    }
+
+    pub(super) fn number(&self, field: String, value: f64, expected: &'static str) -> ProjectError {
+        ProjectError::Number { path: self.path.to_owned(), field, value, expected }
     }
 
     fn limb(&self, model: &Model, field: &str, name: &str) -> Result<usize, ProjectError> {

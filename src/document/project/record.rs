@@ -11,8 +11,10 @@ use backlit_tracking::segment::SegmentOptions;
 use serde::{Deserialize, Serialize};
 
 use super::FORMAT;
+use super::run_record::{RunRecord, run_record};
+use crate::document::run::Run;
 use crate::document::tracking_choices::TrackingChoices;
-use crate::document::{Document, Estimate, Origin};
+use crate::document::{CameraUse, Document, Estimate, Origin};
 use crate::take::demonstration::Demonstration;
 use crate::take::source::TakeSource;
 
@@ -43,6 +45,9 @@ pub(crate) struct ProjectFile {
     /// By frame, then by camera's name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "unique_keys")]
     pub(crate) masks: BTreeMap<usize, BTreeMap<String, PathBuf>>,
+    /// Written apart, a line a run.
+    #[serde(default, skip_serializing)]
+    pub(crate) runs: Vec<RunRecord>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -102,7 +107,7 @@ pub(crate) struct CameraRecord {
     pub(crate) weight: f64,
 }
 
-pub(crate) fn to_file(document: &Document) -> ProjectFile {
+pub(crate) fn to_file(document: &Document, runs: &[Run]) -> ProjectFile {
     let model = &*document.model;
     ProjectFile {
         format: FORMAT.to_owned(),
@@ -119,15 +124,7 @@ pub(crate) fn to_file(document: &Document) -> ProjectFile {
             .iter()
             .map(|(frame, estimate)| (*frame, estimate_record(model, estimate)))
             .collect(),
-        cameras: document
-            .cameras
-            .iter()
-            .map(|camera| CameraRecord {
-                name: camera.name.clone(),
-                used: camera.used,
-                weight: camera.weight,
-            })
-            .collect(),
+        cameras: document.cameras.iter().map(camera_record).collect(),
         fit: (*document.fit).clone(),
         tracking: Some(document.tracking),
         measurement: (*document.measurement).clone(),
@@ -137,7 +134,12 @@ pub(crate) fn to_file(document: &Document) -> ProjectFile {
             cameras: serde_json::from_str(&backlit::to_text(&calibration.rig)).unwrap_or_default(),
         }),
         masks: document.masks.iter().map(|(frame, masks)| (*frame, mask_records(document, masks))).collect(),
+        runs: runs.iter().filter_map(|run| run_record(model, run)).collect(),
     }
+}
+
+pub(super) fn camera_record(camera: &CameraUse) -> CameraRecord {
+    CameraRecord { name: camera.name.clone(), used: camera.used, weight: camera.weight }
 }
 
 fn mask_records(document: &Document, masks: &BTreeMap<usize, PathBuf>) -> BTreeMap<String, PathBuf> {
@@ -147,7 +149,7 @@ fn mask_records(document: &Document, masks: &BTreeMap<usize, PathBuf>) -> BTreeM
     masks.iter().filter_map(named).collect()
 }
 
-fn pose_record(model: &Model, pose: &Pose) -> PoseRecord {
+pub(super) fn pose_record(model: &Model, pose: &Pose) -> PoseRecord {
     let owners = model.rotation_owners().iter();
     let rotations = owners
         .zip(&pose.rotations)

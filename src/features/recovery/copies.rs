@@ -126,10 +126,10 @@ impl Copies {
                 continue;
             }
             match read_project(&path) {
-                Ok(document) => {
+                Ok(project) => {
                     let saved = std::fs::metadata(&path).and_then(|data| data.modified()).ok();
                     let (about, picture) = (About::read(&path), Picture::read(&path));
-                    found.push(Left::new(path, &document, about, saved, picture));
+                    found.push(Left::new(path, &project.document, about, saved, picture));
                 }
                 Err(error) => wrong.push(error),
             }
@@ -235,7 +235,7 @@ mod tests {
     fn write(path: &Path) {
         let mut document = Document::new(builtin::single_limb());
         document.take = Some(TakeSource::BuiltIn);
-        write_project(path, &document).unwrap();
+        write_project(path, &document, &[]).unwrap();
     }
 
     #[test]

@@ -2,12 +2,13 @@
 
 use crate::app::testing::{Breaks, errors, open, settle};
 use crate::context::preferences::Layout;
+use crate::document::history::Version;
 
 #[test]
 fn a_copy_that_breaks_down_is_said_once() {
     let (mut window, mut app) = open(Layout::Pose);
     let pool = app.state.pool.clone();
-    app.features.recovery.task.begin(&pool, 0, |_| Breaks);
+    app.features.recovery.task.begin(&pool, Version::NONE, |_| Breaks);
     settle(&mut window, &mut app);
     assert_eq!(errors(&app), ["Writing a file broke down: thirteen. Your work is unharmed."]);
 }

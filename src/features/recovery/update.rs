@@ -13,7 +13,9 @@ use crate::context::command::{Command, FileCommand, RecoveryCommand};
 use crate::context::unavailable::because;
 use crate::context::{Context, Decision, Request, Requests};
 use crate::document::Document;
+use crate::document::history::Version;
 use crate::document::project::{ProjectError, write_project};
+use crate::document::run::Run;
 use crate::take::source::TakeSource;
 
 /// The copy is written this often while there is something new: with the time of writing, less than a second of work
@@ -25,12 +27,10 @@ const AGAIN: Duration = Duration::from_secs(2);
 /// What is said of a copy that is not written.
 const COPY: &str = "The copy of unsaved work was not written";
 
-/// The revision of a copy that was left: none of this window's.
-const OLDER: u64 = u64::MAX;
-
 /// What is written for the next start.
 struct Work {
     document: Document,
+    runs: Vec<Run>,
     about: About,
     picture: Option<Picture>,
 }
@@ -50,11 +50,12 @@ impl Work {
             predicted.scene.frame.as_ref().is_some_and(|frame| frame.frame == selection.frame)
         });
         let picture = picture.map(|predicted| Picture { predicted, camera: selection.camera });
-        Self { document: context.document().clone(), about, picture }
+        let runs = context.history.runs().all().to_vec();
+        Self { document: context.document().clone(), runs, about, picture }
     }
 
     fn write(self, path: &Path) -> Result<(), ProjectError> {
-        write_project(path, &self.document)?;
+        write_project(path, &self.document, &self.runs)?;
         self.about.write(path)?;
         // The work is safe without it.
         let _ = self.picture.map(|picture| picture.write(path));
@@ -104,7 +105,7 @@ impl Recovery {
             return;
         }
         let Some(copies) = &mut self.copies else { return };
-        let revision = context.history.revision();
+        let version = context.history.version();
         if !is_worth_keeping(context) {
             // A document that was just opened, or one that is in its file as it is.
             if self.written.take().is_some() {
@@ -114,7 +115,7 @@ impl Recovery {
         }
         let is_stale = context.session.is_stale;
         let has_picture_to_come = self.is_picture_old && !is_stale;
-        if self.written == Some(revision) && !has_picture_to_come {
+        if self.written == Some(version) && !has_picture_to_come {
             return;
         }
         let every = if self.failed { AGAIN } else { EVERY };
@@ -128,7 +129,7 @@ impl Recovery {
         match copies.own().map(Path::to_owned).map_err(|error| copies.said(&error)) {
             Ok(path) => {
                 let (work, writing) = (Work::new(context), self.writing.clone());
-                self.task.begin(context.pool, revision, |_| {
+                self.task.begin(context.pool, version, |_| {
                     once(move |cancel| {
                         let _writing = writing.lock().unwrap_or_else(PoisonError::into_inner);
                         // Something newer may have been written at once meanwhile.
@@ -144,8 +145,8 @@ impl Recovery {
         for news in self.task.poll() {
             match news {
                 News::Output(Ok(())) => {
-                    let revision = self.task.inputs().copied();
-                    self.wrote(revision.unwrap_or_default(), requests);
+                    let version = self.task.inputs().copied();
+                    self.wrote(version.unwrap_or(Version::NONE), requests);
                 }
                 News::Output(Err(error)) => self.copy_failed(&error.to_string(), requests),
                 News::Ended => {}
@@ -158,8 +159,8 @@ impl Recovery {
         }
     }
 
-    fn wrote(&mut self, revision: u64, requests: &mut Requests) {
-        self.written = Some(revision);
+    fn wrote(&mut self, version: Version, requests: &mut Requests) {
+        self.written = Some(version);
         self.has_stayed_open = false;
         if std::mem::take(&mut self.failed) {
             requests.request(Request::CloseNoticesAbout(COPY));
@@ -199,7 +200,7 @@ impl Recovery {
         let work = Work::new(context);
         let written = path.and_then(|path| Ok(work.write(&path)?));
         match &written {
-            Ok(()) => self.wrote(context.history.revision(), requests),
+            Ok(()) => self.wrote(context.history.version(), requests),
             Err(why) => self.copy_failed(&why.to_string(), requests),
         }
         written
@@ -335,7 +336,7 @@ impl Recovery {
         let left = self.adopted.take().filter(|left| Some(left.path.as_path()) == opened)?;
         // If another window was quicker, this one writes a copy of its own.
         if copies.adopt(&left.path).unwrap_or(false) {
-            self.written = Some(OLDER);
+            self.written = Some(Version::NONE);
         }
         Some(left.about)
     }

@@ -83,7 +83,10 @@ pub enum ModelError {
     UnknownLimb { limb: String, field: &'static str, target: String },
     #[error("limb \"{limb}\": `{field}` = \"{target}\" makes a cycle: {cycle}")]
     Cycle { limb: String, field: &'static str, target: String, cycle: String },
-    #[error("limb \"{limb}\": `direction` is {value}; expected three finite numbers, not all zero")]
+    #[error(
+        "limb \"{limb}\": `direction` is [{:?}, {:?}, {:?}]; expected three finite numbers, not all zero",
+        value.x, value.y, value.z
+    )]
     Direction { limb: String, value: DVec3 },
     #[error(
         "limb \"{limb}\": `{field}` is {value}; expected a number of metres above 0 and at most {MAX_SIZE}"

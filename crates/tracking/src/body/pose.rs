@@ -24,7 +24,10 @@ pub const FARTHEST_ROOT: f64 = 1e6;
 #[derive(Debug, Error, Clone, PartialEq)]
 #[expect(missing_docs, reason = "the messages say what each variant and field is")]
 pub enum PoseError {
-    #[error("`root` is {value}; expected three numbers in metres, none beyond {FARTHEST_ROOT:e}")]
+    #[error(
+        "`root` is [{:?}, {:?}, {:?}]; expected three numbers in metres, none beyond {FARTHEST_ROOT:e}",
+        value.x, value.y, value.z
+    )]
     Root { value: DVec3 },
     #[error("`rotations.{limb}` is [w x y z] = {value:?}; expected four finite numbers, not all zero")]
     Rotation { limb: String, value: [f64; 4] },

@@ -68,7 +68,10 @@ pub enum CameraError {
     NotFinite { field: &'static str, value: f64 },
     #[error("`rotation` is not a rotation: its rows are {error:.1e} away from orthonormal, or it mirrors")]
     Rotation { error: f64 },
-    #[error("`translation` is {value}; expected three numbers in metres, none beyond {FARTHEST:e}")]
+    #[error(
+        "`translation` is [{:?}, {:?}, {:?}]; expected three numbers in metres, none beyond {FARTHEST:e}",
+        value.x, value.y, value.z
+    )]
     Translation { value: DVec3 },
 }
 
