@@ -28,7 +28,7 @@ use backlit_formats::take::BodySizes;
 use crate::context::activity::Activity;
 use crate::context::arrangement::Arrangement;
 use crate::context::clock::Clock;
-use crate::context::command::Command;
+use crate::context::command::{Command, Variants};
 use crate::context::drag_marks::DragMarks;
 use crate::context::notices::Notices;
 use crate::context::observability::ObservabilityMarks;
@@ -48,6 +48,7 @@ use crate::take::footage::Footage;
 use crate::take::source::TakeSource;
 use backlit_jobs::{Failure, Pool};
 use backlit_tracking::body::Pose;
+use backlit_tracking::metrics::JointErrors;
 use backlit_ui::drawing::{DragEvent, JointId, ViewMode};
 
 /// All that a panel may look at while a frame is drawn.
@@ -141,6 +142,14 @@ impl<'a> Context<'a> {
         step.map_or_else(|| self.document().pose_at(self.selection.frame), |step| &step.pose)
     }
 
+    /// Mean distance of a pose's joints from the take's reference at the frame on the screen, millimetres.
+    pub(crate) fn joint_error_mm(&self, pose: &Pose) -> Option<f64> {
+        let reference = self.session.take.as_ref()?.take().reference()?;
+        let mut errors = JointErrors::default();
+        errors.add(&self.document().model, pose, &reference.joints(self.selection.frame));
+        errors.overall().map(|all| all.mean)
+    }
+
     /// Whether a pane is on the screen.
     pub(crate) fn shows(&self, pane: Pane) -> bool {
         let is_open = || self.preferences.is_open(pane, self.session.camera_count());
@@ -226,17 +235,13 @@ pub(crate) enum Request {
     Layout(Layout),
     /// Show all tiles again, if one fills the window.
     ShowAllTiles,
-    /// Run the laboratory's fits as soon as they have begun.
-    RunLaboratory,
-    /// Fit the frame from the pose on the screen to the end, as a run of this name.
-    BeginRun {
-        /// The name.
-        name: String,
-        /// The gesture that its result belongs to.
-        gesture: Gesture,
+    /// Run fits in the laboratory as soon as they have begun.
+    RunLaboratory {
+        /// What they differ in.
+        over: Variants,
+        /// The camera whose pictures are shown from now on.
+        camera: Option<usize>,
     },
-    /// Begin a new past of the document: there is nothing to undo and nothing to save.
-    ForgetPast,
     /// What the user did with a tile.
     Pane(Pane, PaneEvent),
     /// The user has arranged the tiles.

@@ -216,10 +216,7 @@ impl Inspector {
             FitCommand::Step | FitCommand::Run | FitCommand::RunAgain(_) | FitCommand::Refit(_) => {
                 self.pause();
             }
-            FitCommand::Stop => {
-                self.features.demonstrations.stop();
-                self.features.tracking.stop();
-            }
+            FitCommand::Stop => self.features.tracking.stop(),
             _ => {}
         }
         self.with(|features| &mut features.fit, |fit, context, requests| fit.run(command, context, requests));

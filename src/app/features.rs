@@ -49,11 +49,6 @@ impl Inspector {
             |features| &mut features.scene,
             |scene, context, requests| scene.update(context, requests),
         );
-        // After the fit, which it waits for.
-        self.update_feature(
-            |features| &mut features.demonstrations,
-            |demonstrations, context, requests| demonstrations.update(context, requests),
-        );
         self.update_feature(
             |features| &mut features.tour,
             |tour, context, requests| tour.update(context, requests),
@@ -74,7 +69,6 @@ impl Inspector {
 
     /// Ends a fit that is going on, because its pose is about to change: what it has done stays as a run.
     pub(crate) fn interrupt_fit(&mut self) {
-        self.features.demonstrations.stop();
         self.with(|features| &mut features.fit, |fit, _, requests| fit.interrupt(requests));
     }
 

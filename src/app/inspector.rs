@@ -188,7 +188,6 @@ impl Inspector {
         is_at_rest
             && self.errands.is_empty()
             && (!self.state.session.is_stale || self.refresh.has_failed_to_predict())
-            && !self.features.demonstrations.is_running()
             && self.features.laboratory.is_settled(&self.context())
     }
 

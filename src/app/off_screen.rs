@@ -62,7 +62,7 @@ impl Inspector {
         copy.features.scene = features.scene.at_rest();
         copy.features.tracking = features.tracking.at_rest();
         copy.features.laboratory = features.laboratory.at_rest();
-        copy.features.demonstrations = features.demonstrations.at_rest();
+        copy.features.demonstrations = features.demonstrations.clone();
         Ok(copy)
     }
 }

@@ -79,7 +79,7 @@ impl Inspector {
         {
             self.with(
                 |features| &mut features.demonstrations,
-                |demonstrations, context, requests| demonstrations.begin(*which, context, requests),
+                |demonstrations, _, requests| demonstrations.begin(*which, requests),
             );
         }
     }

@@ -135,15 +135,9 @@ impl Inspector {
             Request::CancelGesture(gesture) => {
                 self.state.history.cancel(gesture);
             }
-            Request::RunLaboratory => self.features.laboratory.run_when_begun(),
-            Request::BeginRun { name, gesture } => {
-                self.pause();
-                self.with(
-                    |features| &mut features.fit,
-                    |fit, context, requests| fit.begin_named(name, gesture, context, requests),
-                );
+            Request::RunLaboratory { over, camera } => {
+                self.features.laboratory.run_when_begun(over, camera);
             }
-            Request::ForgetPast => self.state.history = self.state.history.without_past(),
             Request::ShowAllTiles => self.shell.docking.alone = None,
             Request::Layout(layout) => self.state.preferences.layout = layout,
             Request::Pane(pane, event) => self.pane_event(pane, event),

@@ -86,10 +86,10 @@ impl Inspector {
             let frame = Frame::NONE;
             CentralPanel::default().frame(frame).show(ui, |ui| {
                 notices_from = pos2(centre.right(), centre.bottom());
+                features.demonstrations.ui(ui, requests);
                 if demonstrates {
                     return features.laboratory.ui(ui, &context, requests);
                 }
-                features.demonstrations.ui(ui, requests);
                 if self.shell.docking.alone.is_none() {
                     features.timeline.ui(ui, &context, requests, window.height());
                     notices_from.y = ui.available_rect_before_wrap().bottom();

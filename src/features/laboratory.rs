@@ -38,6 +38,7 @@ pub use lineup::{Entrant, Lineup};
 pub(crate) use push::{Push, PushAxis, Pushed};
 pub(crate) use start::StartChoice;
 
+use crate::context::command::Variants;
 use crate::context::file_dialog::FileDialogs;
 use crate::document::run::RunStep;
 use crate::take::footage::Footage;
@@ -122,8 +123,10 @@ impl Laboratory {
         *self = Self { is_log: self.is_log, comparisons: self.comparisons, start, ..Self::default() };
     }
 
-    /// Runs the fits as soon as they have begun.
-    pub(crate) fn run_when_begun(&mut self) {
+    /// Compares these, and runs the fits as soon as they have begun; shows this camera's pictures.
+    pub(crate) fn run_when_begun(&mut self, over: Variants, camera: Option<usize>) {
+        self.lineup = over.into();
+        self.camera = camera.unwrap_or(self.camera);
         self.wants_run = true;
     }
 

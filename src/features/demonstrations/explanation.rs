@@ -31,7 +31,7 @@ pub(super) fn ui(ui: &mut Ui, which: Demonstration, requests: &mut Requests) -> 
                         for try_next in next::of(which) {
                             let button = ui.add(Button::new(try_next.text));
                             if button.on_hover_text(try_next.tooltip).clicked() {
-                                try_next.request(requests);
+                                try_next.request(which, requests);
                             }
                         }
                     });

@@ -2,8 +2,11 @@
 
 use backlit_tracking::fit::Preset;
 
-use crate::context::Requests;
-use crate::context::command::{Command, FitCommand, TimelineCommand, TrackingCommand, Variants};
+use crate::context::command::{
+    Command, FitCommand, TimelineCommand, TrackingCommand, Variants, WindowCommand,
+};
+use crate::context::preferences::Layout;
+use crate::context::{Request, Requests};
 use crate::document::edit::Edit;
 use crate::take::demonstration::Demonstration;
 
@@ -14,103 +17,88 @@ pub(super) struct Try {
     pub(super) text: &'static str,
     /// One sentence without its full stop.
     pub(super) tooltip: &'static str,
-    /// A camera that counts from now on.
-    uses: Option<usize>,
+    act: Act,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Act {
     /// Done one after the other.
-    commands: &'static [Command],
+    Commands(&'static [Command]),
+    /// The laboratory fits these side by side.
+    Compare(Variants),
+    /// A camera counts from now on, and the laboratory fits again.
+    UseCamera(usize),
 }
 
-const fn act(text: &'static str, tooltip: &'static str, commands: &'static [Command]) -> Try {
-    Try { text, tooltip, uses: None, commands }
-}
-
-const TRACK: Command = Command::Tracking(TrackingCommand::Forward);
+const POSE: Command = Command::Window(WindowCommand::Layout(Layout::Pose));
 const FIRST: Command = Command::Timeline(TimelineCommand::FirstFrame);
-const WORST: Try =
-    act("Worst frame", "The frame that fits worst", &[Command::Timeline(TimelineCommand::WorstFrame)]);
-const RAMPS: Try = act(
-    "Run with each ramp",
-    "From the same start, a curve for each ramp",
-    &[Command::Fit(FitCommand::RunAgain(Variants::Ramps))],
-);
+const TRACK: Command = Command::Tracking(TrackingCommand::Forward);
+const REPORT: Command = Command::Fit(FitCommand::Preset(Preset::Report));
+const ROBUST: Command = Command::Fit(FitCommand::Preset(Preset::Robust));
+
+const RENDERERS: Try = Try {
+    text: "Compare renderers",
+    tooltip: "Cylinder, capsule and sphere tree from the same start",
+    act: Act::Compare(Variants::Renderers),
+};
+const RAMPS: Try = Try {
+    text: "Compare ramps",
+    tooltip: "From the same start, a fit for each way to draw how far a pixel is from the body",
+    act: Act::Compare(Variants::Ramps),
+};
+const PRESETS: Try = Try {
+    text: "Compare presets",
+    tooltip: "The report’s fit beside the robust one, from the same start",
+    act: Act::Compare(Variants::Presets),
+};
+const WITH_CAMERA_2: Try = Try {
+    text: "Fit with camera 2 too",
+    tooltip: "Let camera 2 count, and fit again",
+    act: Act::UseCamera(1),
+};
+const TRACK_REPORT: Try = Try {
+    text: "Track as in 2004",
+    tooltip: "All frames by the report’s preset, each from the last one’s pose, in the Pose layout",
+    act: Act::Commands(&[POSE, REPORT, FIRST, TRACK]),
+};
+const TRACK_ROBUST: Try = Try {
+    text: "Track with Robust",
+    tooltip: "All frames with all that is better, in the Pose layout",
+    act: Act::Commands(&[POSE, ROBUST, FIRST, TRACK]),
+};
+const WORST: Try = Try {
+    text: "Worst frame",
+    tooltip: "The tracked frame that fits worst",
+    act: Act::Commands(&[POSE, Command::Timeline(TimelineCommand::WorstFrame)]),
+};
 
 /// What there is to try.
 pub(super) const fn of(which: Demonstration) -> &'static [Try] {
     match which {
-        Demonstration::SingleLimb => &[],
-        Demonstration::OneCamera => {
-            const {
-                &[
-                    Try {
-                        text: "Fit with camera 2 too",
-                        tooltip: "Let camera 2 count, and go on from here",
-                        uses: Some(1),
-                        commands: &[Command::Fit(FitCommand::Run)],
-                    },
-                    RAMPS,
-                ]
-            }
+        Demonstration::SingleLimb => &[RENDERERS, RAMPS],
+        Demonstration::OneCamera => &[WITH_CAMERA_2, RENDERERS, RAMPS],
+        Demonstration::TwoCameras => &[PRESETS, RENDERERS, RAMPS],
+        Demonstration::Sequence | Demonstration::TinySequence | Demonstration::RealFootage => {
+            &[TRACK_REPORT, TRACK_ROBUST, WORST, RENDERERS]
         }
-        Demonstration::TwoCameras => {
-            const {
-                &[
-                    act(
-                        "Run with each renderer",
-                        "From the same start, a curve for each renderer",
-                        &[Command::Fit(FitCommand::RunAgain(Variants::Renderers))],
-                    ),
-                    RAMPS,
-                ]
-            }
-        }
-        Demonstration::Sequence | Demonstration::TinySequence => {
-            const {
-                &[
-                    act("Track", "All frames from the first on", &[FIRST, TRACK]),
-                    act(
-                        "Track as in 2004",
-                        "The same by the report’s preset",
-                        &[Command::Fit(FitCommand::Preset(Preset::Report)), FIRST, TRACK],
-                    ),
-                    WORST,
-                ]
-            }
-        }
-        Demonstration::RealFootage => {
-            const {
-                &[
-                    act("Fit this frame", "25 iterations, as in Fig. 5.4", &[Command::Fit(FitCommand::Run)]),
-                    act(
-                        "Track as in 2004",
-                        "Each frame from the last one’s pose, as in Fig. 5.5",
-                        &[FIRST, TRACK],
-                    ),
-                    act(
-                        "Track with Robust",
-                        "The same with all that is better",
-                        &[Command::Fit(FitCommand::Preset(Preset::Robust)), FIRST, TRACK],
-                    ),
-                    WORST,
-                ]
-            }
-        }
-        Demonstration::Bias => {
-            const {
-                &[act(
-                    "Run with each renderer",
-                    "From the true pose, a curve for each renderer",
-                    &[Command::Fit(FitCommand::RunAgain(Variants::Renderers))],
-                )]
-            }
-        }
+        Demonstration::Bias => &[WITH_CAMERA_2, RAMPS, RENDERERS],
     }
 }
 
 impl Try {
-    pub(super) fn request(&self, requests: &mut Requests) {
-        if let Some(camera) = self.uses {
-            requests.edit(Edit::UseCamera { camera, used: true });
+    pub(super) fn request(&self, which: Demonstration, requests: &mut Requests) {
+        let compare = |over| Request::RunLaboratory { over, camera: None };
+        match self.act {
+            Act::Commands(commands) => commands.iter().for_each(|command| requests.run(*command)),
+            Act::Compare(over) => {
+                requests.request(Request::Layout(Layout::Demonstrate));
+                requests.request(compare(over));
+            }
+            Act::UseCamera(camera) => {
+                requests.edit(Edit::UseCamera { camera, used: true });
+                requests.request(Request::Layout(Layout::Demonstrate));
+                requests.request(compare(super::compared(which)));
+            }
         }
-        self.commands.iter().for_each(|command| requests.run(*command));
     }
 }

@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use backlit_jobs::News;
-use backlit_tracking::body::Pose;
 use backlit_tracking::fit::{FitOptions, Preset};
-use backlit_tracking::metrics::JointErrors;
 
 use super::again::Again;
 use super::job::{FitJob, FitStart, Fitted};
@@ -17,7 +15,6 @@ use crate::context::command_button::next_gesture;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
-use crate::document::history::Gesture;
 use crate::document::run::{Run, RunChoices, RunEnding, RunStep};
 use crate::document::runs::{RunChange, StepRef};
 use crate::document::tracking_choices::TrackingChoices;
@@ -26,8 +23,6 @@ use crate::session::prediction::{FitInputs, Predicted};
 
 #[derive(Debug, Default)]
 struct NewRun {
-    /// Its own name; otherwise one is made of its choices.
-    name: Option<String>,
     /// The part of the body that may move, by name; otherwise all of it.
     part: Option<(String, Vec<bool>)>,
     /// So many steps; otherwise to the end.
@@ -74,18 +69,6 @@ impl Fit {
             self.end(Some(RunEnding::Stopped), requests);
             self.live = None;
         }
-    }
-
-    /// Runs all of the body to the end under a name, as a part of a gesture.
-    pub(crate) fn begin_named(
-        &mut self,
-        name: String,
-        gesture: Gesture,
-        context: &Context<'_>,
-        requests: &mut Requests,
-    ) {
-        self.gesture = Some(gesture);
-        self.begin(NewRun { name: Some(name), ..NewRun::default() }, context, requests);
     }
 
     /// One step, or all of them: of the run that is live, if the pose on the screen is its last one and
@@ -164,8 +147,6 @@ impl Fit {
         let branched_from = runs.step_with_pose(frame, &pose);
         let run = Run {
             number,
-            is_named: new.name.is_some(),
-            name: new.name.unwrap_or_default(),
             detail: words::fit_detail(&fit),
             frame,
             colour: runs.free_colour(),
@@ -230,7 +211,7 @@ impl Fit {
         requests: &mut Requests,
     ) {
         self.step_seconds = Some(step.seconds);
-        step.joint_error_mm = joint_error_mm(context, &step.pose);
+        step.joint_error_mm = context.joint_error_mm(&step.pose);
         if context.selection.step.is_none() {
             requests.predicted = Some(predicted.clone());
         }
@@ -309,15 +290,6 @@ impl LiveRun {
             && self.last.as_ref().is_some_and(|(last, _)| *context.shown_pose() == last.pose)
             && has_same_inputs()
     }
-}
-
-/// Mean distance of the joints from the take's reference at the frame on the screen, millimetres.
-fn joint_error_mm(context: &Context<'_>, pose: &Pose) -> Option<f64> {
-    let reference = context.session.take.as_ref()?.take().reference()?;
-    let joints = reference.joints(context.selection.frame);
-    let mut errors = JointErrors::default();
-    errors.add(&context.document().model, pose, &joints);
-    errors.overall().map(|all| all.mean)
 }
 
 /// Goes to the step before or after the one on the screen.

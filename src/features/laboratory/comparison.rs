@@ -53,7 +53,7 @@ pub struct Contestant {
     /// The scene with its choices.
     pub scene: FitInputs,
     /// The start, then every iteration, rejected ones too.
-    pub(crate) steps: Vec<RunStep>,
+    pub steps: Vec<RunStep>,
     /// How it ended, once it has.
     pub(crate) ending: Option<RunEnding>,
     /// What the step that is looked at predicts; while a newer one is made, the old stays.

@@ -6,6 +6,8 @@ use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::optimize::Method;
 use backlit_tracking::render::{Ramp, RendererKind};
 
+use crate::context::command::Variants;
+
 /// Width of the ramp that is given by its width, pixels.
 const WIDTH_PX: f64 = 2.0;
 /// Widths of the ramp for distance data, pixels.
@@ -36,6 +38,16 @@ pub struct Entrant {
     pub(crate) note: String,
     /// Its choices.
     pub(crate) fit: FitOptions,
+}
+
+impl From<Variants> for Lineup {
+    fn from(variants: Variants) -> Self {
+        match variants {
+            Variants::Renderers => Self::Renderers,
+            Variants::Presets => Self::Presets,
+            Variants::Ramps => Self::Ramps,
+        }
+    }
 }
 
 impl Lineup {

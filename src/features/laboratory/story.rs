@@ -12,6 +12,8 @@ pub const MOST_WORDS: usize = 70;
 pub(crate) const ARRIVED_PERCENT: f64 = 5.0;
 /// Fits whose ends differ by less, in percent of the start, end alike.
 const ALIKE_PERCENT: f64 = 5.0;
+/// A pose is the true one within this mean joint error, millimetres.
+const TRUE_WITHIN_MM: f64 = 1.0;
 /// A fit has few pixels that push if its share of them is less than this part of another's.
 const FEW: f64 = 0.5;
 
@@ -49,6 +51,13 @@ pub fn tell(comparison: &Comparison, lineup: Lineup, key: PushKey) -> Story {
         };
     };
     let is_over = comparison.is_over();
+    let errors = errors_of(fits);
+    if let Some(errors) = &errors
+        && is_over
+        && fits.iter().all(began_at_the_truth)
+    {
+        return from_the_truth(errors);
+    }
     let title = match (most - least < ALIKE_PERCENT, most < ARRIVED_PERCENT) {
         (true, true) => format!("{} arrive", format::capitalised(lineup.all_text())),
         (true, false) if is_over => "They end alike".to_owned(),
@@ -62,7 +71,37 @@ pub fn tell(comparison: &Comparison, lineup: Lineup, key: PushKey) -> Story {
     };
     let mut paragraphs: Vec<String> = reason.into_iter().collect();
     paragraphs.push(ends_of(fits, is_over));
+    paragraphs.extend(errors.map(|errors| format!("Mean joint error: {}.", errors_text(&errors))));
     Story { title, paragraphs }
+}
+
+/// The mean joint error of each, millimetres, where the truth is known.
+fn errors_of(fits: &[Contestant]) -> Option<Vec<(&'static str, f64)>> {
+    fits.iter().map(|fit| Some((fit.entrant.subject, fit.steps.last()?.joint_error_mm?))).collect()
+}
+
+fn began_at_the_truth(fit: &Contestant) -> bool {
+    let start = fit.steps.first().and_then(|start| start.joint_error_mm);
+    start.is_some_and(|error| error < TRUE_WITHIN_MM)
+}
+
+/// Where all begin at the truth, the lower cost is not the better one.
+fn from_the_truth(errors: &[(&'static str, f64)]) -> Story {
+    let farthest = errors.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    let title = match farthest {
+        Some((who, error)) if *error >= TRUE_WITHIN_MM => {
+            format!("{} leaves the truth", format::capitalised(who))
+        }
+        _ => "They stay at the truth".to_owned(),
+    };
+    let first = "All began at the true pose. The cost of each is least somewhere else, and a lower cost is a worse pose.";
+    let second = format!("The joints ended so far away, on average: {}.", errors_text(errors));
+    Story { title, paragraphs: vec![first.to_owned(), second] }
+}
+
+fn errors_text(errors: &[(&'static str, f64)]) -> String {
+    let one = |(who, error): &(&str, f64)| format!("{who} {} mm", format::number(*error, 1));
+    errors.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
 /// The title where one falls behind. Its ends are to blame only where too few pixels push.

@@ -19,7 +19,7 @@ use crate::context::{Context, Requests};
 impl Laboratory {
     /// Takes in what was made, and keeps the comparison going while its layout is on the screen.
     pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
-        self.take_in_steps(context.pool, requests);
+        self.take_in_steps(context, requests);
         self.take_in_looks(requests);
         self.take_in_checks(requests);
         for ((), path) in self.dialogs.answers() {
@@ -33,10 +33,11 @@ impl Laboratory {
         }
     }
 
-    fn take_in_steps(&mut self, pool: &Pool, requests: &mut Requests) {
+    fn take_in_steps(&mut self, context: &Context<'_>, requests: &mut Requests) {
         for news in self.steps.poll() {
             match (news, &mut self.comparison) {
-                (News::Output(Stepped::Step(index, step, predicted)), Some(comparison)) => {
+                (News::Output(Stepped::Step(index, mut step, predicted)), Some(comparison)) => {
+                    step.joint_error_mm = context.joint_error_mm(&step.pose);
                     comparison.add_step(index, *step, predicted);
                     self.measure_steps();
                 }
@@ -51,7 +52,7 @@ impl Laboratory {
                 (News::Ended, _) => {
                     let steps = std::mem::take(&mut self.pending_steps);
                     if steps > 0 {
-                        self.run_fits(Some(steps), pool);
+                        self.run_fits(Some(steps), context.pool);
                     }
                 }
                 (News::Failed(failure), comparison) => {

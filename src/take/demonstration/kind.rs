@@ -71,40 +71,39 @@ impl Demonstration {
     pub(crate) const fn explanation(self) -> &'static str {
         match self {
             Self::SingleLimb => {
-                "One limb, seen from the side, begins 10 cm off along its axis. The Demonstrate layout (F3) fits it \
-                 with all three renderers at once. Here, press G: of the cylinder, hardly a pixel at its ends pulls \
-                 along the axis; press C, and the capsule has a whole band of them."
+                "One limb, seen from the side, begins 10 cm off along its axis. Of the cylinder, hardly a pixel at \
+                 its ends pulls along the axis, and it stays; the capsule and the sphere tree have a whole band of \
+                 such pixels, and come home."
             }
             Self::OneCamera => {
-                "Only camera 1 counts. Its view fits and the cost falls, yet camera 2, which does not count, shows \
-                 limbs that are off where one camera cannot see: in depth. To go on with both, tick \"Used in the \
-                 fit\" in the menu at the right of camera 2's header and press Enter."
+                "Only camera 1 counts. The cost falls with every renderer, and camera 1 is content; these pictures \
+                 are of camera 2, which does not count: limbs are off where one camera cannot see, in depth. Let it \
+                 count, and they come home."
             }
             Self::TwoCameras => {
-                "The same start as with one camera, and both count: the joints come home. The report's fit falls \
-                 steadily; Levenberg-Marquardt on tangent steps is at the truth after a dozen. Not from every \
-                 start: backlit experiment fig5.3 tries a hundred. Press Comma and Period to go through the steps."
+                "The same start as with one camera, and both count: the joints come home. Not from every start: \
+                 backlit experiment fig5.3 tries a hundred. The report’s fit falls steadily; the robust preset begins \
+                 wide and ends sharp."
             }
             Self::Sequence => {
-                "50 simulated frames of silhouettes in two cameras, of the size of the report's real ones. Track \
-                 forward follows them with the robust preset. Then choose Report 2004 as the preset, go to the first frame and track again: N leads to the \
-                 worst frames."
+                "50 simulated frames of silhouettes in two cameras, of the size of the report’s real ones. Here is \
+                 the first one, fitted as in 2004 and by the robust preset; track all of them with either, and N \
+                 leads to the worst frames."
             }
             Self::TinySequence => {
-                "The same 50 simulated frames in pictures of 48 × 36 pixels. Track forward follows them; an arm is two \
-                 pixels wide here, and that is all there is to go by."
+                "The same 50 simulated frames in pictures of 48 × 36 pixels: an arm is two pixels wide here, and that \
+                 is all there is to go by. Here is the first frame; track all of them."
             }
             Self::RealFootage => {
-                "A person on a beam, two cameras, 144 × 192 pixels, 50 frames: what the report's section 5.2 had. Run \
-                 the fit (Enter) and go through its steps with Comma and Period for Fig. 5.4; Track forward for Fig. \
-                 5.5, where each frame begins at the last one's pose. Then choose Robust as the preset, go to the \
-                 first frame and track again."
+                "A person on a beam, two cameras, 144 × 192 pixels, 50 frames: what the report’s section 5.2 had. \
+                 Here is the first frame, as in Fig. 5.4: the arrow keys go through the steps. Track all frames for \
+                 Fig. 5.5, where each begins at the last one’s pose, and then with Robust."
             }
             Self::Bias => {
-                "Only camera 1 counts, and every run began at the true pose: without bias it would stay there. The \
-                 thesis ramp is half grey outside the limb's surface, so its cost is less where the body is \
-                 further away; camera 2 shows how far it went. Ramps that are half grey on the surface stay \
-                 nearer: click a run to see where it ended."
+                "Only camera 1 counts, and every fit began at the true pose: without bias it would stay there. The \
+                 thesis ramp is half grey outside the limb’s surface, so its cost is less where the body is further \
+                 away; these pictures of camera 2 show how far it went. Ramps that are half grey on the surface stay \
+                 nearer."
             }
         }
     }

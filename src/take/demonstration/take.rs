@@ -11,7 +11,7 @@ use backlit_formats::calibration::backlit;
 use backlit_formats::{MemoryFiles, Take, model_file, pose_file};
 use backlit_lab::experiment::{Simulation, fig51, fig52, fig55};
 use backlit_lab::synthetic::{capsules, upper_body};
-use backlit_tracking::body::{Model, Pose, builtin};
+use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::camera::{Camera, Rig};
 use backlit_tracking::render::{Ramp, RendererKind};
 use backlit_tracking::search::start::perturb;
@@ -65,7 +65,8 @@ impl Demonstration {
             Ok(Film { camera: (**camera).clone(), pictures: pictures.collect::<anyhow::Result<_>>()? })
         };
         let films = cameras.iter().map(film).collect::<anyhow::Result<Vec<_>>>()?;
-        assemble(self.name(), upper_body::FRAME_RATE, &model, &start, films, None)
+        let joints = joints_of(&model, &truths);
+        assemble(self.name(), upper_body::FRAME_RATE, &model, &start, films, Some(joints))
     }
 
     /// The true pose of a frame; nobody knows that of real footage.
@@ -113,6 +114,18 @@ impl Demonstration {
             Simulation::Mask => picture_of(&capsules::hard_mask(model, truth, camera)?),
         })
     }
+}
+
+/// The true joints, as a take reads them.
+fn joints_of(model: &Model, truths: &[Pose]) -> String {
+    let mut text = "frame,joint,x,y,z\n".to_owned();
+    for (frame, truth) in truths.iter().enumerate() {
+        let kinematics = Kinematics::new(model, truth);
+        for (limb, end) in model.limbs().iter().zip(kinematics.ends()) {
+            text += &format!("{frame},{},{},{},{}\n", limb.name, end.x, end.y, end.z);
+        }
+    }
+    text
 }
 
 /// What a camera films.
