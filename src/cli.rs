@@ -15,6 +15,7 @@
 //! | `observability` | `backlit observability` |
 //! | `silhouettes` | `backlit silhouettes` |
 //! | `sync` | `backlit sync` |
+//! | `sphere_tree` | `backlit sphere-tree` |
 //! | `cameras` | `backlit cameras` |
 //! | `experiment` | `backlit experiment`: one file an experiment |
 //! | `take_options` | options that choose frames, cameras and start |
@@ -50,6 +51,7 @@ pub(crate) mod render;
 pub(crate) mod resume;
 pub(crate) mod screenshot;
 pub(crate) mod silhouettes;
+pub(crate) mod sphere_tree;
 pub(crate) mod sync;
 pub(crate) mod table;
 pub(crate) mod take_options;
@@ -91,6 +93,7 @@ pub fn run() -> ExitCode {
         Some(Command::Background(arguments)) => background::run(&arguments),
         Some(Command::Sync(arguments)) => sync::run(&arguments),
         Some(Command::Cameras(arguments)) => cameras::run(&arguments),
+        Some(Command::SphereTree(arguments)) => sphere_tree::run(&arguments),
         Some(Command::Experiment(arguments)) => experiment::run(&arguments),
     };
     match result {

@@ -7,7 +7,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use super::{
     background, cameras, experiment, export, fit, fit_body, import, observability, render, screenshot,
-    silhouettes, sync, track,
+    silhouettes, sphere_tree, sync, track,
 };
 
 const ABOUT: &str =
@@ -69,6 +69,8 @@ pub(crate) enum Command {
     Sync(sync::SyncArguments),
     /// Show the cameras of a calibration of another tool, and write them in other formats
     Cameras(cameras::CameraArguments),
+    /// Build nested spheres of a closed triangle mesh
+    SphereTree(sphere_tree::SphereTreeArguments),
     /// Run an experiment of the report again: numbers, a table and plots
     Experiment(experiment::ExperimentArguments),
 }

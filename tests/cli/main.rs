@@ -17,5 +17,6 @@ mod real_footage;
 mod render;
 mod scene;
 mod screenshot;
+mod sphere_tree;
 mod track;
 mod words;

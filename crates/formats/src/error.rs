@@ -8,6 +8,7 @@ use backlit_tracking::camera::{CameraError, MAX_PIXELS, RigError};
 use thiserror::Error;
 
 use crate::masks::MaskProblem;
+use crate::mesh::MeshProblem;
 use crate::text::{Safe, cut, shown};
 use crate::video::VideoProblem;
 
@@ -143,6 +144,8 @@ pub enum FileProblem {
     Video { error: VideoProblem },
     #[error(transparent)]
     Mask { error: MaskProblem },
+    #[error(transparent)]
+    Mesh { error: MeshProblem },
     #[error(
         "has {}×{} pixels; expected at most {} megapixels of 8 bits, and fewer of more", found[0], found[1],
         MAX_PIXELS >> 20

@@ -16,6 +16,8 @@
 //! | [`starts_file`] | starts of fits of known truth |
 //! | [`calibration`] | cameras, in several formats |
 //! | [`export`] | tracks as tables and JSON |
+//! | [`mesh`] | closed triangle meshes: OBJ, PLY, STL, glTF |
+//! | [`sphere_tree_file`] | sphere trees of meshes |
 //! | [`motion`] | motion for animation and biomechanics |
 //! | [`masks`] | silhouettes that were made elsewhere |
 //! | [`images`], [`npy`] | pictures and arrays |
@@ -26,6 +28,7 @@
 //! | [`mod@text`], [`json_text`] | what of a file may be shown; JSON with errors that name the field |
 
 pub mod atomic;
+mod base64;
 pub mod calibration;
 pub mod error;
 pub mod export;
@@ -36,12 +39,14 @@ pub mod import;
 pub mod json_text;
 pub mod keypoints;
 pub mod masks;
+pub mod mesh;
 pub mod model_file;
 pub mod motion;
 pub mod npy;
 mod plain_words;
 pub mod plate;
 pub mod pose_file;
+pub mod sphere_tree_file;
 pub mod starts_file;
 pub mod synchronise;
 pub mod take;

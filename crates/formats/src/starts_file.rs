@@ -25,7 +25,7 @@ use thiserror::Error;
 use crate::files::{DiskFiles, MAX_TEXT_BYTES, TakeFiles};
 use crate::json_text::{self, Entries};
 use crate::text::decode;
-use crate::{FileError, FileProblem};
+use crate::{FileError, FileProblem, base64};
 
 /// Bits behind a mask's last pixel: up to 7 fill its byte, up to 4 the last character.
 const PADDING_BITS: usize = 12;
@@ -308,17 +308,8 @@ impl StartJson {
 
 /// The bits of a base64 text as labels, highest first; characters of no meaning are left out.
 fn bits(text: &str) -> Vec<Label> {
-    let digit = |byte: u8| match byte {
-        b'A'..=b'Z' => Some(byte - b'A'),
-        b'a'..=b'z' => Some(byte - b'a' + 26),
-        b'0'..=b'9' => Some(byte - b'0' + 52),
-        b'+' => Some(62),
-        b'/' => Some(63),
-        _ => None,
-    };
-    let sixes = text.bytes().filter_map(digit);
     let label = |bit: bool| if bit { Label::Subject } else { Label::Background };
-    sixes.flat_map(|six| (0..6).rev().map(move |bit| label(six >> bit & 1 == 1))).collect()
+    base64::sixes(text).flat_map(|six| (0..6).rev().map(move |bit| label(six >> bit & 1 == 1))).collect()
 }
 
 #[cfg(test)]

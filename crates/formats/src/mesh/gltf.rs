@@ -1,0 +1,317 @@
+//! glTF 2.0: all triangles of the scene's meshes, moved as their nodes say. Skins, morphs, sparse accessors and compressed meshes are
+//! not read; triangle strips and fans, lines and points are told or passed over.
+
+use std::borrow::Cow;
+use std::path::Path;
+
+use glam::{DAffine3, DMat4, DQuat, DVec3};
+use serde::Deserialize;
+
+use super::{Cursor, MeshProblem, Soup, room, wrong};
+use crate::json_text::parse_bytes;
+use crate::{FileError, base64};
+
+/// How deep nodes may lie.
+const MAX_DEPTH: usize = 64;
+
+/// Most times that nodes may be visited; a node may be named by many.
+const MAX_VISITS: usize = 4096;
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct Document {
+    scene: Option<usize>,
+    scenes: Vec<Scene>,
+    nodes: Vec<Node>,
+    meshes: Vec<MeshJson>,
+    accessors: Vec<Accessor>,
+    buffer_views: Vec<View>,
+    buffers: Vec<Buffer>,
+    extensions_required: Vec<String>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Scene {
+    nodes: Vec<usize>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Node {
+    mesh: Option<usize>,
+    children: Vec<usize>,
+    matrix: Option<[f64; 16]>,
+    translation: Option<[f64; 3]>,
+    rotation: Option<[f64; 4]>,
+    scale: Option<[f64; 3]>,
+}
+
+#[derive(Debug, Deserialize)]
+struct MeshJson {
+    primitives: Vec<Primitive>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Primitive {
+    attributes: Attributes,
+    indices: Option<usize>,
+    mode: Option<u32>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Attributes {
+    #[serde(rename = "POSITION")]
+    position: Option<usize>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Accessor {
+    buffer_view: Option<usize>,
+    #[serde(default)]
+    byte_offset: usize,
+    component_type: u32,
+    count: usize,
+    #[serde(rename = "type")]
+    kind: String,
+    sparse: Option<serde::de::IgnoredAny>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct View {
+    buffer: usize,
+    #[serde(default)]
+    byte_offset: usize,
+    byte_length: usize,
+    byte_stride: Option<usize>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Buffer {
+    uri: Option<String>,
+}
+
+type Beside<'a> = &'a dyn Fn(&str) -> Result<Vec<u8>, FileError>;
+
+/// The chunks of a GLB.
+pub(super) fn parse_glb(path: &Path, bytes: &[u8], beside: Beside<'_>) -> Result<Soup, FileError> {
+    let chunks = chunks(bytes).map_err(|error| wrong(path, error))?;
+    let [Some(json), binary] = chunks else {
+        return Err(wrong(path, MeshProblem::Lacks { what: "JSON chunk" }));
+    };
+    parse_document(path, json, binary.unwrap_or_default(), beside)
+}
+
+fn chunks(bytes: &[u8]) -> Result<[Option<&[u8]>; 2], MeshProblem> {
+    let mut cursor = Cursor { bytes, at: 4 };
+    let version = u32::from_le_bytes(cursor.array(|| "its head".to_owned())?);
+    if version != 2 {
+        return Err(MeshProblem::Unsupported { what: "this version of glTF", found: version.to_string() });
+    }
+    cursor.take(4, || "its head".to_owned())?;
+    let mut found = [None, None];
+    while cursor.at < bytes.len() {
+        let what = || "the head of a chunk".to_owned();
+        let length = u32::from_le_bytes(cursor.array(what)?) as usize;
+        let kind: [u8; 4] = cursor.array(what)?;
+        let content = cursor.take(length, || format!("a chunk of {length} bytes"))?;
+        match &kind {
+            b"JSON" if found[0].is_none() => found[0] = Some(content),
+            b"BIN\0" if found[1].is_none() => found[1] = Some(content),
+            _ => {}
+        }
+    }
+    Ok(found)
+}
+
+/// A document by itself.
+pub(super) fn parse_json(path: &Path, bytes: &[u8], beside: Beside<'_>) -> Result<Soup, FileError> {
+    parse_document(path, bytes, &[], beside)
+}
+
+fn parse_document(path: &Path, json: &[u8], binary: &[u8], beside: Beside<'_>) -> Result<Soup, FileError> {
+    let document: Document = parse_bytes(path, json)?;
+    if let Some(first) = document.extensions_required.first() {
+        let error = MeshProblem::Unsupported { what: "a required extension", found: first.clone() };
+        return Err(wrong(path, error));
+    }
+    let mut buffers = Vec::new();
+    for (index, buffer) in document.buffers.iter().enumerate() {
+        buffers.push(match &buffer.uri {
+            None => Cow::Borrowed(if index == 0 { binary } else { &[] }),
+            Some(uri) => match uri.strip_prefix("data:") {
+                Some(data) => Cow::Owned(inline(data).map_err(|error| wrong(path, error))?),
+                None => {
+                    let is_plain = !uri.contains(['/', '\\', ':', '%']) && !uri.starts_with('.');
+                    if !is_plain {
+                        let found = uri.clone();
+                        let error = MeshProblem::Unsupported { what: "a buffer in another folder", found };
+                        return Err(wrong(path, error));
+                    }
+                    Cow::Owned(beside(uri)?)
+                }
+            },
+        });
+    }
+    let mut reader = Reader { document: &document, buffers, soup: Soup::default(), visits: 0 };
+    reader.scene().map_err(|error| wrong(path, error))?;
+    Ok(reader.soup)
+}
+
+/// The bytes of a data URI.
+fn inline(data: &str) -> Result<Vec<u8>, MeshProblem> {
+    let Some((_, text)) = data.split_once(";base64,") else {
+        return Err(MeshProblem::Unsupported {
+            what: "a data URI that is not base64",
+            found: data.to_owned(),
+        });
+    };
+    Ok(base64::bytes(text))
+}
+
+struct Reader<'a> {
+    document: &'a Document,
+    buffers: Vec<Cow<'a, [u8]>>,
+    soup: Soup,
+    visits: usize,
+}
+
+/// An entry of a list that the file names by its number.
+fn entry<'a, T>(list: &'a [T], index: usize, what: &str) -> Result<&'a T, MeshProblem> {
+    list.get(index).ok_or_else(|| MeshProblem::Word {
+        what: format!("the number of {what}"),
+        found: index.to_string(),
+        expected: "one that the file has",
+    })
+}
+
+impl Node {
+    fn parent_from_node(&self) -> DAffine3 {
+        match self.matrix {
+            Some(matrix) => DAffine3::from_mat4(DMat4::from_cols_array(&matrix)),
+            None => DAffine3::from_scale_rotation_translation(
+                self.scale.map_or(DVec3::ONE, DVec3::from),
+                self.rotation.map_or(DQuat::IDENTITY, DQuat::from_array),
+                self.translation.map_or(DVec3::ZERO, DVec3::from),
+            ),
+        }
+    }
+}
+
+impl Reader<'_> {
+    fn scene(&mut self) -> Result<(), MeshProblem> {
+        let document = self.document;
+        if document.scenes.is_empty() {
+            // No scene: all meshes as they are.
+            for mesh in &document.meshes {
+                self.mesh(mesh, DAffine3::IDENTITY)?;
+            }
+            return Ok(());
+        }
+        for &root in &entry(&document.scenes, document.scene.unwrap_or(0), "a scene")?.nodes {
+            self.node(root, DAffine3::IDENTITY, 0)?;
+        }
+        Ok(())
+    }
+
+    fn node(&mut self, index: usize, world_from_parent: DAffine3, depth: usize) -> Result<(), MeshProblem> {
+        let document = self.document;
+        let node = entry(&document.nodes, index, "a node")?;
+        self.visits += 1;
+        if depth > MAX_DEPTH || self.visits > MAX_VISITS {
+            let found = format!("deeper than {MAX_DEPTH} or more than {MAX_VISITS}");
+            return Err(MeshProblem::Unsupported { what: "a tree of nodes", found });
+        }
+        let world_from_node = world_from_parent * node.parent_from_node();
+        if let Some(mesh) = node.mesh {
+            self.mesh(entry(&document.meshes, mesh, "a mesh")?, world_from_node)?;
+        }
+        node.children.iter().try_for_each(|&child| self.node(child, world_from_node, depth + 1))
+    }
+
+    fn mesh(&mut self, mesh: &MeshJson, world_from_mesh: DAffine3) -> Result<(), MeshProblem> {
+        for primitive in &mesh.primitives {
+            match primitive.mode.unwrap_or(4) {
+                4 => self.primitive(primitive, world_from_mesh)?,
+                5 | 6 => {
+                    let found = "strips or fans of triangles".to_owned();
+                    return Err(MeshProblem::Unsupported { what: "a primitive", found });
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn primitive(&mut self, primitive: &Primitive, world_from_mesh: DAffine3) -> Result<(), MeshProblem> {
+        let Some(position) = primitive.attributes.position else { return Ok(()) };
+        let accessor = entry(&self.document.accessors, position, "an accessor")?;
+        if accessor.kind != "VEC3" || accessor.component_type != 5126 {
+            let found = format!("{} of {}", accessor.kind, accessor.component_type);
+            return Err(MeshProblem::Unsupported { what: "a POSITION that is no VEC3 of floats", found });
+        }
+        let first = self.soup.vertices.len();
+        room("vertices", first, accessor.count)?;
+        let mut places = Vec::new();
+        self.rows(accessor, 12, |row| {
+            let number =
+                |i: usize| f64::from(f32::from_le_bytes([row[i], row[i + 1], row[i + 2], row[i + 3]]));
+            places.push(world_from_mesh.transform_point3(DVec3::new(number(0), number(4), number(8))));
+        })?;
+        let count = places.len() as u32;
+        self.soup.vertices.extend(places);
+        let mut corners: Vec<u32> = Vec::new();
+        match primitive.indices {
+            None => corners.extend(0..count),
+            Some(indices) => {
+                let accessor = entry(&self.document.accessors, indices, "an accessor")?;
+                let size = match (accessor.component_type, accessor.kind.as_str()) {
+                    (5121, "SCALAR") => 1,
+                    (5123, "SCALAR") => 2,
+                    (5125, "SCALAR") => 4,
+                    (found, kind) => {
+                        let found = format!("{kind} of {found}");
+                        return Err(MeshProblem::Unsupported { what: "indices of another kind", found });
+                    }
+                };
+                room("triangles", self.soup.triangles.len(), accessor.count / 3)?;
+                self.rows(accessor, size, |row| {
+                    let mut bytes = [0; 4];
+                    bytes[..size].copy_from_slice(row);
+                    corners.push(u32::from_le_bytes(bytes));
+                })?;
+            }
+        }
+        if let Some(bad) = corners.iter().find(|&&corner| corner >= count) {
+            let (what, found) = ("a corner of a triangle".to_owned(), bad.to_string());
+            return Err(MeshProblem::Word { what, found, expected: "a vertex of its primitive" });
+        }
+        let (triangles, _) = corners.as_chunks::<3>();
+        self.soup
+            .triangles
+            .extend(triangles.iter().map(|corners| corners.map(|corner| corner + first as u32)));
+        Ok(())
+    }
+
+    /// The rows of an accessor, `size` bytes each.
+    fn rows(&self, accessor: &Accessor, size: usize, mut take: impl FnMut(&[u8])) -> Result<(), MeshProblem> {
+        let (Some(view), None) = (accessor.buffer_view, &accessor.sparse) else {
+            let found = "sparse, or without a buffer view".to_owned();
+            return Err(MeshProblem::Unsupported { what: "an accessor", found });
+        };
+        let view = entry(&self.document.buffer_views, view, "a buffer view")?;
+        let buffer = entry(&self.buffers, view.buffer, "a buffer")?;
+        let short = || MeshProblem::Short { byte: buffer.len(), what: "a buffer view".to_owned() };
+        let end = view.byte_offset.checked_add(view.byte_length).ok_or_else(short)?;
+        let bytes = buffer.get(view.byte_offset..end).ok_or_else(short)?;
+        let stride = view.byte_stride.unwrap_or(size).max(size);
+        for row in 0..accessor.count {
+            let start = row.checked_mul(stride).and_then(|start| start.checked_add(accessor.byte_offset));
+            let range = start.and_then(|start| Some(start..start.checked_add(size)?));
+            take(range.and_then(|range| bytes.get(range)).ok_or_else(short)?);
+        }
+        Ok(())
+    }
+}
