@@ -3,8 +3,10 @@
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
-use backlit_ui::widgets::{Icon, segmented};
-use egui::{Align, Frame, Layout as Direction, Margin, Panel, RichText, Sense, Ui, UiBuilder, vec2};
+use backlit_ui::widgets::{Icon, fitting_label, segmented};
+use egui::{
+    Align, Frame, Label, Layout as Direction, Margin, Panel, RichText, Sense, TextStyle, Ui, UiBuilder, vec2,
+};
 
 use super::menus;
 use crate::context::command::{
@@ -40,9 +42,13 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &mut Features, re
         let right_side = side(ui, Direction::right_to_left(Align::Center), &mut |ui| {
             right(ui, context, features, requests, width);
         });
-        // The switch stands in the middle of the window, or where the two sides leave room.
+        // The name of the take has what is left, and the switch stands in the middle of the window or where they leave room.
+        let mut room = rect.with_min_x(left_side.right() + space::ROW);
+        room.max.x = (right_side.left() - SWITCH - 2.0 * space::ROW).max(room.min.x);
+        let builder = UiBuilder::new().max_rect(room).layout(Direction::left_to_right(Align::Center));
+        let named = ui.scope_builder(builder, |ui| take(ui, context, width < FOLD_MENUS)).response.rect;
         let aside = 0.5 * SWITCH + space::ROW;
-        let centre = rect.center().x.max(left_side.right() + aside).min(right_side.left() - aside);
+        let centre = rect.center().x.max(named.right() + aside).min(right_side.left() - aside);
         let middle =
             egui::Rect::from_center_size(egui::pos2(centre, rect.center().y), vec2(SWITCH, size::BUTTON));
         ui.scope_builder(UiBuilder::new().max_rect(middle), |ui| {
@@ -73,8 +79,6 @@ fn left(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32)
         icon(ui, context, requests, Command::History(HistoryCommand::Undo), Icon::Undo);
         icon(ui, context, requests, Command::History(HistoryCommand::Redo), Icon::Redo);
         divider(ui);
-        ui.add_space(space::ROW);
-        take(ui, context, folded);
     });
 }
 
@@ -97,13 +101,15 @@ fn take(ui: &mut Ui, context: &Context<'_>, folded: bool) {
             "All work is saved."
         }
     );
-    ui.label(RichText::new(format!("{}{dirty}", take.name)).color(palette.text)).on_hover_text(hover);
+    let name = RichText::new(format!("{}{dirty}", take.name)).color(palette.text);
+    ui.add(Label::new(name).truncate()).on_hover_text(hover);
     if !folded {
         let cameras = take.cameras.len();
         let plural = if cameras == 1 { "" } else { "s" };
         ui.add_space(space::ROW);
-        let text = format!("{cameras} camera{plural}, {} fps", format::number(take.frame_rate, 0));
-        ui.label(RichText::new(text).color(palette.text3));
+        let short = format!("{cameras} camera{plural}");
+        let text = format!("{short}, {} fps", format::number(take.frame_rate, 0));
+        fitting_label(ui, &[&text, &short], TextStyle::Body, palette.text3);
     }
 }
 

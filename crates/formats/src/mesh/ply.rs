@@ -133,7 +133,7 @@ fn header(path: &Path, head: &str) -> Result<(Encoding, Vec<Element>), FileError
     let has = |element: &str, names: &[&str]| {
         elements.iter().any(|other| {
             let has = |name: &&str| other.properties.iter().any(|property| property.name == **name);
-            other.name == element && names.iter().all(|name| has(name))
+            other.name == element && names.iter().all(has)
         })
     };
     if !has("vertex", &["x", "y", "z"]) {
