@@ -6,8 +6,8 @@ use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use super::{
-    background, cameras, experiment, export, fit, fit_body, import, observability, render, screenshot,
-    silhouettes, sync, track,
+    background, cameras, experiment, export, fit, fit_body, import, observability, recognise, render,
+    screenshot, silhouettes, sync, track,
 };
 
 const ABOUT: &str =
@@ -69,6 +69,8 @@ pub(crate) enum Command {
     Sync(sync::SyncArguments),
     /// Show the cameras of a calibration of another tool, and write them in other formats
     Cameras(cameras::CameraArguments),
+    /// Name motions: walking, running, boxing …; learn names from named motions, and test them
+    Recognise(recognise::RecogniseArguments),
     /// Run an experiment of the report again: numbers, a table and plots
     Experiment(experiment::ExperimentArguments),
 }
