@@ -17,6 +17,7 @@
 //! | `sync` | `backlit sync` |
 //! | `sphere_tree` | `backlit sphere-tree` |
 //! | `cameras` | `backlit cameras` |
+//! | `recognise` | `backlit recognise` |
 //! | `experiment` | `backlit experiment`: one file an experiment |
 //! | `take_options` | options that choose frames, cameras and start |
 //! | `reference_options` | options that name keypoints to compare with |
@@ -46,6 +47,7 @@ pub(crate) mod interrupt;
 pub(crate) mod observability;
 pub(crate) mod output;
 pub(crate) mod own_body;
+pub(crate) mod recognise;
 pub(crate) mod reference_options;
 pub(crate) mod render;
 pub(crate) mod resume;
@@ -94,6 +96,7 @@ pub fn run() -> ExitCode {
         Some(Command::Sync(arguments)) => sync::run(&arguments),
         Some(Command::Cameras(arguments)) => cameras::run(&arguments),
         Some(Command::SphereTree(arguments)) => sphere_tree::run(&arguments),
+        Some(Command::Recognise(arguments)) => recognise::run(&arguments),
         Some(Command::Experiment(arguments)) => experiment::run(&arguments),
     };
     match result {

@@ -6,8 +6,8 @@ use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use super::{
-    background, cameras, experiment, export, fit, fit_body, import, observability, render, screenshot,
-    silhouettes, sphere_tree, sync, track,
+    background, cameras, experiment, export, fit, fit_body, import, observability, recognise, render,
+    screenshot, silhouettes, sphere_tree, sync, track,
 };
 
 const ABOUT: &str =
@@ -71,6 +71,8 @@ pub(crate) enum Command {
     Cameras(cameras::CameraArguments),
     /// Build nested spheres of a closed triangle mesh
     SphereTree(sphere_tree::SphereTreeArguments),
+    /// Name motions: walking, running, boxing …; learn names from named motions, and test them
+    Recognise(recognise::RecogniseArguments),
     /// Run an experiment of the report again: numbers, a table and plots
     Experiment(experiment::ExperimentArguments),
 }

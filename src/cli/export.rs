@@ -95,7 +95,7 @@ pub(crate) fn run(arguments: &ExportArguments) -> anyhow::Result<()> {
 
 /// A direction in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Up(DVec3);
+pub(super) struct Up(pub(super) DVec3);
 
 impl FromStr for Up {
     type Err = &'static str;

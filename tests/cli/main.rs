@@ -14,6 +14,7 @@ mod golden;
 mod import;
 mod observability;
 mod real_footage;
+mod recognise;
 mod render;
 mod scene;
 mod screenshot;

@@ -19,6 +19,9 @@
 //! | `glb`, `glb_buffer`, `capsule` | glTF 2.0 with a skinned body |
 //! | `npz`, `zip` | NumPy arrays |
 //! | `rows` | CSV |
+//! | `bvh_read` | Biovision hierarchy of any program, read |
+//! | `joints` | [`JointTrack`]: joints over time, of a track or a BVH |
+//! | `labels` | `labels.csv`: what motions of a folder are called |
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -31,11 +34,14 @@ use super::export::track_read::WrittenTrack;
 use super::{FileError, FileProblem, atomic};
 
 mod bvh;
+mod bvh_read;
 mod c3d;
 mod capsule;
 mod euler;
 mod glb;
 mod glb_buffer;
+mod joints;
+mod labels;
 mod mot;
 mod names;
 mod npz;
@@ -46,6 +52,8 @@ mod skeleton;
 mod trc;
 mod zip;
 
+pub use joints::{JointTrack, parse_bvh, read_joints};
+pub use labels::{MotionLabel, parse_labels, read_labels};
 pub use options::{Axes, EulerOrder, MotionOptions, Names, Unit};
 
 use scene::Scene;

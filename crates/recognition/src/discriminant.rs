@@ -1,0 +1,172 @@
+//! Fisher's discriminants, kept from knowing single people too well.
+//!
+//! Each number x of a row is first made z = 5 tanh((x − x̄)/5σ). A *cell* is what one subject does of one class; each cell of a class counts
+//! the same, so that a person with many recordings does not become the class. With S the mean over all classes of the scatter within cells, it is
+//! shrunk towards a sphere: S' = (1 − κ) S + κ tr(S)/d I. In the coordinates in which S' is the unit matrix the principal components of the
+//! classes' means (of which there are one less than classes) are the axes. (Fisher 1936; shrinkage: Friedman, "Regularized Discriminant Analysis", 1989.)
+
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+use crate::principal;
+
+/// Numbers this many deviations from their mean are pressed together.
+const REACH: f64 = 5.0;
+/// Deviation below which a number is taken for constant.
+const LEAST_DEVIATION: f64 = 1e-6;
+
+/// Axes that tell classes apart.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Discriminant {
+    /// Mean of each number.
+    pub mean: Vec<f64>,
+    /// Deviation of each number.
+    pub deviation: Vec<f64>,
+    /// Axes, strongest first.
+    pub axes: Vec<Vec<f64>>,
+    /// Where zero of each axis lies.
+    pub origin: Vec<f64>,
+}
+
+/// A row that is learnt from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample<'a> {
+    /// Its numbers.
+    pub row: &'a [f64],
+    /// The number of its class.
+    pub class: usize,
+    /// The number of its subject.
+    pub subject: usize,
+}
+
+/// How much each sample counts: classes count the same, subjects within a class count the same, samples of a subject in a class count the same. The
+/// sum is the number of samples.
+#[must_use]
+pub fn balanced_weights(cells: &[(usize, usize)]) -> Vec<f64> {
+    let mut counts: BTreeMap<(usize, usize), f64> = BTreeMap::new();
+    for cell in cells {
+        *counts.entry(*cell).or_default() += 1.0;
+    }
+    let mut subjects: BTreeMap<usize, f64> = BTreeMap::new();
+    for (class, _) in counts.keys() {
+        *subjects.entry(*class).or_default() += 1.0;
+    }
+    let each = cells.len() as f64 / subjects.len().max(1) as f64;
+    cells.iter().map(|cell| each / (subjects[&cell.0] * counts[cell])).collect()
+}
+
+impl Discriminant {
+    /// Learns axes from samples, of which there is one at least; `shrinkage` κ lies between 0 and 1.
+    #[must_use]
+    pub fn learn(samples: &[Sample<'_>], shrinkage: f64) -> Self {
+        let dimension = samples.first().map_or(0, |sample| sample.row.len());
+        let count = samples.len().max(1) as f64;
+        let column = |index: usize| samples.iter().map(move |sample| sample.row[index]);
+        let mean: Vec<f64> = (0..dimension).map(|index| column(index).sum::<f64>() / count).collect();
+        let deviation = (0..dimension).map(|index| {
+            let variance = column(index).map(|x| (x - mean[index]).powi(2)).sum::<f64>() / count;
+            variance.sqrt().max(LEAST_DEVIATION)
+        });
+        let mut found = Self { deviation: deviation.collect(), mean, axes: Vec::new(), origin: Vec::new() };
+        let (within, means) = found.scatter(samples, dimension);
+        let sphere = within.trace() / dimension.max(1) as f64;
+        let shrunk = within * (1.0 - shrinkage)
+            + DMatrix::identity(dimension, dimension) * (shrinkage * sphere).max(1e-12);
+        let (values, vectors) = principal::eigen(shrunk);
+        let whiten = DMatrix::from_fn(dimension, dimension, |row, column| {
+            vectors[row][column] / values[row].max(1e-12).sqrt()
+        });
+        let centre = means.iter().fold(DVector::zeros(dimension), |a, b| a + b) / means.len().max(1) as f64;
+        let mut between = DMatrix::zeros(dimension, dimension);
+        for mean in &means {
+            let white = &whiten * (mean - &centre);
+            between.syger(1.0, &white, &white, 1.0);
+        }
+        between.fill_upper_triangle_with_lower_triangle();
+        let (_, directions) = principal::eigen(between);
+        for direction in directions.into_iter().take(means.len().saturating_sub(1)) {
+            let axis = whiten.tr_mul(&DVector::from_vec(direction));
+            found.origin.push(axis.dot(&centre));
+            found.axes.push(axis.as_slice().to_vec());
+        }
+        found
+    }
+
+    /// The scatter within cells, and the mean of each class.
+    fn scatter(&self, samples: &[Sample<'_>], dimension: usize) -> (DMatrix<f64>, Vec<DVector<f64>>) {
+        let mut cells: BTreeMap<(usize, usize), Vec<DVector<f64>>> = BTreeMap::new();
+        for sample in samples {
+            let row = DVector::from_vec(self.standardised(sample.row));
+            cells.entry((sample.class, sample.subject)).or_default().push(row);
+        }
+        let mut classes: BTreeMap<usize, Vec<(DMatrix<f64>, DVector<f64>)>> = BTreeMap::new();
+        for ((class, _), rows) in &cells {
+            let scale = 1.0 / rows.len() as f64;
+            let mean = rows.iter().fold(DVector::zeros(dimension), |a, b| a + b) * scale;
+            let centred: Vec<DVector<f64>> = rows.iter().map(|row| row - &mean).collect();
+            let all = DMatrix::from_columns(&centred);
+            classes.entry(*class).or_default().push((&all * all.transpose() * scale, mean));
+        }
+        let mut within = DMatrix::zeros(dimension, dimension);
+        let mut means = Vec::new();
+        for cells in classes.values() {
+            let scale = 1.0 / cells.len() as f64;
+            let mut mean = DVector::zeros(dimension);
+            for (scatter, cell) in cells {
+                within += scatter * (scale / classes.len() as f64);
+                mean += cell * scale;
+            }
+            means.push(mean);
+        }
+        (within, means)
+    }
+
+    fn standardised(&self, row: &[f64]) -> Vec<f64> {
+        let spread = self.mean.iter().zip(&self.deviation);
+        row.iter().zip(spread).map(|(x, (mean, s))| REACH * ((x - mean) / (REACH * s)).tanh()).collect()
+    }
+
+    /// A row's coordinates along the axes; classes have about unit spread along each.
+    #[must_use]
+    pub fn project(&self, row: &[f64]) -> Vec<f64> {
+        let z = self.standardised(row);
+        let along = |axis: &Vec<f64>| axis.iter().zip(&z).map(|(a, z)| a * z).sum::<f64>();
+        self.axes.iter().zip(&self.origin).map(|(axis, origin)| along(axis) - origin).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_axis_is_where_classes_differ_and_not_where_they_spread() {
+        let rows: Vec<(Vec<f64>, usize, usize)> = (0..120)
+            .map(|index| {
+                let (class, subject) = (index % 2, index % 3);
+                let noise = (index as f64 * 1.7).sin();
+                (vec![class as f64 + 0.2 * noise, 10.0 * (index as f64 * 0.9).cos(), 3.0], class, subject)
+            })
+            .collect();
+        let samples: Vec<Sample<'_>> = rows
+            .iter()
+            .map(|(row, class, subject)| Sample { row, class: *class, subject: *subject })
+            .collect();
+        let found = Discriminant::learn(&samples, 0.3);
+        assert_eq!(found.axes.len(), 1);
+        let places: Vec<f64> = samples.iter().map(|sample| found.project(sample.row)[0]).collect();
+        let side = |place: f64, class: usize| (place > 0.0) == (class == 1);
+        let flipped = !side(places[1], 1);
+        assert!(places.iter().zip(&samples).all(|(place, sample)| side(*place, sample.class) != flipped));
+    }
+
+    #[test]
+    fn subjects_with_many_samples_count_as_one() {
+        let weights = balanced_weights(&[(0, 0), (0, 0), (0, 0), (0, 1), (1, 0)]);
+        let expected = [5.0 / 12.0, 5.0 / 12.0, 5.0 / 12.0, 5.0 / 4.0, 5.0 / 2.0];
+        assert!(weights.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{weights:?}");
+    }
+}

@@ -1,0 +1,261 @@
+//! From named motions to a [`Recognizer`].
+
+use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::SeedableRng;
+use thiserror::Error;
+
+use crate::augment::{self, TrackerNoise, unit};
+use crate::discriminant::{Discriminant, Sample, balanced_weights};
+use crate::features::body_size;
+use crate::hmm::{HiddenMarkov, HmmOptions};
+use crate::joints::{JointMotion, MotionError};
+use crate::nearest::Exemplars;
+use crate::novelty::Novelty;
+use crate::observed::Observed;
+use crate::principal::PrincipalComponents;
+use crate::recognizer::{PlaneCloud, Recognizer};
+use crate::svm::SupportVectors;
+
+/// A motion whose class is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedMotion {
+    /// What the motion is called, for messages.
+    pub name: String,
+    /// Its class.
+    pub class: String,
+    /// Who moves.
+    pub subject: String,
+    /// The joints.
+    pub motion: JointMotion,
+}
+
+/// How a recognizer is learnt.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LearnOptions {
+    /// Copies of each motion with other speed and a tracker's noise.
+    pub copies: usize,
+    /// Most deviation of the noise of a copy along each axis, metres of an adult; each copy has a part of it.
+    pub noise_m: f64,
+    /// Shrinkage of the scatter; see [`Discriminant`].
+    pub shrinkage: f64,
+    /// The classes' models.
+    pub hmm: HmmOptions,
+    /// What a sample costs the support vector machine.
+    pub cost: f64,
+    /// Nats that going from one class to another costs.
+    pub switch_penalty: f64,
+    /// Seed of the copies.
+    pub seed: u64,
+}
+
+impl Default for LearnOptions {
+    fn default() -> Self {
+        Self {
+            copies: 4,
+            noise_m: 0.03,
+            shrinkage: 0.8,
+            hmm: HmmOptions::default(),
+            cost: 0.1,
+            switch_penalty: 6.0,
+            seed: 1,
+        }
+    }
+}
+
+/// Why nothing can be learnt.
+#[derive(Debug, Error, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum LearnError {
+    #[error("{found} classes among the motions; expected two at least")]
+    Classes { found: usize },
+    #[error("{name}: {error}")]
+    Motion { name: String, error: MotionError },
+}
+
+/// A motion and its copies, measured once to be learnt from many times.
+#[derive(Debug, Clone)]
+pub struct Prepared {
+    /// What it is called.
+    pub name: String,
+    /// Its class.
+    pub class: String,
+    /// Who moves.
+    pub subject: String,
+    /// The motion as it is, first, and its copies.
+    pub seen: Vec<Observed>,
+}
+
+/// Speeds of copies.
+const SPEEDS: [f64; 5] = [0.85, 0.92, 1.0, 1.08, 1.18];
+/// How long the smooth part of the noise lasts, seconds.
+const MEMORY_S: f64 = 0.25;
+/// Every so many frames one is used for the plane.
+const PLANE_STEP: usize = 5;
+
+/// Measures a motion and its copies.
+///
+/// # Errors
+/// The joints do not lie as a person's.
+pub fn prepare(named: &NamedMotion, options: &LearnOptions, number: u64) -> Result<Prepared, LearnError> {
+    let fail = |error| LearnError::Motion { name: named.name.clone(), error };
+    let mut random = Pcg64Mcg::seed_from_u64(options.seed ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    let size = body_size(&named.motion);
+    let mut seen = vec![Observed::new(&named.motion).map_err(fail)?];
+    for copy in 0..options.copies {
+        let speed = SPEEDS[(unit(&mut random) * SPEEDS.len() as f64) as usize];
+        let noise = TrackerNoise {
+            deviation: options.noise_m * size * unit(&mut random),
+            smooth: unit(&mut random),
+            memory_s: MEMORY_S,
+        };
+        let changed = augment::faster(&named.motion, speed);
+        let changed = augment::noisy(&changed, noise, options.seed + 1000 * number + copy as u64);
+        seen.push(Observed::new(&changed).map_err(fail)?);
+    }
+    Ok(Prepared {
+        name: named.name.clone(),
+        class: named.class.clone(),
+        subject: named.subject.clone(),
+        seen,
+    })
+}
+
+/// Names without repetition, in their order.
+fn numbered<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let mut all: Vec<String> = Vec::new();
+    for name in names {
+        if !all.iter().any(|known| known == name) {
+            all.push(name.to_owned());
+        }
+    }
+    all.sort();
+    all
+}
+
+/// Rows with the number of their class and of their subject.
+struct Table {
+    rows: Vec<Vec<f64>>,
+    cells: Vec<(usize, usize)>,
+}
+
+impl Table {
+    fn samples(&self) -> Vec<Sample<'_>> {
+        self.rows
+            .iter()
+            .zip(&self.cells)
+            .map(|(row, &(class, subject))| Sample { row, class, subject })
+            .collect()
+    }
+}
+
+impl Recognizer {
+    /// Learns from motions of two classes at least. The same input gives the same recognizer.
+    ///
+    /// # Errors
+    /// One class only, or joints that do not lie as a person's.
+    pub fn learn(motions: &[NamedMotion], options: &LearnOptions) -> Result<Self, LearnError> {
+        let prepared: Result<Vec<Prepared>, LearnError> =
+            motions.iter().zip(0..).map(|(named, number)| prepare(named, options, number)).collect();
+        let prepared = prepared?;
+        Self::learn_prepared(&prepared.iter().collect::<Vec<_>>(), options)
+    }
+
+    /// The same from motions that were measured before.
+    ///
+    /// # Errors
+    /// One class only.
+    pub fn learn_prepared(motions: &[&Prepared], options: &LearnOptions) -> Result<Self, LearnError> {
+        let classes = numbered(motions.iter().map(|motion| &*motion.class));
+        let subjects = numbered(motions.iter().map(|motion| &*motion.subject));
+        if classes.len() < 2 {
+            return Err(LearnError::Classes { found: classes.len() });
+        }
+        let number = |names: &[String], name: &str| names.iter().position(|known| known == name).unwrap_or(0);
+        let cell = |motion: &Prepared| (number(&classes, &motion.class), number(&subjects, &motion.subject));
+        let table = |of: &dyn Fn(&Observed) -> Vec<Vec<f64>>| {
+            let mut table = Table { rows: Vec::new(), cells: Vec::new() };
+            for motion in motions {
+                for seen in &motion.seen {
+                    table.rows.extend(of(seen));
+                    table.cells.resize(table.rows.len(), cell(motion));
+                }
+            }
+            table
+        };
+        let seconds =
+            table(&|seen| seen.window_starts().into_iter().map(|start| seen.window(start)).collect());
+        let shorts = table(&|seen| seen.short.clone());
+        let long = Discriminant::learn(&seconds.samples(), options.shrinkage);
+        let short = Discriminant::learn(&shorts.samples(), options.shrinkage);
+        let weights = balanced_weights(&seconds.cells);
+        let places: Vec<Vec<f64>> = seconds.rows.iter().map(|row| long.project(row)).collect();
+        let numbers: Vec<usize> = seconds.cells.iter().map(|cell| cell.0).collect();
+        let costs: Vec<f64> = weights.iter().map(|weight| options.cost * weight).collect();
+        let (plane, clouds) = plane(motions, &classes);
+        Ok(Self {
+            machine: SupportVectors::learn(&places, &numbers, &costs, classes.len()),
+            novelty: Novelty::learn(&seconds.samples(), &weights, classes.len()),
+            models: models(motions, &shorts, &short, classes.len(), &options.hmm),
+            exemplars: Some(Exemplars { places, classes: numbers, weights }),
+            classes,
+            plane,
+            clouds,
+            short,
+            long,
+            switch_penalty: options.switch_penalty,
+        })
+    }
+}
+
+/// A model a class.
+fn models(
+    motions: &[&Prepared],
+    shorts: &Table,
+    axes: &Discriminant,
+    class_count: usize,
+    options: &HmmOptions,
+) -> Vec<HiddenMarkov> {
+    let weights = balanced_weights(&shorts.cells);
+    let rows: Vec<Vec<f64>> = shorts.rows.iter().map(|row| axes.project(row)).collect();
+    let mut sequences: Vec<Vec<(&[Vec<f64>], f64)>> = vec![Vec::new(); class_count];
+    let mut first = 0;
+    for seen in motions.iter().flat_map(|motion| &motion.seen) {
+        let past = first + seen.short.len();
+        sequences[shorts.cells[first].0].push((&rows[first..past], weights[first]));
+        first = past;
+    }
+    sequences.iter().map(|sequences| HiddenMarkov::learn(sequences, options)).collect()
+}
+
+/// The plane of frames, and where classes lie on it.
+fn plane(motions: &[&Prepared], classes: &[String]) -> (PrincipalComponents, Vec<PlaneCloud>) {
+    let frames: Vec<(usize, Vec<f64>)> = motions
+        .iter()
+        .filter_map(|motion| Some((motion, motion.seen.first()?)))
+        .flat_map(|(motion, seen)| {
+            let class = classes.iter().position(|class| *class == motion.class).unwrap_or(0);
+            seen.frames().into_iter().step_by(PLANE_STEP).map(move |row| (class, row))
+        })
+        .collect();
+    let rows: Vec<Vec<f64>> = frames.iter().map(|(_, row)| row.clone()).collect();
+    let plane = PrincipalComponents::of(&rows, 2);
+    let cloud = |class: usize| {
+        let places: Vec<[f64; 2]> = frames
+            .iter()
+            .filter(|(of, _)| *of == class)
+            .map(|(_, row)| plane.project(row))
+            .map(|place| [place[0], place[1]])
+            .collect();
+        let mean =
+            |of: &dyn Fn(&[f64; 2]) -> f64| places.iter().map(of).sum::<f64>() / places.len().max(1) as f64;
+        let [x, y] = [mean(&|p| p[0]), mean(&|p| p[1])];
+        let covariance = [
+            mean(&|p| (p[0] - x).powi(2)),
+            mean(&|p| (p[1] - y).powi(2)),
+            mean(&|p| (p[0] - x) * (p[1] - y)),
+        ];
+        PlaneCloud { mean: [x, y], covariance }
+    };
+    let clouds = (0..classes.len()).map(cloud).collect();
+    (plane, clouds)
+}

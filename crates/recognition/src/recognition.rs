@@ -1,0 +1,144 @@
+//! What a take holds: a class a frame, stretches, places on the plane.
+
+use crate::features::RATE;
+use crate::joints::{JointMotion, MotionError};
+use crate::observed::Observed;
+use crate::recognizer::{Method, Recognizer};
+
+/// What a frame is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameName {
+    /// The frame's number in the motion that was given.
+    pub frame: usize,
+    /// Number of the class; `None` where the motion is nothing known.
+    pub class: Option<usize>,
+    /// Probability of that class, or of the likeliest where the motion is unknown, 0 to 1.
+    pub confidence: f64,
+    /// Place on the plane of the first two principal components.
+    pub place: [f64; 2],
+}
+
+/// Frames of one class that follow each other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stretch {
+    /// Number of the class; `None` where the motion is nothing known.
+    pub class: Option<usize>,
+    /// Its first and last frame.
+    pub frames: std::ops::RangeInclusive<usize>,
+    /// When it begins and ends, seconds after frame 0.
+    pub seconds: [f64; 2],
+    /// Mean of its frames' confidence.
+    pub confidence: f64,
+}
+
+/// What a take holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recognition {
+    /// The classes' names, by number.
+    pub classes: Vec<String>,
+    /// A name a frame, in their order without gaps.
+    pub frames: Vec<FrameName>,
+    /// The take, cut where its motion changes.
+    pub stretches: Vec<Stretch>,
+}
+
+/// A stretch of unknown motion that is shorter is called after its likeliest class, seconds.
+const SHORTEST_UNKNOWN_S: f64 = 1.0;
+
+impl Recognizer {
+    /// Names each frame of a motion and cuts it into stretches.
+    ///
+    /// # Errors
+    /// The joints do not lie as a person's.
+    pub fn recognise(&self, motion: &JointMotion) -> Result<Recognition, MotionError> {
+        let seen = Observed::new(motion)?;
+        let evidence = self.evidence(&seen, Method::Combined);
+        let walk = self.network().segment(&evidence);
+        let beliefs = self.network().beliefs(&evidence);
+        let unknown = self.unknown_steps(&seen);
+        let places: Vec<[f64; 2]> =
+            seen.frames().iter().map(|row| self.plane.project(row)).map(|at| [at[0], at[1]]).collect();
+        let frames = (0..motion.frames().len()).map(|index| {
+            let at = (index as f64 * RATE / motion.frame_rate()) as usize;
+            let at = at.min(seen.len() - 1);
+            let step = seen.step_of(at);
+            let class = walk[step];
+            FrameName {
+                frame: motion.first_frame() + index,
+                class: (!unknown[step]).then_some(class),
+                confidence: beliefs[step][class],
+                place: places[at],
+            }
+        });
+        let frames: Vec<FrameName> = frames.collect();
+        Ok(Recognition {
+            stretches: stretches(&frames, motion.frame_rate()),
+            classes: self.classes.clone(),
+            frames,
+        })
+    }
+
+    /// Of each short window, whether what happens about it is nothing known; single ones do not count.
+    fn unknown_steps(&self, seen: &Observed) -> Vec<bool> {
+        let step_s = crate::observed::STEP as f64 / RATE;
+        let least = (SHORTEST_UNKNOWN_S / step_s) as usize;
+        let is_strange = |step: usize| {
+            self.novelty.is_unknown(self.novelty.strangeness(&seen.window(seen.window_about(step))))
+        };
+        let mut found: Vec<bool> = (0..seen.short.len()).map(is_strange).collect();
+        let mut first = 0;
+        while first < found.len() {
+            let past = (first..found.len()).find(|&step| !found[step]).unwrap_or(found.len());
+            // A take that is shorter than that may still be strange as a whole.
+            if past - first < least.min(found.len()) {
+                found[first..past].fill(false);
+            }
+            first = past + 1;
+        }
+        found
+    }
+
+    /// Whether a motion as a whole is nothing known: most of its seconds are not.
+    #[must_use]
+    pub fn is_unknown(&self, seen: &Observed) -> bool {
+        let starts = seen.window_starts();
+        let strange =
+            |start: &&usize| self.novelty.is_unknown(self.novelty.strangeness(&seen.window(**start)));
+        2 * starts.iter().filter(strange).count() > starts.len()
+    }
+}
+
+fn stretches(frames: &[FrameName], frame_rate: f64) -> Vec<Stretch> {
+    frames
+        .chunk_by(|a, b| a.class == b.class)
+        .filter_map(|chunk| {
+            let (first, last) = (chunk.first()?, chunk.last()?);
+            Some(Stretch {
+                class: first.class,
+                frames: first.frame..=last.frame,
+                seconds: [first.frame as f64 / frame_rate, (last.frame + 1) as f64 / frame_rate],
+                confidence: chunk.iter().map(|frame| frame.confidence).sum::<f64>() / chunk.len() as f64,
+            })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stretches_are_cut_where_the_class_changes() {
+        let classes = [Some(1), Some(1), None, Some(0), Some(0)];
+        let frames: Vec<FrameName> = (7..)
+            .zip(classes)
+            .map(|(frame, class)| FrameName { frame, class, confidence: 0.5, place: [0.0; 2] })
+            .collect();
+        let found = stretches(&frames, 10.0);
+        let spans: Vec<_> = found.iter().map(|s| (s.class, s.frames.clone(), s.seconds)).collect();
+        assert_eq!(
+            spans,
+            [(Some(1), 7..=8, [0.7, 0.9]), (None, 9..=9, [0.9, 1.0]), (Some(0), 10..=11, [1.0, 1.2])]
+        );
+    }
+}

@@ -1,0 +1,189 @@
+//! The classifiers of all classes, learnt from named motions.
+
+use serde::{Deserialize, Serialize};
+
+use crate::discriminant::Discriminant;
+use crate::hmm::{HiddenMarkov, Network, log_sum};
+use crate::nearest::Exemplars;
+use crate::novelty::Novelty;
+use crate::observed::{Observed, SHORT, STEP};
+use crate::principal::PrincipalComponents;
+use crate::svm::SupportVectors;
+
+/// How a motion is named.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Hidden Markov models of short windows.
+    Hmm,
+    /// Support vector machines of windows of a second.
+    Svm,
+    /// Nearest neighbours of windows of a second.
+    Nearest,
+    /// Hidden Markov models and support vectors together.
+    Combined,
+}
+
+impl Method {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Hmm, Self::Svm, Self::Nearest, Self::Combined];
+
+    /// The word for it in files and on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hmm => "hmm",
+            Self::Svm => "svm",
+            Self::Nearest => "nearest",
+            Self::Combined => "combined",
+        }
+    }
+}
+
+/// Short windows overlap: so much of each is news.
+const NEWS: f64 = STEP as f64 / SHORT as f64;
+/// Margins are made probabilities by a softmax of so many times the margin.
+const MARGIN_NATS: f64 = 3.0;
+/// Shares of neighbours count as at least so much.
+const LEAST_SHARE: f64 = 0.01;
+
+/// Where a class lies on the plane of the first two principal components.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlaneCloud {
+    /// The middle of its frames.
+    pub mean: [f64; 2],
+    /// Their variances along both axes, and their covariance.
+    pub covariance: [f64; 3],
+}
+
+/// Names motions. See [`Recognizer::learn`], [`Recognizer::recognise`] and [`model_file`](crate::model_file).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recognizer {
+    /// The classes' names.
+    pub classes: Vec<String>,
+    /// The plane that motions are drawn on: principal components of frames.
+    pub plane: PrincipalComponents,
+    /// Where each class lies on it.
+    pub clouds: Vec<PlaneCloud>,
+    /// Axes of short windows.
+    pub short: Discriminant,
+    /// Axes of windows of a second.
+    pub long: Discriminant,
+    /// A model a class, of short windows.
+    pub models: Vec<HiddenMarkov>,
+    /// Planes between the classes, of windows of a second.
+    pub machine: SupportVectors,
+    /// What known windows look like.
+    pub novelty: Novelty,
+    /// Known windows; a model that is to hold no motion has none.
+    pub exemplars: Option<Exemplars>,
+    /// Nats that going from one class to another costs.
+    pub switch_penalty: f64,
+}
+
+/// What was learnt from the 72 clips of the CMU motion capture database, statistics only (see `docs/chapter6.md`).
+const BUILT_IN: &str = include_str!("../assets/motions.json");
+
+impl Recognizer {
+    /// The recognizer that comes with the program: seven classes, without single windows.
+    #[must_use]
+    pub fn built_in() -> Self {
+        #[expect(clippy::expect_used, reason = "the embedded file is checked by a test")]
+        Self::from_text(BUILT_IN).expect("the built-in recognizer is valid")
+    }
+
+    /// The methods that this model holds.
+    pub fn methods(&self) -> impl Iterator<Item = Method> {
+        let has_exemplars = self.exemplars.is_some();
+        Method::ALL.into_iter().filter(move |method| *method != Method::Nearest || has_exemplars)
+    }
+
+    /// By class, ln of its probability in the second that begins at a frame, seen by itself.
+    #[must_use]
+    pub fn window_logs(&self, seen: &Observed, first: usize, method: Method) -> Vec<f64> {
+        let logs = match method {
+            Method::Hmm => {
+                let rows: Vec<Vec<f64>> =
+                    seen.short[seen.short_within(first)].iter().map(|row| self.short.project(row)).collect();
+                self.models.iter().map(|model| NEWS * model.log_likelihood(&rows)).collect()
+            }
+            Method::Svm => self.machine_logs(&seen.window(first)),
+            Method::Nearest => self.neighbour_logs(&seen.window(first)),
+            Method::Combined => {
+                let hmm = self.window_logs(seen, first, Method::Hmm);
+                hmm.iter().zip(self.window_logs(seen, first, Method::Svm)).map(|(a, b)| a + b).collect()
+            }
+        };
+        let sum = log_sum(logs.iter().copied());
+        logs.iter().map(|log| log - sum).collect()
+    }
+
+    fn machine_logs(&self, measures: &[f64]) -> Vec<f64> {
+        let margins = self.machine.margins(&self.long.project(measures));
+        margins.iter().map(|margin| MARGIN_NATS * margin).collect()
+    }
+
+    fn neighbour_logs(&self, measures: &[f64]) -> Vec<f64> {
+        match &self.exemplars {
+            Some(known) => {
+                let shares = known.shares(&self.long.project(measures), self.classes.len());
+                shares.iter().map(|share| share.max(LEAST_SHARE).ln()).collect()
+            }
+            None => vec![0.0; self.classes.len()],
+        }
+    }
+
+    /// By class, the probability that a whole motion is of it.
+    #[must_use]
+    pub fn clip_shares(&self, seen: &Observed, method: Method) -> Vec<f64> {
+        if method == Method::Combined {
+            let [a, b] = [Method::Hmm, Method::Svm].map(|method| self.clip_shares(seen, method));
+            return a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect();
+        }
+        let starts = seen.window_starts();
+        let mut shares = vec![0.0; self.classes.len()];
+        for &start in &starts {
+            let logs = self.window_logs(seen, start, method);
+            for (share, log) in shares.iter_mut().zip(logs) {
+                *share += log.exp() / starts.len() as f64;
+            }
+        }
+        shares
+    }
+
+    /// What each short window says for each state of each class, nats.
+    pub(crate) fn evidence(&self, seen: &Observed, method: Method) -> Vec<Vec<Vec<f64>>> {
+        let moment = |step: usize| -> Vec<Vec<f64>> {
+            let place = self.short.project(&seen.short[step]);
+            let states = |weight: f64| -> Vec<Vec<f64>> {
+                let scaled = |log: f64| weight * log;
+                self.models
+                    .iter()
+                    .map(|model| model.log_densities(&place).into_iter().map(scaled).collect())
+                    .collect()
+            };
+            let window = || seen.window(seen.window_about(step));
+            let second = STEP as f64 / crate::observed::WINDOW as f64;
+            let with = |mut states: Vec<Vec<f64>>, logs: Vec<f64>| {
+                for (states, log) in states.iter_mut().zip(logs) {
+                    states.iter_mut().for_each(|state| *state += second * log);
+                }
+                states
+            };
+            match method {
+                Method::Hmm => states(NEWS),
+                Method::Svm => with(states(0.0), self.machine_logs(&window())),
+                Method::Nearest => with(states(0.0), self.neighbour_logs(&window())),
+                Method::Combined => with(states(NEWS), self.machine_logs(&window())),
+            }
+        };
+        (0..seen.short.len()).map(moment).collect()
+    }
+
+    /// All classes' models as one.
+    pub(crate) fn network(&self) -> Network<'_> {
+        Network::new(&self.models, self.switch_penalty)
+    }
+}
