@@ -53,7 +53,7 @@ impl Default for LearnOptions {
         Self {
             copies: 4,
             noise_m: 0.03,
-            shrinkage: 0.8,
+            shrinkage: 0.6,
             hmm: HmmOptions::default(),
             cost: 0.1,
             switch_penalty: 6.0,

@@ -74,6 +74,18 @@ fn markers(bytes: &[u8]) -> Answer {
     trc::parse(Path::new("markers.trc"), bytes).into()
 }
 
+fn joints(bytes: &[u8]) -> Answer {
+    let found = motion::parse_bvh(Path::new("motion.bvh"), bytes);
+    if let Ok(track) = &found {
+        assert!(track.frames.iter().all(|(_, places)| places.len() == track.joints.len()));
+    }
+    found.into()
+}
+
+fn labels(bytes: &[u8]) -> Answer {
+    motion::parse_labels(Path::new("labels.csv"), bytes).into()
+}
+
 /// A rig that was read is written in our own format and read as the same; what another format holds of it is read too.
 fn check_rig(rig: &Rig) {
     let text = calibration::backlit::to_text(rig);
@@ -158,6 +170,14 @@ pub(super) fn targets() -> Vec<Target> {
         "at",
         "offset",
     ];
+    const BVH: &[&str] = &[
+        "JOINT a\n{",
+        "End Site\n{",
+        "}\n",
+        "CHANNELS 3 Xposition Yposition Zposition",
+        "MOTION",
+        "Frames: 2",
+    ];
     const POSE: &[&str] = &["\"root\"", "\"rotations\"", "[1, 0, 0, 0]", "\"left hip\""];
     vec![
         Target { words: BODY, ..text("model", seeds::models, model) },
@@ -169,6 +189,8 @@ pub(super) fn targets() -> Vec<Target> {
             ..text("keypoints", || seeds::kept("keypoints", false), keypoint_file)
         },
         Target { words: &["\t\t", "Units"], ..text("markers", || seeds::kept("markers", false), markers) },
+        Target { words: BVH, ..text("bvh", || seeds::kept("bvh", false), joints) },
+        Target { words: &["file", "class", ",,"], ..text("labels", || seeds::kept("labels", false), labels) },
         text("cameras", seeds::own_cameras, cameras),
         text("calibration_json", seeds::calibration_json, cameras),
         text("calibration_yaml", seeds::calibration_yaml, cameras),
