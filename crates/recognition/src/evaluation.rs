@@ -11,7 +11,7 @@ use crate::augment::{TrackerNoise, noisy, unit};
 use crate::features::{RATE, body_size};
 use crate::joints::{Joint, JointMotion, Joints, MotionError};
 use crate::learn::{LearnError, LearnOptions, NamedMotion, Prepared, prepare};
-use crate::observed::{Observed, SHORT, STEP};
+use crate::observed::Observed;
 use crate::recognizer::{Method, Recognizer};
 
 /// Parts that were right, 0 to 1.
@@ -89,18 +89,6 @@ struct Tally {
     clips: Vec<Vec<usize>>,
     windows: Vec<Vec<usize>>,
     results: Vec<ClipResult>,
-}
-
-impl PartialOrd for Method {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Method {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.name().cmp(other.name())
-    }
 }
 
 /// Seconds of a take that clips are joined to, about.
@@ -318,9 +306,6 @@ fn heading(joints: &Joints) -> f64 {
     let across = joints[Joint::LeftHip as usize] - joints[Joint::RightHip as usize];
     (-across.z).atan2(across.x)
 }
-
-/// Seconds that a short window looks ahead and back: stretches are not known better.
-pub const RESOLUTION_S: f64 = (SHORT + STEP) as f64 / RATE / 2.0;
 
 #[cfg(test)]
 mod tests {

@@ -11,7 +11,7 @@ use crate::principal::PrincipalComponents;
 use crate::svm::SupportVectors;
 
 /// How a motion is named.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// Hidden Markov models of short windows.
