@@ -16,6 +16,7 @@
 //! | [`sizes`] | `backlit experiment sizes` |
 //! | [`track`] | `backlit experiment track` |
 //! | [`robustness`] | `backlit experiment robustness` |
+//! | [`begin`] | `backlit experiment begin` |
 //! | [`basin`] | `backlit experiment basin` |
 //! | [`frame_basin`] | `backlit experiment basin --take` |
 //! | [`basin_map`] | `backlit experiment basin --take --map` |
@@ -26,6 +27,7 @@
 pub(crate) mod arguments;
 pub(crate) mod basin;
 pub(crate) mod basin_map;
+pub(crate) mod begin;
 pub(crate) mod bias;
 pub(crate) mod fig51;
 pub(crate) mod fig52;
@@ -92,6 +94,8 @@ enum Experiment {
     Robustness(robustness::Arguments),
     /// How far off a start may be: share of starts that end at the truth, by distance and number of cameras
     Basin(Box<basin::Arguments>),
+    /// Ways to begin, one beside another: downhill, particles, templates, the search; what they find, evaluations of Λ, time
+    Begin(Box<begin::Arguments>),
     /// A take with keypoints, tracked from many starts: how many stay near the keypoints everywhere
     Footage(Box<footage::Arguments>),
     /// A take with keypoints, single frames without a start, by all sets of cameras: how many find the person
@@ -120,6 +124,7 @@ pub(crate) fn run(arguments: &ExperimentArguments) -> anyhow::Result<()> {
         Experiment::Track(arguments) => track::run(arguments),
         Experiment::Robustness(arguments) => robustness::run(arguments),
         Experiment::Basin(arguments) => basin::run(arguments),
+        Experiment::Begin(arguments) => begin::run(arguments),
         Experiment::Footage(arguments) => footage::run(arguments),
         Experiment::NoStart(arguments) => no_start::run(arguments),
         Experiment::Sync(arguments) => sync::run(arguments),

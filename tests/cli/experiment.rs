@@ -120,3 +120,27 @@ fn the_basin_map_of_a_frame_of_a_take() {
     scene.fails(&format!("experiment basin --take {take} --map tail.twist,neck.twist"), 1, &["no limb tail"]);
     scene.fails("experiment basin --map neck.flexion,neck.twist", 2, &["--take"]);
 }
+
+/// Ways to begin: a row a way, files, and what is asked wrong.
+#[test]
+fn ways_to_begin_are_compared() {
+    let scene = Scene::new();
+    let ask = "experiment begin --starts 1 --angles 10 --particles 30 --layers 2";
+    let said = scene.ok(&format!("{ask} --out one"));
+    for part in ["2, 10°: report", "ramp", "particles", "templates", "search", "of 1", "begin.png"] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let printed = scene.ok(&format!("{ask} --no-start --methods ramp,templates --json --out two"));
+    let numbers: Value = serde_json::from_str(&printed).unwrap();
+    let rows = numbers["report"]["rows"].as_array().unwrap();
+    assert_eq!((rows.len(), rows[1]["method"].as_str()), (2, Some("templates")));
+    assert!(rows.iter().all(|row| row["degrees"].is_null() && row["evaluations"].as_f64().unwrap() > 10.0));
+    scene.fails(&format!("{ask} --methods luck"), 2, &["luck", "particles, templates"]);
+    scene.fails("experiment begin --starts 1 --layers 0", 1, &["`layers` is 0"]);
+    scene.fails("experiment begin --starts 1 --angles 7", 1, &["--angles"]);
+    scene.fails("experiment begin --frames 3", 2, &["--take"]);
+    let take = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/take");
+    let ask = format!("experiment begin --take {take} --methods ramp --cameras 4 --angles 10 --frames 3");
+    let said = scene.ok(&format!("{ask} --out three"));
+    assert!(said.contains("4, 10°: ramp") && said.contains("of 1"), "{said}");
+}

@@ -89,6 +89,8 @@
 //! | [`fit`] | one frame's fit: evidence, options, cost, iterations |
 //! | [`cues`] | what pictures say of limbs that silhouettes do not hold: keypoints, flow, edges, stereo |
 //! | [`search`] | other poses that the silhouettes allow, ranked; where a fit begins |
+//! | [`particles`] | a particle filter that looks for a pose: many bodies, weighted by the fit's cost |
+//! | [`templates`] | a pose put together from templates: head, trunk, limb after limb |
 //! | [`track`] | following frames: motion, lost frames, smoothing |
 //! | [`filter`] | poses over time: constant velocity, the iterated Kalman update, the smoother |
 //! | [`body_fit`] | the person's own lengths and radii, with the poses of several frames |
@@ -131,6 +133,7 @@ pub mod metrics;
 pub mod names;
 pub mod observability;
 pub mod optimize;
+pub mod particles;
 pub mod posing;
 pub mod processor;
 pub mod render;
@@ -139,5 +142,6 @@ pub mod search;
 pub mod segment;
 pub mod silhouette;
 pub mod synchronise;
+pub mod templates;
 pub mod track;
 pub mod visual_hull;

@@ -18,6 +18,10 @@ mod sketch;
 pub mod start;
 mod without_start;
 
+pub use chains::{Chain, Chains};
 pub use hypotheses::{Hypotheses, Hypothesis, Origin, fit_best, search};
 pub use options::SearchOptions;
-pub use without_start::{Candidate, Doubt, Found, Heights, WithoutStart, WithoutStartError, without_start};
+pub use without_start::{
+    Candidate, Doubt, Found, Heights, WithoutStart, WithoutStartError, standing, without_start,
+};
+pub(crate) use without_start::{Place, Stance, mask_of, reduced, turn_whole};

@@ -106,22 +106,29 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 fn starts(arguments: &Arguments) -> anyhow::Result<(Vec<Start>, Option<Draw>)> {
-    let wanted = |degrees: u32| arguments.angles.is_empty() || arguments.angles.contains(&degrees);
-    let Ok(count) = arguments.starts.parse() else {
-        let mut starts = starts_file::read(&PathBuf::from(&arguments.starts))?;
-        starts.retain(|start| wanted(start.degrees));
-        anyhow::ensure!(!starts.is_empty(), "{} has no start of --angles", arguments.starts);
-        return Ok((starts, None));
+    let scenes = (arguments.cameras.as_slice(), arguments.size.0, arguments.seed);
+    starts_of(&arguments.starts, &arguments.angles, scenes)
+}
+
+/// Starts by number or from a file, of some angles (none: of all); drawn ones before so many cameras, of so many pixels, by a seed.
+///
+/// # Errors
+/// A file that cannot be read, or angles that no start has.
+pub(super) fn starts_of(
+    starts: &str,
+    angles: &[u32],
+    (cameras, size_px, seed): (&[usize], [u64; 2], u64),
+) -> anyhow::Result<(Vec<Start>, Option<Draw>)> {
+    let wanted = |degrees: u32| angles.is_empty() || angles.contains(&degrees);
+    let Ok(count) = starts.parse() else {
+        let mut found = starts_file::read(&PathBuf::from(starts))?;
+        found.retain(|start| wanted(start.degrees));
+        anyhow::ensure!(!found.is_empty(), "{starts} has no start of --angles");
+        return Ok((found, None));
     };
     let levels: Vec<Level> = LEVELS.into_iter().filter(|level| wanted(level.degrees)).collect();
     anyhow::ensure!(!levels.is_empty(), "--angles: expected some of 5, 10, 20, 30 and 45");
-    let draw = Draw {
-        starts: count,
-        levels,
-        cameras: arguments.cameras.clone(),
-        size_px: arguments.size.0,
-        seed: arguments.seed,
-    };
+    let draw = Draw { starts: count, levels, cameras: cameras.to_vec(), size_px, seed };
     Ok((draw.draw()?, Some(draw)))
 }
 

@@ -112,7 +112,7 @@ pub fn run(
 }
 
 /// All sets of so many of `all` cameras, in order.
-fn sets(all: usize, count: usize) -> Result<Vec<Vec<usize>>, ExperimentError> {
+pub(super) fn sets(all: usize, count: usize) -> Result<Vec<Vec<usize>>, ExperimentError> {
     if !(1..=all).contains(&count) {
         let (value, expected) = (count as f64, "1 to as many cameras as the take has");
         return Err(ExperimentError::Option { option: "cameras", value, expected });
@@ -167,7 +167,7 @@ fn trial(
     })
 }
 
-fn fit(
+pub(super) fn fit(
     model: &Arc<Model>,
     views: &[FitView],
     start: Pose,
@@ -178,7 +178,7 @@ fn fit(
 }
 
 /// Mean distance of the joints that are known.
-fn error_mm(model: &Model, pose: &Pose, joints: &ReferenceJoints) -> f64 {
+pub(super) fn error_mm(model: &Model, pose: &Pose, joints: &ReferenceJoints) -> f64 {
     let kinematics = Kinematics::new(model, pose);
     let place = |limb: Option<usize>| limb.map_or(pose.root, |limb| kinematics.ends()[limb]);
     let sum: f64 = joints.iter().map(|(limb, at)| place(*limb).distance(*at)).sum();

@@ -6,9 +6,11 @@ use backlit_tracking::body_fit::{BodyFitError, OwnSizesError};
 use backlit_tracking::camera::CameraError;
 use backlit_tracking::cues::CueOptionsError;
 use backlit_tracking::fit::FitError;
+use backlit_tracking::particles::ParticleError;
 use backlit_tracking::search::WithoutStartError;
 use backlit_tracking::segment::{BackgroundError, SegmentError};
 use backlit_tracking::silhouette::{MaskError, MeasurementError};
+use backlit_tracking::templates::TemplateError;
 use backlit_tracking::track::{MotionError, SmoothingError};
 use thiserror::Error;
 
@@ -59,6 +61,10 @@ pub enum ExperimentError {
     Smoothing(#[from] SmoothingError),
     #[error(transparent)]
     WithoutStart(WithoutStartError),
+    #[error(transparent)]
+    Particles(#[from] ParticleError),
+    #[error(transparent)]
+    Templates(#[from] TemplateError),
     #[error("{0}")]
     Footage(String),
 }

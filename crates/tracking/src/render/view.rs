@@ -114,6 +114,13 @@ impl View {
         }
     }
 
+    /// Leaves out the limbs for which `drawn` is false: as if the body did not have them, until it is prepared anew.
+    ///
+    /// `drawn` has one entry a limb; what is missing is left out.
+    pub fn keep_limbs(&mut self, drawn: &[bool]) {
+        self.primitives.retain(|primitive| drawn.get(primitive.limb).is_some_and(|&is_drawn| is_drawn));
+    }
+
     fn push(&mut self, primitive: Primitive) {
         if !primitive.bounds.is_empty() {
             self.primitives.push(primitive);

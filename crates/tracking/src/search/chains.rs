@@ -7,26 +7,26 @@ use crate::body::Model;
 
 /// A run of rotations from the trunk outwards.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Chain {
+pub struct Chain {
     /// Its rotations, from the trunk outwards.
-    pub(super) rotations: Vec<usize>,
+    pub rotations: Vec<usize>,
 }
 
 /// The limbs that each rotation turns directly, and the chains.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Chains {
+pub struct Chains {
     /// Per rotation, the limbs that follow it, parents first.
-    pub(super) groups: Vec<Vec<usize>>,
+    pub groups: Vec<Vec<usize>>,
     /// Free-hanging chains, in the order of their first rotations.
-    pub(super) chains: Vec<Chain>,
+    pub chains: Vec<Chain>,
     /// The other rotations, parents first.
-    pub(super) trunk: Vec<usize>,
+    pub trunk: Vec<usize>,
 }
 
 impl Chains {
     /// Takes a model apart.
     #[must_use]
-    pub(super) fn new(model: &Model) -> Self {
+    pub fn new(model: &Model) -> Self {
         let count = model.rotation_count();
         let mut groups = vec![Vec::new(); count];
         for (index, limb) in model.limbs().iter().enumerate() {

@@ -89,6 +89,8 @@ pub struct Hypotheses {
     pub found: Vec<Hypothesis>,
     /// Iterations of all refinements, rejected ones included.
     pub iterations: usize,
+    /// Evaluations of Λ with its derivatives: one an iteration, and one where each refinement begins.
+    pub evaluations: usize,
 }
 
 /// Fits from a start and looks for poses that explain the silhouettes better. Cancelled, it returns what it
@@ -141,6 +143,7 @@ pub(super) struct Search<'a> {
     pub(super) objectives: Vec<(Stage, Objective)>,
     pub(super) found: Vec<Hypothesis>,
     pub(super) iterations: usize,
+    pub(super) evaluations: usize,
 }
 
 /// All that is found from a prepared start and from the body that faces the other way.
@@ -163,7 +166,7 @@ fn run(
         search.try_the_other_way(prepared, &chains, subject);
     }
     search.found.truncate(effort.kept.max(1));
-    Hypotheses { found: search.found, iterations: search.iterations }
+    Hypotheses { found: search.found, iterations: search.iterations, evaluations: search.evaluations }
 }
 
 impl<'a> Search<'a> {
@@ -192,6 +195,7 @@ impl<'a> Search<'a> {
             objectives: options.stages.iter().map(objective).collect(),
             found: Vec::new(),
             iterations: 0,
+            evaluations: 0,
         }
     }
 
@@ -243,6 +247,7 @@ impl<'a> Search<'a> {
             other.sweep(chains, self.effort.pairs_above * subject);
         }
         self.iterations += other.iterations;
+        self.evaluations += other.evaluations;
         for found in other.found {
             let cost = (1.0 + LEAST_BETTER) * judged(&found.pose)
                 + LEAST_BETTER_PIXELS * subject
@@ -342,8 +347,10 @@ impl<'a> Search<'a> {
         let (stage, objective) = &mut self.objectives[stage];
         let options = SolverOptions { run_all: false, ..self.options.solver_options(stage) };
         let mut solver = Solver::new(objective, pose, options);
+        self.evaluations += 1;
         while solver.step(objective).is_some() {
             self.iterations += 1;
+            self.evaluations += 1;
             if self.cancel.is_cancelled() {
                 break;
             }

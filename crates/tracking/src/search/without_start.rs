@@ -24,15 +24,18 @@ mod rounds;
 mod small;
 mod stance;
 
+use std::f64::consts::TAU;
 use std::fmt;
 use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use thiserror::Error;
 
-use self::place::Place;
+pub(crate) use self::place::{Place, mask_of};
 use self::rounds::Rounds;
-use self::stance::Stance;
+pub(crate) use self::small::reduced;
+pub(crate) use self::stance::{Stance, turn_whole};
 use super::chains::Chains;
 use super::options::SearchOptions;
 use super::sketch::Sketch;
@@ -111,6 +114,8 @@ pub struct Found {
     pub heights: Option<Heights>,
     /// What the silhouettes leave open.
     pub doubts: Vec<Doubt>,
+    /// Evaluations of Λ with its derivatives. Looks at single limbs in the sketch are not counted.
+    pub evaluations: usize,
 }
 
 impl Found {
@@ -218,6 +223,39 @@ pub fn without_start(
     in_place.search(&Arc::new(scaled), scale)
 }
 
+/// The body at rest where the subject is, upright and facing so many ways, at least one: where a search, a fit or a
+/// filter may begin that has nothing else to go by.
+///
+/// # Errors
+/// As [`without_start`].
+pub fn standing(
+    model: &Model,
+    views: &[FitView],
+    up: Option<DVec3>,
+    headings: usize,
+    cancel: &CancelToken,
+) -> Result<Vec<Pose>, WithoutStartError> {
+    for view in views {
+        view.check()?;
+    }
+    let seen: Vec<FitView> = views.iter().filter(|view| view.has_data()).cloned().collect();
+    if seen.is_empty() {
+        Prepared::new(model, views.to_vec(), &Pose::rest(model), &FitOptions::default(), |_, _, _| 0.0)?;
+    }
+    let stance = Stance::new(model, &Chains::new(model));
+    let place = Place::of(&seen, up, stance.height(), cancel)?;
+    // Between a body on the hull's floor and one under its top.
+    let height = 0.5 * (place.bottom + stance.below + place.top - stance.above);
+    let middle = place.middle_at(height);
+    let headings = headings.max(1);
+    let pose = |heading: usize| {
+        let angle = TAU * heading as f64 / headings as f64;
+        let ahead = DQuat::from_axis_angle(place.up, angle) * place.to_cameras;
+        stance.pose(model, middle, place.up, ahead)
+    };
+    Ok((0..headings).map(pose).collect())
+}
+
 /// A search whose place is known.
 struct InPlace<'a> {
     seen: &'a [FitView],
@@ -234,10 +272,19 @@ impl InPlace<'_> {
         let stance = Stance::new(model, &Chains::new(model));
         let middle = place.middle();
         let standing = stance.pose(model, middle, place.up, place.to_cameras);
-        let seen = small::reduced(model, self.seen, &standing);
+        let seen = reduced(model, self.seen, &standing);
         let options = choices.fit.clone().at_scale(model, &seen, &standing);
         let prepared = Prepared::new(model, seen, &standing, &options, Sketch::reach_px)?;
-        let rounds = Rounds { model, prepared: &prepared, options: &options, choices, place, stance, cancel };
+        let rounds = Rounds {
+            model,
+            prepared: &prepared,
+            options: &options,
+            choices,
+            place,
+            stance,
+            cancel,
+            evaluations: AtomicUsize::new(0),
+        };
         let (candidates, facing) = rounds.run()?;
         let one_camera = (self.seen.len() == 1).then_some(Doubt::OneCamera);
         Ok(Found {
@@ -247,6 +294,7 @@ impl InPlace<'_> {
             candidates,
             up: place.up,
             doubts: one_camera.into_iter().chain(facing).collect(),
+            evaluations: rounds.evaluations.into_inner(),
         })
     }
 }

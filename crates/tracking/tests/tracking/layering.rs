@@ -23,6 +23,8 @@ fn allowed(module: &str) -> Option<Vec<&'static str>> {
         "fit" => fit.to_vec(),
         "observability" => vec!["fit", "residual", "render", "body", "camera", "optimize", "geometry"],
         "search" => [&fit[..], &["fit", "posing", "metrics", "geometry", "visual_hull"]].concat(),
+        "particles" => [&fit[..], &["fit", "geometry", "search"]].concat(),
+        "templates" => [&fit[..], &["fit", "geometry", "search", "particles"]].concat(),
         "track" => [&fit[..], &["fit", "cues", "search", "filter"]].concat(),
         "body_fit" => [&fit[..], &["fit", "track", "metrics", "search"]].concat(),
         _ => return None,

@@ -23,23 +23,24 @@ const FARTHEST_M: f64 = 100.0;
 
 /// Where the subject is. Metres, world axes.
 #[derive(Debug, Clone)]
-pub(super) struct Place {
+pub(crate) struct Place {
     /// Up, a unit vector.
-    pub(super) up: DVec3,
+    pub(crate) up: DVec3,
     /// Along the ground, towards the cameras' middle; a unit vector.
-    pub(super) to_cameras: DVec3,
+    pub(crate) to_cameras: DVec3,
     /// How much the cameras stand on that side: 0 all around, 1 all in one place.
-    pub(super) one_sided: f64,
+    pub(crate) one_sided: f64,
     /// Lowest and highest point, along `up`.
-    pub(super) bottom: f64,
-    pub(super) top: f64,
+    pub(crate) bottom: f64,
+    pub(crate) top: f64,
     /// Points of the subject's surface.
     points: Vec<DVec3>,
+    is_flat: bool,
 }
 
 impl Place {
     /// By the hull of all silhouettes; by the body's height before one camera.
-    pub(super) fn of(
+    pub(crate) fn of(
         seen: &[FitView],
         up: Option<DVec3>,
         body_height: f64,
@@ -104,20 +105,31 @@ impl Place {
             bottom: heights().fold(f64::INFINITY, f64::min) - margin,
             top: heights().fold(f64::NEG_INFINITY, f64::max) + margin,
             points,
+            is_flat: views.len() == 1,
         }
     }
 
-    pub(super) fn height(&self) -> f64 {
+    /// Points of the subject's surface; before one camera, of a plane.
+    pub(crate) fn points(&self) -> &[DVec3] {
+        &self.points
+    }
+
+    /// Whether one camera alone has said where the subject is.
+    pub(crate) fn is_flat(&self) -> bool {
+        self.is_flat
+    }
+
+    pub(crate) fn height(&self) -> f64 {
         self.top - self.bottom
     }
 
     /// The middle at half height.
-    pub(super) fn middle(&self) -> DVec3 {
+    pub(crate) fn middle(&self) -> DVec3 {
         self.middle_at(0.5 * (self.top + self.bottom))
     }
 
     /// The middle of what is at a height: medians along two directions of the ground, so that an arm held out hardly counts.
-    pub(super) fn middle_at(&self, height: f64) -> DVec3 {
+    pub(crate) fn middle_at(&self, height: f64) -> DVec3 {
         let reach = SLICE * self.height();
         let mut slice: Vec<DVec3> =
             self.points.iter().filter(|point| (point.dot(self.up) - height).abs() < reach).copied().collect();
@@ -134,7 +146,7 @@ impl Place {
 }
 
 /// The silhouette; grey levels below half are the subject.
-pub(super) fn mask_of(view: &FitView) -> Option<Arc<Mask>> {
+pub(crate) fn mask_of(view: &FitView) -> Option<Arc<Mask>> {
     match &view.evidence {
         Evidence::Mask(mask) => Some(Arc::clone(mask)),
         Evidence::Measurement(grey) => {

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
@@ -63,6 +64,8 @@ pub(super) struct Rounds<'a> {
     pub(super) place: &'a Place,
     pub(super) stance: Stance,
     pub(super) cancel: &'a CancelToken,
+    /// Evaluations of Λ in all searches, whatever their order.
+    pub(super) evaluations: AtomicUsize,
 }
 
 /// A pose and its cost by one stage.
@@ -132,7 +135,9 @@ impl Rounds<'_> {
             let whole = search.reseeder.assemble(&trunk, &chains);
             search.refine(&whole, 0)
         };
-        trunks.into_iter().map(whole).collect()
+        let rated = trunks.into_iter().map(whole).collect();
+        self.count(&search);
+        rated
     }
 
     /// The trunks of a heading that lie best in the silhouettes.
@@ -173,6 +178,7 @@ impl Rounds<'_> {
         let (cost, refined) = search.refine(pose, 0);
         search.keep(Hypothesis { pose: refined, cost, origin: Origin::Hull });
         search.sweep(&chains(&search), effort.pairs_above * self.subject());
+        self.count(&search);
         let best = search.found.swap_remove(0);
         (best.cost, best.pose)
     }
@@ -185,7 +191,14 @@ impl Rounds<'_> {
             last.iterations *= POLISH_ITERATIONS;
             last.tolerance = last.tolerance.map(|gain| POLISH_GAIN * gain);
         }
-        self.search(pose, &options, &self.choices.fine).refine(pose, 0)
+        let mut search = self.search(pose, &options, &self.choices.fine);
+        let refined = search.refine(pose, 0);
+        self.count(&search);
+        refined
+    }
+
+    fn count(&self, search: &Search<'_>) {
+        self.evaluations.fetch_add(search.evaluations, Ordering::Relaxed);
     }
 
     /// All stages but the widest, without any pull to where the search happens to be; one camera holds no depth without.

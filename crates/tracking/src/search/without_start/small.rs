@@ -12,7 +12,7 @@ const MEANT_FOR_PX: f64 = 4.6;
 
 /// The views with every block of pixels made one, where the thinnest limb is twice as thick as it need be and more. Grey
 /// levels stay as they are.
-pub(super) fn reduced(model: &Model, views: &[FitView], pose: &Pose) -> Vec<FitView> {
+pub(crate) fn reduced(model: &Model, views: &[FitView], pose: &Pose) -> Vec<FitView> {
     let factor = (Scale::of(model, views, pose).thinnest_px / MEANT_FOR_PX).floor();
     if !(factor.is_finite() && factor >= 2.0) {
         return views.to_vec();

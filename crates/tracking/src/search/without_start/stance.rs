@@ -10,20 +10,20 @@ const LEAST_FRONT: f64 = 1e-3;
 
 /// Directions and extents of a body at rest. Unit vectors at right angles; metres from the root.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Stance {
+pub(crate) struct Stance {
     /// Along the trunk.
     up: DVec3,
     /// Where the body looks; any direction at right angles to `up` where that cannot be told.
     ahead: DVec3,
     /// Whether front and back can be told.
-    pub(super) has_front: bool,
+    pub(crate) has_front: bool,
     /// How far the body reaches below and above the root, radii included.
-    pub(super) below: f64,
-    pub(super) above: f64,
+    pub(crate) below: f64,
+    pub(crate) above: f64,
 }
 
 impl Stance {
-    pub(super) fn new(model: &Model, parts: &Chains) -> Self {
+    pub(crate) fn new(model: &Model, parts: &Chains) -> Self {
         let kinematics = Kinematics::new(model, &Pose::rest(model));
         let (starts, ends) = (kinematics.starts(), kinematics.ends());
         let trunk = parts.trunk.iter().flat_map(|&rotation| &parts.groups[rotation]);
@@ -41,12 +41,12 @@ impl Stance {
     }
 
     /// How tall the body stands, metres.
-    pub(super) fn height(&self) -> f64 {
+    pub(crate) fn height(&self) -> f64 {
         self.below + self.above
     }
 
     /// The body at rest, standing along `up` and facing `ahead` (unit vectors at right angles, world axes).
-    pub(super) fn pose(&self, model: &Model, root: DVec3, up: DVec3, ahead: DVec3) -> Pose {
+    pub(crate) fn pose(&self, model: &Model, root: DVec3, up: DVec3, ahead: DVec3) -> Pose {
         let basis = |up: DVec3, ahead: DVec3| DMat3::from_cols(up.cross(ahead), up, ahead);
         let turn = DQuat::from_mat3(&(basis(up, ahead) * basis(self.up, self.ahead).transpose()));
         let mut pose = Pose::rest(model);
@@ -56,12 +56,12 @@ impl Stance {
     }
 
     /// Along the trunk of a posed body, and where it looks: both by the rotation that turns all of it.
-    pub(super) fn up_of(&self, model: &Model, pose: &Pose) -> DVec3 {
+    pub(crate) fn up_of(&self, model: &Model, pose: &Pose) -> DVec3 {
         whole_turn(model, pose) * self.up
     }
 
     /// The same of where it looks.
-    pub(super) fn ahead_of(&self, model: &Model, pose: &Pose) -> DVec3 {
+    pub(crate) fn ahead_of(&self, model: &Model, pose: &Pose) -> DVec3 {
         whole_turn(model, pose) * self.ahead
     }
 }
@@ -82,7 +82,7 @@ fn whole_turn(model: &Model, pose: &Pose) -> DQuat {
 }
 
 /// Turns the whole body about its root.
-pub(super) fn turn_whole(model: &Model, pose: &mut Pose, turn: DQuat) {
+pub(crate) fn turn_whole(model: &Model, pose: &mut Pose, turn: DQuat) {
     for (rotation, parent) in model.rotation_parents().iter().enumerate() {
         if parent.is_none() {
             pose.rotations[rotation] = (turn * pose.rotations[rotation]).normalize();

@@ -1,0 +1,149 @@
+//! The body's parts as templates.
+
+use glam::{DQuat, DVec3};
+
+use super::pictures::Template;
+use crate::body::{Kinematics, Model, Pose};
+use crate::search::{Chain, Chains, Stance, turn_whole};
+
+/// The rotations of a chain that are searched: those with the longest limbs.
+const WIDE: usize = 2;
+
+/// A body taken apart for its templates.
+#[derive(Debug)]
+pub(super) struct Frame<'a> {
+    pub(super) model: &'a Model,
+    pub(super) parts: Chains,
+    pub(super) stance: Stance,
+    /// Index of the chain that the head is at the end of.
+    pub(super) head: usize,
+    /// The other chains, the one with the most flesh first.
+    pub(super) limbs: Vec<usize>,
+}
+
+/// One rotation of a chain as a template.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Segment {
+    pub(super) rotation: usize,
+    /// The limbs between whose ends it lies.
+    pub(super) first: usize,
+    pub(super) last: usize,
+    /// From the one end to the other at rest, in the parent's frame.
+    pub(super) rest: DVec3,
+    pub(super) radius: f64,
+    /// Whether its direction is looked for.
+    pub(super) is_wide: bool,
+}
+
+impl<'a> Frame<'a> {
+    /// `None` for a body without a chain on its trunk.
+    pub(super) fn new(model: &'a Model) -> Option<Self> {
+        let parts = Chains::new(model);
+        let stance = Stance::new(model, &parts);
+        let at_rest = Pose::rest(model);
+        let up = stance.up_of(model, &at_rest);
+        let kinematics = Kinematics::new(model, &at_rest);
+        let end =
+            |chain: &Chain| chain_end(&parts, chain).map_or(f64::NAN, |limb| kinematics.ends()[limb].dot(up));
+        let chains = parts.chains.iter().enumerate();
+        let head = chains.max_by(|a, b| end(a.1).total_cmp(&end(b.1))).map(|(index, _)| index)?;
+        let flesh = |chain: usize| -> f64 {
+            let limbs = parts.chains[chain].rotations.iter().flat_map(|&rotation| &parts.groups[rotation]);
+            limbs.map(|&limb| model.limbs()[limb].length * model.limbs()[limb].radius).sum()
+        };
+        let mut limbs: Vec<usize> = (0..parts.chains.len()).filter(|&chain| chain != head).collect();
+        limbs.sort_by(|&a, &b| flesh(b).total_cmp(&flesh(a)));
+        Some(Self { model, stance, head, limbs, parts })
+    }
+
+    /// The limb that the head's ball is the end of, and the one that begins at the neck.
+    pub(super) fn skull_and_neck(&self) -> [usize; 2] {
+        let chain = &self.parts.chains[self.head];
+        let first = self.parts.groups[chain.rotations[0]].first().copied().unwrap_or(0);
+        [chain_end(&self.parts, chain).unwrap_or(first), first]
+    }
+
+    /// Upright along `up` and facing `ahead`, with the neck at a place. The head's chain points from there to the ball.
+    pub(super) fn standing(&self, neck: DVec3, ball: DVec3, up: DVec3, ahead: DVec3) -> Pose {
+        let ahead = ahead.reject_from_normalized(up).normalize_or(up.any_orthonormal_vector());
+        let mut pose = self.stance.pose(self.model, DVec3::ZERO, up, ahead);
+        let [_, first] = self.skull_and_neck();
+        pose.root = neck - Kinematics::new(self.model, &pose).starts()[first];
+        for segment in self.segments(self.head).iter().take(1) {
+            self.point(&mut pose, segment, ball - neck);
+        }
+        pose
+    }
+
+    /// The rotations of a chain as templates, from the trunk outwards.
+    pub(super) fn segments(&self, chain: usize) -> Vec<Segment> {
+        let kinematics = Kinematics::new(self.model, &Pose::rest(self.model));
+        let rotations = &self.parts.chains[chain].rotations;
+        let segment = |(index, &rotation): (usize, &usize)| {
+            let group = &self.parts.groups[rotation];
+            let first = *group.first()?;
+            let next = rotations.get(index + 1).and_then(|next| self.parts.groups[*next].first());
+            let grown_from = next.and_then(|&limb| self.model.limbs()[limb].parent);
+            let last = grown_from.or(group.last().copied())?;
+            let radii = group.iter().map(|&limb| self.model.limbs()[limb].radius);
+            let radius = radii.sum::<f64>() / group.len() as f64;
+            let rest = kinematics.ends()[last] - kinematics.starts()[first];
+            Some(Segment { rotation, first, last, rest, radius, is_wide: true })
+        };
+        let mut segments: Vec<Segment> = rotations.iter().enumerate().filter_map(segment).collect();
+        let mut lengths: Vec<f64> = segments.iter().map(|segment| segment.rest.length()).collect();
+        lengths.sort_by(|a, b| b.total_cmp(a));
+        if let Some(&least) = lengths.get(WIDE - 1) {
+            for segment in &mut segments {
+                segment.is_wide = segment.rest.length() >= least;
+            }
+        }
+        segments
+    }
+
+    /// A posed segment as a template.
+    pub(super) fn template(&self, pose: &Pose, segment: &Segment) -> Template {
+        let kinematics = Kinematics::new(self.model, pose);
+        let (from, to) = (kinematics.starts()[segment.first], kinematics.ends()[segment.last]);
+        Template { from, to, radius: segment.radius }
+    }
+
+    /// Turns a segment along a direction in world axes, without twist.
+    pub(super) fn point(&self, pose: &mut Pose, segment: &Segment, along: DVec3) {
+        let kinematics = Kinematics::new(self.model, pose);
+        let parent = DQuat::from_mat3(&kinematics.parent_frames()[segment.rotation]);
+        let local = (parent.inverse() * along).normalize_or_zero();
+        let rest = segment.rest.normalize_or_zero();
+        if local != DVec3::ZERO && rest != DVec3::ZERO {
+            pose.rotations[segment.rotation] = DQuat::from_rotation_arc(rest, local);
+        }
+    }
+
+    /// The trunk of a posed body as one template, from the neck down to the root; half as thick as the trunk is broad, and as
+    /// it is deep, between the two.
+    pub(super) fn trunk_template(&self, pose: &Pose) -> Template {
+        let kinematics = Kinematics::new(self.model, pose);
+        let [_, first] = self.skull_and_neck();
+        let (from, to) = (kinematics.starts()[first], pose.root);
+        let axis = (to - from).normalize_or_zero();
+        let trunk = self.parts.trunk.iter().flat_map(|&rotation| &self.parts.groups[rotation]);
+        let (mut thick, mut broad) = (0.0_f64, 0.0_f64);
+        for &limb in trunk {
+            let out = |joint: DVec3| (joint - from).reject_from_normalized(axis).length();
+            let radius = self.model.limbs()[limb].radius;
+            thick = thick.max(radius);
+            broad = broad.max(out(kinematics.starts()[limb]).max(out(kinematics.ends()[limb])) + radius);
+        }
+        Template { from, to, radius: 0.5 * (thick + broad) }
+    }
+
+    /// Turns the whole body about a point.
+    pub(super) fn turn_about(&self, pose: &mut Pose, point: DVec3, turn: DQuat) {
+        pose.root = point + turn * (pose.root - point);
+        turn_whole(self.model, pose, turn);
+    }
+}
+
+fn chain_end(parts: &Chains, chain: &Chain) -> Option<usize> {
+    chain.rotations.last().and_then(|&rotation| parts.groups[rotation].last().copied())
+}
