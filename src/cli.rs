@@ -15,6 +15,7 @@
 //! | `observability` | `backlit observability` |
 //! | `silhouettes` | `backlit silhouettes` |
 //! | `sync` | `backlit sync` |
+//! | `prior` | `backlit prior` |
 //! | `cameras` | `backlit cameras` |
 //! | `experiment` | `backlit experiment`: one file an experiment |
 //! | `take_options` | options that choose frames, cameras and start |
@@ -45,6 +46,7 @@ pub(crate) mod interrupt;
 pub(crate) mod observability;
 pub(crate) mod output;
 pub(crate) mod own_body;
+pub(crate) mod prior;
 pub(crate) mod reference_options;
 pub(crate) mod render;
 pub(crate) mod screenshot;
@@ -89,6 +91,7 @@ pub fn run() -> ExitCode {
         Some(Command::Silhouettes(arguments)) => silhouettes::run(&arguments),
         Some(Command::Background(arguments)) => background::run(&arguments),
         Some(Command::Sync(arguments)) => sync::run(&arguments),
+        Some(Command::Prior(arguments)) => prior::run(&arguments),
         Some(Command::Cameras(arguments)) => cameras::run(&arguments),
         Some(Command::Experiment(arguments)) => experiment::run(&arguments),
     };

@@ -1,4 +1,4 @@
-//! Bodies, poses, starts, tracks, cameras, keypoints and markers.
+//! Bodies, poses, starts, tracks, motions, priors, cameras, keypoints and markers.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 use backlit_formats::calibration::write::{self, Format};
 use backlit_formats::calibration::{self, CalibrationOptions};
 use backlit_formats::pose_file::{self, Quaternions};
-use backlit_formats::{MemoryFiles, keypoints, model_file, motion, starts_file, trc};
+use backlit_formats::{MemoryFiles, bvh, keypoints, model_file, motion, prior_file, starts_file, trc};
 use backlit_tracking::body::builtin;
 use backlit_tracking::camera::Rig;
 
@@ -36,6 +36,34 @@ fn pose(bytes: &[u8]) -> Answer {
         assert!(unit.rotations.iter().all(|q| (q.length() - 1.0).abs() < 1e-9), "{unit:?}");
     }
     raw.into()
+}
+
+fn bvh_motion(bytes: &[u8]) -> Answer {
+    let path = Path::new("motion.bvh");
+    let found = bvh::parse(path, bytes);
+    if let Ok(motion) = &found {
+        let last = motion.frame_count().saturating_sub(1);
+        assert_eq!(motion.joints_at(last).len(), motion.joints().len());
+        // Whether there is a person in it or not.
+        let _ = motion.body_points(path);
+    }
+    found.into()
+}
+
+fn prior(bytes: &[u8]) -> Answer {
+    let path = Path::new("prior.json");
+    let found = prior_file::parse(path, bytes);
+    if let Ok(prior) = &found {
+        // Six digits of a covariance may be none any more; what is read of them stays.
+        if let Ok(again) = prior_file::parse(path, prior_file::to_text(prior).unwrap().as_bytes()) {
+            assert_eq!(again.parts().len(), prior.parts().len());
+        }
+        for part in prior.parts() {
+            let far = part.poses().pull(&vec![1e3; part.poses().size()].into());
+            assert!(far.energy >= 0.0 && !far.energy.is_nan(), "{}", far.energy);
+        }
+    }
+    found.into()
 }
 
 fn starts(bytes: &[u8]) -> Answer {
@@ -166,6 +194,14 @@ pub(super) fn targets() -> Vec<Target> {
         Target { words: BODY, ..text("model", seeds::models, model) },
         Target { words: POSE, ..text("pose", seeds::poses, pose) },
         Target { words: POSE, ..text("starts", || seeds::kept("starts", false), starts) },
+        Target {
+            words: &["JOINT", "End Site", "CHANNELS 3 ", "OFFSET", "MOTION", "Frames: ", "{", "}"],
+            ..text("bvh", seeds::motions, bvh_motion)
+        },
+        Target {
+            words: &["\"parts\"", "\"components\"", "\"covariance\"", "\"right-thigh\"", "\"chest-up\""],
+            ..text("prior", seeds::priors, prior)
+        },
         Target { words: POSE, short: 400, ..text("track", seeds::tracks, track) },
         Target {
             words: &["\"people\""],
