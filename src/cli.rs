@@ -16,6 +16,7 @@
 //! | `silhouettes` | `backlit silhouettes` |
 //! | `sync` | `backlit sync` |
 //! | `sphere_tree` | `backlit sphere-tree` |
+//! | `prior` | `backlit prior` |
 //! | `cameras` | `backlit cameras` |
 //! | `recognise` | `backlit recognise` |
 //! | `experiment` | `backlit experiment`: one file an experiment |
@@ -47,6 +48,7 @@ pub(crate) mod interrupt;
 pub(crate) mod observability;
 pub(crate) mod output;
 pub(crate) mod own_body;
+pub(crate) mod prior;
 pub(crate) mod recognise;
 pub(crate) mod reference_options;
 pub(crate) mod render;
@@ -94,6 +96,7 @@ pub fn run() -> ExitCode {
         Some(Command::Silhouettes(arguments)) => silhouettes::run(&arguments),
         Some(Command::Background(arguments)) => background::run(&arguments),
         Some(Command::Sync(arguments)) => sync::run(&arguments),
+        Some(Command::Prior(arguments)) => prior::run(&arguments),
         Some(Command::Cameras(arguments)) => cameras::run(&arguments),
         Some(Command::SphereTree(arguments)) => sphere_tree::run(&arguments),
         Some(Command::Recognise(arguments)) => recognise::run(&arguments),

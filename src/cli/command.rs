@@ -6,7 +6,7 @@ use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use super::{
-    background, cameras, experiment, export, fit, fit_body, import, observability, recognise, render,
+    background, cameras, experiment, export, fit, fit_body, import, observability, prior, recognise, render,
     screenshot, silhouettes, sphere_tree, sync, track,
 };
 
@@ -67,6 +67,8 @@ pub(crate) enum Command {
     Silhouettes(silhouettes::SilhouetteArguments),
     /// Find how far the cameras of a take were started apart, from the motion of the silhouettes
     Sync(sync::SyncArguments),
+    /// Learn from motion files how people move, for track --prior
+    Prior(prior::PriorArguments),
     /// Show the cameras of a calibration of another tool, and write them in other formats
     Cameras(cameras::CameraArguments),
     /// Build nested spheres of a closed triangle mesh

@@ -7,12 +7,13 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use backlit_formats::take::BodySizes;
-use backlit_formats::{Footage, Take};
+use backlit_formats::{Footage, Take, prior_file};
 use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::{Cue, CueOptions, FrameCues};
 use backlit_tracking::filter::Innovation;
-use backlit_tracking::fit::{FitView, Preset};
+use backlit_tracking::fit::{FitOptions, FitView, Preset};
+use backlit_tracking::residual::learnt_prior::LearntPrior;
 use backlit_tracking::track::{KalmanOptions, Motion, Tracker, WhenToSearch, tune};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -54,6 +55,7 @@ Examples:
   backlit track TAKE --out results --start reference --start-noise 5deg,3cm --seed 7 --json
   backlit track TAKE --out results --model person.toml --motion smoothed --search
   backlit track TAKE --out results --cues keypoints,flow,stereo
+  backlit track TAKE --out results --prior people.json
   backlit track TAKE --out results --motion kalman --tune
   backlit track TAKE --out results --resume";
 
@@ -97,6 +99,9 @@ pub(crate) struct FollowArguments {
     /// The fit of a frame.
     #[command(flatten)]
     pub(crate) solver: SolverArguments,
+    /// Let a prior learnt from motion, as backlit prior writes it, say which poses and steps are likely
+    #[arg(long, value_name = "FILE")]
+    pub(crate) prior: Option<PathBuf>,
     /// How motion is carried from frame to frame [default: velocity, with the report preset still]
     #[arg(long, value_enum)]
     pub(crate) motion: Option<MotionWord>,
@@ -114,6 +119,18 @@ pub(crate) struct FollowArguments {
 }
 
 impl FollowArguments {
+    /// The fit of a frame, with its prior if it has one.
+    ///
+    /// # Errors
+    /// Options that contradict each other, or a prior that cannot be read.
+    pub(crate) fn fit(&self) -> anyhow::Result<FitOptions> {
+        let mut fit = self.solver.options()?;
+        if let Some(path) = &self.prior {
+            fit.prior = Some(LearntPrior::new(Arc::new(prior_file::read(path)?)));
+        }
+        Ok(fit)
+    }
+
     /// A tracker through a take that starts from this pose.
     ///
     /// # Errors
@@ -145,7 +162,7 @@ impl FollowArguments {
             Preset::Report => SearchWord::Never,
             Preset::Robust => SearchWord::Poor,
         };
-        let tracker = Tracker::new(Arc::clone(take.model()), self.solver.options()?, start)?;
+        let tracker = Tracker::new(Arc::clone(take.model()), self.fit()?, start)?;
         let search = self.search.unwrap_or(default).into();
         let motion = match self.motion {
             None => Motion::of_preset(Some(self.solver.preset)),
@@ -221,7 +238,7 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
         Some(earlier) => earlier.frames_left(footage.take(), &cameras, &all_frames)?,
         None => &all_frames,
     };
-    let fit = arguments.follow.solver.options()?;
+    let fit = arguments.follow.fit()?;
     let (start, begun) = if let Some(earlier) = &earlier {
         (earlier.last_pose(), earlier.begun.clone())
     } else {
@@ -255,7 +272,7 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     });
     if smoothing.is_some() {
         report.smooth(take)?;
-        let (done, renderer) = (report.frames(), arguments.follow.solver.options()?.renderer);
+        let (done, renderer) = (report.frames(), fit.renderer);
         each_frame(&footage, &cameras, &done, |frame, views, _| {
             report.measure_overlap(take, frame, &views, renderer);
             Ok(())
@@ -423,8 +440,6 @@ fn progress_bar(frames: usize) -> ProgressBar {
 
 #[cfg(test)]
 mod tests {
-    use backlit_tracking::fit::FitOptions;
-
     use super::*;
 
     #[test]

@@ -167,7 +167,7 @@ fn find(ui: &mut Ui, requests: &mut Requests, small: bool) {
     );
     let icon_rect = egui::Rect::from_center_size(rect.left_center() + vec2(14.0, 0.0), vec2(14.0, 14.0));
     Icon::Search.paint_scaled(ui.painter(), icon_rect, palette.text2, 0.85);
-    let font = egui::TextStyle::Small.resolve(ui.style());
+    let font = TextStyle::Small.resolve(ui.style());
     let at = rect.left_center() + vec2(27.0, 0.0);
     ui.painter().text(at, egui::Align2::LEFT_CENTER, "Ctrl K", font, palette.text3);
     if response.on_hover_text(command.tooltip()).clicked() {

@@ -191,7 +191,11 @@ fn message_fault(answer: &Answer) -> Option<String> {
     if let Some(letter) = message.chars().find(|letter| letter.is_control()) {
         return Some(format!("its message has {letter:?}: {message:?}"));
     }
-    let mut words = message.split(|letter: char| letter.is_whitespace() || "`\"'()[]<>,;:".contains(letter));
+    // Between backticks stand words of the file.
+    let own = message.split('`').step_by(2);
+    let mut words = own.flat_map(|text| {
+        text.split(|letter: char| letter.is_whitespace() || "\"'()[]<>,;:".contains(letter))
+    });
     let foreign = words.find(|word| FOREIGN.contains(word))?;
     Some(format!("its message says {foreign}: {message}"))
 }

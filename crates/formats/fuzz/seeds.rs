@@ -7,11 +7,13 @@ use std::path::{Path, PathBuf};
 use backlit_formats::calibration::write::{self, Format};
 use backlit_formats::export::track_read::WrittenTrack;
 use backlit_formats::export::{TrackExport, track_json};
-use backlit_formats::{model_file, pose_file};
+use backlit_formats::motion::{self, Motion, MotionFormat, MotionOptions};
+use backlit_formats::{model_file, pose_file, prior_file};
 use backlit_tracking::body::{Parameters, Pose, builtin};
 use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
 use backlit_tracking::cues::{Cue, LimbHold};
 use backlit_tracking::optimize::Termination;
+use backlit_tracking::prior::{BodyDirection, PosePrior, PriorPart, StepStatistics, StudentComponent};
 use backlit_tracking::silhouette::Overlap;
 use backlit_tracking::track::{FrameEstimate, Lost, Track};
 use glam::DVec3;
@@ -176,6 +178,31 @@ pub(crate) fn tracks() -> Vec<Vec<u8>> {
         track: Track { frames: BTreeMap::from([(3, good), (4, lost)]) },
     };
     vec![track_text(&written).into_bytes()]
+}
+
+/// A body's motion as BVH, as we write it, and one written by hand.
+pub(crate) fn motions() -> Vec<Vec<u8>> {
+    let model = builtin::full_body();
+    let poses = BTreeMap::from([(0, Pose::rest(&model)), (1, Pose::rest(&model))]);
+    let motion = Motion { name: "rest".to_owned(), model, frame_rate: 25.0, poses };
+    let ours = motion::to_bytes(MotionFormat::Bvh, &motion, &MotionOptions::default()).unwrap();
+    [vec![ours], kept("bvh", false)].concat()
+}
+
+pub(crate) fn priors() -> Vec<Vec<u8>> {
+    let lower = |diagonal: f64| -> Vec<f64> {
+        (0..6).flat_map(|i| (0..=i).map(move |j| if i == j { diagonal } else { 0.0 })).collect()
+    };
+    let component = |y: f64| StudentComponent {
+        share: 0.5,
+        mean: vec![0.0, y, -0.8, 0.1, 0.7, -0.2],
+        covariance: lower(0.04),
+    };
+    let step = StepStatistics { seconds: 0.0625, exponent: 1.5, covariance: lower(0.01) };
+    let directions = vec![BodyDirection::RightThigh, BodyDirection::RightCalf];
+    let part = PriorPart::new("right leg", directions, vec![component(0.1), component(0.4)], step, 4.0);
+    let prior = PosePrior::new("a test", vec![part.unwrap()]).unwrap();
+    vec![prior_file::to_text(&prior).unwrap().into_bytes()]
 }
 
 /// A small picture.

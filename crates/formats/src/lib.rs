@@ -10,6 +10,8 @@
 //! | [`synchronise`] | offsets of a take's cameras, found from its silhouettes |
 //! | [`model_file`] | body models |
 //! | [`pose_file`] | poses |
+//! | [`bvh`] | motion of a skeleton, and a person's joints in it |
+//! | [`prior_file`] | what motion files say of poses and steps |
 //! | [`mod@import`] | a take made of footage and a calibration |
 //! | [`plate`] | a camera's view without the subject, learnt from footage |
 //! | [`keypoints`], [`trc`] | what other tools found in the same footage |
@@ -29,6 +31,7 @@
 
 pub mod atomic;
 mod base64;
+pub mod bvh;
 pub mod calibration;
 pub mod error;
 pub mod export;
@@ -46,6 +49,7 @@ pub mod npy;
 mod plain_words;
 pub mod plate;
 pub mod pose_file;
+pub mod prior_file;
 pub mod sphere_tree_file;
 pub mod starts_file;
 pub mod synchronise;

@@ -19,7 +19,6 @@
 //! | `glb`, `glb_buffer`, `capsule` | glTF 2.0 with a skinned body |
 //! | `npz`, `zip` | NumPy arrays |
 //! | `rows` | CSV |
-//! | `bvh_read` | Biovision hierarchy of any program, read |
 //! | `joints` | [`JointTrack`]: joints over time, of a track or a BVH |
 //! | `labels` | `labels.csv`: what motions of a folder are called |
 
@@ -34,7 +33,6 @@ use super::export::track_read::WrittenTrack;
 use super::{FileError, FileProblem, atomic};
 
 mod bvh;
-mod bvh_read;
 mod c3d;
 mod capsule;
 mod euler;

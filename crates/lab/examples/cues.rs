@@ -2,11 +2,17 @@
 //!
 //! `cargo run --release -p backlit-lab --example cues -- [seconds=3] [every=1,4,8] [movement=0,1,…] [ways=0,1,…] [wide=0.045]
 //! [keypoints.weight=NUMBER …] [variant='WAY/keypoints.weight:NUMBER;flow.scale_m:NUMBER' …]`; ways are
-//! counted from 0.
+//! counted from 0. With `prior=FILE` each way is followed with a prior learnt from motion, too; `prior=FILE,POSE,STEP,APART` sets the
+//! weights of poses, steps and of limbs inside one another, and `cameras=1` leaves the second telephone out.
 
-use backlit_lab::experiment::cues::{Options, run, ways};
+use std::path::Path;
+use std::sync::Arc;
+
+use backlit_formats::prior_file;
+use backlit_lab::experiment::cues::{Options, run, ways, with_prior};
 use backlit_lab::synthetic::occlusions::Occlusion;
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::residual::learnt_prior::LearntPrior;
 
 /// Changes a number of all ways that have it: `keypoints.weight`, `flow.scale_m`, `coverage.seen_share` and so on. A cue that
 /// a way does without stays off.
@@ -40,7 +46,7 @@ fn tune(options: &mut Options, name: &str, value: f64) -> Result<(), String> {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut options = Options::default();
+    let (mut options, mut priors) = (Options::default(), Vec::new());
     for argument in std::env::args().skip(1) {
         let (name, value) = argument.split_once('=').ok_or("expected NAME=VALUE")?;
         let numbers = || value.split(',').map(str::parse::<usize>).collect::<Result<Vec<_>, _>>();
@@ -48,6 +54,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "seconds" => options.seconds = value.parse()?,
             "wide" => options.too_wide = value.parse()?,
             "pattern" => options.pattern = value.parse()?,
+            "prior" => priors.push(value.to_owned()),
+            "cameras" => options.cameras = value.parse()?,
             "seed" => options.seed = value.parse()?,
             "every" => options.every = numbers()?,
             "movement" => {
@@ -77,6 +85,25 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             _ if name.contains('.') => tune(&mut options, name, value.parse()?)?,
             _ => return Err(format!("{name} is no option").into()),
         }
+    }
+    let plain = options.ways.clone();
+    for words in &priors {
+        let mut words = words.split(',');
+        let statistics = prior_file::read(Path::new(words.next().unwrap_or_default()))?;
+        let mut prior = LearntPrior::new(Arc::new(statistics));
+        let weights = words.map(str::parse::<f64>).collect::<Result<Vec<_>, _>>()?;
+        let mut more = match weights[..] {
+            [pose_weight, step_weight, ..] => {
+                (prior.pose_weight, prior.step_weight) = (pose_weight, step_weight);
+                with_prior(&plain, &prior)
+            }
+            _ => with_prior(&plain, &prior),
+        };
+        for way in more.iter_mut().filter(|_| !weights.is_empty()) {
+            way.name += &format!(" {weights:?}");
+            way.fit.interpenetration_weight = weights.get(2).copied().unwrap_or(0.0);
+        }
+        options.ways.extend(more);
     }
     let report = run(&options, &CancelToken::new(), |progress| {
         eprintln!("{} of {}", progress.done, progress.total);

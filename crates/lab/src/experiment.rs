@@ -26,6 +26,7 @@
 //! | [`shadow`] | simulated rooms with shadows: pixels found and joints, by test; noise that passes for a subject |
 //! | [`starts`] | starts of known distance from their truth |
 //! | [`cues`](mod@cues) | limbs that silhouettes do not hold, with and without cues of the pictures |
+//! | [`prior`](mod@prior) | recorded people followed with and without a prior learnt from others |
 //! | [`curve`] | one fit, iteration by iteration, against its truth |
 //! | [`sizes`] | the sizes of people of several builds, from silhouettes |
 //! | [`own_sizes`] | the same in one go from a track with the average body, masks exact and too wide, and the track after |
@@ -50,6 +51,7 @@ pub mod inverse;
 pub mod looks;
 pub mod no_start;
 pub mod own_sizes;
+pub mod prior;
 pub mod progress;
 pub mod robustness;
 pub mod scene;

@@ -12,6 +12,7 @@
 //! | [`capsules`] | exact masks and grey levels of a model's own capsules |
 //! | [`squats`] | the full body's squats with raised arms, before two telephones |
 //! | [`occlusions`] | arms folded, legs crossed and the like before two telephones |
+//! | [`retarget`] | recorded motion on a body |
 //! | [`upper_body`] | the report's upper body before its cameras: a movement |
 //!
 //! Nothing here reads a clock: the same numbers in give the same bytes out, on any number of threads.
@@ -25,6 +26,7 @@ pub mod noise;
 pub mod occlusions;
 pub mod people;
 pub mod render;
+pub mod retarget;
 pub mod room;
 mod shading;
 pub mod silhouettes;

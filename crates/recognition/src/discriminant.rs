@@ -58,6 +58,9 @@ pub fn balanced_weights(cells: &[(usize, usize)]) -> Vec<f64> {
     cells.iter().map(|cell| each / (subjects[&cell.0] * counts[cell])).collect()
 }
 
+/// Covariance and mean.
+type Moments = (DMatrix<f64>, DVector<f64>);
+
 impl Discriminant {
     /// Learns axes from samples, of which there is one at least; `shrinkage` κ lies between 0 and 1.
     #[must_use]
@@ -102,7 +105,7 @@ impl Discriminant {
             let row = DVector::from_vec(self.standardised(sample.row));
             cells.entry((sample.class, sample.subject)).or_default().push(row);
         }
-        let mut classes: BTreeMap<usize, Vec<(DMatrix<f64>, DVector<f64>)>> = BTreeMap::new();
+        let mut classes: BTreeMap<usize, Vec<Moments>> = BTreeMap::new();
         for ((class, _), rows) in &cells {
             let scale = 1.0 / rows.len() as f64;
             let mean = rows.iter().fold(DVector::zeros(dimension), |a, b| a + b) * scale;

@@ -217,7 +217,7 @@ fn models(
 ) -> Vec<HiddenMarkov> {
     let weights = balanced_weights(&shorts.cells);
     let rows: Vec<Vec<f64>> = shorts.rows.iter().map(|row| axes.project(row)).collect();
-    let mut sequences: Vec<Vec<(&[Vec<f64>], f64)>> = vec![Vec::new(); class_count];
+    let mut sequences: Vec<Vec<Weighted<'_>>> = vec![Vec::new(); class_count];
     let mut first = 0;
     for seen in motions.iter().flat_map(|motion| &motion.seen) {
         let past = first + seen.short.len();
@@ -226,6 +226,9 @@ fn models(
     }
     sequences.iter().map(|sequences| HiddenMarkov::learn(sequences, options)).collect()
 }
+
+/// Rows of a sequence, and how much they count.
+type Weighted<'a> = (&'a [Vec<f64>], f64);
 
 /// The plane of frames, and where classes lie on it.
 fn plane(motions: &[&Prepared], classes: &[String]) -> (PrincipalComponents, Vec<PlaneCloud>) {

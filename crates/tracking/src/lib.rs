@@ -86,6 +86,7 @@
 //! | [`render`] | the soft silhouette Λ of a pose in a camera, and ∂Λ/∂X; [`render::prediction`] for λ alone, [`render::wrench`] for a pixel's gradient |
 //! | [`residual`] | what pulls on a pose: silhouettes, priors, limits, points, one module each |
 //! | [`optimize`] | least squares: normal equations, Gauss-Newton, Levenberg-Marquardt; [`optimize::gradient_check`] compares derivatives with differences |
+//! | [`mod@prior`] | what motion files say of poses and of steps from pose to pose |
 //! | [`fit`] | one frame's fit: evidence, options, cost, iterations |
 //! | [`cues`] | what pictures say of limbs that silhouettes do not hold: keypoints, flow, edges, stereo |
 //! | [`search`] | other poses that the silhouettes allow, ranked; where a fit begins |
@@ -135,6 +136,7 @@ pub mod observability;
 pub mod optimize;
 pub mod particles;
 pub mod posing;
+pub mod prior;
 pub mod processor;
 pub mod render;
 pub mod residual;

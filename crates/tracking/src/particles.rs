@@ -9,7 +9,7 @@
 //!
 //! - **Partitions.** Forty dimensions are too many to be hit by chance. So the trunk is sampled first, weighted and
 //!   resampled; then each chain (head, arm, leg) given the trunk, one after the other, likewise. What is not sampled yet in the
-//!   first layer is not drawn either. After J. MacCormick and M. Isard, "Partitioned sampling, articulated objects, and
+//!   first layer is not drawn either. After J. `MacCormick` and M. Isard, "Partitioned sampling, articulated objects, and
 //!   interface-quality hand tracking", ECCV 2000.
 //! - **Annealing.** Layers begin with wide ramps and wide noise and end with narrow ones. β is not chosen: it is what leaves a
 //!   wanted share of the particles alive, the survival rate α = 1/(N Σ wᵢ²). After J. Deutscher, A. Blake and I. Reid,

@@ -11,6 +11,7 @@
 //! | [`interpenetration`] | how deep two limbs lie inside each other |
 //! | [`Loss`] | how large residuals are held back: Huber, Cauchy, Tukey |
 //! | [`motion_prior`] | stay near what the motion so far foretells |
+//! | [`learnt_prior`] | how unlikely poses and steps are, by what motion files say |
 //! | [`cue`] | where keypoints, flow, edges and stereo saw a limb − where it is |
 //! | [`point`] | target − position of a joint, for posing by hand and for reference keypoints |
 
@@ -18,6 +19,7 @@ pub(crate) mod body_size;
 pub mod cue;
 pub mod interpenetration;
 pub mod joint_limit;
+pub mod learnt_prior;
 mod loss;
 pub mod motion_prior;
 pub mod point;

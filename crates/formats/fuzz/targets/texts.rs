@@ -1,4 +1,4 @@
-//! Bodies, poses, starts, tracks, cameras, keypoints and markers.
+//! Bodies, poses, starts, tracks, motions, priors, cameras, keypoints and markers.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use backlit_formats::calibration::write::{self, Format};
 use backlit_formats::calibration::{self, CalibrationOptions};
 use backlit_formats::export::track_read;
 use backlit_formats::pose_file::{self, Quaternions};
-use backlit_formats::{MemoryFiles, keypoints, model_file, starts_file, trc};
+use backlit_formats::{MemoryFiles, bvh, keypoints, model_file, motion, prior_file, starts_file, trc};
 use backlit_tracking::body::builtin;
 use backlit_tracking::camera::Rig;
 
@@ -37,6 +37,37 @@ fn pose(bytes: &[u8]) -> Answer {
         assert!(unit.rotations.iter().all(|q| (q.length() - 1.0).abs() < 1e-9), "{unit:?}");
     }
     raw.into()
+}
+
+fn bvh_motion(bytes: &[u8]) -> Answer {
+    let path = Path::new("motion.bvh");
+    let found = bvh::parse(path, bytes);
+    if let Ok(motion) = &found {
+        let last = motion.frame_count().saturating_sub(1);
+        assert_eq!(motion.joints_at(last).len(), motion.joints().len());
+        // Whether there is a person in it or not.
+        let _ = motion.body_points(path);
+    }
+    if let Ok(track) = motion::parse_bvh(path, bytes) {
+        assert!(track.frames.iter().all(|(_, places)| places.len() == track.joints.len()));
+    }
+    found.into()
+}
+
+fn prior(bytes: &[u8]) -> Answer {
+    let path = Path::new("prior.json");
+    let found = prior_file::parse(path, bytes);
+    if let Ok(prior) = &found {
+        // Six digits of a covariance may be none any more; what is read of them stays.
+        if let Ok(again) = prior_file::parse(path, prior_file::to_text(prior).unwrap().as_bytes()) {
+            assert_eq!(again.parts().len(), prior.parts().len());
+        }
+        for part in prior.parts() {
+            let far = part.poses().pull(&vec![1e3; part.poses().size()].into());
+            assert!(far.energy >= 0.0 && !far.energy.is_nan(), "{}", far.energy);
+        }
+    }
+    found.into()
 }
 
 fn starts(bytes: &[u8]) -> Answer {
@@ -72,14 +103,6 @@ fn keypoint_file(bytes: &[u8]) -> Answer {
 
 fn markers(bytes: &[u8]) -> Answer {
     trc::parse(Path::new("markers.trc"), bytes).into()
-}
-
-fn joints(bytes: &[u8]) -> Answer {
-    let found = motion::parse_bvh(Path::new("motion.bvh"), bytes);
-    if let Ok(track) = &found {
-        assert!(track.frames.iter().all(|(_, places)| places.len() == track.joints.len()));
-    }
-    found.into()
 }
 
 fn labels(bytes: &[u8]) -> Answer {
@@ -183,13 +206,17 @@ pub(super) fn targets() -> Vec<Target> {
         Target { words: BODY, ..text("model", seeds::models, model) },
         Target { words: POSE, ..text("pose", seeds::poses, pose) },
         Target { words: POSE, ..text("starts", || seeds::kept("starts", false), starts) },
+        Target { words: BVH, ..text("bvh", seeds::motions, bvh_motion) },
+        Target {
+            words: &["\"parts\"", "\"components\"", "\"covariance\"", "\"right-thigh\"", "\"chest-up\""],
+            ..text("prior", seeds::priors, prior)
+        },
         Target { words: POSE, short: 400, ..text("track", seeds::tracks, track) },
         Target {
             words: &["\"people\""],
             ..text("keypoints", || seeds::kept("keypoints", false), keypoint_file)
         },
         Target { words: &["\t\t", "Units"], ..text("markers", || seeds::kept("markers", false), markers) },
-        Target { words: BVH, ..text("bvh", || seeds::kept("bvh", false), joints) },
         Target { words: &["file", "class", ",,"], ..text("labels", || seeds::kept("labels", false), labels) },
         text("cameras", seeds::own_cameras, cameras),
         text("calibration_json", seeds::calibration_json, cameras),

@@ -5,10 +5,13 @@ use std::path::Path;
 use backlit_tracking::body::Kinematics;
 use glam::DVec3;
 
-use super::{Motion, bvh_read};
+use super::Motion;
+use crate::bvh;
 use crate::export::track_read;
-use crate::{DiskFiles, FileError, TakeFiles};
+use crate::{DiskFiles, FileError, FileProblem, TakeFiles};
 
+/// Most places that a file is read to: 400 MB.
+const MAX_PLACES: usize = 1 << 24;
 /// Largest BVH that is read, bytes.
 const MAX_BYTES: u64 = 256 << 20;
 
@@ -58,10 +61,26 @@ pub fn read_joints(
     Ok(JointTrack::of_motion(&Motion::of_written(track_read::read(path, model)?)))
 }
 
-/// Parses a BVH file; `path` is for the error's message. Joints are the file's nodes, ends of chains left out; frames count from 0.
+/// Parses a BVH file; `path` is for the error's message. Frames count from 0.
 ///
 /// # Errors
-/// Not such a file, a number that is none or missing, or more than can be. The error names the line.
+/// As [`bvh::parse`], or more than 16 million places. The error names the line.
 pub fn parse_bvh(path: &Path, bytes: &[u8]) -> Result<JointTrack, FileError> {
-    bvh_read::parse(path, bytes)
+    let motion = bvh::parse(path, bytes)?;
+    let (joints, frames) = (motion.joints(), motion.frame_count());
+    if joints.len().saturating_mul(frames) > MAX_PLACES {
+        let problem = FileProblem::Field {
+            field: "Frames:".to_owned(),
+            found: format!("{frames} with {} joints", joints.len()),
+            expected: format!("at most {MAX_PLACES} places"),
+        };
+        return Err(FileError::new(path, problem));
+    }
+    let places = |frame| motion.joints_at(frame).into_iter().map(|(place, _)| place).collect();
+    Ok(JointTrack {
+        joints: joints.iter().map(|joint| joint.name.clone()).collect(),
+        frame_rate: 1.0 / motion.frame_seconds(),
+        frames: (0..frames).map(|frame| (frame, places(frame))).collect(),
+        up: Some(DVec3::Y),
+    })
 }

@@ -18,6 +18,7 @@ use backlit_tracking::cues::{Cue, CueOptions, CueReach, CueStrength, CueWatch, W
 use backlit_tracking::fit::{Evidence, FitOptions, FitView};
 use backlit_tracking::metrics::Statistics;
 use backlit_tracking::render::RendererKind;
+use backlit_tracking::residual::learnt_prior::LearntPrior;
 use backlit_tracking::search::start::perturb;
 use backlit_tracking::track::{FrameEstimate, Tracker, WhenToSearch};
 use serde::Serialize;
@@ -51,6 +52,8 @@ pub struct Options {
     pub pattern: f64,
     /// Seed of noise and starts.
     pub seed: u64,
+    /// So many of the two cameras see it.
+    pub cameras: usize,
     /// The ways that are compared.
     pub ways: Vec<Way>,
 }
@@ -62,6 +65,8 @@ pub struct Way {
     pub name: String,
     /// Its cues.
     pub cues: Option<CueOptions>,
+    /// How a frame is fitted: a prior learnt from motion is among the choices.
+    pub fit: FitOptions,
 }
 
 impl Default for Options {
@@ -74,6 +79,7 @@ impl Default for Options {
             too_wide: 0.045,
             pattern: 0.5,
             seed: 1,
+            cameras: 2,
             ways: ways(),
         }
     }
@@ -88,15 +94,30 @@ const EDGES_BESIDE: f64 = 1e3;
 pub fn ways() -> Vec<Way> {
     let defaults = CueOptions::default();
     let with_edges = |weight: f64| CueOptions { edges: CueStrength { weight, ..defaults.edges }, ..defaults };
-    let way = |name: &str, cues: CueOptions| Way { name: name.to_owned(), cues: Some(cues) };
+    let way = |name: &str, cues: CueOptions| Way {
+        name: name.to_owned(),
+        cues: Some(cues),
+        fit: FitOptions::default(),
+    };
     let keypoints = defaults.only(&[Cue::Keypoints]);
-    let mut ways = vec![Way { name: "silhouettes alone".to_owned(), cues: None }];
+    let mut ways = vec![Way { name: "silhouettes alone".to_owned(), cues: None, fit: FitOptions::default() }];
     ways.extend(Cue::ALL.map(|cue| way(cue.name(), with_edges(EDGES_ALONE).only(&[cue]))));
     ways.push(way("flow, stereo", defaults.only(&[Cue::Flow, Cue::Stereo])));
     ways.push(way("keypoints, flow, stereo", defaults));
     ways.push(way("all cues", with_edges(EDGES_BESIDE)));
     ways.push(way("keypoints at all limbs", CueOptions { reach: CueReach::All, ..keypoints }));
     ways
+}
+
+/// The same ways with a prior learnt from motion beside them.
+#[must_use]
+pub fn with_prior(ways: &[Way], prior: &LearntPrior) -> Vec<Way> {
+    let with = |way: &Way| Way {
+        name: format!("{}, prior", way.name),
+        fit: FitOptions { prior: Some(prior.clone()), ..way.fit.clone() },
+        ..way.clone()
+    };
+    ways.iter().map(with).collect()
 }
 
 /// What came of it.
@@ -158,7 +179,11 @@ pub fn run(
     let total = options.movements.len() * (1 + options.every.len() * options.ways.len());
     for &movement in &options.movements {
         on_progress(Progress { done, total });
-        let drawn = film(&model, movement, options, step, cancel)?;
+        let mut drawn = film(&model, movement, options, step, cancel)?;
+        for frame in &mut drawn {
+            frame.cameras.truncate(options.cameras);
+            frame.cues.cameras.truncate(options.cameras);
+        }
         done += 1;
         for &every in &options.every {
             let seen: Vec<&FilmedFrame> = drawn.iter().step_by(every / step).collect();
@@ -185,6 +210,9 @@ fn check(options: &Options) -> Result<(), ExperimentError> {
     }
     if !(0.0..=1.0).contains(&options.pattern) {
         return error("pattern", options.pattern, "a contrast from 0 to 1");
+    }
+    if !(1..=2).contains(&options.cameras) {
+        return error("cameras", options.cameras as f64, "1 or 2");
     }
     match options.every.iter().find(|every| **every == 0) {
         Some(_) => error("every", 0.0, "1 or more"),
@@ -279,7 +307,7 @@ fn follow(
     let mut tally = Tally::default();
     let Some(first) = frames.first() else { return Ok(tally) };
     let start = perturb(model, &first.truth, 5f64.to_radians(), 0.03, seed);
-    let mut tracker = Tracker::new(Arc::clone(model), FitOptions::default(), start)?
+    let mut tracker = Tracker::new(Arc::clone(model), way.fit.clone(), start)?
         .with_motion(backlit_tracking::track::Motion::Velocity, rate)?
         .with_search(WhenToSearch::WhenPoor);
     if let Some(cues) = way.cues {
@@ -320,6 +348,7 @@ mod tests {
             (Options { too_wide: 2.0, ..Options::default() }, "too_wide"),
             (Options { pattern: f64::NAN, ..Options::default() }, "pattern"),
             (Options { every: vec![0], ..Options::default() }, "every"),
+            (Options { cameras: 3, ..Options::default() }, "cameras"),
         ];
         for (options, word) in bad {
             let error = run(&options, &CancelToken::new(), |_| {}).unwrap_err();

@@ -35,12 +35,20 @@ pub enum Occlusion {
     WalkFromTheSide,
     /// One leg is put across the other, and back.
     CrossedLegs,
+    /// The hands meet behind the back.
+    ArmsBehind,
 }
 
 impl Occlusion {
     /// All of them.
-    pub const ALL: [Self; 5] =
-        [Self::FoldedArms, Self::HandsOnHips, Self::Squats, Self::WalkFromTheSide, Self::CrossedLegs];
+    pub const ALL: [Self; 6] = [
+        Self::FoldedArms,
+        Self::HandsOnHips,
+        Self::Squats,
+        Self::WalkFromTheSide,
+        Self::CrossedLegs,
+        Self::ArmsBehind,
+    ];
 
     /// What it is called in tables.
     #[must_use]
@@ -51,6 +59,7 @@ impl Occlusion {
             Self::Squats => "squats, arms to the front",
             Self::WalkFromTheSide => "walk from the side",
             Self::CrossedLegs => "legs crossed",
+            Self::ArmsBehind => "arms behind the back",
         }
     }
 
@@ -60,7 +69,7 @@ impl Occlusion {
     /// A size that no camera can have.
     pub fn cameras(self, size_px: [u64; 2]) -> Result<Vec<Arc<Camera>>, CameraError> {
         match self {
-            Self::WalkFromTheSide => squats::cameras_at(FROM_THE_RIGHT, size_px),
+            Self::WalkFromTheSide => squats::cameras_at(&FROM_THE_RIGHT, size_px),
             _ => squats::cameras(size_px),
         }
     }
@@ -80,6 +89,10 @@ impl Occlusion {
             }
             Self::HandsOnHips => {
                 let arm = HANGING.towards(Arm { raised: -22.0, out: 40.0, turned: 58.0, elbow: 92.0 }, share);
+                standing(model, seconds, arm, arm)
+            }
+            Self::ArmsBehind => {
+                let arm = HANGING.towards(Arm { raised: -34.0, out: 14.0, turned: 80.0, elbow: 72.0 }, share);
                 standing(model, seconds, arm, arm)
             }
             Self::Squats => squats::pose(model, seconds),
@@ -230,6 +243,10 @@ mod tests {
         let [hand, elbow, hip] =
             ["right hand", "right upper arm", "right hip"].map(|l| end(Occlusion::HandsOnHips, l));
         assert!(hand.distance(hip) < 0.26 && elbow.x > hip.x + 0.15, "{hand} {elbow} {hip}");
+        let [right, left, spine] =
+            ["right hand", "left hand", "spine"].map(|l| end(Occlusion::ArmsBehind, l));
+        assert!(right.y < spine.y - 0.1 && left.y < spine.y - 0.1, "{right} {left} {spine}");
+        assert!(right.x < 0.1 && left.x > -0.1, "{right} {left}");
         let [right, left] =
             ["right lower calf", "left lower calf"].map(|limb| end(Occlusion::CrossedLegs, limb));
         assert!(right.x < left.x + 0.02 && right.y > left.y + 0.1, "{right} {left}");

@@ -61,14 +61,14 @@ pub fn pose(model: &Model, seconds: f64) -> Pose {
 /// # Errors
 /// A size that no camera can have.
 pub fn cameras(size_px: [u64; 2]) -> Result<Vec<Arc<Camera>>, CameraError> {
-    cameras_at(PLACES, size_px)
+    cameras_at(&PLACES, size_px)
 }
 
-/// The same two in other places, degrees to the subject's left of straight ahead.
-pub(super) fn cameras_at(places: [f64; 2], size_px: [u64; 2]) -> Result<Vec<Arc<Camera>>, CameraError> {
+/// The same, or more of them, in other places, degrees to the subject's left of straight ahead.
+pub(crate) fn cameras_at(places: &[f64], size_px: [u64; 2]) -> Result<Vec<Arc<Camera>>, CameraError> {
     let focal = FOCAL * size_px[1] as f64;
     let [cx, cy] = size_px.map(|side| 0.5 * (side as f64 - 1.0));
-    let place = |(index, degrees): (usize, f64)| {
+    let place = |(index, degrees): (usize, &f64)| {
         let (sine, cosine) = degrees.to_radians().sin_cos();
         let centre = DVec3::new(-sine * DISTANCE, cosine * DISTANCE, HEIGHT);
         let place = CameraFromWorld::looking_at(centre, TARGET, DVec3::Z);
@@ -76,7 +76,7 @@ pub(super) fn cameras_at(places: [f64; 2], size_px: [u64; 2]) -> Result<Vec<Arc<
         let name = format!("phone{}", index + 1);
         Ok(Arc::new(Camera::new(&name, size_px, intrinsics, Distortion::None, place)?))
     };
-    places.into_iter().enumerate().map(place).collect()
+    places.iter().enumerate().map(place).collect()
 }
 
 #[cfg(test)]

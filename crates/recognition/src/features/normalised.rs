@@ -1,7 +1,7 @@
 //! Joints apart from place, heading and size.
 //!
 //! With hips l, r and shoulders: the axis to the left is a = (l − r) + (shoulders' difference)/2, laid flat, smoothed and made a unit; forward is
-//! f = a × up. A joint p becomes ((p − h)·a, p_y − floor, (p − h)·f)/size, with h the middle of the hips. The size is that of thigh, calf and trunk
+//! f = a × up. A joint p becomes ((p − h)·a, `p_y` − floor, (p − h)·f)/size, with h the middle of the hips. The size is that of thigh, calf and trunk
 //! together (medians over the motion) over [`BODY`], so that lengths are about metres of an adult. The floor lies [`TOE_HEIGHT`] below
 //! where the lower toe is a tenth of the time.
 

@@ -112,10 +112,10 @@ impl HiddenMarkov {
         let mut all = vec![Vec::new(); rows.len()];
         for t in (0..rows.len()).rev() {
             let gamma = shares(&alphas[t].iter().zip(&after).map(|(a, b)| a * b).collect::<Vec<_>>());
-            for state in 0..states {
-                sums.counts[state] += weight * gamma[state];
-                for (sum, x) in sums.firsts[state].iter_mut().zip(&rows[t]) {
-                    *sum += weight * gamma[state] * x;
+            for ((count, first), gamma) in sums.counts.iter_mut().zip(&mut sums.firsts).zip(&gamma) {
+                *count += weight * gamma;
+                for (sum, x) in first.iter_mut().zip(&rows[t]) {
+                    *sum += weight * gamma * x;
                 }
             }
             if t == 0 {
@@ -130,9 +130,9 @@ impl HiddenMarkov {
                 let mass: f64 = (0..states)
                     .map(|from| alphas[t - 1][from] * (0..states).map(|to| step(from, to)).sum::<f64>())
                     .sum();
-                for from in 0..states {
-                    for to in 0..states {
-                        sums.steps[from][to] += weight * alphas[t - 1][from] * step(from, to) / mass;
+                for (from, steps) in sums.steps.iter_mut().enumerate() {
+                    for (to, sum) in steps.iter_mut().enumerate() {
+                        *sum += weight * alphas[t - 1][from] * step(from, to) / mass;
                     }
                 }
                 let before: Vec<f64> =

@@ -33,7 +33,7 @@ impl<'a> Network<'a> {
             for (class, model) in self.models.iter().enumerate() {
                 let mut origins = Vec::with_capacity(model.state_count());
                 let mut row = Vec::with_capacity(model.state_count());
-                for to in 0..model.state_count() {
+                for (to, seen) in moment[class].iter().enumerate() {
                     let mut top = (leaving + model.start[to].ln(), best);
                     for (state, score) in scores[class].iter().enumerate() {
                         let score = score + model.transitions[state][to].ln();
@@ -41,7 +41,7 @@ impl<'a> Network<'a> {
                             top = (score, (class, state));
                         }
                     }
-                    row.push(top.0 + moment[class][to]);
+                    row.push(top.0 + seen);
                     origins.push(top.1);
                 }
                 next.push(row);

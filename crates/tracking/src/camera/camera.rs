@@ -121,7 +121,8 @@ impl Camera {
         {
             return Err(CameraError::NotFinite { field, value });
         }
-        if !camera_from_world.translation.abs().cmple(DVec3::splat(FARTHEST)).all() {
+        // What was computed from a number at the limit may round to beyond it.
+        if !camera_from_world.translation.abs().cmple(DVec3::splat(FARTHEST * (1.0 + 1e-9))).all() {
             return Err(CameraError::Translation { value: camera_from_world.translation });
         }
         let rotation = orthonormal(camera_from_world.rotation)?;

@@ -33,6 +33,8 @@ const STEP_PX: f64 = 0.6;
 const MOST_DEPTHS: i32 = 40;
 /// A peak below this correlation is none.
 const LEAST_CORRELATION: f64 = 0.85;
+/// Between two depths that are both below this there is no peak: a patch is several steps wide.
+const NEAR_PEAK: f64 = 0.55;
 /// Another peak may not come nearer to the best one.
 const LEAD: f64 = 0.06;
 /// A patch with less deviation than this, grey levels, says nothing.
@@ -109,9 +111,24 @@ fn point_in_space(one: &StereoView<'_>, other: &StereoView<'_>, point: &SurfaceP
             patch(other.seen.camera, other.picture, point.world + ray * (f64::from(k) * step), [u, v]);
         there.map_or(-1.0, |there| zncc(&here, &there))
     };
-    let all: Vec<f64> = (-depths..=depths).map(correlation).collect();
+    let all = near_peaks((2 * depths + 1) as usize, |at| correlation(at as i32 - depths));
     let offset = peak(&all)? - f64::from(depths);
     Some(point.world + ray * (offset * step))
+}
+
+/// Every second correlation, and those beside one that may be near a peak; −1 for those that are not asked for.
+fn near_peaks(count: usize, correlation: impl Fn(usize) -> f64) -> Vec<f64> {
+    let mut all = vec![-1.0; count];
+    for at in (0..count).step_by(2) {
+        all[at] = correlation(at);
+    }
+    for at in (1..count).step_by(2) {
+        let beside = all[at - 1].max(all.get(at + 1).copied().unwrap_or(-1.0));
+        if beside > NEAR_PEAK {
+            all[at] = correlation(at);
+        }
+    }
+    all
 }
 
 /// The place of the best peak, between entries; `None` if it is low, at an end, or not alone.

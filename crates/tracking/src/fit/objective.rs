@@ -14,6 +14,7 @@ use crate::render::{BACKGROUND, Footprint, View};
 use crate::residual::Loss;
 use crate::residual::cue::CueSet;
 use crate::residual::interpenetration::{self, LimbPairs};
+use crate::residual::learnt_prior::BoundPrior;
 use crate::residual::motion_prior::{self, MotionPrior};
 use crate::residual::silhouette::{KernelMemory, SampledData, StateMap, WorldBlocks};
 use crate::residual::{joint_limit, proximal_prior, rest_prior};
@@ -38,6 +39,8 @@ pub struct Objective {
     map: StateMap,
     /// Limbs that must not overlap; none where that is not asked for.
     pairs: Option<LimbPairs>,
+    /// What motion files say, if they are asked.
+    prior: Option<BoundPrior>,
     silhouette_cost: f64,
 }
 
@@ -86,6 +89,7 @@ impl Objective {
     ) -> Self {
         let kinematics = Kinematics::new(&model, &reference);
         let limbs = model.limbs().len();
+        let prior = options.prior.as_ref().and_then(|prior| BoundPrior::new(prior, &model, &reference));
         let cameras = views
             .iter()
             .zip(distances)
@@ -108,6 +112,7 @@ impl Objective {
             cue_blocks: WorldBlocks::new(limbs),
             map: StateMap::default(),
             pairs: (options.interpenetration_weight > 0.0).then(|| LimbPairs::of(&model)),
+            prior,
             kinematics,
             model,
             silhouette_cost: 0.0,
@@ -178,6 +183,13 @@ impl Objective {
         let weight = self.prior_unit() * self.options.interpenetration_weight;
         let (parameters, columns) = (self.options.parameters, &mut self.map.columns);
         interpenetration::add(equations, parameters, &self.model, &self.kinematics, pairs, weight, columns);
+    }
+
+    fn add_learnt(&self, equations: &mut NormalEquations) {
+        if let Some(prior) = &self.prior {
+            let (parameters, unit) = (self.options.parameters, self.prior_unit());
+            prior.add(equations, parameters, &self.model, &self.kinematics, unit);
+        }
     }
 
     fn add_priors(&self, pose: &Pose, equations: &mut NormalEquations) {
@@ -259,6 +271,7 @@ impl LeastSquares for Objective {
         self.add_cues(parameters, equations);
         self.add_priors(pose, equations);
         self.add_interpenetration(equations);
+        self.add_learnt(equations);
         self.hold(equations);
     }
 
@@ -287,5 +300,75 @@ impl LeastSquares for Objective {
         if scale < 1.0 {
             *step *= scale;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DQuat, DVec3};
+
+    use super::*;
+    use crate::camera::{Camera, CameraFromWorld, Distortion, Intrinsics};
+    use crate::cancel::CancelToken;
+    use crate::fit::{Evidence, Fit};
+    use crate::prior::{BodyDirection, PosePrior, PriorPart, StepStatistics, StudentComponent};
+    use crate::render::{Ramp, RendererKind, prediction};
+    use crate::residual::learnt_prior::LearntPrior;
+    use crate::silhouette::{Label, Mask};
+
+    /// People who hold their right arm ahead of them.
+    fn ahead() -> LearntPrior {
+        let (sine, cosine) = 0.7_f64.sin_cos();
+        let lower = |diagonal: f64| -> Vec<f64> {
+            (0..6).flat_map(|i| (0..=i).map(move |j| if i == j { diagonal } else { 0.0 })).collect()
+        };
+        let mean = vec![-0.3, sine, -cosine, -0.3, sine, -cosine];
+        let component = StudentComponent { share: 1.0, mean, covariance: lower(0.04) };
+        let step = StepStatistics { seconds: 0.1, exponent: 2.0, covariance: lower(0.01) };
+        let directions = vec![BodyDirection::RightUpperArm, BodyDirection::RightForearm];
+        let part = PriorPart::new("right arm", directions, vec![component], step, 4.0).unwrap();
+        LearntPrior::new(Arc::new(PosePrior::new("test", vec![part]).unwrap()))
+    }
+
+    fn view(model: &Model, truth: &Pose, at: DVec3) -> FitView {
+        let place = CameraFromWorld::looking_at(at, DVec3::Z * 0.9, DVec3::Z);
+        let pinhole = Intrinsics { fx: 160.0, fy: 160.0, cx: 59.5, cy: 79.5 };
+        let camera = Camera::new("c", [120, 160], pinhole, Distortion::None, place).unwrap();
+        let joints = Kinematics::new(model, truth);
+        let drawn = View::new(model, &joints, &camera, RendererKind::Capsule, Ramp::Half);
+        let label = |is_in: bool| if is_in { Label::Subject } else { Label::Background };
+        let labels = prediction::covered(&drawn).into_iter().map(label).collect();
+        let evidence = Evidence::Mask(Arc::new(Mask::new(120, 160, labels).unwrap()));
+        FitView { camera: Arc::new(camera), evidence, weight: 1.0 }
+    }
+
+    /// Whether an arm is ahead of the trunk or behind it one camera in front cannot tell, and the prior does. A second one from
+    /// the side tells, whatever the prior says.
+    #[test]
+    fn a_prior_decides_where_silhouettes_do_not_and_yields_where_they_do() {
+        let model = Arc::new(crate::body::builtin::full_body());
+        let arm = model.limbs()[model.limb_index("right upper arm").unwrap()].rotation;
+        let hand = model.limb_index("right forearm").unwrap();
+        let out = DQuat::from_rotation_y(-0.35);
+        let posed = |raised: f64| {
+            let mut pose = Pose { root: DVec3::Z * 0.92, ..Pose::rest(&model) };
+            pose.rotations[arm] = out * DQuat::from_rotation_x(raised);
+            pose
+        };
+        let (front, side) = (DVec3::new(0.0, 2.6, 1.0), DVec3::new(2.6, 0.3, 1.0));
+        let place = |pose: &Pose| Kinematics::new(&model, pose).ends()[hand];
+        let fitted = |truth: f64, start: f64, cameras: &[DVec3], prior: Option<LearntPrior>| {
+            let views = cameras.iter().map(|&at| view(&model, &posed(truth), at)).collect();
+            let options = FitOptions { prior, ..FitOptions::default() };
+            let mut fit = Fit::new(model.clone(), views, posed(start), options).unwrap();
+            place(&fit.run(&CancelToken::new(), |_| {}).pose)
+        };
+        let alone = fitted(0.5, -0.3, &[front], None);
+        let with = fitted(0.5, -0.3, &[front], Some(ahead()));
+        assert!(alone.y < 0.0 && with.y > 0.15, "{alone} {with}");
+        let behind = place(&posed(-0.5));
+        let alone = fitted(-0.5, -0.3, &[front, side], None);
+        let with = fitted(-0.5, -0.3, &[front, side], Some(ahead()));
+        assert!(alone.distance(behind) < 0.01 && with.distance(behind) < 0.03, "{behind} {alone} {with}");
     }
 }

@@ -10,6 +10,7 @@ use crate::body::Parameters;
 use crate::optimize::{Method, SolverOptions, Tolerances};
 use crate::render::{Ramp, RendererKind};
 use crate::residual::Loss;
+use crate::residual::learnt_prior::LearntPrior;
 
 /// Largest weight, prior or damping.
 const LARGEST_WEIGHT: f64 = 1e12;
@@ -98,6 +99,9 @@ pub struct FitOptions {
     pub limit_weight: f64,
     /// Limbs inside one another, in 255² squared grey levels per m² at stride 1; 0 leaves them.
     pub interpenetration_weight: f64,
+    /// What motion files say of poses and steps. Files of choices do not hold it: it is a file of its own.
+    #[serde(skip)]
+    pub prior: Option<LearntPrior>,
     /// Longest turn of one joint in a step, radians; infinite steps are the report's.
     pub largest_turn: Option<f64>,
     /// Longest move of the root in a step, metres.
@@ -218,6 +222,7 @@ impl FitOptions {
                 rest_weight: 0.0,
                 limit_weight: 0.0,
                 interpenetration_weight: 0.0,
+                prior: None,
                 largest_turn: None,
                 largest_move: None,
                 run_all: false,
@@ -246,6 +251,7 @@ impl FitOptions {
                 rest_weight: 30.0,
                 limit_weight: 300.0,
                 interpenetration_weight: 0.0,
+                prior: None,
                 largest_turn: Some(0.3),
                 largest_move: Some(0.15),
                 run_all: false,
@@ -311,6 +317,8 @@ impl FitOptions {
             ("rest_weight", self.rest_weight),
             ("limit_weight", self.limit_weight),
             ("interpenetration_weight", self.interpenetration_weight),
+            ("prior.pose_weight", self.prior.as_ref().map_or(0.0, |prior| prior.pose_weight)),
+            ("prior.step_weight", self.prior.as_ref().map_or(0.0, |prior| prior.step_weight)),
             ("largest_turn", self.largest_turn.unwrap_or(1.0)),
             ("largest_move", self.largest_move.unwrap_or(1.0)),
         ];

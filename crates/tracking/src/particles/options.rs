@@ -108,7 +108,8 @@ mod tests {
     fn numbers_that_make_no_sense_are_named() {
         let good = ParticleOptions::default();
         assert_eq!(good.check(), Ok(()));
-        let wrong: [(fn(&mut ParticleOptions), &str); 6] = [
+        type Spoil = fn(&mut ParticleOptions);
+        let wrong: [(Spoil, &str); 6] = [
             (|options| options.particles = 1, "particles"),
             (|options| options.particles = usize::MAX, "particles"),
             (|options| options.layers = 0, "layers"),

@@ -15,6 +15,7 @@ use crate::body::{Kinematics, Model, Pose, Sides};
 use crate::cancel::CancelToken;
 use crate::cues::{CueOptions, CueOptionsError, CueWatch, FrameCues};
 use crate::fit::{Fit, FitError, FitOptions, FitView};
+use crate::residual::learnt_prior::LearntPrior;
 use crate::search::{self, Hypothesis, Origin, SearchOptions, WithoutStart, WithoutStartError};
 
 /// A first fit that overlaps better than this (IoU) is not questioned. On real footage with two and four cameras, fits
@@ -199,6 +200,9 @@ impl Tracker {
         cancel: &CancelToken,
     ) -> Result<FrameEstimate, FitError> {
         let masks = FrameMasks::of(&views);
+        let led = self.last.as_ref().filter(|last| last.velocity.is_some());
+        let step_seconds = led.map(|last| self.seconds_between(last.frame, frame).abs());
+        self.options.prior = self.options.prior.take().map(|prior| LearntPrior { step_seconds, ..prior });
         let mut predicted = self.predict(frame);
         let start = self.start_of(frame);
         if let Some(cued) = &mut self.cues {

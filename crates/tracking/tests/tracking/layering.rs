@@ -9,11 +9,14 @@ fn allowed(module: &str) -> Option<Vec<&'static str>> {
     Some(match module {
         "lib" => Vec::new(),
         "geometry" | "cancel" | "processor" | "names" => Vec::new(),
+        "prior" => vec!["geometry"],
         "optimize" | "silhouette" => vec!["processor"],
         "body" | "camera" => vec!["geometry", "names"],
         "segment" => vec!["silhouette", "cancel", "processor"],
         "render" => vec!["body", "camera", "silhouette", "geometry", "cancel", "processor"],
-        "residual" => vec!["render", "body", "camera", "silhouette", "optimize", "geometry", "processor"],
+        "residual" => {
+            vec!["prior", "render", "body", "camera", "silhouette", "optimize", "geometry", "processor"]
+        }
         "filter" => vec!["geometry"],
         "metrics" => vec!["body"],
         "posing" => vec!["body", "residual", "optimize"],

@@ -1,0 +1,225 @@
+//! Priors learnt from motion: `backlit-prior 1` JSON (see `docs/formats.md`).
+
+use std::path::Path;
+
+use backlit_tracking::prior::{
+    BodyDirection, Clip, PosePrior, PriorError, PriorPart, StepStatistics, StudentComponent,
+};
+use serde::{Deserialize, Serialize};
+
+use super::{DiskFiles, FileError, FileProblem, TakeFiles, atomic, bvh, json_text, text};
+
+/// Name and version of the file's format.
+pub const FORMAT: &str = "backlit-prior 1";
+/// Largest file that is read, bytes: a prior has some ten thousand numbers.
+const MAX_BYTES: u64 = 8 << 20;
+/// Digits that count of a number.
+const DIGITS: i32 = 6;
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PriorSpec {
+    format: String,
+    source: String,
+    degrees: f64,
+    parts: Vec<PartSpec>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PartSpec {
+    name: String,
+    directions: Vec<BodyDirection>,
+    step: StepSpec,
+    components: Vec<StudentComponent>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StepSpec {
+    seconds: f64,
+    exponent: f64,
+    covariance: Vec<f64>,
+}
+
+/// Reads a prior from the disk.
+///
+/// # Errors
+/// No such file, or as [`parse`].
+pub fn read(path: &Path) -> Result<PosePrior, FileError> {
+    parse(path, &DiskFiles.read(path, MAX_BYTES)?)
+}
+
+/// Parses the content of a prior's file; `path` is for the error's message.
+///
+/// # Errors
+/// Not such a file, or numbers that are no distribution. The error names the part, the field, and the line where there is one.
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<PosePrior, FileError> {
+    let text = text::decode(path, bytes)?;
+    let spec: PriorSpec = json_text::parse_versioned(path, text, FORMAT)?;
+    let wrong = |error: PriorError| {
+        let problem = FileProblem::Option { field: "parts".to_owned(), message: error.to_string() };
+        FileError::new(path, problem).at_line(json_text::line_of(text, &["parts"]))
+    };
+    let part = |part: PartSpec| {
+        let StepSpec { seconds, exponent, covariance } = part.step;
+        let step = StepStatistics { seconds, exponent, covariance };
+        PriorPart::new(&part.name, part.directions, part.components, step, spec.degrees)
+    };
+    let parts: Result<Vec<PriorPart>, PriorError> = spec.parts.into_iter().map(part).collect();
+    PosePrior::new(&spec.source, parts.map_err(wrong)?).map_err(wrong)
+}
+
+/// The content of a prior's file, six digits of each number.
+///
+/// # Errors
+/// Never for a prior that was trained or read.
+pub fn to_text(prior: &PosePrior) -> Result<String, serde_json::Error> {
+    let part = |part: &PriorPart| PartSpec {
+        name: part.name().to_owned(),
+        directions: part.directions().to_vec(),
+        step: StepSpec {
+            seconds: short(part.step().seconds),
+            exponent: short(part.step().exponent),
+            covariance: part.step().covariance.iter().copied().map(short).collect(),
+        },
+        components: part
+            .poses()
+            .components()
+            .iter()
+            .map(|component| StudentComponent {
+                share: short(component.share),
+                mean: component.mean.iter().copied().map(short).collect(),
+                covariance: component.covariance.iter().copied().map(short).collect(),
+            })
+            .collect(),
+    };
+    let degrees = prior.parts().first().map_or(1.0, |part| part.poses().degrees());
+    let spec = PriorSpec {
+        format: FORMAT.to_owned(),
+        source: prior.source().to_owned(),
+        degrees,
+        parts: prior.parts().iter().map(part).collect(),
+    };
+    // A component a line: lists of numbers stay together.
+    let text = serde_json::to_string(&spec)?;
+    let text = text.replace("{\"share\"", "\n{\"share\"").replace("{\"name\"", "\n{\"name\"");
+    Ok(text.replace("\"source\"", "\n\"source\"").replace("\"parts\"", "\n\"parts\"") + "\n")
+}
+
+/// A number with so many digits that count.
+fn short(number: f64) -> f64 {
+    if number == 0.0 || !number.is_finite() {
+        return number;
+    }
+    let places = DIGITS - 1 - number.abs().log10().floor() as i32;
+    let scale = 10f64.powi(places.clamp(-300, 300));
+    let rounded = (number * scale).round() / scale;
+    if rounded.is_finite() { rounded } else { number }
+}
+
+/// Writes a prior, whole or not at all.
+///
+/// # Errors
+/// The folder is missing or not writable.
+pub fn write(path: &Path, prior: &PosePrior) -> Result<(), FileError> {
+    let text = to_text(prior)
+        .map_err(|error| FileError::new(path, FileProblem::Write { error: std::io::Error::other(error) }))?;
+    atomic::write(path, text.as_bytes())
+}
+
+/// The people in the BVH files of a folder and its folders, in the order of their names, to be learnt from.
+///
+/// # Errors
+/// A folder or a file that cannot be read, a file that is no BVH or has no person in it, or no file at all.
+pub fn clips(folder: &Path) -> Result<Vec<Clip>, FileError> {
+    let mut open = vec![folder.to_owned()];
+    let mut files = Vec::new();
+    while let Some(folder) = open.pop() {
+        let failed = |error: std::io::Error| FileError::new(&folder, FileProblem::Read { error });
+        for entry in std::fs::read_dir(&folder).map_err(failed)? {
+            let entry = entry.map_err(failed)?;
+            let (path, kind) = (entry.path(), entry.file_type().map_err(failed)?);
+            if kind.is_dir() {
+                open.push(path);
+            } else if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("bvh")) {
+                files.push(path);
+            }
+        }
+    }
+    files.sort();
+    if files.is_empty() {
+        let (field, found) = ("--train".to_owned(), "a folder without BVH files".to_owned());
+        let expected = "one with motion files, .bvh".to_owned();
+        return Err(FileError::new(folder, FileProblem::Field { field, found, expected }));
+    }
+    files.iter().map(|path| bvh::read(path)?.body_points(path)).collect()
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// Two poses of an arm.
+    pub(crate) fn small() -> PosePrior {
+        let covariance = |diagonal: f64| -> Vec<f64> {
+            (0..6).flat_map(|i| (0..=i).map(move |j| if i == j { diagonal } else { 0.0 })).collect()
+        };
+        let component = |y: f64| StudentComponent {
+            share: 0.5,
+            mean: vec![0.0, y, -0.8, 0.1, 0.7, -0.2],
+            covariance: covariance(0.04),
+        };
+        let step = StepStatistics { seconds: 0.0625, exponent: 1.5, covariance: covariance(0.01) };
+        let directions = vec![BodyDirection::RightUpperArm, BodyDirection::RightForearm];
+        let components = vec![component(0.1), component(0.4)];
+        let part = PriorPart::new("right arm", directions, components, step, 4.0).unwrap();
+        PosePrior::new("a test", vec![part]).unwrap()
+    }
+
+    #[test]
+    fn a_prior_survives_its_file_and_what_is_none_says_where() {
+        let prior = small();
+        let text = to_text(&prior).unwrap();
+        let read = |text: &str| parse(Path::new("p.json"), text.as_bytes());
+        assert_eq!(read(&text).unwrap(), prior);
+        for cut in 0..text.len() - 2 {
+            assert!(read(&text[..cut]).is_err());
+        }
+        for (from, to, expected) in [
+            ("backlit-prior 1", "backlit-prior 9", "`format` is \"backlit-prior 9\""),
+            ("right-upper-arm", "right-upper-leg", "parts[0].directions"),
+            ("right-upper-arm", "right-forearm", "`directions` has 2; expected 1 to 12, each once"),
+            ("\"share\":0.5", "\"share\":-0.5", "`components[0]` is no distribution"),
+            ("0.0625", "0", "`step` is no distribution"),
+            ("\"degrees\":4.0", "\"degrees\":0", "`degrees` is 0"),
+            ("\"degrees\":4.0", "\"degrees\":null", "`degrees` is null"),
+            ("0.04,", "", "`components[0]` is no distribution"),
+        ] {
+            let changed = text.replacen(from, to, 1);
+            assert_ne!(changed, text, "{from}");
+            let message = read(&changed).unwrap_err().to_string();
+            assert!(message.starts_with("p.json") && message.contains(expected), "{from}: {message}");
+        }
+    }
+
+    #[test]
+    fn numbers_keep_six_digits() {
+        assert_eq!(short(0.123_456_789), 0.123_457);
+        assert_eq!(short(-1_234.567_89), -1234.57);
+        assert_eq!((short(0.0), short(1e-300)), (0.0, 1e-300));
+    }
+
+    #[test]
+    fn a_folder_without_motion_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(clips(folder.path()).unwrap_err().to_string().contains("without BVH files"));
+        std::fs::write(
+            folder.path().join("a.BVH"),
+            "HIERARCHY\nROOT a\n{\n}\nMOTION\nFrames: 0\nFrame Time: 1\n",
+        )
+        .unwrap();
+        let message = clips(folder.path()).unwrap_err().to_string();
+        assert!(message.contains("a.BVH") && message.contains("waist"), "{message}");
+    }
+}

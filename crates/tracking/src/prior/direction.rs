@@ -1,0 +1,236 @@
+//! Directions of limbs in the frame of the trunk, and the joints that they are read from.
+
+use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// Sides of a person, as pairs of joints count them.
+const RIGHT: usize = 0;
+const LEFT: usize = 1;
+
+/// What a direction is seen from. Columns of either frame: the person's left, ahead, up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TrunkFrame {
+    /// Left along the hips, up along the spine.
+    Pelvis,
+    /// Up along the chest, left along the shoulders.
+    Chest,
+}
+
+/// A direction of the body: a unit vector in a frame of the trunk.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[expect(missing_docs, reason = "the names say it")]
+pub enum BodyDirection {
+    ChestUp,
+    ChestLeft,
+    RightUpperArm,
+    LeftUpperArm,
+    RightForearm,
+    LeftForearm,
+    RightThigh,
+    LeftThigh,
+    RightCalf,
+    LeftCalf,
+    RightFoot,
+    LeftFoot,
+}
+
+impl BodyDirection {
+    /// All of them.
+    pub const ALL: [Self; 12] = [
+        Self::ChestUp,
+        Self::ChestLeft,
+        Self::RightUpperArm,
+        Self::LeftUpperArm,
+        Self::RightForearm,
+        Self::LeftForearm,
+        Self::RightThigh,
+        Self::LeftThigh,
+        Self::RightCalf,
+        Self::LeftCalf,
+        Self::RightFoot,
+        Self::LeftFoot,
+    ];
+
+    /// What it is seen from: arms from the chest, all else from the pelvis.
+    #[must_use]
+    pub fn frame(self) -> TrunkFrame {
+        match self {
+            Self::RightUpperArm | Self::LeftUpperArm | Self::RightForearm | Self::LeftForearm => {
+                TrunkFrame::Chest
+            }
+            _ => TrunkFrame::Pelvis,
+        }
+    }
+
+    /// The limb of a body that it is the direction of; `None` for the chest's own axes.
+    #[must_use]
+    pub fn limb(self) -> Option<&'static str> {
+        match self {
+            Self::ChestUp | Self::ChestLeft => None,
+            Self::RightUpperArm => Some("right upper arm"),
+            Self::LeftUpperArm => Some("left upper arm"),
+            Self::RightForearm => Some("right forearm"),
+            Self::LeftForearm => Some("left forearm"),
+            Self::RightThigh => Some("right thigh"),
+            Self::LeftThigh => Some("left thigh"),
+            Self::RightCalf => Some("right calf"),
+            Self::LeftCalf => Some("left calf"),
+            Self::RightFoot => Some("right foot"),
+            Self::LeftFoot => Some("left foot"),
+        }
+    }
+}
+
+/// A person's joints at one moment, in any axes and any unit. Pairs are right, left.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyPoints {
+    /// Joints of the hips.
+    pub hips: [DVec3; 2],
+    /// Where the chest turns on the pelvis.
+    pub waist: DVec3,
+    /// The lower end of the neck.
+    pub neck: DVec3,
+    /// Joints of the upper arms.
+    pub shoulders: [DVec3; 2],
+    /// Elbows.
+    pub elbows: [DVec3; 2],
+    /// Wrists.
+    pub wrists: [DVec3; 2],
+    /// Knees.
+    pub knees: [DVec3; 2],
+    /// Ankles.
+    pub ankles: [DVec3; 2],
+    /// Where the toes begin.
+    pub toes: [DVec3; 2],
+}
+
+impl BodyPoints {
+    /// The columns of a frame of the trunk: the person's left, ahead, up. `None` where joints lie in one another or on one
+    /// line.
+    #[must_use]
+    pub fn frame(&self, frame: TrunkFrame) -> Option<DMat3> {
+        let middle = (self.hips[RIGHT] + self.hips[LEFT]) / 2.0;
+        match frame {
+            TrunkFrame::Pelvis => {
+                let left = (self.hips[LEFT] - self.hips[RIGHT]).try_normalize()?;
+                let up =
+                    (self.waist - middle).try_normalize()?.reject_from_normalized(left).try_normalize()?;
+                Some(DMat3::from_cols(left, left.cross(up), up))
+            }
+            TrunkFrame::Chest => {
+                let up = (self.neck - self.waist).try_normalize()?;
+                let across = (self.shoulders[LEFT] - self.shoulders[RIGHT]).try_normalize()?;
+                let left = across.reject_from_normalized(up).try_normalize()?;
+                Some(DMat3::from_cols(left, left.cross(up), up))
+            }
+        }
+    }
+
+    /// A direction as its frame sees it: a unit vector; `None` where joints lie in one another.
+    #[must_use]
+    pub fn direction(&self, direction: BodyDirection) -> Option<DVec3> {
+        use BodyDirection as D;
+        let in_world = match direction {
+            D::ChestUp => self.frame(TrunkFrame::Chest)?.z_axis,
+            D::ChestLeft => self.frame(TrunkFrame::Chest)?.x_axis,
+            D::RightUpperArm => self.elbows[RIGHT] - self.shoulders[RIGHT],
+            D::LeftUpperArm => self.elbows[LEFT] - self.shoulders[LEFT],
+            D::RightForearm => self.wrists[RIGHT] - self.elbows[RIGHT],
+            D::LeftForearm => self.wrists[LEFT] - self.elbows[LEFT],
+            D::RightThigh => self.knees[RIGHT] - self.hips[RIGHT],
+            D::LeftThigh => self.knees[LEFT] - self.hips[LEFT],
+            D::RightCalf => self.ankles[RIGHT] - self.knees[RIGHT],
+            D::LeftCalf => self.ankles[LEFT] - self.knees[LEFT],
+            D::RightFoot => self.toes[RIGHT] - self.ankles[RIGHT],
+            D::LeftFoot => self.toes[LEFT] - self.ankles[LEFT],
+        };
+        Some(self.frame(direction.frame())?.transpose() * in_world.try_normalize()?)
+    }
+
+    /// The numbers of several directions, one after the other.
+    #[must_use]
+    pub fn numbers(&self, directions: &[BodyDirection]) -> Option<Vec<f64>> {
+        let mut numbers = Vec::with_capacity(3 * directions.len());
+        for &direction in directions {
+            numbers.extend(self.direction(direction)?.to_array());
+        }
+        Some(numbers)
+    }
+
+    /// The person as in a mirror: right is left.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        let flip = |p: DVec3| DVec3::new(-p.x, p.y, p.z);
+        let swap = |[right, left]: [DVec3; 2]| [flip(left), flip(right)];
+        Self {
+            hips: swap(self.hips),
+            waist: flip(self.waist),
+            neck: flip(self.neck),
+            shoulders: swap(self.shoulders),
+            elbows: swap(self.elbows),
+            wrists: swap(self.wrists),
+            knees: swap(self.knees),
+            ankles: swap(self.ankles),
+            toes: swap(self.toes),
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// Someone who stands, x right, y ahead, z up, arms hanging, with the right forearm raised ahead.
+    pub(crate) fn standing() -> BodyPoints {
+        let pair = |x: f64, y: f64, z: f64| [DVec3::new(x, y, z), DVec3::new(-x, y, z)];
+        let mut points = BodyPoints {
+            hips: pair(0.1, 0.0, 0.9),
+            waist: DVec3::new(0.0, 0.0, 1.14),
+            neck: DVec3::new(0.0, 0.0, 1.4),
+            shoulders: pair(0.18, 0.0, 1.38),
+            elbows: pair(0.18, 0.0, 1.08),
+            wrists: pair(0.18, 0.0, 0.82),
+            knees: pair(0.1, 0.0, 0.48),
+            ankles: pair(0.1, 0.0, 0.06),
+            toes: pair(0.1, 0.16, 0.0),
+        };
+        points.wrists[RIGHT] = points.elbows[RIGHT] + DVec3::Y * 0.26;
+        points
+    }
+
+    #[test]
+    fn directions_are_seen_from_the_trunk_wherever_it_is_and_mirrored_ones_change_sides() {
+        let points = standing();
+        assert!(points.direction(BodyDirection::RightForearm).unwrap().distance(DVec3::Y) < 1e-12);
+        assert!(points.direction(BodyDirection::LeftThigh).unwrap().distance(-DVec3::Z) < 1e-12);
+        assert!(points.direction(BodyDirection::ChestLeft).unwrap().distance(DVec3::X) < 1e-12);
+        let turn = crate::geometry::rotation::exp(DVec3::new(0.4, -1.1, 0.3));
+        let moved = |p: DVec3| 3.0 * (turn * p) + DVec3::new(4.0, 5.0, -6.0);
+        let all = |[right, left]: [DVec3; 2]| [moved(right), moved(left)];
+        let turned = BodyPoints {
+            hips: all(points.hips),
+            waist: moved(points.waist),
+            neck: moved(points.neck),
+            shoulders: all(points.shoulders),
+            elbows: all(points.elbows),
+            wrists: all(points.wrists),
+            knees: all(points.knees),
+            ankles: all(points.ankles),
+            toes: all(points.toes),
+        };
+        let flip = |v: DVec3| DVec3::new(-v.x, v.y, v.z);
+        for (index, direction) in BodyDirection::ALL.into_iter().enumerate() {
+            let here = points.direction(direction).unwrap();
+            assert!(turned.direction(direction).unwrap().distance(here) < 1e-12, "{direction:?}");
+            // Of each pair the other one, mirrored; the chest's left points the same way again.
+            let other = if index < 2 { direction } else { BodyDirection::ALL[index ^ 1] };
+            let expected = if direction == BodyDirection::ChestLeft { -flip(here) } else { flip(here) };
+            let mirrored = turned.mirrored().direction(other).unwrap();
+            assert!(mirrored.distance(expected) < 1e-12, "{direction:?}: {mirrored} for {expected}");
+        }
+        let flat = BodyPoints { knees: points.hips, ..points };
+        assert_eq!(flat.direction(BodyDirection::RightThigh), None);
+    }
+}

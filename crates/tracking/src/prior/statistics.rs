@@ -1,0 +1,175 @@
+//! A prior as a whole: parts of the body with their poses and steps, checked once.
+
+use nalgebra::DVector;
+use thiserror::Error;
+
+use super::direction::BodyDirection;
+use super::mixture::{StudentComponent, StudentMixture};
+
+/// Most parts, components of a part, and numbers of a direction.
+const MOST_PARTS: usize = 64;
+const MOST_COMPONENTS: usize = 1024;
+const NUMBERS: usize = 3;
+/// Steps over less than this, seconds, are taken as long as this; over more, likewise.
+const SHORTEST: f64 = 1e-3;
+const LONGEST: f64 = 1.0;
+
+/// How far a part is from where its motion led, after a time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepStatistics {
+    /// The time that the covariance is of, seconds.
+    pub seconds: f64,
+    /// p: after a time t the covariance is (t/seconds)^p as large.
+    pub exponent: f64,
+    /// The lower triangle row after row, D (D + 1)/2 numbers.
+    pub covariance: Vec<f64>,
+}
+
+/// A part of the body, whose directions are looked at together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PriorPart {
+    name: String,
+    directions: Vec<BodyDirection>,
+    poses: StudentMixture,
+    step: StepStatistics,
+    /// Of mean zero, for [`StepStatistics::seconds`].
+    steps: StudentMixture,
+}
+
+/// What motion files say of poses and of steps from pose to pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PosePrior {
+    source: String,
+    parts: Vec<PriorPart>,
+}
+
+/// Why numbers are not a prior.
+#[derive(Debug, Error, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum PriorError {
+    #[error("`parts` has {found} parts; expected 1 to {MOST_PARTS}")]
+    Parts { found: usize },
+    #[error("part \"{part}\": `directions` has {found}; expected 1 to 12, each once")]
+    Directions { part: String, found: usize },
+    #[error("part \"{part}\": `components` has {found}; expected 1 to {MOST_COMPONENTS}")]
+    Components { part: String, found: usize },
+    #[error(
+        "part \"{part}\": `components[{index}]` is no distribution; expected a share above 0, {size} numbers of a mean, \
+         and the lower triangle of a positive definite covariance"
+    )]
+    Component { part: String, index: usize, size: usize },
+    #[error("part \"{part}\": `degrees` is {value}; expected a number above 0")]
+    Degrees { part: String, value: f64 },
+    #[error(
+        "part \"{part}\": `step` is no distribution; expected seconds from 0.001 to 1, an exponent from 0 to 8, and the \
+         lower triangle of a positive definite covariance of {size} rows"
+    )]
+    Step { part: String, size: usize },
+}
+
+impl PriorPart {
+    /// Checks a part. `degrees` is ν of its poses and its steps.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, by field.
+    pub fn new(
+        name: &str,
+        directions: Vec<BodyDirection>,
+        components: Vec<StudentComponent>,
+        step: StepStatistics,
+        degrees: f64,
+    ) -> Result<Self, PriorError> {
+        let part = || name.to_owned();
+        let is_twice = directions.iter().enumerate().any(|(index, one)| directions[..index].contains(one));
+        if directions.is_empty() || is_twice {
+            return Err(PriorError::Directions { part: part(), found: directions.len() });
+        }
+        let size = NUMBERS * directions.len();
+        if components.is_empty() || components.len() > MOST_COMPONENTS {
+            return Err(PriorError::Components { part: part(), found: components.len() });
+        }
+        if !(degrees.is_finite() && degrees > 0.0) {
+            return Err(PriorError::Degrees { part: part(), value: degrees });
+        }
+        let is_good = |component: &StudentComponent| {
+            component.mean.len() == size && StudentMixture::new(vec![component.clone()], degrees).is_some()
+        };
+        if let Some(index) = components.iter().position(|component| !is_good(component)) {
+            return Err(PriorError::Component { part: part(), index, size });
+        }
+        let poses = StudentMixture::new(components, degrees).ok_or_else(|| PriorError::Component {
+            part: part(),
+            index: 0,
+            size,
+        })?;
+        let no_step = || PriorError::Step { part: part(), size };
+        if !((SHORTEST..=LONGEST).contains(&step.seconds) && (0.0..=8.0).contains(&step.exponent)) {
+            return Err(no_step());
+        }
+        let at_zero =
+            StudentComponent { share: 1.0, mean: vec![0.0; size], covariance: step.covariance.clone() };
+        let steps = StudentMixture::new(vec![at_zero], degrees).ok_or_else(no_step)?;
+        Ok(Self { name: name.to_owned(), directions, poses, step, steps })
+    }
+
+    /// What it is called.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The directions whose numbers stand one after the other, three each.
+    #[must_use]
+    pub fn directions(&self) -> &[BodyDirection] {
+        &self.directions
+    }
+
+    /// The distribution of its poses.
+    #[must_use]
+    pub fn poses(&self) -> &StudentMixture {
+        &self.poses
+    }
+
+    /// The distribution of its steps.
+    #[must_use]
+    pub fn step(&self) -> &StepStatistics {
+        &self.step
+    }
+
+    /// How likely it is to be `off` from where its motion led, after so many seconds.
+    #[must_use]
+    pub(crate) fn step_pull(&self, off: &DVector<f64>, seconds: f64) -> super::mixture::Pull {
+        // A covariance so many times as large is a distance so many times as short.
+        let ratio = seconds.clamp(SHORTEST, LONGEST) / self.step.seconds;
+        let shrink = ratio.powf(-0.5 * self.step.exponent);
+        let mut pull = self.steps.pull(&(off * shrink));
+        pull.force *= shrink;
+        pull.curvature *= shrink * shrink;
+        pull
+    }
+}
+
+impl PosePrior {
+    /// Puts parts together. `source` says what they were learnt from.
+    ///
+    /// # Errors
+    /// No part, or too many.
+    pub fn new(source: &str, parts: Vec<PriorPart>) -> Result<Self, PriorError> {
+        if parts.is_empty() || parts.len() > MOST_PARTS {
+            return Err(PriorError::Parts { found: parts.len() });
+        }
+        Ok(Self { source: source.to_owned(), parts })
+    }
+
+    /// What it was learnt from, and whom to thank for it.
+    #[must_use]
+    pub fn source(&self) -> &str {
+        &self.source
+    }
+
+    /// Its parts.
+    #[must_use]
+    pub fn parts(&self) -> &[PriorPart] {
+        &self.parts
+    }
+}
