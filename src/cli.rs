@@ -35,6 +35,7 @@
 pub(crate) mod background;
 pub(crate) mod cameras;
 pub(crate) mod command;
+pub(crate) mod each_frame;
 pub(crate) mod evidence;
 pub(crate) mod experiment;
 pub(crate) mod export;

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
@@ -12,12 +11,12 @@ use backlit_tracking::body::Pose;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::{Cue, CueOptions, FrameCues};
 use backlit_tracking::filter::Innovation;
-use backlit_tracking::fit::{FitOptions, FitView, Preset};
+use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::residual::learnt_prior::LearntPrior;
 use backlit_tracking::track::{KalmanOptions, Motion, Tracker, WhenToSearch, tune};
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
 
+use super::each_frame::each_frame;
 use super::fit_options::SolverArguments;
 use super::interrupt::{self, Interrupted};
 use super::output;
@@ -396,46 +395,6 @@ pub(crate) fn follow(
         progress.set_message(report.progress_text());
         after_frame(report)
     })
-}
-
-/// Hands over the evidence of these frames one by one, with a progress bar on a terminal. While one is used, the next
-/// is read and segmented.
-///
-/// # Errors
-/// The first picture that cannot be had, or what `use_frame` returns.
-pub(crate) fn each_frame(
-    footage: &Footage,
-    cameras: &[usize],
-    frames: &[usize],
-    mut use_frame: impl FnMut(usize, Vec<FitView>, &ProgressBar) -> anyhow::Result<()>,
-) -> anyhow::Result<()> {
-    let progress = progress_bar(frames.len());
-    let result = std::thread::scope(|scope| {
-        let (sender, receiver) = sync_channel(1);
-        scope.spawn(move || {
-            for &frame in frames {
-                let views = footage.fit_views(cameras, frame);
-                let failed = views.is_err();
-                // Nobody listens any more when the fit has failed.
-                if sender.send((frame, views)).is_err() || failed {
-                    break;
-                }
-            }
-        });
-        for (frame, views) in receiver {
-            use_frame(frame, views?, &progress)?;
-            progress.inc(1);
-        }
-        Ok(())
-    });
-    progress.finish_and_clear();
-    result
-}
-
-/// A bar on standard error; nothing where that is not a terminal.
-fn progress_bar(frames: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:30} {pos} of {len} frames, {eta} left  {msg}");
-    ProgressBar::new(frames as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 #[cfg(test)]

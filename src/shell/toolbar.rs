@@ -33,17 +33,20 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &mut Features, re
     let response = panel.show(ui, |ui| {
         let rect = ui.max_rect();
         let width = rect.width();
-        let side = |ui: &mut Ui, direction, add: &mut dyn FnMut(&mut Ui)| {
-            let builder = UiBuilder::new().max_rect(rect).layout(direction);
-            ui.scope_builder(builder, |ui| add(ui)).response.rect
-        };
-        let left_side =
-            side(ui, Direction::left_to_right(Align::Center), &mut |ui| left(ui, context, requests, width));
-        let right_side = side(ui, Direction::right_to_left(Align::Center), &mut |ui| {
-            right(ui, context, features, requests, width);
-        });
+        let from = |direction| UiBuilder::new().max_rect(rect).layout(direction);
+        let menus_end = ui
+            .scope_builder(from(Direction::left_to_right(Align::Center)), |ui| {
+                left(ui, context, requests, width)
+            })
+            .inner;
+        let right_side = ui
+            .scope_builder(from(Direction::right_to_left(Align::Center)), |ui| {
+                right(ui, context, features, requests, width);
+            })
+            .response
+            .rect;
         // The name of the take has what is left, and the switch stands in the middle of the window or where they leave room.
-        let mut room = rect.with_min_x(left_side.right() + space::ROW);
+        let mut room = rect.with_min_x(menus_end + space::ROW);
         room.max.x = (right_side.left() - SWITCH - 2.0 * space::ROW).max(room.min.x);
         let builder = UiBuilder::new().max_rect(room).layout(Direction::left_to_right(Align::Center));
         let named = ui.scope_builder(builder, |ui| take(ui, context, width < FOLD_MENUS)).response.rect;
@@ -68,9 +71,10 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, features: &mut Features, re
     }
 }
 
-fn left(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32) {
+/// The menus and undo; says where they end.
+fn left(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32) -> f32 {
     let folded = width < FOLD_MENUS;
-    egui::MenuBar::new().ui(ui, |ui| {
+    let bar = egui::MenuBar::new().ui(ui, |ui| {
         ui.spacing_mut().button_padding = vec2(8.0, 2.0);
         ui.spacing_mut().item_spacing.x = space::TILE_GAP;
         menus::ui(ui, context, requests, folded);
@@ -79,7 +83,9 @@ fn left(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32)
         icon(ui, context, requests, Command::History(HistoryCommand::Undo), Icon::Undo);
         icon(ui, context, requests, Command::History(HistoryCommand::Redo), Icon::Redo);
         divider(ui);
+        ui.cursor().left()
     });
+    bar.inner
 }
 
 fn divider(ui: &mut Ui) {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use backlit::app::settings_file as settings;
 use backlit::context::preferences::Layout;
 use backlit::document::Origin;
-use backlit::document::project::read_project;
+use backlit::document::project::{Project, read_project};
 use backlit::take::source::TakeSource;
 use backlit_formats::calibration::{self, CalibrationOptions};
 use backlit_formats::pose_file::{self, Quaternions};
@@ -106,7 +106,8 @@ fn the_project_is_read_and_its_tables_name_all_there_is() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("example.backlit");
     std::fs::write(&path, example("Project")).unwrap();
-    let document = read_project(&path).unwrap().document;
+    let Project { document, runs } = read_project(&path).unwrap();
+    assert_eq!((runs.len(), runs[0].number, runs[0].steps.len()), (1, 1, 1));
     assert_eq!(document.take, Some(TakeSource::Path("balancing".into())));
     assert_eq!((document.model.name(), document.keys.len()), ("arm", 1));
     let found = &document.estimates[&13];
@@ -120,7 +121,7 @@ fn the_project_is_read_and_its_tables_name_all_there_is() {
 
     // What is written has no field that is not in the tables, and the tables have none besides.
     let written = folder.path().join("written.backlit");
-    backlit::document::project::write_project(&written, &document, &[]).unwrap();
+    backlit::document::project::write_project(&written, &document, &runs).unwrap();
     let written: Value = serde_json::from_slice(&std::fs::read(&written).unwrap()).unwrap();
     let section = section("Project");
     let (project, fit) = section.split_once("| `fit` | unit |").unwrap();

@@ -88,7 +88,7 @@ fn one_camera_is_fooled_and_two_are_not() {
     click(&mut harness, "Compare presets");
     let two = errors_mm(&harness);
     assert_eq!(two.iter().map(|(name, _)| *name).collect::<Vec<_>>(), ["Report 2004", "Robust"]);
-    assert!(two.iter().all(|(_, error)| *error < 3.0), "{two:?} mm");
+    assert!(two.iter().all(|(_, error)| *error < 6.0), "{two:?} mm");
 }
 
 #[test]

@@ -22,7 +22,12 @@ const NONE: Modifiers = Modifiers::NONE;
 
 fn open(opening: Opening, theme: Theme, size: egui::Vec2) -> Harness<'static, App> {
     let look = Settings { theme, layout: Layout::Demonstrate, ..Settings::default() };
-    open_sized(AppOptions { settings: look, opening: Some(opening), ..AppOptions::default() }, size)
+    let options = AppOptions { settings: look, opening: Some(opening), ..AppOptions::default() };
+    let mut harness = open_sized(options, size);
+    if harness.query_by_label("Close explanation").is_some() {
+        click(&mut harness, "Close explanation");
+    }
+    harness
 }
 
 fn open_limb() -> Harness<'static, App> {

@@ -189,7 +189,7 @@ fn of_a_demonstration_nothing_is_kept() {
     let folder = tempfile::tempdir().unwrap();
     let opening = Some(Opening::Take(TakeSource::Demonstration(Demonstration::OneCamera)));
     let mut harness = open_sized(AppOptions { opening, ..options(folder.path()) }, vec2(1500.0, 900.0));
-    click(&mut harness, "Pose");
+    press(&mut harness, Modifiers::NONE, Key::F1);
     drag(&mut harness, "head, Camera 1", vec2(0.0, 30.0));
     assert!(harness.state().is_unsaved());
     eframe::App::on_exit(harness.state_mut(), None);

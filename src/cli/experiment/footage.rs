@@ -7,10 +7,11 @@ use backlit_tracking::cancel::CancelToken;
 use clap::Args;
 use serde::Serialize;
 
+use crate::cli::each_frame::each_frame;
 use crate::cli::output;
 use crate::cli::table::Table;
 use crate::cli::take_options::{self, PartArguments, StartArguments};
-use crate::cli::track::{FollowArguments, each_frame};
+use crate::cli::track::FollowArguments;
 use crate::cli::track_report::{TrackReport, TrackSummary};
 
 /// What `backlit experiment footage` is told.
