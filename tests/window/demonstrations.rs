@@ -75,7 +75,7 @@ fn one_camera_is_fooled_and_two_are_not() {
     assert!(fits(&harness)[1..].iter().all(|(_, percent)| *percent < 2.0), "{:?}", fits(&harness));
     let fooled = errors_mm(&harness);
     assert!(fooled.iter().all(|(_, error)| *error > 25.0), "{fooled:?} mm");
-    harness.get_by_label_contains("Mean joint error: ");
+    harness.get_by_label_contains("Mean joint errors: ");
     assert_eq!(harness.state().document().used_cameras().count(), 1);
     assert_eq!(harness.state().laboratory().camera, 1, "the camera that shows it");
 

@@ -70,8 +70,11 @@ pub fn tell(comparison: &Comparison, lineup: Lineup, key: PushKey) -> Story {
         reason(&fits[best], &fits[worst], key)
     };
     let mut paragraphs: Vec<String> = reason.into_iter().collect();
-    paragraphs.push(ends_of(fits, is_over));
-    paragraphs.extend(errors.map(|errors| format!("Mean joint error: {}.", errors_text(&errors))));
+    let errors = errors.map(|errors| {
+        let all: Vec<String> = errors.iter().map(|(_, error)| format::number(*error, 1)).collect();
+        format!(" Mean joint errors: {} mm.", all.join(", "))
+    });
+    paragraphs.push(ends_of(fits, is_over) + &errors.unwrap_or_default());
     Story { title, paragraphs }
 }
 
