@@ -16,6 +16,7 @@
 //! | [`sizes`] | `backlit experiment sizes` |
 //! | [`track`] | `backlit experiment track` |
 //! | [`robustness`] | `backlit experiment robustness` |
+//! | [`acquire`] | `backlit experiment acquire` |
 //! | [`begin`] | `backlit experiment begin` |
 //! | [`basin`] | `backlit experiment basin` |
 //! | [`frame_basin`] | `backlit experiment basin --take` |
@@ -24,6 +25,7 @@
 //! | [`sync`] | `backlit experiment sync` |
 //! | [`no_start`] | `backlit experiment no-start` |
 
+pub(crate) mod acquire;
 pub(crate) mod arguments;
 pub(crate) mod basin;
 pub(crate) mod basin_map;
@@ -94,6 +96,8 @@ enum Experiment {
     Robustness(robustness::Arguments),
     /// How far off a start may be: share of starts that end at the truth, by distance and number of cameras
     Basin(Box<basin::Arguments>),
+    /// First bodies of people of several builds, grown from nothing known, beside fitted ones; and a take's person
+    Acquire(acquire::Arguments),
     /// Ways to begin, one beside another: downhill, particles, templates, the search; what they find, evaluations of Λ, time
     Begin(Box<begin::Arguments>),
     /// A take with keypoints, tracked from many starts: how many stay near the keypoints everywhere
@@ -124,6 +128,7 @@ pub(crate) fn run(arguments: &ExperimentArguments) -> anyhow::Result<()> {
         Experiment::Track(arguments) => track::run(arguments),
         Experiment::Robustness(arguments) => robustness::run(arguments),
         Experiment::Basin(arguments) => basin::run(arguments),
+        Experiment::Acquire(arguments) => acquire::run(arguments),
         Experiment::Begin(arguments) => begin::run(arguments),
         Experiment::Footage(arguments) => footage::run(arguments),
         Experiment::NoStart(arguments) => no_start::run(arguments),

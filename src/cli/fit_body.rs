@@ -8,8 +8,11 @@ use std::time::Duration;
 use anyhow::{Context, bail};
 use backlit_formats::pose_file::{self, Quaternions};
 use backlit_formats::{Footage, Take, model_file};
+use backlit_tracking::acquisition::{AcquireOptions, Acquired, acquire};
 use backlit_tracking::body::{Model, Pose, SizeChoice};
-use backlit_tracking::body_fit::{Approach, BodyFit, BodyFitOptions, approach, fit_body, frames, scale};
+use backlit_tracking::body_fit::{
+    Approach, BodyFit, BodyFitOptions, BodyProgress, approach, fit_body, fit_body_from, frames, scale,
+};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
@@ -30,6 +33,7 @@ A size of which the silhouettes say hardly more than the proportions of people d
 
 Examples:
   backlit fit-body TAKE --frames 0..300 --out person.toml
+  backlit fit-body TAKE --acquire --out person.toml
   backlit fit-body TAKE --frames 3,40,85 --model full_body --without-keypoints --json";
 
 /// What `backlit fit-body` is told.
@@ -54,6 +58,9 @@ pub(crate) struct FitBodyArguments {
     /// take's own start]
     #[arg(long, value_name = "POSE")]
     start: Option<PathBuf>,
+    /// Nothing is known of the person: a first body and its pose are grown in the smallest frame, and the fit begins with them
+    #[arg(long, conflicts_with = "start")]
+    acquire: bool,
     /// Leave the take's reference keypoints alone
     #[arg(long)]
     without_keypoints: bool,
@@ -164,9 +171,21 @@ pub(crate) fn run(arguments: &FitBodyArguments) -> anyhow::Result<()> {
         true => ReferenceJoints::new(),
         false => joints_of(take, &model, frame),
     };
-    let plan = plan(arguments, take, &model, chosen, &joints)?;
+    let acquired = arguments.acquire.then(|| acquired(&footage, &cameras, &model, &chosen)).transpose()?;
+    let plan = match &acquired {
+        Some(acquired) => approach_to(take, acquired.poses[0].clone(), Some(0.0), chosen),
+        None => plan(arguments, take, &model, chosen, &joints)?,
+    };
     let options = arguments.options(&model, plan.frames.iter().any(|&frame| !joints(frame).is_empty()));
-    let fit = follow_and_fit(&footage, &cameras, &model, &plan, joints, &options)?;
+    let grown = acquired.map(|acquired| acquired.model);
+    let fit = follow_and_fit(
+        &footage,
+        &cameras,
+        [&model, grown.as_ref().unwrap_or(&model)],
+        &plan,
+        joints,
+        &options,
+    )?;
     if let Some(out) = &arguments.out {
         model_file::write(out, &fit.model)?;
     }
@@ -181,7 +200,7 @@ pub(crate) fn run(arguments: &FitBodyArguments) -> anyhow::Result<()> {
 fn follow_and_fit(
     footage: &Footage,
     cameras: &[usize],
-    model: &Arc<Model>,
+    [model, followed]: [&Arc<Model>; 2],
     plan: &Approach,
     joints: impl Fn(usize) -> ReferenceJoints,
     options: &BodyFitOptions,
@@ -190,7 +209,7 @@ fn follow_and_fit(
     spinner.enable_steady_tick(Duration::from_millis(200));
     let cancel = CancelToken::new();
     let (size, frames) = approach(
-        model,
+        followed,
         plan,
         options,
         &cancel,
@@ -198,10 +217,16 @@ fn follow_and_fit(
         joints,
         |done, all| spinner.set_message(format!("on the way: frame {done} of {all}")),
     )?;
-    let fit = fit_body(Arc::clone(model), frames, Some(size), options, &cancel, |progress| {
+    let told = |progress: BodyProgress| {
         let (stage, stages) = (progress.stage + 1, progress.stages);
         spinner.set_message(format!("stage {stage} of {stages}, step {}", progress.iterations));
-    })?;
+    };
+    let fit = if Arc::ptr_eq(model, followed) {
+        fit_body(Arc::clone(model), frames, Some(size), options, &cancel, told)?
+    } else {
+        let grown = followed.scaled(size.exp())?;
+        fit_body_from(Arc::clone(model), frames, &grown, options, &cancel, told)?
+    };
     spinner.finish_and_clear();
     let name = format!("{}, fitted", model.name().trim_end_matches(", fitted"));
     Ok(BodyFit { model: fit.model.clone().renamed(&name), ..fit })
@@ -231,9 +256,26 @@ fn plan(
             })?
         }
     };
+    Ok(approach_to(take, start, size, frames))
+}
+
+fn approach_to(take: &Take, start: Pose, size: Option<f64>, frames: Vec<usize>) -> Approach {
     // A twentieth of a second is near enough for tracking.
     let step = (take.frame_rate() / 20.0).round().max(1.0) as usize;
-    Ok(Approach { start, size, frames, step })
+    Approach { start, size, frames, step }
+}
+
+/// A first body, grown in the smallest frame.
+fn acquired(
+    footage: &Footage,
+    cameras: &[usize],
+    model: &Arc<Model>,
+    frames: &[usize],
+) -> anyhow::Result<Acquired> {
+    let first = frames.iter().copied().min().unwrap_or(0);
+    let views = footage.fit_views(cameras, first)?;
+    let found = acquire(model, &views, &AcquireOptions::default(), &CancelToken::new());
+    found.with_context(|| format!("frame {first}: no first body can be grown"))
 }
 
 /// The take's reference keypoints of a frame, by the limbs of another body with the same names.

@@ -121,6 +121,24 @@ fn the_basin_map_of_a_frame_of_a_take() {
     scene.fails("experiment basin --map neck.flexion,neck.twist", 2, &["--take"]);
 }
 
+/// First bodies: a row a way, files, and what is asked wrong.
+#[test]
+fn first_bodies_are_compared() {
+    let scene = Scene::new();
+    let said = scene.ok("experiment acquire --people 1 --moments 8 --tracked 2 --out results");
+    for part in
+        ["child of six, slim: average, scaled", "grown from templates", "fitted from grown", "acquire.json"]
+    {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let file = std::fs::read_to_string(scene.path("results/acquire.json")).unwrap();
+    let numbers: Value = serde_json::from_str(&file).unwrap();
+    let rows = numbers["report"]["rows"].as_array().unwrap();
+    assert!(rows.len() == 6 && rows.iter().all(|row| row["iou"].as_f64().unwrap() > 0.3), "{file}");
+    scene.fails("experiment acquire --people 7", 2, &["--people", "6"]);
+    scene.fails("experiment acquire --take nowhere", 1, &["nowhere"]);
+}
+
 /// Ways to begin: a row a way, files, and what is asked wrong.
 #[test]
 fn ways_to_begin_are_compared() {

@@ -40,6 +40,16 @@ fn a_body_of_wrong_size_grows_to_the_silhouettes() {
     );
 }
 
+/// Nothing is known: the first body and its pose are grown.
+#[test]
+fn a_body_is_acquired_where_nothing_is_known() {
+    let scene = track::take();
+    let printed = scene.ok("fit-body wave --acquire --without-keypoints --frames 0..=4 --count 3 --json");
+    let report: Value = serde_json::from_str(&printed).unwrap();
+    assert!(report["iou"]["after"].as_f64().unwrap() > 0.8, "{printed}");
+    scene.fails("fit-body wave --acquire --start pose.json", 2, &["--start", "--acquire"]);
+}
+
 #[test]
 fn what_cannot_be_fitted_is_explained() {
     let scene = track::take();

@@ -16,6 +16,7 @@
 //! | [`bias`] | where fits go that begin at the truth, by ramp, data and cameras |
 //! | [`basin`] | how far off a start may be, and still end at the truth |
 //! | [`frame_basin`] | the same about one frame's pose, on its own evidence |
+//! | [`acquire`] | first bodies, grown from nothing known, beside fitted ones |
 //! | [`begin`] | ways to begin: downhill, particles, templates, the search, from given starts and without |
 //! | [`no_start`] | a take's frames without a start, by sets of cameras |
 //! | [`basin_map`] | the same as a map of two angles |
@@ -34,6 +35,7 @@
 //! | [`scene`] | simulated data of a pose as a fit takes them |
 //! | [`progress`] | how far an experiment is, and why one cannot run |
 
+pub mod acquire;
 pub mod basin;
 pub mod basin_map;
 pub mod begin;

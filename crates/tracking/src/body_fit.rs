@@ -15,7 +15,7 @@
 //! | `options` | [`BodyFitOptions`]: every choice: stages, proportions, which sizes are free |
 //! | [`scale`] | a first guess of the body's size: from known joints, or from silhouettes' places and areas |
 //! | `problem` | poses and sizes as one least-squares problem |
-//! | `fit` | [`fit_body`]: stage after stage |
+//! | `fit` | [`fit_body`]: stage after stage; [`fit_body_from`] begins with sizes that are about right |
 //! | `approach` | [`approach()`]: from one frame's start to the poses of several frames, by tracking |
 //! | [`frames`] | [`BodyFrame`]: what a frame contributes; which frames to look at |
 //! | [`widening`] | silhouettes that are too wide all round: an unknown of its own, and what to do about it |
@@ -39,7 +39,7 @@ pub mod usable;
 pub mod widening;
 
 pub use approach::{Approach, approach};
-pub use fit::{BodyFitError, BodyProgress, fit_body};
+pub use fit::{BodyFitError, BodyProgress, fit_body, fit_body_from};
 pub use frames::{BodyFrame, PosedFrame};
 pub use options::{BodyFitOptions, BodyStage, CLOTHED, WELL_SEEN};
 pub use own_sizes::{

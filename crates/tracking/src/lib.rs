@@ -92,6 +92,7 @@
 //! | [`search`] | other poses that the silhouettes allow, ranked; where a fit begins |
 //! | [`particles`] | a particle filter that looks for a pose: many bodies, weighted by the fit's cost |
 //! | [`templates`] | a pose put together from templates: head, trunk, limb after limb |
+//! | [`acquisition`] | a first body of a person of unknown size in an unknown pose, by growing templates |
 //! | [`track`] | following frames: motion, lost frames, smoothing |
 //! | [`filter`] | poses over time: constant velocity, the iterated Kalman update, the smoother |
 //! | [`body_fit`] | the person's own lengths and radii, with the poses of several frames |
@@ -122,6 +123,7 @@
 //! Not converging is an answer ([`optimize::Termination`]), not an error; results are the same to the bit in
 //! every run, whatever the number of threads.
 
+pub mod acquisition;
 pub mod body;
 pub mod body_fit;
 pub mod camera;

@@ -38,5 +38,7 @@ mod pictures;
 mod steps;
 mod trunk;
 
+pub(crate) use frame::{Frame, Segment};
 pub use options::{TemplateError, TemplateOptions};
+pub(crate) use pictures::{Pictures, Template};
 pub use steps::{Placed, TemplateStep, place};

@@ -157,7 +157,7 @@ pub fn run(
 }
 
 /// The movement's pose, lowered to where this person's feet are on the floor.
-fn true_pose(person: &Person, body: &Model, moment: f64) -> Pose {
+pub(super) fn true_pose(person: &Person, body: &Model, moment: f64) -> Pose {
     let mut pose = motion::pose(body, moment);
     pose.root -= DVec3::Z * (PELVIS_HEIGHT * (1.0 - person.stature));
     pose

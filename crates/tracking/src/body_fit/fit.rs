@@ -11,7 +11,7 @@ use super::report::{self, BodyFit};
 use super::scale;
 use super::usable::{LeftOut, Unusable, usable_views, worst};
 use super::widening::{self, Widening};
-use crate::body::{Kinematics, Model, ModelError, PoseError, Sizes};
+use crate::body::{Kinematics, Model, ModelError, Pose, PoseError, Sizes};
 use crate::cancel::CancelToken;
 use crate::fit::{Evidence, FitError, LEAST_SCALE, Stage};
 use crate::optimize::{Method, Solver, SolverOptions, Termination, Tolerances};
@@ -54,6 +54,8 @@ pub enum BodyFitError {
         "the body does not overlap the silhouettes of frame {frame} or those after it; expected a better start"
     )]
     Lost { frame: usize },
+    #[error("the body \"{body}\" has other limbs than \"{of}\"; expected the same with other sizes")]
+    OtherLimbs { body: String, of: String },
     #[error(transparent)]
     Size(#[from] ModelError),
     #[error("stopped by you")]
@@ -81,19 +83,63 @@ pub fn fit_body(
     mut progress: impl FnMut(BodyProgress),
 ) -> Result<BodyFit, BodyFitError> {
     check(options)?;
-    let (frames, left_out) = usable(&start, frames)?;
+    let usable = usable(&start, frames)?;
     let sizes = Sizes::new(start.clone(), options.choice);
     let (size, poses) = match size {
-        Some(size) => (size, frames.iter().map(|frame| frame.start.normalized()).collect()),
-        None => scale::from_silhouettes(&start, &frames, 0.0),
+        Some(size) => (size, posed(&usable.0)),
+        None => scale::from_silhouettes(&start, &usable.0, 0.0),
     };
+    let begin = BodyState { poses, body: BodySizes::scaled(&sizes, size) };
+    fit(&sizes, usable, begin, 0, options, cancel, &mut progress)
+}
+
+/// The same begun with sizes that are about right, as [`acquire`](crate::acquisition::acquire) finds them, and with the stages in which
+/// sizes are free. `start` is the body whose proportions the prior knows.
+///
+/// # Errors
+/// As [`fit_body`], or `sizes` is a body of other limbs.
+pub fn fit_body_from(
+    start: Arc<Model>,
+    frames: Vec<BodyFrame>,
+    sizes: &Model,
+    options: &BodyFitOptions,
+    cancel: &CancelToken,
+    mut progress: impl FnMut(BodyProgress),
+) -> Result<BodyFit, BodyFitError> {
+    check(options)?;
+    let names =
+        |model: &Model| -> Vec<String> { model.limbs().iter().map(|limb| limb.name.clone()).collect() };
+    if names(&start) != names(sizes) {
+        return Err(BodyFitError::OtherLimbs { body: sizes.name().to_owned(), of: start.name().to_owned() });
+    }
+    let usable = usable(&start, frames)?;
+    let begin = BodySizes::of(&Sizes::new(start.clone(), options.choice), sizes);
+    let sizes = Sizes::new(start, options.choice);
+    let begin = BodyState { poses: posed(&usable.0), body: begin };
+    let first = options.stages.iter().position(|stage| stage.slack >= 1.0).unwrap_or(0);
+    fit(&sizes, usable, begin, first, options, cancel, &mut progress)
+}
+
+fn posed(frames: &[BodyFrame]) -> Vec<Pose> {
+    frames.iter().map(|frame| frame.start.normalized()).collect()
+}
+
+/// All stages from `first` on.
+fn fit(
+    sizes: &Sizes,
+    (frames, left_out): (Vec<BodyFrame>, Vec<LeftOut>),
+    begin: BodyState,
+    first: usize,
+    options: &BodyFitOptions,
+    cancel: &CancelToken,
+    progress: &mut impl FnMut(BodyProgress),
+) -> Result<BodyFit, BodyFitError> {
     let stages: Vec<Stage> = options.stages.iter().map(|stage| stage.stage).collect();
     let of_views = |frame: &BodyFrame| frame.views.iter().map(|view| view.distance(&stages)).collect();
     let distances: Vec<Vec<Option<SignedDistance>>> = frames.iter().map(of_views).collect();
-    let begin = BodyState { poses, body: BodySizes::scaled(&sizes, size) };
-    let overlap_before = overlap(&sizes, &begin, &frames);
-    let inputs = Inputs { sizes: &sizes, frames: &frames, distances: &distances };
-    let mut descent = descend(&inputs, begin, options, 0, cancel, &mut progress)?;
+    let overlap_before = overlap(sizes, &begin, &frames);
+    let inputs = Inputs { sizes, frames: &frames, distances: &distances };
+    let mut descent = descend(&inputs, begin, options, first, cancel, progress)?;
     let first_rms = descent.rms[0];
     let mut found = descent.widening;
     if let Some(widening) = &mut found {
@@ -104,14 +150,14 @@ pub fn fit_body(
             let body = BodySizes { widening_px: 0.0, ..descent.state.body };
             let begin = BodyState { poses: descent.state.poses, body };
             let iterations = descent.iterations;
-            descent = descend(&inputs, begin, &plain, first, cancel, &mut progress)?;
+            descent = descend(&inputs, begin, &plain, first, cancel, progress)?;
             descent.iterations += iterations;
         }
     }
-    let iou = [overlap_before, overlap(&sizes, &descent.state, &frames)];
+    let iou = [overlap_before, overlap(sizes, &descent.state, &frames)];
     let rms = [first_rms, descent.rms[1]];
     let numbers = frames.iter().map(|frame| frame.frame).collect();
-    let fit = report::summary(&sizes, descent, found, options, numbers, rms, iou)?;
+    let fit = report::summary(sizes, descent, found, options, numbers, rms, iou)?;
     Ok(BodyFit { left_out, ..fit })
 }
 

@@ -151,6 +151,23 @@ impl BodySizes {
     pub(crate) fn scaled(sizes: &Sizes, size: f64) -> Self {
         Self { log_ratios: vec![size; sizes.count()], size, girth: 0.0, widening_px: 0.0 }
     }
+
+    /// The sizes of another body of the same limbs: its size the median of lengths, its girth what radii are beside that.
+    #[must_use]
+    pub(crate) fn of(sizes: &Sizes, body: &Model) -> Self {
+        let log_ratio = |index: usize| (sizes.metres(index, body) / sizes.metres(index, sizes.start())).ln();
+        let log_ratios: Vec<f64> = (0..sizes.count()).map(log_ratio).collect();
+        let median = |kind: SizeKind| {
+            let own =
+                sizes.parameters().iter().zip(&log_ratios).filter(|(parameter, _)| parameter.kind == kind);
+            let mut own: Vec<f64> = own.map(|(_, theta)| *theta).collect();
+            own.sort_by(f64::total_cmp);
+            own.get(own.len() / 2).copied()
+        };
+        let size = median(SizeKind::Length).unwrap_or(0.0);
+        let girth = median(SizeKind::Radius).map_or(0.0, |radius| radius - size);
+        Self { log_ratios, size, girth, widening_px: 0.0 }
+    }
 }
 
 /// Adds the prior. The columns of θ stand from `first` on, g and b after them, then w if it has a deviation, in pixels.

@@ -205,14 +205,7 @@ pub fn without_start(
     cancel: &CancelToken,
 ) -> Result<Found, WithoutStartError> {
     choices.check()?;
-    for view in views {
-        view.check()?;
-    }
-    let seen: Vec<FitView> = views.iter().filter(|view| view.has_data()).cloned().collect();
-    if seen.is_empty() {
-        // Says who sees nothing.
-        Prepared::new(model, views.to_vec(), &Pose::rest(model), &choices.fit, |_, _, _| 0.0)?;
-    }
+    let seen = with_subject(model, views, &choices.fit)?;
     let body_m = Stance::new(model, &Chains::new(model)).height();
     let place = Place::of(&seen, choices.up, body_m, cancel)?;
     let heights = (seen.len() > 1).then(|| Heights { subject_m: place.height(), body_m });
@@ -221,6 +214,41 @@ pub fn without_start(
     let scale = heights.ratio().clamp(LARGEST_SCALE.recip(), LARGEST_SCALE);
     let scaled = model.scaled(scale).map_err(|error| WithoutStartError::Scale { scale, error })?;
     in_place.search(&Arc::new(scaled), scale)
+}
+
+/// By how much a body is to be larger to stand as tall as the hull of the silhouettes is, no more than twice; 1 with one camera. A
+/// hint: the hull of few cameras is some per cent taller than who is in it, and nobody has to stand upright.
+///
+/// # Errors
+/// As [`without_start`].
+pub fn hull_scale(
+    model: &Model,
+    views: &[FitView],
+    up: Option<DVec3>,
+    cancel: &CancelToken,
+) -> Result<f64, WithoutStartError> {
+    let seen = with_subject(model, views, &FitOptions::default())?;
+    let body_m = Stance::new(model, &Chains::new(model)).height();
+    let place = Place::of(&seen, up, body_m, cancel)?;
+    let ratio = place.height() / body_m;
+    Ok(if seen.len() > 1 { ratio.clamp(LARGEST_SCALE.recip(), LARGEST_SCALE) } else { 1.0 })
+}
+
+/// The views that show somebody, at least one.
+fn with_subject(
+    model: &Model,
+    views: &[FitView],
+    options: &FitOptions,
+) -> Result<Vec<FitView>, WithoutStartError> {
+    for view in views {
+        view.check()?;
+    }
+    let seen: Vec<FitView> = views.iter().filter(|view| view.has_data()).cloned().collect();
+    if seen.is_empty() {
+        // Says who sees nothing.
+        Prepared::new(model, views.to_vec(), &Pose::rest(model), options, |_, _, _| 0.0)?;
+    }
+    Ok(seen)
 }
 
 /// The body at rest where the subject is, upright and facing so many ways, at least one: where a search, a fit or a
@@ -235,13 +263,7 @@ pub fn standing(
     headings: usize,
     cancel: &CancelToken,
 ) -> Result<Vec<Pose>, WithoutStartError> {
-    for view in views {
-        view.check()?;
-    }
-    let seen: Vec<FitView> = views.iter().filter(|view| view.has_data()).cloned().collect();
-    if seen.is_empty() {
-        Prepared::new(model, views.to_vec(), &Pose::rest(model), &FitOptions::default(), |_, _, _| 0.0)?;
-    }
+    let seen = with_subject(model, views, &FitOptions::default())?;
     let stance = Stance::new(model, &Chains::new(model));
     let place = Place::of(&seen, up, stance.height(), cancel)?;
     // Between a body on the hull's floor and one under its top.

@@ -11,33 +11,33 @@ const WIDE: usize = 2;
 
 /// A body taken apart for its templates.
 #[derive(Debug)]
-pub(super) struct Frame<'a> {
-    pub(super) model: &'a Model,
-    pub(super) parts: Chains,
-    pub(super) stance: Stance,
+pub(crate) struct Frame<'a> {
+    pub(crate) model: &'a Model,
+    pub(crate) parts: Chains,
+    pub(crate) stance: Stance,
     /// Index of the chain that the head is at the end of.
-    pub(super) head: usize,
+    pub(crate) head: usize,
     /// The other chains, the one with the most flesh first.
-    pub(super) limbs: Vec<usize>,
+    pub(crate) limbs: Vec<usize>,
 }
 
 /// One rotation of a chain as a template.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Segment {
-    pub(super) rotation: usize,
+pub(crate) struct Segment {
+    pub(crate) rotation: usize,
     /// The limbs between whose ends it lies.
-    pub(super) first: usize,
-    pub(super) last: usize,
+    pub(crate) first: usize,
+    pub(crate) last: usize,
     /// From the one end to the other at rest, in the parent's frame.
-    pub(super) rest: DVec3,
-    pub(super) radius: f64,
+    pub(crate) rest: DVec3,
+    pub(crate) radius: f64,
     /// Whether its direction is looked for.
-    pub(super) is_wide: bool,
+    pub(crate) is_wide: bool,
 }
 
 impl<'a> Frame<'a> {
     /// `None` for a body without a chain on its trunk.
-    pub(super) fn new(model: &'a Model) -> Option<Self> {
+    pub(crate) fn new(model: &'a Model) -> Option<Self> {
         let parts = Chains::new(model);
         let stance = Stance::new(model, &parts);
         let at_rest = Pose::rest(model);
@@ -57,14 +57,14 @@ impl<'a> Frame<'a> {
     }
 
     /// The limb that the head's ball is the end of, and the one that begins at the neck.
-    pub(super) fn skull_and_neck(&self) -> [usize; 2] {
+    pub(crate) fn skull_and_neck(&self) -> [usize; 2] {
         let chain = &self.parts.chains[self.head];
         let first = self.parts.groups[chain.rotations[0]].first().copied().unwrap_or(0);
         [chain_end(&self.parts, chain).unwrap_or(first), first]
     }
 
     /// Upright along `up` and facing `ahead`, with the neck at a place. The head's chain points from there to the ball.
-    pub(super) fn standing(&self, neck: DVec3, ball: DVec3, up: DVec3, ahead: DVec3) -> Pose {
+    pub(crate) fn standing(&self, neck: DVec3, ball: DVec3, up: DVec3, ahead: DVec3) -> Pose {
         let ahead = ahead.reject_from_normalized(up).normalize_or(up.any_orthonormal_vector());
         let mut pose = self.stance.pose(self.model, DVec3::ZERO, up, ahead);
         let [_, first] = self.skull_and_neck();
@@ -76,7 +76,7 @@ impl<'a> Frame<'a> {
     }
 
     /// The rotations of a chain as templates, from the trunk outwards.
-    pub(super) fn segments(&self, chain: usize) -> Vec<Segment> {
+    pub(crate) fn segments(&self, chain: usize) -> Vec<Segment> {
         let kinematics = Kinematics::new(self.model, &Pose::rest(self.model));
         let rotations = &self.parts.chains[chain].rotations;
         let segment = |(index, &rotation): (usize, &usize)| {
@@ -102,14 +102,14 @@ impl<'a> Frame<'a> {
     }
 
     /// A posed segment as a template.
-    pub(super) fn template(&self, pose: &Pose, segment: &Segment) -> Template {
+    pub(crate) fn template(&self, pose: &Pose, segment: &Segment) -> Template {
         let kinematics = Kinematics::new(self.model, pose);
         let (from, to) = (kinematics.starts()[segment.first], kinematics.ends()[segment.last]);
         Template { from, to, radius: segment.radius }
     }
 
     /// Turns a segment along a direction in world axes, without twist.
-    pub(super) fn point(&self, pose: &mut Pose, segment: &Segment, along: DVec3) {
+    pub(crate) fn point(&self, pose: &mut Pose, segment: &Segment, along: DVec3) {
         let kinematics = Kinematics::new(self.model, pose);
         let parent = DQuat::from_mat3(&kinematics.parent_frames()[segment.rotation]);
         let local = (parent.inverse() * along).normalize_or_zero();
@@ -121,7 +121,7 @@ impl<'a> Frame<'a> {
 
     /// The trunk of a posed body as one template, from the neck down to the root; half as thick as the trunk is broad, and as
     /// it is deep, between the two.
-    pub(super) fn trunk_template(&self, pose: &Pose) -> Template {
+    pub(crate) fn trunk_template(&self, pose: &Pose) -> Template {
         let kinematics = Kinematics::new(self.model, pose);
         let [_, first] = self.skull_and_neck();
         let (from, to) = (kinematics.starts()[first], pose.root);
@@ -138,7 +138,7 @@ impl<'a> Frame<'a> {
     }
 
     /// Turns the whole body about a point.
-    pub(super) fn turn_about(&self, pose: &mut Pose, point: DVec3, turn: DQuat) {
+    pub(crate) fn turn_about(&self, pose: &mut Pose, point: DVec3, turn: DQuat) {
         pose.root = point + turn * (pose.root - point);
         turn_whole(self.model, pose, turn);
     }

@@ -30,7 +30,7 @@ impl Default for TemplateOptions {
         Self {
             up: None,
             heads: 3,
-            headings: [16, 2],
+            headings: [16, 4],
             directions: 80,
             turns: 30,
             rest_rad: 0.01,

@@ -16,41 +16,43 @@ const NEAREST_M: f64 = 0.05;
 
 /// A template: a segment with a radius. World metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Template {
-    pub(super) from: DVec3,
-    pub(super) to: DVec3,
-    pub(super) radius: f64,
+pub(crate) struct Template {
+    pub(crate) from: DVec3,
+    pub(crate) to: DVec3,
+    pub(crate) radius: f64,
 }
 
 /// What a template holds, as shares of its pixels, cameras summed and divided by their number.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Held {
+pub(crate) struct Held {
     /// Of the subject, in no other template.
-    pub(super) subject: f64,
+    pub(crate) subject: f64,
     /// In other templates.
-    pub(super) claimed: f64,
-    pub(super) background: f64,
+    pub(crate) claimed: f64,
+    pub(crate) background: f64,
+    /// The same in the camera that sees most of it, of that camera's pixels.
+    pub(crate) most_background: f64,
     /// The point nearest to the rays of the centroids; `None` where nothing of the subject is in it.
-    pub(super) towards: Option<DVec3>,
+    pub(crate) towards: Option<DVec3>,
 }
 
 /// One camera's silhouette.
 #[derive(Debug, Clone)]
-pub(super) struct Picture {
-    pub(super) camera: Arc<Camera>,
+pub(crate) struct Picture {
+    pub(crate) camera: Arc<Camera>,
     mask: Arc<Mask>,
     /// Subject pixels with background beside them.
-    pub(super) border: Vec<DVec2>,
+    pub(crate) border: Vec<DVec2>,
     /// Pixels that templates hold.
     claimed: Vec<bool>,
 }
 
 /// All of them.
 #[derive(Debug, Clone)]
-pub(super) struct Pictures(pub(super) Vec<Picture>);
+pub(crate) struct Pictures(pub(crate) Vec<Picture>);
 
 impl Pictures {
-    pub(super) fn new(views: &[FitView]) -> Self {
+    pub(crate) fn new(views: &[FitView]) -> Self {
         let picture = |view: &FitView| {
             let mask = mask_of(view)?;
             let claimed = vec![false; mask.labels().len()];
@@ -60,7 +62,7 @@ impl Pictures {
     }
 
     /// Whether no camera sees background at a point. Beyond a picture's border all is possible.
-    pub(super) fn may_be_subject(&self, point: DVec3) -> bool {
+    pub(crate) fn may_be_subject(&self, point: DVec3) -> bool {
         self.0.iter().all(|picture| {
             let Some(pixel) = picture.camera.project(point) else { return true };
             let (x, y) = (pixel.x.round(), pixel.y.round());
@@ -72,7 +74,7 @@ impl Pictures {
     }
 
     /// What a template holds.
-    pub(super) fn held(&self, template: &Template) -> Held {
+    pub(crate) fn held(&self, template: &Template) -> Held {
         let mut held = Held::default();
         let middle = 0.5 * (template.from + template.to);
         let (mut sum, mut right, mut mass) = (DMat3::ZERO, DVec3::ZERO, 0.0);
@@ -96,6 +98,7 @@ impl Pictures {
             held.subject += subject * share;
             held.claimed += claimed * share;
             held.background += background * share;
+            held.most_background = held.most_background.max(background / all);
             let Some(ray) = picture.camera.ray_in_world(centroid / subject).filter(|_| subject > 0.0) else {
                 continue;
             };
@@ -115,7 +118,7 @@ impl Pictures {
     }
 
     /// Takes what a template holds from those after it.
-    pub(super) fn claim(&mut self, template: &Template) {
+    pub(crate) fn claim(&mut self, template: &Template) {
         for picture in &mut self.0 {
             let mut held = Vec::new();
             picture.each_pixel(template, |_, _, index| held.push(index));

@@ -28,6 +28,7 @@ fn allowed(module: &str) -> Option<Vec<&'static str>> {
         "search" => [&fit[..], &["fit", "posing", "metrics", "geometry", "visual_hull"]].concat(),
         "particles" => [&fit[..], &["fit", "geometry", "search"]].concat(),
         "templates" => [&fit[..], &["fit", "geometry", "search", "particles"]].concat(),
+        "acquisition" => [&fit[..], &["fit", "search", "templates"]].concat(),
         "track" => [&fit[..], &["fit", "cues", "search", "filter"]].concat(),
         "body_fit" => [&fit[..], &["fit", "track", "metrics", "search"]].concat(),
         _ => return None,

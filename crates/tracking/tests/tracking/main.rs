@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests, where a panic is the answer")]
 
+mod acquisition;
 mod bad_evidence;
 mod bad_input;
 mod bodies;

@@ -1,0 +1,141 @@
+//! A person of unknown size, in an unknown pose, without keypoints: a first body in one pass.
+//!
+//! After I. Mikić, M. Trivedi, E. Hunter and P. Cosman (IJCV 53, 2003), with pixels in the place of voxels, and the report's 6.5:
+//!
+//! 1. **Size.** The hull of all silhouettes says how tall the person is, roughly: the average body is scaled to it.
+//! 2. **Pose.** Templates are put into the silhouettes one after the other ([`templates`](crate::templates)), or the search looks for it
+//!    ([`search`](crate::search)); a fit goes on from there.
+//! 3. **Growing.** Every limb is a template that shrinks until it holds no background and grows until background enters in some
+//!    camera. A limb's radius ends there; the end of an arm, a leg or the skull is felt for by a ball that goes along it; where the
+//!    chain is bent, the joint in its middle goes to where both parts hold most of the subject. Left and right, and all frames,
+//!    count together, by their medians.
+//! 4. **Turning on the way.** After each round of growing a fit turns all limbs of the grown body, and growing begins anew.
+//!
+//! There is no prior of proportions and no least squares: it is quick and rough, a body to begin
+//! [`fit_body_from`](crate::body_fit::fit_body_from) or a track with. Lengths that end nowhere (spine, hips, clavicles) keep the body's
+//! proportions.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `options` | [`AcquireOptions`], [`FirstPose`] |
+//! | `grow` | one size, grown until background enters |
+//! | `sizes` | all sizes of posed bodies |
+
+mod grow;
+mod options;
+mod sizes;
+
+use std::sync::Arc;
+
+pub use options::{AcquireOptions, FirstPose};
+
+use crate::body::{Model, ModelError, Pose};
+use crate::cancel::CancelToken;
+use crate::fit::{Fit, FitError, FitOptions, FitView};
+use crate::search::{WithoutStartError, hull_scale, without_start};
+use crate::templates::{Frame, Pictures, TemplateError, TemplateStep, place};
+use sizes::Factors;
+use thiserror::Error;
+
+/// Why no body was acquired.
+#[derive(Debug, Error, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the messages say what each variant and field is")]
+pub enum AcquireError {
+    #[error(transparent)]
+    Templates(#[from] TemplateError),
+    #[error(transparent)]
+    Search(#[from] WithoutStartError),
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    #[error("the body cannot have the sizes that were found: {0}")]
+    Size(#[from] ModelError),
+    #[error("acquiring a body was stopped")]
+    Cancelled,
+}
+
+/// A body that was acquired.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Acquired {
+    /// The body.
+    pub model: Arc<Model>,
+    /// Its poses, one a frame.
+    pub poses: Vec<Pose>,
+    /// What the given body was scaled by before it was grown.
+    pub scale: f64,
+    /// Sizes that were measured, of all lengths and radii, a limb each, in the last round.
+    pub measured: usize,
+    /// The turns of the templates, where the pose came of them.
+    pub steps: Vec<TemplateStep>,
+}
+
+/// Acquires a body from one moment in which nothing is known of it.
+///
+/// # Errors
+/// Nobody is seen, silhouettes that do not meet, options that make no sense, or `cancel`.
+pub fn acquire(
+    model: &Arc<Model>,
+    views: &[FitView],
+    options: &AcquireOptions,
+    cancel: &CancelToken,
+) -> Result<Acquired, AcquireError> {
+    options.check()?;
+    let (scaled, scale, pose, steps) = match &options.pose {
+        FirstPose::Search(choices) => {
+            let found = without_start(model, views, choices, cancel)?;
+            (Arc::clone(&found.model), found.scale, found.pose().clone(), Vec::new())
+        }
+        FirstPose::Templates(choices) => {
+            let scale = hull_scale(model, views, choices.up, cancel)?;
+            let scaled = Arc::new(model.scaled(scale)?);
+            let placed = place(&scaled, views, choices, cancel)?;
+            (scaled, scale, placed.pose, placed.steps)
+        }
+    };
+    let acquired = acquire_posed(&scaled, &[(views.to_vec(), pose)], options, cancel)?;
+    Ok(Acquired { scale, steps, ..acquired })
+}
+
+/// The same from poses that are about right, of a body of about the right size, in one moment or several.
+///
+/// # Errors
+/// As [`acquire`].
+pub fn acquire_posed(
+    model: &Arc<Model>,
+    frames: &[(Vec<FitView>, Pose)],
+    options: &AcquireOptions,
+    cancel: &CancelToken,
+) -> Result<Acquired, AcquireError> {
+    options.check()?;
+    let mut body = Arc::clone(model);
+    let mut poses: Vec<Pose> = frames.iter().map(|(_, pose)| pose.clone()).collect();
+    let mut measured = 0;
+    for _ in 0..options.rounds {
+        let mut all: Vec<Factors> = Vec::with_capacity(frames.len());
+        for ((views, _), pose) in frames.iter().zip(&mut poses) {
+            *pose = turned(&body, views, pose, cancel)?;
+            let seen: Vec<FitView> = views.iter().filter(|view| view.has_data()).cloned().collect();
+            let frame =
+                Frame::new(&body).ok_or_else(|| TemplateError::NoHead { model: body.name().to_owned() })?;
+            all.push(sizes::measured(&frame, &Pictures::new(&seen), options, pose));
+        }
+        let is_measured = |factors: &Factors| factors.iter().flatten().flatten().count();
+        measured = all.iter().map(is_measured).max().unwrap_or(0);
+        body = Arc::new(sizes::resized(&body, &all)?);
+    }
+    for ((views, _), pose) in frames.iter().zip(&mut poses) {
+        *pose = turned(&body, views, pose, cancel)?;
+    }
+    Ok(Acquired { model: body, poses, scale: 1.0, measured, steps: Vec::new() })
+}
+
+/// All limbs turned by a fit that goes on from a pose.
+fn turned(
+    model: &Arc<Model>,
+    views: &[FitView],
+    pose: &Pose,
+    cancel: &CancelToken,
+) -> Result<Pose, AcquireError> {
+    let mut fit = Fit::new(Arc::clone(model), views.to_vec(), pose.clone(), FitOptions::default())?;
+    let pose = fit.run(cancel, |_| {}).pose;
+    if cancel.is_cancelled() { Err(AcquireError::Cancelled) } else { Ok(pose) }
+}

@@ -1,0 +1,117 @@
+//! The sizes of one posed body: every limb grown, chains' ends found, both sides and all frames together.
+
+use glam::DVec3;
+
+use super::grow;
+use super::options::AcquireOptions;
+use crate::body::{Kinematics, Model, ModelError, Pose};
+use crate::templates::{Frame, Pictures, Segment, Template};
+
+/// A chain that is bent by less, radians, does not show where its middle joint is: it keeps its proportions.
+const BENT: f64 = 0.4;
+/// Places of the middle joint that are tried, as factors of the upper part's length.
+const JOINTS: [f64; 9] = [0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.15, 1.2];
+/// The template of a limb is grown between these fractions of it: joints are thicker than limbs.
+const BETWEEN: [f64; 2] = [0.15, 0.85];
+
+/// Factors of every limb's length and radius; `None` where nothing was measured.
+pub(super) type Factors = Vec<[Option<f64>; 2]>;
+
+/// Measures one posed body.
+pub(super) fn measured(
+    frame: &Frame<'_>,
+    pictures: &Pictures,
+    options: &AcquireOptions,
+    pose: &Pose,
+) -> Factors {
+    let model = frame.model;
+    let kinematics = Kinematics::new(model, pose);
+    let mut factors: Factors = vec![[None; 2]; model.limbs().len()];
+    for (limb, factor) in factors.iter_mut().enumerate() {
+        let (from, to) = (kinematics.starts()[limb], kinematics.ends()[limb]);
+        let between = BETWEEN.map(|at| from.lerp(to, at));
+        let radius = model.limbs()[limb].radius;
+        let template = Template { from: between[0], to: between[1], radius };
+        factor[1] = grow::radius(pictures, options, &template).map(|found| found / radius);
+    }
+    for chain in 0..frame.parts.chains.len() {
+        let segments = frame.segments(chain);
+        let wide: Vec<&Segment> = segments.iter().filter(|segment| segment.is_wide).collect();
+        for (rotation, factor) in chain_factors(frame, pictures, options, &kinematics, &wide) {
+            for &limb in &frame.parts.groups[rotation] {
+                factors[limb][0] = Some(factor);
+            }
+        }
+    }
+    factors
+}
+
+/// Factors of the lengths of a chain's long parts, by rotation.
+fn chain_factors(
+    frame: &Frame<'_>,
+    pictures: &Pictures,
+    options: &AcquireOptions,
+    kinematics: &Kinematics,
+    wide: &[&Segment],
+) -> Vec<(usize, f64)> {
+    let Some(&last) = wide.last() else { return Vec::new() };
+    let ends = |segment: &Segment| [kinematics.starts()[segment.first], kinematics.ends()[segment.last]];
+    let [from, to] = ends(last);
+    let model = frame.model;
+    let end_radius = model.limbs()[last.last].radius;
+    // What hangs on its end, as a foot does.
+    let hung = model.limbs().iter().filter(|limb| limb.parent == Some(last.last)).map(|limb| limb.radius);
+    let beyond = hung.fold(end_radius, f64::max);
+    let template = Template { from, to, radius: end_radius };
+    let Some(found) = grow::length(pictures, options, &template, beyond) else { return Vec::new() };
+    let long = from.distance(to);
+    let [upper] = wide[..wide.len() - 1] else { return vec![(last.rotation, found / long)] };
+    let [begin, joint] = ends(upper);
+    let (above, below) = (joint - begin, to - from);
+    if above.angle_between(below) < BENT {
+        let factor = (above.length() + found) / (above.length() + long);
+        return vec![(upper.rotation, factor), (last.rotation, factor)];
+    }
+    let end = from + below.normalize_or_zero() * found;
+    let worth = |factor: f64| {
+        let joint = begin + above * factor;
+        let of = |from: DVec3, to: DVec3, radius: f64| {
+            let held = pictures.held(&Template { from, to, radius });
+            held.subject - held.background
+        };
+        of(begin, joint, upper.radius) + of(joint, end, last.radius)
+    };
+    // Of equals the one that changes least.
+    let mut best = (worth(1.0), 1.0);
+    for factor in JOINTS {
+        let value = worth(factor);
+        if value > best.0 + 1e-9 {
+            best = (value, factor);
+        }
+    }
+    let below = end.distance(begin + above * best.1);
+    vec![(upper.rotation, best.1), (last.rotation, below / long)]
+}
+
+/// The body with the medians of all factors, both sides and all frames together. What was not measured keeps its length, and its
+/// radius grows as most do.
+pub(super) fn resized(model: &Model, all: &[Factors]) -> Result<Model, ModelError> {
+    let of = |limb: usize, kind: usize| -> Vec<f64> {
+        let both = [limb, model.mirrored_limb(limb)];
+        all.iter().flat_map(|factors| both.map(|limb| factors[limb][kind])).flatten().collect()
+    };
+    let radii = (0..model.limbs().len()).flat_map(|limb| of(limb, 1)).collect();
+    let usual = median(radii).unwrap_or(1.0);
+    model.with_sizes(|limb| {
+        let part = &model.limbs()[limb];
+        let length = median(of(limb, 0)).unwrap_or(1.0);
+        [part.length * length, part.radius * median(of(limb, 1)).unwrap_or(usual)]
+    })
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    let upper = values.get(middle)?;
+    Some(if values.len() % 2 == 1 { *upper } else { 0.5 * (values[middle - 1] + upper) })
+}

@@ -1,0 +1,124 @@
+//! A first body of somebody of whom nothing is known: grown sizes are nearer to the person's than the average body's, and a fit of sizes
+//! may begin with them.
+
+use std::sync::Arc;
+
+use backlit_lab::synthetic::people::PEOPLE;
+use backlit_lab::synthetic::{capsules, motion, studio};
+use backlit_tracking::acquisition::{AcquireError, AcquireOptions, acquire, acquire_posed};
+use backlit_tracking::body::{Model, Pose, builtin};
+use backlit_tracking::body_fit::{BodyFitError, BodyFitOptions, BodyFrame, fit_body, fit_body_from};
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::{Evidence, FitError, FitView};
+use backlit_tracking::metrics::mean_joint_error_mm;
+use backlit_tracking::search::{WithoutStartError, start};
+use backlit_tracking::templates::TemplateError;
+use glam::DVec3;
+
+/// A short, broad adult and a tall, slim one.
+const BUILDS: [usize; 2] = [2, 4];
+
+struct Someone {
+    body: Arc<Model>,
+    truth: Pose,
+    views: Vec<FitView>,
+}
+
+fn someone(build: usize, moment: f64) -> Someone {
+    let person = &PEOPLE[build];
+    let body = Arc::new(person.of(&builtin::full_body()).unwrap());
+    let mut truth = motion::pose(&body, moment);
+    truth.root -= DVec3::Z * (0.9 * (1.0 - person.stature));
+    let rig = studio::cameras();
+    let view = |camera: &backlit_tracking::camera::Camera| {
+        let camera = Arc::new(camera.without_distortion());
+        let mask = capsules::hard_mask(&body, &truth, &camera).unwrap();
+        FitView { camera, evidence: Evidence::Mask(Arc::new(mask)), weight: 1.0 }
+    };
+    let views = rig.cameras().iter().map(view).collect();
+    Someone { views, body, truth }
+}
+
+/// Mean error of lengths and of radii, millimetres.
+fn errors(model: &Model, truth: &Model) -> [f64; 2] {
+    let limbs = || model.limbs().iter().zip(truth.limbs());
+    let count = model.limbs().len() as f64;
+    [
+        1e3 * limbs().map(|(a, b)| (a.length - b.length).abs()).sum::<f64>() / count,
+        1e3 * limbs().map(|(a, b)| (a.radius - b.radius).abs()).sum::<f64>() / count,
+    ]
+}
+
+#[test]
+fn grown_sizes_are_nearer_than_the_average_scaled() {
+    let adult = Arc::new(builtin::full_body());
+    for build in BUILDS {
+        let one = someone(build, 8.0);
+        let scaled = Arc::new(adult.scaled(PEOPLE[build].stature).unwrap());
+        let about = start::perturb(&adult, &one.truth, 0.08, 0.03, 1);
+        let posed = [(one.views.clone(), about)];
+        let found = acquire_posed(&scaled, &posed, &AcquireOptions::default(), &CancelToken::new()).unwrap();
+        let ([_, before], [length, radius]) = (errors(&scaled, &one.body), errors(&found.model, &one.body));
+        assert!(radius < 0.75 * before, "{}: radii {radius:.1} mm, were {before:.1}", PEOPLE[build].name);
+        assert!(length < 15.0, "{}: lengths {length:.1} mm", PEOPLE[build].name);
+        assert!(found.measured > 30, "{}", found.measured);
+    }
+}
+
+#[test]
+fn a_person_of_unknown_size_and_pose_is_acquired() {
+    let adult = Arc::new(builtin::full_body());
+    let one = someone(BUILDS[1], 8.0);
+    let found = acquire(&adult, &one.views, &AcquireOptions::default(), &CancelToken::new()).unwrap();
+    assert!((found.scale - PEOPLE[BUILDS[1]].stature).abs() < 0.15, "{}", found.scale);
+    let [_, radius] = errors(&found.model, &one.body);
+    let [_, average] = errors(&adult, &one.body);
+    assert!(radius < average, "{radius:.1} {average:.1}");
+    let error = mean_joint_error_mm(&found.model, &found.poses[0], &one.truth);
+    assert!(error < 60.0, "{error:.0} mm");
+    let again = acquire(&adult, &one.views, &AcquireOptions::default(), &CancelToken::new()).unwrap();
+    assert_eq!(found, again);
+}
+
+#[test]
+fn a_fit_of_sizes_goes_on_from_a_grown_body() {
+    let adult = Arc::new(builtin::full_body());
+    let one = someone(BUILDS[0], 8.0);
+    let start = start::perturb(&adult, &one.truth, 0.05, 0.02, 1);
+    let frames = vec![BodyFrame { frame: 0, views: one.views, start, joints: Vec::new() }];
+    let options = BodyFitOptions::default();
+    let from = |sizes: &Model| {
+        fit_body_from(Arc::clone(&adult), frames.clone(), sizes, &options, &CancelToken::new(), |_| {})
+    };
+    let begun = from(&one.body).unwrap();
+    let plain =
+        fit_body(Arc::clone(&adult), frames.clone(), None, &options, &CancelToken::new(), |_| {}).unwrap();
+    // Begun with the truth, it stays nearer to it than from the average, in fewer steps.
+    let [near, far] = [&begun, &plain].map(|fit| errors(&fit.model, &one.body)[0]);
+    assert!(near < far && begun.iterations < plain.iterations, "{near:.1} {far:.1} mm");
+    let refused = from(&builtin::upper_body()).unwrap_err();
+    assert!(matches!(refused, BodyFitError::OtherLimbs { .. }), "{refused}");
+}
+
+#[test]
+fn what_cannot_be_acquired_is_said() {
+    let adult = Arc::new(builtin::full_body());
+    let none = acquire(&adult, &[], &AcquireOptions::default(), &CancelToken::new()).unwrap_err();
+    let nobody = AcquireError::Search(WithoutStartError::Fit(FitError::NoData { reasons: String::new() }));
+    assert_eq!(std::mem::discriminant(&none), std::mem::discriminant(&nobody), "{none}");
+    let one = someone(BUILDS[0], 8.0);
+    for (options, field) in [
+        (AcquireOptions { rounds: 0, ..AcquireOptions::default() }, "rounds"),
+        (AcquireOptions { background: f64::NAN, ..AcquireOptions::default() }, "background"),
+        (AcquireOptions { range: [1.0, 2.0], ..AcquireOptions::default() }, "range[0]"),
+    ] {
+        let refused = acquire(&adult, &one.views, &options, &CancelToken::new()).unwrap_err();
+        assert!(
+            matches!(refused, AcquireError::Templates(TemplateError::Number { field: said, .. }) if said == field)
+        );
+    }
+    let limb = Arc::new(builtin::single_limb());
+    let posed = [(one.views, Pose::rest(&limb))];
+    let refused = acquire_posed(&limb, &posed, &AcquireOptions::default(), &CancelToken::new());
+    assert!(matches!(refused, Err(AcquireError::Templates(TemplateError::NoHead { .. }))));
+}
