@@ -54,7 +54,7 @@ Examples:
   backlit track TAKE --out results --start reference --start-noise 5deg,3cm --seed 7 --json
   backlit track TAKE --out results --model person.toml --motion smoothed --search
   backlit track TAKE --out results --cues keypoints,flow,stereo
-  backlit track TAKE --out results --prior people.json
+  backlit track TAKE --out results --prior people
   backlit track TAKE --out results --motion kalman --tune
   backlit track TAKE --out results --resume";
 
@@ -98,7 +98,8 @@ pub(crate) struct FollowArguments {
     /// The fit of a frame.
     #[command(flatten)]
     pub(crate) solver: SolverArguments,
-    /// Let a prior learnt from motion, as backlit prior writes it, say which poses and steps are likely
+    /// Let a prior learnt from motion say which poses are likely: a file of backlit prior, or people, the one that comes
+    /// with the program
     #[arg(long, value_name = "FILE")]
     pub(crate) prior: Option<PathBuf>,
     /// How motion is carried from frame to frame [default: velocity, with the report preset still]
@@ -125,7 +126,7 @@ impl FollowArguments {
     pub(crate) fn fit(&self) -> anyhow::Result<FitOptions> {
         let mut fit = self.solver.options()?;
         if let Some(path) = &self.prior {
-            fit.prior = Some(LearntPrior::new(Arc::new(prior_file::read(path)?)));
+            fit.prior = Some(LearntPrior::new(Arc::new(prior_file::read_or_built_in(path)?)));
         }
         Ok(fit)
     }

@@ -41,5 +41,6 @@ fn a_prior_is_learnt_and_used() {
     scene.fails("prior --train motions --out no/people.json", 1, &["no folder no"]);
     fs::write(scene.path("motions/bad.bvh"), "HIERARCHY\nROOT a\n{ OFFSET x 0 0 }\n").unwrap();
     scene.fails("prior --train motions --out people.json", 1, &["bad.bvh, line 3", "OFFSET"]);
+    assert!(scene.ok("track --help").contains("people"));
     scene.fails("track nowhere --out out --prior cameras.json", 1, &["nowhere"]);
 }

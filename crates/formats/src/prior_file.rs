@@ -42,6 +42,25 @@ struct StepSpec {
     covariance: Vec<f64>,
 }
 
+/// The name of the prior that comes with the program.
+pub const PEOPLE: &str = "people";
+const PEOPLE_TEXT: &str = include_str!("../../../assets/people_prior.json");
+
+/// The prior that comes with the program, learnt from the CMU database; its source says more.
+#[must_use]
+pub fn people() -> PosePrior {
+    #[expect(clippy::expect_used, reason = "the embedded file is checked by a test")]
+    parse(Path::new("people_prior.json"), PEOPLE_TEXT.as_bytes()).expect("the built-in prior is one")
+}
+
+/// Reads a prior from the disk, or the built-in one by its name, [`PEOPLE`].
+///
+/// # Errors
+/// As [`read`].
+pub fn read_or_built_in(path: &Path) -> Result<PosePrior, FileError> {
+    if path == Path::new(PEOPLE) { Ok(people()) } else { read(path) }
+}
+
 /// Reads a prior from the disk.
 ///
 /// # Errors
@@ -201,6 +220,15 @@ pub(crate) mod tests {
             let message = read(&changed).unwrap_err().to_string();
             assert!(message.starts_with("p.json") && message.contains(expected), "{from}: {message}");
         }
+    }
+
+    #[test]
+    fn the_built_in_prior_knows_all_parts_and_whom_to_thank() {
+        let prior = read_or_built_in(Path::new(PEOPLE)).unwrap();
+        let names: Vec<&str> = prior.parts().iter().map(PriorPart::name).collect();
+        assert_eq!(names, ["trunk", "right arm", "left arm", "right leg", "left leg"]);
+        assert!(prior.source().contains("mocap.cs.cmu.edu"));
+        assert!(read_or_built_in(Path::new("no such file")).is_err());
     }
 
     #[test]
