@@ -25,6 +25,7 @@ fn allowed(module: &str) -> Option<Vec<&'static str>> {
         "search" => [&fit[..], &["fit", "posing", "metrics", "geometry", "visual_hull"]].concat(),
         "track" => [&fit[..], &["fit", "cues", "search", "filter"]].concat(),
         "body_fit" => [&fit[..], &["fit", "track", "metrics", "search"]].concat(),
+        "body_spheres" => [&fit[..], &["fit"]].concat(),
         _ => return None,
     })
 }

@@ -22,5 +22,6 @@ mod normal_equations;
 mod observability;
 mod robust_terms;
 mod segment_footage;
+mod sphere_trees;
 mod synchronise;
 mod vectors;
