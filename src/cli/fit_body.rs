@@ -11,9 +11,11 @@ use backlit_formats::{Footage, Take, model_file};
 use backlit_tracking::acquisition::{AcquireOptions, Acquired, acquire};
 use backlit_tracking::body::{Model, Pose, SizeChoice};
 use backlit_tracking::body_fit::{
-    Approach, BodyFit, BodyFitOptions, BodyProgress, approach, fit_body, fit_body_from, frames, scale,
+    Approach, BodyFit, BodyFitOptions, BodyFrame, BodyProgress, approach, fit_body, fit_body_from, frames, scale,
 };
+use backlit_tracking::body_spheres::{PosedViews, SphereBody, SphereBodyOptions, sphere_body};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::FitOptions;
 use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
 use clap::{Args, ValueEnum};
@@ -34,6 +36,7 @@ A size of which the silhouettes say hardly more than the proportions of people d
 Examples:
   backlit fit-body TAKE --frames 0..300 --out person.toml
   backlit fit-body TAKE --acquire --out person.toml
+  backlit fit-body TAKE --count 16 --spheres 240 --out spheres.toml
   backlit fit-body TAKE --frames 3,40,85 --model full_body --without-keypoints --json";
 
 /// What `backlit fit-body` is told.
@@ -74,6 +77,13 @@ pub(crate) struct FitBodyArguments {
     /// 0.2 with keypoints, without them 14, for people in clothes; for others 1 and 20]
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     proportions: Option<f64>,
+    /// Make a body of spheres: about N in all, a tree a limb, carved from the silhouettes and moved by them; for
+    /// --renderer sphere-tree
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    spheres: Option<u32>,
+    /// Levels of those trees
+    #[arg(long, value_name = "L", default_value_t = 2, requires = "spheres", value_parser = clap::value_parser!(u32).range(1..=6))]
+    levels: u32,
     /// Write the body to this file
     #[arg(long, value_name = "MODEL.toml")]
     out: Option<PathBuf>,
@@ -178,7 +188,7 @@ pub(crate) fn run(arguments: &FitBodyArguments) -> anyhow::Result<()> {
     };
     let options = arguments.options(&model, plan.frames.iter().any(|&frame| !joints(frame).is_empty()));
     let grown = acquired.map(|acquired| acquired.model);
-    let fit = follow_and_fit(
+    let (fit, frames) = follow_and_fit(
         &footage,
         &cameras,
         [&model, grown.as_ref().unwrap_or(&model)],
@@ -186,15 +196,42 @@ pub(crate) fn run(arguments: &FitBodyArguments) -> anyhow::Result<()> {
         joints,
         &options,
     )?;
+    let spheres = match arguments.spheres {
+        Some(count) => Some(of_spheres(&fit, frames, count as usize, arguments.levels as usize)?),
+        None => None,
+    };
     if let Some(out) = &arguments.out {
-        model_file::write(out, &fit.model)?;
+        model_file::write(out, spheres.as_ref().map_or(&fit.model, |spheres| &spheres.model))?;
     }
-    let report = BodyReport::new(&fit);
+    let report = BodyReport::new(&fit, spheres.as_ref());
     if arguments.json {
         output::print_json(&report)
     } else {
-        output::print(&fit_body_report::text(&fit, arguments.out.as_deref()))
+        output::print(&fit_body_report::text(&fit, spheres.as_ref(), arguments.out.as_deref()))
     }
+}
+
+/// The fitted person as spheres, from the frames of the fit.
+fn of_spheres(
+    fit: &BodyFit,
+    frames: Vec<BodyFrame>,
+    spheres: usize,
+    levels: usize,
+) -> anyhow::Result<SphereBody> {
+    let posed = fit.frames.iter().zip(&fit.poses).filter_map(|(number, pose)| {
+        let frame = frames.iter().find(|frame| frame.frame == *number)?;
+        Some(PosedViews { frame: *number, views: frame.views.clone(), pose: pose.clone() })
+    });
+    let spinner = ProgressBar::new_spinner();
+    spinner.enable_steady_tick(Duration::from_millis(200));
+    let options = SphereBodyOptions { spheres, levels, ..SphereBodyOptions::default() };
+    let posed = posed.collect();
+    let cancel = CancelToken::new();
+    let body = sphere_body(&fit.model, posed, &options, &FitOptions::default(), &cancel, |what| {
+        spinner.set_message(what);
+    })?;
+    spinner.finish_and_clear();
+    Ok(body)
 }
 
 fn follow_and_fit(
@@ -204,7 +241,7 @@ fn follow_and_fit(
     plan: &Approach,
     joints: impl Fn(usize) -> ReferenceJoints,
     options: &BodyFitOptions,
-) -> anyhow::Result<BodyFit> {
+) -> anyhow::Result<(BodyFit, Vec<BodyFrame>)> {
     let spinner = ProgressBar::new_spinner();
     spinner.enable_steady_tick(Duration::from_millis(200));
     let cancel = CancelToken::new();
@@ -222,14 +259,14 @@ fn follow_and_fit(
         spinner.set_message(format!("stage {stage} of {stages}, step {}", progress.iterations));
     };
     let fit = if Arc::ptr_eq(model, followed) {
-        fit_body(Arc::clone(model), frames, Some(size), options, &cancel, told)?
+        fit_body(Arc::clone(model), frames.clone(), Some(size), options, &cancel, told)?
     } else {
         let grown = followed.scaled(size.exp())?;
-        fit_body_from(Arc::clone(model), frames, &grown, options, &cancel, told)?
+        fit_body_from(Arc::clone(model), frames.clone(), &grown, options, &cancel, told)?
     };
     spinner.finish_and_clear();
     let name = format!("{}, fitted", model.name().trim_end_matches(", fitted"));
-    Ok(BodyFit { model: fit.model.clone().renamed(&name), ..fit })
+    Ok((BodyFit { model: fit.model.clone().renamed(&name), ..fit }, frames))
 }
 
 /// Where to begin, and how large the body is there.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use backlit_tracking::body::SizeKind;
 use backlit_tracking::body_fit::{BodyFit, SizeEstimate};
+use backlit_tracking::body_spheres::SphereBody;
 use serde::Serialize;
 
 use super::table::Table;
@@ -22,7 +23,33 @@ pub(crate) struct BodyReport {
     rms: Before<f64>,
     iterations: usize,
     termination: &'static str,
+    /// Of a body of spheres.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    spheres: Option<SpheresReport>,
     sizes: Vec<SizeReport>,
+}
+
+/// By level, the coarsest first; IoU of all frames and cameras.
+#[derive(Debug, Serialize)]
+struct SpheresReport {
+    levels: Vec<usize>,
+    iou_of_capsules: Option<f64>,
+    iou_as_carved: Option<f64>,
+    iou: Option<f64>,
+    rms: Before<f64>,
+}
+
+impl SpheresReport {
+    fn new(spheres: &SphereBody) -> Self {
+        let [capsules, carved, iou] = [0, 1, 2].map(|index| spheres.iou.map(|iou| iou[index]));
+        Self {
+            levels: spheres.spheres.clone(),
+            iou_of_capsules: capsules,
+            iou_as_carved: carved,
+            iou,
+            rms: Before { before: spheres.rms[0], after: spheres.rms[1] },
+        }
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -52,7 +79,7 @@ struct SizeReport {
 }
 
 impl BodyReport {
-    pub(crate) fn new(fit: &BodyFit) -> Self {
+    pub(crate) fn new(fit: &BodyFit, spheres: Option<&SphereBody>) -> Self {
         let size = |size: &SizeEstimate| SizeReport {
             limb: size.name.clone(),
             kind: size.kind,
@@ -75,13 +102,14 @@ impl BodyReport {
             rms: Before { before: fit.rms[0], after: fit.rms[1] },
             iterations: fit.iterations,
             termination: fit.termination.name(),
+            spheres: spheres.map(SpheresReport::new),
             sizes: fit.sizes.iter().map(size).collect(),
         }
     }
 }
 
 /// The result for people.
-pub(crate) fn text(fit: &BodyFit, written: Option<&Path>) -> String {
+pub(crate) fn text(fit: &BodyFit, spheres: Option<&SphereBody>, written: Option<&Path>) -> String {
     let frames: Vec<String> = fit.frames.iter().map(usize::to_string).collect();
     let percent = |factor: f64| format!("{:+.1} %", 100.0 * (factor - 1.0));
     let mut out = format!(
@@ -92,6 +120,15 @@ pub(crate) fn text(fit: &BodyFit, written: Option<&Path>) -> String {
     );
     if let [Some(before), Some(after)] = fit.iou {
         out.push_str(&format!("IoU {before:.3} scaled as a whole, {after:.3} with its own sizes\n"));
+    }
+    if let Some(spheres) = spheres {
+        let counts: Vec<String> = spheres.spheres.iter().map(usize::to_string).collect();
+        out.push_str(&format!("spheres by level: {}\n", counts.join(", ")));
+        if let Some([capsules, carved, end]) = spheres.iou {
+            out.push_str(&format!(
+                "IoU {capsules:.3} of capsules, {carved:.3} of spheres as carved, {end:.3} moved\n"
+            ));
+        }
     }
     if let Some(found) = fit.widening.filter(|found| found.is_believed) {
         let word = if found.px > 0.0 { "wide" } else { "narrow" };

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use anyhow::bail;
-use backlit_formats::{mesh, sphere_tree_file};
+use backlit_formats::{mesh, model_file, sphere_tree_file};
 use backlit_sphere_tree::{MAX_LEVELS, MAX_SPHERES, SphereTree, TreeOptions};
+use backlit_tracking::body_spheres::body_of_tree;
 use clap::Args;
 
 use super::output;
@@ -18,7 +19,8 @@ covers. Of N spheres and L levels, level k has about N^(k/L).
 
 Examples:
   backlit sphere-tree bunny.ply --out bunny.json
-  backlit sphere-tree hand.stl --spheres 64 --levels 2 --out hand.json --json";
+  backlit sphere-tree hand.stl --spheres 64 --levels 2 --out hand.json --json
+  backlit sphere-tree statue.glb --spheres 200 --levels 2 --out statue.toml";
 
 /// What `backlit sphere-tree` is told.
 #[derive(Debug, Args)]
@@ -32,8 +34,8 @@ pub(crate) struct SphereTreeArguments {
     /// Levels, the coarsest first
     #[arg(long, value_name = "L", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=MAX_LEVELS as i64))]
     levels: u32,
-    /// File to write, .json
-    #[arg(long, value_name = "FILE.json")]
+    /// File to write: a tree (.json), or a body of one limb (.toml) for --renderer sphere-tree
+    #[arg(long, value_name = "FILE.json|BODY.toml")]
     out: PathBuf,
     /// Print the errors of the levels as JSON
     #[arg(long)]
@@ -46,13 +48,21 @@ pub(crate) struct SphereTreeArguments {
 /// A mesh that cannot be read or bounds no solid, or a file that cannot be written.
 pub(crate) fn run(arguments: &SphereTreeArguments) -> anyhow::Result<()> {
     output::check_folder_of(&arguments.out)?;
-    if arguments.out.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("json")) {
-        bail!("{}: the ending says no format; expected .json", arguments.out.display());
-    }
+    let ending = arguments.out.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    let is_body = match ending.as_deref() {
+        Some("json") => false,
+        Some("toml") => true,
+        _ => bail!("{}: the ending says no format; expected .json or .toml", arguments.out.display()),
+    };
     let mesh = mesh::read(&arguments.mesh)?;
     let options = TreeOptions { spheres: arguments.spheres as usize, levels: arguments.levels as usize };
     let tree = SphereTree::build(&mesh, &options)?;
-    sphere_tree_file::write(&arguments.out, &tree)?;
+    if is_body {
+        let name = arguments.mesh.file_stem().map_or("mesh".into(), |stem| stem.to_string_lossy());
+        model_file::write(&arguments.out, &body_of_tree(&tree, &name)?)?;
+    } else {
+        sphere_tree_file::write(&arguments.out, &tree)?;
+    }
     if arguments.json {
         return output::print_json(&to_json(&tree));
     }

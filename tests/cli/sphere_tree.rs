@@ -35,10 +35,15 @@ fn a_mesh_becomes_levels_of_spheres() {
             .unwrap();
     assert_eq!(printed["levels"][1]["error"], levels[1]["error"]);
 
+    // The same as a body, which the sphere-tree renderer draws.
+    scene.ok("sphere-tree egg.obj --spheres 16 --levels 2 --out egg.toml");
+    let body = backlit_formats::model_file::read(&scene.path("egg.toml")).unwrap();
+    assert_eq!(body.spheres_by_level(), counts);
+
     let first = obj.rfind("f ").unwrap();
     scene.write("open.obj", &obj[..first]);
     scene.fails("sphere-tree open.obj --out a.json", 1, &["open.obj", "not closed: 3 edges"]);
     scene.fails("sphere-tree no.obj --out a.json", 1, &["no.obj", "no such file"]);
-    scene.fails("sphere-tree egg.obj --out a.txt", 1, &["a.txt", "expected .json"]);
+    scene.fails("sphere-tree egg.obj --out a.txt", 1, &["a.txt", "expected .json or .toml"]);
     scene.fails("sphere-tree egg.obj --spheres 0 --out a.json", 2, &["--spheres", "1..=4096"]);
 }

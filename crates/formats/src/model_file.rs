@@ -38,6 +38,7 @@ fn place(error: &ModelError) -> Option<(&str, &str)> {
         ModelError::Direction { limb, .. } => Some((limb, "direction")),
         ModelError::Limits { limb, .. } => Some((limb, "limits")),
         ModelError::Sphere { limb, .. } => Some((limb, "spheres")),
+        ModelError::Level { limb, .. } => Some((limb, "coarser")),
         ModelError::Format { .. }
         | ModelError::NoLimbs
         | ModelError::TooManyLimbs { .. }

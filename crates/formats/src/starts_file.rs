@@ -203,6 +203,7 @@ impl ModelJson {
                 radius: limb.r,
                 limits: None,
                 spheres: Vec::new(),
+                coarser: Vec::new(),
             });
         }
         let spec = ModelSpec { format: body::FORMAT.to_owned(), name: "starts".to_owned(), limbs };

@@ -17,14 +17,16 @@ pub mod builtin;
 mod kinematics;
 mod limb;
 mod model;
+mod model_trees;
 mod parameters;
 mod pose;
 mod sides;
 pub(crate) mod sizes;
 
 pub use kinematics::{Kinematics, MovingColumn};
-pub use limb::{JointAngles, JointLimits, Limb, LimbSphere, Range};
+pub use limb::{JointAngles, JointLimits, Limb, LimbSphere, Range, SphereLevel};
 pub use model::{FORMAT, LimbSpec, MAX_ANGLE, MAX_LIMBS, MAX_SIZE, Model, ModelError, ModelSpec, ROOT};
+pub use model_trees::PlacedSphere;
 pub use parameters::Parameters;
 pub use pose::{FARTHEST_ROOT, Pose, PoseError};
 pub use sides::Sides;

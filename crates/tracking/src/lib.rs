@@ -96,6 +96,7 @@
 //! | [`track`] | following frames: motion, lost frames, smoothing |
 //! | [`filter`] | poses over time: constant velocity, the iterated Kalman update, the smoother |
 //! | [`body_fit`] | the person's own lengths and radii, with the poses of several frames |
+//! | [`body_spheres`] | a person of spheres: limbs carved from silhouettes, a sphere tree each |
 //! | [`posing`] | moving a body by hand: chains follow through the same optimiser |
 //! | [`observability`] | what the cameras see of a pose and what not: directions, covariances, sets of cameras |
 //! | [`visual_hull`] | what all silhouettes leave of space |
@@ -126,6 +127,7 @@
 pub mod acquisition;
 pub mod body;
 pub mod body_fit;
+pub mod body_spheres;
 pub mod camera;
 pub mod cancel;
 pub mod cues;

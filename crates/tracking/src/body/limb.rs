@@ -56,7 +56,26 @@ pub struct LimbSphere {
     /// Offset from the axis in the limb's rest frame, metres.
     #[serde(default)]
     pub offset: DVec3,
+    /// The sphere of the level above that it lies under; none where there is no level above.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parent: Option<usize>,
 }
+
+/// A coarser level of a limb's sphere tree.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SphereLevel {
+    /// How much farther than the finest level's its spheres stand off the limb, on average, metres.
+    pub error: f64,
+    /// Its spheres; at least one.
+    pub spheres: Vec<LimbSphere>,
+    /// How far from each sphere's centre all that lies under it reaches, itself included, metres. Worked out with the model.
+    #[serde(skip)]
+    pub reaches: Vec<f64>,
+}
+
+/// A level is fine enough where its error is this small in a picture, pixels.
+const DETAIL_PX: f64 = 0.25;
 
 /// One limb of a validated [`Model`](crate::body::Model).
 #[derive(Debug, Clone, PartialEq)]
@@ -77,11 +96,47 @@ pub struct Limb {
     pub radius: f64,
     /// Limits of its own rotation.
     pub limits: Option<JointLimits>,
-    /// Its sphere tree; empty for equal spheres along the axis.
+    /// The finest level of its sphere tree; empty for equal spheres along the axis.
     pub spheres: Vec<LimbSphere>,
+    /// The levels above it, coarsest first.
+    pub coarser: Vec<SphereLevel>,
 }
 
 impl Limb {
+    /// The spheres of a level of its tree, counted from the coarsest; the finest where it has no more.
+    #[must_use]
+    pub fn level(&self, level: usize) -> &[LimbSphere] {
+        self.coarser.get(level).map_or(&self.spheres, |level| &level.spheres)
+    }
+
+    /// The coarsest level that is fine enough for a picture in which a pixel is so many metres at the limb.
+    #[must_use]
+    pub fn level_for(&self, metres_per_px: f64) -> usize {
+        let is_fine = |level: &SphereLevel| level.error <= DETAIL_PX * metres_per_px;
+        self.coarser.iter().position(is_fine).unwrap_or(self.coarser.len())
+    }
+
+    /// Where a sphere's centre lies in the limb's rest frame: metres from its first joint, axes of the body at rest.
+    #[must_use]
+    pub fn centre(&self, sphere: &LimbSphere) -> DVec3 {
+        self.direction * (sphere.at * self.length) + sphere.offset
+    }
+
+    /// Works out how far each sphere's part of the tree reaches.
+    pub(super) fn measure_tree(&mut self) {
+        for level in (0..self.coarser.len()).rev() {
+            let mut reaches: Vec<f64> =
+                self.coarser[level].spheres.iter().map(|sphere| sphere.radius).collect();
+            for (index, child) in self.level(level + 1).iter().enumerate() {
+                let Some(parent) = child.parent else { continue };
+                let own = self.coarser.get(level + 1).map_or(child.radius, |below| below.reaches[index]);
+                let apart = self.centre(child).distance(self.centre(&self.coarser[level].spheres[parent]));
+                reaches[parent] = reaches[parent].max(apart + own);
+            }
+            self.coarser[level].reaches = reaches;
+        }
+    }
+
     /// Unit axes of flexion and of sideways swing, perpendicular to the limb and to each other.
     ///
     /// Without limits, any such pair: the same one for the same direction.

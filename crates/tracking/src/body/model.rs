@@ -4,7 +4,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::limb::{JointLimits, Limb, LimbSphere};
+use super::limb::{JointLimits, Limb, LimbSphere, SphereLevel};
 use crate::names;
 
 /// Name and version of the model file's format.
@@ -57,6 +57,9 @@ pub struct LimbSpec {
     /// Sphere tree.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub spheres: Vec<LimbSphere>,
+    /// Coarser levels of its sphere tree, coarsest first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub coarser: Vec<SphereLevel>,
 }
 
 /// Why a model is not one. Every variant names the limb and the field.
@@ -96,6 +99,8 @@ pub enum ModelError {
     Limits { limb: String, field: &'static str, problem: &'static str },
     #[error("limb \"{limb}\": `spheres[{index}]` {problem}")]
     Sphere { limb: String, index: usize, problem: &'static str },
+    #[error("limb \"{limb}\": `coarser[{level}]` {problem}")]
+    Level { limb: String, level: usize, problem: &'static str },
 }
 
 /// A body: limbs in an arena, every parent before its children.
@@ -105,7 +110,7 @@ pub enum ModelError {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
     name: String,
-    limbs: Vec<Limb>,
+    pub(super) limbs: Vec<Limb>,
     rotation_owners: Vec<usize>,
     rotation_parents: Vec<Option<usize>>,
     rotations_parents_first: Vec<usize>,
@@ -215,7 +220,12 @@ impl Model {
                     radius: limb.radius,
                     limits: limb.limits,
                     spheres: limb.spheres.clone(),
+                    coarser: limb.coarser.clone(),
                 }
+            })
+            .map(|mut limb| {
+                limb.measure_tree();
+                limb
             })
             .collect();
         let mirrored = mirrored_limbs(&limbs);
@@ -243,6 +253,7 @@ impl Model {
             radius: limb.radius,
             limits: limb.limits,
             spheres: limb.spheres.clone(),
+            coarser: limb.coarser.clone(),
         });
         ModelSpec { format: FORMAT.into(), name: self.name.clone(), limbs: limbs.collect() }
     }
@@ -267,7 +278,15 @@ impl Model {
                 sphere.radius *= thicker;
                 sphere.offset *= thicker;
             }
+            for level in &mut limb.coarser {
+                level.error *= thicker;
+                for sphere in &mut level.spheres {
+                    sphere.radius *= thicker;
+                    sphere.offset *= thicker;
+                }
+            }
             (limb.length, limb.radius) = (length, radius);
+            limb.measure_tree();
         }
         Ok(resized)
     }
@@ -357,7 +376,7 @@ fn unit(direction: DVec3) -> DVec3 {
     if (direction.length_squared() - 1.0).abs() < 1e-14 { direction } else { direction.normalize() }
 }
 
-fn is_size(value: f64) -> bool {
+pub(super) fn is_size(value: f64) -> bool {
     value.is_finite() && value > 1e-6 && value <= MAX_SIZE
 }
 
@@ -400,22 +419,7 @@ fn check_limb(index: usize, limb: &LimbSpec) -> Result<(), ModelError> {
             });
         }
     }
-    for (index, sphere) in limb.spheres.iter().enumerate() {
-        if !is_size(sphere.radius) {
-            let problem = "has no radius above 0; expected metres";
-            return Err(ModelError::Sphere { limb: name(), index, problem });
-        }
-        if !(0.0..=1.0).contains(&sphere.at) {
-            let problem = "does not lie on the limb; expected `at` from 0, its first joint, to 1, its second";
-            return Err(ModelError::Sphere { limb: name(), index, problem });
-        }
-        if !sphere.offset.abs().cmple(DVec3::splat(MAX_SIZE)).all() {
-            let problem =
-                "lies far off the limb; expected an `offset` of three numbers in metres, at most 100";
-            return Err(ModelError::Sphere { limb: name(), index, problem });
-        }
-    }
-    Ok(())
+    super::model_trees::check_tree(&limb.name, &limb.spheres, &limb.coarser)
 }
 
 fn check_cycles(spec: &ModelSpec, field: &'static str, next: &[Option<usize>]) -> Result<(), ModelError> {

@@ -49,6 +49,8 @@ pub(crate) enum Solid {
 pub(crate) struct Primitive {
     /// Index of its limb.
     pub limb: usize,
+    /// Of a sphere its number among those of its limb that stand for it.
+    pub piece: usize,
     /// Its shape.
     pub solid: Solid,
     /// Its radius, metres.
@@ -288,6 +290,7 @@ mod tests {
             let u = DVec3::new(x, y, 1.0).normalize();
             let primitive = Primitive {
                 limb: 0,
+                piece: 0,
                 solid: Solid::Capsule { p0, p1 },
                 radius: 0.1,
                 ramp: super::super::Ramp::Half.for_solid(0.1, 1.0, 100.0),

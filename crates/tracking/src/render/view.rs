@@ -8,9 +8,10 @@
 use glam::{DVec2, DVec3};
 
 use super::primitive::{Footprint, Primitive, Solid};
+use super::ramp::SolidRamp;
 use super::wrench::Wrench;
 use super::{Ramp, RendererKind};
-use crate::body::{Kinematics, Model};
+use crate::body::{Kinematics, Limb, LimbSphere, Model};
 use crate::camera::Camera;
 
 /// A joint nearer to the camera plane than this many reaches is left to the reference kernel.
@@ -22,9 +23,24 @@ pub struct View {
     width: usize,
     height: usize,
     primitives: Vec<Primitive>,
+    /// Solids that lie under one sphere of a tree, or by themselves: their places, and the rows that they may touch.
+    groups: Vec<Group>,
+    /// Scratch: which spheres of a level and of the level above are in the picture.
+    seen: [Vec<bool>; 2],
     /// Unit rays of a distorted lens, row-major; empty for a pinhole.
     distorted_rays: Vec<DVec3>,
     pinhole: crate::camera::Intrinsics,
+}
+
+/// Solids that follow one another.
+#[derive(Debug, Clone, Copy)]
+struct Group {
+    /// Limb, and sphere of the level above, that they lie under.
+    under: Option<(usize, usize)>,
+    first: usize,
+    past: usize,
+    /// Rows that any of them may touch.
+    rows: [usize; 2],
 }
 
 /// What a ray sees of the limb that wins its pixel.
@@ -67,6 +83,8 @@ impl View {
             width,
             height,
             primitives: Vec::with_capacity(model.limbs().len()),
+            groups: Vec::with_capacity(model.limbs().len()),
+            seen: Default::default(),
             distorted_rays: distorted_rays(camera),
             pinhole: *camera.intrinsics(),
         };
@@ -84,6 +102,7 @@ impl View {
         ramp: Ramp,
     ) {
         self.primitives.clear();
+        self.groups.clear();
         let place = camera.camera_from_world();
         let focal = self.pinhole.mean_focal_px();
         for (index, limb) in model.limbs().iter().enumerate() {
@@ -100,16 +119,28 @@ impl View {
             if let Some(solid) = solid {
                 let ramp = ramp.for_solid(limb.radius, mid_depth, focal);
                 let bounds = self.bounds(p0, p1, ramp.reach());
-                self.push(Primitive { limb: index, solid, radius: limb.radius, ramp, bounds });
+                self.push(
+                    Primitive { limb: index, piece: 0, solid, radius: limb.radius, ramp, bounds },
+                    None,
+                );
                 continue;
             }
             let turn = place.rotation * kinematics.world_rotations()[limb.rotation];
-            for sphere in &limb.spheres {
-                let centre = p0 + (p1 - p0) * sphere.at + turn * sphere.offset;
+            let place = |sphere: &LimbSphere| p0 + (p1 - p0) * sphere.at + turn * sphere.offset;
+            let level = limb.level_for(if mid_depth > 0.0 { mid_depth / focal } else { 0.0 });
+            let ramp_of = |radius: f64| ramp.for_solid(radius, mid_depth, focal);
+            self.look_for_parents(limb, level, place, ramp_of);
+            for (piece, sphere) in limb.level(level).iter().enumerate() {
+                // A parent that misses the picture skips its children.
+                if sphere.parent.is_some_and(|parent| !self.seen[0][parent]) {
+                    continue;
+                }
+                let centre = place(sphere);
                 let solid = Solid::Sphere { p0, p1, centre };
-                let ramp = ramp.for_solid(sphere.radius, mid_depth, focal);
+                let ramp = ramp_of(sphere.radius);
                 let bounds = self.bounds(centre, centre, ramp.reach());
-                self.push(Primitive { limb: index, solid, radius: sphere.radius, ramp, bounds });
+                let primitive = Primitive { limb: index, piece, solid, radius: sphere.radius, ramp, bounds };
+                self.push(primitive, sphere.parent);
             }
         }
     }
@@ -118,13 +149,77 @@ impl View {
     ///
     /// `drawn` has one entry a limb; what is missing is left out.
     pub fn keep_limbs(&mut self, drawn: &[bool]) {
-        self.primitives.retain(|primitive| drawn.get(primitive.limb).is_some_and(|&is_drawn| is_drawn));
+        let is_drawn = |limb: usize| drawn.get(limb).is_some_and(|&is_drawn| is_drawn);
+        let mut past = 0;
+        // A group is of one limb.
+        self.groups.retain_mut(|group| {
+            let is_kept = is_drawn(self.primitives[group.first].limb);
+            if is_kept {
+                (group.first, group.past) = (past, past + group.past - group.first);
+                past = group.past;
+            }
+            is_kept
+        });
+        self.primitives.retain(|primitive| is_drawn(primitive.limb));
     }
 
-    fn push(&mut self, primitive: Primitive) {
-        if !primitive.bounds.is_empty() {
-            self.primitives.push(primitive);
+    fn push(&mut self, primitive: Primitive, parent: Option<usize>) {
+        if primitive.bounds.is_empty() {
+            return;
         }
+        let (place, Footprint { y0, y1, .. }) = (self.primitives.len(), primitive.bounds);
+        let under = parent.map(|parent| (primitive.limb, parent));
+        match self.groups.last_mut() {
+            Some(group) if under.is_some() && group.under == under => {
+                group.past = place + 1;
+                group.rows = [group.rows[0].min(y0), group.rows[1].max(y1)];
+            }
+            _ => self.groups.push(Group { under, first: place, past: place + 1, rows: [y0, y1] }),
+        }
+        self.primitives.push(primitive);
+    }
+
+    /// Finds which spheres of the level above `level` may have children in the picture, level after level from the coarsest.
+    fn look_for_parents(
+        &mut self,
+        limb: &Limb,
+        level: usize,
+        place: impl Fn(&LimbSphere) -> DVec3,
+        ramp_of: impl Fn(f64) -> SolidRamp,
+    ) {
+        for above in &limb.coarser[..level] {
+            let [found, before] = &mut self.seen;
+            std::mem::swap(found, before);
+            found.clear();
+            for (sphere, &reach) in above.spheres.iter().zip(&above.reaches) {
+                // No sphere below reaches farther, and no ramp of one rises farther beyond it than that of the largest.
+                let beyond = (ramp_of(reach).reach() - reach).max(0.0);
+                let centre = place(sphere);
+                let is_seen = sphere.parent.is_none_or(|parent| before[parent]);
+                let whole = !self.distorted_rays.is_empty();
+                found.push(
+                    is_seen
+                        && (whole
+                            || !Footprint::around(
+                                centre,
+                                centre,
+                                reach + beyond,
+                                &self.pinhole,
+                                self.width,
+                                self.height,
+                            )
+                            .is_empty()),
+                );
+            }
+        }
+    }
+
+    /// The solids that may be seen on a row, in their order, with their places. A parent that misses the row skips its children.
+    pub(crate) fn on_row(&self, y: usize) -> impl Iterator<Item = (usize, &Primitive)> {
+        let groups = self.groups.iter().filter(move |group| (group.rows[0]..group.rows[1]).contains(&y));
+        let all = groups.flat_map(|group| group.first..group.past);
+        let solids = all.map(|place| (place, &self.primitives[place]));
+        solids.filter(move |(_, primitive)| (primitive.bounds.y0..primitive.bounds.y1).contains(&y))
     }
 
     fn bounds(&self, p0: DVec3, p1: DVec3, reach: f64) -> Footprint {

@@ -91,7 +91,7 @@ fn limbs_without_extent_are_errors() {
         assert!(matches!(length, Err(ModelError::Size { field: "length", .. })), "{bad}: {length:?}");
         let radius = changed(&|limb| limb.radius = bad);
         assert!(matches!(radius, Err(ModelError::Size { field: "radius", .. })), "{bad}: {radius:?}");
-        let sphere = LimbSphere { at: 0.5, radius: bad, offset: DVec3::ZERO };
+        let sphere = LimbSphere { at: 0.5, radius: bad, offset: DVec3::ZERO, parent: None };
         let sphere = changed(&|limb| limb.spheres = vec![sphere]);
         assert!(matches!(sphere, Err(ModelError::Sphere { index: 0, .. })), "{bad}: {sphere:?}");
     }
@@ -99,8 +99,8 @@ fn limbs_without_extent_are_errors() {
         let direction = changed(&|limb| limb.direction = DVec3::new(0.0, bad, 0.0));
         assert!(matches!(direction, Err(ModelError::Direction { .. })), "{bad}: {direction:?}");
         for sphere in [
-            LimbSphere { at: bad, radius: 0.1, offset: DVec3::ZERO },
-            LimbSphere { at: 0.5, radius: 0.1, offset: DVec3::X * bad },
+            LimbSphere { at: bad, radius: 0.1, offset: DVec3::ZERO, parent: None },
+            LimbSphere { at: 0.5, radius: 0.1, offset: DVec3::X * bad, parent: None },
         ] {
             let found = changed(&|limb| limb.spheres = vec![sphere]);
             assert!(matches!(found, Err(ModelError::Sphere { index: 0, .. })), "{sphere:?}: {found:?}");

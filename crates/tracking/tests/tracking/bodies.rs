@@ -11,6 +11,7 @@ pub(crate) fn with_own_spheres(model: &Model) -> Model {
             at,
             radius: scale * limb.radius,
             offset: DVec3::new(x, 0.02, -0.01) * limb.radius * 5.0,
+            parent: None,
         };
         limb.spheres = vec![sphere(0.2, 1.1, 0.05), sphere(0.8, 0.8, -0.04)];
     }

@@ -48,6 +48,7 @@ fn body_with_own_spheres() -> Model {
                     at,
                     radius: scale * radius,
                     offset: DVec3::from(offset) * radius,
+                    parent: None,
                 })
                 .to_vec();
     }

@@ -47,6 +47,7 @@ fn model(value: &Value) -> Model {
         radius: limb["r"].as_f64().unwrap(),
         limits: None,
         spheres: Vec::new(),
+        coarser: Vec::new(),
     });
     Model::new(&ModelSpec { format: FORMAT.into(), name: "golden".into(), limbs: specs.collect() }).unwrap()
 }

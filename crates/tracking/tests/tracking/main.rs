@@ -24,6 +24,7 @@ mod observability;
 mod particles;
 mod robust_terms;
 mod segment_footage;
+mod sphere_trees;
 mod synchronise;
 mod templates;
 mod vectors;

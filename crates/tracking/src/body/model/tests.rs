@@ -12,6 +12,7 @@ fn limb(name: &str, parent: Option<&str>) -> LimbSpec {
         radius: 0.05,
         limits: None,
         spheres: Vec::new(),
+        coarser: Vec::new(),
     }
 }
 
@@ -20,7 +21,7 @@ fn model(limbs: Vec<LimbSpec>) -> Result<Model, ModelError> {
 }
 
 fn with_sphere(at: f64, offset: f64) -> LimbSpec {
-    let sphere = LimbSphere { at, radius: 0.1, offset: DVec3::splat(offset) };
+    let sphere = LimbSphere { at, radius: 0.1, offset: DVec3::splat(offset), parent: None };
     LimbSpec { spheres: vec![sphere], ..limb("a", None) }
 }
 

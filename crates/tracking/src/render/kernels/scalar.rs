@@ -29,8 +29,7 @@ impl RowWinners {
         self.levels.resize(width, 1.0);
         self.winners.clear();
         self.winners.resize(width, NOBODY);
-        let on_row =
-            || view.primitives().iter().enumerate().filter(|(_, p)| (p.bounds.y0..p.bounds.y1).contains(&y));
+        let on_row = || view.on_row(y);
         let low = on_row().map(|(_, p)| p.bounds.x0).min().unwrap_or(width);
         let high = on_row().map(|(_, p)| p.bounds.x1).max().unwrap_or(0);
         // First sampled pixel at or after a column.

@@ -1,0 +1,77 @@
+//! From carved limbs to sphere trees of the model.
+
+use backlit_sphere_tree::{ClosedMesh, SphereTree, TreeOptions, TreeSphere, isosurface};
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::carve::Witnesses;
+use super::options::SphereBodyOptions;
+use super::{PosedViews, SphereBodyError};
+use crate::body::{Limb, LimbSphere, Model, SphereLevel};
+
+/// Fewest spheres of a limb's finest level.
+const FEWEST: usize = 2;
+
+/// Limbs carved from frames, each with a tree of its own.
+///
+/// # Errors
+/// A limb of which nothing is left, or a body that cannot hold its trees.
+pub(super) fn carved(
+    model: &Model,
+    frames: &[PosedViews],
+    options: &SphereBodyOptions,
+) -> Result<Model, SphereBodyError> {
+    let witnesses = Witnesses::new(model, frames);
+    let mut meshes = Vec::with_capacity(model.limbs().len());
+    for (index, limb) in model.limbs().iter().enumerate() {
+        let field = witnesses.field(index, options);
+        let step = options.step.min(0.4 * limb.radius);
+        let mesh = isosurface(field.bounds(), step, |place| field.value(place));
+        meshes.push(
+            mesh.map_err(|error| SphereBodyError::Limb { limb: limb.name.clone(), error })?.largest_part(),
+        );
+    }
+    let areas: Vec<f64> = meshes.iter().map(ClosedMesh::area).collect();
+    let total: f64 = areas.iter().sum();
+    let trees: Vec<Vec<SphereLevel>> = meshes
+        .par_iter()
+        .zip(&areas)
+        .zip(model.limbs())
+        .map(|((mesh, area), limb)| {
+            let count = (options.spheres as f64 * area / total).round().max(FEWEST as f64) as usize;
+            let tree = SphereTree::build(mesh, &TreeOptions { spheres: count, levels: options.levels });
+            tree.map(|tree| levels_of(&tree, limb))
+        })
+        .collect::<Result<_, _>>()?;
+    Ok(model.with_trees(trees)?)
+}
+
+/// A tree's levels as a limb's: children stand beside those of the same parent.
+pub(super) fn levels_of(tree: &SphereTree, limb: &Limb) -> Vec<SphereLevel> {
+    let finest = tree.levels.last().map_or(0.0, |level| level.error.outside_mean);
+    // Places of the spheres of the level above in its new order.
+    let mut places: Vec<usize> = Vec::new();
+    let mut levels = Vec::with_capacity(tree.levels.len());
+    for level in &tree.levels {
+        let parent = |sphere: &TreeSphere| sphere.parent.map(|parent| places[parent]);
+        let mut order: Vec<usize> = (0..level.spheres.len()).collect();
+        order.sort_by_key(|&index| (parent(&level.spheres[index]), index));
+        let spheres = order.iter().map(|&index| {
+            let TreeSphere { centre, radius, .. } = level.spheres[index];
+            on_limb(limb, centre, radius, parent(&level.spheres[index]))
+        });
+        let spheres = spheres.collect();
+        let error = (level.error.outside_mean - finest).max(0.0);
+        levels.push(SphereLevel { error, spheres, reaches: Vec::new() });
+        let mut new_places = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(place, &index)| new_places[index] = place);
+        places = new_places;
+    }
+    levels
+}
+
+/// A sphere about a place in the limb's frame (metres from its first joint, axes of the body at rest).
+pub(super) fn on_limb(limb: &Limb, centre: DVec3, radius: f64, parent: Option<usize>) -> LimbSphere {
+    let at = (centre.dot(limb.direction) / limb.length).clamp(0.0, 1.0);
+    LimbSphere { at, radius, offset: centre - limb.direction * (at * limb.length), parent }
+}
