@@ -11,7 +11,8 @@ use backlit_formats::{Footage, Take, model_file};
 use backlit_tracking::acquisition::{AcquireOptions, Acquired, acquire};
 use backlit_tracking::body::{Model, Pose, SizeChoice};
 use backlit_tracking::body_fit::{
-    Approach, BodyFit, BodyFitOptions, BodyFrame, BodyProgress, approach, fit_body, fit_body_from, frames, scale,
+    Approach, BodyFit, BodyFitOptions, BodyFrame, BodyProgress, approach, fit_body, fit_body_from, frames,
+    scale,
 };
 use backlit_tracking::body_spheres::{PosedViews, SphereBody, SphereBodyOptions, sphere_body};
 use backlit_tracking::cancel::CancelToken;

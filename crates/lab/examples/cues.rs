@@ -9,7 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use backlit_formats::prior_file;
-use backlit_lab::experiment::cues::{Options, run, ways, with_prior};
+use backlit_lab::experiment::cues::{Options, Report, run, ways, with_prior};
 use backlit_lab::synthetic::occlusions::Occlusion;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::residual::learnt_prior::LearntPrior;
@@ -43,6 +43,33 @@ fn tune(options: &mut Options, name: &str, value: f64) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+fn print_table(report: &Report) {
+    let mm = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.0}"));
+    println!(
+        "| movement | fps | way | covered, mm | 95 % | lost, % | feet, mm | seen, mm | nothing covered, mm | all, mm | lost and said so, % | unsure, % | frames lost | ms |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+    for case in &report.cases {
+        println!(
+            "| {} | {} | {} | {} | {} | {:.1} | {} | {} | {} | {:.0} | {} | {:.0} | {} | {:.2} |",
+            case.movement.name(),
+            case.rate,
+            case.way,
+            mm(case.covered_mm),
+            mm(case.covered_p95_mm),
+            100.0 * case.covered_lost,
+            mm(case.feet_mm),
+            mm(case.seen_mm),
+            mm(case.nothing_covered_mm),
+            case.all_mm,
+            mm(case.lost_said.map(|share| 100.0 * share)),
+            100.0 * case.unsure,
+            case.frames_lost,
+            case.frame_ms,
+        );
+    }
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -108,29 +135,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let report = run(&options, &CancelToken::new(), |progress| {
         eprintln!("{} of {}", progress.done, progress.total);
     })?;
-    let mm = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.0}"));
-    println!(
-        "| movement | fps | way | covered, mm | 95 % | lost, % | feet, mm | seen, mm | nothing covered, mm | all, mm | lost and said so, % | unsure, % | frames lost | ms |"
-    );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
-    for case in &report.cases {
-        println!(
-            "| {} | {} | {} | {} | {} | {:.1} | {} | {} | {} | {:.0} | {} | {:.0} | {} | {:.2} |",
-            case.movement.name(),
-            case.rate,
-            case.way,
-            mm(case.covered_mm),
-            mm(case.covered_p95_mm),
-            100.0 * case.covered_lost,
-            mm(case.feet_mm),
-            mm(case.seen_mm),
-            mm(case.nothing_covered_mm),
-            case.all_mm,
-            mm(case.lost_said.map(|share| 100.0 * share)),
-            100.0 * case.unsure,
-            case.frames_lost,
-            case.frame_ms,
-        );
-    }
+    print_table(&report);
     Ok(())
 }
