@@ -262,3 +262,63 @@ fn plane(motions: &[&Prepared], classes: &[String]) -> (PrincipalComponents, Vec
     let clouds = (0..classes.len()).map(cloud).collect();
     (plane, clouds)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recognizer::Method;
+    use crate::tests::{standing_and_walking, walker};
+
+    #[test]
+    fn a_motion_is_followed_by_copies_that_differ() {
+        let named = &standing_and_walking()[2];
+        let options = LearnOptions { copies: 3, ..LearnOptions::default() };
+        let [prepared, again, other] = [5, 5, 6].map(|number| prepare(named, &options, number).unwrap());
+        assert_eq!((prepared.seen.len(), &*prepared.class, &*prepared.subject), (4, "walk", "a"));
+        assert_eq!(prepared.seen[0].short, Observed::new(&named.motion).unwrap().short);
+        for copy in 1..4 {
+            assert_eq!(prepared.seen[copy].short, again.seen[copy].short);
+            assert_ne!(prepared.seen[copy].short, other.seen[copy].short);
+            assert_ne!(prepared.seen[copy].short, prepared.seen[0].short);
+        }
+    }
+
+    #[test]
+    fn one_class_cannot_be_learnt() {
+        let motions = standing_and_walking();
+        let error = Recognizer::learn(&motions[..2], &LearnOptions::default()).unwrap_err();
+        assert_eq!(error, LearnError::Classes { found: 1 });
+        assert!(error.to_string().contains("two at least"));
+    }
+
+    #[test]
+    fn strangers_are_named_and_the_same_motions_give_the_same_recognizer() {
+        let motions = standing_and_walking();
+        let options = LearnOptions { copies: 1, ..LearnOptions::default() };
+        let learnt = Recognizer::learn(&motions, &options).unwrap();
+        assert_eq!(learnt, Recognizer::learn(&motions, &options).unwrap());
+        assert_eq!(learnt.classes, ["stand", "walk"]);
+        for (speed, class) in [(0.05, 0), (1.15, 1)] {
+            let seen = Observed::new(&walker(2.0, speed)).unwrap();
+            for method in Method::ALL {
+                let shares = learnt.clip_shares(&seen, method);
+                assert!(shares[class] > 0.6, "{} at {speed}: {shares:?}", method.name());
+            }
+        }
+    }
+
+    #[test]
+    fn clouds_lie_where_their_frames_do() {
+        let motions = standing_and_walking();
+        let options = LearnOptions { copies: 0, ..LearnOptions::default() };
+        let learnt = Recognizer::learn(&motions, &options).unwrap();
+        for named in &motions {
+            let class = usize::from(named.class == "walk");
+            let frames = Observed::new(&named.motion).unwrap().frames();
+            let middle = frames.iter().map(|row| learnt.plane.project(row)[0]).sum::<f64>();
+            let middle = middle / frames.len() as f64;
+            let [own, other] = [class, 1 - class].map(|class| (learnt.clouds[class].mean[0] - middle).abs());
+            assert!(own < other, "{}: {own} and {other}", named.name);
+        }
+    }
+}

@@ -187,3 +187,56 @@ impl Recognizer {
         Network::new(&self.models, self.switch_penalty)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::learn::LearnOptions;
+    use crate::tests::{standing_and_walking, walker};
+
+    fn learnt() -> Recognizer {
+        let options = LearnOptions { copies: 1, ..LearnOptions::default() };
+        Recognizer::learn(&standing_and_walking(), &options).unwrap()
+    }
+
+    #[test]
+    fn every_method_gives_probabilities() {
+        let recognizer = learnt();
+        let seen = Observed::new(&walker(2.0, 0.5)).unwrap();
+        for method in Method::ALL {
+            let logs = recognizer.window_logs(&seen, 5, method);
+            assert!((logs.iter().map(|log| log.exp()).sum::<f64>() - 1.0).abs() < 1e-9, "{logs:?}");
+            assert!((recognizer.clip_shares(&seen, method).iter().sum::<f64>() - 1.0).abs() < 1e-9);
+            let evidence = recognizer.evidence(&seen, method);
+            assert_eq!(evidence.len(), seen.short.len());
+            for (states, model) in evidence[3].iter().zip(&recognizer.models) {
+                assert_eq!(states.len(), model.state_count());
+                assert!(states.iter().all(|state| state.is_finite()));
+            }
+        }
+    }
+
+    #[test]
+    fn a_model_without_windows_has_no_neighbours() {
+        let mut recognizer = learnt();
+        assert_eq!(recognizer.methods().collect::<Vec<_>>(), Method::ALL);
+        recognizer.exemplars = None;
+        assert!(recognizer.methods().all(|method| method != Method::Nearest));
+        let seen = Observed::new(&walker(1.5, 1.0)).unwrap();
+        let logs = recognizer.window_logs(&seen, 0, Method::Nearest);
+        assert!(logs.iter().all(|log| (log - 0.5_f64.ln()).abs() < 1e-12), "{logs:?}");
+    }
+
+    #[test]
+    fn both_ways_together_multiply_their_probabilities() {
+        let recognizer = learnt();
+        let seen = Observed::new(&walker(2.0, 0.4)).unwrap();
+        let [hmm, svm, both] = [Method::Hmm, Method::Svm, Method::Combined]
+            .map(|method| recognizer.window_logs(&seen, 8, method));
+        let weighed: Vec<f64> = hmm.iter().zip(&svm).map(|(hmm, svm)| hmm + svm).collect();
+        let sum = log_sum(weighed.iter().copied());
+        for class in 0..2 {
+            assert!((weighed[class] - sum - both[class]).abs() < 1e-9);
+        }
+    }
+}
