@@ -312,13 +312,19 @@ mod tests {
         let motions = standing_and_walking();
         let options = LearnOptions { copies: 0, ..LearnOptions::default() };
         let learnt = Recognizer::learn(&motions, &options).unwrap();
-        for named in &motions {
-            let class = usize::from(named.class == "walk");
-            let frames = Observed::new(&named.motion).unwrap().frames();
-            let middle = frames.iter().map(|row| learnt.plane.project(row)[0]).sum::<f64>();
-            let middle = middle / frames.len() as f64;
-            let [own, other] = [class, 1 - class].map(|class| (learnt.clouds[class].mean[0] - middle).abs());
-            assert!(own < other, "{}: {own} and {other}", named.name);
+        for (cloud, class) in learnt.clouds.iter().zip(&learnt.classes) {
+            let places: Vec<Vec<f64>> = motions
+                .iter()
+                .filter(|named| named.class == *class)
+                .flat_map(|named| {
+                    Observed::new(&named.motion).unwrap().frames().into_iter().step_by(PLANE_STEP)
+                })
+                .map(|row| learnt.plane.project(&row))
+                .collect();
+            for axis in 0..2 {
+                let mean = places.iter().map(|place| place[axis]).sum::<f64>() / places.len() as f64;
+                assert!((mean - cloud.mean[axis]).abs() < 1e-9, "{class}: {mean} and {cloud:?}");
+            }
         }
     }
 }
