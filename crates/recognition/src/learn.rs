@@ -40,8 +40,10 @@ pub struct LearnOptions {
     pub shrinkage: f64,
     /// The classes' models.
     pub hmm: HmmOptions,
-    /// What a sample costs the support vector machine.
+    /// What a sample costs the support vector machine of the axes.
     pub cost: f64,
+    /// What a sample costs the support vector machine of the measures, of which there are many more.
+    pub wide_cost: f64,
     /// Nats that going from one class to another costs.
     pub switch_penalty: f64,
     /// Seed of the copies.
@@ -55,7 +57,8 @@ impl Default for LearnOptions {
             noise_m: 0.03,
             shrinkage: 0.6,
             hmm: HmmOptions::default(),
-            cost: 0.1,
+            cost: 0.03,
+            wide_cost: 0.001,
             switch_penalty: 6.0,
             seed: 1,
         }
@@ -190,10 +193,15 @@ impl Recognizer {
         let weights = balanced_weights(&seconds.cells);
         let places: Vec<Vec<f64>> = seconds.rows.iter().map(|row| long.project(row)).collect();
         let numbers: Vec<usize> = seconds.cells.iter().map(|cell| cell.0).collect();
-        let costs: Vec<f64> = weights.iter().map(|weight| options.cost * weight).collect();
+        let measures: Vec<Vec<f64>> = seconds.rows.iter().map(|row| long.standardised(row)).collect();
+        let machine = |rows: &[Vec<f64>], cost: f64| {
+            let costs: Vec<f64> = weights.iter().map(|weight| cost * weight).collect();
+            SupportVectors::learn(rows, &numbers, &costs, classes.len())
+        };
         let (plane, clouds) = plane(motions, &classes);
         Ok(Self {
-            machine: SupportVectors::learn(&places, &numbers, &costs, classes.len()),
+            machine: machine(&places, options.cost),
+            wide_machine: machine(&measures, options.wide_cost),
             novelty: Novelty::learn(&seconds.samples(), &weights, classes.len()),
             models: models(motions, &shorts, &short, classes.len(), &options.hmm),
             exemplars: Some(Exemplars { places, classes: numbers, weights }),

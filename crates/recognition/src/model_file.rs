@@ -104,6 +104,8 @@ impl Recognizer {
         }
         size("machine.planes", self.machine.planes.len(), count..=count)?;
         table("machine.planes", &self.machine.planes, long + 1)?;
+        size("wide_machine.planes", self.wide_machine.planes.len(), count..=count)?;
+        table("wide_machine.planes", &self.wide_machine.planes, MEASURE_COUNT + 1)?;
         size("novelty.means", self.novelty.means.len(), count..=count)?;
         table("novelty.means", &self.novelty.means, MEASURE_COUNT)?;
         size("novelty.deviations", self.novelty.deviations.len(), count..=count)?;
