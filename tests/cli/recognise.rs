@@ -139,3 +139,34 @@ fn the_model_that_comes_with_the_program_knows_real_motions() {
         assert!(2 * right > frames.len(), "{file}: {right} of {}", frames.len());
     }
 }
+
+/// Where numbers of two JSON texts differ, by more than a thousandth; or how else.
+fn difference(a: &Value, b: &Value, place: &str) -> Option<String> {
+    match (a, b) {
+        (Value::Object(a), Value::Object(b)) if a.keys().eq(b.keys()) => {
+            a.iter().find_map(|(key, value)| difference(value, &b[key], &format!("{place}.{key}")))
+        }
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            let all = a.iter().zip(b).enumerate();
+            all.into_iter().find_map(|(index, (a, b))| difference(a, b, &format!("{place}[{index}]")))
+        }
+        _ => {
+            let same = match (a.as_f64(), b.as_f64()) {
+                (Some(a), Some(b)) => (a - b).abs() <= 1e-3 * (1.0 + a.abs()),
+                _ => a == b,
+            };
+            (!same).then(|| format!("{place}: {a} and {b}"))
+        }
+    }
+}
+
+#[test]
+fn the_model_that_comes_with_the_program_is_what_the_command_learns() {
+    let Some(corpus) = corpus() else { return };
+    let scene = Scene::new();
+    scene.ok(&format!("recognise --train {} --out model.json --statistics-only", corpus.display()));
+    let shipped = concat!(env!("CARGO_MANIFEST_DIR"), "/crates/recognition/assets/motions.json");
+    let [learnt, shipped] = [scene.path("model.json"), PathBuf::from(shipped)]
+        .map(|path| serde_json::from_str::<Value>(&fs::read_to_string(path).unwrap()).unwrap());
+    assert_eq!(difference(&learnt, &shipped, "model"), None);
+}

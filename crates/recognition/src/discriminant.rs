@@ -127,7 +127,9 @@ impl Discriminant {
         (within, means)
     }
 
-    fn standardised(&self, row: &[f64]) -> Vec<f64> {
+    /// A row's numbers in deviations from their means, pressed together where they are far away.
+    #[must_use]
+    pub fn standardised(&self, row: &[f64]) -> Vec<f64> {
         let spread = self.mean.iter().zip(&self.deviation);
         row.iter().zip(spread).map(|(x, (mean, s))| REACH * ((x - mean) / (REACH * s)).tanh()).collect()
     }

@@ -40,8 +40,10 @@ pub struct LearnOptions {
     pub shrinkage: f64,
     /// The classes' models.
     pub hmm: HmmOptions,
-    /// What a sample costs the support vector machine.
+    /// What a sample costs the support vector machine of the axes.
     pub cost: f64,
+    /// What a sample costs the support vector machine of the measures, of which there are many more.
+    pub wide_cost: f64,
     /// Nats that going from one class to another costs.
     pub switch_penalty: f64,
     /// Seed of the copies.
@@ -55,7 +57,8 @@ impl Default for LearnOptions {
             noise_m: 0.03,
             shrinkage: 0.6,
             hmm: HmmOptions::default(),
-            cost: 0.1,
+            cost: 0.03,
+            wide_cost: 0.001,
             switch_penalty: 6.0,
             seed: 1,
         }
@@ -190,10 +193,15 @@ impl Recognizer {
         let weights = balanced_weights(&seconds.cells);
         let places: Vec<Vec<f64>> = seconds.rows.iter().map(|row| long.project(row)).collect();
         let numbers: Vec<usize> = seconds.cells.iter().map(|cell| cell.0).collect();
-        let costs: Vec<f64> = weights.iter().map(|weight| options.cost * weight).collect();
+        let measures: Vec<Vec<f64>> = seconds.rows.iter().map(|row| long.standardised(row)).collect();
+        let machine = |rows: &[Vec<f64>], cost: f64| {
+            let costs: Vec<f64> = weights.iter().map(|weight| cost * weight).collect();
+            SupportVectors::learn(rows, &numbers, &costs, classes.len())
+        };
         let (plane, clouds) = plane(motions, &classes);
         Ok(Self {
-            machine: SupportVectors::learn(&places, &numbers, &costs, classes.len()),
+            machine: machine(&places, options.cost),
+            wide_machine: machine(&measures, options.wide_cost),
             novelty: Novelty::learn(&seconds.samples(), &weights, classes.len()),
             models: models(motions, &shorts, &short, classes.len(), &options.hmm),
             exemplars: Some(Exemplars { places, classes: numbers, weights }),
@@ -261,4 +269,70 @@ fn plane(motions: &[&Prepared], classes: &[String]) -> (PrincipalComponents, Vec
     };
     let clouds = (0..classes.len()).map(cloud).collect();
     (plane, clouds)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recognizer::Method;
+    use crate::tests::{standing_and_walking, walker};
+
+    #[test]
+    fn a_motion_is_followed_by_copies_that_differ() {
+        let named = &standing_and_walking()[2];
+        let options = LearnOptions { copies: 3, ..LearnOptions::default() };
+        let [prepared, again, other] = [5, 5, 6].map(|number| prepare(named, &options, number).unwrap());
+        assert_eq!((prepared.seen.len(), &*prepared.class, &*prepared.subject), (4, "walk", "a"));
+        assert_eq!(prepared.seen[0].short, Observed::new(&named.motion).unwrap().short);
+        for copy in 1..4 {
+            assert_eq!(prepared.seen[copy].short, again.seen[copy].short);
+            assert_ne!(prepared.seen[copy].short, other.seen[copy].short);
+            assert_ne!(prepared.seen[copy].short, prepared.seen[0].short);
+        }
+    }
+
+    #[test]
+    fn one_class_cannot_be_learnt() {
+        let motions = standing_and_walking();
+        let error = Recognizer::learn(&motions[..2], &LearnOptions::default()).unwrap_err();
+        assert_eq!(error, LearnError::Classes { found: 1 });
+        assert!(error.to_string().contains("two at least"));
+    }
+
+    #[test]
+    fn strangers_are_named_and_the_same_motions_give_the_same_recognizer() {
+        let motions = standing_and_walking();
+        let options = LearnOptions { copies: 1, ..LearnOptions::default() };
+        let learnt = Recognizer::learn(&motions, &options).unwrap();
+        assert_eq!(learnt, Recognizer::learn(&motions, &options).unwrap());
+        assert_eq!(learnt.classes, ["stand", "walk"]);
+        for (speed, class) in [(0.05, 0), (1.15, 1)] {
+            let seen = Observed::new(&walker(2.0, speed)).unwrap();
+            for method in Method::ALL {
+                let shares = learnt.clip_shares(&seen, method);
+                assert!(shares[class] > 0.6, "{} at {speed}: {shares:?}", method.name());
+            }
+        }
+    }
+
+    #[test]
+    fn clouds_lie_where_their_frames_do() {
+        let motions = standing_and_walking();
+        let options = LearnOptions { copies: 0, ..LearnOptions::default() };
+        let learnt = Recognizer::learn(&motions, &options).unwrap();
+        for (cloud, class) in learnt.clouds.iter().zip(&learnt.classes) {
+            let places: Vec<Vec<f64>> = motions
+                .iter()
+                .filter(|named| named.class == *class)
+                .flat_map(|named| {
+                    Observed::new(&named.motion).unwrap().frames().into_iter().step_by(PLANE_STEP)
+                })
+                .map(|row| learnt.plane.project(&row))
+                .collect();
+            for axis in 0..2 {
+                let mean = places.iter().map(|place| place[axis]).sum::<f64>() / places.len() as f64;
+                assert!((mean - cloud.mean[axis]).abs() < 1e-9, "{class}: {mean} and {cloud:?}");
+            }
+        }
+    }
 }

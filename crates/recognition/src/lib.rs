@@ -49,7 +49,24 @@ pub use recognizer::{Method, Recognizer};
 mod tests {
     use glam::DVec3;
 
+    use crate::NamedMotion;
     use crate::joints::{JOINT_COUNT, JointMotion, Joints};
+
+    /// Two people who stand, and walk.
+    pub(crate) fn standing_and_walking() -> Vec<NamedMotion> {
+        let named = |speed: f64, class: &str, subject: &str| NamedMotion {
+            name: format!("{class} {subject}"),
+            class: class.to_owned(),
+            subject: subject.to_owned(),
+            motion: walker(1.5, speed),
+        };
+        vec![
+            named(0.0, "stand", "a"),
+            named(0.1, "stand", "b"),
+            named(1.0, "walk", "a"),
+            named(1.3, "walk", "b"),
+        ]
+    }
 
     /// A stick figure that walks forward (z) at 30 frames a second, so many metres a second, stepping twice a second.
     pub(crate) fn walker(seconds: f64, speed: f64) -> JointMotion {

@@ -104,6 +104,8 @@ impl Recognizer {
         }
         size("machine.planes", self.machine.planes.len(), count..=count)?;
         table("machine.planes", &self.machine.planes, long + 1)?;
+        size("wide_machine.planes", self.wide_machine.planes.len(), count..=count)?;
+        table("wide_machine.planes", &self.wide_machine.planes, MEASURE_COUNT + 1)?;
         size("novelty.means", self.novelty.means.len(), count..=count)?;
         table("novelty.means", &self.novelty.means, MEASURE_COUNT)?;
         size("novelty.deviations", self.novelty.deviations.len(), count..=count)?;
@@ -191,21 +193,10 @@ fn shorten(value: &mut Value) {
 mod tests {
     use super::*;
     use crate::learn::{LearnOptions, NamedMotion};
-    use crate::tests::walker;
+    use crate::tests::standing_and_walking;
 
     fn small() -> (Recognizer, Vec<NamedMotion>) {
-        let named = |speed: f64, class: &str, subject: &str| NamedMotion {
-            name: format!("{class} {subject}"),
-            class: class.to_owned(),
-            subject: subject.to_owned(),
-            motion: walker(1.5, speed),
-        };
-        let motions = vec![
-            named(0.0, "stand", "a"),
-            named(0.1, "stand", "b"),
-            named(1.0, "walk", "a"),
-            named(1.3, "walk", "b"),
-        ];
+        let motions = standing_and_walking();
         let options = LearnOptions { copies: 1, ..LearnOptions::default() };
         (Recognizer::learn(&motions, &options).unwrap(), motions)
     }

@@ -75,3 +75,54 @@ impl Novelty {
         strangeness > self.threshold
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two classes of one measure each spread by one about (0, 0) and about (20, 0).
+    fn learnt() -> (Novelty, Vec<[f64; 2]>) {
+        let rows: Vec<[f64; 2]> = (0..200)
+            .map(|index| {
+                let at = f64::from(index);
+                [20.0 * f64::from(index % 2) + 1.4 * (1.3 * at).sin(), 1.4 * (2.1 * at).cos()]
+            })
+            .collect();
+        let samples: Vec<Sample<'_>> = rows
+            .iter()
+            .enumerate()
+            .map(|(index, row)| Sample { row, class: index % 2, subject: 0 })
+            .collect();
+        (Novelty::learn(&samples, &vec![1.0; samples.len()], 2), rows)
+    }
+
+    #[test]
+    fn what_was_learnt_from_is_known_and_what_lies_between_is_not() {
+        let (novelty, rows) = learnt();
+        assert!((novelty.means[1][0] - 20.0).abs() < 0.2 && (novelty.deviations[0][1] - 1.0).abs() < 0.1);
+        assert!(rows.iter().all(|row| !novelty.is_unknown(novelty.strangeness(row))));
+        let mean = rows.iter().map(|row| novelty.strangeness(row)).sum::<f64>() / rows.len() as f64;
+        assert!((mean - 1.0).abs() < 0.1, "{mean}");
+        // In the middle between both classes, and near each of them.
+        assert!(novelty.is_unknown(novelty.strangeness(&[10.0, 0.0])));
+        assert!(!novelty.is_unknown(novelty.strangeness(&[19.0, 0.5])));
+    }
+
+    #[test]
+    fn one_measure_adds_no_more_than_its_share() {
+        let (novelty, _) = learnt();
+        let [far, farther] = [1e3, 1e9].map(|x| novelty.strangeness(&[0.0, x]));
+        assert_eq!(far, farther);
+        assert!((far - MOST / 2.0).abs() < 0.1, "{far}");
+    }
+
+    #[test]
+    fn what_counts_more_draws_the_mean() {
+        let rows = [[0.0], [1.0], [9.0]];
+        let samples: Vec<Sample<'_>> = rows.iter().map(|row| Sample { row, class: 0, subject: 0 }).collect();
+        let novelty = Novelty::learn(&samples, &[1.0, 2.0, 1.0], 1);
+        assert!((novelty.means[0][0] - 2.75).abs() < 1e-12);
+        let variance: f64 = (2.75_f64.powi(2) + 2.0 * 1.75_f64.powi(2) + 6.25_f64.powi(2)) / 4.0;
+        assert!((novelty.deviations[0][0] - variance.sqrt()).abs() < 1e-6);
+    }
+}

@@ -44,6 +44,8 @@ impl Method {
 const NEWS: f64 = STEP as f64 / SHORT as f64;
 /// Margins are made probabilities by a softmax of so many times the margin.
 const MARGIN_NATS: f64 = 3.0;
+/// What hidden Markov models say counts so much beside the support vectors: of people that were left out, they are sure too soon.
+const HMM_SHARE: f64 = 0.25;
 /// Shares of neighbours count as at least so much.
 const LEAST_SHARE: f64 = 0.01;
 
@@ -73,8 +75,10 @@ pub struct Recognizer {
     pub long: Discriminant,
     /// A model a class, of short windows.
     pub models: Vec<HiddenMarkov>,
-    /// Planes between the classes, of windows of a second.
+    /// Planes between the classes along the axes of windows of a second.
     pub machine: SupportVectors,
+    /// The same among their standardised measures, where no axes have been chosen.
+    pub wide_machine: SupportVectors,
     /// What known windows look like.
     pub novelty: Novelty,
     /// Known windows; a model that is to hold no motion has none.
@@ -113,7 +117,8 @@ impl Recognizer {
             Method::Nearest => self.neighbour_logs(&seen.window(first)),
             Method::Combined => {
                 let hmm = self.window_logs(seen, first, Method::Hmm);
-                hmm.iter().zip(self.window_logs(seen, first, Method::Svm)).map(|(a, b)| a + b).collect()
+                let svm = self.window_logs(seen, first, Method::Svm);
+                hmm.iter().zip(svm).map(|(hmm, svm)| HMM_SHARE * hmm + svm).collect()
             }
         };
         let sum = log_sum(logs.iter().copied());
@@ -121,8 +126,9 @@ impl Recognizer {
     }
 
     fn machine_logs(&self, measures: &[f64]) -> Vec<f64> {
-        let margins = self.machine.margins(&self.long.project(measures));
-        margins.iter().map(|margin| MARGIN_NATS * margin).collect()
+        let narrow = self.machine.margins(&self.long.project(measures));
+        let wide = self.wide_machine.margins(&self.long.standardised(measures));
+        narrow.iter().zip(wide).map(|(narrow, wide)| MARGIN_NATS * 0.5 * (narrow + wide)).collect()
     }
 
     fn neighbour_logs(&self, measures: &[f64]) -> Vec<f64> {
@@ -138,10 +144,6 @@ impl Recognizer {
     /// By class, the probability that a whole motion is of it.
     #[must_use]
     pub fn clip_shares(&self, seen: &Observed, method: Method) -> Vec<f64> {
-        if method == Method::Combined {
-            let [a, b] = [Method::Hmm, Method::Svm].map(|method| self.clip_shares(seen, method));
-            return a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect();
-        }
         let starts = seen.window_starts();
         let mut shares = vec![0.0; self.classes.len()];
         for &start in &starts {
@@ -176,7 +178,7 @@ impl Recognizer {
                 Method::Hmm => states(NEWS),
                 Method::Svm => with(states(0.0), self.machine_logs(&window())),
                 Method::Nearest => with(states(0.0), self.neighbour_logs(&window())),
-                Method::Combined => with(states(NEWS), self.machine_logs(&window())),
+                Method::Combined => with(states(HMM_SHARE * NEWS), self.machine_logs(&window())),
             }
         };
         (0..seen.short.len()).map(moment).collect()
@@ -185,5 +187,58 @@ impl Recognizer {
     /// All classes' models as one.
     pub(crate) fn network(&self) -> Network<'_> {
         Network::new(&self.models, self.switch_penalty)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::learn::LearnOptions;
+    use crate::tests::{standing_and_walking, walker};
+
+    fn learnt() -> Recognizer {
+        let options = LearnOptions { copies: 1, ..LearnOptions::default() };
+        Recognizer::learn(&standing_and_walking(), &options).unwrap()
+    }
+
+    #[test]
+    fn every_method_gives_probabilities() {
+        let recognizer = learnt();
+        let seen = Observed::new(&walker(2.0, 0.5)).unwrap();
+        for method in Method::ALL {
+            let logs = recognizer.window_logs(&seen, 5, method);
+            assert!((logs.iter().map(|log| log.exp()).sum::<f64>() - 1.0).abs() < 1e-9, "{logs:?}");
+            assert!((recognizer.clip_shares(&seen, method).iter().sum::<f64>() - 1.0).abs() < 1e-9);
+            let evidence = recognizer.evidence(&seen, method);
+            assert_eq!(evidence.len(), seen.short.len());
+            for (states, model) in evidence[3].iter().zip(&recognizer.models) {
+                assert_eq!(states.len(), model.state_count());
+                assert!(states.iter().all(|state| state.is_finite()));
+            }
+        }
+    }
+
+    #[test]
+    fn a_model_without_windows_has_no_neighbours() {
+        let mut recognizer = learnt();
+        assert_eq!(recognizer.methods().collect::<Vec<_>>(), Method::ALL);
+        recognizer.exemplars = None;
+        assert!(recognizer.methods().all(|method| method != Method::Nearest));
+        let seen = Observed::new(&walker(1.5, 1.0)).unwrap();
+        let logs = recognizer.window_logs(&seen, 0, Method::Nearest);
+        assert!(logs.iter().all(|log| (log - 0.5_f64.ln()).abs() < 1e-12), "{logs:?}");
+    }
+
+    #[test]
+    fn both_ways_together_multiply_their_probabilities() {
+        let recognizer = learnt();
+        let seen = Observed::new(&walker(2.0, 0.4)).unwrap();
+        let [hmm, svm, both] = [Method::Hmm, Method::Svm, Method::Combined]
+            .map(|method| recognizer.window_logs(&seen, 8, method));
+        let weighed: Vec<f64> = hmm.iter().zip(&svm).map(|(hmm, svm)| HMM_SHARE * hmm + svm).collect();
+        let sum = log_sum(weighed.iter().copied());
+        for class in 0..2 {
+            assert!((weighed[class] - sum - both[class]).abs() < 1e-9);
+        }
     }
 }

@@ -4,8 +4,8 @@
 //! other (Hsieh et al., "A Dual Coordinate Descent Method for Large-scale Linear SVM", 2008, algorithm 1 with the L2 loss).
 //!
 //! The crate `linfa-svm` 0.8 was looked at first. It has one weight for all positive and one for all negative samples, where each sample has its own
-//! here (subjects count the same, however much they have recorded), and it fills a matrix of n × n numbers, 8 GB for the 32,000 windows
-//! that are learnt from.
+//! here (subjects count the same, however much they have recorded). And for linear machines too it fills the kernel's matrix of all pairs of samples
+//! (`dense_from_fn` of `linfa-kernel` 0.8; the sparse kind keeps nearest neighbours only): 220 MB for the 5,300 windows that are learnt from here.
 
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
