@@ -184,7 +184,7 @@ fn the_limbs_table_names_all_there_is() {
     let model: &Model = &builtin::full_body();
     let spec = serde_json::to_value(model.to_spec()).unwrap();
     let mut written: BTreeSet<String> = spec["limb"].as_array().unwrap().iter().flat_map(keys).collect();
-    written.insert("spheres".to_owned());
+    written.extend(["spheres", "coarser"].map(str::to_owned));
     let section = section("Body");
     let (_, table) = section.split_once("| `[[limb]]` |").unwrap();
     let words = rows(table);

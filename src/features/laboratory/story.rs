@@ -24,6 +24,8 @@ pub struct Story {
     pub title: String,
     /// Its paragraphs.
     pub paragraphs: Vec<String>,
+    /// How far each is from the truth, where that is known and there is room.
+    pub errors: Option<String>,
 }
 
 /// Tells a comparison. `key` says which pushes are shown.
@@ -33,12 +35,13 @@ pub fn tell(comparison: &Comparison, lineup: Lineup, key: PushKey) -> Story {
         return Story {
             title: "Nothing to fit".to_owned(),
             paragraphs: vec![format!("{}.", format::capitalised(problem))],
+            errors: None,
         };
     }
     if comparison.last() == 0 {
         let mut paragraphs: Vec<String> = pushes_of(fits, key).into_iter().collect();
         paragraphs.push(format!("Space steps {} together, Enter runs them to the end.", lineup.all_text()));
-        return Story { title: "Before the first step".to_owned(), paragraphs };
+        return Story { title: "Before the first step".to_owned(), paragraphs, errors: None };
     }
     let ends: Vec<(usize, f64)> =
         fits.iter().enumerate().filter_map(|(index, fit)| Some((index, fit.percent(fit.last())?))).collect();
@@ -48,6 +51,7 @@ pub fn tell(comparison: &Comparison, lineup: Lineup, key: PushKey) -> Story {
         return Story {
             title: "Nothing to lower".to_owned(),
             paragraphs: vec!["The start agrees with the data already: its cost is zero.".to_owned()],
+            errors: None,
         };
     };
     let is_over = comparison.is_over();
@@ -70,12 +74,9 @@ pub fn tell(comparison: &Comparison, lineup: Lineup, key: PushKey) -> Story {
         reason(&fits[best], &fits[worst], key)
     };
     let mut paragraphs: Vec<String> = reason.into_iter().collect();
-    let errors = errors.map(|errors| {
-        let all: Vec<String> = errors.iter().map(|(_, error)| format::number(*error, 1)).collect();
-        format!(" Mean joint errors: {} mm.", all.join(", "))
-    });
-    paragraphs.push(ends_of(fits, is_over) + &errors.unwrap_or_default());
-    Story { title, paragraphs }
+    paragraphs.push(ends_of(fits, is_over));
+    let errors = errors.map(|errors| format!("Mean joint errors: {}.", errors_text(&errors)));
+    Story { title, paragraphs, errors }
 }
 
 /// The mean joint error of each, millimetres, where the truth is known.
@@ -99,7 +100,7 @@ fn from_the_truth(errors: &[(&'static str, f64)]) -> Story {
     };
     let first = "All began at the true pose. The cost of each is least somewhere else, and a lower cost is a worse pose.";
     let second = format!("The joints ended so far away, on average: {}.", errors_text(errors));
-    Story { title, paragraphs: vec![first.to_owned(), second] }
+    Story { title, paragraphs: vec![first.to_owned(), second], errors: None }
 }
 
 fn errors_text(errors: &[(&'static str, f64)]) -> String {

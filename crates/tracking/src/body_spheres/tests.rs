@@ -114,7 +114,7 @@ fn a_person_is_carved_and_filled() {
     let frames = frames(&truth, 4, 96);
     let model = builtin::upper_body();
     let options =
-        SphereBodyOptions { spheres: 40, step: 0.03, rounds: 1, steps: 6, ..SphereBodyOptions::default() };
+        SphereBodyOptions { spheres: 120, step: 0.02, rounds: 1, steps: 15, ..SphereBodyOptions::default() };
     let body =
         sphere_body(&model, frames.clone(), &options, &FitOptions::default(), &CancelToken::new(), |_| {})
             .unwrap();

@@ -96,10 +96,10 @@ fn the_level_goes_by_the_size_in_the_picture() {
         assert_eq!(a, b, "{error}");
     }
     let tree = body(0.01);
-    assert_eq!(tree.spheres_by_level(), [30, 90]);
+    assert_eq!(tree.spheres_by_level(), [36, 108]);
     let kinematics = Kinematics::new(&tree, &bent(&tree, 1));
     let placed = tree.placed_spheres(&kinematics, 1);
-    assert_eq!(placed.len(), 90);
+    assert_eq!(placed.len(), 108);
     let limb = &tree.limbs()[placed[13].limb];
     let along = placed[13].centre - kinematics.starts()[placed[13].limb];
     assert!((along.length() - limb.centre(&limb.spheres[4]).length()).abs() < 1e-12);

@@ -29,7 +29,8 @@ pub(crate) fn ui(ui: &mut Ui, bench: &Bench<'_>, wishes: &mut Vec<Wish>) {
         ui.spacing_mut().item_spacing.y = if bench.room.is_compact { 4.0 } else { 8.0 };
         let title = if bench.room.is_compact { theme::column_heading() } else { theme::title() };
         ui.label(RichText::new(&story.title).text_style(title).color(palette.text));
-        for paragraph in &story.paragraphs {
+        let errors = story.errors.iter().filter(|_| !bench.room.is_compact);
+        for paragraph in story.paragraphs.iter().chain(errors) {
             text(ui, paragraph, bench.room.is_compact);
         }
         ui.add(Separator::default().spacing(if bench.room.is_compact { 5.0 } else { 6.0 }));
