@@ -3,22 +3,21 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use backlit_formats::motion::{self, JointTrack};
-use backlit_formats::{DiskFiles, MAX_TEXT_BYTES, TakeFiles, atomic, model_file};
+use backlit_formats::motion::{self, JointTrack, Motion};
+use backlit_formats::{DiskFiles, MAX_TEXT_BYTES, TakeFiles, atomic};
 use backlit_recognition::augment::TrackerNoise;
 use backlit_recognition::{
     Evaluation, JointMotion, LearnOptions, NamedMotion, Recognition, Recognizer, confusion_picture, evaluate,
     leave_subjects_out,
 };
-use backlit_tracking::body::Model;
 use clap::Args;
 use glam::DVec3;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
 
 use super::export::Up;
-use super::output;
 use super::table::Table;
+use super::{output, track_files};
 
 const NOTES: &str = "\
 Names motions by what joints do over time: from tracks of `backlit track`, or from BVH files with the joint names of the CMU recordings.
@@ -63,7 +62,8 @@ pub(crate) struct RecogniseArguments {
     /// With --test: draw the confusion matrix
     #[arg(long, value_name = "FILE.svg", requires = "test")]
     confusion: Option<PathBuf>,
-    /// Body of the tracks: a built-in name or a body file [default: the built-in body that a track names]
+    /// Body of the tracks: a built-in name or a body file [default: the body.toml beside a track, else the
+    /// built-in body that it names]
     #[arg(long, value_name = "BODY")]
     body: Option<String>,
     /// Which way is up in the tracks' world: x, y, z, -x, -y, -z, or three numbers with commas between; BVH is y up
@@ -84,8 +84,7 @@ fn millimetres(text: &str) -> Result<f64, &'static str> {
 /// # Errors
 /// A file that cannot be read or written, or joints that are no motion.
 pub(crate) fn run(arguments: &RecogniseArguments) -> anyhow::Result<()> {
-    let body = arguments.body.as_deref().map(model_file::resolve).transpose()?;
-    let source = Source { body: body.as_ref(), up: arguments.up.0 };
+    let source = Source { body: arguments.body.as_deref(), up: arguments.up.0 };
     match (&arguments.train, &arguments.out, &arguments.test) {
         (Some(folder), Some(out), _) => train(folder, out, arguments.statistics_only, &source),
         (_, _, Some(folder)) => test(folder, arguments, &source),
@@ -95,14 +94,17 @@ pub(crate) fn run(arguments: &RecogniseArguments) -> anyhow::Result<()> {
 
 /// How tracks are read.
 struct Source<'a> {
-    body: Option<&'a Model>,
+    body: Option<&'a str>,
     up: DVec3,
 }
 
 impl Source<'_> {
     fn read(&self, path: &Path) -> anyhow::Result<JointMotion> {
-        let path = if path.is_dir() { path.join("track.json") } else { path.to_owned() };
-        let track: JointTrack = motion::read_joints(&path, self.body)?;
+        let is_bvh = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("bvh"));
+        let track = match is_bvh {
+            true => motion::read_joints(path, None)?,
+            false => JointTrack::of_motion(&Motion::of_written(track_files::read(path, self.body)?)),
+        };
         let frames = track.frames.iter().map(|(frame, positions)| (*frame, &positions[..]));
         JointMotion::from_named(&track.joints, track.frame_rate, track.up.unwrap_or(self.up), frames)
             .with_context(|| path.display().to_string())

@@ -1,7 +1,7 @@
 //! Motions that are nothing known.
 //!
 //! Of each class the mean μ and deviation σ of every measure of a window is kept. A window's strangeness is the least over the classes of the mean of
-//! min(((x − μ)/σ)², 16): about one for what is known. A window stranger than all but [`KNOWN_PART`] of the windows that were learnt
+//! min(((x − μ)/σ)², 16): about one for what is known. A window stranger than all but `KNOWN_PART` of the windows that were learnt
 //! from, by a factor, is called unknown.
 
 use serde::{Deserialize, Serialize};

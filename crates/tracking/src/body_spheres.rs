@@ -1,7 +1,7 @@
 //! A person of spheres: every limb a sphere tree of its own shape, off the axis, with radii of its own (4.1.4, 6.5 of the report).
 //!
 //! From frames whose poses are known: each limb is [carved](self) from the visual hulls of all frames, carried back to its own rest
-//! frame; what is left is a closed surface, and [`SphereTree`](backlit_sphere_tree::SphereTree) fills it with nested spheres. Then
+//! frame; what is left is a closed surface, and [`SphereTree`] fills it with nested spheres. Then
 //! centres and radii are moved by the silhouettes themselves, and poses by the spheres, in turns.
 //!
 //! | file | holds |

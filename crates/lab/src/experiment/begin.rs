@@ -8,7 +8,7 @@
 //! | `templates` | head, trunk, limb after limb, whatever the start | the same |
 //! | `search` | the program's own search for other hypotheses | its search from the hull |
 //!
-//! What particles and templates end with is refined by the same fit downhill ([`refined`](method)); how good it was before that is told too.
+//! What particles and templates end with is refined by the same fit downhill (`method`); how good it was before that is told too.
 //! Evaluations are predictions Λ of a body in all cameras, with or without derivatives, in whatever coarseness; looks at single limbs
 //! in the search's sketch and at single templates are not counted, their time is.
 //!
