@@ -119,9 +119,9 @@ fn a_person_is_carved_and_filled() {
         sphere_body(&model, frames.clone(), &options, &FitOptions::default(), &CancelToken::new(), |_| {})
             .unwrap();
     let [capsules, carved, end] = body.iou.unwrap();
-    assert!(end > capsules + 0.05 && end > carved && end > 0.93, "{capsules} {carved} {end}");
+    assert!(end > capsules + 0.05 && end > carved + 0.1 && end > 0.88, "{capsules} {carved} {end}");
     assert_eq!(body.spheres.len(), 2);
-    assert!(body.spheres[0] < body.spheres[1] && body.spheres[1] <= 60, "{:?}", body.spheres);
+    assert!(body.spheres[0] < body.spheres[1] && body.spheres[1] <= 140, "{:?}", body.spheres);
     let coarse = body.model.at_level(0).unwrap();
     assert!(overlap(&coarse, &frames, OWN).unwrap() > 0.75);
     let none = sphere_body(&model, Vec::new(), &options, &FitOptions::default(), &CancelToken::new(), |_| {});
