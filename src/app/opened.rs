@@ -101,7 +101,7 @@ fn document_of(footage: &Footage) -> Document {
         document.fit = Arc::new(which.fit());
         // As in the report: downhill, and nowhere else.
         let tracking = TrackingChoices::of_preset(document.fit.as_preset());
-        document.tracking = TrackingChoices { search: WhenToSearch::Never, ..tracking };
+        document.tracking = TrackingChoices { search: WhenToSearch::Never, cues: which.cues(), ..tracking };
         cameras.iter_mut().skip(which.used_cameras()).for_each(|camera| camera.used = false);
     }
     document.cameras = Arc::new(cameras);

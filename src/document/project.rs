@@ -115,7 +115,7 @@ mod tests {
     use crate::document::edit::Edit;
     use crate::document::run::{RunChoices, RunEnding, RunStep};
     use crate::document::runs::StepRef;
-    use crate::document::tracking_choices::{AtKeys, Following, TrackedBody, TrackingChoices};
+    use crate::document::tracking_choices::{AtKeys, CueChoice, Following, TrackedBody, TrackingChoices};
     use crate::document::{CameraUse, Estimate, Origin};
     use crate::take::replacement::Calibration;
     use crate::take::source::TakeSource;
@@ -147,6 +147,7 @@ mod tests {
                 search: WhenToSearch::Never,
                 at_keys: AtKeys::Stop,
                 body: TrackedBody::AsItIs,
+                cues: CueChoice::All,
             }),
             Edit::Pin { limb: 5, pinned: true },
             Edit::SetSize { limb: 2, length: 0.2, radius: 0.05, both_sides: true },

@@ -43,7 +43,7 @@ use crate::context::command::TrackingCommand;
 use crate::context::unavailable::{Why, because, no_silhouette, no_take, not_tracked};
 use crate::document::Estimate;
 use crate::document::history::Gesture;
-use crate::session::{BelievedJoints, FrameData};
+use crate::session::{BelievedJoints, FrameData, HeldLimbs};
 use keys::keys_around;
 
 /// The feature.
@@ -90,6 +90,8 @@ enum Found {
     Revised(Vec<(usize, Arc<Estimate>)>),
     /// What the Kalman filter believed of frames.
     Believed(Vec<(usize, BelievedJoints)>),
+    /// What held the limbs of frames.
+    Held(Vec<(usize, HeldLimbs)>),
     /// Two tracks were joined after this frame; so far apart were their joints there.
     Joined { frame: usize, distance_m: f64, meets: bool },
     /// Poses that fit a frame, best first.

@@ -6,10 +6,12 @@
 //! | `kind` | [`Demonstration`]: which there are, their names and explanations |
 //! | `choices` | the fits that each shows |
 //! | `take` | the simulated take of each |
+//! | `occluded` | squats that silhouettes do not hold |
 //! | `real` | the real footage in small pictures |
 
 pub(crate) mod choices;
 pub(crate) mod kind;
+mod occluded;
 pub(crate) mod real;
 pub(crate) mod take;
 

@@ -168,6 +168,7 @@ impl<'a> CameraPane<'a> {
             is_overlap_stale: session.is_stale,
             is_used: uses.is_some_and(|used| used.used),
             weight: uses.map_or(1.0, |used| used.weight),
+            held: session.held(context.selection.frame, self.pose),
             observed: ObservedMarks {
                 sway: self.sway.as_ref(),
                 ellipses: &self.ellipses,

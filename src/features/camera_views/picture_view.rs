@@ -22,7 +22,7 @@ use super::hover_card::HoverCard;
 use super::observed::{paint_ellipses, paint_sway};
 use super::pointer::{Grips, PointerInput, rotation_owner};
 use super::tile::{TileLayout, TileState};
-use super::{CameraTileInput, TileEvent, legend};
+use super::{CameraTileInput, TileEvent, held, legend};
 use glam::DVec2;
 
 /// Shows the picture; says how it lies on the screen and how high its legend is.
@@ -178,6 +178,9 @@ fn paint_marks(
             .filter_map(|(_, limb)| limb.as_ref())
             .collect()
     };
+    if shows_limb {
+        held::paint(painter, view, input.held, input.body, input.limbs);
+    }
     if !input.joints.is_empty() {
         if let Some(Grip::Limb(limb)) = state.pointer.hovered {
             paint_limbs(painter, view, &turning_with(limb), false);

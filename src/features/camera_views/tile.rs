@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use backlit_tracking::body::Model;
 use backlit_tracking::camera::Camera;
+use backlit_tracking::cues::LimbHold;
 use backlit_tracking::silhouette::Overlap;
 use backlit_ui::drawing::{JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SideMarks, SightRay};
 use backlit_ui::style::theme;
@@ -82,6 +83,8 @@ pub struct CameraTileInput<'a> {
     pub weight: f64,
     /// What the cameras see and do not see, drawn over the picture.
     pub observed: ObservedMarks<'a>,
+    /// What held the limbs, where the frame was tracked with cues.
+    pub held: &'a [LimbHold],
     /// The numbers of the pixel under the pointer are shown.
     pub shows_hover_card: bool,
 }

@@ -2,12 +2,14 @@
 
 use backlit_tracking::fit::Preset;
 
+use super::Opening;
 use crate::context::command::{
     Command, FitCommand, TimelineCommand, TrackingCommand, Variants, WindowCommand,
 };
 use crate::context::preferences::Layout;
-use crate::context::{Request, Requests};
+use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
+use crate::document::tracking_choices::{CueChoice, TrackingChoices};
 use crate::take::demonstration::Demonstration;
 
 /// One thing to try.
@@ -28,6 +30,8 @@ enum Act {
     Compare(Variants),
     /// A camera counts from now on, and the laboratory fits again.
     UseCamera(usize),
+    /// All frames are tracked with these cues.
+    Track(CueChoice),
 }
 
 const POSE: Command = Command::Window(WindowCommand::Layout(Layout::Pose));
@@ -72,6 +76,27 @@ const WORST: Try = Try {
     act: Act::Commands(&[POSE, Command::Timeline(TimelineCommand::WorstFrame)]),
 };
 
+const SILHOUETTES: Try = Try {
+    text: "Silhouettes alone",
+    tooltip: "Track all frames again without any cue",
+    act: Act::Track(CueChoice::None),
+};
+const KEYPOINTS: Try = Try {
+    text: "With keypoints",
+    tooltip: "Track all frames again; keypoints of another tool pull at limbs that no silhouette shows",
+    act: Act::Track(CueChoice::Keypoints),
+};
+const PICTURES: Try = Try {
+    text: "With the pictures",
+    tooltip: "Track all frames again; optic flow and stereo points pull at limbs that no silhouette shows",
+    act: Act::Track(CueChoice::Pictures),
+};
+const ALL_CUES: Try = Try {
+    text: "With all of them",
+    tooltip: "Track all frames again with keypoints, optic flow and stereo points",
+    act: Act::Track(CueChoice::All),
+};
+
 /// What there is to try.
 pub(super) const fn of(which: Demonstration) -> &'static [Try] {
     match which {
@@ -82,22 +107,29 @@ pub(super) const fn of(which: Demonstration) -> &'static [Try] {
             &[TRACK_REPORT, TRACK_ROBUST, WORST, RENDERERS]
         }
         Demonstration::Bias => &[WITH_CAMERA_2, RAMPS, RENDERERS],
+        Demonstration::Cues => &[SILHOUETTES, KEYPOINTS, PICTURES, ALL_CUES],
     }
 }
 
 impl Try {
-    pub(super) fn request(&self, which: Demonstration, requests: &mut Requests) {
-        let compare = |over| Request::RunLaboratory { over, camera: None };
+    pub(super) fn request(&self, which: Demonstration, context: &Context<'_>, requests: &mut Requests) {
+        let mut compare = |over| {
+            requests.request(Request::Layout(Layout::Demonstrate));
+            requests.request(Request::RunLaboratory { over, camera: None });
+        };
         match self.act {
             Act::Commands(commands) => commands.iter().for_each(|command| requests.run(*command)),
-            Act::Compare(over) => {
-                requests.request(Request::Layout(Layout::Demonstrate));
-                requests.request(compare(over));
-            }
+            Act::Compare(over) => compare(over),
             Act::UseCamera(camera) => {
+                if let Opening::Laboratory(over, _) = super::opening(which) {
+                    compare(over);
+                }
                 requests.edit(Edit::UseCamera { camera, used: true });
-                requests.request(Request::Layout(Layout::Demonstrate));
-                requests.request(compare(super::compared(which)));
+            }
+            Act::Track(cues) => {
+                let choices = TrackingChoices { cues, ..context.document().tracking };
+                requests.edit(Edit::SetTracking(choices));
+                requests.commands.extend([Command::Tracking(TrackingCommand::Clear), FIRST, TRACK]);
             }
         }
     }

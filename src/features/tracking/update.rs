@@ -234,6 +234,7 @@ impl Tracking {
                 }
                 News::Output(Found::Revised(found)) => track.extend(found),
                 News::Output(Found::Believed(found)) => requests.beliefs.extend(found),
+                News::Output(Found::Held(found)) => requests.held.extend(found),
                 News::Output(Found::Joined { frame, distance_m, meets }) => {
                     joined(frame, distance_m, meets, requests);
                 }

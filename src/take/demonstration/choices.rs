@@ -5,18 +5,27 @@ use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::render::Ramp;
 
 use super::Demonstration;
+use crate::document::tracking_choices::CueChoice;
 
 impl Demonstration {
     /// The choices that the take begins with.
     pub(crate) fn fit(self) -> FitOptions {
         match self {
-            Self::Sequence | Self::TinySequence => FitOptions::preset(Preset::Robust),
+            Self::Sequence | Self::TinySequence | Self::Cues => FitOptions::preset(Preset::Robust),
             Self::Bias => {
                 let mut looks = bias::Options::default().looks.into_iter();
                 let thesis = looks.find(|look| look.ramp == Ramp::Thesis && look.data != bias::Data::Area);
                 thesis.map(|look| look.fit()).unwrap_or_default()
             }
             _ => FitOptions::preset(Preset::Report),
+        }
+    }
+
+    /// What pulls at limbs that silhouettes do not hold.
+    pub(crate) const fn cues(self) -> CueChoice {
+        match self {
+            Self::Cues => CueChoice::Keypoints,
+            _ => CueChoice::None,
         }
     }
 

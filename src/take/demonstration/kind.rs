@@ -34,12 +34,16 @@ pub enum Demonstration {
     #[serde(rename = "bias")]
     #[value(name = "bias")]
     Bias,
+    /// Limbs that silhouettes do not hold, and keypoints that do.
+    #[serde(rename = "cues")]
+    #[value(name = "cues")]
+    Cues,
 }
 
 impl Demonstration {
     /// All of them, in the order of the menu.
     #[cfg(test)]
-    pub(crate) const ALL: [Self; 7] = [
+    pub(crate) const ALL: [Self; 8] = [
         Self::SingleLimb,
         Self::OneCamera,
         Self::TwoCameras,
@@ -47,6 +51,7 @@ impl Demonstration {
         Self::TinySequence,
         Self::RealFootage,
         Self::Bias,
+        Self::Cues,
     ];
 
     /// What its take is called.
@@ -59,6 +64,7 @@ impl Demonstration {
             Self::TinySequence => "Fig. 5.6, simulated: tiny pictures",
             Self::RealFootage => "Figs. 5.4 and 5.5: real footage",
             Self::Bias => "Bias of a ramp",
+            Self::Cues => "Cues under occlusion",
         }
     }
 
@@ -104,6 +110,12 @@ impl Demonstration {
                  thesis ramp is half grey outside the limb’s surface, so its cost is less where the body is further \
                  away; these pictures of camera 2 show how far it went. Ramps that are half grey on the surface stay \
                  nearer."
+            }
+            Self::Cues => {
+                "Squats before two telephones, 37° apart, the arms towards them: before the trunk an arm has no outline \
+                 of its own, and silhouettes alone lose it while the overlap stays high. Keypoints of another tool, or \
+                 what the pictures show, hold it: limbs that a cue holds are outlined in teal, and what nothing holds \
+                 in dashed red. Point at a limb to read what held it."
             }
         }
     }
