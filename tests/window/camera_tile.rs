@@ -161,6 +161,7 @@ impl Scene {
             is_used: true,
             weight: 1.0,
             observed: ObservedMarks::default(),
+            spheres: &[],
             held: &[],
             shows_hover_card: false,
         }

@@ -140,6 +140,7 @@ pub(super) const TABLE: &[Row] = &[
     row(Menu::Fit, Fit(FitCommand::RunAgain(Variants::Presets)), "Run again with each preset", "From the start of the run on the screen, once as the report does and once with all that is better; the body stays as it is", &[]),
     row(Menu::Fit, Fit(FitCommand::RunAgain(Variants::Ramps)), "Run again with each ramp", "From the start of the run on the screen, once with each kind of ramp; the body stays as it is", &[]),
     row(Menu::Fit, Fit(FitCommand::SearchPoses), "Search poses", "Look for other poses that the silhouettes of this frame allow; they are listed under Refit", &[ctrl(Key::F)]),
+    row(Menu::Fit, Fit(FitCommand::MakeSpheres), "Make body of spheres", "Carve each limb from the silhouettes of up to twelve frames, fill it with nested spheres, and move them until they fit", &[]),
     row(Menu::Fit, Fit(FitCommand::FitBody), "Fit body to frames", "Find the person's lengths and radii from up to eight frames that have poses of their own", &[]),
     row(Menu::Fit, Fit(FitCommand::Renderer(RendererKind::Capsule)), "Capsule", "Limbs with round ends", &[key(Key::C)]),
     row(Menu::Fit, Fit(FitCommand::Renderer(RendererKind::Cylinder)), "Cylinder", "Limbs with flat ends", &[key(Key::Y)]),

@@ -7,8 +7,9 @@ use backlit_tracking::camera::Camera;
 use backlit_tracking::posing::LimitedAngle;
 use backlit_tracking::render::Ramp;
 use backlit_ui::drawing::{
-    BoundedAngle, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SideMarks,
-    SightRay, SwayMarks, Swaying, joined_outline, limb_colours, project_joints, project_limbs, sight_ray,
+    BoundedAngle, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, ProjectedSphere,
+    SideMarks, SightRay, SwayMarks, Swaying, body_spheres, joined_outline, limb_colours, project_joints,
+    project_limbs, project_spheres, sight_ray,
 };
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
@@ -86,6 +87,7 @@ pub(super) struct CameraPane<'a> {
     pose: &'a Pose,
     limb_colours: Vec<Color32>,
     limbs: Vec<Option<ProjectedLimb>>,
+    spheres: Vec<ProjectedSphere>,
     joints: Vec<JointMark>,
     limits: Vec<LimitMark>,
     sides: Option<SideMarks>,
@@ -121,6 +123,7 @@ impl<'a> CameraPane<'a> {
             sight_ray: ray_in(context, &kinematics, pose, index, camera),
             quick_outline: quick_outline(context, pose, &limbs),
             limbs,
+            spheres: spheres(context, &kinematics, camera),
             sway: seen.swaying.as_ref().map(marks),
             ellipses: seen.uncertainty.as_ref().map_or_else(Vec::new, |known| known.ellipses(camera)),
         })
@@ -168,6 +171,7 @@ impl<'a> CameraPane<'a> {
             is_overlap_stale: session.is_stale,
             is_used: uses.is_some_and(|used| used.used),
             weight: uses.map_or(1.0, |used| used.weight),
+            spheres: &self.spheres,
             held: session.held(context.selection.frame, self.pose),
             observed: ObservedMarks {
                 sway: self.sway.as_ref(),
@@ -224,6 +228,15 @@ impl<'a> CameraPane<'a> {
         (self.context.session.generation, self.context.selection.frame).hash(&mut hasher);
         hasher.finish()
     }
+}
+
+/// The spheres that stand for the body, where they are to be outlined.
+fn spheres(context: &Context<'_>, kinematics: &Kinematics, camera: &Camera) -> Vec<ProjectedSphere> {
+    if !context.views.spheres {
+        return Vec::new();
+    }
+    let (document, level) = (context.document(), context.views.drawn_level());
+    project_spheres(&body_spheres(&document.model, kinematics, document.fit.renderer, level), camera)
 }
 
 /// The sight ray of the joint that is dragged in another view.

@@ -6,7 +6,9 @@ use backlit_tracking::body::Model;
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cues::LimbHold;
 use backlit_tracking::silhouette::Overlap;
-use backlit_ui::drawing::{JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SideMarks, SightRay};
+use backlit_ui::drawing::{
+    JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, ProjectedSphere, SideMarks, SightRay,
+};
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
 use backlit_ui::widgets::{Framing, ViewTransform};
@@ -83,6 +85,8 @@ pub struct CameraTileInput<'a> {
     pub weight: f64,
     /// What the cameras see and do not see, drawn over the picture.
     pub observed: ObservedMarks<'a>,
+    /// The spheres that stand for the body, the farthest first; empty where they are not outlined.
+    pub spheres: &'a [ProjectedSphere],
     /// What held the limbs, where the frame was tracked with cues.
     pub held: &'a [LimbHold],
     /// The numbers of the pixel under the pointer are shown.

@@ -12,9 +12,11 @@ impl Fit {
         let busy = context.busy;
         match command {
             FitCommand::Step | FitCommand::SearchPoses => no_fit(context),
-            FitCommand::Run | FitCommand::RunAgain(_) | FitCommand::Refit(_) | FitCommand::FitBody => {
-                no_fit(context).or(because(busy.fitting, "The fit is running"))
-            }
+            FitCommand::Run
+            | FitCommand::RunAgain(_)
+            | FitCommand::Refit(_)
+            | FitCommand::FitBody
+            | FitCommand::MakeSpheres => no_fit(context).or(because(busy.fitting, "The fit is running")),
             FitCommand::Stop => {
                 let is_behind = busy.exporting.is_some() || context.busy.basin;
                 because(!(busy.fitting || busy.tracking || is_behind), "Nothing is running")

@@ -43,7 +43,7 @@ impl Fit {
             FitCommand::Branch => branch(context, requests),
             FitCommand::Refit(part) => self.refit(part, context, requests),
             FitCommand::RunAgain(over) => self.run_again(over, context, requests),
-            FitCommand::SearchPoses | FitCommand::FitBody => {}
+            FitCommand::SearchPoses | FitCommand::FitBody | FitCommand::MakeSpheres => {}
             FitCommand::Renderer(renderer) => {
                 let options = FitOptions { renderer, ..(*context.document().fit).clone() };
                 let what = format!("Switch to {}", words::renderer_name(renderer).to_lowercase());

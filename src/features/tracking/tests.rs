@@ -149,7 +149,10 @@ fn keypoints_hold_what_silhouettes_lose_and_that_is_said() {
         settle(&mut window, &mut app);
     }
     let by_silhouettes = mean_mm(&app);
-    assert!(with_keypoints < 80.0 && by_silhouettes > 2.0 * with_keypoints, "{with_keypoints:.0}, {by_silhouettes:.0} mm");
+    assert!(
+        with_keypoints < 80.0 && by_silhouettes > 2.0 * with_keypoints,
+        "{with_keypoints:.0}, {by_silhouettes:.0} mm"
+    );
     let found = app.document().estimates.values().filter_map(|found| found.iou);
     assert!(found.fold(1.0, f64::min) > 0.7, "the overlap says nothing of it");
 }

@@ -11,7 +11,9 @@ impl Demonstration {
     /// The choices that the take begins with.
     pub(crate) fn fit(self) -> FitOptions {
         match self {
-            Self::Sequence | Self::TinySequence | Self::Cues => FitOptions::preset(Preset::Robust),
+            Self::Sequence | Self::TinySequence | Self::Cues | Self::Spheres => {
+                FitOptions::preset(Preset::Robust)
+            }
             Self::Bias => {
                 let mut looks = bias::Options::default().looks.into_iter();
                 let thesis = looks.find(|look| look.ramp == Ramp::Thesis && look.data != bias::Data::Area);
@@ -29,10 +31,16 @@ impl Demonstration {
         }
     }
 
+    /// Whether the document begins with the true poses as key poses.
+    pub(crate) fn begins_posed(self) -> bool {
+        self == Self::Spheres
+    }
+
     /// How many of the take's cameras count, from the first on.
     pub(crate) const fn used_cameras(self) -> usize {
         match self {
             Self::SingleLimb | Self::OneCamera | Self::Bias => 1,
+            Self::Spheres => 4,
             _ => 2,
         }
     }

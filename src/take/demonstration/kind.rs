@@ -38,12 +38,16 @@ pub enum Demonstration {
     #[serde(rename = "cues")]
     #[value(name = "cues")]
     Cues,
+    /// A body of spheres, carved from silhouettes.
+    #[serde(rename = "spheres")]
+    #[value(name = "spheres")]
+    Spheres,
 }
 
 impl Demonstration {
     /// All of them, in the order of the menu.
     #[cfg(test)]
-    pub(crate) const ALL: [Self; 8] = [
+    pub(crate) const ALL: [Self; 9] = [
         Self::SingleLimb,
         Self::OneCamera,
         Self::TwoCameras,
@@ -52,6 +56,7 @@ impl Demonstration {
         Self::RealFootage,
         Self::Bias,
         Self::Cues,
+        Self::Spheres,
     ];
 
     /// What its take is called.
@@ -65,6 +70,7 @@ impl Demonstration {
             Self::RealFootage => "Figs. 5.4 and 5.5: real footage",
             Self::Bias => "Bias of a ramp",
             Self::Cues => "Cues under occlusion",
+            Self::Spheres => "A body of spheres",
         }
     }
 
@@ -110,6 +116,12 @@ impl Demonstration {
                  thesis ramp is half grey outside the limb’s surface, so its cost is less where the body is further \
                  away; these pictures of camera 2 show how far it went. Ramps that are half grey on the surface stay \
                  nearer."
+            }
+            Self::Spheres => {
+                "A clothed person before four cameras, twelve poses known. Capsules are no shirt and no shoes. Here each \
+                 limb is carved from all silhouettes, filled with nested spheres, and these are moved until they fit: \
+                 a circle for each, in the colour of its limb. The Renderer section on the right has the levels of the \
+                 trees; the coarse ones are for small pictures."
             }
             Self::Cues => {
                 "Squats before two telephones, 37° apart, the arms towards them: before the trunk an arm has no outline \
