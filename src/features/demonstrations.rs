@@ -5,7 +5,7 @@ mod next;
 
 use egui::Ui;
 
-use crate::context::command::{Command, TrackingCommand, Variants, WindowCommand};
+use crate::context::command::{Command, FitCommand, TrackingCommand, Variants, WindowCommand};
 use crate::context::preferences::Layout;
 use crate::context::{Context, Request, Requests};
 use crate::take::demonstration::Demonstration;
@@ -63,6 +63,10 @@ const fn opening(which: Demonstration) -> Opening {
             Opening::Laboratory(Variants::Presets, 0)
         }
         Demonstration::Bias => Opening::Laboratory(Variants::Ramps, 1),
+        Demonstration::Spheres => Opening::Commands(&[
+            Command::Window(WindowCommand::Layout(Layout::Pose)),
+            Command::Fit(FitCommand::MakeSpheres),
+        ]),
         Demonstration::Cues => Opening::Commands(&[
             Command::Window(WindowCommand::Layout(Layout::Pose)),
             Command::Tracking(TrackingCommand::Forward),

@@ -1,10 +1,11 @@
 //! What to try next in a demonstration: a button each.
 
 use backlit_tracking::fit::Preset;
+use backlit_tracking::render::RendererKind;
 
 use super::Opening;
 use crate::context::command::{
-    Command, FitCommand, TimelineCommand, TrackingCommand, Variants, WindowCommand,
+    Command, FitCommand, SceneCommand, TimelineCommand, TrackingCommand, Variants, WindowCommand,
 };
 use crate::context::preferences::Layout;
 use crate::context::{Context, Request, Requests};
@@ -76,6 +77,21 @@ const WORST: Try = Try {
     act: Act::Commands(&[POSE, Command::Timeline(TimelineCommand::WorstFrame)]),
 };
 
+const SPHERES: Try = Try {
+    text: "As spheres",
+    tooltip: "Draw and fit the body by the spheres of its trees",
+    act: Act::Commands(&[Command::Fit(FitCommand::Renderer(RendererKind::SphereTree { spheres: None }))]),
+};
+const CAPSULES: Try = Try {
+    text: "As capsules",
+    tooltip: "Draw and fit the body as capsules: look at the overlap",
+    act: Act::Commands(&[Command::Fit(FitCommand::Renderer(RendererKind::Capsule))]),
+};
+const SCENE: Try = Try {
+    text: "Spheres in 3-D",
+    tooltip: "The body of spheres in the scene, from its front",
+    act: Act::Commands(&[Command::Scene(SceneCommand::Front)]),
+};
 const SILHOUETTES: Try = Try {
     text: "Silhouettes alone",
     tooltip: "Track all frames again without any cue",
@@ -107,6 +123,7 @@ pub(super) const fn of(which: Demonstration) -> &'static [Try] {
             &[TRACK_REPORT, TRACK_ROBUST, WORST, RENDERERS]
         }
         Demonstration::Bias => &[WITH_CAMERA_2, RAMPS, RENDERERS],
+        Demonstration::Spheres => &[SPHERES, CAPSULES, SCENE],
         Demonstration::Cues => &[SILHOUETTES, KEYPOINTS, PICTURES, ALL_CUES],
     }
 }

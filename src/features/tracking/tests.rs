@@ -5,6 +5,7 @@ use std::sync::Arc;
 use backlit_tracking::body::{Kinematics, Pose, Sides};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::Cue;
+use backlit_tracking::render::RendererKind;
 use backlit_tracking::segment::SegmentOptions;
 
 use super::read_ahead::ReadAhead;
@@ -167,4 +168,23 @@ fn keypoints_that_are_not_there_are_asked_for_in_words() {
     let said = errors(&app);
     assert!(said.len() == 1 && said[0].starts_with("Not tracked: the take has no keypoints"), "{said:?}");
     assert!(app.document().estimates.is_empty());
+}
+
+#[test]
+fn a_body_of_spheres_fits_better_than_capsules_and_is_taken_back_at_once() {
+    let (mut window, mut app) = open_take(Demonstration::Spheres, Layout::Pose);
+    let iou = |app: &crate::app::App| app.state.session.iou().unwrap();
+    let levels = app.document().model.spheres_by_level();
+    assert!(levels.len() == 2 && levels[0] < levels[1], "{levels:?}: it is made as it opens");
+    assert!(app.features.camera_views.preferences.settings.spheres, "the spheres are outlined");
+    let spheres = iou(&app);
+    app.run(Command::Fit(FitCommand::Renderer(RendererKind::Capsule)), &window.ctx.clone());
+    settle(&mut window, &mut app);
+    let capsules = iou(&app);
+    assert!(spheres > capsules + 0.02, "{spheres:.3}, {capsules:.3}");
+    for _ in 0..2 {
+        app.run(Command::History(HistoryCommand::Undo), &window.ctx.clone());
+    }
+    assert!(app.document().model.spheres_by_level().is_empty());
+    assert_eq!(app.document().fit.renderer, RendererKind::Capsule);
 }

@@ -47,9 +47,12 @@ impl Demonstration {
     pub(crate) const fn simulation(self) -> Simulation {
         match self {
             Self::SingleLimb | Self::OneCamera | Self::TwoCameras => Simulation::Prediction,
-            Self::Sequence | Self::TinySequence | Self::RealFootage | Self::Bias | Self::Cues => {
-                Simulation::Mask
-            }
+            Self::Sequence
+            | Self::TinySequence
+            | Self::RealFootage
+            | Self::Bias
+            | Self::Cues
+            | Self::Spheres => Simulation::Mask,
         }
     }
 
@@ -69,6 +72,9 @@ impl Demonstration {
         if self == Self::Cues {
             return super::occluded::take(self.name());
         }
+        if self == Self::Spheres {
+            return super::carved::take(self.name());
+        }
         let Parts { model, cameras, truths, start } = self.parts()?;
         let film = |camera: &Arc<Camera>| {
             let pictures = truths.iter().map(|truth| self.picture(&model, truth, camera));
@@ -85,6 +91,7 @@ impl Demonstration {
         match self {
             Self::SingleLimb => Some(fig51::truth()),
             Self::RealFootage => None,
+            Self::Spheres => Some(super::carved::truth(frame)),
             Self::Cues => Some(super::occluded::truth(frame)),
             _ => Some(upper_body::motion(&builtin::upper_body(), frame)),
         }
