@@ -162,6 +162,7 @@ impl Scene {
             weight: 1.0,
             observed: ObservedMarks::default(),
             spheres: &[],
+            likelier: &[],
             held: &[],
             shows_hover_card: false,
         }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use backlit_ui::drawing::{Legend, ViewMode};
 use backlit_ui::style::format;
-use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
+use backlit_ui::style::theme::data_colours::{LIKELIER, PICTURE_GROUND};
 use backlit_ui::style::theme::{Theme, space};
 use egui::{Galley, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
 
@@ -40,7 +40,10 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, se
     let note = (!has_gutter).then(|| note(input)).flatten();
     let observed = input.observed.words();
     let has_marks = input.settings.calibration_marks && input.camera.is_some();
-    let held: Vec<_> = held::legend(input.held).collect();
+    let mut held: Vec<_> = held::legend(input.held).collect();
+    if !input.likelier.is_empty() {
+        held.push(("Where likely poses pull", LIKELIER));
+    }
     // The gutter's bar and counts are this legend.
     let says_nothing =
         |mode: ViewMode| mode.legend() == Legend::None || has_gutter && mode == ViewMode::Tinted;

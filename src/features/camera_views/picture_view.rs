@@ -20,7 +20,7 @@ use egui::{
 
 use super::comparison::{self, Seen};
 use super::hover_card::HoverCard;
-use super::observed::{paint_ellipses, paint_sway};
+use super::observed::{paint_ellipses, paint_likelier, paint_sway};
 use super::pointer::{Grips, PointerInput, rotation_owner};
 use super::tile::{TileLayout, TileState};
 use super::{CameraTileInput, TileEvent, held, legend};
@@ -230,6 +230,9 @@ fn paint_marks(
                 ellipse.widget_info(|| WidgetInfo::labeled(Role::GraphicsSymbol, true, &label));
             }
         }
+    }
+    if shows_limb {
+        paint_likelier(painter, view, input.likelier);
     }
     paint_ellipses(painter, view, &input.observed, input.joints);
     let font = TextStyle::Small.resolve(ui.style());

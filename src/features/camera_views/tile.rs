@@ -87,6 +87,8 @@ pub struct CameraTileInput<'a> {
     pub observed: ObservedMarks<'a>,
     /// The spheres that stand for the body, the farthest first; empty where they are not outlined.
     pub spheres: &'a [ProjectedSphere],
+    /// From the end of each limb to where a prior learnt from motion would have it; empty without one.
+    pub likelier: &'a [[DVec2; 2]],
     /// What held the limbs, where the frame was tracked with cues.
     pub held: &'a [LimbHold],
     /// The numbers of the pixel under the pointer are shown.

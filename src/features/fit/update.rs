@@ -321,7 +321,8 @@ fn branch(context: &Context<'_>, requests: &mut Requests) {
 fn set_preset(preset: Preset, context: &Context<'_>, requests: &mut Requests) {
     let document = context.document();
     let gesture = next_gesture(context.egui);
-    let options = FitOptions { renderer: document.fit.renderer, ..FitOptions::preset(preset) };
+    let mut options = FitOptions { renderer: document.fit.renderer, ..FitOptions::preset(preset) };
+    likely_poses::set_weight(&mut options, likely_poses::weight(&document.fit));
     let what = format!("Switch to {}", preset.label());
     requests.drag(Edit::SetFit { options: Box::new(options), what }, gesture);
     let mut choices = TrackingChoices::of_preset(Some(preset));

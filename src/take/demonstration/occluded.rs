@@ -13,8 +13,8 @@ use super::take::{Film, assemble, joints_of};
 
 /// Of the frames that the experiment draws, every so manieth: 15 a second.
 const EVERY: usize = 4;
-/// One squat.
-const SECONDS: f64 = 3.0;
+/// Down, and the arms to the front.
+const SECONDS: f64 = 1.7;
 /// Small, so that it opens at once.
 const SIZE_PX: [u64; 2] = [144, 256];
 /// How far off it begins, radians and metres.
