@@ -10,6 +10,7 @@ use crate::context::command::{
 use crate::context::preferences::Layout;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
+use crate::document::likely_poses;
 use crate::document::tracking_choices::{CueChoice, TrackingChoices};
 use crate::take::demonstration::Demonstration;
 
@@ -31,8 +32,8 @@ enum Act {
     Compare(Variants),
     /// A camera counts from now on, and the laboratory fits again.
     UseCamera(usize),
-    /// All frames are tracked with these cues.
-    Track(CueChoice),
+    /// All frames are tracked with these cues, and with likely poses of this weight.
+    Track(CueChoice, f64),
 }
 
 const POSE: Command = Command::Window(WindowCommand::Layout(Layout::Pose));
@@ -95,22 +96,27 @@ const SCENE: Try = Try {
 const SILHOUETTES: Try = Try {
     text: "Silhouettes alone",
     tooltip: "Track all frames again without any cue",
-    act: Act::Track(CueChoice::None),
+    act: Act::Track(CueChoice::None, 0.0),
+};
+const LIKELY: Try = Try {
+    text: "With likely poses",
+    tooltip: "Track all frames again without cues; poses that people were recorded in are preferred",
+    act: Act::Track(CueChoice::None, 3.0),
 };
 const KEYPOINTS: Try = Try {
     text: "With keypoints",
     tooltip: "Track all frames again; keypoints of another tool pull at limbs that no silhouette shows",
-    act: Act::Track(CueChoice::Keypoints),
+    act: Act::Track(CueChoice::Keypoints, 0.0),
 };
 const PICTURES: Try = Try {
     text: "With the pictures",
     tooltip: "Track all frames again; optic flow and stereo points pull at limbs that no silhouette shows",
-    act: Act::Track(CueChoice::Pictures),
+    act: Act::Track(CueChoice::Pictures, 0.0),
 };
 const ALL_CUES: Try = Try {
     text: "With all of them",
     tooltip: "Track all frames again with keypoints, optic flow and stereo points",
-    act: Act::Track(CueChoice::All),
+    act: Act::Track(CueChoice::All, 0.0),
 };
 
 /// What there is to try.
@@ -124,7 +130,7 @@ pub(super) const fn of(which: Demonstration) -> &'static [Try] {
         }
         Demonstration::Bias => &[WITH_CAMERA_2, RAMPS, RENDERERS],
         Demonstration::Spheres => &[SPHERES, CAPSULES, SCENE],
-        Demonstration::Cues => &[SILHOUETTES, KEYPOINTS, PICTURES, ALL_CUES],
+        Demonstration::Cues => &[SILHOUETTES, LIKELY, KEYPOINTS, PICTURES, ALL_CUES],
     }
 }
 
@@ -143,9 +149,15 @@ impl Try {
                 }
                 requests.edit(Edit::UseCamera { camera, used: true });
             }
-            Act::Track(cues) => {
-                let choices = TrackingChoices { cues, ..context.document().tracking };
-                requests.edit(Edit::SetTracking(choices));
+            Act::Track(cues, likely) => {
+                let document = context.document();
+                requests.edit(Edit::SetTracking(TrackingChoices { cues, ..document.tracking }));
+                let mut options = (*document.fit).clone();
+                likely_poses::set_weight(&mut options, likely);
+                if options != *document.fit {
+                    let what = "Change solver".to_owned();
+                    requests.edit(Edit::SetFit { options: Box::new(options), what });
+                }
                 requests.commands.extend([Command::Tracking(TrackingCommand::Clear), FIRST, TRACK]);
             }
         }
