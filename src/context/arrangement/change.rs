@@ -78,7 +78,8 @@ fn insert(tree: &mut Arrangement, pane: Pane) {
 fn share_tabs(tree: &mut Arrangement, neighbour: Pane, tile: TileId) {
     let Some(beside) = tree.tiles.find_pane(&neighbour) else { return };
     let parent = tree.tiles.parent_of(beside);
-    if let Some(Tile::Container(Container::Tabs(tabs))) = parent.and_then(|parent| tree.tiles.get_mut(parent)) {
+    if let Some(Tile::Container(Container::Tabs(tabs))) = parent.and_then(|parent| tree.tiles.get_mut(parent))
+    {
         tabs.add_child(tile);
         return;
     }
