@@ -15,6 +15,7 @@ use crate::context::command_button::next_gesture;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
+use crate::document::likely_poses;
 use crate::document::run::{Run, RunChoices, RunEnding, RunStep};
 use crate::document::runs::{RunChange, StepRef};
 use crate::document::tracking_choices::TrackingChoices;
