@@ -5,9 +5,10 @@ mod next;
 
 use egui::Ui;
 
-use crate::context::command::Variants;
+use crate::context::command::{Command, TrackingCommand, Variants};
+use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
-use crate::context::{Request, Requests};
+use crate::context::{PaneEvent, Request, Requests};
 use crate::take::demonstration::Demonstration;
 use crate::take::source::TakeSource;
 
@@ -28,6 +29,12 @@ impl Demonstrations {
     pub(crate) fn begin(&mut self, which: Demonstration, requests: &mut Requests) {
         requests.request(Request::CloseNotices);
         self.explained = Some(which);
+        if which == Demonstration::Motions {
+            requests.request(Request::Layout(Layout::Pose));
+            requests.request(Request::Pane(Pane::Motions, PaneEvent::Open));
+            requests.run(Command::Tracking(TrackingCommand::Forward));
+            return;
+        }
         requests.request(Request::Layout(Layout::Demonstrate));
         requests.request(Request::RunLaboratory { over: compared(which), camera: Some(shown_camera(which)) });
     }
@@ -43,9 +50,10 @@ impl Demonstrations {
 /// What the fits of a demonstration differ in, side by side.
 const fn compared(which: Demonstration) -> Variants {
     match which {
-        Demonstration::SingleLimb | Demonstration::OneCamera | Demonstration::TwoCameras => {
-            Variants::Renderers
-        }
+        Demonstration::SingleLimb
+        | Demonstration::OneCamera
+        | Demonstration::TwoCameras
+        | Demonstration::Motions => Variants::Renderers,
         Demonstration::Sequence | Demonstration::TinySequence | Demonstration::RealFootage => {
             Variants::Presets
         }

@@ -72,6 +72,12 @@ const WORST: Try = Try {
     act: Act::Commands(&[POSE, Command::Timeline(TimelineCommand::WorstFrame)]),
 };
 
+const PLAY: Try = Try {
+    text: "Play",
+    tooltip: "Plays all frames with their names, from the first on",
+    act: Act::Commands(&[POSE, FIRST, Command::Timeline(TimelineCommand::Play)]),
+};
+
 /// What there is to try.
 pub(super) const fn of(which: Demonstration) -> &'static [Try] {
     match which {
@@ -81,6 +87,7 @@ pub(super) const fn of(which: Demonstration) -> &'static [Try] {
         Demonstration::Sequence | Demonstration::TinySequence | Demonstration::RealFootage => {
             &[TRACK_REPORT, TRACK_ROBUST, WORST, RENDERERS]
         }
+        Demonstration::Motions => &[PLAY, TRACK_REPORT, TRACK_ROBUST],
         Demonstration::Bias => &[WITH_CAMERA_2, RAMPS, RENDERERS],
     }
 }

@@ -34,12 +34,16 @@ pub enum Demonstration {
     #[serde(rename = "bias")]
     #[value(name = "bias")]
     Bias,
+    /// Different motions that are called by their names.
+    #[serde(rename = "motions")]
+    #[value(name = "motions")]
+    Motions,
 }
 
 impl Demonstration {
     /// All of them, in the order of the menu.
     #[cfg(test)]
-    pub(crate) const ALL: [Self; 7] = [
+    pub(crate) const ALL: [Self; 8] = [
         Self::SingleLimb,
         Self::OneCamera,
         Self::TwoCameras,
@@ -47,6 +51,7 @@ impl Demonstration {
         Self::TinySequence,
         Self::RealFootage,
         Self::Bias,
+        Self::Motions,
     ];
 
     /// What its take is called.
@@ -59,6 +64,7 @@ impl Demonstration {
             Self::TinySequence => "Fig. 5.6, simulated: tiny pictures",
             Self::RealFootage => "Figs. 5.4 and 5.5: real footage",
             Self::Bias => "Bias of a ramp",
+            Self::Motions => "Section 6.6: motions recognised",
         }
     }
 
@@ -104,6 +110,12 @@ impl Demonstration {
                  thesis ramp is half grey outside the limb’s surface, so its cost is less where the body is further \
                  away; these pictures of camera 2 show how far it went. Ramps that are half grey on the surface stay \
                  nearer."
+            }
+            Self::Motions => {
+                "Somebody walks in, squats twice, signals with the arms and boxes, before three cameras. The silhouettes \
+                 are tracked now; what the tracked motion is called stands in the timeline’s lowest lane. The Motions \
+                 tile shows why: the motion is a curve, and it is called after the regions that it passes. Click the \
+                 curve to go to a moment. Hidden Markov models alone call the squats jumping."
             }
         }
     }
