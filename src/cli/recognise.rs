@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
+use backlit_formats::atomic;
 use backlit_formats::motion::{self, JointTrack, Motion};
-use backlit_formats::{DiskFiles, MAX_TEXT_BYTES, TakeFiles, atomic};
 use backlit_recognition::augment::TrackerNoise;
 use backlit_recognition::{
     Evaluation, JointMotion, LearnOptions, NamedMotion, Recognition, Recognizer, confusion_picture, evaluate,
@@ -18,6 +18,7 @@ use serde_json::{Value, json};
 use super::export::Up;
 use super::table::Table;
 use super::{output, track_files};
+use crate::features::motions::{joints, model};
 
 const NOTES: &str = "\
 Names motions by what joints do over time: from tracks of `backlit track`, or from BVH files with the joint names of the CMU recordings.
@@ -105,9 +106,7 @@ impl Source<'_> {
             true => motion::read_joints(path, None)?,
             false => JointTrack::of_motion(&Motion::of_written(track_files::read(path, self.body)?)),
         };
-        let frames = track.frames.iter().map(|(frame, positions)| (*frame, &positions[..]));
-        JointMotion::from_named(&track.joints, track.frame_rate, track.up.unwrap_or(self.up), frames)
-            .with_context(|| path.display().to_string())
+        joints::motion_of(&track, &track.frames, self.up).with_context(|| path.display().to_string())
     }
 
     /// The motions of a folder and what its labels.csv calls them.
@@ -138,13 +137,6 @@ fn train(folder: &Path, out: &Path, is_without_windows: bool, source: &Source<'_
     output::print(&format!("learnt {classes} from {} motions; wrote {}\n", motions.len(), out.display()))
 }
 
-fn recognizer(model: Option<&Path>) -> anyhow::Result<Recognizer> {
-    let Some(path) = model else { return Ok(Recognizer::built_in()) };
-    let bytes = DiskFiles.read(path, MAX_TEXT_BYTES)?;
-    let text = String::from_utf8(bytes).with_context(|| format!("{}: is not UTF-8 text", path.display()))?;
-    Recognizer::from_text(&text).with_context(|| path.display().to_string())
-}
-
 fn test(folder: &Path, arguments: &RecogniseArguments, source: &Source<'_>) -> anyhow::Result<()> {
     if let Some(picture) = &arguments.confusion {
         output::check_folder_of(picture)?;
@@ -165,7 +157,7 @@ fn test(folder: &Path, arguments: &RecogniseArguments, source: &Source<'_>) -> a
         bar.finish_and_clear();
         found
     } else {
-        let recognizer = recognizer(arguments.model.as_deref())?;
+        let recognizer = model::read(arguments.model.as_deref())?;
         evaluate(&recognizer, &motions, noise)
     };
     let evaluation = evaluation.with_context(|| folder.display().to_string())?;
@@ -206,7 +198,7 @@ fn evaluation_text(evaluation: &Evaluation) -> String {
 }
 
 fn name(arguments: &RecogniseArguments, source: &Source<'_>) -> anyhow::Result<()> {
-    let recognizer = recognizer(arguments.model.as_deref())?;
+    let recognizer = model::read(arguments.model.as_deref())?;
     let mut all = Vec::new();
     for path in &arguments.tracks {
         let motion = source.read(path)?;
@@ -252,6 +244,7 @@ fn recognition_json(path: &Path, found: &Recognition) -> Value {
             "frame": frame.frame,
             "class": class(found, frame.class),
             "confidence": frame.confidence,
+            "shares": frame.shares,
             "place": frame.place,
         })
     });

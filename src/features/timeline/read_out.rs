@@ -37,6 +37,9 @@ pub(crate) fn ui(ui: &Ui, context: &Context<'_>, frame: usize, at: Pos2) {
                 ui.end_row();
             }
         });
+        if let Some(stretch) = context.motions.at(frame) {
+            ui.label(RichText::new(stretch.said()).small().color(palette.text));
+        }
         let mut note = |text: String, colour| ui.label(RichText::new(text).small().color(colour));
         match estimate {
             None if document.keys.contains_key(&frame) => {

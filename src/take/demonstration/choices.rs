@@ -1,6 +1,7 @@
 //! The fits that a demonstration shows.
 
 use backlit_lab::experiment::bias;
+use backlit_lab::synthetic::exercise;
 use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::render::Ramp;
 
@@ -11,7 +12,7 @@ impl Demonstration {
     /// The choices that the take begins with.
     pub(crate) fn fit(self) -> FitOptions {
         match self {
-            Self::Sequence | Self::TinySequence | Self::Cues | Self::Spheres => {
+            Self::Sequence | Self::TinySequence | Self::Cues | Self::Spheres | Self::Motions => {
                 FitOptions::preset(Preset::Robust)
             }
             Self::Bias => {
@@ -41,6 +42,7 @@ impl Demonstration {
         match self {
             Self::SingleLimb | Self::OneCamera | Self::Bias => 1,
             Self::Spheres => 4,
+            Self::Motions => exercise::MOST_CAMERAS,
             _ => 2,
         }
     }

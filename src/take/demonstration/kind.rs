@@ -42,12 +42,16 @@ pub enum Demonstration {
     #[serde(rename = "spheres")]
     #[value(name = "spheres")]
     Spheres,
+    /// Different motions that are called by their names.
+    #[serde(rename = "motions")]
+    #[value(name = "motions")]
+    Motions,
 }
 
 impl Demonstration {
     /// All of them, in the order of the menu.
     #[cfg(test)]
-    pub(crate) const ALL: [Self; 9] = [
+    pub(crate) const ALL: [Self; 10] = [
         Self::SingleLimb,
         Self::OneCamera,
         Self::TwoCameras,
@@ -57,6 +61,7 @@ impl Demonstration {
         Self::Bias,
         Self::Cues,
         Self::Spheres,
+        Self::Motions,
     ];
 
     /// What its take is called.
@@ -69,8 +74,9 @@ impl Demonstration {
             Self::TinySequence => "Fig. 5.6, simulated: tiny pictures",
             Self::RealFootage => "Figs. 5.4 and 5.5: real footage",
             Self::Bias => "Bias of a ramp",
-            Self::Cues => "Cues under occlusion",
-            Self::Spheres => "A body of spheres",
+            Self::Cues => "Section 6.3: cues under occlusion",
+            Self::Spheres => "Section 6.5: a body of spheres",
+            Self::Motions => "Section 6.6: motions recognised",
         }
     }
 
@@ -128,6 +134,12 @@ impl Demonstration {
                  of its own, and silhouettes alone lose it while the overlap stays high. Keypoints of another tool, or \
                  what the pictures show, hold it: limbs that a cue holds are outlined in teal, and what nothing holds \
                  in dashed red. Point at a limb to read what held it."
+            }
+            Self::Motions => {
+                "Somebody walks in, squats twice, signals with the arms and boxes, before three cameras. The silhouettes \
+                 are tracked now; what the tracked motion is called stands in the timeline’s lowest lane. The Motions \
+                 tile shows why: the motion is a curve, and it is called after the regions that it passes. Click the \
+                 curve to go to a moment. Hidden Markov models alone call the squats jumping."
             }
         }
     }
