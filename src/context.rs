@@ -49,7 +49,7 @@ use crate::take::source::TakeSource;
 use backlit_jobs::{Failure, Pool};
 use backlit_tracking::body::Pose;
 use backlit_tracking::metrics::JointErrors;
-use backlit_ui::drawing::{DragEvent, JointId, ViewMode};
+use backlit_ui::drawing::{DragEvent, Ghosts, JointId, ViewMode};
 
 /// All that a panel may look at while a frame is drawn.
 #[derive(Debug, Clone, Copy)]
@@ -82,6 +82,8 @@ pub(crate) struct Context<'a> {
     pub(crate) drag: DragMarks<'a>,
     /// What views and scene draw of what the cameras see.
     pub(crate) observability: &'a ObservabilityMarks,
+    /// Bodies that views and scene draw in the place of the posed one.
+    pub(crate) ghosts: Option<&'a Ghosts>,
     /// What time it is.
     pub(crate) clock: &'a Clock,
     /// The sentence of the status bar about what the hand is doing.
@@ -233,6 +235,8 @@ pub(crate) enum Request {
     ShowMode(Layout, ViewMode),
     /// How the window is arranged.
     Layout(Layout),
+    /// Try all ways to begin as soon as the frame is read, and show them.
+    TryBeginnings,
     /// Show all tiles again, if one fills the window.
     ShowAllTiles,
     /// Run fits in the laboratory as soon as they have begun.

@@ -46,6 +46,11 @@ impl Inspector {
         );
         self.state.observability = self.features.observability.marks();
         self.update_feature(
+            |features| &mut features.beginnings,
+            |beginnings, context, requests| beginnings.update(context, requests),
+        );
+        self.state.ghosts = self.features.beginnings.ghosts();
+        self.update_feature(
             |features| &mut features.scene,
             |scene, context, requests| scene.update(context, requests),
         );

@@ -63,6 +63,7 @@ impl Inspector {
             preferences: Preferences::default(),
             notices: Notices::default(),
             observability: ObservabilityMarks::default(),
+            ghosts: None,
             unavailable: Unavailable::default(),
             status: None,
             project: None,

@@ -27,6 +27,8 @@ pub enum Pane {
     Convergence,
     /// The basin of the frame: success over angle, or a map.
     Basin,
+    /// Ways to begin, one beside another, step by step.
+    Beginnings,
 }
 
 /// Where a pane comes in that has no place yet.
@@ -40,10 +42,11 @@ pub(crate) enum Side {
 
 impl Pane {
     /// The panes that are no cameras: title, where they come in, and what they show.
-    pub(crate) const KINDS: [(Self, &'static str, Side, &'static str); 3] = [
+    pub(crate) const KINDS: [(Self, &'static str, Side, &'static str); 4] = [
         (Self::Scene, "Scene", Side::Right, "Body, cameras and their pictures in three dimensions"),
         (Self::Convergence, "Convergence", Side::Below, "The runs of the fit, step by step"),
         (Self::Basin, "Basin", Side::Right, "How far off a start may be, and still come home"),
+        (Self::Beginnings, "Ways to begin", Side::Right, "Particles, ramp, templates and search, step by step"),
     ];
 
     /// All panes of a take with so many cameras.
@@ -97,7 +100,7 @@ mod tests {
     fn every_pane_has_its_row_and_a_tile_of_its_own() {
         let panes: Vec<Pane> = Pane::all(9).collect();
         // The last variant of the enumeration.
-        assert!(panes.contains(&Pane::Basin));
+        assert!(panes.contains(&Pane::Beginnings));
         for (index, pane) in panes.iter().enumerate() {
             assert!(!pane.title().is_empty() && !pane.explanation().ends_with('.'), "{pane:?}");
             assert!(panes[..index].iter().all(|other| other.tile_id() != pane.tile_id()), "{pane:?}");

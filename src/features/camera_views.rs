@@ -16,6 +16,7 @@
 //! | `picture_view` | texture, outline, limbs, joints, sight ray |
 //! | `comparison` | wipe and blink between two modes |
 //! | `observed` | a body that sways, ellipses of joints |
+//! | `ghosts` | bodies in the place of the posed one |
 //! | `gutter` | overlap, use in the fit, what a drag does |
 //! | `legend`, `legend_block` | the strip under the picture; how to read one mode in it |
 //! | `hover_card` | the numbers of the pixel under the pointer |
@@ -24,6 +25,7 @@ mod alone;
 mod comparison;
 pub(crate) mod event;
 mod full_pictures;
+mod ghosts;
 mod gutter;
 mod header;
 mod hover_card;

@@ -28,8 +28,12 @@ impl Demonstrations {
     pub(crate) fn begin(&mut self, which: Demonstration, requests: &mut Requests) {
         requests.request(Request::CloseNotices);
         self.explained = Some(which);
+        let Some(over) = compared(which) else {
+            requests.request(Request::Layout(Layout::Pose));
+            return requests.request(Request::TryBeginnings);
+        };
         requests.request(Request::Layout(Layout::Demonstrate));
-        requests.request(Request::RunLaboratory { over: compared(which), camera: Some(shown_camera(which)) });
+        requests.request(Request::RunLaboratory { over, camera: Some(shown_camera(which)) });
     }
 
     /// What the demonstration shows and what to try, above the cameras' views or the laboratory, until it is closed.
@@ -40,9 +44,9 @@ impl Demonstrations {
     }
 }
 
-/// What the fits of a demonstration differ in, side by side.
-const fn compared(which: Demonstration) -> Variants {
-    match which {
+/// What the fits of a demonstration differ in, side by side in the laboratory; `None` where ways to begin are compared.
+const fn compared(which: Demonstration) -> Option<Variants> {
+    Some(match which {
         Demonstration::SingleLimb | Demonstration::OneCamera | Demonstration::TwoCameras => {
             Variants::Renderers
         }
@@ -50,7 +54,8 @@ const fn compared(which: Demonstration) -> Variants {
             Variants::Presets
         }
         Demonstration::Bias => Variants::Ramps,
-    }
+        Demonstration::Begin => return None,
+    })
 }
 
 /// The camera whose pictures are shown: where one camera counts that cannot see depth, the other.

@@ -7,7 +7,7 @@ use backlit_tracking::camera::Camera;
 use backlit_tracking::posing::LimitedAngle;
 use backlit_tracking::render::Ramp;
 use backlit_ui::drawing::{
-    BoundedAngle, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SideMarks,
+    BoundedAngle, GhostMarks, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SideMarks,
     SightRay, SwayMarks, Swaying, joined_outline, limb_colours, project_joints, project_limbs, sight_ray,
 };
 use backlit_ui::style::theme;
@@ -93,6 +93,7 @@ pub(super) struct CameraPane<'a> {
     /// The limbs' own outline while the prediction lags behind the pose: a drag is seen at once.
     quick_outline: Option<Vec<Vec<DVec2>>>,
     sway: Option<SwayMarks>,
+    ghosts: Option<GhostMarks>,
     ellipses: Vec<JointEllipse>,
 }
 
@@ -108,7 +109,7 @@ impl<'a> CameraPane<'a> {
         let limit = |bounded| LimitMark::new(model, pose, &kinematics, camera, &bounded);
         let seen = context.observability;
         let marks = |body: &Swaying| SwayMarks::new(model, body, camera, renderer);
-        Some(Self {
+        let pane = Self {
             context,
             index,
             camera,
@@ -122,8 +123,17 @@ impl<'a> CameraPane<'a> {
             quick_outline: quick_outline(context, pose, &limbs),
             limbs,
             sway: seen.swaying.as_ref().map(marks),
+            ghosts: context.ghosts.map(|ghosts| GhostMarks::new(ghosts, camera, renderer)),
             ellipses: seen.uncertainty.as_ref().map_or_else(Vec::new, |known| known.ellipses(camera)),
-        })
+        };
+        Some(if context.ghosts.is_some() { pane.without_body() } else { pane })
+    }
+
+    /// The same where other bodies are drawn in the place of the posed one.
+    fn without_body(self) -> Self {
+        let (limbs, joints, limits, ellipses) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let quick_outline = Some(Vec::new());
+        Self { limbs, joints, limits, ellipses, quick_outline, sides: None, sway: None, ..self }
     }
 
     fn input(
@@ -164,12 +174,13 @@ impl<'a> CameraPane<'a> {
             // Four views need not say the same.
             says_limits: context.drag.camera.unwrap_or(context.selection.camera) == index,
             sides: self.sides.as_ref(),
-            overlap: predicted.and_then(|camera| camera.overlap),
+            overlap: predicted.and_then(|camera| camera.overlap).filter(|_| self.ghosts.is_none()),
             is_overlap_stale: session.is_stale,
             is_used: uses.is_some_and(|used| used.used),
             weight: uses.map_or(1.0, |used| used.weight),
             observed: ObservedMarks {
                 sway: self.sway.as_ref(),
+                ghosts: self.ghosts.as_ref(),
                 ellipses: &self.ellipses,
                 factor: context.observability.factor,
                 is_stale: context.observability.is_stale,
@@ -187,7 +198,7 @@ impl<'a> CameraPane<'a> {
     fn picture(&self) -> PictureInput<'_> {
         let (session, frame) = (self.context.session, self.context.selection.frame);
         let pictures = session.shown_frame(frame).and_then(|frame| frame.cameras.get(self.index));
-        let predicted = session.predicted.as_ref();
+        let predicted = session.predicted.as_ref().filter(|_| self.ghosts.is_none());
         let is_of_frame = predicted.is_some_and(|predicted| session.is_of_shown_frame(predicted, frame));
         let predicted = predicted.and_then(|predicted| predicted.cameras.get(self.index));
         PictureInput {

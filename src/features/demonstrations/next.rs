@@ -3,7 +3,7 @@
 use backlit_tracking::fit::Preset;
 
 use crate::context::command::{
-    Command, FitCommand, TimelineCommand, TrackingCommand, Variants, WindowCommand,
+    BeginningCommand, Command, FitCommand, TimelineCommand, TrackingCommand, Variants, WindowCommand,
 };
 use crate::context::preferences::Layout;
 use crate::context::{Request, Requests};
@@ -66,6 +66,16 @@ const TRACK_ROBUST: Try = Try {
     tooltip: "All frames with all that is better, in the Pose layout",
     act: Act::Commands(&[POSE, ROBUST, FIRST, TRACK]),
 };
+const WAYS: Try = Try {
+    text: "Try all again",
+    tooltip: "All ways from the pose of this frame, one after the other",
+    act: Act::Commands(&[POSE, Command::Beginning(BeginningCommand::RunAll)]),
+};
+const ACQUIRE: Try = Try {
+    text: "Acquire a body",
+    tooltip: "Neither pose nor size is known: a body is found, and grown limb by limb",
+    act: Act::Commands(&[POSE, Command::Beginning(BeginningCommand::AcquireBody)]),
+};
 const WORST: Try = Try {
     text: "Worst frame",
     tooltip: "The tracked frame that fits worst",
@@ -82,6 +92,7 @@ pub(super) const fn of(which: Demonstration) -> &'static [Try] {
             &[TRACK_REPORT, TRACK_ROBUST, WORST, RENDERERS]
         }
         Demonstration::Bias => &[WITH_CAMERA_2, RAMPS, RENDERERS],
+        Demonstration::Begin => &[WAYS, ACQUIRE, PRESETS],
     }
 }
 
@@ -97,7 +108,7 @@ impl Try {
             Act::UseCamera(camera) => {
                 requests.edit(Edit::UseCamera { camera, used: true });
                 requests.request(Request::Layout(Layout::Demonstrate));
-                requests.request(compare(super::compared(which)));
+                super::compared(which).into_iter().for_each(|over| requests.request(compare(over)));
             }
         }
     }

@@ -34,12 +34,16 @@ pub enum Demonstration {
     #[serde(rename = "bias")]
     #[value(name = "bias")]
     Bias,
+    /// Ways to begin from a start that is far off.
+    #[serde(rename = "begin")]
+    #[value(name = "begin")]
+    Begin,
 }
 
 impl Demonstration {
     /// All of them, in the order of the menu.
     #[cfg(test)]
-    pub(crate) const ALL: [Self; 7] = [
+    pub(crate) const ALL: [Self; 8] = [
         Self::SingleLimb,
         Self::OneCamera,
         Self::TwoCameras,
@@ -47,6 +51,7 @@ impl Demonstration {
         Self::TinySequence,
         Self::RealFootage,
         Self::Bias,
+        Self::Begin,
     ];
 
     /// What its take is called.
@@ -59,6 +64,7 @@ impl Demonstration {
             Self::TinySequence => "Fig. 5.6, simulated: tiny pictures",
             Self::RealFootage => "Figs. 5.4 and 5.5: real footage",
             Self::Bias => "Bias of a ramp",
+            Self::Begin => "Three ways to begin",
         }
     }
 
@@ -104,6 +110,11 @@ impl Demonstration {
                  thesis ramp is half grey outside the limb’s surface, so its cost is less where the body is further \
                  away; these pictures of camera 2 show how far it went. Ramps that are half grey on the surface stay \
                  nearer."
+            }
+            Self::Begin => {
+                "The start is 30° off in every joint and 15 cm off its place. The fit of 2004 and the softened ramp go \
+                 downhill into a wrong valley. A particle filter and the program’s own search come home; templates, which \
+                 need no start, put an arm wrong and never take it back. Choose a way at the right and play its steps."
             }
         }
     }
