@@ -104,6 +104,10 @@ impl Inspector {
                 |features| &mut features.basin,
                 |basin, context, requests| basin.run(command, context, requests),
             ),
+            Command::Beginning(command) => self.with(
+                |features| &mut features.beginnings,
+                |beginnings, context, requests| beginnings.run(command, context, requests),
+            ),
             Command::Observability(command) => self.features.observability.run(command),
             Command::Tracking(command) => {
                 if command != TrackingCommand::Clear {
@@ -158,7 +162,11 @@ impl Inspector {
             self.features.observability.stop_sway();
             return true;
         }
-        let alone = self.shell.docking.alone.take().is_some();
+        if self.features.beginnings.is_running() {
+            self.features.beginnings.stop();
+            return true;
+        }
+        let alone = self.shell.docking.alone.take().is_some() || self.features.beginnings.leave();
         if !alone && self.state.selection.step.take().is_none() {
             // What goes on behind all that is looked at comes last.
             if self.features.basin.is_running() {

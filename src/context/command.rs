@@ -33,7 +33,7 @@ mod table;
 
 pub use groups::BasinView;
 pub(crate) use groups::{
-    BasinCommand, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
+    BasinCommand, BeginningCommand, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
     LaboratoryCommand, Nudge, ObservabilityCommand, Part, PoseCommand, RecoveryCommand, SceneCommand,
     TimelineCommand, TrackingCommand, Variants, ViewCommand, WindowCommand,
 };
@@ -59,6 +59,7 @@ group! {
         Fit(FitCommand) of FitCommand::every(),
         Convergence(ConvergenceCommand) of ConvergenceCommand::every(),
         Basin(BasinCommand) of BasinCommand::every(),
+        Beginning(BeginningCommand) of BeginningCommand::every(),
         Observability(ObservabilityCommand) of ObservabilityCommand::every(),
         Tracking(TrackingCommand) of TrackingCommand::every(),
         Timeline(TimelineCommand) of TimelineCommand::every(),

@@ -35,6 +35,7 @@ pub(crate) fn why(command: Command, context: &Context<'_>) -> Why {
         Command::Fit(_)
         | Command::Convergence(_)
         | Command::Basin(_)
+        | Command::Beginning(_)
         | Command::Scene(_)
         | Command::Observability(_)
         | Command::Tracking(_)

@@ -41,6 +41,10 @@ impl Demonstrations {
                 }
                 requests.run(command);
             }
+            Opening::Ways => {
+                requests.request(Request::Layout(Layout::Pose));
+                requests.request(Request::TryBeginnings);
+            }
         }
     }
 
@@ -60,6 +64,8 @@ enum Opening {
     Laboratory(Variants, usize),
     /// The pose layout with this pane too, and a command.
     Tiles(Option<Pane>, Command),
+    /// The pose layout with all ways to begin.
+    Ways,
 }
 
 const fn opening(which: Demonstration) -> Opening {
@@ -70,6 +76,7 @@ const fn opening(which: Demonstration) -> Opening {
             Opening::Laboratory(Variants::Presets, 0)
         }
         Demonstration::Bias => Opening::Laboratory(Variants::Ramps, 1),
+        Demonstration::Begin => Opening::Ways,
         Demonstration::Motions => {
             Opening::Tiles(Some(Pane::Motions), Command::Tracking(TrackingCommand::Forward))
         }

@@ -69,6 +69,9 @@ fn sentence(context: &Context<'_>, features: &Features) -> String {
     if let Some(progress) = features.basin.progress() {
         return format!("Trying the basin: {progress}. Esc stops it; what is done stays.");
     }
+    if let Some(sentence) = features.beginnings.sentence() {
+        return sentence;
+    }
     if context.preferences.layout == Layout::Demonstrate {
         return features.laboratory.sentence();
     }

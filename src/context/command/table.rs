@@ -6,12 +6,12 @@ use backlit_ui::drawing::{Comparison, ViewMode};
 use egui::{Key, KeyboardShortcut};
 
 use super::Command::{
-    Basin, Convergence, Demonstration as Show, Export, File, Fit, History, Laboratory, Observability,
+    Basin, Beginning, Convergence, Demonstration as Show, Export, File, Fit, History, Laboratory, Observability,
     Offsets, Pose, Recovery, Scene, Timeline, Tour, Tracking, View, Window,
 };
 use super::keys::{ctrl, ctrl_shift, key, shift};
 use super::{
-    BasinCommand, BasinView, Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand,
+    BasinCommand, BasinView, BeginningCommand, Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand,
     HistoryCommand, LaboratoryCommand, Menu, Nudge, ObservabilityCommand, Part, PoseCommand, RecoveryCommand,
     SceneCommand, TimelineCommand, TrackingCommand, Variants, ViewCommand, WindowCommand,
 };
@@ -93,6 +93,7 @@ pub(super) const TABLE: &[Row] = &[
     row(Menu::View, Scene(SceneCommand::Reset), "Whole scene", "See all cameras in the scene", &[]),
     row(Menu::View, Window(WindowCommand::TogglePane(Pane::Basin)), "Show or hide basin", "How far off a start may be: success over angle, and a map", &[]),
     row(Menu::View, Window(WindowCommand::TogglePane(Pane::Motions)), "Show or hide motions", "What the tracked motion is called: walking, boxing and others, as a curve among kinds of motion", &[]),
+    row(Menu::View, Window(WindowCommand::TogglePane(Pane::Beginnings)), "Show or hide ways to begin", "Particle filter, softened ramp, templates and search, step by step", &[]),
     row(Menu::View, Window(WindowCommand::ArrangeTiles), "Arrange tiles", "Tiles where they give the largest pictures, in this layout", &[]),
     row(Menu::View, Window(WindowCommand::ResetLayout), "Reset layout", "Tiles, sizes and sections as they were at first", &[]),
     row(Menu::View, Window(WindowCommand::RestoreLayout), "Undo layout", "Take back the last Reset layout or Arrange tiles", &[]),
@@ -159,6 +160,9 @@ pub(super) const TABLE: &[Row] = &[
     row(Menu::Fit, Basin(BasinCommand::Run(BasinView::Angles)), "Run basin", "Fit this frame from many starts farther and farther off, in the background", &[]),
     row(Menu::Fit, Basin(BasinCommand::Run(BasinView::Map)), "Run basin map", "Fit this frame from a grid of starts with two angles set off, in the background", &[]),
     row(Menu::Fit, Basin(BasinCommand::Cancel), "Cancel basin", "Stop the basin's fits; what is done stays", &[]),
+    row(Menu::Fit, Beginning(BeginningCommand::RunAll), "Try ways to begin", "Particle filter, softened ramp, templates and search on this frame, in the background; every step is kept and can be played", &[]),
+    row(Menu::Fit, Beginning(BeginningCommand::AcquireBody), "Acquire a body", "Find pose and sizes of a person of whom nothing is known, by growing limbs; every step is kept and can be played", &[]),
+    row(Menu::Fit, Beginning(BeginningCommand::Stop), "Stop ways to begin", "End what is being tried; what is done stays", &[]),
     row(Menu::Track, Tracking(TrackingCommand::FindStart), "Find start", "Find where the person stands in this frame from the silhouettes alone", &[]),
     row(Menu::Track, Tracking(TrackingCommand::Forward), "Track forward", "Fit frame after frame from here to the end. Where the take has no start, or asks for the person's own sizes, they are found first", &[ctrl(Key::Enter)]),
     row(Menu::Track, Tracking(TrackingCommand::Back), "Track back", "Fit frame after frame from here to the beginning", &[ctrl_shift(Key::Enter)]),
@@ -192,6 +196,7 @@ pub(super) const TABLE: &[Row] = &[
     row(Menu::Demonstrate, Show(Demonstration::RealFootage), "Figs. 5.4 and 5.5: real footage", "The report's small pictures of a real person, 50 frames in two cameras", &[]),
     row(Menu::Demonstrate, Show(Demonstration::Bias), "Bias of a ramp", "Fits that begin at the true pose, and leave it", &[]),
     row(Menu::Demonstrate, Show(Demonstration::Cues), "Section 6.3: cues under occlusion", "Squats before two telephones: silhouettes alone lose an arm, keypoints or pictures hold it", &[]),
+    row(Menu::Demonstrate, Show(Demonstration::Begin), "Section 6.4: three ways to begin", "From a start that is far off: particle filter, softened ramp, templates and search, step by step", &[]),
     row(Menu::Demonstrate, Show(Demonstration::Spheres), "Section 6.5: a body of spheres", "A clothed person carved from silhouettes and filled with nested spheres", &[]),
     row(Menu::Demonstrate, Show(Demonstration::Motions), "Section 6.6: motions recognised", "A walk, squats, signals and boxing, tracked and called by name", &[]),
     row(Menu::Demonstrate, Laboratory(LaboratoryCommand::Restart), "Restart laboratory", "Forget the laboratory's steps and begin again from its start", &[ctrl(Key::R)]),

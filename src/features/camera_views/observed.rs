@@ -1,7 +1,7 @@
 //! What the cameras see and do not see, drawn in a view: a body that sways along a direction, and ellipses of its joints.
 
 use backlit_ui::drawing::ellipse_factor::DEVIATIONS;
-use backlit_ui::drawing::{JointEllipse, JointMark, SwayMarks};
+use backlit_ui::drawing::{GhostMarks, JointEllipse, JointMark, SwayMarks};
 use backlit_ui::style::theme::data_colours::{CASING, JOINT, LIKELIER, SELECTED, mark};
 use backlit_ui::widgets::ViewTransform;
 use egui::{Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
@@ -29,6 +29,8 @@ const WIDTH: f32 = 1.25;
 pub struct ObservedMarks<'a> {
     /// The body on its way, if it sways.
     pub sway: Option<&'a SwayMarks>,
+    /// Bodies in the place of the posed one.
+    pub ghosts: Option<&'a GhostMarks>,
     /// Ellipses of joints; empty for none.
     pub ellipses: &'a [JointEllipse],
     /// They are drawn so many times as large as they are; 0 counts as 1.
@@ -42,8 +44,11 @@ pub struct ObservedMarks<'a> {
 }
 
 impl ObservedMarks<'_> {
-    /// What the ellipses are, for the legend.
+    /// What ghosts or ellipses are, for the legend.
     pub(crate) fn words(&self) -> Option<String> {
+        if let Some(ghosts) = self.ghosts {
+            return Some(ghosts.words.clone());
+        }
         let of = match (self.are_of_others, self.are_believed) {
             (true, _) => "Uncertainty with the other cameras",
             (false, true) => "Uncertainty after the Kalman filter",

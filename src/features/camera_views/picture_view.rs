@@ -19,6 +19,7 @@ use egui::{
 };
 
 use super::comparison::{self, Seen};
+use super::ghosts::paint_ghosts;
 use super::hover_card::HoverCard;
 use super::observed::{paint_ellipses, paint_likelier, paint_sway};
 use super::pointer::{Grips, PointerInput, rotation_owner};
@@ -205,6 +206,9 @@ fn paint_marks(
     paint_limits(painter, view, input.limits, Theme::Dark.palette());
     if let Some(sway) = input.observed.sway {
         paint_sway(painter, view, sway);
+    }
+    if let Some(ghosts) = input.observed.ghosts {
+        paint_ghosts(painter, view, ghosts);
     }
     // The selected joint lies on top of its neighbours.
     let (selected, others): (Vec<_>, Vec<_>) =

@@ -5,7 +5,7 @@ use backlit_tracking::render::RendererKind;
 
 use super::Opening;
 use crate::context::command::{
-    Command, FitCommand, SceneCommand, TimelineCommand, TrackingCommand, Variants, WindowCommand,
+    BeginningCommand, Command, FitCommand, SceneCommand, TimelineCommand, TrackingCommand, Variants, WindowCommand,
 };
 use crate::context::preferences::Layout;
 use crate::context::{Context, Request, Requests};
@@ -72,6 +72,16 @@ const TRACK_ROBUST: Try = Try {
     tooltip: "All frames with all that is better, in the Pose layout",
     act: Act::Commands(&[POSE, ROBUST, FIRST, TRACK]),
 };
+const WAYS: Try = Try {
+    text: "Try all again",
+    tooltip: "All ways from the pose of this frame, one after the other",
+    act: Act::Commands(&[POSE, Command::Beginning(BeginningCommand::RunAll)]),
+};
+const ACQUIRE: Try = Try {
+    text: "Acquire a body",
+    tooltip: "Neither pose nor size is known: a body is found, and grown limb by limb",
+    act: Act::Commands(&[POSE, Command::Beginning(BeginningCommand::AcquireBody)]),
+};
 const WORST: Try = Try {
     text: "Worst frame",
     tooltip: "The tracked frame that fits worst",
@@ -137,6 +147,7 @@ pub(super) const fn of(which: Demonstration) -> &'static [Try] {
         Demonstration::Bias => &[WITH_CAMERA_2, RAMPS, RENDERERS],
         Demonstration::Spheres => &[SPHERES, CAPSULES, SCENE],
         Demonstration::Cues => &[SILHOUETTES, LIKELY, KEYPOINTS, PICTURES, ALL_CUES],
+        Demonstration::Begin => &[WAYS, ACQUIRE, PRESETS],
     }
 }
 

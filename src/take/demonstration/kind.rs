@@ -46,12 +46,16 @@ pub enum Demonstration {
     #[serde(rename = "motions")]
     #[value(name = "motions")]
     Motions,
+    /// Ways to begin from a start that is far off.
+    #[serde(rename = "begin")]
+    #[value(name = "begin")]
+    Begin,
 }
 
 impl Demonstration {
     /// All of them, in the order of the menu.
     #[cfg(test)]
-    pub(crate) const ALL: [Self; 10] = [
+    pub(crate) const ALL: [Self; 11] = [
         Self::SingleLimb,
         Self::OneCamera,
         Self::TwoCameras,
@@ -62,6 +66,7 @@ impl Demonstration {
         Self::Cues,
         Self::Spheres,
         Self::Motions,
+        Self::Begin,
     ];
 
     /// What its take is called.
@@ -77,6 +82,7 @@ impl Demonstration {
             Self::Cues => "Section 6.3: cues under occlusion",
             Self::Spheres => "Section 6.5: a body of spheres",
             Self::Motions => "Section 6.6: motions recognised",
+            Self::Begin => "Section 6.4: three ways to begin",
         }
     }
 
@@ -140,6 +146,10 @@ impl Demonstration {
                  are tracked now; what the tracked motion is called stands in the timeline’s lowest lane. The Motions \
                  tile shows why: the motion is a curve, and it is called after the regions that it passes. Click the \
                  curve to go to a moment. Hidden Markov models alone call the squats jumping."
+            Self::Begin => {
+                "The start is 30° off in every joint and 15 cm off its place. The fit of 2004 and the softened ramp go \
+                 downhill into a wrong valley. A particle filter and the program’s own search come home; templates, which \
+                 need no start, put an arm wrong and never take it back. Choose a way at the right and play its steps."
             }
         }
     }
