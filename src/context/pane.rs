@@ -43,7 +43,7 @@ impl Pane {
     pub(crate) const KINDS: [(Self, &'static str, Side, &'static str); 3] = [
         (Self::Scene, "Scene", Side::Right, "Body, cameras and their pictures in three dimensions"),
         (Self::Convergence, "Convergence", Side::Below, "The runs of the fit, step by step"),
-        (Self::Basin, "Basin", Side::Right, "How far off a start may be, and still come home"),
+        (Self::Basin, "Basin", Side::Right, "How far off a start may be and still find the right pose"),
     ];
 
     /// All panes of a take with so many cameras.

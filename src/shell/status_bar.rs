@@ -67,7 +67,7 @@ fn sentence(context: &Context<'_>, features: &Features) -> String {
         return "The fit is running. Esc stops it; all steps stay.".to_owned();
     }
     if let Some(progress) = features.basin.progress() {
-        return format!("Trying the basin: {progress}. Esc stops it; what is done stays.");
+        return format!("Running the basin: {progress}. Esc stops it; what is done stays.");
     }
     if context.preferences.layout == Layout::Demonstrate {
         return features.laboratory.sentence();

@@ -23,7 +23,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
     /// Find sizes from a track with the average body instead, through silhouettes that are too wide by so many per cent of
-    /// the person's breadth, and track with them: four cameras around, and two telephones
+    /// the person's breadth, and track with them: four cameras around, and two phones
     #[arg(long, value_name = "PERCENT,…", value_delimiter = ',', value_parser = percent)]
     widened: Option<Vec<f64>>,
     /// With --widened: every how manieth frame of the movement is seen

@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
 enum MovementWord {
     /// The report's upper body, before cameras around it
     UpperBody,
-    /// The full body, before two telephones 37° apart whose masks are too wide
+    /// The full body, before two phones 37° apart whose masks are too wide
     Squats,
 }
 

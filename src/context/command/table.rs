@@ -190,7 +190,7 @@ pub(super) const TABLE: &[Row] = &[
     row(Menu::Demonstrate, Show(Demonstration::TinySequence), "Fig. 5.6: tiny pictures", "The same frames with 48 × 36 pixels", &[]),
     row(Menu::Demonstrate, Show(Demonstration::RealFootage), "Figs. 5.4 and 5.5: real footage", "The report's small pictures of a real person, 50 frames in two cameras", &[]),
     row(Menu::Demonstrate, Show(Demonstration::Bias), "Bias of a ramp", "Fits that begin at the true pose, and leave it", &[]),
-    row(Menu::Demonstrate, Show(Demonstration::Cues), "Cues under occlusion", "Squats before two telephones: silhouettes alone lose an arm, keypoints or pictures hold it", &[]),
+    row(Menu::Demonstrate, Show(Demonstration::Cues), "Cues under occlusion", "Squats before two phones: silhouettes alone lose an arm, keypoints or pictures hold it", &[]),
     row(Menu::Demonstrate, Show(Demonstration::Spheres), "A body of spheres", "A clothed person carved from silhouettes and filled with nested spheres", &[]),
     row(Menu::Demonstrate, Laboratory(LaboratoryCommand::Restart), "Restart laboratory", "Forget the laboratory's steps and begin again from its start", &[ctrl(Key::R)]),
     row(Menu::Help, Window(WindowCommand::Palette), "Find a command…", "Type a few letters of any command", &[ctrl(Key::K)]),

@@ -24,8 +24,8 @@ const MOST_STAGES: usize = 12;
 const COLUMNS: [(&str, &str); 4] = [
     (
         "ramp px",
-        "How far outside the body a pixel still pulls. Wide: far starts come home, but details blur. Narrow: exact, but \
-         only from near. Thesis and half ramps are as wide as their limb",
+        "How far outside the body a pixel still pulls. Wide: starts from far off succeed, but details blur. \
+         Narrow: exact, but only from near. Thesis and half ramps are as wide as their limb",
     ),
     (
         "every px",
