@@ -64,7 +64,7 @@ impl Pane {
 
     /// What it shows, in words.
     pub(crate) fn explanation(self) -> &'static str {
-        self.row().map_or("The camera's picture, silhouette and fit", |row| Self::KINDS[row].3)
+        self.row().map_or("The camera’s picture, silhouette and fit", |row| Self::KINDS[row].3)
     }
 
     /// The scope of its widgets: of the pane, not of its place, so that a pane that is moved keeps its state and its

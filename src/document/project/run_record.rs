@@ -154,11 +154,11 @@ impl Reader<'_> {
 
     fn step(&self, model: &Model, field: &str, record: &StepRecord) -> Result<RunStep, ProjectError> {
         for (name, value, most, expected) in [
-            ("mismatch", Some(record.mismatch), f64::INFINITY, "a number from 0 on"),
-            ("rms", Some(record.rms), f64::INFINITY, "a number from 0 on"),
+            ("mismatch", Some(record.mismatch), f64::INFINITY, "a number, 0 or above"),
+            ("rms", Some(record.rms), f64::INFINITY, "a number, 0 or above"),
             ("iou", record.iou, 1.0, "a number from 0 to 1"),
-            ("joint_error_mm", record.joint_error_mm, f64::INFINITY, "a number from 0 on"),
-            ("seconds", Some(record.seconds), f64::INFINITY, "a number from 0 on"),
+            ("joint_error_mm", record.joint_error_mm, f64::INFINITY, "a number, 0 or above"),
+            ("seconds", Some(record.seconds), f64::INFINITY, "a number, 0 or above"),
         ] {
             if let Some(value) = value.filter(|value| !(0.0..=most).contains(value)) {
                 return Err(self.number(format!("{field}.{name}"), value, expected));
