@@ -145,7 +145,7 @@ fn esc_stops_a_basin_and_what_it_leaves_is_called_a_part_everywhere() {
         assert!(begun.elapsed() < PATIENCE, "no fit comes back");
         harness.step();
     }
-    harness.get_by_label_contains("Trying the basin: ");
+    harness.get_by_label_contains("Running the basin: ");
     assert!(running(&harness).unwrap().seconds_left.is_some());
     assert!(harness.query_by_label_contains("Partial: ").is_none(), "more is to come");
     press(&mut harness, Modifiers::NONE, Key::Escape);
