@@ -25,7 +25,7 @@ Examples:
   backlit render --model full_body --cameras cameras.json --pose pose.json --out pictures
   backlit fit --model full_body --cameras cameras.json --start pose.json --masks masks --out fitted.json
 
-Lengths are metres, angles radians unless a unit is given; quaternions are w x y z; frames count from 0.";
+Lengths are metres and angles radians unless a unit is given. Quaternions are w x y z. Frames count from 0.";
 
 /// The program's arguments.
 #[derive(Debug, Parser)]

@@ -51,8 +51,8 @@ pub(crate) mod waiting;
 use clap::{Args, Subcommand};
 
 const NOTES: &str = "\
-Every experiment prints a table, and writes its numbers (NAME.json) and its plots (NAME.png) to --out. The same
-options give the same numbers. docs/report.md has the report's figures beside ours.";
+Every experiment prints a table, and writes its numbers (NAME.json) and its plots (NAME.png) to --out. The \
+same options give the same numbers. docs/report.md has the report's figures beside ours.";
 
 /// What `backlit experiment` is told.
 #[derive(Debug, Args)]

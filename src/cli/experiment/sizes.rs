@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
     /// the person's breadth, and track with them: four cameras around, and two phones
     #[arg(long, value_name = "PERCENT,…", value_delimiter = ',', value_parser = percent)]
     widened: Option<Vec<f64>>,
-    /// With --widened: every how manieth frame of the movement is seen
+    /// With --widened: only every Nth frame of the movement is seen
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=20))]
     every: u32,
     #[command(flatten)]
