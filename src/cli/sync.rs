@@ -123,7 +123,7 @@ fn text(take: &Take, clocks: &TakeClocks) -> String {
         out += &format!("pairs of cameras agree to {error:.4} s\n");
     }
     if clocks.every > 1 {
-        out += &format!("every {} frames were looked at (--frames)\n", clocks.every);
+        out += &format!("one frame in {} was looked at (--frames)\n", clocks.every);
     }
     out
 }

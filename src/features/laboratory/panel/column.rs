@@ -255,6 +255,7 @@ fn ending(ui: &mut Ui, bench: &Bench<'_>, fit: &Contestant) {
         Some(RunEnding::Solver(words)) => format!("Stopped at step {}: {words}", fit.last()),
         Some(RunEnding::Stopped) => format!("Stopped by you at step {}", fit.last()),
         None if fit.last() == 0 => "Not stepped yet".to_owned(),
+        None if fit.last() == 1 => "1 step so far".to_owned(),
         None => format!("{} steps so far", fit.last()),
     };
     let is_marked = bench.comparison.contestants.iter().position(|other| std::ptr::eq(other, fit))
