@@ -46,7 +46,7 @@ pub(crate) struct SyncArguments {
 }
 
 fn some_frames(text: &str) -> Result<usize, String> {
-    let frames: usize = text.parse().map_err(|_error| format!("\"{text}\" is no whole number"))?;
+    let frames: usize = text.parse().map_err(|_error| format!("\"{text}\" is not a whole number"))?;
     if frames > 0 { Ok(frames) } else { Err("expected 1 or more".to_owned()) }
 }
 
