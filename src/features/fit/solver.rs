@@ -30,7 +30,7 @@ pub(crate) fn ui(
     more: impl FnOnce(&mut Ui, &mut Requests),
 ) {
     let fit = &*context.document().fit;
-    let summary = preset_like(fit).map_or_else(|| "own choices".to_owned(), |p| p.label().to_owned());
+    let summary = preset_like(fit).map_or_else(|| "custom".to_owned(), |p| p.label().to_owned());
     section(ui, "Solver", &summary, open, |ui| {
         let mut options = fit.clone();
         ui.spacing_mut().item_spacing.y = 6.0;
