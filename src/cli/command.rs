@@ -45,7 +45,7 @@ pub(crate) struct Cli {
 /// One thing to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Make a take of footage and a calibration: videos or pictures, a project of another tool
+    /// Make a take from footage and a calibration, or from a project of another tool
     Import(import::ImportArguments),
     /// Draw the silhouettes that a pose predicts, one picture a camera
     Render(render::RenderArguments),
@@ -55,17 +55,17 @@ pub(crate) enum Command {
     FitBody(fit_body::FitBodyArguments),
     /// Fit frame after frame of a take; report joint errors, overlap and times
     Track(track::TrackArguments),
-    /// Write a track as motion files of other programs: BVH, TRC, MOT, C3D, glTF, NumPy, CSV
+    /// Write a track as motion files for other programs: BVH, TRC, MOT, C3D, glTF, NumPy, CSV
     Export(export::ExportArguments),
-    /// Learn the background of a take again without the body that was tracked in it
+    /// Learn the background of a take again, without the tracked body
     Background(background::BackgroundArguments),
     /// Draw the window without a display and write its picture
     Screenshot(screenshot::ScreenshotArguments),
-    /// Tell what the cameras see of a frame's pose and what not, and compare sets of cameras
+    /// Show what the cameras see of a frame's pose and what they do not, and compare sets of cameras
     Observability(observability::ObservabilityArguments),
     /// Write the silhouettes of a take as pictures
     Silhouettes(silhouettes::SilhouetteArguments),
-    /// Find how far the cameras of a take were started apart, from the motion of the silhouettes
+    /// Find how far apart in time the cameras of a take were started, from the motion of the silhouettes
     Sync(sync::SyncArguments),
     /// Learn from motion files how people move, for track --prior
     Prior(prior::PriorArguments),

@@ -34,7 +34,7 @@ pub(crate) struct SyncArguments {
     /// Write the offsets into take.toml
     #[arg(long)]
     write: bool,
-    /// Cameras were started at most so far apart, seconds [default: as far as they overlap by three tenths]
+    /// Most time between the starts of two cameras, seconds [default: as far as they overlap by three tenths]
     #[arg(long, value_name = "SECONDS")]
     within: Option<f64>,
     /// Most frames that are looked at; a longer take is thinned evenly
