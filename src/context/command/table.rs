@@ -40,7 +40,7 @@ const fn row(
 
 #[rustfmt::skip]
 pub(super) const TABLE: &[Row] = &[
-    row(Menu::File, File(FileCommand::NewTake), "New take…", "Make a take from videos or pictures and a calibration, or from another tool’s project", &[ctrl(Key::N)]),
+    row(Menu::File, File(FileCommand::NewTake), "New take…", "Make a take from footage and a calibration, or from another tool’s project", &[ctrl(Key::N)]),
     row(Menu::File, File(FileCommand::OpenTake), "Open take…", "Open a folder with a take.toml", &[ctrl(Key::O)]),
     row(Menu::File, File(FileCommand::OpenBuiltIn), "Open built-in take", "A synthetic figure before four cameras, with known truth", &[]),
     row(Menu::File, File(FileCommand::OpenProject), "Open project…", "Open saved work, a .backlit file", &[ctrl_shift(Key::O)]),

@@ -265,7 +265,7 @@ fn uncertainty(ui: &mut Ui, context: &Context<'_>, observability: &mut Observabi
     if let Some((limb, deviation)) = shown.worst_joint() {
         let palette = theme::palette(ui);
         let colour = if observability.is_stale { palette.text3 } else { palette.text2 };
-        let name = format!("Known worst: {}", joint_name(&shown.model, limb.into()));
+        let name = format!("Least certain: {}", joint_name(&shown.model, limb.into()));
         mover_row(ui, &name, &format!("{} (1σ)", format::deviation(deviation)), colour);
     }
 }
