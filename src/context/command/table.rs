@@ -49,7 +49,7 @@ pub(super) const TABLE: &[Row] = &[
     row(Menu::File, File(FileCommand::SaveAs), "Save as…", "Save to another project file", &[ctrl_shift(Key::S)]),
     row(Menu::File, Export(ExportCommand::View), "Export view…", "The active camera’s picture with its marks and legend, as a PNG of any size", &[ctrl(Key::E)]),
     row(Menu::File, Export(ExportCommand::Window), "Export window…", "The window as it is, as a PNG of any size", &[ctrl_shift(Key::E)]),
-    row(Menu::File, Export(ExportCommand::Steps), "Export iterations…", "All steps of the run on the screen, as PNGs or as an animation", &[]),
+    row(Menu::File, Export(ExportCommand::Steps), "Export steps…", "All steps of the run on the screen, as PNGs or as an animation", &[]),
     row(Menu::File, Export(ExportCommand::Frames), "Export frames…", "A range of frames with their poses, as PNGs or as an animation", &[]),
     row(Menu::File, Export(ExportCommand::Motion), "Export motion…", "All poses, those set by hand too, as BVH, glTF, C3D, TRC, MOT, NumPy or CSV", &[]),
     row(Menu::File, Export(ExportCommand::Stop), "Stop export", "End the export that is under way", &[]),

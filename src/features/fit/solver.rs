@@ -82,7 +82,8 @@ pub(crate) fn ui(
         row(ui, "Likely", |ui| {
             let mut weight = likely_poses::weight(&options);
             let field = number_field(ui, "Likely poses", &mut weight, 0, "", 1.0, FIELD).on_hover_text(
-                "Likely poses: pull towards poses that people were recorded in, where silhouettes do not decide. 0: none; 3 \
+                "Likely poses: pull towards poses that recorded people took, where silhouettes do not \
+                 decide. 0: none; 3 \
                  helps with two cameras; large values hold the body in common poses. Arrows in the views show where it pulls",
             );
             if field.changed() {
