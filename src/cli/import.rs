@@ -27,7 +27,7 @@ If the cameras do not agree on where the keypoints are in space, they are correc
 and a message says so.
 
 Pictures of another size than the calibration's were scaled, letterboxed or cut. Backlit finds out which \
-from the pictures; --pictures says it yourself.
+from the pictures; with --pictures you say it yourself.
 
 Examples:
   backlit import my_project --out take
