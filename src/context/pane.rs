@@ -47,7 +47,7 @@ impl Pane {
     pub(crate) const KINDS: [(Self, &'static str, Side, &'static str); 5] = [
         (Self::Scene, "Scene", Side::Right, "Body, cameras and their pictures in three dimensions"),
         (Self::Convergence, "Convergence", Side::Below, "The runs of the fit, step by step"),
-        (Self::Basin, "Basin", Side::Right, "How far off a start may be, and still come home"),
+        (Self::Basin, "Basin", Side::Right, "How far off a start may be and still find the right pose"),
         (
             Self::Motions,
             "Motions",
@@ -75,7 +75,7 @@ impl Pane {
 
     /// What it shows, in words.
     pub(crate) fn explanation(self) -> &'static str {
-        self.row().map_or("The camera's picture, silhouette and fit", |row| Self::KINDS[row].3)
+        self.row().map_or("The camera’s picture, silhouette and fit", |row| Self::KINDS[row].3)
     }
 
     /// The scope of its widgets: of the pane, not of its place, so that a pane that is moved keeps its state and its

@@ -110,7 +110,7 @@ const SILHOUETTES: Try = Try {
 };
 const LIKELY: Try = Try {
     text: "With likely poses",
-    tooltip: "Track all frames again without cues; poses that people were recorded in are preferred",
+    tooltip: "Track all frames again without cues, but prefer poses that recorded people took",
     act: Act::Track(CueChoice::None, 3.0),
 };
 const KEYPOINTS: Try = Try {
