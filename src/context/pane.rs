@@ -46,7 +46,12 @@ impl Pane {
         (Self::Scene, "Scene", Side::Right, "Body, cameras and their pictures in three dimensions"),
         (Self::Convergence, "Convergence", Side::Below, "The runs of the fit, step by step"),
         (Self::Basin, "Basin", Side::Right, "How far off a start may be, and still come home"),
-        (Self::Beginnings, "Ways to begin", Side::Right, "Particles, ramp, templates and search, step by step"),
+        (
+            Self::Beginnings,
+            "Ways to begin",
+            Side::Right,
+            "Particles, ramp, templates and search, step by step",
+        ),
     ];
 
     /// All panes of a take with so many cameras.

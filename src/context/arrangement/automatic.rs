@@ -49,7 +49,8 @@ pub(crate) fn is_open_at_first(layout: Layout, pane: Pane) -> bool {
     match pane {
         Pane::Camera(_) => true,
         Pane::Scene | Pane::Convergence => layout == Layout::Debug,
-        Pane::Basin | Pane::Beginnings => false,
+        Pane::Beginnings => false,
+        Pane::Basin => false,
     }
 }
 

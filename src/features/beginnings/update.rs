@@ -20,12 +20,7 @@ const SECONDS: f64 = 0.35;
 
 impl Beginnings {
     /// Does a command.
-    pub(crate) fn run(
-        &mut self,
-        command: BeginningCommand,
-        context: &Context<'_>,
-        requests: &mut Requests,
-    ) {
+    pub(crate) fn run(&mut self, command: BeginningCommand, context: &Context<'_>, requests: &mut Requests) {
         match command {
             BeginningCommand::RunAll => self.begin(&Way::COMPARED, context, requests),
             BeginningCommand::AcquireBody => self.begin(&[Way::Body], context, requests),
@@ -179,7 +174,8 @@ impl Beginnings {
             let what = "Take acquired body".to_owned();
             requests.edits.push((Edit::SetBody(body), gesture));
             requests.edits.push((Edit::SetPose { frame, pose, what }, gesture));
-            requests.status("The body has the sizes and the pose of this step. Undo brings the old ones back.");
+            requests
+                .status("The body has the sizes and the pose of this step. Undo brings the old ones back.");
         } else {
             let what = format!("Take pose of {}", at.way.lower_case());
             requests.edit(Edit::SetPose { frame, pose, what });

@@ -7,8 +7,9 @@ use backlit_tracking::camera::Camera;
 use backlit_tracking::posing::LimitedAngle;
 use backlit_tracking::render::Ramp;
 use backlit_ui::drawing::{
-    BoundedAngle, GhostMarks, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SideMarks,
-    SightRay, SwayMarks, Swaying, joined_outline, limb_colours, project_joints, project_limbs, sight_ray,
+    BoundedAngle, GhostMarks, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb,
+    SideMarks, SightRay, SwayMarks, Swaying, joined_outline, limb_colours, project_joints, project_limbs,
+    sight_ray,
 };
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;

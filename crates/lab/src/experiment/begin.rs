@@ -240,7 +240,8 @@ mod tests {
                 let end = begin_watched(method, &from, &options, &cancel, &mut see).unwrap();
                 assert_eq!(end, begin(method, &from, &options, &cancel).unwrap());
                 let begins = if given.is_some() { 1 } else { 8 };
-                let particles = if given.is_some() { &options.particles } else { &options.particles_no_start };
+                let particles =
+                    if given.is_some() { &options.particles } else { &options.particles_no_start };
                 let expected = match (method, given) {
                     (Method::Report | Method::Ramp, _) => kinds[0] == begins && kinds[1] >= begins * 10,
                     (Method::Particles, _) => kinds[2] == particles.layers * 4 && kinds[0] == 1,

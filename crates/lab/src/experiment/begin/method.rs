@@ -191,7 +191,8 @@ fn downhill(
         watch(Step::Start { pose: &start, of: [index, of] });
         let mut fit = Fit::new(Arc::clone(from.model), from.views.to_vec(), start, options.clone())?;
         let stages = fit.options().stages.clone();
-        let summary = fit.run(cancel, |record| watch(Step::Downhill { record, stage: &stages[record.stage] }));
+        let summary =
+            fit.run(cancel, |record| watch(Step::Downhill { record, stage: &stages[record.stage] }));
         evaluations += summary.iterations.len() + fit.options().stages.len();
         let cost = if summary.is_broken() { f64::INFINITY } else { summary.final_cost };
         if best.as_ref().is_none_or(|(least, _)| cost < *least) {
@@ -255,11 +256,7 @@ fn templates(
     }
 }
 
-fn searched(
-    from: &Beginning<'_>,
-    cancel: &CancelToken,
-    watch: Watch<'_>,
-) -> Result<End, ExperimentError> {
+fn searched(from: &Beginning<'_>, cancel: &CancelToken, watch: Watch<'_>) -> Result<End, ExperimentError> {
     let (pose, evaluations) = if let Some(start) = from.start {
         let options = FitOptions::default().at_scale(from.model, from.views, start);
         let effort = SearchOptions::default();
