@@ -43,7 +43,7 @@ use crate::document::runs::{RunChange, Runs, StepRef};
 use crate::session::playback::{Playback, PlaybackChange};
 use crate::session::prediction::{Derivatives, FitInputs, Predicted};
 use crate::session::selection::Selection;
-use crate::session::{BelievedJoints, FrameData, Session};
+use crate::session::{BelievedJoints, FrameData, HeldLimbs, Session};
 use crate::take::footage::Footage;
 use crate::take::source::TakeSource;
 use backlit_jobs::{Failure, Pool};
@@ -235,8 +235,6 @@ pub(crate) enum Request {
     ShowMode(Layout, ViewMode),
     /// How the window is arranged.
     Layout(Layout),
-    /// Try all ways to begin as soon as the frame is read, and show them.
-    TryBeginnings,
     /// Show all tiles again, if one fills the window.
     ShowAllTiles,
     /// Run fits in the laboratory as soon as they have begun.
@@ -350,6 +348,8 @@ pub(crate) struct Requests {
     pub(crate) frames: Vec<Arc<FrameData>>,
     /// What a Kalman filter believed of frames.
     pub(crate) beliefs: Vec<(usize, BelievedJoints)>,
+    /// What held the limbs of frames.
+    pub(crate) held: Vec<(usize, HeldLimbs)>,
 }
 
 impl Requests {

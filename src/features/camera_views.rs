@@ -15,6 +15,7 @@
 //! | `full_pictures` | footage at its full size, where it is worked on at a part of it |
 //! | `picture_view` | texture, outline, limbs, joints, sight ray |
 //! | `comparison` | wipe and blink between two modes |
+//! | `held` | what held limbs that silhouettes did not |
 //! | `observed` | a body that sways, ellipses of joints |
 //! | `ghosts` | bodies in the place of the posed one |
 //! | `gutter` | overlap, use in the fit, what a drag does |
@@ -28,6 +29,7 @@ mod full_pictures;
 mod ghosts;
 mod gutter;
 mod header;
+pub(crate) mod held;
 mod hover_card;
 mod legend;
 mod legend_block;

@@ -5,9 +5,11 @@ mod next;
 
 use egui::Ui;
 
-use crate::context::command::Variants;
+use crate::context::command::{
+    BeginningCommand, Command, FitCommand, TrackingCommand, Variants, WindowCommand,
+};
 use crate::context::preferences::Layout;
-use crate::context::{Request, Requests};
+use crate::context::{Context, Request, Requests};
 use crate::take::demonstration::Demonstration;
 use crate::take::source::TakeSource;
 
@@ -28,40 +30,52 @@ impl Demonstrations {
     pub(crate) fn begin(&mut self, which: Demonstration, requests: &mut Requests) {
         requests.request(Request::CloseNotices);
         self.explained = Some(which);
-        let Some(over) = compared(which) else {
-            requests.request(Request::Layout(Layout::Pose));
-            return requests.request(Request::TryBeginnings);
-        };
-        requests.request(Request::Layout(Layout::Demonstrate));
-        requests.request(Request::RunLaboratory { over, camera: Some(shown_camera(which)) });
+        match opening(which) {
+            Opening::Laboratory(over, camera) => {
+                requests.request(Request::Layout(Layout::Demonstrate));
+                requests.request(Request::RunLaboratory { over, camera: Some(camera) });
+            }
+            Opening::Commands(commands) => commands.iter().for_each(|command| requests.run(*command)),
+        }
     }
 
     /// What the demonstration shows and what to try, above the cameras' views or the laboratory, until it is closed.
-    pub(crate) fn ui(&mut self, ui: &mut Ui, requests: &mut Requests) {
-        if self.explained.is_some_and(|which| explanation::ui(ui, which, requests)) {
+    pub(crate) fn ui(&mut self, ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
+        if self.explained.is_some_and(|which| explanation::ui(ui, which, context, requests)) {
             self.explained = None;
         }
     }
 }
 
-/// What the fits of a demonstration differ in, side by side in the laboratory; `None` where ways to begin are compared.
-const fn compared(which: Demonstration) -> Option<Variants> {
-    Some(match which {
-        Demonstration::SingleLimb | Demonstration::OneCamera | Demonstration::TwoCameras => {
-            Variants::Renderers
-        }
-        Demonstration::Sequence | Demonstration::TinySequence | Demonstration::RealFootage => {
-            Variants::Presets
-        }
-        Demonstration::Bias => Variants::Ramps,
-        Demonstration::Begin => return None,
-    })
+/// What a demonstration opens with.
+#[derive(Debug, Clone, Copy)]
+enum Opening {
+    /// Fits side by side that differ in this, in the pictures of a camera: where one camera counts that cannot see depth, of
+    /// the other.
+    Laboratory(Variants, usize),
+    /// Done one after the other.
+    Commands(&'static [Command]),
 }
 
-/// The camera whose pictures are shown: where one camera counts that cannot see depth, the other.
-const fn shown_camera(which: Demonstration) -> usize {
+const fn opening(which: Demonstration) -> Opening {
     match which {
-        Demonstration::OneCamera | Demonstration::Bias => 1,
-        _ => 0,
+        Demonstration::SingleLimb | Demonstration::TwoCameras => Opening::Laboratory(Variants::Renderers, 0),
+        Demonstration::OneCamera => Opening::Laboratory(Variants::Renderers, 1),
+        Demonstration::Sequence | Demonstration::TinySequence | Demonstration::RealFootage => {
+            Opening::Laboratory(Variants::Presets, 0)
+        }
+        Demonstration::Bias => Opening::Laboratory(Variants::Ramps, 1),
+        Demonstration::Spheres => Opening::Commands(&[
+            Command::Window(WindowCommand::Layout(Layout::Pose)),
+            Command::Fit(FitCommand::MakeSpheres),
+        ]),
+        Demonstration::Begin => Opening::Commands(&[
+            Command::Window(WindowCommand::Layout(Layout::Pose)),
+            Command::Beginning(BeginningCommand::RunAll),
+        ]),
+        Demonstration::Cues => Opening::Commands(&[
+            Command::Window(WindowCommand::Layout(Layout::Pose)),
+            Command::Tracking(TrackingCommand::Forward),
+        ]),
     }
 }

@@ -34,6 +34,14 @@ pub enum Demonstration {
     #[serde(rename = "bias")]
     #[value(name = "bias")]
     Bias,
+    /// Limbs that silhouettes do not hold, and keypoints that do.
+    #[serde(rename = "cues")]
+    #[value(name = "cues")]
+    Cues,
+    /// A body of spheres, carved from silhouettes.
+    #[serde(rename = "spheres")]
+    #[value(name = "spheres")]
+    Spheres,
     /// Ways to begin from a start that is far off.
     #[serde(rename = "begin")]
     #[value(name = "begin")]
@@ -43,7 +51,7 @@ pub enum Demonstration {
 impl Demonstration {
     /// All of them, in the order of the menu.
     #[cfg(test)]
-    pub(crate) const ALL: [Self; 8] = [
+    pub(crate) const ALL: [Self; 10] = [
         Self::SingleLimb,
         Self::OneCamera,
         Self::TwoCameras,
@@ -51,6 +59,8 @@ impl Demonstration {
         Self::TinySequence,
         Self::RealFootage,
         Self::Bias,
+        Self::Cues,
+        Self::Spheres,
         Self::Begin,
     ];
 
@@ -64,6 +74,8 @@ impl Demonstration {
             Self::TinySequence => "Fig. 5.6, simulated: tiny pictures",
             Self::RealFootage => "Figs. 5.4 and 5.5: real footage",
             Self::Bias => "Bias of a ramp",
+            Self::Cues => "Cues under occlusion",
+            Self::Spheres => "A body of spheres",
             Self::Begin => "Three ways to begin",
         }
     }
@@ -110,6 +122,18 @@ impl Demonstration {
                  thesis ramp is half grey outside the limb’s surface, so its cost is less where the body is further \
                  away; these pictures of camera 2 show how far it went. Ramps that are half grey on the surface stay \
                  nearer."
+            }
+            Self::Spheres => {
+                "A clothed person before four cameras, twelve poses known. Capsules are no shirt and no shoes. Here each \
+                 limb is carved from all silhouettes, filled with nested spheres, and these are moved until they fit: \
+                 a circle for each, in the colour of its limb. The Renderer section on the right has the levels of the \
+                 trees; the coarse ones are for small pictures."
+            }
+            Self::Cues => {
+                "Squats before two telephones, 37° apart, the arms towards them: before the trunk an arm has no outline \
+                 of its own, and silhouettes alone lose it while the overlap stays high. Keypoints of another tool, or \
+                 what the pictures show, hold it: limbs that a cue holds are outlined in teal, and what nothing holds \
+                 in dashed red. Point at a limb to read what held it."
             }
             Self::Begin => {
                 "The start is 30° off in every joint and 15 cm off its place. The fit of 2004 and the softened ramp go \
