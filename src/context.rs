@@ -239,8 +239,6 @@ pub(crate) enum Request {
     ShowMode(Layout, ViewMode),
     /// How the window is arranged.
     Layout(Layout),
-    /// Try all ways to begin as soon as the frame is read, and show them.
-    TryBeginnings,
     /// Show all tiles again, if one fills the window.
     ShowAllTiles,
     /// Run fits in the laboratory as soon as they have begun.

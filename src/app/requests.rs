@@ -139,7 +139,6 @@ impl Inspector {
             Request::RunLaboratory { over, camera } => {
                 self.features.laboratory.run_when_begun(over, camera);
             }
-            Request::TryBeginnings => self.features.beginnings.run_when_read(),
             Request::ShowAllTiles => self.shell.docking.alone = None,
             Request::Layout(layout) => self.state.preferences.layout = layout,
             Request::Pane(pane, event) => self.pane_event(pane, event),

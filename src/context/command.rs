@@ -33,9 +33,9 @@ mod table;
 
 pub use groups::BasinView;
 pub(crate) use groups::{
-    BasinCommand, BeginningCommand, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
-    LaboratoryCommand, Nudge, ObservabilityCommand, Part, PoseCommand, RecoveryCommand, SceneCommand,
-    TimelineCommand, TrackingCommand, Variants, ViewCommand, WindowCommand,
+    BasinCommand, BeginningCommand, ConvergenceCommand, ExportCommand, FileCommand, FitCommand,
+    HistoryCommand, LaboratoryCommand, Nudge, ObservabilityCommand, Part, PoseCommand, RecoveryCommand,
+    SceneCommand, TimelineCommand, TrackingCommand, Variants, ViewCommand, WindowCommand,
 };
 pub(crate) use keys::keys_text;
 pub(crate) use menu::Menu;

@@ -105,8 +105,11 @@ impl Beginnings {
 
     /// What is going on, for the status bar.
     pub(crate) fn sentence(&self) -> Option<String> {
-        let way = self.running.filter(|_| self.is_running())?;
-        Some(format!("Ways to begin: {} is tried. Esc stops it; what is done stays.", way.lower_case()))
+        if let Some(way) = self.running.filter(|_| self.is_running()) {
+            return Some(format!("Trying {}. Esc stops it; what is done stays.", way.lower_case()));
+        }
+        let (At { way, step }, _) = self.drawn.as_ref().filter(|_| self.is_shown)?;
+        Some(format!("Step {} of {}. Esc shows the pose again.", step + 1, way.lower_case()))
     }
 
     /// What views and scene draw in the place of the pose.

@@ -5,7 +5,7 @@ mod next;
 
 use egui::Ui;
 
-use crate::context::command::{Command, FitCommand, TrackingCommand, Variants};
+use crate::context::command::{BeginningCommand, Command, FitCommand, TrackingCommand, Variants};
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 use crate::context::{Context, PaneEvent, Request, Requests};
@@ -41,10 +41,6 @@ impl Demonstrations {
                 }
                 requests.run(command);
             }
-            Opening::Ways => {
-                requests.request(Request::Layout(Layout::Pose));
-                requests.request(Request::TryBeginnings);
-            }
         }
     }
 
@@ -64,8 +60,6 @@ enum Opening {
     Laboratory(Variants, usize),
     /// The pose layout with this pane too, and a command.
     Tiles(Option<Pane>, Command),
-    /// The pose layout with all ways to begin.
-    Ways,
 }
 
 const fn opening(which: Demonstration) -> Opening {
@@ -76,7 +70,7 @@ const fn opening(which: Demonstration) -> Opening {
             Opening::Laboratory(Variants::Presets, 0)
         }
         Demonstration::Bias => Opening::Laboratory(Variants::Ramps, 1),
-        Demonstration::Begin => Opening::Ways,
+        Demonstration::Begin => Opening::Tiles(None, Command::Beginning(BeginningCommand::RunAll)),
         Demonstration::Motions => {
             Opening::Tiles(Some(Pane::Motions), Command::Tracking(TrackingCommand::Forward))
         }

@@ -6,14 +6,14 @@ use backlit_ui::drawing::{Comparison, ViewMode};
 use egui::{Key, KeyboardShortcut};
 
 use super::Command::{
-    Basin, Beginning, Convergence, Demonstration as Show, Export, File, Fit, History, Laboratory, Observability,
-    Offsets, Pose, Recovery, Scene, Timeline, Tour, Tracking, View, Window,
+    Basin, Beginning, Convergence, Demonstration as Show, Export, File, Fit, History, Laboratory,
+    Observability, Offsets, Pose, Recovery, Scene, Timeline, Tour, Tracking, View, Window,
 };
 use super::keys::{ctrl, ctrl_shift, key, shift};
 use super::{
-    BasinCommand, BasinView, BeginningCommand, Command, ConvergenceCommand, ExportCommand, FileCommand, FitCommand,
-    HistoryCommand, LaboratoryCommand, Menu, Nudge, ObservabilityCommand, Part, PoseCommand, RecoveryCommand,
-    SceneCommand, TimelineCommand, TrackingCommand, Variants, ViewCommand, WindowCommand,
+    BasinCommand, BasinView, BeginningCommand, Command, ConvergenceCommand, ExportCommand, FileCommand,
+    FitCommand, HistoryCommand, LaboratoryCommand, Menu, Nudge, ObservabilityCommand, Part, PoseCommand,
+    RecoveryCommand, SceneCommand, TimelineCommand, TrackingCommand, Variants, ViewCommand, WindowCommand,
 };
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;

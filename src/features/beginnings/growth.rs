@@ -53,7 +53,8 @@ fn grown(round: &Round, pose: &Pose, steps: &mut Vec<Step>) {
         let both = name.strip_prefix("right ").or(name.strip_prefix("left ")).filter(|_| other != limb);
         let name = both.map_or_else(|| format::capitalised(name), |part| format!("Right and left {part}"));
         let [length, radius] = round.factors(limb);
-        let sizes = [(measured[0], length, ["longer", "shorter"]), (measured[1], radius, ["thicker", "thinner"])];
+        let sizes =
+            [(measured[0], length, ["longer", "shorter"]), (measured[1], radius, ["thicker", "thinner"])];
         let said = sizes.into_iter().filter(|size| size.0).map(|(_, factor, words)| change(factor, words));
         let words = format!("{name}: {}.", said.collect::<Vec<_>>().join(", "));
         let step = Step::new(&round.partly(is_done), pose.clone(), words);

@@ -3,6 +3,7 @@
 mod player;
 mod table;
 
+use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::segmented;
@@ -128,13 +129,23 @@ fn summary(beginnings: &Beginnings) -> String {
     let knows_truth = compared.iter().any(|(_, outcome)| outcome.error_mm.is_some());
     let home = compared.iter().filter(|(_, outcome)| outcome.error_mm.is_some_and(|error| error < HOME_MM));
     let home: Vec<&str> = home.map(|(way, _)| way.lower_case()).collect();
+    let errors = compared.iter().filter_map(|(way, outcome)| Some((*way, outcome.error_mm?)));
+    let nearest = errors.min_by(|a, b| a.1.total_cmp(&b.1));
     let best = compared.iter().min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
     match (best, home.as_slice()) {
         (None, _) => String::new(),
-        (_, []) if knows_truth => "None comes home: every one ends with its joints 20 mm off and more.".to_owned(),
-        (_, home) if knows_truth => {
+        (Some((way, _)), []) if !knows_truth => {
+            format!("The true pose is not known here. The cost is least after {}.", way.lower_case())
+        }
+        (_, []) => nearest.map_or_else(String::new, |(way, error)| {
+            format!(
+                "Nearest to the reference: {}, its joints {} off on average.",
+                way.lower_case(),
+                format::length(error / 1e3)
+            )
+        }),
+        (_, home) => {
             format!("Home, with joints less than 20 mm off on average: {}.", home.join(", "))
         }
-        (Some((way, _)), _) => format!("Nobody knows the true pose here. The cost is least after {}.", way.lower_case()),
     }
 }

@@ -115,7 +115,9 @@ impl Recorder {
         let is_refined = !self.steps.is_empty() && count == 1;
         self.downhill = 0;
         let words = match self.way {
-            Way::Particles if is_refined => "The best particle. From here the usual fit goes downhill.".to_owned(),
+            Way::Particles if is_refined => {
+                "The best particle. From here the usual fit goes downhill.".to_owned()
+            }
             _ if is_refined => "All limbs have a place. From here the usual fit goes downhill.".to_owned(),
             _ if count == 1 => "The start. The fit goes downhill from here.".to_owned(),
             _ => format!(
@@ -149,14 +151,14 @@ impl Recorder {
         let held: f64 = heaviest.iter().map(|particle| particle.weight).sum();
         let words = format!(
             "Layer {} of {layers}. {}: {count} particles are moved and weighed. About {} share the weight; only these have \
-             children.",
+             children. The {} heaviest are drawn, {} of the weight.",
             generation.layer + 1,
-            format::capitalised(&part.name),
+            chain_words(&self.model, &part.name),
             format::number(alive, 0),
+            heaviest.len(),
+            percent_of(held),
         );
-        let drawn = heaviest.len();
-        let legend =
-            format!("The {drawn} heaviest of {count} particles, {} of the weight", percent_of(held));
+        let legend = format!("{} of {count} particles", heaviest.len());
         let bodies = heaviest.into_iter().map(|particle| (Arc::new(particle.pose.clone()), particle.weight));
         let limbs = self.model.limbs().iter();
         Step {
@@ -173,11 +175,16 @@ impl Recorder {
         let (name, held) = (format::capitalised(&turn.template), percent_of(turn.held));
         let words = match turn.template.as_str() {
             "head" => "Head: the ball whose outlines hold most border pixels of the silhouettes.".to_owned(),
-            _ if turn.rests => format!("{name} rests. {held} of its pixels are the person’s."),
-            _ => format!(
-                "{name} turns by {} to the middle of its pixels; {held} of them are the person’s.",
-                format::degrees(turn.turned_rad)
-            ),
+            _ => {
+                let turns = match turn.rests {
+                    true => "rests".to_owned(),
+                    false => {
+                        format!("turns by {} to the middle of its pixels", format::degrees(turn.turned_rad))
+                    }
+                };
+                let whose = if turn.template == "trunk" { "" } else { " and no other template’s" };
+                format!("{name} {turns}. {held} of the pixels in it are the person’s{whose}.")
+            }
         };
         // The head is placed first: what the trunk's step has more is the trunk.
         let before = self.steps.first().filter(|_| turn.template == "trunk");
@@ -200,17 +207,19 @@ impl Recorder {
             Origin::Trunk => "Trunk moved, limbs put on anew, fitted".to_owned(),
             Origin::TurnedRound => "The body turned round, fitted".to_owned(),
             Origin::Hull => "From the hull, fitted".to_owned(),
-            Origin::Chain { limb } => format!("{} put on anew, fitted", format::capitalised(limb)),
+            Origin::Chain { limb } => format!("{} put on anew, fitted", chain_words(&self.model, limb)),
             Origin::Pair { limbs: [one, other] } => {
-                format!("{} and {other} put on anew, fitted", format::capitalised(one))
+                format!("{}, and {other} likewise, put on anew, fitted", chain_words(&self.model, one))
             }
         };
         let how_good = if tried.cost < best * (1.0 - 1e-6) {
             "the best so far".to_owned()
-        } else if tried.cost <= best * (1.0 + 1e-6) {
-            "no better than the best".to_owned()
-        } else {
+        } else if tried.cost < best * 1.005 {
+            "as good as the best".to_owned()
+        } else if tried.cost < best * 2.0 {
             format!("{} above the best", percent_of(tried.cost / best - 1.0))
+        } else {
+            format!("{} times the best", format::number(tried.cost / best, 1))
         };
         let words = format!("{what}: cost {}, {how_good}.", format::cost(tried.cost));
         let pose = Arc::new(tried.pose.clone());
@@ -227,7 +236,7 @@ impl Recorder {
         let mut bodies = vec![(pose.clone(), likeness(tried.cost, least))];
         bodies.extend(weighed(&self.tried, least, MOST_BODIES - 1));
         self.tried.push((pose, tried.cost));
-        let legend = format!("Search, {} poses so far", self.tried.len());
+        let legend = format!("Search: {} poses", self.tried.len());
         Step { bodies, marked, legend, ..Step::new(model, tried.pose.clone(), words) }
     }
 
@@ -242,7 +251,7 @@ impl Recorder {
             bodies.insert(0, (first.0.clone(), 1.0));
         }
         let words = format!("Round {} of {}. {round}: {} poses.", self.rounds, ROUNDS.len(), all.len());
-        let legend = format!("Search, {} poses", all.len());
+        let legend = format!("Search: {} poses", all.len());
         Step { bodies, legend, ..Step::new(&self.model, Pose::rest(&self.model), words) }
     }
 }
@@ -260,6 +269,13 @@ fn weighed(all: &[(Arc<Pose>, f64)], least: f64, count: usize) -> Vec<(Arc<Pose>
 fn likeness(cost: f64, least: f64) -> f64 {
     let more = (cost / least - 1.0).max(0.0);
     if more.is_finite() { (-FALL * more).exp() } else { 0.0 }
+}
+
+/// A chain by its first limb: "Left shoulder and what hangs from it".
+fn chain_words(model: &Model, first: &str) -> String {
+    let rotation = model.limb_index(first).map(|limb| model.limbs()[limb].rotation);
+    let has_more = rotation.is_some() && model.rotation_parents().contains(&rotation);
+    format!("{}{}", format::capitalised(first), if has_more { " and what hangs from it" } else { "" })
 }
 
 /// Whole per cent.

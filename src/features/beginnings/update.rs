@@ -8,10 +8,10 @@ use backlit_jobs::News;
 use super::job::{BeginJob, Found};
 use super::way::Way;
 use super::{About, At, Beginnings};
-use crate::context::command::BeginningCommand;
+use crate::context::command::{BeginningCommand, Command};
 use crate::context::command_button::next_gesture;
 use crate::context::pane::Pane;
-use crate::context::unavailable::{Why, because, no_fit};
+use crate::context::unavailable::{Why, because, no_fit, no_take};
 use crate::context::{Context, PaneEvent, Request, Requests};
 use crate::document::edit::Edit;
 
@@ -20,14 +20,10 @@ const SECONDS: f64 = 0.35;
 
 impl Beginnings {
     /// Does a command.
-    pub(crate) fn run(
-        &mut self,
-        command: BeginningCommand,
-        context: &Context<'_>,
-        requests: &mut Requests,
-    ) {
+    pub(crate) fn run(&mut self, command: BeginningCommand, context: &Context<'_>, requests: &mut Requests) {
         match command {
-            BeginningCommand::RunAll => self.begin(&Way::COMPARED, context, requests),
+            BeginningCommand::RunAll if is_read(context) => self.begin(&Way::COMPARED, context, requests),
+            BeginningCommand::RunAll => self.waits = true,
             BeginningCommand::AcquireBody => self.begin(&[Way::Body], context, requests),
             BeginningCommand::Stop => self.stop(),
         }
@@ -36,15 +32,12 @@ impl Beginnings {
     /// Why a command cannot be used now.
     pub(crate) fn unavailable(&self, command: BeginningCommand, context: &Context<'_>) -> Why {
         match command {
+            // It begins when the frame is read.
+            BeginningCommand::RunAll if !is_read(context) => no_take(context),
             BeginningCommand::RunAll | BeginningCommand::AcquireBody => no_fit(context)
                 .or(because(self.is_running(), "A way to begin is being tried: wait, or stop it with Esc")),
             BeginningCommand::Stop => because(!self.is_running(), "No way to begin is being tried"),
         }
-    }
-
-    /// All ways are tried as soon as the frame is read.
-    pub(crate) fn run_when_read(&mut self) {
-        self.waits = true;
     }
 
     /// Stops what is being tried; what is done stays.
@@ -117,9 +110,9 @@ impl Beginnings {
         if is_elsewhere || context.selection.step.is_some() || !is_open {
             self.leave();
         }
-        if self.waits && no_fit(context).is_none() {
+        if self.waits && is_read(context) {
             self.waits = false;
-            self.begin(&Way::COMPARED, context, requests);
+            requests.run(Command::Beginning(BeginningCommand::RunAll));
         }
         self.play(context);
         self.draw();
@@ -179,7 +172,8 @@ impl Beginnings {
             let what = "Take acquired body".to_owned();
             requests.edits.push((Edit::SetBody(body), gesture));
             requests.edits.push((Edit::SetPose { frame, pose, what }, gesture));
-            requests.status("The body has the sizes and the pose of this step. Undo brings the old ones back.");
+            requests
+                .status("The body has the sizes and the pose of this step. Undo brings the old ones back.");
         } else {
             let what = format!("Take pose of {}", at.way.lower_case());
             requests.edit(Edit::SetPose { frame, pose, what });
@@ -187,6 +181,11 @@ impl Beginnings {
         }
         self.leave();
     }
+}
+
+/// Whether the frame on the screen is read.
+fn is_read(context: &Context<'_>) -> bool {
+    context.session.frames.get(context.selection.frame).is_some()
 }
 
 /// Whether what is on the screen is still what the runs are about.

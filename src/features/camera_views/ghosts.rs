@@ -22,8 +22,8 @@ pub(super) fn paint_ghosts(painter: &Painter, view: &ViewTransform, marks: &Ghos
     }
     let parts: [(&[Vec<DVec2>], Color32, f32); 3] = [
         (&marks.outline, GHOST, mark::OUTLINE_WIDTH),
-        (&marks.marked, SELECTED, mark::SELECTED_LIMB_WIDTH),
         (&marks.template, JOINT, mark::OUTLINE_WIDTH),
+        (&marks.marked, SELECTED, mark::SELECTED_LIMB_WIDTH),
     ];
     for (lines, colour, width) in parts {
         let casing = Stroke::new(width + CASING_MORE, CASING.gamma_multiply(CASING_OPACITY));

@@ -77,7 +77,12 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, se
         let is_told = !is_compared && says_nothing(*mode);
         let mut items =
             if is_told { Vec::new() } else { Item::all_of(*mode, input, hatches, &painter, small) };
-        items.extend(observed.iter().filter(|_| index == last).map(|text| Item::ring(text, &painter, small)));
+        match input.observed.ghosts.filter(|_| index == last) {
+            Some(ghosts) => items.extend(Item::ghosts(ghosts, &painter, small)),
+            None => items.extend(
+                observed.iter().filter(|_| index == last).map(|text| Item::ring(text, &painter, small)),
+            ),
+        }
         let held = held.iter().filter(|_| index == last);
         items.extend(held.map(|(text, colour)| Item::outline(text, *colour, &painter, small)));
         if index == last && has_marks {
@@ -139,6 +144,12 @@ fn explain(ui: &mut Ui, modes: &[ViewMode], input: &CameraTileInput<'_>) {
     if input.overlap.is_some() {
         ui.label(
             "IoU: what data and model have in common, as a share of what either covers. 1 is a perfect fit.",
+        );
+    }
+    if input.observed.ghosts.is_some() {
+        ui.label(
+            "A step of a way to begin, in the place of the pose. Sticks are bodies that were tried, each as faint as it weighs \
+             little; the outline is the one that the step is about. White is a template that is laid on the silhouette.",
         );
     }
     if !input.observed.ellipses.is_empty() {

@@ -187,7 +187,10 @@ impl<'a> CameraPane<'a> {
             weight: uses.map_or(1.0, |used| used.weight),
             spheres: &self.spheres,
             likelier: &self.likelier,
-            held: session.held(context.selection.frame, self.pose),
+            held: match self.ghosts {
+                Some(_) => &[],
+                None => session.held(context.selection.frame, self.pose),
+            },
             observed: ObservedMarks {
                 sway: self.sway.as_ref(),
                 ghosts: self.ghosts.as_ref(),

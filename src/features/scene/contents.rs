@@ -13,7 +13,7 @@ use backlit_ui::style::theme::data_colours::{AGREEMENT, SCENE_BODY, SCENE_FLOOR,
 use egui::Color32;
 use glam::{DVec2, DVec3};
 
-use super::{ScenePreferences, ghosts, ShownHull, Upright, Viewpoint};
+use super::{ScenePreferences, ShownHull, Upright, Viewpoint, ghosts};
 use crate::document::CameraUse;
 use crate::features::scene::raster::{Dot, Ends, Floor, Limb, Line, Scene};
 

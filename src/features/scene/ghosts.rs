@@ -21,7 +21,8 @@ pub(super) fn limbs(ghosts: &Ghosts) -> Vec<Limb> {
         }));
     }
     let ball = ghosts.template.filter(|template| template.ends[0] == template.ends[1]);
-    let ball = ball.map(|ball| Limb { ends: ball.ends, radius: ball.radius, shape: Ends::Round, colour: JOINT });
+    let ball =
+        ball.map(|ball| Limb { ends: ball.ends, radius: ball.radius, shape: Ends::Round, colour: JOINT });
     limbs.extend(ball);
     limbs
 }

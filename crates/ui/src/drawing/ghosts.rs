@@ -10,8 +10,10 @@ use glam::{DVec2, DVec3};
 
 use super::{ProjectedLimb, joined_outline, project_limbs};
 
-/// Opacity of the lightest and of the heaviest of many bodies.
-const OPACITY: [f64; 2] = [0.07, 0.9];
+/// Opacity of the lightest of many bodies, and of the heaviest of so many.
+const FAINTEST: f64 = 0.05;
+const OPACITY: f64 = 0.9;
+const OF: f64 = 8.0;
 /// What is nearer to the camera than this is not drawn, metres.
 const NEAREST_M: f64 = 0.05;
 
@@ -68,9 +70,11 @@ impl Ghosts {
     /// Those that are drawn as sticks, each with its opacity, the faintest first.
     pub fn sticks(&self) -> impl Iterator<Item = (&Ghost, f32)> {
         let most = self.bodies.iter().map(|ghost| ghost.weight).fold(f64::MIN_POSITIVE, f64::max);
+        // Where there are many, they are seen by lying over one another.
+        let heaviest = OPACITY * (OF / self.bodies.len() as f64).sqrt().min(1.0);
         let opacity = move |weight: f64| {
             let share = (weight / most).clamp(0.0, 1.0).sqrt();
-            (OPACITY[0] + (OPACITY[1] - OPACITY[0]) * share) as f32
+            (FAINTEST + (heaviest - FAINTEST) * share) as f32
         };
         let others = self.bodies.get(1..).unwrap_or_default().iter().rev();
         others.map(move |ghost| (ghost, opacity(ghost.weight)))

@@ -59,7 +59,10 @@ pub(super) fn ui(ui: &mut Ui, beginnings: &Beginnings, wishes: &mut Vec<Wish>) {
     ui.add_space((LINES * line - words.rect.height()).max(0.0));
     ui.horizontal_wrapped(|ui| {
         let (text, tooltip) = match at.way {
-            Way::Body => ("Take this body", "The body gets the sizes of this step, and the frame its pose; one undo takes both back"),
+            Way::Body => (
+                "Take this body",
+                "The body gets the sizes of this step, and the frame its pose; one undo takes both back",
+            ),
             _ => ("Take this pose", "The frame gets the pose of this step, as a key pose"),
         };
         let button = ui.add(Button::new(text).min_size(egui::vec2(0.0, size::BUTTON)));
@@ -67,8 +70,9 @@ pub(super) fn ui(ui: &mut Ui, beginnings: &Beginnings, wishes: &mut Vec<Wish>) {
             wishes.push(Wish::Take);
         }
         let mut is_shown = beginnings.is_shown;
-        let shown = checkbox(ui, &mut is_shown, "Show in the views")
-            .on_hover_text("Draw the step in views and scene, in the place of the pose; Esc brings the pose back");
+        let shown = checkbox(ui, &mut is_shown, "Show in the views").on_hover_text(
+            "Draw the step in views and scene, in the place of the pose; Esc brings the pose back",
+        );
         if shown.changed() {
             wishes.push(Wish::Show(is_shown));
         }

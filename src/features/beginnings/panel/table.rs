@@ -19,7 +19,7 @@ use crate::features::beginnings::{At, Beginnings};
 /// Height of a row of the table.
 const ROW: f32 = 26.0;
 /// Room for a name.
-const NAME: f32 = 104.0;
+const NAME: f32 = 96.0;
 
 /// A column: its title, what it says, how wide it is, and what stands in it.
 type Column = (&'static str, &'static str, f32, fn(&Outcome) -> String);
@@ -38,8 +38,8 @@ const COLUMNS: [Column; 5] = [
         52.0,
         |outcome| outcome.evaluations.map_or_else(missing, |count| format::count(count as i64)),
     ),
-    ("Time", "Wall time on this machine", 62.0, |outcome| format::duration(outcome.seconds)),
-    ("Error", "Mean distance of the joints from the truth, or from the take’s reference", 60.0, |outcome| {
+    ("Time", "Wall time on this machine", 70.0, |outcome| format::duration(outcome.seconds)),
+    ("Error", "Mean distance of the joints from the truth, or from the take’s reference", 58.0, |outcome| {
         outcome.error_mm.map_or_else(missing, |mm| format::length(mm / 1e3))
     }),
 ];
@@ -55,7 +55,7 @@ fn columns(width: f32) -> Vec<Column> {
     let mut columns = COLUMNS.to_vec();
     for least in LEAST {
         let all: f32 = columns.iter().map(|column| column.2).sum();
-        if size::BUTTON + NAME + all > width {
+        if size::BUTTON + NAME + all + space::ROW > width {
             columns.retain(|column| column.0 != least);
         }
     }
@@ -80,7 +80,7 @@ pub(super) fn ui(ui: &mut Ui, beginnings: &Beginnings, context: &Context<'_>, wi
 
 /// The place of each column in a row.
 fn cells(row: Rect, columns: &[Column]) -> Vec<Rect> {
-    let mut right = row.right();
+    let mut right = row.right() - space::ROW;
     let mut cells: Vec<Rect> = columns
         .iter()
         .rev()
@@ -158,7 +158,8 @@ fn row(
         None => {
             let is_now = beginnings.is_running() && beginnings.running == Some(way);
             let text = if is_now { "running…" } else { "not run yet" };
-            paint(rect.right_center(), Align2::RIGHT_CENTER, text, palette.text3, body);
+            let at = rect.right_center() - vec2(space::ROW, 0.0);
+            paint(at, Align2::RIGHT_CENTER, text, palette.text3, body);
         }
     }
     if response.clicked() && matches!(ended, Some(Ok(_))) {
