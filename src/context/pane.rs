@@ -54,7 +54,12 @@ impl Pane {
             Side::Right,
             "What the tracked motion is called, and why: a curve among kinds of motion",
         ),
-        (Self::Beginnings, "Ways to begin", Side::Right, "Particles, ramp, templates and search, step by step"),
+        (
+            Self::Beginnings,
+            "Ways to begin",
+            Side::Right,
+            "Particles, ramp, templates and search, step by step",
+        ),
     ];
 
     /// All panes of a take with so many cameras.

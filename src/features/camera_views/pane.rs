@@ -8,9 +8,9 @@ use backlit_tracking::posing::LimitedAngle;
 use backlit_tracking::render::Ramp;
 use backlit_tracking::residual::learnt_prior::BoundPrior;
 use backlit_ui::drawing::{
-    BoundedAngle, GhostMarks, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, ProjectedSphere,
-    SideMarks, SightRay, SwayMarks, Swaying, body_spheres, joined_outline, limb_colours, project_joints, project_limbs,
-    project_spheres, sight_ray,
+    BoundedAngle, GhostMarks, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb,
+    ProjectedSphere, SideMarks, SightRay, SwayMarks, Swaying, body_spheres, joined_outline, limb_colours,
+    project_joints, project_limbs, project_spheres, sight_ray,
 };
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
@@ -140,7 +140,18 @@ impl<'a> CameraPane<'a> {
     fn without_body(self) -> Self {
         let (limbs, joints, limits, ellipses) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let (quick_outline, spheres, likelier) = (Some(Vec::new()), Vec::new(), Vec::new());
-        Self { limbs, joints, limits, ellipses, quick_outline, spheres, likelier, sides: None, sway: None, ..self }
+        Self {
+            limbs,
+            joints,
+            limits,
+            ellipses,
+            quick_outline,
+            spheres,
+            likelier,
+            sides: None,
+            sway: None,
+            ..self
+        }
     }
 
     fn input(

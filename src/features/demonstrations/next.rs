@@ -5,7 +5,8 @@ use backlit_tracking::render::RendererKind;
 
 use super::Opening;
 use crate::context::command::{
-    BeginningCommand, Command, FitCommand, SceneCommand, TimelineCommand, TrackingCommand, Variants, WindowCommand,
+    BeginningCommand, Command, FitCommand, SceneCommand, TimelineCommand, TrackingCommand, Variants,
+    WindowCommand,
 };
 use crate::context::preferences::Layout;
 use crate::context::{Context, Request, Requests};

@@ -146,6 +146,7 @@ impl Demonstration {
                  are tracked now; what the tracked motion is called stands in the timeline’s lowest lane. The Motions \
                  tile shows why: the motion is a curve, and it is called after the regions that it passes. Click the \
                  curve to go to a moment. Hidden Markov models alone call the squats jumping."
+            }
             Self::Begin => {
                 "The start is 30° off in every joint and 15 cm off its place. The fit of 2004 and the softened ramp go \
                  downhill into a wrong valley. A particle filter and the program’s own search come home; templates, which \
