@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use backlit_formats::motion::{self, JointTrack, Motion};
 use backlit_formats::atomic;
+use backlit_formats::motion::{self, JointTrack, Motion};
 use backlit_recognition::augment::TrackerNoise;
 use backlit_recognition::{
     Evaluation, JointMotion, LearnOptions, NamedMotion, Recognition, Recognizer, confusion_picture, evaluate,
@@ -21,7 +21,8 @@ use super::{output, track_files};
 use crate::features::motions::{joints, model};
 
 const NOTES: &str = "\
-Names motions by what joints do over time: from tracks of `backlit track`, or from BVH files with the joint names of the CMU recordings.
+Names motions by what joints do over time: from tracks of `backlit track`, from BVH files with the joint names of the CMU recordings, or
+from those that `backlit export` writes of the full body with its own names.
 Without --model it knows walking, running, jumping, boxing, dancing, gesturing, sitting and bending, from 72 recordings of
 the CMU motion capture database (mocap.cs.cmu.edu). A folder to learn from or to test on holds tracks or BVH files and a labels.csv
 with the columns file, class, subject and description.

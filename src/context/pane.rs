@@ -46,7 +46,12 @@ impl Pane {
         (Self::Scene, "Scene", Side::Right, "Body, cameras and their pictures in three dimensions"),
         (Self::Convergence, "Convergence", Side::Below, "The runs of the fit, step by step"),
         (Self::Basin, "Basin", Side::Right, "How far off a start may be, and still come home"),
-        (Self::Motions, "Motions", Side::Right, "What the tracked motion is called, and why: a curve among kinds of motion"),
+        (
+            Self::Motions,
+            "Motions",
+            Side::Right,
+            "What the tracked motion is called, and why: a curve among kinds of motion",
+        ),
     ];
 
     /// All panes of a take with so many cameras.

@@ -68,7 +68,8 @@ impl Recognizer {
         let walk = self.network().segment(&evidence);
         let beliefs = self.network().beliefs(&evidence);
         let unknown = self.unknown_steps(&seen);
-        let places: Vec<[f64; 2]> = seen.frames().iter().map(|row| first_two(&self.plane.project(row))).collect();
+        let places: Vec<[f64; 2]> =
+            seen.frames().iter().map(|row| first_two(&self.plane.project(row))).collect();
         let apart: Vec<[f64; 2]> = seen.short.iter().map(|row| first_two(&self.short.project(row))).collect();
         let frames = (0..motion.frames().len()).map(|index| {
             let at = (index as f64 * RATE / motion.frame_rate()) as usize;
@@ -203,11 +204,9 @@ mod tests {
     #[test]
     fn places_lie_on_the_way_between_two() {
         let places = [[0.0, 1.0], [2.0, 5.0], [4.0, 5.0]];
-        assert_eq!([-3.0, 0.25, 1.0, 9.0].map(|at| between(&places, at)), [
-            [0.0, 1.0],
-            [0.5, 2.0],
-            [2.0, 5.0],
-            [4.0, 5.0]
-        ]);
+        assert_eq!(
+            [-3.0, 0.25, 1.0, 9.0].map(|at| between(&places, at)),
+            [[0.0, 1.0], [0.5, 2.0], [2.0, 5.0], [4.0, 5.0]]
+        );
     }
 }

@@ -115,9 +115,8 @@ impl Recognizer {
             };
             let mean = [0, 1].map(|axis| sum(&|state| at(&model.means[state], axis)));
             let off = |state: usize, axis: usize| at(&model.means[state], axis) - mean[axis];
-            let variance = |axis: usize| {
-                sum(&|state| at(&model.variances[state], axis) + off(state, axis).powi(2))
-            };
+            let variance =
+                |axis: usize| sum(&|state| at(&model.variances[state], axis) + off(state, axis).powi(2));
             let both = sum(&|state| off(state, 0) * off(state, 1));
             PlaneCloud { mean, covariance: [variance(0), variance(1), both] }
         };

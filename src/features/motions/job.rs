@@ -78,7 +78,10 @@ impl Found {
     /// What a frame is.
     pub(super) fn frame(&self, frame: usize) -> Option<&FrameName> {
         let run = self.runs.iter().find(|run| {
-            run.frames.first().zip(run.frames.last()).is_some_and(|(a, b)| (a.frame..=b.frame).contains(&frame))
+            run.frames
+                .first()
+                .zip(run.frames.last())
+                .is_some_and(|(a, b)| (a.frame..=b.frame).contains(&frame))
         })?;
         run.frames.get(frame - run.frames[0].frame)
     }

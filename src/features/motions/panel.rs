@@ -21,7 +21,7 @@ use crate::context::{Context, Requests};
 /// A pane narrower than this has two rows above the plane.
 const ONE_ROW: f32 = 500.0;
 /// Width of the box of methods.
-const METHODS: f32 = 118.0;
+const METHODS: f32 = 110.0;
 /// The plane is not made lower than this for the probabilities' sake.
 const LEAST_PLANE: f32 = 110.0;
 
@@ -75,10 +75,11 @@ impl Motions {
         let is_narrow = ui.available_width() < ONE_ROW;
         row(ui, &mut |ui| {
             pane_title::show(ui, Pane::Motions, siblings, requests);
+            ui.add_space(space::ROW);
             if !is_narrow {
-                ui.add_space(space::ROW);
                 self.choices(ui, wishes);
             }
+            self.models(ui, wishes);
             ui.add_space(HEADER_BUTTONS);
         });
         if is_narrow {
@@ -97,7 +98,8 @@ impl Motions {
             Some(found) => found.recognizer.methods().any(|other| other == *method),
             None => *method != Method::Nearest,
         };
-        let methods = [Method::Combined, Method::Hmm, Method::Svm, Method::Nearest].into_iter().filter(is_there);
+        let methods =
+            [Method::Combined, Method::Hmm, Method::Svm, Method::Nearest].into_iter().filter(is_there);
         let rows: Vec<_> = methods
             .map(|method| {
                 let (text, tooltip) = words::method(method);
@@ -108,6 +110,9 @@ impl Motions {
         if let Some(method) = choice(ui, "Method", METHODS, words::method(chosen).0, &rows) {
             wishes.push(Wish::Method(method));
         }
+    }
+
+    fn models(&self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
         let name = self.model.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy());
         let menu = ui.menu_button("Model", |ui| {
             if ui.add_enabled(self.model.is_some(), Button::new("Built-in model")).clicked() {
@@ -119,7 +124,8 @@ impl Motions {
                 ui.close();
             }
         });
-        let name = name.as_deref().unwrap_or("the built-in one, learnt from 72 recordings of seven kinds of motion");
+        let name =
+            name.as_deref().unwrap_or("the built-in one, learnt from 72 recordings of seven kinds of motion");
         menu.response.on_hover_text(format!(
             "What was learnt: {name}. `backlit recognise --train` makes one of recordings of yours"
         ));
@@ -130,7 +136,8 @@ impl Motions {
         let area = ui.available_rect_before_wrap().shrink2(vec2(0.0, space::ROW));
         let wanted = shares::height(found, area.width());
         let room = if area.height() >= LEAST_PLANE + wanted { wanted } else { shares::TITLE };
-        let [above, below] = [area.top()..=area.bottom() - room - space::ROW, area.bottom() - room..=area.bottom()];
+        let [above, below] =
+            [area.top()..=area.bottom() - room - space::ROW, area.bottom() - room..=area.bottom()];
         let plane = Rect::from_x_y_ranges(area.x_range(), above);
         let is_stale = self.marks.is_stale;
         if let Some(frame) = plane::ui(ui, plane, found, self.preferences.plane, context, is_stale)
@@ -152,8 +159,12 @@ impl Motions {
             .layout(Direction::top_down(Align::Center));
         ui.scope_builder(builder, |ui| {
             let text = match &self.missing {
-                _ if context.session.take.is_none() => "Open a take first: its tracked motion gets names here.".to_owned(),
-                _ if context.busy.tracking => "The tracker is at work. Names come when it has ended.".to_owned(),
+                _ if context.session.take.is_none() => {
+                    "Open a take first: its tracked motion gets names here.".to_owned()
+                }
+                _ if context.busy.tracking => {
+                    "The tracker is at work. Names come when it has ended.".to_owned()
+                }
                 Some(missing) => words::missing(missing),
                 None => "Naming the tracked motion…".to_owned(),
             };

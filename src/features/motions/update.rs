@@ -6,8 +6,8 @@ use backlit_jobs::{News, once};
 use backlit_tracking::camera::up_of;
 use glam::DVec3;
 
-use super::job::{Inputs, Missing};
 use super::Motions;
+use super::job::{Inputs, Missing};
 use crate::context::file_dialog::Wanted;
 use crate::context::motions::MotionMarks;
 use crate::context::{Context, Requests};

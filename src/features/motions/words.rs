@@ -1,9 +1,10 @@
 //! Classes, methods and what is missing, in plain words.
 
-use backlit_recognition::Method;
+use backlit_recognition::{Method, Recognizer};
 
 use super::job::Missing;
 use super::preferences::Plane;
+use crate::context::motions::whole_percent;
 
 /// What no known motion is called.
 pub(super) const UNKNOWN: &str = "unknown";
@@ -28,37 +29,53 @@ pub(super) fn class(name: &str) -> String {
 /// A method on its button, and what it does.
 pub(super) const fn method(method: Method) -> (&'static str, &'static str) {
     match method {
-        Method::Combined => ("Both together", "Hidden Markov models and support vectors, their probabilities multiplied"),
+        Method::Combined => {
+            ("Both together", "Hidden Markov models and support vectors, their probabilities multiplied")
+        }
         Method::Hmm => ("Hidden Markov", "A Gaussian hidden Markov model a motion, of windows of 0.6 s"),
         Method::Svm => ("Support vectors", "Planes between the motions, among windows of a second"),
         Method::Nearest => ("Nearest", "What the fifteen nearest known windows of a second are called"),
     }
 }
 
-/// A plane on its button, what it is, and what its axes are called.
-pub(super) const fn plane(plane: Plane) -> (&'static str, &'static str, [&'static str; 2]) {
+/// A plane on its button, and what it is.
+pub(super) const fn plane(plane: Plane) -> (&'static str, &'static str) {
     match plane {
         Plane::Apart => (
             "Motions",
-            "The two axes that tell motions apart best: Fisher’s discriminants of windows of 0.6 s. Along each, a \
-             motion’s own spread is about 1",
-            ["First discriminant of 0.6 s", "Second discriminant of 0.6 s"],
+            "The two axes that tell motions apart best: Fisher’s discriminants of windows of 0.6 s. Regions are one \
+             standard deviation wide. What lies together here may lie apart along the other axes, which count too",
         ),
         Plane::Principal => (
             "Poses",
             "The two axes along which single frames differ most, whatever the motion: principal components of joints \
-             and their speeds",
-            ["First principal component of a frame", "Second principal component of a frame"],
+             and their speeds. Names do not depend on it",
         ),
+    }
+}
+
+/// The names of a plane's axes, across and up.
+pub(super) fn axes(recognizer: &Recognizer, plane: Plane) -> [String; 2] {
+    match plane {
+        Plane::Apart => {
+            let count = recognizer.short.axes.len();
+            [1, 2].map(|number| format!("Discriminant {number} of {count}, windows of 0.6 s"))
+        }
+        Plane::Principal => [0, 1].map(|index| {
+            let share = recognizer.plane.shares.get(index).copied().unwrap_or(0.0);
+            format!("Principal component {} ({})", index + 1, whole_percent(share))
+        }),
     }
 }
 
 /// Why there are no names, in whole sentences.
 pub(super) fn missing(missing: &Missing) -> String {
     match missing {
-        Missing::Track => "No frame is tracked yet. Motions are named by what joints do over time, so the body must be \
+        Missing::Track => {
+            "No frame is tracked yet. Motions are named by what joints do over time, so the body must be \
                            followed through the take first."
-            .to_owned(),
+                .to_owned()
+        }
         Missing::Short { seconds, least } => format!(
             "Too few frames are tracked to name a motion: {seconds:.1} s without a gap. It takes {least:.1} s, and a \
              second is better."

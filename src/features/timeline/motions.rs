@@ -34,7 +34,8 @@ pub(super) fn ui(ui: &Ui, context: &Context<'_>, names: Rect, lane: Rect, scale:
     let inside = painter.with_clip_rect(lane.expand(1.0));
     for (index, stretch) in context.motions.stretches.iter().enumerate() {
         let [first, last] = [stretch.frames.start(), stretch.frames.end()].map(|at| scale.x(*at as f64));
-        let place = Rect::from_x_y_ranges(first - half..=(last + half).max(first - half + 1.0), lane.y_range());
+        let place =
+            Rect::from_x_y_ranges(first - half..=(last + half).max(first - half + 1.0), lane.y_range());
         let place = place.intersect(lane);
         if place.width() <= 0.0 {
             continue;

@@ -112,10 +112,10 @@ impl Demonstration {
                  nearer."
             }
             Self::Motions => {
-                "Somebody walks in, squats twice, signals with the arms and boxes, before three cameras. The silhouettes \
-                 are tracked now; what the tracked motion is called stands in the timeline’s lowest lane. The Motions \
-                 tile shows why: the motion is a curve, and it is called after the regions that it passes. Click the \
-                 curve to go to a moment. Hidden Markov models alone call the squats jumping."
+                "Somebody walks in, squats, signals with the arms and boxes before three cameras. The silhouettes are \
+                 tracked as this opens, and the timeline’s lowest lane says what the motion is called. The Motions tile \
+                 shows why: the motion is a curve among the regions of known motions; click it to go to a moment. Hidden \
+                 Markov models alone call the squats jumping: choose the method there."
             }
         }
     }

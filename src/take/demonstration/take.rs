@@ -52,7 +52,7 @@ impl Demonstration {
             Self::SingleLimb | Self::OneCamera | Self::TwoCameras => Simulation::Prediction,
             Self::Sequence | Self::TinySequence | Self::RealFootage | Self::Bias | Self::Motions => {
                 Simulation::Mask
-            },
+            }
         }
     }
 

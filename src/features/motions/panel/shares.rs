@@ -5,6 +5,7 @@ use backlit_ui::style::theme;
 use backlit_ui::style::theme::{motion_colours, space};
 use egui::{Align2, Id, Rect, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
+use crate::context::motions::whole_percent;
 use crate::features::motions::job::Found;
 
 /// Height of the line that says what the frame is.
@@ -13,7 +14,7 @@ pub(super) const TITLE: f32 = 20.0;
 const ROW: f32 = 17.0;
 /// Width of the longest name and of a percentage.
 const NAME: f32 = 112.0;
-const PERCENT: f32 = 40.0;
+const PERCENT: f32 = 50.0;
 /// From this width on there are two columns.
 const TWO_COLUMNS: f32 = 430.0;
 /// Side of the mark of a colour.
@@ -39,16 +40,18 @@ pub(super) fn ui(ui: &Ui, area: Rect, found: &Found, frame: usize) {
     let title = match named {
         None => format!("Frame {number} has no name: it is not tracked, or in a piece that is too short."),
         Some(named) => {
-            let likeliest = (0..named.shares.len()).max_by(|&a, &b| named.shares[a].total_cmp(&named.shares[b]));
+            let likeliest =
+                (0..named.shares.len()).max_by(|&a, &b| named.shares[a].total_cmp(&named.shares[b]));
             let nearest = match named.class {
                 Some(_) => String::new(),
                 None => format!(". Nearest is {}", found.name(likeliest)),
             };
-            let sure = format::percent(named.confidence);
+            let sure = whole_percent(named.confidence);
             format!("Frame {number}: {}{nearest}, {sure}", found.name(named.class))
         }
     };
-    let swatch = Rect::from_center_size(pos2(area.left() + 6.0, area.top() + 0.5 * TITLE), vec2(SWATCH, SWATCH));
+    let swatch =
+        Rect::from_center_size(pos2(area.left() + 6.0, area.top() + 0.5 * TITLE), vec2(SWATCH, SWATCH));
     let mut left = area.left();
     if let Some(named) = named {
         painter.rect_filled(swatch, 2.0, motion_colours(named.class).fill);
@@ -62,14 +65,15 @@ pub(super) fn ui(ui: &Ui, area: Rect, found: &Found, frame: usize) {
     let rows = found.names.len().div_ceil(columns);
     let width = (area.width() - space::GROUP * (columns - 1) as f32) / columns as f32;
     for (class, (name, share)) in found.names.iter().zip(&named.shares).enumerate() {
-        let corner = vec2((width + space::GROUP) * (class / rows) as f32, TITLE + ROW * (class % rows) as f32);
+        let corner =
+            vec2((width + space::GROUP) * (class / rows) as f32, TITLE + ROW * (class % rows) as f32);
         let row = Rect::from_min_size(area.min + corner, vec2(width, ROW));
         if row.bottom() > area.bottom() + 0.5 {
             continue;
         }
         let y = row.center().y;
         painter.text(pos2(row.left(), y), Align2::LEFT_CENTER, name, small.clone(), palette.text2);
-        let text = format::percent(*share);
+        let text = whole_percent(*share);
         painter.text(pos2(row.right(), y), Align2::RIGHT_CENTER, text, mono.clone(), palette.text);
         let across = row.left() + NAME..=(row.right() - PERCENT).max(row.left() + NAME);
         let bar = Rect::from_x_y_ranges(across, y - 4.0..=y + 4.0);
@@ -77,6 +81,8 @@ pub(super) fn ui(ui: &Ui, area: Rect, found: &Found, frame: usize) {
         let part = Rect::from_min_size(bar.min, vec2(bar.width() * *share as f32, bar.height()));
         painter.rect_filled(part, 2.0, motion_colours(Some(class)).fill);
         let said = ui.interact(row, Id::unique(("motion's share", class)), Sense::hover());
-        said.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{name}: {}", format::percent(*share))));
+        said.widget_info(|| {
+            WidgetInfo::labeled(Role::Label, true, format!("{name}: {}", whole_percent(*share)))
+        });
     }
 }
