@@ -45,7 +45,7 @@ use crate::document::runs::{RunChange, Runs, StepRef};
 use crate::session::playback::{Playback, PlaybackChange};
 use crate::session::prediction::{Derivatives, FitInputs, Predicted};
 use crate::session::selection::Selection;
-use crate::session::{BelievedJoints, FrameData, Session};
+use crate::session::{BelievedJoints, FrameData, HeldLimbs, Session};
 use crate::take::footage::Footage;
 use crate::take::source::TakeSource;
 use backlit_jobs::{Failure, Pool};
@@ -350,6 +350,8 @@ pub(crate) struct Requests {
     pub(crate) frames: Vec<Arc<FrameData>>,
     /// What a Kalman filter believed of frames.
     pub(crate) beliefs: Vec<(usize, BelievedJoints)>,
+    /// What held the limbs of frames.
+    pub(crate) held: Vec<(usize, HeldLimbs)>,
 }
 
 impl Requests {

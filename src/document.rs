@@ -6,6 +6,7 @@
 pub(crate) mod edit;
 pub(crate) mod fit_words;
 pub(crate) mod history;
+pub(crate) mod likely_poses;
 pub mod project;
 pub(crate) mod run;
 pub(crate) mod run_names;

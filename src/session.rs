@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use backlit_tracking::body::Pose;
+use backlit_tracking::cues::LimbHold;
 use backlit_tracking::observability::JointUncertainty;
 
 pub(crate) use frames::load_frame;
@@ -40,6 +41,8 @@ pub struct Session {
     pub(crate) subject: Vec<Option<Extent>>,
     /// What a Kalman filter believed of frames' joints, by frame.
     pub(crate) beliefs: BTreeMap<usize, BelievedJoints>,
+    /// What held the limbs of frames that were tracked with cues, by frame.
+    pub(crate) held: BTreeMap<usize, HeldLimbs>,
     /// Time of the last prediction, in seconds.
     pub(crate) predict_seconds: Option<f64>,
 }
@@ -52,7 +55,20 @@ pub(crate) struct BelievedJoints {
     pub(crate) joints: Arc<Vec<JointUncertainty>>,
 }
 
+/// What held the limbs of a pose that was tracked with cues.
+#[derive(Debug, Clone)]
+pub(crate) struct HeldLimbs {
+    /// The pose that it is of.
+    pub(crate) pose: Pose,
+    pub(crate) holds: Arc<[LimbHold]>,
+}
+
 impl Session {
+    /// What held the limbs of this pose in a frame, part by part; empty where it was not tracked with cues.
+    pub(crate) fn held(&self, frame: usize, pose: &Pose) -> &[LimbHold] {
+        self.held.get(&frame).filter(|held| held.pose == *pose).map_or(&[], |held| &held.holds)
+    }
+
     /// What a Kalman filter believed of this pose's joints in a frame, if the pose is a filter's.
     pub(crate) fn believed(&self, frame: usize, pose: &Pose) -> Option<&BelievedJoints> {
         self.beliefs.get(&frame).filter(|believed| believed.pose == *pose)

@@ -88,11 +88,11 @@ impl Inspector {
                     |tracking, context, _| tracking.search_poses(context),
                 );
             }
-            Command::Fit(FitCommand::FitBody) => {
+            Command::Fit(command @ (FitCommand::FitBody | FitCommand::MakeSpheres)) => {
                 self.interrupt_fit();
                 self.with(
                     |features| &mut features.tracking,
-                    |tracking, context, requests| tracking.fit_body(context, requests),
+                    |tracking, context, requests| tracking.make_body(command, context, requests),
                 );
             }
             Command::Fit(command) => self.fit_command(command),
@@ -212,7 +212,7 @@ impl Inspector {
     fn fit_command(&mut self, command: FitCommand) {
         match command {
             // The tracker's.
-            FitCommand::SearchPoses | FitCommand::FitBody => return,
+            FitCommand::SearchPoses | FitCommand::FitBody | FitCommand::MakeSpheres => return,
             FitCommand::Step | FitCommand::Run | FitCommand::RunAgain(_) | FitCommand::Refit(_) => {
                 self.pause();
             }

@@ -102,7 +102,11 @@ fn document_of(footage: &Footage) -> Document {
         document.fit = Arc::new(which.fit());
         // As in the report: downhill, and nowhere else.
         let tracking = TrackingChoices::of_preset(document.fit.as_preset());
-        document.tracking = TrackingChoices { search: WhenToSearch::Never, ..tracking };
+        document.tracking = TrackingChoices { search: WhenToSearch::Never, cues: which.cues(), ..tracking };
+        if which.begins_posed() {
+            let truths = (0..footage.frame_count()).filter_map(|frame| Some((frame, which.truth(frame)?)));
+            document.keys = Arc::new(truths.collect());
+        }
         cameras.iter_mut().skip(which.used_cameras()).for_each(|camera| camera.used = false);
     }
     document.cameras = Arc::new(cameras);

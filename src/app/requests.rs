@@ -24,6 +24,7 @@ impl Inspector {
             self.show_prediction(predicted);
         }
         self.state.session.beliefs.extend(requests.beliefs);
+        self.state.session.held.extend(requests.held);
         for frame in requests.frames {
             self.state.session.keep_frame(frame);
         }

@@ -87,7 +87,7 @@ impl Inspector {
             let frame = Frame::NONE;
             CentralPanel::default().frame(frame).show(ui, |ui| {
                 notices_from = pos2(centre.right(), centre.bottom());
-                features.demonstrations.ui(ui, requests);
+                features.demonstrations.ui(ui, &context, requests);
                 if demonstrates {
                     return features.laboratory.ui(ui, &context, requests);
                 }

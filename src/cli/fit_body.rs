@@ -37,7 +37,7 @@ A size of which the silhouettes say hardly more than the proportions of people d
 Examples:
   backlit fit-body TAKE --frames 0..300 --out person.toml
   backlit fit-body TAKE --acquire --out person.toml
-  backlit fit-body TAKE --count 16 --spheres 240 --out spheres.toml
+  backlit fit-body TAKE --count 24 --spheres 800 --out spheres.toml
   backlit fit-body TAKE --frames 3,40,85 --model full_body --without-keypoints --json";
 
 /// What `backlit fit-body` is told.

@@ -78,13 +78,18 @@ pub(crate) fn no_silhouette(context: &Context<'_>) -> Why {
 
 /// Why this frame cannot be fitted.
 pub(crate) fn no_fit(context: &Context<'_>) -> Why {
-    let no_camera = context.document().used_cameras().next().is_none();
     let is_read = context.session.frames.get(context.selection.frame).is_some();
-    no_take(context)
-        .or(because(no_camera, "No camera is used in the fit: tick one beside its view"))
-        .or(because(!is_read, "This frame is still being read"))
-        .or(no_silhouette(context))
-        .or(because(context.busy.tracking, "The tracker is at work"))
+    no_camera(context).or(because(!is_read, "This frame is still being read")).or(no_body_fit(context))
+}
+
+/// Why no body can be fitted to several frames, which are read for that.
+pub(crate) fn no_body_fit(context: &Context<'_>) -> Why {
+    no_camera(context).or(no_silhouette(context)).or(because(context.busy.tracking, "The tracker is at work"))
+}
+
+fn no_camera(context: &Context<'_>) -> Why {
+    let is_none = context.document().used_cameras().next().is_none();
+    no_take(context).or(because(is_none, "No camera is used in the fit: tick one beside its view"))
 }
 
 fn file(command: FileCommand, context: &Context<'_>) -> Why {

@@ -24,6 +24,10 @@ pub struct ViewSettings {
     pub size_handles: bool,
     /// Whether a dragged joint moves its own arm, leg or neck alone.
     pub hold_trunk: bool,
+    /// Whether the spheres of a body of spheres are outlined.
+    pub spheres: bool,
+    /// The level of their trees that is drawn, counted from the coarsest; the finest where `None`.
+    pub sphere_level: Option<usize>,
     /// Whether a size is changed on both sides of the body.
     pub both_sides: bool,
 }
@@ -31,6 +35,11 @@ pub struct ViewSettings {
 impl ViewSettings {
     /// Slowest and fastest blink, changes per second.
     pub(crate) const BLINK_HZ: RangeInclusive<f64> = 0.5..=8.0;
+
+    /// The level of trees of spheres that is drawn.
+    pub(crate) fn drawn_level(&self) -> usize {
+        self.sphere_level.unwrap_or(usize::MAX)
+    }
 
     /// Seconds that a blinking view stays as it is.
     pub(crate) fn blink_seconds(&self) -> f64 {
@@ -50,6 +59,8 @@ impl Default for ViewSettings {
             axis: StateAxis::default(),
             size_handles: false,
             hold_trunk: false,
+            spheres: false,
+            sphere_level: None,
             both_sides: true,
         }
     }

@@ -115,8 +115,8 @@ mod tests {
     use crate::document::edit::Edit;
     use crate::document::run::{RunChoices, RunEnding, RunStep};
     use crate::document::runs::StepRef;
-    use crate::document::tracking_choices::{AtKeys, Following, TrackedBody, TrackingChoices};
-    use crate::document::{CameraUse, Estimate, Origin};
+    use crate::document::tracking_choices::{AtKeys, CueChoice, Following, TrackedBody, TrackingChoices};
+    use crate::document::{CameraUse, Estimate, Origin, likely_poses};
     use crate::take::replacement::Calibration;
     use crate::take::source::TakeSource;
 
@@ -138,6 +138,8 @@ mod tests {
             is_stale: false,
         };
         document.measurement = Arc::new(vec![SegmentOptions::default()]);
+        let mut likely = (*document.fit).clone();
+        likely_poses::set_weight(&mut likely, 4.5);
         for edit in [
             Edit::SetPose { frame: 3, pose, what: "Move".to_owned() },
             Edit::AddEstimate { frame: 4, estimate: Arc::new(estimate) },
@@ -147,7 +149,9 @@ mod tests {
                 search: WhenToSearch::Never,
                 at_keys: AtKeys::Stop,
                 body: TrackedBody::AsItIs,
+                cues: CueChoice::All,
             }),
+            Edit::SetFit { options: Box::new(likely), what: "Change solver".to_owned() },
             Edit::Pin { limb: 5, pinned: true },
             Edit::SetSize { limb: 2, length: 0.2, radius: 0.05, both_sides: true },
             Edit::SetCalibration(Some(calibration())),

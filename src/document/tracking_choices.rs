@@ -1,5 +1,6 @@
 //! How frames are followed: how motion is carried on, and when other poses are looked for.
 
+use backlit_tracking::cues::Cue;
 use backlit_tracking::fit::Preset;
 use backlit_tracking::track::{KalmanOptions, Motion, WhenToSearch};
 use serde::{Deserialize, Serialize};
@@ -57,6 +58,38 @@ pub(crate) enum TrackedBody {
     AsItIs,
 }
 
+/// What else pulls at limbs that the silhouettes do not hold.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum CueChoice {
+    /// Nothing: silhouettes alone.
+    #[default]
+    None,
+    /// The take's keypoints of another tool.
+    Keypoints,
+    /// Optic flow and stereo points of the pictures.
+    Pictures,
+    /// All of these.
+    All,
+}
+
+impl CueChoice {
+    /// The cues that it stands for. Edges do more harm than good (docs/chapter6.md) and are in none.
+    pub(crate) const fn cues(self) -> &'static [Cue] {
+        match self {
+            Self::None => &[],
+            Self::Keypoints => &[Cue::Keypoints],
+            Self::Pictures => &[Cue::Flow, Cue::Stereo],
+            Self::All => &[Cue::Keypoints, Cue::Flow, Cue::Stereo],
+        }
+    }
+
+    /// Whether the cameras' pictures are looked at.
+    pub(crate) fn wants_pictures(self) -> bool {
+        matches!(self, Self::Pictures | Self::All)
+    }
+}
+
 /// All choices of a run of the tracker, besides those of a frame's fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -71,6 +104,9 @@ pub struct TrackingChoices {
     /// Whether the person's own sizes are found first.
     #[serde(default)]
     pub(crate) body: TrackedBody,
+    /// What else pulls at limbs that the silhouettes do not hold.
+    #[serde(default)]
+    pub(crate) cues: CueChoice,
 }
 
 impl TrackingChoices {
@@ -81,7 +117,13 @@ impl TrackingChoices {
             Some(Preset::Report) => (Following::Still, WhenToSearch::Never),
             _ => (Following::default(), WhenToSearch::WhenPoor),
         };
-        Self { motion, search, at_keys: AtKeys::default(), body: TrackedBody::default() }
+        Self {
+            motion,
+            search,
+            at_keys: AtKeys::default(),
+            body: TrackedBody::default(),
+            cues: CueChoice::default(),
+        }
     }
 }
 
@@ -105,7 +147,7 @@ mod tests {
             Following::Smoothed { lag: Some(7) },
         ] {
             let (search, at_keys, body) = (WhenToSearch::Always, AtKeys::Stop, TrackedBody::AsItIs);
-            let choices = TrackingChoices { motion, search, at_keys, body };
+            let choices = TrackingChoices { motion, search, at_keys, body, cues: CueChoice::Pictures };
             let text = serde_json::to_string(&choices).unwrap();
             assert_eq!(serde_json::from_str::<TrackingChoices>(&text).unwrap(), choices, "{text}");
         }

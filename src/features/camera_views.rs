@@ -15,6 +15,7 @@
 //! | `full_pictures` | footage at its full size, where it is worked on at a part of it |
 //! | `picture_view` | texture, outline, limbs, joints, sight ray |
 //! | `comparison` | wipe and blink between two modes |
+//! | `held` | what held limbs that silhouettes did not |
 //! | `observed` | a body that sways, ellipses of joints |
 //! | `gutter` | overlap, use in the fit, what a drag does |
 //! | `legend`, `legend_block` | the strip under the picture; how to read one mode in it |
@@ -26,6 +27,7 @@ pub(crate) mod event;
 mod full_pictures;
 mod gutter;
 mod header;
+pub(crate) mod held;
 mod hover_card;
 mod legend;
 mod legend_block;

@@ -6,6 +6,7 @@
 //! | `update` | begun, stopped, what was found taken in |
 //! | `job`, [`read_ahead`] | the fit of frame after frame |
 //! | `poses_job`, `body_job`, `person_job` | the search, the fit of the sizes, and both where nothing is known |
+//! | `spheres_job` | a body of spheres |
 //! | `body` | which frames say something of the sizes, and what is said of them |
 //! | `survey` | whether the silhouettes can be a person's at all |
 //! | `keys` | the key poses around a frame |
@@ -22,6 +23,7 @@ mod person_job;
 mod pose_words;
 mod poses_job;
 mod read_ahead;
+mod spheres_job;
 mod survey;
 #[cfg(test)]
 mod tests;
@@ -33,6 +35,7 @@ use std::time::Instant;
 
 use backlit_jobs::{Priority, Task};
 use backlit_tracking::body_fit::{BodyFit, Person};
+use backlit_tracking::body_spheres::SphereBody;
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::search::Hypothesis;
 use backlit_ui::style::format;
@@ -43,7 +46,7 @@ use crate::context::command::TrackingCommand;
 use crate::context::unavailable::{Why, because, no_silhouette, no_take, not_tracked};
 use crate::document::Estimate;
 use crate::document::history::Gesture;
-use crate::session::{BelievedJoints, FrameData};
+use crate::session::{BelievedJoints, FrameData, HeldLimbs};
 use keys::keys_around;
 
 /// The feature.
@@ -75,6 +78,8 @@ enum Work {
     /// Of other poses, for a frame.
     Search(usize),
     FitBody,
+    /// A body of spheres is made.
+    Spheres,
     /// A person is found: where they stand, their own sizes.
     Person,
 }
@@ -90,12 +95,16 @@ enum Found {
     Revised(Vec<(usize, Arc<Estimate>)>),
     /// What the Kalman filter believed of frames.
     Believed(Vec<(usize, BelievedJoints)>),
+    /// What held the limbs of frames.
+    Held(Vec<(usize, HeldLimbs)>),
     /// Two tracks were joined after this frame; so far apart were their joints there.
     Joined { frame: usize, distance_m: f64, meets: bool },
     /// Poses that fit a frame, best first.
     Poses(usize, Vec<Hypothesis>),
     /// The body's own sizes.
     Body(Box<BodyFit>),
+    /// A body of spheres.
+    Spheres(Box<SphereBody>),
     /// Where the person stands in a frame, and the body; what is said of it.
     Person { frame: usize, person: Box<Person>, said: String },
     /// How far it is, in words.
@@ -170,6 +179,10 @@ impl Tracking {
             Work::FitBody => {
                 let text = "Fitting the body to several frames. Esc stops it; nothing is changed then.";
                 return Some(text.to_owned());
+            }
+            Work::Spheres => {
+                let at = self.at.as_deref().unwrap_or("Making a body of spheres");
+                return Some(format!("{at}. Esc stops it; nothing is changed then."));
             }
             Work::Person => {
                 let at = self.at.as_deref().unwrap_or("Looking for the person");

@@ -57,6 +57,16 @@ impl FitInputs {
             && Arc::ptr_eq(&self.cameras, &other.cameras)
     }
 
+    /// The cameras that count and whose silhouettes are there, by index: those of [`views`](Self::views), in their order.
+    pub(crate) fn seen_cameras(&self) -> impl Iterator<Item = usize> + '_ {
+        let seen = |camera: &usize| {
+            let frame = self.frame.as_ref().and_then(|frame| frame.cameras.get(*camera));
+            let used = self.uses.get(*camera).is_some_and(|used| used.used && used.weight > 0.0);
+            used && frame.is_some_and(|data| data.mask.is_some())
+        };
+        (0..self.cameras.len()).filter(seen)
+    }
+
     /// What the cameras that count contribute to a fit.
     pub(crate) fn views(&self) -> Vec<FitView> {
         let Some(frame) = &self.frame else { return Vec::new() };

@@ -6,10 +6,14 @@
 //! | `kind` | [`Demonstration`]: which there are, their names and explanations |
 //! | `choices` | the fits that each shows |
 //! | `take` | the simulated take of each |
+//! | `carved` | a figure before four cameras, its poses known |
+//! | `occluded` | squats that silhouettes do not hold |
 //! | `real` | the real footage in small pictures |
 
+mod carved;
 pub(crate) mod choices;
 pub(crate) mod kind;
+mod occluded;
 pub(crate) mod real;
 pub(crate) mod take;
 

@@ -10,12 +10,14 @@ use backlit_lab::experiment::Simulation;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::cues::{CameraCues, GreyPicture};
 use backlit_tracking::fit::{DataView, Evidence};
 use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::silhouette::{Label, Mask, Measurement, SignedDistance};
 use backlit_tracking::synchronise::SynchroniseOptions;
+use image::imageops::grayscale;
 use image::{DynamicImage, RgbImage};
 
 use crate::take::demonstration::{Demonstration, UNKNOWN_GREY};
@@ -138,6 +140,21 @@ impl Footage {
         self.inner.take().keypoint_joints(frames)
     }
 
+    /// What a camera has in a frame beside its silhouette: keypoints of another tool, and this picture of it in grey.
+    ///
+    /// # Errors
+    /// A file that is not one of keypoints.
+    pub(crate) fn cues(
+        &self,
+        camera: usize,
+        frame: usize,
+        picture: Option<&RgbImage>,
+    ) -> Result<CameraCues, TakeError> {
+        let keypoints = self.inner.take().keypoint_cues(camera, frame, &self.cameras[camera])?;
+        let grey = picture.and_then(|picture| GreyPicture::of_image(&grayscale(picture)).ok());
+        Ok(CameraCues { keypoints, picture: grey.map(Arc::new) })
+    }
+
     /// How far the cameras were started apart, from the motion of the take's silhouettes. `on_frame` hears how many frames are
     /// done, of how many.
     ///
@@ -251,7 +268,9 @@ impl Footage {
             grey_levels: None,
             problem: None,
         };
-        if let Some(TakeSource::Demonstration(which)) = &self.source {
+        if let Some(TakeSource::Demonstration(which)) = &self.source
+            && which.pictures_are_silhouettes()
+        {
             match self.inner.picture(camera, frame) {
                 Ok(image) => result.simulate(image, which.simulation()),
                 Err(problem) => result.problem = Some(problem.to_string()),

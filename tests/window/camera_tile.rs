@@ -161,6 +161,9 @@ impl Scene {
             is_used: true,
             weight: 1.0,
             observed: ObservedMarks::default(),
+            spheres: &[],
+            likelier: &[],
+            held: &[],
             shows_hover_card: false,
         }
     }

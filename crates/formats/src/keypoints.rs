@@ -59,6 +59,19 @@ struct PersonSpec {
     pose_keypoints_2d: Vec<f64>,
 }
 
+/// One frame's people as [`parse`] reads them.
+#[must_use]
+pub fn to_text(people: &[Person]) -> String {
+    let numbers = |keypoint: &Option<Keypoint>| {
+        keypoint.map_or([0.0; 3], |keypoint| [keypoint.place.x, keypoint.place.y, keypoint.score])
+    };
+    let person = |person: &Person| {
+        let numbers: Vec<f64> = person.iter().flat_map(numbers).collect();
+        serde_json::json!({ "pose_keypoints_2d": numbers })
+    };
+    serde_json::json!({ "people": people.iter().map(person).collect::<Vec<_>>() }).to_string()
+}
+
 /// Parses a file of one frame: x, y and score of each keypoint; a zero stands for one that was not found.
 ///
 /// # Errors

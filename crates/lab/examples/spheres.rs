@@ -1,7 +1,7 @@
 //! A take tracked as capsules and as spheres: joint error, overlap and time a frame.
 //!
 //! ```text
-//! BACKLIT_DATA=… cargo run --release -p backlit-lab --example spheres -- tests/takes/balancing spheres=240 every=4
+//! BACKLIT_DATA=… cargo run --release -p backlit-lab --example spheres -- tests/takes/balancing every=3
 //! ```
 //!
 //! The body is fitted with keypoints as `backlit fit-body` does; the take is tracked with it from the keypoints' start, moved by 5°

@@ -21,6 +21,7 @@
 //! | [`side_marks`] | left, right and face of a body |
 //! | [`mod@sight_ray`] | one camera's ray as another camera sees it |
 //! | `calibration_marks` | principal point, world axes, grid and lens edge |
+//! | [`spheres`] | spheres that stand for a body, in space and in a picture |
 //! | `state_axis` | the coefficient whose Jacobian column is looked at |
 
 pub mod calibration_marks;
@@ -44,6 +45,7 @@ mod report_overlay;
 mod residual;
 pub mod side_marks;
 pub mod sight_ray;
+pub mod spheres;
 pub mod state_axis;
 pub mod sway;
 mod tinted;
@@ -61,6 +63,7 @@ pub use outline::body_outline;
 pub use owner_limb::{limb_chains, limb_colours};
 pub use side_marks::SideMarks;
 pub use sight_ray::{SightRay, point_at, sight_ray};
+pub use spheres::{ProjectedSphere, body_spheres, project_spheres};
 pub use state_axis::StateAxis;
 pub use sway::{JointEllipse, SwayMarks, Swaying, joint_ellipses};
 

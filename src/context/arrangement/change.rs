@@ -1,6 +1,6 @@
 //! Opening, closing and showing a pane.
 
-use egui_tiles::{Container, Linear, LinearDir, Tile};
+use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId};
 
 use super::Arrangement;
 use crate::context::pane::{Pane, Side};
@@ -50,6 +50,10 @@ pub(crate) fn panes_with(tree: &Arrangement, pane: Pane) -> Vec<Pane> {
 fn insert(tree: &mut Arrangement, pane: Pane) {
     let tile = pane.tile_id();
     tree.tiles.insert(tile, Tile::Pane(pane));
+    let is_beside = |other: &Pane| *other != pane && other.side() == pane.side() && is_open(tree, *other);
+    if let Some(neighbour) = Pane::KINDS.iter().map(|kind| kind.0).find(is_beside) {
+        return share_tabs(tree, neighbour, tile);
+    }
     let Some(root) = tree.root else {
         tree.root = Some(tile);
         return;
@@ -68,6 +72,25 @@ fn insert(tree: &mut Arrangement, pane: Pane) {
     }
     let split = Linear::new_binary(dir, [root, tile], 1.0 - NEW);
     tree.root = Some(tree.tiles.insert_container(Container::Linear(split)));
+}
+
+/// Puts a tile where a pane stands that came in at the same side: no other tile gets smaller.
+fn share_tabs(tree: &mut Arrangement, neighbour: Pane, tile: TileId) {
+    let Some(beside) = tree.tiles.find_pane(&neighbour) else { return };
+    let parent = tree.tiles.parent_of(beside);
+    if let Some(Tile::Container(Container::Tabs(tabs))) = parent.and_then(|parent| tree.tiles.get_mut(parent))
+    {
+        tabs.add_child(tile);
+        return;
+    }
+    let tabs = tree.tiles.insert_container(Tabs { children: vec![beside, tile], active: Some(tile) });
+    match parent.and_then(|parent| tree.tiles.get_mut(parent)) {
+        Some(Tile::Container(Container::Linear(linear))) => {
+            linear.shares.replace_with(beside, tabs);
+            linear.children.iter_mut().filter(|child| **child == beside).for_each(|child| *child = tabs);
+        }
+        _ => tree.root = Some(tabs),
+    }
 }
 
 #[cfg(test)]
@@ -106,6 +129,15 @@ mod tests {
             let Some(Container::Linear(linear)) = root else { panic!("{root:?}") };
             assert_eq!((linear.dir, linear.children.last()), (dir, Some(&pane.tile_id())));
         }
+        let before = tree.clone();
+        open(&mut tree, Pane::Basin);
+        assert_eq!(panes_with(&tree, Pane::Basin), [Pane::Scene, Pane::Basin], "no other tile gets smaller");
+        assert!(is_open(&tree, Pane::Basin) && fits(&tree, 4));
+        let shares = |tree: &Arrangement| match tree.root().and_then(|root| tree.tiles.get_container(root)) {
+            Some(Container::Linear(linear)) => linear.children.len(),
+            _ => 0,
+        };
+        assert_eq!(shares(&tree), shares(&before));
         let mut empty = Arrangement::empty(egui::Id::unique("none"));
         open(&mut empty, Pane::Scene);
         assert!(is_open(&empty, Pane::Scene));

@@ -126,6 +126,7 @@ group! {
         RunAgain(Variants) of Variants::every(),
         SearchPoses,
         FitBody,
+        MakeSpheres,
         Renderer(RendererKind) of [
             RendererKind::Capsule,
             RendererKind::Cylinder,

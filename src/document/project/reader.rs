@@ -13,7 +13,7 @@ use super::record::{
 };
 use super::{Project, ProjectError};
 use crate::document::tracking_choices::TrackingChoices;
-use crate::document::{CameraUse, Document, Estimate, Origin};
+use crate::document::{CameraUse, Document, Estimate, Origin, likely_poses};
 use crate::take::replacement::{Calibration, MaskFiles};
 use crate::take::source::TakeSource;
 
@@ -27,7 +27,9 @@ impl Reader<'_> {
         let model = Model::new(&file.model)
             .map_err(|source| ProjectError::Model { path: self.path.to_owned(), source })?;
         let wrong = |source| ProjectError::Fit { path: self.path.to_owned(), source };
-        file.fit.check().map_err(wrong)?;
+        let mut fit = file.fit;
+        likely_poses::set_weight(&mut fit, file.likely_poses.unwrap_or(0.0));
+        fit.check().map_err(wrong)?;
         for (index, options) in file.measurement.iter().enumerate() {
             let path = self.path.to_owned();
             options.check().map_err(|source| ProjectError::Measurement { path, index, source })?;
@@ -70,8 +72,8 @@ impl Reader<'_> {
             keys: Arc::new(keys),
             estimates: Arc::new(estimates),
             cameras: Arc::new(cameras),
-            tracking: file.tracking.unwrap_or_else(|| TrackingChoices::of_preset(file.fit.as_preset())),
-            fit: Arc::new(file.fit),
+            tracking: file.tracking.unwrap_or_else(|| TrackingChoices::of_preset(fit.as_preset())),
+            fit: Arc::new(fit),
             measurement: Arc::new(file.measurement),
             pins: Arc::new(pins),
             calibration,

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::FORMAT;
 use super::run_record::{RunRecord, run_record};
+use crate::document::likely_poses;
 use crate::document::run::Run;
 use crate::document::tracking_choices::TrackingChoices;
 use crate::document::{CameraUse, Document, Estimate, Origin};
@@ -33,6 +34,9 @@ pub(crate) struct ProjectFile {
     pub(crate) cameras: Vec<CameraRecord>,
     #[serde(default)]
     pub(crate) fit: FitOptions,
+    /// Weight of the prior that comes with the program.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) likely_poses: Option<f64>,
     /// Left out, it is what goes with the fit.
     #[serde(default)]
     pub(crate) tracking: Option<TrackingChoices>,
@@ -126,6 +130,7 @@ pub(crate) fn to_file(document: &Document, runs: &[Run]) -> ProjectFile {
             .collect(),
         cameras: document.cameras.iter().map(camera_record).collect(),
         fit: (*document.fit).clone(),
+        likely_poses: Some(likely_poses::weight(&document.fit)).filter(|weight| *weight > 0.0),
         tracking: Some(document.tracking),
         measurement: (*document.measurement).clone(),
         pins: document.pins.iter().map(|&limb| model.limbs()[limb].name.clone()).collect(),

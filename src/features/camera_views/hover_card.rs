@@ -1,6 +1,6 @@
 //! The numbers of the pixel under the pointer, on a card beside it. Holding H keeps the card while the pointer moves.
 
-use backlit_ui::drawing::{Sample, ViewMode};
+use backlit_ui::drawing::{JointId, Sample, ViewMode};
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::{CASING, JOINT};
@@ -14,6 +14,7 @@ use glam::DVec2;
 
 use super::CameraTileInput;
 use super::gutter::grip_name;
+use super::held;
 
 /// From the pixel to the card, across.
 const DISTANCE: f32 = 26.0;
@@ -92,9 +93,15 @@ impl HoverCard {
         let mut rows = Vec::new();
         let Some(grip) = self.grip else { return rows };
         let joint = if let Grip::Joint(joint) = grip { Some(joint) } else { None };
+        let limb = match grip {
+            Grip::Limb(limb) | Grip::Joint(JointId::End(limb)) => Some(limb),
+            _ => None,
+        };
+        let held = limb.and_then(|limb| held::words(input.held, input.body, limb));
         let known = input.observed.ellipses.iter().find(|known| Some(known.joint) == joint);
         let drag = if joint.is_some() { "drag moves it" } else { "drag turns it" };
         rows.push((grip_name(input, grip), drag.to_owned()));
+        rows.extend(held.map(|held| ("Held by".to_owned(), held)));
         if let Some(known) = known {
             let [across, depth] = known.deviations_m.map(format::deviation);
             rows.push(("Across, 1σ".to_owned(), across));

@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use backlit_ui::drawing::{Legend, ViewMode};
 use backlit_ui::style::format;
-use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
+use backlit_ui::style::theme::data_colours::{LIKELIER, PICTURE_GROUND};
 use backlit_ui::style::theme::{Theme, space};
 use egui::{Galley, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
 
 use super::CameraTileInput;
 use super::comparison::Seen;
+use super::held;
 use super::legend_block::{Block, Item, ROW};
 use super::tile::TileLayout;
 
@@ -39,10 +40,20 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, se
     let note = (!has_gutter).then(|| note(input)).flatten();
     let observed = input.observed.words();
     let has_marks = input.settings.calibration_marks && input.camera.is_some();
+    let mut held: Vec<_> = held::legend(input.held).collect();
+    if !input.likelier.is_empty() {
+        held.push(("Where likely poses pull", LIKELIER));
+    }
     // The gutter's bar and counts are this legend.
     let says_nothing =
         |mode: ViewMode| mode.legend() == Legend::None || has_gutter && mode == ViewMode::Tinted;
-    if !is_compared && says_nothing(modes[0]) && note.is_none() && observed.is_none() && !has_marks {
+    if !is_compared
+        && says_nothing(modes[0])
+        && note.is_none()
+        && observed.is_none()
+        && held.is_empty()
+        && !has_marks
+    {
         return 0.0;
     }
     let palette = Theme::Dark.palette();
@@ -67,6 +78,8 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, se
         let mut items =
             if is_told { Vec::new() } else { Item::all_of(*mode, input, hatches, &painter, small) };
         items.extend(observed.iter().filter(|_| index == last).map(|text| Item::ring(text, &painter, small)));
+        let held = held.iter().filter(|_| index == last);
+        items.extend(held.map(|(text, colour)| Item::outline(text, *colour, &painter, small)));
         if index == last && has_marks {
             items.extend(Item::calibration(&painter, small));
         }

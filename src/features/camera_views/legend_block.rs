@@ -50,6 +50,11 @@ impl Item {
         Self::new(text.to_owned(), Swatch::Ring(JOINT), painter, font)
     }
 
+    /// An outline's colour with its word.
+    pub(crate) fn outline(text: &str, colour: Color32, painter: &Painter, font: &FontId) -> Self {
+        Self::new(text.to_owned(), Swatch::Fill(colour), painter, font)
+    }
+
     /// What the marks of the calibration are.
     pub(crate) fn calibration(painter: &Painter, font: &FontId) -> impl Iterator<Item = Self> {
         let words =

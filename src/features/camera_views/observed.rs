@@ -2,7 +2,7 @@
 
 use backlit_ui::drawing::ellipse_factor::DEVIATIONS;
 use backlit_ui::drawing::{JointEllipse, JointMark, SwayMarks};
-use backlit_ui::style::theme::data_colours::{CASING, JOINT, SELECTED, mark};
+use backlit_ui::style::theme::data_colours::{CASING, JOINT, LIKELIER, SELECTED, mark};
 use backlit_ui::widgets::ViewTransform;
 use egui::{Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 use glam::DVec2;
@@ -129,8 +129,22 @@ pub(crate) fn paint_ellipses(
     }
 }
 
+/// Paints from limbs' ends to where a prior would have them. What is nearly there has no arrow.
+pub(crate) fn paint_likelier(painter: &Painter, view: &ViewTransform, arrows: &[[DVec2; 2]]) {
+    for &[from, to] in arrows {
+        let [from, to] = [from, to].map(|px| view.screen_from_px(px));
+        let along = to - from;
+        if along.length() > 1.5 * HEAD && along.length() < LONGEST as f32 {
+            arrow_to(painter, from, to, along.normalized(), LIKELIER);
+        }
+    }
+}
+
 fn arrow(painter: &Painter, from: Pos2, along: Vec2, colour: egui::Color32) {
-    let tip = from + along * ARROW;
+    arrow_to(painter, from, from + along * ARROW, along, colour);
+}
+
+fn arrow_to(painter: &Painter, from: Pos2, tip: Pos2, along: Vec2, colour: egui::Color32) {
     let back = tip - along * HEAD;
     let side = vec2(-along.y, along.x) * (0.5 * HEAD);
     let head = [back + side, tip, back - side].map(|at| pos2(at.x, at.y)).to_vec();

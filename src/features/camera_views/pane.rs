@@ -6,14 +6,16 @@ use backlit_tracking::body::{Kinematics, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::posing::LimitedAngle;
 use backlit_tracking::render::Ramp;
+use backlit_tracking::residual::learnt_prior::BoundPrior;
 use backlit_ui::drawing::{
-    BoundedAngle, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SideMarks,
-    SightRay, SwayMarks, Swaying, joined_outline, limb_colours, project_joints, project_limbs, sight_ray,
+    BoundedAngle, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, ProjectedSphere,
+    SideMarks, SightRay, SwayMarks, Swaying, body_spheres, joined_outline, limb_colours, project_joints,
+    project_limbs, project_spheres, sight_ray,
 };
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
 use egui::{Color32, Rect, Role, Ui, WidgetInfo, pos2};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::{
     CameraTileInput, CameraViewPreferences, CameraViews, ObservedMarks, TileEvent, TileView, alone,
@@ -86,6 +88,9 @@ pub(super) struct CameraPane<'a> {
     pose: &'a Pose,
     limb_colours: Vec<Color32>,
     limbs: Vec<Option<ProjectedLimb>>,
+    spheres: Vec<ProjectedSphere>,
+    /// Where a prior would have the ends of limbs.
+    likelier: Vec<[DVec2; 2]>,
     joints: Vec<JointMark>,
     limits: Vec<LimitMark>,
     sides: Option<SideMarks>,
@@ -121,6 +126,8 @@ impl<'a> CameraPane<'a> {
             sight_ray: ray_in(context, &kinematics, pose, index, camera),
             quick_outline: quick_outline(context, pose, &limbs),
             limbs,
+            likelier: likelier(context, &kinematics, pose, camera),
+            spheres: spheres(context, &kinematics, camera),
             sway: seen.swaying.as_ref().map(marks),
             ellipses: seen.uncertainty.as_ref().map_or_else(Vec::new, |known| known.ellipses(camera)),
         })
@@ -168,6 +175,9 @@ impl<'a> CameraPane<'a> {
             is_overlap_stale: session.is_stale,
             is_used: uses.is_some_and(|used| used.used),
             weight: uses.map_or(1.0, |used| used.weight),
+            spheres: &self.spheres,
+            likelier: &self.likelier,
+            held: session.held(context.selection.frame, self.pose),
             observed: ObservedMarks {
                 sway: self.sway.as_ref(),
                 ellipses: &self.ellipses,
@@ -223,6 +233,27 @@ impl<'a> CameraPane<'a> {
         (self.context.session.generation, self.context.selection.frame).hash(&mut hasher);
         hasher.finish()
     }
+}
+
+/// The spheres that stand for the body, where they are to be outlined.
+fn spheres(context: &Context<'_>, kinematics: &Kinematics, camera: &Camera) -> Vec<ProjectedSphere> {
+    if !context.views.spheres {
+        return Vec::new();
+    }
+    let (document, level) = (context.document(), context.views.drawn_level());
+    project_spheres(&body_spheres(&document.model, kinematics, document.fit.renderer, level), camera)
+}
+
+/// From the end of each limb to where a prior learnt from motion would have it, where the fit has one.
+fn likelier(context: &Context<'_>, kinematics: &Kinematics, pose: &Pose, camera: &Camera) -> Vec<[DVec2; 2]> {
+    let (model, fit) = (&context.document().model, &context.document().fit);
+    let bound = fit.prior.as_ref().and_then(|prior| BoundPrior::new(prior, model, pose));
+    let pulled = bound.map_or_else(Vec::new, |bound| bound.likelier(model, kinematics));
+    let arrow = |(limb, direction): (usize, DVec3)| {
+        let end = kinematics.starts()[limb] + direction * model.limbs()[limb].length;
+        Some([camera.project(kinematics.ends()[limb])?, camera.project(end)?])
+    };
+    pulled.into_iter().filter_map(arrow).collect()
 }
 
 /// The sight ray of the joint that is dragged in another view.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use backlit_ui::drawing::{
     CalibrationMarks, JointId, ProjectedLimb, ViewMode, compose, compose_over_footage, shows_footage,
 };
-use backlit_ui::style::theme::data_colours::PICTURE_GROUND;
+use backlit_ui::style::theme::data_colours::{JOINT, PICTURE_GROUND};
 use backlit_ui::style::theme::{Theme, size};
 use backlit_ui::widgets::image_canvas::{cached_texture, navigate, paint_picture, paint_pixel_grid};
 use backlit_ui::widgets::{
@@ -14,16 +14,21 @@ use backlit_ui::widgets::{
     paint_sides, paint_sight_ray,
 };
 use egui::{
-    Align2, CursorIcon, Id, Key, Painter, Rect, Response, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2,
+    Align2, CursorIcon, Id, Key, Painter, Rect, Response, Role, Sense, Stroke, TextStyle, Ui, WidgetInfo,
+    pos2, vec2,
 };
 
 use super::comparison::{self, Seen};
 use super::hover_card::HoverCard;
-use super::observed::{paint_ellipses, paint_sway};
+use super::observed::{paint_ellipses, paint_likelier, paint_sway};
 use super::pointer::{Grips, PointerInput, rotation_owner};
 use super::tile::{TileLayout, TileState};
-use super::{CameraTileInput, TileEvent, legend};
+use super::{CameraTileInput, TileEvent, held, legend};
 use glam::DVec2;
+
+/// Circles of spheres: width in points, and opacity.
+const SPHERE_WIDTH: f32 = 1.0;
+const SPHERE_OPACITY: f32 = 0.8;
 
 /// Shows the picture; says how it lies on the screen and how high its legend is.
 pub(crate) fn show(
@@ -178,6 +183,12 @@ fn paint_marks(
             .filter_map(|(_, limb)| limb.as_ref())
             .collect()
     };
+    if mode.has_outline() {
+        paint_spheres(painter, view, input);
+    }
+    if shows_limb {
+        held::paint(painter, view, input.held, input.body, input.limbs);
+    }
     if !input.joints.is_empty() {
         if let Some(Grip::Limb(limb)) = state.pointer.hovered {
             paint_limbs(painter, view, &turning_with(limb), false);
@@ -220,6 +231,9 @@ fn paint_marks(
             }
         }
     }
+    if shows_limb {
+        paint_likelier(painter, view, input.likelier);
+    }
     paint_ellipses(painter, view, &input.observed, input.joints);
     let font = TextStyle::Small.resolve(ui.style());
     if let Some(sides) = input.sides {
@@ -242,6 +256,22 @@ fn paint_marks(
     for (at, words) in paint_limit_words(painter, view, input.limits, Theme::Dark.palette(), &font) {
         let node = ui.interact(at, id.with(("limit", words)), Sense::hover());
         node.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{words}, {}", input.name)));
+    }
+}
+
+/// The spheres that stand for the body, each in the colour of its limb.
+fn paint_spheres(painter: &Painter, view: &ViewTransform, input: &CameraTileInput<'_>) {
+    for sphere in input.spheres {
+        let colour = input.picture.limb_colours.get(sphere.limb).copied().unwrap_or(JOINT);
+        let (at, radius) =
+            (view.screen_from_px(sphere.centre_px), sphere.radius_px as f32 * view.points_per_px);
+        if painter.clip_rect().expand(radius).contains(at) {
+            painter.circle_stroke(
+                at,
+                radius,
+                Stroke::new(SPHERE_WIDTH, colour.gamma_multiply(SPHERE_OPACITY)),
+            );
+        }
     }
 }
 

@@ -4,8 +4,11 @@ use std::sync::Arc;
 
 use backlit_tracking::body::Model;
 use backlit_tracking::camera::Camera;
+use backlit_tracking::cues::LimbHold;
 use backlit_tracking::silhouette::Overlap;
-use backlit_ui::drawing::{JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, SideMarks, SightRay};
+use backlit_ui::drawing::{
+    JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, ProjectedSphere, SideMarks, SightRay,
+};
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
 use backlit_ui::widgets::{Framing, ViewTransform};
@@ -82,6 +85,12 @@ pub struct CameraTileInput<'a> {
     pub weight: f64,
     /// What the cameras see and do not see, drawn over the picture.
     pub observed: ObservedMarks<'a>,
+    /// The spheres that stand for the body, the farthest first; empty where they are not outlined.
+    pub spheres: &'a [ProjectedSphere],
+    /// From the end of each limb to where a prior learnt from motion would have it; empty without one.
+    pub likelier: &'a [[DVec2; 2]],
+    /// What held the limbs, where the frame was tracked with cues.
+    pub held: &'a [LimbHold],
     /// The numbers of the pixel under the pointer are shown.
     pub shows_hover_card: bool,
 }

@@ -114,7 +114,9 @@ pub(crate) fn more(ui: &mut Ui, input: &CameraTileInput<'_>, has_link: bool, eve
     );
     let grid = checkbox(ui, &mut settings.pixel_grid, "Pixel grid")
         .on_hover_text("Lines between pixels where they are shown large");
-    if marks.changed() || sides.changed() || grid.changed() {
+    let spheres = checkbox(ui, &mut settings.spheres, "Spheres")
+        .on_hover_text("With the renderer of spheres: a circle for each of those that stand for the body");
+    if spheres.changed() || marks.changed() || sides.changed() || grid.changed() {
         events.push(TileEvent::SetSettings(settings));
     }
     ui.separator();

@@ -9,11 +9,11 @@ use egui::{
 };
 
 use super::next;
-use crate::context::Requests;
+use crate::context::{Context, Requests};
 use crate::take::demonstration::Demonstration;
 
 /// The sentences with a button for each thing to try, as wide as the centre; whether they are closed.
-pub(super) fn ui(ui: &mut Ui, which: Demonstration, requests: &mut Requests) -> bool {
+pub(super) fn ui(ui: &mut Ui, which: Demonstration, context: &Context<'_>, requests: &mut Requests) -> bool {
     let mut is_closed = false;
     let palette = theme::palette(ui);
     let frame = Frame::NONE.fill(palette.raised).inner_margin(Margin::symmetric(10, 6));
@@ -31,7 +31,7 @@ pub(super) fn ui(ui: &mut Ui, which: Demonstration, requests: &mut Requests) -> 
                         for try_next in next::of(which) {
                             let button = ui.add(Button::new(try_next.text));
                             if button.on_hover_text(try_next.tooltip).clicked() {
-                                try_next.request(which, requests);
+                                try_next.request(which, context, requests);
                             }
                         }
                     });

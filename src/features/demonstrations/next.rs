@@ -1,13 +1,17 @@
 //! What to try next in a demonstration: a button each.
 
 use backlit_tracking::fit::Preset;
+use backlit_tracking::render::RendererKind;
 
+use super::Opening;
 use crate::context::command::{
-    Command, FitCommand, TimelineCommand, TrackingCommand, Variants, WindowCommand,
+    Command, FitCommand, SceneCommand, TimelineCommand, TrackingCommand, Variants, WindowCommand,
 };
 use crate::context::preferences::Layout;
-use crate::context::{Request, Requests};
+use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
+use crate::document::likely_poses;
+use crate::document::tracking_choices::{CueChoice, TrackingChoices};
 use crate::take::demonstration::Demonstration;
 
 /// One thing to try.
@@ -28,6 +32,8 @@ enum Act {
     Compare(Variants),
     /// A camera counts from now on, and the laboratory fits again.
     UseCamera(usize),
+    /// All frames are tracked with these cues, and with likely poses of this weight.
+    Track(CueChoice, f64),
 }
 
 const POSE: Command = Command::Window(WindowCommand::Layout(Layout::Pose));
@@ -77,6 +83,46 @@ const PLAY: Try = Try {
     tooltip: "Plays all frames with their names, from the first on",
     act: Act::Commands(&[POSE, FIRST, Command::Timeline(TimelineCommand::Play)]),
 };
+const SPHERES: Try = Try {
+    text: "As spheres",
+    tooltip: "Draw and fit the body by the spheres of its trees",
+    act: Act::Commands(&[Command::Fit(FitCommand::Renderer(RendererKind::SphereTree { spheres: None }))]),
+};
+const CAPSULES: Try = Try {
+    text: "As capsules",
+    tooltip: "Draw and fit the body as capsules: look at the overlap",
+    act: Act::Commands(&[Command::Fit(FitCommand::Renderer(RendererKind::Capsule))]),
+};
+const SCENE: Try = Try {
+    text: "Spheres in 3-D",
+    tooltip: "The body of spheres in the scene, from its front",
+    act: Act::Commands(&[Command::Scene(SceneCommand::Front)]),
+};
+const SILHOUETTES: Try = Try {
+    text: "Silhouettes alone",
+    tooltip: "Track all frames again without any cue",
+    act: Act::Track(CueChoice::None, 0.0),
+};
+const LIKELY: Try = Try {
+    text: "With likely poses",
+    tooltip: "Track all frames again without cues; poses that people were recorded in are preferred",
+    act: Act::Track(CueChoice::None, 3.0),
+};
+const KEYPOINTS: Try = Try {
+    text: "With keypoints",
+    tooltip: "Track all frames again; keypoints of another tool pull at limbs that no silhouette shows",
+    act: Act::Track(CueChoice::Keypoints, 0.0),
+};
+const PICTURES: Try = Try {
+    text: "With the pictures",
+    tooltip: "Track all frames again; optic flow and stereo points pull at limbs that no silhouette shows",
+    act: Act::Track(CueChoice::Pictures, 0.0),
+};
+const ALL_CUES: Try = Try {
+    text: "With all of them",
+    tooltip: "Track all frames again with keypoints, optic flow and stereo points",
+    act: Act::Track(CueChoice::All, 0.0),
+};
 
 /// What there is to try.
 pub(super) const fn of(which: Demonstration) -> &'static [Try] {
@@ -89,22 +135,36 @@ pub(super) const fn of(which: Demonstration) -> &'static [Try] {
         }
         Demonstration::Motions => &[PLAY, TRACK_REPORT, TRACK_ROBUST],
         Demonstration::Bias => &[WITH_CAMERA_2, RAMPS, RENDERERS],
+        Demonstration::Spheres => &[SPHERES, CAPSULES, SCENE],
+        Demonstration::Cues => &[SILHOUETTES, LIKELY, KEYPOINTS, PICTURES, ALL_CUES],
     }
 }
 
 impl Try {
-    pub(super) fn request(&self, which: Demonstration, requests: &mut Requests) {
-        let compare = |over| Request::RunLaboratory { over, camera: None };
+    pub(super) fn request(&self, which: Demonstration, context: &Context<'_>, requests: &mut Requests) {
+        let mut compare = |over| {
+            requests.request(Request::Layout(Layout::Demonstrate));
+            requests.request(Request::RunLaboratory { over, camera: None });
+        };
         match self.act {
             Act::Commands(commands) => commands.iter().for_each(|command| requests.run(*command)),
-            Act::Compare(over) => {
-                requests.request(Request::Layout(Layout::Demonstrate));
-                requests.request(compare(over));
-            }
+            Act::Compare(over) => compare(over),
             Act::UseCamera(camera) => {
+                if let Opening::Laboratory(over, _) = super::opening(which) {
+                    compare(over);
+                }
                 requests.edit(Edit::UseCamera { camera, used: true });
-                requests.request(Request::Layout(Layout::Demonstrate));
-                requests.request(compare(super::compared(which)));
+            }
+            Act::Track(cues, likely) => {
+                let document = context.document();
+                requests.edit(Edit::SetTracking(TrackingChoices { cues, ..document.tracking }));
+                let mut options = (*document.fit).clone();
+                likely_poses::set_weight(&mut options, likely);
+                if options != *document.fit {
+                    let what = "Change solver".to_owned();
+                    requests.edit(Edit::SetFit { options: Box::new(options), what });
+                }
+                requests.commands.extend([Command::Tracking(TrackingCommand::Clear), FIRST, TRACK]);
             }
         }
     }

@@ -1,13 +1,15 @@
 //! The Renderer section: which solid stands for a limb.
 
+use backlit_tracking::body::Model;
 use backlit_tracking::render::RendererKind;
+use backlit_ui::style::format;
 use backlit_ui::style::theme;
-use backlit_ui::widgets::choice;
-use backlit_ui::widgets::{SliderRow, section};
+use backlit_ui::widgets::{SliderRow, checkbox, choice, section};
 use egui::{RichText, Ui};
 
 use crate::context::command::{Command, FitCommand};
-use crate::context::{Context, Requests};
+use crate::context::command_button;
+use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
 
@@ -40,7 +42,12 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
     let ramps = words::ramps(fit);
     section(ui, "Renderer", &format!("{name}, {ramps}"), open, |ui| {
         kind_box(ui, context, requests, ui.available_width());
-        if let RendererKind::SphereTree { spheres } = fit.renderer {
+        let levels = context.document().model.spheres_by_level();
+        if let RendererKind::SphereTree { spheres: None } = fit.renderer
+            && !levels.is_empty()
+        {
+            sphere_levels(ui, context, &levels, requests);
+        } else if let RendererKind::SphereTree { spheres } = fit.renderer {
             let mut count = spheres.unwrap_or(0) as f64;
             let row = SliderRow {
                 name: "Spheres",
@@ -53,7 +60,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
                 tooltip: "Spheres of a limb; 0 takes as many as its length asks for",
             };
             let response = row.show(ui, &mut count);
-            let drag = crate::context::command_button::gesture(ui, "spheres", &response);
+            let drag = command_button::gesture(ui, "spheres", &response);
             if response.changed() {
                 let count = count.round().max(0.0) as usize;
                 let mut options = fit.clone();
@@ -67,6 +74,41 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
             RendererKind::Cylinder => "Flat ends: seen from the side, they hardly pull along the limb.",
             RendererKind::SphereTree { .. } => "Spheres pull along the limb everywhere, a little.",
         };
+        command_button::button(ui, context, requests, Command::Fit(FitCommand::MakeSpheres));
         ui.label(RichText::new(text).small().color(theme::palette(ui).text3));
     });
+}
+
+/// The levels of a body of spheres: one is drawn in the views and the scene.
+fn sphere_levels(ui: &mut Ui, context: &Context<'_>, levels: &[usize], requests: &mut Requests) {
+    let model = &context.document().model;
+    let mut settings = context.views;
+    let finest = levels.len() - 1;
+    let drawn = settings.drawn_level().min(finest);
+    for (level, count) in levels.iter().enumerate() {
+        let error = if level == finest {
+            "finest".to_owned()
+        } else {
+            format!("{} off, mean", format::length(mean_error_m(model, level)))
+        };
+        let text = format!("Level {}: {count} spheres, {error}", level + 1);
+        let row = ui.selectable_label(level == drawn, text).on_hover_text(
+            "Draw this level in the views and the scene. The fit takes the coarsest one that is fine enough for a picture",
+        );
+        if row.clicked() {
+            settings.sphere_level = (level < finest).then_some(level);
+        }
+    }
+    checkbox(ui, &mut settings.spheres, "Outline spheres in views")
+        .on_hover_text("A circle for each sphere, in the colour of its limb");
+    if settings != context.views {
+        requests.request(Request::Views(settings));
+    }
+}
+
+/// How much farther a level's spheres stand off the limbs than the finest level's, metres: the mean over the limbs.
+fn mean_error_m(model: &Model, level: usize) -> f64 {
+    let errors: Vec<f64> =
+        model.limbs().iter().filter_map(|limb| Some(limb.coarser.get(level)?.error)).collect();
+    errors.iter().sum::<f64>() / errors.len().max(1) as f64
 }

@@ -14,6 +14,7 @@ use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
 use crate::document::fit_words::preset_like;
+use crate::document::likely_poses;
 
 /// Width of the names in this section.
 const NAME: f32 = 78.0;
@@ -77,6 +78,17 @@ pub(crate) fn ui(
                 .on_hover_text("Twist prior: pull of every limb’s twist towards none, since silhouettes do not show it. 0: twists drift; \
                      large values turn limbs stiff");
             hint(ui, "to no twist");
+        });
+        row(ui, "Likely", |ui| {
+            let mut weight = likely_poses::weight(&options);
+            let field = number_field(ui, "Likely poses", &mut weight, 0, "", 1.0, FIELD).on_hover_text(
+                "Likely poses: pull towards poses that people were recorded in, where silhouettes do not decide. 0: none; 3 \
+                 helps with two cameras; large values hold the body in common poses. Arrows in the views show where it pulls",
+            );
+            if field.changed() {
+                likely_poses::set_weight(&mut options, weight.max(0.0));
+            }
+            hint(ui, "poses of people");
         });
         row(ui, "Limits", |ui| {
             number_field(ui, "Joint limits", &mut options.limit_weight, 0, "", 5.0, FIELD)

@@ -3,7 +3,7 @@
 use super::Fit;
 use crate::context::Context;
 use crate::context::command::FitCommand;
-use crate::context::unavailable::{Why, because, no_fit};
+use crate::context::unavailable::{Why, because, no_body_fit, no_fit};
 use crate::document::runs::StepRef;
 
 impl Fit {
@@ -12,8 +12,11 @@ impl Fit {
         let busy = context.busy;
         match command {
             FitCommand::Step | FitCommand::SearchPoses => no_fit(context),
-            FitCommand::Run | FitCommand::RunAgain(_) | FitCommand::Refit(_) | FitCommand::FitBody => {
+            FitCommand::Run | FitCommand::RunAgain(_) | FitCommand::Refit(_) => {
                 no_fit(context).or(because(busy.fitting, "The fit is running"))
+            }
+            FitCommand::FitBody | FitCommand::MakeSpheres => {
+                no_body_fit(context).or(because(busy.fitting, "The fit is running"))
             }
             FitCommand::Stop => {
                 let is_behind = busy.exporting.is_some() || context.busy.basin;

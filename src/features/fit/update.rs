@@ -15,6 +15,7 @@ use crate::context::command_button::next_gesture;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
+use crate::document::likely_poses;
 use crate::document::run::{Run, RunChoices, RunEnding, RunStep};
 use crate::document::runs::{RunChange, StepRef};
 use crate::document::tracking_choices::TrackingChoices;
@@ -43,7 +44,7 @@ impl Fit {
             FitCommand::Branch => branch(context, requests),
             FitCommand::Refit(part) => self.refit(part, context, requests),
             FitCommand::RunAgain(over) => self.run_again(over, context, requests),
-            FitCommand::SearchPoses | FitCommand::FitBody => {}
+            FitCommand::SearchPoses | FitCommand::FitBody | FitCommand::MakeSpheres => {}
             FitCommand::Renderer(renderer) => {
                 let options = FitOptions { renderer, ..(*context.document().fit).clone() };
                 let what = format!("Switch to {}", words::renderer_name(renderer).to_lowercase());
@@ -321,7 +322,8 @@ fn branch(context: &Context<'_>, requests: &mut Requests) {
 fn set_preset(preset: Preset, context: &Context<'_>, requests: &mut Requests) {
     let document = context.document();
     let gesture = next_gesture(context.egui);
-    let options = FitOptions { renderer: document.fit.renderer, ..FitOptions::preset(preset) };
+    let mut options = FitOptions { renderer: document.fit.renderer, ..FitOptions::preset(preset) };
+    likely_poses::set_weight(&mut options, likely_poses::weight(&document.fit));
     let what = format!("Switch to {}", preset.label());
     requests.drag(Edit::SetFit { options: Box::new(options), what }, gesture);
     let mut choices = TrackingChoices::of_preset(Some(preset));

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use backlit_tracking::body::{Kinematics, Model};
+use backlit_tracking::body::{Kinematics, Model, PlacedSphere};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::visual_hull::VisualHull;
+use backlit_ui::drawing::body_spheres;
 use backlit_ui::style::theme::camera_colours;
 use backlit_ui::style::theme::data_colours::{AGREEMENT, SCENE_BODY, SCENE_FLOOR, SELECTED};
 use egui::Color32;
@@ -47,6 +48,8 @@ pub(crate) struct ContentsInput<'a> {
     pub(crate) kinematics: &'a Kinematics,
     /// The shape of its limbs.
     pub(crate) renderer: RendererKind,
+    /// The level of its limbs' trees of spheres, counted from the coarsest.
+    pub(crate) sphere_level: usize,
     /// The rotation whose limbs are marked.
     pub(crate) rotation: Option<usize>,
     /// The cameras, and how they are used.
@@ -113,25 +116,31 @@ pub(crate) fn contents(input: &ContentsInput<'_>) -> Contents {
 
 fn limbs(input: &ContentsInput<'_>) -> Vec<Limb> {
     let (starts, ends) = (input.kinematics.starts(), input.kinematics.ends());
-    let mut limbs = Vec::new();
-    for (index, limb) in input.model.limbs().iter().enumerate() {
-        let colour = if input.rotation == Some(limb.rotation) { SELECTED } else { SCENE_BODY };
-        let (from, to) = (starts[index], ends[index]);
-        let shaped = |ends, shape| Limb { ends, radius: limb.radius, shape, colour };
-        match input.renderer {
-            RendererKind::SphereTree { spheres } => {
-                let own = 1.0 + (2.0 * limb.length / limb.radius.max(1e-6)).ceil();
-                let count = spheres.unwrap_or(own.clamp(1.0, 64.0) as usize).clamp(1, 64);
-                for sphere in 0..count {
-                    let share = if count > 1 { sphere as f64 / (count - 1) as f64 } else { 0.5 };
-                    limbs.push(shaped([from.lerp(to, share); 2], Ends::Round));
-                }
-            }
-            RendererKind::Cylinder => limbs.push(shaped([from, to], Ends::Flat)),
-            RendererKind::Capsule => limbs.push(shaped([from, to], Ends::Round)),
-        }
-    }
+    let colour = |limb: usize| {
+        let is_held = input.rotation == Some(input.model.limbs()[limb].rotation);
+        if is_held { SELECTED } else { SCENE_BODY }
+    };
+    let spheres = body_spheres(input.model, input.kinematics, input.renderer, input.sphere_level);
+    let sphere = |sphere: PlacedSphere| Limb {
+        ends: [sphere.centre; 2],
+        radius: sphere.radius,
+        shape: Ends::Round,
+        colour: colour(sphere.limb),
+    };
+    let shape = match input.renderer {
+        RendererKind::SphereTree { .. } => return spheres.into_iter().map(sphere).collect(),
+        RendererKind::Cylinder => Ends::Flat,
+        RendererKind::Capsule => Ends::Round,
+    };
+    let limbs = input.model.limbs().iter().enumerate();
     limbs
+        .map(|(index, limb)| Limb {
+            ends: [starts[index], ends[index]],
+            radius: limb.radius,
+            shape,
+            colour: colour(index),
+        })
+        .collect()
 }
 
 fn floor(input: &ContentsInput<'_>) -> Floor {
@@ -253,6 +262,7 @@ mod tests {
             model: &model,
             kinematics: &kinematics,
             renderer: RendererKind::Capsule,
+            sphere_level: usize::MAX,
             rotation: None,
             cameras: &cameras,
             uses: &uses,

@@ -140,6 +140,7 @@ impl Stage {
             model: &document.model,
             kinematics: &self.kinematics,
             renderer: document.fit.renderer,
+            sphere_level: context.views.drawn_level(),
             rotation,
             cameras: session.take.as_ref().map_or(&[], |take| take.cameras.as_slice()),
             uses: &document.cameras,

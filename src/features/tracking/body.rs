@@ -11,17 +11,19 @@ use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
 
 /// Frames that a body is fitted to: more of one movement say little more.
-const MOST_FRAMES: usize = 8;
+pub(super) const SIZE_FRAMES: usize = 8;
+/// Frames that limbs are carved from: each view takes away what the others could not see.
+pub(super) const SPHERE_FRAMES: usize = 12;
 
-/// The frames that a body is fitted to, with their poses: at most eight of those that have poses of their own, or else
-/// the one on the screen.
-pub(super) fn frames(context: &Context<'_>) -> VecDeque<(usize, Pose)> {
+/// The frames that a body is made of, with their poses: at most so many of those that have poses of their own, or else the one
+/// on the screen.
+pub(super) fn frames(context: &Context<'_>, most: usize) -> VecDeque<(usize, Pose)> {
     let document = context.document();
     let is_lost = |frame: usize| document.estimates.get(&frame).is_some_and(|found| found.lost);
     let all = 0..context.session.frame_count();
     let posed: Vec<usize> = all.filter(|&frame| document.has_pose(frame) && !is_lost(frame)).collect();
     let shown = context.selection.frame;
-    let chosen = if posed.is_empty() { vec![shown] } else { choice::spread(&posed, MOST_FRAMES) };
+    let chosen = if posed.is_empty() { vec![shown] } else { choice::spread(&posed, most) };
     chosen.into_iter().map(|frame| (frame, document.pose_at(frame).clone())).collect()
 }
 

@@ -7,7 +7,7 @@ use egui::Ui;
 
 use crate::context::{Context, Requests};
 use crate::document::edit::Edit;
-use crate::document::tracking_choices::{AtKeys, Following, TrackedBody};
+use crate::document::tracking_choices::{AtKeys, CueChoice, Following, TrackedBody};
 
 /// Width of the names, as in the rest of the section.
 const NAME: f32 = 78.0;
@@ -59,6 +59,21 @@ const BODIES: [(TrackedBody, &str, &str); 2] = [
     (TrackedBody::AsItIs, "As it is", "The average body is tracked"),
 ];
 
+const CUES: [(CueChoice, &str, &str); 4] = [
+    (CueChoice::None, "None", "Silhouettes alone: a limb before or behind another may drift"),
+    (
+        CueChoice::Keypoints,
+        "Keypoints",
+        "The take’s 2-D keypoints of another tool pull at limbs that no camera’s silhouette shows",
+    ),
+    (
+        CueChoice::Pictures,
+        "Pictures",
+        "Optic flow and stereo points of the cameras’ pictures pull at such limbs; slower",
+    ),
+    (CueChoice::All, "All", "Keypoints where the take has them, optic flow and stereo points; slower"),
+];
+
 /// The rows.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let choices = context.document().tracking;
@@ -80,6 +95,14 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
             chosen.at_keys = at_keys;
         }
         hint(ui, "on the way");
+    });
+    row(ui, "Cues", |ui| {
+        let rows = CUES.map(|(cues, text, tooltip)| (cues, text, tooltip.to_owned()));
+        let text = rows.iter().find(|(cues, ..)| *cues == choices.cues).map_or("", |(_, text, _)| text);
+        if let Some(cues) = choice(ui, "Cues", BOX, text, &rows) {
+            chosen.cues = cues;
+        }
+        hint(ui, "of hidden limbs");
     });
     if context.lacks_sizes() {
         row(ui, "Body", |ui| {

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use backlit_jobs::{Job, Outbox, Step};
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::cues::{CueOptions, FrameCues};
 use backlit_tracking::fit::FitError;
 use backlit_tracking::observability::believed_joints;
 use backlit_tracking::posing;
@@ -16,11 +17,11 @@ use backlit_tracking::track::{FrameEstimate, Smoother, SmoothingError, Track, Tr
 
 use super::Found;
 use super::read_ahead::ReadAhead;
-use super::survey::nobody_to_track;
-use crate::document::tracking_choices::{AtKeys, Following, TrackingChoices};
+use super::survey::{no_keypoints, nobody_to_track};
+use crate::document::tracking_choices::{AtKeys, CueChoice, Following, TrackingChoices};
 use crate::document::{Estimate, Origin};
 use crate::session::prediction::FitInputs;
-use crate::session::{BelievedJoints, FrameData, load_frame};
+use crate::session::{BelievedJoints, FrameData, HeldLimbs, load_frame};
 use crate::take::footage::Footage;
 
 /// A way through the take.
@@ -83,9 +84,13 @@ impl TrackJob {
     fn new_tracker(&self, start: Pose) -> anyhow::Result<Tracker> {
         let tracker = Tracker::new(self.inputs.fit.model.clone(), (*self.inputs.fit.fit).clone(), start)?;
         let motion = self.inputs.choices.motion.motion();
-        Ok(tracker
+        let tracker = tracker
             .with_motion(motion, self.inputs.footage.frame_rate)?
-            .with_search(self.inputs.choices.search))
+            .with_search(self.inputs.choices.search);
+        Ok(match self.inputs.choices.cues.cues() {
+            [] => tracker,
+            cues => tracker.with_cues(CueOptions::default().only(cues))?,
+        })
     }
 
     /// The frame's pictures.
@@ -102,7 +107,7 @@ impl TrackJob {
     fn track(&mut self, frame: usize, out: &Outbox<Found>) -> anyhow::Result<FrameEstimate> {
         let data = self.data(frame, out.cancel());
         self.inputs.fit.frame = Some(data.clone());
-        out.send(Found::Loaded(data));
+        out.send(Found::Loaded(data.clone()));
         if let Some(key) = self.kept_key(frame).cloned() {
             self.tracker = Some(self.new_tracker(key.clone())?.continuing_from(frame));
             let mut kept = FrameEstimate::of_pose(frame, key);
@@ -128,11 +133,24 @@ impl TrackJob {
                 None => tracker,
             });
         }
-        let views = self.inputs.fit.views();
+        let (views, cues) = (self.inputs.fit.views(), self.cues(&data)?);
         match &mut self.tracker {
-            Some(tracker) => Ok(tracker.track_frame(frame, views, out.cancel())?),
+            Some(tracker) => Ok(tracker.track_frame_with_cues(frame, views, cues, out.cancel())?),
             None => Err(FitError::NoData { reasons: "there is no pose to begin with".to_owned() }.into()),
         }
+    }
+
+    /// What the frame has beside the silhouettes of the cameras that count, in the order of their views.
+    fn cues(&self, data: &FrameData) -> anyhow::Result<FrameCues> {
+        let (choice, footage) = (self.inputs.choices.cues, &self.inputs.footage);
+        if choice == CueChoice::None {
+            return Ok(FrameCues::default());
+        }
+        let picture =
+            |camera: usize| data.cameras[camera].image.as_deref().filter(|_| choice.wants_pictures());
+        let of = |camera: usize| footage.cues(camera, data.frame, picture(camera));
+        let cameras = self.inputs.fit.seen_cameras().map(of).collect::<Result<_, _>>()?;
+        Ok(FrameCues { cameras })
     }
 
     /// The key pose of a frame, if it stays as it was set.
@@ -160,7 +178,7 @@ impl TrackJob {
             Ok(known) => known,
             Err(error) => return out.send(Found::Refused(format!("Poses cannot be smoothed: {error}."))),
         };
-        self.tell_beliefs(&known, out);
+        self.tell_beside(&known, out);
         if !known.is_empty() {
             out.send(Found::Revised(known.iter().map(revised).collect()));
         }
@@ -169,10 +187,14 @@ impl TrackJob {
         }
     }
 
-    /// Says what the filter believes of the joints, where there is one.
-    fn tell_beliefs<'a>(&self, found: impl IntoIterator<Item = &'a FrameEstimate>, out: &Outbox<Found>) {
+    /// Says what is known beside poses: what the filter believes of the joints, and what held the limbs.
+    fn tell_beside(&self, found: &[FrameEstimate], out: &Outbox<Found>) {
         let model = &self.inputs.fit.model;
-        let beliefs: Vec<_> = found.into_iter().filter_map(|found| believed(model, found)).collect();
+        let held: Vec<_> = found.iter().filter_map(held).collect();
+        if !held.is_empty() {
+            out.send(Found::Held(held));
+        }
+        let beliefs: Vec<_> = found.iter().filter_map(|found| believed(model, found)).collect();
         if !beliefs.is_empty() {
             out.send(Found::Believed(beliefs));
         }
@@ -234,7 +256,8 @@ impl Job<Found> for TrackJob {
             return Step::Done;
         }
         if !std::mem::replace(&mut self.is_surveyed, true)
-            && let Some(why) = nobody_to_track(&self.inputs, out.cancel())
+            && let Some(why) =
+                no_keypoints(&self.inputs).or_else(|| nobody_to_track(&self.inputs, out.cancel()))
         {
             out.send(Found::Refused(why));
             return Step::Done;
@@ -254,7 +277,7 @@ impl Job<Found> for TrackJob {
             // What a cancelled fit leaves is half a fit.
             Ok(_) if out.cancel().is_cancelled() => {}
             Ok(found) => {
-                self.tell_beliefs([&found], out);
+                self.tell_beside(std::slice::from_ref(&found), out);
                 out.send(Found::Tracked(frame, estimate(&found)));
                 if !found.hypotheses.is_empty() {
                     out.send(Found::Poses(frame, found.hypotheses.clone()));
@@ -279,6 +302,12 @@ fn believed(model: &Model, found: &FrameEstimate) -> Option<(usize, BelievedJoin
     let covariance = found.belief.as_ref()?.belief.pose_covariance();
     let joints = Arc::new(believed_joints(model, &found.pose, &covariance));
     Some((found.frame, BelievedJoints { pose: found.pose.clone(), joints }))
+}
+
+/// What held the limbs, if the frame was tracked with cues.
+fn held(found: &FrameEstimate) -> Option<(usize, HeldLimbs)> {
+    let holds = (!found.holds.is_empty()).then(|| found.holds.clone().into())?;
+    Some((found.frame, HeldLimbs { pose: found.pose.clone(), holds }))
 }
 
 fn revised(found: &FrameEstimate) -> (usize, Arc<Estimate>) {

@@ -4,14 +4,16 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Kinematics, Pose, Sides};
 use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::cues::Cue;
+use backlit_tracking::render::RendererKind;
 use backlit_tracking::segment::SegmentOptions;
 
 use super::read_ahead::ReadAhead;
 use crate::app::testing::{Breaks, errors, open_source, open_take, settle, small_take};
-use crate::context::command::{Command, FitCommand, HistoryCommand, TrackingCommand};
+use crate::context::command::{Command, FitCommand, HistoryCommand, TimelineCommand, TrackingCommand};
 use crate::context::preferences::Layout;
 use crate::document::edit::Edit;
-use crate::document::tracking_choices::TrackedBody;
+use crate::document::tracking_choices::{CueChoice, TrackedBody, TrackingChoices};
 use crate::session::load_frame;
 use crate::take::demonstration::Demonstration;
 use crate::take::footage::Footage;
@@ -112,4 +114,77 @@ fn frames_that_are_read_ahead_are_those_that_are_asked_for() {
         let read = reader.get(frame);
         assert_eq!((read.frame, &read.cameras[0].mask), (frame, &mask(frame)));
     }
+}
+
+/// Silhouettes lose an arm, keypoints hold it, and which held which limb is known of every frame.
+#[test]
+fn keypoints_hold_what_silhouettes_lose_and_that_is_said() {
+    let which = Demonstration::Cues;
+    let (mut window, mut app) = open_take(which, Layout::Pose);
+    let mean_mm = |app: &crate::app::App| {
+        let model = &app.document().model;
+        let limb = |name: &str| model.limb_index(name).unwrap();
+        let arms = ["left forearm", "right forearm"].map(limb);
+        let off = app.document().estimates.iter().flat_map(|(frame, found)| {
+            let [found, truth] =
+                [&found.pose, &which.truth(*frame).unwrap()].map(|pose| Kinematics::new(model, pose));
+            arms.map(|limb| 1000.0 * found.ends()[limb].distance(truth.ends()[limb]))
+        });
+        let off: Vec<f64> = off.collect();
+        off.iter().sum::<f64>() / off.len() as f64
+    };
+    let frames = app.state.session.frame_count();
+    assert_eq!(app.document().estimates.len(), frames, "it is tracked as it opens");
+    let with_keypoints = mean_mm(&app);
+    let by_keypoints = app.document().estimates.iter().filter(|(frame, found)| {
+        let held = app.state.session.held(**frame, &found.pose);
+        held.iter().any(|hold| !hold.by_silhouettes && hold.cues == [Cue::Keypoints])
+    });
+    assert!(by_keypoints.count() > frames / 4);
+
+    let alone = TrackingChoices { cues: CueChoice::None, ..app.document().tracking };
+    app.edit(Edit::SetTracking(alone), None);
+    for command in [Command::Tracking(TrackingCommand::Clear), Command::Tracking(TrackingCommand::Forward)] {
+        app.run(Command::Timeline(TimelineCommand::FirstFrame), &window.ctx.clone());
+        app.run(command, &window.ctx.clone());
+        settle(&mut window, &mut app);
+    }
+    let by_silhouettes = mean_mm(&app);
+    assert!(
+        with_keypoints < 80.0 && by_silhouettes > 2.0 * with_keypoints,
+        "{with_keypoints:.0}, {by_silhouettes:.0} mm"
+    );
+    let found = app.document().estimates.values().filter_map(|found| found.iou);
+    assert!(found.fold(1.0, f64::min) > 0.7, "the overlap says nothing of it");
+}
+
+#[test]
+fn keypoints_that_are_not_there_are_asked_for_in_words() {
+    let (mut window, mut app) = open_take(Demonstration::TinySequence, Layout::Pose);
+    let keypoints = TrackingChoices { cues: CueChoice::Keypoints, ..app.document().tracking };
+    app.edit(Edit::SetTracking(keypoints), None);
+    app.run(Command::Tracking(TrackingCommand::Forward), &window.ctx.clone());
+    settle(&mut window, &mut app);
+    let said = errors(&app);
+    assert!(said.len() == 1 && said[0].starts_with("Not tracked: the take has no keypoints"), "{said:?}");
+    assert!(app.document().estimates.is_empty());
+}
+
+#[test]
+fn a_body_of_spheres_fits_better_than_capsules_and_is_taken_back_at_once() {
+    let (mut window, mut app) = open_take(Demonstration::Spheres, Layout::Pose);
+    let iou = |app: &crate::app::App| app.state.session.iou().unwrap();
+    let levels = app.document().model.spheres_by_level();
+    assert!(levels.len() == 2 && levels[0] < levels[1], "{levels:?}: it is made as it opens");
+    assert!(app.features.camera_views.preferences.settings.spheres, "the spheres are outlined");
+    let spheres = iou(&app);
+    app.run(Command::Fit(FitCommand::Renderer(RendererKind::Capsule)), &window.ctx.clone());
+    settle(&mut window, &mut app);
+    let capsules = iou(&app);
+    assert!(spheres > capsules + 0.02, "{spheres:.3}, {capsules:.3}");
+    for _ in 0..2 {
+        app.run(Command::History(HistoryCommand::Undo), &window.ctx.clone());
+    }
+    assert!(app.document().model.spheres_by_level().is_empty());
+    assert_eq!(app.document().fit.renderer, RendererKind::Capsule);
 }

@@ -16,9 +16,10 @@ use super::job::{Leg, TrackInputs, TrackJob};
 use super::keys::keys_around;
 use super::person_job::PersonJob;
 use super::poses_job::PosesJob;
+use super::spheres_job::{self, SpheresJob};
 use super::{Found, OtherPoses, Tracking, Work, body};
 use crate::context::activity::TrackingProgress;
-use crate::context::command::{Command, HistoryCommand, TrackingCommand};
+use crate::context::command::{Command, FitCommand, HistoryCommand, TrackingCommand};
 use crate::context::command_button::next_gesture;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
@@ -152,13 +153,20 @@ impl Tracking {
         self.begin(Work::Search(context.selection.frame), context, PosesJob { fit, start });
     }
 
-    /// Fits lengths and radii to the frames that have poses of their own.
-    pub(crate) fn fit_body(&mut self, context: &Context<'_>, requests: &mut Requests) {
-        let Some((take, fit)) = context.session.take.clone().zip(context.fit_inputs()) else { return };
+    /// Fits lengths and radii to the frames that have poses of their own, or makes a body of spheres from them.
+    pub(crate) fn make_body(&mut self, command: FitCommand, context: &Context<'_>, requests: &mut Requests) {
+        let Some((footage, fit)) = context.session.take.clone().zip(context.fit_inputs()) else { return };
         let measurement = context.document().measurement.clone();
-        let waiting = body::frames(context);
-        let job = BodyJob { footage: take, measurement, fit, waiting, read: Vec::new() };
-        self.begin(Work::FitBody, context, job);
+        if command == FitCommand::MakeSpheres {
+            let waiting = body::frames(context, body::SPHERE_FRAMES);
+            self.at = None;
+            let job = SpheresJob { footage, measurement, fit, waiting, read: Vec::new() };
+            self.begin(Work::Spheres, context, job);
+        } else {
+            let waiting = body::frames(context, body::SIZE_FRAMES);
+            let job = BodyJob { footage, measurement, fit, waiting, read: Vec::new() };
+            self.begin(Work::FitBody, context, job);
+        }
         requests.request(Request::LeaveStep);
     }
 
@@ -234,11 +242,13 @@ impl Tracking {
                 }
                 News::Output(Found::Revised(found)) => track.extend(found),
                 News::Output(Found::Believed(found)) => requests.beliefs.extend(found),
+                News::Output(Found::Held(found)) => requests.held.extend(found),
                 News::Output(Found::Joined { frame, distance_m, meets }) => {
                     joined(frame, distance_m, meets, requests);
                 }
                 News::Output(Found::Poses(frame, found)) => self.poses_found(frame, found, context, requests),
                 News::Output(Found::Body(fit)) => body::take_in(&fit, context, requests),
+                News::Output(Found::Spheres(body)) => spheres_job::take_in(&body, context, requests),
                 News::Output(Found::Person { frame, person, said }) => {
                     self.person_found(frame, &person, said, context, requests);
                 }

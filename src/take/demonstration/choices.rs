@@ -6,12 +6,15 @@ use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::render::Ramp;
 
 use super::Demonstration;
+use crate::document::tracking_choices::CueChoice;
 
 impl Demonstration {
     /// The choices that the take begins with.
     pub(crate) fn fit(self) -> FitOptions {
         match self {
-            Self::Sequence | Self::TinySequence | Self::Motions => FitOptions::preset(Preset::Robust),
+            Self::Sequence | Self::TinySequence | Self::Cues | Self::Spheres | Self::Motions => {
+                FitOptions::preset(Preset::Robust)
+            }
             Self::Bias => {
                 let mut looks = bias::Options::default().looks.into_iter();
                 let thesis = looks.find(|look| look.ramp == Ramp::Thesis && look.data != bias::Data::Area);
@@ -21,10 +24,24 @@ impl Demonstration {
         }
     }
 
+    /// What pulls at limbs that silhouettes do not hold.
+    pub(crate) const fn cues(self) -> CueChoice {
+        match self {
+            Self::Cues => CueChoice::Keypoints,
+            _ => CueChoice::None,
+        }
+    }
+
+    /// Whether the document begins with the true poses as key poses.
+    pub(crate) fn begins_posed(self) -> bool {
+        self == Self::Spheres
+    }
+
     /// How many of the take's cameras count, from the first on.
     pub(crate) const fn used_cameras(self) -> usize {
         match self {
             Self::SingleLimb | Self::OneCamera | Self::Bias => 1,
+            Self::Spheres => 4,
             Self::Motions => exercise::MOST_CAMERAS,
             _ => 2,
         }

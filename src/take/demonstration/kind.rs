@@ -34,6 +34,14 @@ pub enum Demonstration {
     #[serde(rename = "bias")]
     #[value(name = "bias")]
     Bias,
+    /// Limbs that silhouettes do not hold, and keypoints that do.
+    #[serde(rename = "cues")]
+    #[value(name = "cues")]
+    Cues,
+    /// A body of spheres, carved from silhouettes.
+    #[serde(rename = "spheres")]
+    #[value(name = "spheres")]
+    Spheres,
     /// Different motions that are called by their names.
     #[serde(rename = "motions")]
     #[value(name = "motions")]
@@ -43,7 +51,7 @@ pub enum Demonstration {
 impl Demonstration {
     /// All of them, in the order of the menu.
     #[cfg(test)]
-    pub(crate) const ALL: [Self; 8] = [
+    pub(crate) const ALL: [Self; 10] = [
         Self::SingleLimb,
         Self::OneCamera,
         Self::TwoCameras,
@@ -51,6 +59,8 @@ impl Demonstration {
         Self::TinySequence,
         Self::RealFootage,
         Self::Bias,
+        Self::Cues,
+        Self::Spheres,
         Self::Motions,
     ];
 
@@ -64,7 +74,9 @@ impl Demonstration {
             Self::TinySequence => "Fig. 5.6, simulated: tiny pictures",
             Self::RealFootage => "Figs. 5.4 and 5.5: real footage",
             Self::Bias => "Bias of a ramp",
-            Self::Motions => "Section 6.6: motions recognised",
+            Self::Cues => "Cues under occlusion",
+            Self::Spheres => "A body of spheres",
+            Self::Motions => "Motions recognised",
         }
     }
 
@@ -116,6 +128,18 @@ impl Demonstration {
                  tracked as this opens, and the timeline’s lowest lane says what the motion is called. The Motions tile \
                  shows why: the motion is a curve among the regions of known motions; click it to go to a moment. Hidden \
                  Markov models alone call the squats jumping: choose the method there."
+            }
+            Self::Spheres => {
+                "A clothed person before four cameras, twelve poses known. Capsules are no shirt and no shoes. Here each \
+                 limb is carved from all silhouettes, filled with nested spheres, and these are moved until they fit: \
+                 a circle for each, in the colour of its limb. The Renderer section on the right has the levels of the \
+                 trees; the coarse ones are for small pictures."
+            }
+            Self::Cues => {
+                "Squats before two telephones, 37° apart, the arms towards them: before the trunk an arm has no outline \
+                 of its own, and silhouettes alone lose it while the overlap stays high. Keypoints of another tool, or \
+                 what the pictures show, hold it: limbs that a cue holds are outlined in teal, and what nothing holds \
+                 in dashed red. Point at a limb to read what held it."
             }
         }
     }

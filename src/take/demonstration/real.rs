@@ -49,7 +49,7 @@ pub(super) fn take(name: &str) -> anyhow::Result<Take> {
             Evidence::Measurement(data) => data.to_gray(),
         };
         let camera = (*sequence.moments[0].views[index].camera).clone();
-        Film { camera, pictures: views.map(picture).collect() }
+        Film { camera, pictures: views.map(picture).collect(), masks: Vec::new(), keypoints: Vec::new() }
     };
     let films = (0..cameras.len()).map(film).collect();
     let mut table = "frame,joint,x,y,z\n".to_owned();

@@ -50,10 +50,19 @@ impl Demonstration {
     pub(crate) const fn simulation(self) -> Simulation {
         match self {
             Self::SingleLimb | Self::OneCamera | Self::TwoCameras => Simulation::Prediction,
-            Self::Sequence | Self::TinySequence | Self::RealFootage | Self::Bias | Self::Motions => {
-                Simulation::Mask
-            }
+            Self::Sequence
+            | Self::TinySequence
+            | Self::RealFootage
+            | Self::Bias
+            | Self::Cues
+            | Self::Spheres
+            | Self::Motions => Simulation::Mask,
         }
+    }
+
+    /// Whether its pictures are the silhouettes themselves, not footage with masks beside it.
+    pub(crate) fn pictures_are_silhouettes(self) -> bool {
+        self != Self::Cues
     }
 
     /// Makes its take.
@@ -64,10 +73,17 @@ impl Demonstration {
         if self == Self::RealFootage {
             return super::real::take(self.name());
         }
+        if self == Self::Cues {
+            return super::occluded::take(self.name());
+        }
+        if self == Self::Spheres {
+            return super::carved::take(self.name());
+        }
         let Parts { model, cameras, truths, start, frame_rate } = self.parts()?;
         let film = |camera: &Arc<Camera>| {
             let pictures = truths.iter().map(|truth| self.picture(&model, truth, camera));
-            Ok(Film { camera: (**camera).clone(), pictures: pictures.collect::<anyhow::Result<_>>()? })
+            let pictures = pictures.collect::<anyhow::Result<_>>()?;
+            Ok(Film { camera: (**camera).clone(), pictures, masks: Vec::new(), keypoints: Vec::new() })
         };
         let films = cameras.iter().map(film).collect::<anyhow::Result<Vec<_>>>()?;
         let joints = joints_of(&model, &truths);
@@ -79,6 +95,8 @@ impl Demonstration {
         match self {
             Self::SingleLimb => Some(fig51::truth()),
             Self::RealFootage => None,
+            Self::Spheres => Some(super::carved::truth(frame)),
+            Self::Cues => Some(super::occluded::truth(frame)),
             Self::Motions => Some(exercise_at(&builtin::full_body(), frame)),
             _ => Some(upper_body::motion(&builtin::upper_body(), frame)),
         }
@@ -141,7 +159,7 @@ fn exercise_at(model: &Model, frame: usize) -> Pose {
 }
 
 /// The true joints, as a take reads them.
-fn joints_of(model: &Model, truths: &[Pose]) -> String {
+pub(super) fn joints_of(model: &Model, truths: &[Pose]) -> String {
     let mut text = "frame,joint,x,y,z\n".to_owned();
     for (frame, truth) in truths.iter().enumerate() {
         let kinematics = Kinematics::new(model, truth);
@@ -156,6 +174,10 @@ fn joints_of(model: &Model, truths: &[Pose]) -> String {
 pub(super) struct Film {
     pub(super) camera: Camera,
     pub(super) pictures: Vec<GrayImage>,
+    /// Masks made elsewhere, a frame each; empty where the pictures are the silhouettes.
+    pub(super) masks: Vec<GrayImage>,
+    /// Keypoints of another tool, a file each; empty for none.
+    pub(super) keypoints: Vec<String>,
 }
 
 /// A mask as a picture: the subject black, background white, what is not known between them.
@@ -183,13 +205,24 @@ pub(super) fn assemble(
          start = \"start.json\"\n[cameras]\ncalibration = \"cameras.json\"\n",
     );
     let mut files: Vec<(PathBuf, Vec<u8>)> = Vec::new();
-    for Film { camera, pictures } in &films {
+    for Film { camera, pictures, masks, keypoints } in &films {
         let name = camera.name();
         toml += &format!("[[camera]]\nname = \"{name}\"\nframes = \"{name}/%03d.png\"\n");
-        for (frame, picture) in pictures.iter().enumerate() {
-            let mut bytes = Cursor::new(Vec::new());
-            picture.write_to(&mut bytes, ImageFormat::Png)?;
-            files.push((PathBuf::from(format!("{name}/{frame:03}.png")), bytes.into_inner()));
+        if !masks.is_empty() {
+            toml += &format!("masks = \"{name}/mask%03d.png\"\n");
+        }
+        if !keypoints.is_empty() {
+            toml += &format!("keypoints = \"{name}/%03d.json\"\n");
+        }
+        for (prefix, pictures) in [("", pictures), ("mask", masks)] {
+            for (frame, picture) in pictures.iter().enumerate() {
+                let mut bytes = Cursor::new(Vec::new());
+                picture.write_to(&mut bytes, ImageFormat::Png)?;
+                files.push((PathBuf::from(format!("{name}/{prefix}{frame:03}.png")), bytes.into_inner()));
+            }
+        }
+        for (frame, text) in keypoints.iter().enumerate() {
+            files.push((PathBuf::from(format!("{name}/{frame:03}.json")), text.clone().into_bytes()));
         }
     }
     if let Some(joints) = joints {
@@ -217,7 +250,8 @@ mod tests {
             assert!(demonstration.used_cameras() <= take.rig().count());
             let picture = take.frame(0, take.frame_count() - 1).unwrap();
             let dark = picture.pixels().filter(|pixel| pixel[0] < 128).count();
-            assert!(dark > 30 && dark < picture.pixels().len() / 2, "{demonstration:?}: {dark}");
+            let is_silhouette = dark > 30 && dark < picture.pixels().len() / 2;
+            assert!(is_silhouette || !demonstration.pictures_are_silhouettes(), "{demonstration:?}: {dark}");
         }
     }
 }

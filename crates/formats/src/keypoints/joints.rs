@@ -8,7 +8,7 @@ use backlit_tracking::metrics::ReferenceJoints;
 use backlit_tracking::search::start;
 use glam::{DMat3, DVec2, DVec3};
 
-use super::Person;
+use super::{Keypoint, Person};
 
 /// Keypoints with a lower score are not believed to be anywhere.
 pub(crate) const LOWEST_SCORE: f64 = 0.3;
@@ -34,6 +34,9 @@ const LIMBS: [&str; 12] = [
     "left lower calf",
     "right lower calf",
 ];
+
+/// Keypoints of COCO's body.
+const COCO_KEYPOINTS: usize = 17;
 
 /// Which keypoint shows which limb's second joint, in the order of `LIMBS`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -107,6 +110,17 @@ pub fn cues_of(
         Some(JointKeypoint { limb: model.limb_index(name)?, pixel, score: keypoint.score.min(1.0) })
     };
     LIMBS.iter().zip(order.0).filter_map(cue).collect()
+}
+
+/// The person in COCO's order whose keypoints these are: the other way round than [`cues_of`], for a camera that is both.
+#[must_use]
+pub fn person_of(model: &Model, cues: &[JointKeypoint]) -> Person {
+    let mut person = vec![None; COCO_KEYPOINTS];
+    for (name, index) in LIMBS.iter().zip(ORDERS[0].0) {
+        let cue = cues.iter().find(|cue| model.limb_index(name) == Some(cue.limb));
+        person[index] = cue.map(|cue| Keypoint { place: cue.pixel, score: cue.score });
+    }
+    person
 }
 
 /// The body, and how far its joints are from the keypoints in the mean, metres.

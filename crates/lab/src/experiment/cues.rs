@@ -23,7 +23,7 @@ use backlit_tracking::search::start::perturb;
 use backlit_tracking::track::{FrameEstimate, Tracker, WhenToSearch};
 use serde::Serialize;
 
-use self::footage::{FilmedFrame, film};
+pub use self::footage::{FilmedFrame, film};
 use super::{ExperimentError, Progress};
 use crate::synthetic::occlusions::Occlusion;
 

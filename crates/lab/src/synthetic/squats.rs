@@ -65,7 +65,10 @@ pub fn cameras(size_px: [u64; 2]) -> Result<Vec<Arc<Camera>>, CameraError> {
 }
 
 /// The same, or more of them, in other places, degrees to the subject's left of straight ahead.
-pub(crate) fn cameras_at(places: &[f64], size_px: [u64; 2]) -> Result<Vec<Arc<Camera>>, CameraError> {
+///
+/// # Errors
+/// A size that no camera can have.
+pub fn cameras_at(places: &[f64], size_px: [u64; 2]) -> Result<Vec<Arc<Camera>>, CameraError> {
     let focal = FOCAL * size_px[1] as f64;
     let [cx, cy] = size_px.map(|side| 0.5 * (side as f64 - 1.0));
     let place = |(index, degrees): (usize, &f64)| {

@@ -38,7 +38,7 @@ pub struct SphereBodyOptions {
 impl Default for SphereBodyOptions {
     fn default() -> Self {
         Self {
-            spheres: 240,
+            spheres: 800,
             levels: 2,
             step: 0.0125,
             share: 0.75,
@@ -46,11 +46,11 @@ impl Default for SphereBodyOptions {
             margin: 0.6,
             core: 0.5,
             overlap: 0.015,
-            rounds: 3,
-            steps: 8,
+            rounds: 5,
+            steps: 12,
             stride: 2,
-            centre_deviation: 0.02,
-            radius_deviation: 0.3,
+            centre_deviation: 0.06,
+            radius_deviation: 0.7,
         }
     }
 }

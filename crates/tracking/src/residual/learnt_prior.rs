@@ -11,7 +11,7 @@
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector};
 
 use crate::body::{Kinematics, Model, MovingColumn, Parameters, Pose, Sides};
 use crate::optimize::NormalEquations;
@@ -112,6 +112,29 @@ impl BoundPrior {
     #[must_use]
     pub fn all_numbers(&self, model: &Model, kinematics: &Kinematics) -> Vec<(usize, DVector<f64>)> {
         self.parts.iter().map(|part| (part.index, self.numbers(kinematics, model, part))).collect()
+    }
+
+    /// Where the poses' distribution would have limbs: each with the direction, of unit length in the world, that a step on its part's
+    /// energy alone leads to. Limbs of parts whose energy is flat there stay where they are.
+    #[must_use]
+    pub fn likelier(&self, model: &Model, kinematics: &Kinematics) -> Vec<(usize, DVec3)> {
+        let mut limbs = Vec::new();
+        for part in &self.parts {
+            let x = self.numbers(kinematics, model, part);
+            let pull = self.prior.statistics.parts()[part.index].poses().pull(&x);
+            let Some(curvature) = Cholesky::new(pull.curvature) else { continue };
+            let numbers = x + curvature.solve(&pull.force);
+            for (row, (frame, at)) in part.directions.iter().enumerate() {
+                // The chest has directions that are not along a limb.
+                if at.rest != model.limbs()[at.limb].direction {
+                    continue;
+                }
+                let direction = DVec3::new(numbers[3 * row], numbers[3 * row + 1], numbers[3 * row + 2]);
+                let (_, frame) = self.frame(kinematics, model, *frame);
+                limbs.extend((frame * direction).try_normalize().map(|direction| (at.limb, direction)));
+            }
+        }
+        limbs
     }
 
     /// Adds all parts, `unit` squared grey levels for a weight of 1.
@@ -268,6 +291,29 @@ mod tests {
         let columns = Parameters::Tangent.columns(model.rotation_count());
         let step: Vec<f64> = (0..columns).map(|i| amount * (1.7 * i as f64 + 0.4).sin()).collect();
         Pose::rest(model).retract(Parameters::Tangent, &step)
+    }
+
+    /// With one component alone a step on the energy leads to its mean; with several, to something likelier.
+    #[test]
+    fn limbs_are_pulled_to_where_poses_are_likely() {
+        let model = builtin::full_body();
+        let pose = bent(&model, 0.3);
+        let kinematics = Kinematics::new(&model, &pose);
+        let bound = BoundPrior::new(&prior(), &model, &pose).unwrap();
+        let likelier = bound.likelier(&model, &kinematics);
+        let names: Vec<&str> = likelier.iter().map(|(limb, _)| model.limbs()[*limb].name.as_str()).collect();
+        assert_eq!(names, ["right upper arm", "right forearm", "left thigh", "left calf", "left foot"]);
+        let (_, pelvis) = bound.frame(&kinematics, &model, BodyDirection::LeftCalf.frame());
+        let mean = DVec3::new(0.1, -0.2, -0.9).normalize();
+        assert!((pelvis.transpose() * likelier[3].1).abs_diff_eq(mean, 1e-9));
+        let arm = prior().statistics.parts()[1].poses().clone();
+        let (_, chest) = bound.frame(&kinematics, &model, BodyDirection::RightForearm.frame());
+        let moved: Vec<f64> = likelier[..2]
+            .iter()
+            .flat_map(|(_, direction)| (chest.transpose() * *direction).to_array())
+            .collect();
+        let before = bound.numbers(&kinematics, &model, &bound.parts[1]);
+        assert!(arm.pull(&DVector::from_vec(moved)).energy < arm.pull(&before).energy);
     }
 
     #[test]

@@ -46,14 +46,20 @@ const WRONG: f64 = 0.03;
 
 /// One moment.
 #[derive(Debug, Clone)]
-pub(super) struct FilmedFrame {
-    pub(super) truth: Pose,
-    pub(super) cameras: Vec<WatchedCamera>,
-    pub(super) cues: FrameCues,
+pub struct FilmedFrame {
+    /// The true pose.
+    pub truth: Pose,
+    /// The cameras with their masks.
+    pub cameras: Vec<WatchedCamera>,
+    /// Keypoints and pictures, by camera.
+    pub cues: FrameCues,
 }
 
 /// Films a movement at [`DRAWN_RATE`], every so manieth frame.
-pub(super) fn film(
+///
+/// # Errors
+/// A size that no camera can have, a body of other limbs, or `cancel`.
+pub fn film(
     model: &Model,
     movement: Occlusion,
     options: &Options,

@@ -50,6 +50,12 @@ pub const NO_GRADIENT: Color32 = rgb(0xC35BB0);
 pub const UNKNOWN: Color32 = AGREEMENT;
 /// Hatch of pixels in the subject's shadow.
 pub const SHADOW: Color32 = rgb(0x3E9A5B);
+/// Outline of limbs that silhouettes do not hold, and a cue does.
+pub const HELD_BY_CUE: Color32 = rgb(0x2FC3B4);
+/// Outline of limbs that nothing holds.
+pub const UNSURE: Color32 = rgb(0xF0506E);
+/// Arrows to where a prior learnt from motion would have limbs.
+pub const LIKELIER: Color32 = rgb(0xB79CF2);
 /// White digits on badges.
 pub const WHITE: Color32 = rgb(0xFFFFFF);
 
