@@ -174,3 +174,65 @@ fn plant(model: &Model, pose: &mut Pose) {
         place_leg(model, pose, side, ankle, DQuat::from_rotation_z(-sign * 0.15));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use backlit_tracking::body::{Kinematics, builtin};
+
+    use super::*;
+
+    #[test]
+    fn joints_stay_within_their_limits_and_in_the_pictures_and_do_not_leap() {
+        let model = builtin::full_body();
+        let cameras = cameras(MOST_CAMERAS, [192, 144]).unwrap();
+        let (mut failures, mut before) = (Vec::new(), None::<Kinematics>);
+        for frame in 0..(SECONDS * FRAME_RATE) as usize {
+            let pose = pose(&model, frame as f64 / FRAME_RATE);
+            pose.check(&model).unwrap();
+            for (rotation, &owner) in model.rotation_owners().iter().enumerate() {
+                let limb = &model.limbs()[owner];
+                let Some(limits) = limb.limits else { continue };
+                let angles = limb.angles(pose.rotations[rotation]);
+                let excess = limits.flexion.excess(angles.flexion).abs()
+                    + limits.sideways.excess(angles.sideways).abs()
+                    + limits.twist.excess(angles.twist).abs();
+                if excess > 0.02 {
+                    failures.push(format!("frame {frame}: {} by {excess:.2} rad", limb.name));
+                }
+            }
+            let joints = Kinematics::new(&model, &pose);
+            for (limb, end) in model.limbs().iter().zip(joints.ends()) {
+                for camera in &cameras {
+                    let at = camera.project(*end).unwrap();
+                    if !((3.0..189.0).contains(&at.x) && (3.0..141.0).contains(&at.y)) {
+                        failures.push(format!("frame {frame}: {} at {at} of {}", limb.name, camera.name()));
+                    }
+                }
+            }
+            for (limb, end) in joints.ends().iter().enumerate() {
+                let moved = before.as_ref().map_or(0.0, |before| before.ends()[limb].distance(*end));
+                if moved * FRAME_RATE > 6.5 {
+                    failures.push(format!("frame {frame}: {} leaps {moved:.2} m", model.limbs()[limb].name));
+                }
+            }
+            before = Some(joints);
+        }
+        assert!(failures.is_empty(), "{}", failures.join("\n"));
+    }
+
+    #[test]
+    fn the_walk_gets_on_and_feet_that_stand_do_not_slide() {
+        let model = builtin::full_body();
+        let ankle = model.limb_index("right lower calf").unwrap();
+        let at = |seconds: f64| Kinematics::new(&model, &pose(&model, seconds)).ends()[ankle];
+        for step in 0..2 {
+            let begin = f64::from(step) * STRIDE_S;
+            for part in [0.1, 0.3, 0.5] {
+                let slid = at(begin + part * STRIDE_S).distance(at(begin + 0.05));
+                assert!(slid < 0.01, "step {step}, {part}: {slid:.3} m");
+            }
+        }
+        assert!(pose(&model, 2.9).root.y - pose(&model, 0.1).root.y > 3.0);
+        assert!(pose(&model, BEGINS[1] + 0.5 * SQUAT_S).root.z < 0.6);
+    }
+}
