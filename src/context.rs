@@ -7,6 +7,7 @@ pub mod command;
 pub(crate) mod command_button;
 pub(crate) mod drag_marks;
 pub(crate) mod file_dialog;
+pub(crate) mod motions;
 pub(crate) mod notices;
 pub(crate) mod observability;
 pub mod pane;
@@ -30,6 +31,7 @@ use crate::context::arrangement::Arrangement;
 use crate::context::clock::Clock;
 use crate::context::command::{Command, Variants};
 use crate::context::drag_marks::DragMarks;
+use crate::context::motions::MotionMarks;
 use crate::context::notices::Notices;
 use crate::context::observability::ObservabilityMarks;
 use crate::context::pane::Pane;
@@ -82,6 +84,8 @@ pub(crate) struct Context<'a> {
     pub(crate) drag: DragMarks<'a>,
     /// What views and scene draw of what the cameras see.
     pub(crate) observability: &'a ObservabilityMarks,
+    /// What the tracked motion is called.
+    pub(crate) motions: &'a MotionMarks,
     /// Bodies that views and scene draw in the place of the posed one.
     pub(crate) ghosts: Option<&'a Ghosts>,
     /// What time it is.

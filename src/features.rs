@@ -8,6 +8,7 @@ pub(crate) mod demonstrations;
 pub mod export;
 pub(crate) mod fit;
 pub mod laboratory;
+pub(crate) mod motions;
 pub(crate) mod new_take;
 pub(crate) mod observability;
 pub(crate) mod offsets;
@@ -29,6 +30,7 @@ pub(crate) struct Features {
     pub(crate) export: export::Export,
     pub(crate) fit: fit::Fit,
     pub(crate) laboratory: laboratory::Laboratory,
+    pub(crate) motions: motions::Motions,
     pub(crate) new_take: new_take::NewTake,
     pub(crate) observability: observability::Observability,
     pub(crate) offsets: offsets::Offsets,

@@ -189,10 +189,10 @@ impl Inspector {
         }
         let said = match command {
             HistoryCommand::Undo => self.state.history.undo().map(|undone| match undone {
-                Undone::Edit(what) => format!("Undid: {what}."),
+                Undone::Edit(what) => format!("Undone: {what}."),
                 Undone::RemovedRuns => BROUGHT_BACK.to_owned(),
             }),
-            HistoryCommand::Redo => self.state.history.redo().map(|what| format!("Did again: {what}.")),
+            HistoryCommand::Redo => self.state.history.redo().map(|what| format!("Redone: {what}.")),
         };
         if said.is_some() {
             self.state.status = said;

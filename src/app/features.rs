@@ -46,6 +46,11 @@ impl Inspector {
         );
         self.state.observability = self.features.observability.marks();
         self.update_feature(
+            |features| &mut features.motions,
+            |motions, context, requests| motions.update(context, requests),
+        );
+        self.state.motions = self.features.motions.marks();
+        self.update_feature(
             |features| &mut features.beginnings,
             |beginnings, context, requests| beginnings.update(context, requests),
         );

@@ -13,6 +13,7 @@ use super::state::{Opening, State};
 use crate::context::Unavailable;
 use crate::context::clock::Clock;
 use crate::context::command::FileCommand;
+use crate::context::motions::MotionMarks;
 use crate::context::notices::Notices;
 use crate::context::observability::ObservabilityMarks;
 use crate::context::pane::Pane;
@@ -63,6 +64,7 @@ impl Inspector {
             preferences: Preferences::default(),
             notices: Notices::default(),
             observability: ObservabilityMarks::default(),
+            motions: MotionMarks::default(),
             ghosts: None,
             unavailable: Unavailable::default(),
             status: None,

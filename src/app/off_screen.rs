@@ -60,6 +60,7 @@ impl Inspector {
         copy.features.beginnings = features.beginnings.at_rest();
         copy.features.convergence = features.convergence.at_rest();
         copy.features.fit = features.fit.at_rest();
+        copy.features.motions = features.motions.at_rest();
         copy.features.scene = features.scene.at_rest();
         copy.features.tracking = features.tracking.at_rest();
         copy.features.laboratory = features.laboratory.at_rest();

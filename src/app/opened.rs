@@ -31,6 +31,7 @@ impl Inspector {
         self.features.observability.reset();
         self.features.scene.reset();
         self.features.basin.reset();
+        self.features.motions.reset();
         self.features.beginnings.reset();
         self.features.fit.reset();
         self.features.convergence.reset();

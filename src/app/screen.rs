@@ -46,6 +46,7 @@ impl Inspector {
             views: self.features.camera_views.preferences.settings,
             drag: self.features.pose.marks(self.state.now),
             observability: &self.state.observability,
+            motions: &self.state.motions,
             ghosts: self.state.ghosts.as_deref(),
             doing: self.state.status.as_deref(),
             is_covered: self.shell.overlay.is_some(),

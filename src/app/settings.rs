@@ -13,6 +13,7 @@ use crate::features::basin::BasinPreferences;
 use crate::features::camera_views::CameraViewPreferences;
 use crate::features::convergence::ConvergencePreferences;
 use crate::features::export::ExportChoices;
+use crate::features::motions::MotionsPreferences;
 use crate::features::scene::ScenePreferences;
 
 /// All that is kept. It is in the settings file as it is here.
@@ -45,6 +46,8 @@ pub struct Settings {
     pub curves: ConvergencePreferences,
     /// What is chosen for the basin, and how it is shown.
     pub basin: BasinPreferences,
+    /// How motions are named, and how that is shown.
+    pub motions: MotionsPreferences,
     /// Names of the commands that were chosen last in the palette, the newest first.
     pub used_commands: Vec<String>,
     /// Whether the tour was offered.
@@ -69,6 +72,7 @@ impl Default for Settings {
             export: ExportChoices::default(),
             curves: ConvergencePreferences::default(),
             basin: BasinPreferences::default(),
+            motions: MotionsPreferences::default(),
             used_commands: Vec::new(),
             tour_offered: false,
             generation: 0,
@@ -93,6 +97,7 @@ impl Settings {
             export: other.export,
             curves: other.curves,
             basin: other.basin,
+            motions: other.motions,
             used_commands: other.used_commands,
             tour_offered: other.tour_offered,
             ..self
@@ -119,6 +124,7 @@ impl Inspector {
             export: self.features.export.preferences.clone(),
             curves: self.features.convergence.preferences,
             basin: self.features.basin.preferences.clone(),
+            motions: self.features.motions.preferences,
             used_commands: preferences.used_commands,
             tour_offered: self.features.tour.was_offered,
             generation: preferences.generation,
@@ -141,6 +147,7 @@ impl Inspector {
         self.features.timeline.shows_lanes = settings.lanes;
         self.features.scene.preferences = settings.scene;
         self.features.basin.preferences = settings.basin;
+        self.features.motions.preferences = settings.motions;
         self.features.convergence.preferences = settings.curves;
         self.features.tour.was_offered = settings.tour_offered;
         self.features.camera_views.preferences =

@@ -16,6 +16,7 @@ use crate::app::writes::Writes;
 use crate::context::Unavailable;
 use crate::context::clock::Clock;
 use crate::context::file_dialog::FileDialogs;
+use crate::context::motions::MotionMarks;
 use crate::context::notices::Notices;
 use crate::context::observability::ObservabilityMarks;
 use crate::context::preferences::Preferences;
@@ -88,6 +89,8 @@ pub(crate) struct State {
     pub(crate) notices: Notices,
     /// What views and scene draw of what the cameras see.
     pub(crate) observability: ObservabilityMarks,
+    /// What the tracked motion is called.
+    pub(crate) motions: MotionMarks,
     /// Bodies that views and scene draw in the place of the posed one.
     pub(crate) ghosts: Option<Arc<Ghosts>>,
     /// What cannot be used in the frame that is shown.

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
+use backlit_formats::atomic;
 use backlit_formats::motion::{self, JointTrack, Motion};
-use backlit_formats::{DiskFiles, MAX_TEXT_BYTES, TakeFiles, atomic};
 use backlit_recognition::augment::TrackerNoise;
 use backlit_recognition::{
     Evaluation, JointMotion, LearnOptions, NamedMotion, Recognition, Recognizer, confusion_picture, evaluate,
@@ -18,12 +18,14 @@ use serde_json::{Value, json};
 use super::export::Up;
 use super::table::Table;
 use super::{output, track_files};
+use crate::features::motions::{joints, model};
 
 const NOTES: &str = "\
-Names motions by what joints do over time: from tracks of `backlit track`, or from BVH files with the joint names of the CMU recordings.
-Without --model it knows walking, running, jumping, boxing, dancing, gesturing, sitting and bending, from 72 recordings of
-the CMU motion capture database (mocap.cs.cmu.edu). A folder to learn from or to test on holds tracks or BVH files and a labels.csv
-with the columns file, class, subject and description.
+Names motions by what the joints do over time: in tracks of `backlit track`, or in BVH files with the joint \
+names of the CMU recordings. Without --model it knows walking, running, jumping, boxing, dancing, gesturing, \
+sitting and bending, from 72 recordings of the CMU motion capture database (mocap.cs.cmu.edu). A folder to \
+learn from or to test on holds tracks or BVH files and a labels.csv with the columns file, class, subject \
+and description.
 
 Examples:
   backlit recognise results/track.json
@@ -44,7 +46,7 @@ pub(crate) struct RecogniseArguments {
     /// File to write what was learnt to
     #[arg(long, value_name = "MODEL", requires = "train")]
     out: Option<PathBuf>,
-    /// Leave single windows of the training motions out of the file: nearest neighbours are then not to be had
+    /// Leave single windows of the training motions out of the file; nearest neighbours then cannot be used
     #[arg(long, requires = "train")]
     statistics_only: bool,
     /// What was learnt [default: what comes with the program]
@@ -56,7 +58,7 @@ pub(crate) struct RecogniseArguments {
     /// With --test: name each subject's motions by what is learnt from all others'
     #[arg(long, requires = "test", conflicts_with = "model")]
     leave_subjects_out: bool,
-    /// With --test: shift joints as a tracker does, by so many millimetres (root of the mean square)
+    /// With --test: add the noise of a tracker to the joints, so many millimetres (root mean square)
     #[arg(long, value_name = "MM", requires = "test", value_parser = millimetres)]
     noise: Option<f64>,
     /// With --test: draw the confusion matrix
@@ -105,9 +107,7 @@ impl Source<'_> {
             true => motion::read_joints(path, None)?,
             false => JointTrack::of_motion(&Motion::of_written(track_files::read(path, self.body)?)),
         };
-        let frames = track.frames.iter().map(|(frame, positions)| (*frame, &positions[..]));
-        JointMotion::from_named(&track.joints, track.frame_rate, track.up.unwrap_or(self.up), frames)
-            .with_context(|| path.display().to_string())
+        joints::motion_of(&track, &track.frames, self.up).with_context(|| path.display().to_string())
     }
 
     /// The motions of a folder and what its labels.csv calls them.
@@ -138,13 +138,6 @@ fn train(folder: &Path, out: &Path, is_without_windows: bool, source: &Source<'_
     output::print(&format!("learnt {classes} from {} motions; wrote {}\n", motions.len(), out.display()))
 }
 
-fn recognizer(model: Option<&Path>) -> anyhow::Result<Recognizer> {
-    let Some(path) = model else { return Ok(Recognizer::built_in()) };
-    let bytes = DiskFiles.read(path, MAX_TEXT_BYTES)?;
-    let text = String::from_utf8(bytes).with_context(|| format!("{}: is not UTF-8 text", path.display()))?;
-    Recognizer::from_text(&text).with_context(|| path.display().to_string())
-}
-
 fn test(folder: &Path, arguments: &RecogniseArguments, source: &Source<'_>) -> anyhow::Result<()> {
     if let Some(picture) = &arguments.confusion {
         output::check_folder_of(picture)?;
@@ -165,7 +158,7 @@ fn test(folder: &Path, arguments: &RecogniseArguments, source: &Source<'_>) -> a
         bar.finish_and_clear();
         found
     } else {
-        let recognizer = recognizer(arguments.model.as_deref())?;
+        let recognizer = model::read(arguments.model.as_deref())?;
         evaluate(&recognizer, &motions, noise)
     };
     let evaluation = evaluation.with_context(|| folder.display().to_string())?;
@@ -206,7 +199,7 @@ fn evaluation_text(evaluation: &Evaluation) -> String {
 }
 
 fn name(arguments: &RecogniseArguments, source: &Source<'_>) -> anyhow::Result<()> {
-    let recognizer = recognizer(arguments.model.as_deref())?;
+    let recognizer = model::read(arguments.model.as_deref())?;
     let mut all = Vec::new();
     for path in &arguments.tracks {
         let motion = source.read(path)?;
@@ -252,6 +245,7 @@ fn recognition_json(path: &Path, found: &Recognition) -> Value {
             "frame": frame.frame,
             "class": class(found, frame.class),
             "confidence": frame.confidence,
+            "shares": frame.shares,
             "place": frame.place,
         })
     });

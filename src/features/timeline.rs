@@ -5,6 +5,7 @@
 //! | `transport` | the row of buttons |
 //! | `span` | which frames are on the screen, and where |
 //! | `lanes` | the curves |
+//! | `motions` | the lane of motions by name |
 //! | `marks` | ruler, lost and worst frames, the frame on the screen |
 //! | `key_poses` | the diamonds |
 //! | `update` | commands, and how long frames take to be read |
@@ -13,6 +14,7 @@
 mod key_poses;
 mod lanes;
 mod marks;
+mod motions;
 mod read_out;
 mod span;
 mod transport;
@@ -81,8 +83,8 @@ impl Timeline {
         };
         let height = match lanes.len() {
             0 => size::TIMELINE_SHUT,
-            1 => size::TIMELINE_ONE_LANE + 6.0,
-            _ => size::TIMELINE,
+            1 => size::TIMELINE_ONE_LANE + 6.0 + motions::height(context),
+            _ => size::TIMELINE + motions::height(context),
         };
         let frame = Frame::NONE.fill(theme::palette(ui).panel).inner_margin(Margin::symmetric(8, 4));
         Panel::bottom("timeline").exact_size(height).resizable(false).frame(frame).show(ui, |ui| {
@@ -123,7 +125,8 @@ impl Timeline {
             marks::marked(ui, plot, &scale, range);
         }
         marks::ruler(ui, plot, &scale, count);
-        let lane_height = (rect.height() - RULER) / lanes.len() as f32;
+        let named = motions::height(context);
+        let lane_height = (rect.height() - RULER - named) / lanes.len() as f32;
         let document = context.document();
         for (index, lane) in lanes.iter().enumerate() {
             let top = rect.top() + RULER + lane_height * index as f32;
@@ -138,6 +141,11 @@ impl Timeline {
             let said = || lane.said(document, context.selection.frame);
             name.widget_info(|| WidgetInfo::labeled(Role::Label, true, said()));
             name.on_hover_text(lane.explanation(document));
+        }
+        if named > 0.0 {
+            let top = rect.bottom() - named;
+            let lane = Rect::from_x_y_ranges(plot.x_range(), top + 2.0..=rect.bottom() - 1.0);
+            motions::ui(ui, context, names, lane, &scale);
         }
         if document.estimates.is_empty() && context.busy.track.is_none() {
             let below = plot.with_min_y(plot.top() + RULER);

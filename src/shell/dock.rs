@@ -122,6 +122,7 @@ fn contents(
             Pane::Scene => features.scene.pane(ui, context, siblings, requests),
             Pane::Convergence => features.convergence.pane(ui, context, siblings, requests),
             Pane::Basin => features.basin.pane(ui, context, siblings, requests),
+            Pane::Motions => features.motions.pane(ui, context, siblings, requests),
             Pane::Beginnings => features.beginnings.pane(ui, context, siblings, requests),
         }
         if !matches!(pane, Pane::Camera(_)) {

@@ -98,7 +98,10 @@ fn begins_group(command: Command) -> bool {
             | Command::Convergence(ConvergenceCommand::ClearRuns)
             | Command::Timeline(T::SetKeyPose | T::PreviousFrame | T::Play | T::WholeTake)
             | Command::Demonstration(
-                Demonstration::OneCamera | Demonstration::Sequence | Demonstration::Bias
+                Demonstration::OneCamera
+                    | Demonstration::Sequence
+                    | Demonstration::Bias
+                    | Demonstration::Motions
             )
             | Command::Laboratory(LaboratoryCommand::Restart)
     )

@@ -73,10 +73,12 @@ impl Priority {
     pub const TRACK: Self = Self::of(Crew::Long, 2);
     /// The visual hull of the frame on the screen.
     pub const HULL: Self = Self::of(Crew::Long, 3);
+    /// Names of the tracked motion.
+    pub const MOTIONS: Self = Self::of(Crew::Long, 4);
     /// The check of the laboratory's gradients.
-    pub const LABORATORY_CHECK: Self = Self::of(Crew::Long, 4);
+    pub const LABORATORY_CHECK: Self = Self::of(Crew::Long, 5);
     /// Fits of many starts of one frame.
-    pub const BASIN: Self = Self::of(Crew::Long, 5);
+    pub const BASIN: Self = Self::of(Crew::Long, 6);
 
     const fn of(crew: Crew, rank: u8) -> Self {
         Self { crew, rank }

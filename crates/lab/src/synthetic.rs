@@ -9,6 +9,7 @@
 //! | [`render`] | rays into pictures: empty room, figure, shadows, edges |
 //! | [`noise`] | the sensor: exposure, curve, noise |
 //! | [`silhouettes`] | exact masks |
+//! | [`exercise`] | different motions one after the other, whose names are looked for |
 //! | [`capsules`] | exact masks and grey levels of a model's own capsules |
 //! | [`squats`] | the full body's squats with raised arms, before two telephones |
 //! | [`occlusions`] | arms folded, legs crossed and the like before two telephones |
@@ -19,6 +20,7 @@
 
 mod anatomy;
 pub mod capsules;
+pub mod exercise;
 pub mod figure;
 mod furniture;
 pub mod motion;

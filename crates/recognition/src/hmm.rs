@@ -15,6 +15,9 @@ mod network;
 pub use learn::HmmOptions;
 pub use network::Network;
 
+/// Moments of a long sequence.
+const LONG: usize = 1000;
+
 /// A model of sequences of rows of numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -34,6 +37,20 @@ impl HiddenMarkov {
     #[must_use]
     pub fn state_count(&self) -> usize {
         self.start.len()
+    }
+
+    /// Which part of a long sequence is spent in each state.
+    #[must_use]
+    pub fn occupancy(&self) -> Vec<f64> {
+        let mut at = self.start.clone();
+        let mut sum = vec![0.0; at.len()];
+        for _ in 0..LONG {
+            sum.iter_mut().zip(&at).for_each(|(sum, p)| *sum += p / LONG as f64);
+            at = (0..at.len())
+                .map(|to| at.iter().zip(&self.transitions).map(|(p, row)| p * row[to]).sum())
+                .collect();
+        }
+        sum
     }
 
     /// ln b of each state for an observation.
@@ -102,6 +119,13 @@ pub(super) mod tests {
             means: vec![vec![low], vec![high]],
             variances: vec![vec![0.5], vec![0.25]],
         }
+    }
+
+    #[test]
+    fn a_long_sequence_is_where_its_states_lead() {
+        // In balance as much leaves each state as comes to it: 0.1 p = 0.2 (1 − p).
+        let [first, second] = two_states(0.0, 1.0).occupancy()[..] else { panic!() };
+        assert!((first - 2.0 / 3.0).abs() < 1e-3 && (first + second - 1.0).abs() < 1e-9);
     }
 
     #[test]

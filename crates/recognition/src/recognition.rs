@@ -2,11 +2,11 @@
 
 use crate::features::RATE;
 use crate::joints::{JointMotion, MotionError};
-use crate::observed::Observed;
+use crate::observed::{Observed, SHORT, STEP};
 use crate::recognizer::{Method, Recognizer};
 
 /// What a frame is.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FrameName {
     /// The frame's number in the motion that was given.
     pub frame: usize,
@@ -14,8 +14,12 @@ pub struct FrameName {
     pub class: Option<usize>,
     /// Probability of that class, or of the likeliest where the motion is unknown, 0 to 1.
     pub confidence: f64,
+    /// Probability of each class, given the whole motion.
+    pub shares: Vec<f64>,
     /// Place on the plane of the first two principal components.
     pub place: [f64; 2],
+    /// Place on the plane of the first two axes that tell short windows of the classes apart.
+    pub apart: [f64; 2],
 }
 
 /// Frames of one class that follow each other.
@@ -46,18 +50,27 @@ pub struct Recognition {
 const SHORTEST_UNKNOWN_S: f64 = 1.0;
 
 impl Recognizer {
-    /// Names each frame of a motion and cuts it into stretches.
+    /// Names each frame of a motion and cuts it into stretches, by hidden Markov models and support vectors together.
     ///
     /// # Errors
     /// The joints do not lie as a person's.
     pub fn recognise(&self, motion: &JointMotion) -> Result<Recognition, MotionError> {
+        self.recognise_by(motion, Method::Combined)
+    }
+
+    /// The same by one of [`Self::methods`].
+    ///
+    /// # Errors
+    /// The joints do not lie as a person's.
+    pub fn recognise_by(&self, motion: &JointMotion, method: Method) -> Result<Recognition, MotionError> {
         let seen = Observed::new(motion)?;
-        let evidence = self.evidence(&seen, Method::Combined);
+        let evidence = self.evidence(&seen, method);
         let walk = self.network().segment(&evidence);
         let beliefs = self.network().beliefs(&evidence);
         let unknown = self.unknown_steps(&seen);
         let places: Vec<[f64; 2]> =
-            seen.frames().iter().map(|row| self.plane.project(row)).map(|at| [at[0], at[1]]).collect();
+            seen.frames().iter().map(|row| first_two(&self.plane.project(row))).collect();
+        let apart: Vec<[f64; 2]> = seen.short.iter().map(|row| first_two(&self.short.project(row))).collect();
         let frames = (0..motion.frames().len()).map(|index| {
             let at = (index as f64 * RATE / motion.frame_rate()) as usize;
             let at = at.min(seen.len() - 1);
@@ -67,7 +80,9 @@ impl Recognizer {
                 frame: motion.first_frame() + index,
                 class: (!unknown[step]).then_some(class),
                 confidence: beliefs[step][class],
+                shares: beliefs[step].clone(),
                 place: places[at],
+                apart: between(&apart, (at as f64 - SHORT as f64 / 2.0) / STEP as f64),
             }
         });
         let frames: Vec<FrameName> = frames.collect();
@@ -80,7 +95,7 @@ impl Recognizer {
 
     /// Of each short window, whether what happens about it is nothing known; single ones do not count.
     fn unknown_steps(&self, seen: &Observed) -> Vec<bool> {
-        let step_s = crate::observed::STEP as f64 / RATE;
+        let step_s = STEP as f64 / RATE;
         let least = (SHORTEST_UNKNOWN_S / step_s) as usize;
         let is_strange = |step: usize| {
             self.novelty.is_unknown(self.novelty.strangeness(&seen.window(seen.window_about(step))))
@@ -108,6 +123,19 @@ impl Recognizer {
     }
 }
 
+/// The first two coordinates; a model of two classes has one axis only.
+fn first_two(place: &[f64]) -> [f64; 2] {
+    [0, 1].map(|axis| place.get(axis).copied().unwrap_or(0.0))
+}
+
+/// A place between two that follow each other; the ends hold beyond.
+fn between(places: &[[f64; 2]], at: f64) -> [f64; 2] {
+    let at = at.clamp(0.0, (places.len() - 1) as f64);
+    let (before, share) = (at as usize, at.fract());
+    let after = (before + 1).min(places.len() - 1);
+    [0, 1].map(|axis| places[before][axis] + share * (places[after][axis] - places[before][axis]))
+}
+
 fn stretches(frames: &[FrameName], frame_rate: f64) -> Vec<Stretch> {
     frames
         .chunk_by(|a, b| a.class == b.class)
@@ -132,13 +160,53 @@ mod tests {
         let classes = [Some(1), Some(1), None, Some(0), Some(0)];
         let frames: Vec<FrameName> = (7..)
             .zip(classes)
-            .map(|(frame, class)| FrameName { frame, class, confidence: 0.5, place: [0.0; 2] })
+            .map(|(frame, class)| FrameName {
+                frame,
+                class,
+                confidence: 0.5,
+                shares: vec![0.5; 2],
+                place: [0.0; 2],
+                apart: [0.0; 2],
+            })
             .collect();
         let found = stretches(&frames, 10.0);
         let spans: Vec<_> = found.iter().map(|s| (s.class, s.frames.clone(), s.seconds)).collect();
         assert_eq!(
             spans,
             [(Some(1), 7..=8, [0.7, 0.9]), (None, 9..=9, [0.9, 1.0]), (Some(0), 10..=11, [1.0, 1.2])]
+        );
+    }
+
+    #[test]
+    fn every_method_names_frames_whose_places_follow_each_other() {
+        let motions = crate::tests::standing_and_walking();
+        let options = crate::LearnOptions { copies: 1, ..crate::LearnOptions::default() };
+        let learnt = Recognizer::learn(&motions, &options).unwrap();
+        for method in Method::ALL {
+            for named in &motions {
+                let found = learnt.recognise_by(&named.motion, method).unwrap();
+                let most = |frame: &FrameName| {
+                    let top = (0..2).max_by(|&a, &b| frame.shares[a].total_cmp(&frame.shares[b]));
+                    &found.classes[top.unwrap()]
+                };
+                assert_eq!(most(&found.frames[22]), &named.class, "{}, {}", method.name(), named.name);
+                for pair in found.frames.windows(2) {
+                    assert!((pair[0].shares.iter().sum::<f64>() - 1.0).abs() < 1e-9);
+                    assert!((pair[0].apart[0] - pair[1].apart[0]).abs() < 2.0, "{}", named.name);
+                    assert_eq!(pair[0].apart[1], 0.0, "two classes have one axis");
+                }
+            }
+        }
+        let whole = learnt.recognise(&motions[2].motion).unwrap();
+        assert_eq!(whole, learnt.recognise_by(&motions[2].motion, Method::Combined).unwrap());
+    }
+
+    #[test]
+    fn places_lie_on_the_way_between_two() {
+        let places = [[0.0, 1.0], [2.0, 5.0], [4.0, 5.0]];
+        assert_eq!(
+            [-3.0, 0.25, 1.0, 9.0].map(|at| between(&places, at)),
+            [[0.0, 1.0], [0.5, 2.0], [2.0, 5.0], [4.0, 5.0]]
         );
     }
 }

@@ -104,6 +104,25 @@ impl Recognizer {
         Method::ALL.into_iter().filter(move |method| *method != Method::Nearest || has_exemplars)
     }
 
+    /// Where each class lies on the plane of the first two axes of short windows, by its hidden Markov model.
+    #[must_use]
+    pub fn clouds_apart(&self) -> Vec<PlaneCloud> {
+        let cloud = |model: &HiddenMarkov| {
+            let parts = model.occupancy();
+            let at = |row: &Vec<f64>, axis: usize| row.get(axis).copied().unwrap_or(0.0);
+            let sum = |of: &dyn Fn(usize) -> f64| -> f64 {
+                parts.iter().enumerate().map(|(state, part)| part * of(state)).sum()
+            };
+            let mean = [0, 1].map(|axis| sum(&|state| at(&model.means[state], axis)));
+            let off = |state: usize, axis: usize| at(&model.means[state], axis) - mean[axis];
+            let variance =
+                |axis: usize| sum(&|state| at(&model.variances[state], axis) + off(state, axis).powi(2));
+            let both = sum(&|state| off(state, 0) * off(state, 1));
+            PlaneCloud { mean, covariance: [variance(0), variance(1), both] }
+        };
+        self.models.iter().map(cloud).collect()
+    }
+
     /// By class, ln of its probability in the second that begins at a frame, seen by itself.
     #[must_use]
     pub fn window_logs(&self, seen: &Observed, first: usize, method: Method) -> Vec<f64> {
@@ -227,6 +246,21 @@ mod tests {
         let seen = Observed::new(&walker(1.5, 1.0)).unwrap();
         let logs = recognizer.window_logs(&seen, 0, Method::Nearest);
         assert!(logs.iter().all(|log| (log - 0.5_f64.ln()).abs() < 1e-12), "{logs:?}");
+    }
+
+    #[test]
+    fn classes_lie_apart_where_their_windows_do() {
+        let recognizer = learnt();
+        let clouds = recognizer.clouds_apart();
+        for named in standing_and_walking() {
+            let class = recognizer.classes.iter().position(|class| *class == named.class).unwrap();
+            let seen = Observed::new(&named.motion).unwrap();
+            let places = seen.short.iter().map(|row| recognizer.short.project(row)[0]);
+            let mean = places.sum::<f64>() / seen.short.len() as f64;
+            let off = |cloud: &PlaneCloud| (cloud.mean[0] - mean).abs();
+            assert!(off(&clouds[class]) < off(&clouds[1 - class]), "{}: {mean} {clouds:?}", named.name);
+            assert!(clouds[class].covariance[0] > 0.0);
+        }
     }
 
     #[test]

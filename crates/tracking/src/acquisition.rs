@@ -49,7 +49,7 @@ pub enum AcquireError {
     Fit(#[from] FitError),
     #[error("the body cannot have the sizes that were found: {0}")]
     Size(#[from] ModelError),
-    #[error("acquiring a body was stopped")]
+    #[error("the search for a first body was stopped")]
     Cancelled,
 }
 

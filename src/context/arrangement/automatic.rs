@@ -49,8 +49,7 @@ pub(crate) fn is_open_at_first(layout: Layout, pane: Pane) -> bool {
     match pane {
         Pane::Camera(_) => true,
         Pane::Scene | Pane::Convergence => layout == Layout::Debug,
-        Pane::Beginnings => false,
-        Pane::Basin => false,
+        Pane::Basin | Pane::Beginnings | Pane::Motions => false,
     }
 }
 

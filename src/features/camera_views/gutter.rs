@@ -107,7 +107,7 @@ pub(crate) fn show_overlap(ui: &mut Ui, input: &CameraTileInput<'_>) {
 pub(crate) fn show_fit_use(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) {
     let mut is_used = input.is_used;
     let used = checkbox(ui, &mut is_used, "Used in the fit")
-        .on_hover_text("Whether this camera’s silhouette counts; without it the view is only looked at");
+        .on_hover_text("Whether this camera’s silhouette counts in the fit. If not, the view is only shown");
     if used.changed() {
         events.push(TileEvent::SetUsed(is_used));
     }

@@ -157,8 +157,8 @@ fn explain(ui: &mut Ui, modes: &[ViewMode], input: &CameraTileInput<'_>) {
     }
     if !input.observed.ellipses.is_empty() {
         ui.label(
-            "Ellipses: where each joint may be, two standard deviations, from the data alone. Hovering a joint says by \
-             how much. Arrows point where nothing bounds it.",
+            "Ellipses: where each joint may be, two standard deviations, from the data alone. Point at a \
+             joint for the numbers. Arrows show directions that nothing bounds.",
         );
     }
 }

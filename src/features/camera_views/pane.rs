@@ -139,9 +139,19 @@ impl<'a> CameraPane<'a> {
     /// The same where other bodies are drawn in the place of the posed one.
     fn without_body(self) -> Self {
         let (limbs, joints, limits, ellipses) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let (spheres, likelier) = (Vec::new(), Vec::new());
-        let body = Self { limbs, joints, limits, ellipses, spheres, likelier, ..self };
-        Self { quick_outline: Some(Vec::new()), sides: None, sway: None, ..body }
+        let (quick_outline, spheres, likelier) = (Some(Vec::new()), Vec::new(), Vec::new());
+        Self {
+            limbs,
+            joints,
+            limits,
+            ellipses,
+            quick_outline,
+            spheres,
+            likelier,
+            sides: None,
+            sway: None,
+            ..self
+        }
     }
 
     fn input(

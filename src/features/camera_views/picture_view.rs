@@ -28,7 +28,7 @@ use glam::DVec2;
 
 /// Circles of spheres: width in points, and opacity.
 const SPHERE_WIDTH: f32 = 1.0;
-const SPHERE_OPACITY: f32 = 0.8;
+const SPHERE_OPACITY: f32 = 0.55;
 
 /// Shows the picture; says how it lies on the screen and how high its legend is.
 pub(crate) fn show(

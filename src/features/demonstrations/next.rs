@@ -111,7 +111,7 @@ const SILHOUETTES: Try = Try {
 };
 const LIKELY: Try = Try {
     text: "With likely poses",
-    tooltip: "Track all frames again without cues; poses that people were recorded in are preferred",
+    tooltip: "Track all frames again without cues, but prefer poses that recorded people took",
     act: Act::Track(CueChoice::None, 3.0),
 };
 const KEYPOINTS: Try = Try {
@@ -129,6 +129,11 @@ const ALL_CUES: Try = Try {
     tooltip: "Track all frames again with keypoints, optic flow and stereo points",
     act: Act::Track(CueChoice::All, 0.0),
 };
+const PLAY: Try = Try {
+    text: "Play",
+    tooltip: "Plays all frames with their names, from the first on",
+    act: Act::Commands(&[POSE, FIRST, Command::Timeline(TimelineCommand::Play)]),
+};
 
 /// What there is to try.
 pub(super) const fn of(which: Demonstration) -> &'static [Try] {
@@ -139,6 +144,7 @@ pub(super) const fn of(which: Demonstration) -> &'static [Try] {
         Demonstration::Sequence | Demonstration::TinySequence | Demonstration::RealFootage => {
             &[TRACK_REPORT, TRACK_ROBUST, WORST, RENDERERS]
         }
+        Demonstration::Motions => &[PLAY, TRACK_REPORT, TRACK_ROBUST],
         Demonstration::Bias => &[WITH_CAMERA_2, RAMPS, RENDERERS],
         Demonstration::Spheres => &[SPHERES, CAPSULES, SCENE],
         Demonstration::Cues => &[SILHOUETTES, LIKELY, KEYPOINTS, PICTURES, ALL_CUES],

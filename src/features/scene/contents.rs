@@ -6,7 +6,8 @@ use backlit_tracking::body::{Kinematics, Model, PlacedSphere};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::visual_hull::VisualHull;
-use backlit_ui::drawing::{Ghosts, body_spheres};
+use backlit_ui::drawing::Ghosts;
+use backlit_ui::drawing::body_spheres;
 use backlit_ui::style::theme::camera_colours;
 use backlit_ui::style::theme::data_colours::{AGREEMENT, SCENE_BODY, SCENE_FLOOR, SELECTED};
 use egui::Color32;
@@ -48,10 +49,10 @@ pub(crate) struct ContentsInput<'a> {
     pub(crate) kinematics: &'a Kinematics,
     /// The shape of its limbs.
     pub(crate) renderer: RendererKind,
-    /// What is drawn in the place of the body.
-    pub(crate) ghosts: Option<&'a Ghosts>,
     /// The level of its limbs' trees of spheres, counted from the coarsest.
     pub(crate) sphere_level: usize,
+    /// What is drawn in the place of the body.
+    pub(crate) ghosts: Option<&'a Ghosts>,
     /// The rotation whose limbs are marked.
     pub(crate) rotation: Option<usize>,
     /// The cameras, and how they are used.

@@ -37,13 +37,16 @@ pub(crate) fn ui(ui: &Ui, context: &Context<'_>, frame: usize, at: Pos2) {
                 ui.end_row();
             }
         });
+        if let Some(stretch) = context.motions.at(frame) {
+            ui.label(RichText::new(stretch.said()).small().color(palette.text));
+        }
         let mut note = |text: String, colour| ui.label(RichText::new(text).small().color(colour));
         match estimate {
             None if document.keys.contains_key(&frame) => {
                 note("Key pose, not fitted yet".to_owned(), palette.text2);
             }
             None => {
-                note("Not fitted: shows the pose before it".to_owned(), palette.text3);
+                note("Not fitted: shows the nearest earlier pose".to_owned(), palette.text3);
             }
             Some(estimate) => {
                 let origin = match estimate.origin {

@@ -1,6 +1,7 @@
 //! The fits that a demonstration shows.
 
 use backlit_lab::experiment::bias;
+use backlit_lab::synthetic::exercise;
 use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::render::Ramp;
 
@@ -11,9 +12,12 @@ impl Demonstration {
     /// The choices that the take begins with.
     pub(crate) fn fit(self) -> FitOptions {
         match self {
-            Self::Sequence | Self::TinySequence | Self::Cues | Self::Spheres | Self::Begin => {
-                FitOptions::preset(Preset::Robust)
-            }
+            Self::Sequence
+            | Self::TinySequence
+            | Self::Cues
+            | Self::Spheres
+            | Self::Begin
+            | Self::Motions => FitOptions::preset(Preset::Robust),
             Self::Bias => {
                 let mut looks = bias::Options::default().looks.into_iter();
                 let thesis = looks.find(|look| look.ramp == Ramp::Thesis && look.data != bias::Data::Area);
@@ -41,6 +45,7 @@ impl Demonstration {
         match self {
             Self::SingleLimb | Self::OneCamera | Self::Bias => 1,
             Self::Spheres => 4,
+            Self::Motions => exercise::MOST_CAMERAS,
             _ => 2,
         }
     }

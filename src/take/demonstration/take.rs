@@ -10,7 +10,7 @@ use std::sync::Arc;
 use backlit_formats::calibration::backlit;
 use backlit_formats::{MemoryFiles, Take, model_file, pose_file};
 use backlit_lab::experiment::{Simulation, fig51, fig52, fig55};
-use backlit_lab::synthetic::{capsules, upper_body};
+use backlit_lab::synthetic::{capsules, exercise, upper_body};
 use backlit_tracking::body::{Kinematics, Model, Pose, builtin};
 use backlit_tracking::camera::{Camera, Rig};
 use backlit_tracking::render::{Ramp, RendererKind};
@@ -31,6 +31,8 @@ const FRAMES: usize = 50;
 /// Seed of the starts that are off: from this one of [`fig52`]'s, one camera lowers the cost to less than a
 /// percent with the joints 35 mm off, and two bring them home.
 const SEED: u64 = 7;
+/// How far the start of the motions is off: radians a joint, metres.
+const EXERCISE_OFF: (f64, f64) = (0.07, 0.02);
 /// How far off the start is of the ways to begin, radians and metres, and its seed: downhill it ends 16 and 22 cm off, by
 /// particles and by the search at home.
 const FAR_START: (f64, f64) = (std::f64::consts::FRAC_PI_6, 0.15);
@@ -44,6 +46,7 @@ struct Parts {
     cameras: Vec<Arc<Camera>>,
     truths: Vec<Pose>,
     start: Pose,
+    frame_rate: f64,
 }
 
 impl Demonstration {
@@ -57,7 +60,8 @@ impl Demonstration {
             | Self::Bias
             | Self::Cues
             | Self::Spheres
-            | Self::Begin => Simulation::Mask,
+            | Self::Begin
+            | Self::Motions => Simulation::Mask,
         }
     }
 
@@ -80,7 +84,7 @@ impl Demonstration {
         if self == Self::Spheres {
             return super::carved::take(self.name());
         }
-        let Parts { model, cameras, truths, start } = self.parts()?;
+        let Parts { model, cameras, truths, start, frame_rate } = self.parts()?;
         let film = |camera: &Arc<Camera>| {
             let pictures = truths.iter().map(|truth| self.picture(&model, truth, camera));
             let pictures = pictures.collect::<anyhow::Result<_>>()?;
@@ -88,7 +92,7 @@ impl Demonstration {
         };
         let films = cameras.iter().map(film).collect::<anyhow::Result<Vec<_>>>()?;
         let joints = joints_of(&model, &truths);
-        assemble(self.name(), upper_body::FRAME_RATE, &model, &start, films, Some(joints))
+        assemble(self.name(), frame_rate, &model, &start, films, Some(joints))
     }
 
     /// The true pose of a frame; nobody knows that of real footage.
@@ -98,6 +102,7 @@ impl Demonstration {
             Self::RealFootage => None,
             Self::Spheres => Some(super::carved::truth(frame)),
             Self::Cues => Some(super::occluded::truth(frame)),
+            Self::Motions => Some(exercise_at(&builtin::full_body(), frame)),
             _ => Some(upper_body::motion(&builtin::upper_body(), frame)),
         }
     }
@@ -109,6 +114,19 @@ impl Demonstration {
                 cameras: vec![Arc::new(fig51::camera(FAR_M, SIZE_PX)?)],
                 truths: vec![fig51::truth()],
                 start: fig51::start(fig51::Options::default().offset_m),
+                frame_rate: upper_body::FRAME_RATE,
+            });
+        }
+        if self == Self::Motions {
+            let model = builtin::full_body();
+            let frames = (exercise::SECONDS * exercise::FRAME_RATE) as usize;
+            let truths: Vec<Pose> = (0..frames).map(|frame| exercise_at(&model, frame)).collect();
+            return Ok(Parts {
+                cameras: exercise::cameras(self.used_cameras(), SIZE_PX)?,
+                start: perturb(&model, &truths[0], EXERCISE_OFF.0, EXERCISE_OFF.1, SEED),
+                frame_rate: exercise::FRAME_RATE,
+                model,
+                truths,
             });
         }
         let model = builtin::upper_body();
@@ -129,7 +147,8 @@ impl Demonstration {
         };
         let seed = if self == Self::Begin { FAR_SEED } else { SEED };
         let start = perturb(&model, &truths[0], angle_rad, distance_m, seed);
-        Ok(Parts { cameras: upper_body::cameras(2, size_px)?, model, truths, start })
+        let cameras = upper_body::cameras(2, size_px)?;
+        Ok(Parts { cameras, model, truths, start, frame_rate: upper_body::FRAME_RATE })
     }
 
     fn picture(self, model: &Model, truth: &Pose, camera: &Camera) -> anyhow::Result<GrayImage> {
@@ -140,6 +159,10 @@ impl Demonstration {
             Simulation::Mask => picture_of(&capsules::hard_mask(model, truth, camera)?),
         })
     }
+}
+
+fn exercise_at(model: &Model, frame: usize) -> Pose {
+    exercise::pose(model, frame as f64 / exercise::FRAME_RATE)
 }
 
 /// The true joints, as a take reads them.

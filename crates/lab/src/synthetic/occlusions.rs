@@ -110,17 +110,17 @@ impl Occlusion {
 
 /// One arm's angles, degrees, both sides alike.
 #[derive(Debug, Clone, Copy)]
-struct Arm {
-    raised: f64,
-    out: f64,
-    turned: f64,
-    elbow: f64,
+pub(super) struct Arm {
+    pub(super) raised: f64,
+    pub(super) out: f64,
+    pub(super) turned: f64,
+    pub(super) elbow: f64,
 }
 
-const HANGING: Arm = Arm { raised: 4.0, out: 20.0, turned: 0.0, elbow: 14.0 };
+pub(super) const HANGING: Arm = Arm { raised: 4.0, out: 20.0, turned: 0.0, elbow: 14.0 };
 
 impl Arm {
-    fn towards(self, other: Self, share: f64) -> Self {
+    pub(super) fn towards(self, other: Self, share: f64) -> Self {
         let blend = |a: f64, b: f64| a + (b - a) * share;
         Self {
             raised: blend(self.raised, other.raised),
@@ -138,7 +138,7 @@ impl Arm {
     }
 }
 
-fn standing(model: &Model, seconds: f64, right: Arm, left: Arm) -> Pose {
+pub(super) fn standing(model: &Model, seconds: f64, right: Arm, left: Arm) -> Pose {
     let sway = (1.3 * seconds).sin();
     let mut pose = Pose::rest(model);
     pose.root = DVec3::new(0.012 * sway, 0.0, 0.912);

@@ -13,7 +13,7 @@ use egui::{Color32, Stroke, TextStyle};
 use serde::{Deserialize, Serialize};
 
 pub use data_colours::{
-    camera_colours, gradient_colour, gradient_map, residual_colour, residual_map, run_style,
+    camera_colours, gradient_colour, gradient_map, motion_colours, residual_colour, residual_map, run_style,
 };
 pub use style::{apply, set_reduced_motion};
 
@@ -257,6 +257,8 @@ pub mod size {
     pub const TIMELINE: f32 = 136.0;
     /// Timeline with one lane.
     pub const TIMELINE_ONE_LANE: f32 = 78.0;
+    /// The timeline's lane of motions by name.
+    pub const MOTION_LANE: f32 = 18.0;
     /// Timeline when shut.
     pub const TIMELINE_SHUT: f32 = 40.0;
     /// Convergence panel.
@@ -400,6 +402,18 @@ mod tests {
             let colours = camera_colours(index);
             let ratio = contrast(colours.fill, colours.digit);
             assert!(ratio >= 4.5, "camera {}: {ratio:.2}", index + 1);
+        }
+    }
+
+    #[test]
+    fn motions_are_seen_on_both_grounds_and_their_words_on_them() {
+        for index in (0..8).map(Some).chain([None]) {
+            let colours = motion_colours(index);
+            assert!(contrast(colours.fill, colours.text) >= 4.5, "{index:?}");
+            for theme in Theme::ALL {
+                let ratio = contrast(colours.fill, theme.palette().plot);
+                assert!(ratio >= 3.0, "{index:?} in {theme:?}: {ratio:.2}");
+            }
         }
     }
 

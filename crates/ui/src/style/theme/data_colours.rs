@@ -174,6 +174,35 @@ pub fn camera_colours(index: usize) -> CameraColours {
     CameraColours { fill, digit }
 }
 
+/// The colour of a kind of motion, and that of a word on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MotionColours {
+    /// Its stretches, curves and regions.
+    pub fill: Color32,
+    /// A word on a stretch.
+    pub text: Color32,
+}
+
+const MOTIONS: [(Color32, Color32); 8] = [
+    (rgb(0xC8373E), WHITE),
+    (rgb(0xC05AA0), CASING),
+    (rgb(0x7A63D2), WHITE),
+    (rgb(0xC9701A), CASING),
+    (rgb(0x2F8F5B), CASING),
+    (rgb(0x8C7A2E), CASING),
+    (rgb(0x3E82D6), CASING),
+    (rgb(0x168C98), CASING),
+];
+/// What is no known motion.
+const NO_MOTION: (Color32, Color32) = (rgb(0x7C858F), CASING);
+
+/// The colour of a kind of motion of this index, counted from zero; `None` is no known motion. The ninth and later reuse the
+/// list.
+pub fn motion_colours(index: Option<usize>) -> MotionColours {
+    let (fill, text) = index.map_or(NO_MOTION, |index| MOTIONS[index % MOTIONS.len()]);
+    MotionColours { fill, text }
+}
+
 /// The owner-limb colour: hue by chain, lightness by depth in the chain.
 pub fn limb_colour(chain: usize, depth: usize) -> Color32 {
     const LIGHTNESS: [f32; 3] = [1.0, 0.8, 0.65];

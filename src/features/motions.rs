@@ -1,0 +1,86 @@
+//! What the tracked motion is called: walking, running, boxing. Names come from `backlit_recognition`, which knows nothing of
+//! silhouettes; here are the joints of the document's track, a lane's worth of names for the timeline, and the plane
+//! on which a motion is a curve. Nothing here is saved or undone, and nothing changes the document.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`joints`] | joints of a track as the recognizer reads them, the same for `backlit recognise` |
+//! | [`model`] | what was learnt: the program's own, or a file |
+//! | `job` | names of a track's frames, run by run |
+//! | `update` | asked for when the track has changed, and taken in |
+//! | `words` | classes and methods in plain words |
+//! | `preferences` | what is chosen, kept from start to start |
+//! | `panel` | the Motions pane: the plane, and the probabilities of the frame on the screen |
+
+mod job;
+pub(crate) mod joints;
+pub(crate) mod model;
+mod panel;
+mod preferences;
+#[cfg(test)]
+mod tests;
+mod update;
+mod words;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use backlit_jobs::{Priority, Task};
+
+use crate::context::file_dialog::FileDialogs;
+use crate::context::motions::MotionMarks;
+use job::{Found, Inputs, Missing};
+pub(crate) use preferences::MotionsPreferences;
+
+/// The feature.
+#[derive(Debug)]
+pub(crate) struct Motions {
+    /// What is chosen, kept from start to start.
+    pub(crate) preferences: MotionsPreferences,
+    /// What was learnt elsewhere and is used instead of the program's own.
+    model: Option<PathBuf>,
+    found: Option<Arc<Found>>,
+    /// Why there are no names, once somebody has looked.
+    missing: Option<Missing>,
+    marks: MotionMarks,
+    task: Task<Inputs, Result<Arc<Found>, Missing>>,
+    dialogs: FileDialogs<()>,
+}
+
+impl Default for Motions {
+    fn default() -> Self {
+        Self {
+            preferences: MotionsPreferences::default(),
+            model: None,
+            found: None,
+            missing: None,
+            marks: MotionMarks::default(),
+            task: Task::new(Priority::MOTIONS),
+            dialogs: FileDialogs::default(),
+        }
+    }
+}
+
+impl Motions {
+    /// What the timeline shows of it.
+    pub(crate) fn marks(&self) -> MotionMarks {
+        self.marks.clone()
+    }
+
+    /// The same without any work that is going on, for a picture of it.
+    pub(crate) fn at_rest(&self) -> Self {
+        Self {
+            preferences: self.preferences,
+            model: self.model.clone(),
+            found: self.found.clone(),
+            missing: self.missing.clone(),
+            marks: self.marks.clone(),
+            ..Self::default()
+        }
+    }
+
+    /// Another take is open: what is about the old one goes.
+    pub(crate) fn reset(&mut self) {
+        *self = Self { preferences: self.preferences, model: self.model.take(), ..Self::default() };
+    }
+}

@@ -1,0 +1,280 @@
+//! The plane of motions: the take is a curve in the colours of its names, over the regions where the model's motions lie.
+
+use backlit_recognition::recognizer::PlaneCloud;
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{data_colours, motion_colours, size, tick};
+use egui::{
+    Align2, Id, PopupAnchor, Pos2, Rect, Role, Sense, Shape, Stroke, TextStyle, Tooltip, Ui, Vec2,
+    WidgetInfo, pos2, vec2,
+};
+
+use crate::context::Context;
+use crate::features::motions::job::Found;
+use crate::features::motions::preferences::Plane;
+use crate::features::motions::words;
+
+/// Most places of a curve that are drawn.
+const MOST_PLACES: usize = 4000;
+/// Most dots that mark time.
+const MOST_DOTS: usize = 40;
+/// The pointer is at a place of the curve within so many points.
+const REACH: f32 = 16.0;
+/// Opacity of the curve away from the frame on the screen, of a region and of its edge.
+const FAR: f32 = 0.5;
+const REGION: f32 = 0.1;
+const REGION_EDGE: f32 = 0.55;
+/// Corners of a region's edge.
+const CORNERS: usize = 48;
+/// Seconds before and after the frame on the screen in which the curve is strong.
+const NEAR_S: f64 = 1.0;
+/// Room about what is shown, as a part of it; room for the names of the axes.
+const MARGIN: f64 = 0.06;
+const AXIS: f32 = 18.0;
+
+/// A frame on the plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::features::motions) struct Place {
+    pub(in crate::features::motions) frame: usize,
+    class: Option<usize>,
+    pub(in crate::features::motions) at: [f64; 2],
+    run: usize,
+}
+
+/// The frames' places on a plane, thinned where they are many.
+pub(in crate::features::motions) fn places(found: &Found, plane: Plane) -> Vec<Place> {
+    let total: usize = found.runs.iter().map(|run| run.frames.len()).sum();
+    let every = total.div_ceil(MOST_PLACES).max(1);
+    let of_run = |(run, names): (usize, &backlit_recognition::Recognition)| -> Vec<Place> {
+        let place = |named: &backlit_recognition::FrameName| {
+            let at = if plane == Plane::Apart { named.apart } else { named.place };
+            Place { frame: named.frame, class: named.class, at, run }
+        };
+        names.frames.iter().step_by(every).map(place).collect()
+    };
+    found.runs.iter().enumerate().flat_map(of_run).collect()
+}
+
+/// Where the plane lies on the screen.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::features::motions) struct Sheet {
+    area: Rect,
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl Sheet {
+    /// All places and regions within an area.
+    pub(in crate::features::motions) fn new(area: Rect, places: &[Place], clouds: &[PlaneCloud]) -> Self {
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        let mut reach = |at: [f64; 2]| {
+            for axis in 0..2 {
+                (low[axis], high[axis]) = (low[axis].min(at[axis]), high[axis].max(at[axis]));
+            }
+        };
+        places.iter().for_each(|place| reach(place.at));
+        clouds.iter().flat_map(edge).for_each(&mut reach);
+        for axis in 0..2 {
+            let room = MARGIN * (high[axis] - low[axis]).max(1e-6);
+            (low[axis], high[axis]) = (low[axis] - room, high[axis] + room);
+        }
+        Self { area, low, high }
+    }
+
+    pub(in crate::features::motions) fn place(&self, at: [f64; 2]) -> Pos2 {
+        let share =
+            [0, 1].map(|axis| ((at[axis] - self.low[axis]) / (self.high[axis] - self.low[axis])) as f32);
+        pos2(
+            self.area.left() + share[0] * self.area.width(),
+            self.area.bottom() - share[1] * self.area.height(),
+        )
+    }
+
+    /// The frame whose place is nearest to the pointer, if it is near.
+    pub(in crate::features::motions) fn frame_at(&self, places: &[Place], pointer: Pos2) -> Option<usize> {
+        let distance = |place: &Place| self.place(place.at).distance(pointer);
+        let nearest = places.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        (distance(nearest) <= REACH).then_some(nearest.frame)
+    }
+}
+
+/// The edge of one standard deviation about a region's middle.
+fn edge(cloud: &PlaneCloud) -> Vec<[f64; 2]> {
+    let [xx, yy, xy] = cloud.covariance;
+    // Cholesky: the unit circle becomes the ellipse.
+    let a = xx.max(0.0).sqrt();
+    let b = if a > 0.0 { xy / a } else { 0.0 };
+    let c = (yy - b * b).max(0.0).sqrt();
+    let corner = |index: usize| {
+        let (sin, cos) = (std::f64::consts::TAU * index as f64 / CORNERS as f64).sin_cos();
+        [cloud.mean[0] + a * cos, cloud.mean[1] + b * cos + c * sin]
+    };
+    (0..CORNERS).map(corner).collect()
+}
+
+/// The plane; the frame that was clicked.
+pub(super) fn ui(
+    ui: &Ui,
+    area: Rect,
+    found: &Found,
+    plane: Plane,
+    context: &Context<'_>,
+    is_stale: bool,
+) -> Option<usize> {
+    let palette = theme::palette(ui);
+    let response = ui.interact(area, Id::unique("plane of motions"), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Plane of motions"));
+    ui.painter().rect_filled(area, 0.0, palette.plot);
+    let places = places(found, plane);
+    let clouds = match plane {
+        Plane::Apart => found.recognizer.clouds_apart(),
+        Plane::Principal => found.recognizer.clouds.clone(),
+    };
+    let inner = Rect::from_min_max(area.min + vec2(AXIS, 2.0), area.max - vec2(2.0, AXIS));
+    let sheet = Sheet::new(inner, &places, &clouds);
+    regions(ui, &sheet, &clouds);
+    let strength = if is_stale { FAR } else { 1.0 };
+    curve(ui, &sheet, &places, context, strength);
+    names(ui, &sheet, found, &clouds);
+    dots(ui, &sheet, found, &places, context);
+    axes(ui, area, plane);
+    current(ui, &sheet, found, plane, context.selection.frame);
+    let pointer = response.hover_pos();
+    let under = pointer.and_then(|pointer| sheet.frame_at(&places, pointer));
+    if let Some(place) = under.and_then(|frame| places.iter().find(|place| place.frame == frame)) {
+        let at = sheet.place(place.at);
+        ui.painter().circle_stroke(at, 5.0, Stroke::new(1.5, palette.text));
+        card(ui, found, place.frame, at);
+    }
+    under.filter(|_| response.clicked())
+}
+
+fn regions(ui: &Ui, sheet: &Sheet, clouds: &[PlaneCloud]) {
+    let painter = ui.painter().with_clip_rect(sheet.area);
+    for (class, cloud) in clouds.iter().enumerate() {
+        let colour = motion_colours(Some(class)).fill;
+        let corners: Vec<Pos2> = edge(cloud).into_iter().map(|corner| sheet.place(corner)).collect();
+        let stroke = Stroke::new(1.0, colour.gamma_multiply(REGION_EDGE));
+        painter.add(Shape::convex_polygon(corners, colour.gamma_multiply(REGION), stroke));
+    }
+}
+
+/// The names of the regions, moved apart where they would lie on one another.
+fn names(ui: &Ui, sheet: &Sheet, found: &Found, clouds: &[PlaneCloud]) {
+    let font = TextStyle::Small.resolve(ui.style());
+    let palette = theme::palette(ui);
+    let mut taken: Vec<Rect> = Vec::new();
+    for (class, (cloud, name)) in clouds.iter().zip(&found.names).enumerate() {
+        let galley = ui.painter().layout_no_wrap(name.clone(), font.clone(), palette.text);
+        let mut place =
+            Align2::CENTER_CENTER.anchor_size(sheet.place(cloud.mean), galley.size() + vec2(8.0, 0.0));
+        while let Some(other) = taken.iter().find(|other| other.intersects(place)) {
+            place = place.translate(Vec2::new(0.0, other.bottom() - place.top() + 1.0));
+        }
+        taken.push(place);
+        ui.painter().rect_filled(place, 3.0, palette.plot.gamma_multiply(0.75));
+        let bar = Rect::from_min_max(place.min, pos2(place.left() + 3.0, place.bottom()));
+        ui.painter().rect_filled(bar, 1.0, motion_colours(Some(class)).fill);
+        ui.painter().galley(place.min + vec2(6.0, 0.0), galley, palette.text);
+    }
+}
+
+/// The curve, stronger about the frame on the screen.
+fn curve(ui: &Ui, sheet: &Sheet, places: &[Place], context: &Context<'_>, strength: f32) {
+    let painter = ui.painter().with_clip_rect(sheet.area);
+    let rate = context.session.take.as_ref().map_or(30.0, |take| take.frame_rate);
+    let near = (NEAR_S * rate) as usize;
+    let is_near = |place: &Place| place.frame.abs_diff(context.selection.frame) <= near;
+    for strong in [false, true] {
+        for pair in places.windows(2).filter(|pair| pair[0].run == pair[1].run) {
+            if is_near(&pair[1]) != strong {
+                continue;
+            }
+            let colour = motion_colours(pair[1].class).fill;
+            let colour = colour.gamma_multiply(if strong { strength } else { FAR * strength });
+            let width = if strong { 2.0 * size::CURVE } else { size::CURVE };
+            painter
+                .line_segment([sheet.place(pair[0].at), sheet.place(pair[1].at)], Stroke::new(width, colour));
+        }
+    }
+}
+
+/// A dot with its time every so many seconds.
+fn dots(ui: &Ui, sheet: &Sheet, found: &Found, places: &[Place], context: &Context<'_>) {
+    let palette = theme::palette(ui);
+    let rate = context.session.take.as_ref().map_or(30.0, |take| take.frame_rate);
+    let [first, last] = [places.first(), places.last()].map(|place| place.map_or(0, |place| place.frame));
+    let seconds = (last - first) as f64 / rate;
+    let steps = [1.0, 2.0, 5.0, 10.0, 30.0, 60.0, 300.0, 600.0, 3600.0];
+    let step = steps.into_iter().find(|step| seconds / step <= MOST_DOTS as f64).unwrap_or(86_400.0);
+    let mut next = 0.0;
+    for place in places {
+        let at_s = place.frame as f64 / rate;
+        if at_s + 1e-9 < next {
+            continue;
+        }
+        next = (at_s / step).floor() * step + step;
+        let at = sheet.place(place.at);
+        ui.painter().circle(at, 2.5, palette.plot, Stroke::new(1.5, motion_colours(place.class).fill));
+        let text = format!("{} s", format::short((at_s / step).floor() * step));
+        ui.painter().text(
+            at + vec2(5.0, -1.0),
+            Align2::LEFT_BOTTOM,
+            text,
+            tick().resolve(ui.style()),
+            palette.text2,
+        );
+        let mark = ui.interact(
+            Rect::from_center_size(at, Vec2::splat(8.0)),
+            Id::unique(("second of the motion", place.frame)),
+            Sense::hover(),
+        );
+        let name = found.name(place.class);
+        mark.widget_info(|| {
+            WidgetInfo::labeled(
+                Role::GraphicsSymbol,
+                true,
+                format!("Frame {} on the plane: {name}", place.frame),
+            )
+        });
+    }
+}
+
+fn axes(ui: &Ui, area: Rect, plane: Plane) {
+    let palette = theme::palette(ui);
+    let [across, up] = words::plane(plane).2;
+    let font = tick().resolve(ui.style());
+    let corner = area.left_bottom() + vec2(AXIS, -AXIS);
+    ui.painter().hline(corner.x..=area.right(), corner.y, palette.hairline());
+    ui.painter().vline(corner.x, area.top()..=corner.y, palette.hairline());
+    let below = pos2(0.5 * (corner.x + area.right()), area.bottom() - 2.0);
+    ui.painter().text(below, Align2::CENTER_BOTTOM, across, font.clone(), palette.text2);
+    let galley = ui.painter().layout_no_wrap(up.to_owned(), font, palette.text2);
+    let middle = 0.5 * (area.top() + corner.y);
+    let start = pos2(area.left() + 2.0, middle + 0.5 * galley.size().x);
+    let turned = egui::epaint::TextShape::new(start, galley, palette.text2);
+    ui.painter().add(turned.with_angle(-std::f32::consts::FRAC_PI_2));
+}
+
+/// The frame on the screen.
+fn current(ui: &Ui, sheet: &Sheet, found: &Found, plane: Plane, frame: usize) {
+    let Some(named) = found.frame(frame) else { return };
+    let at = sheet.place(if plane == Plane::Apart { named.apart } else { named.place });
+    let colours = motion_colours(named.class);
+    ui.painter().circle(at, 6.5, colours.fill, Stroke::new(3.5, data_colours::CASING));
+    ui.painter().circle_stroke(at, 6.5, Stroke::new(2.0, data_colours::SELECTED));
+}
+
+fn card(ui: &Ui, found: &Found, frame: usize, at: Pos2) {
+    let Some(named) = found.frame(frame) else { return };
+    let id = ui.scope_id().with("place of a motion");
+    let anchor = PopupAnchor::Position(at);
+    Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor).gap(10.0).show(|ui| {
+        let name = format::capitalised(found.name(named.class));
+        ui.label(format!("Frame {}: {name}", format::count(frame as i64)));
+        let likeliest = (0..named.shares.len()).max_by(|&a, &b| named.shares[a].total_cmp(&named.shares[b]));
+        let what = if named.class.is_some() { "probability" } else { found.name(likeliest) };
+        ui.label(format!("{what} {}", format::percent(named.confidence)));
+        ui.label("Click: go to this frame");
+    });
+}

@@ -1,0 +1,74 @@
+//! Names are asked for when the track has changed, and at rest.
+
+use std::sync::Arc;
+
+use backlit_jobs::{News, once};
+use backlit_tracking::camera::up_of;
+use glam::DVec3;
+
+use super::Motions;
+use super::job::{Inputs, Missing};
+use crate::context::file_dialog::Wanted;
+use crate::context::motions::MotionMarks;
+use crate::context::{Context, Requests};
+
+impl Motions {
+    /// Takes names in, and asks for newer ones where the track has changed and nobody is changing it.
+    pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        for ((), path) in self.dialogs.answers() {
+            self.model = Some(path);
+        }
+        for news in self.task.poll() {
+            match news {
+                News::Output(Ok(found)) => {
+                    self.marks.stretches = Arc::new(found.stretches());
+                    (self.found, self.missing) = (Some(found), None);
+                }
+                News::Output(Err(missing)) => self.forget(missing),
+                News::Failed(failure) => requests.failed("The recognition of motions", &failure),
+                News::Ended => {}
+            }
+        }
+        let Some(inputs) = self.inputs(context) else { return };
+        if inputs.estimates.is_empty() {
+            self.task.forget();
+            self.forget(Missing::Track);
+            return;
+        }
+        let busy = context.busy;
+        if !(busy.tracking || busy.fitting || context.drag.is_dragging()) {
+            let name = |inputs: &Inputs| {
+                let inputs = inputs.clone();
+                once(move |cancel| inputs.recognise(cancel))
+            };
+            self.task.ask(context.pool, inputs.clone(), name);
+        }
+        self.marks.is_stale = self.task.is_busy() || self.task.inputs() != Some(&inputs);
+    }
+
+    /// There are no names, and why.
+    fn forget(&mut self, missing: Missing) {
+        (self.found, self.missing) = (None, Some(missing));
+        self.marks = MotionMarks::default();
+    }
+
+    fn inputs(&self, context: &Context<'_>) -> Option<Inputs> {
+        let (document, take) = (context.document(), context.session.take.as_ref()?);
+        Some(Inputs {
+            body: Arc::clone(&document.model),
+            estimates: Arc::clone(&document.estimates),
+            frame_rate: take.frame_rate,
+            up: up_of(take.cameras.iter().map(|camera| &**camera)).unwrap_or(DVec3::Z),
+            model: self.model.clone(),
+            method: self.preferences.method,
+        })
+    }
+
+    /// Asks for a file that was learnt elsewhere.
+    pub(super) fn ask_for_model(&self, context: &Context<'_>, requests: &mut Requests) {
+        let wanted = Wanted::File(&["json"]);
+        if let Err(why) = self.dialogs.ask(context.egui, (), "Model of motions", wanted) {
+            requests.complain(why.to_string());
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! Classes, methods and what is missing, in plain words.
+
+use backlit_recognition::Method;
+
+use super::job::Missing;
+use super::preferences::Plane;
+
+/// What no known motion is called.
+pub(super) const UNKNOWN: &str = "unknown";
+
+/// The words of the program's own classes; another file's classes are called as they are there.
+const CLASSES: [(&str, &str); 7] = [
+    ("box", "boxing"),
+    ("dance", "dancing"),
+    ("gesture", "gesturing"),
+    ("jump", "jumping"),
+    ("run", "running"),
+    ("sit_bend", "sitting or bending"),
+    ("walk", "walking"),
+];
+
+/// A class in the middle of a sentence.
+pub(super) fn class(name: &str) -> String {
+    let known = CLASSES.iter().find(|(known, _)| *known == name);
+    known.map_or_else(|| name.replace('_', " "), |(_, words)| (*words).to_owned())
+}
+
+/// A method on its button, and what it does.
+pub(super) const fn method(method: Method) -> (&'static str, &'static str) {
+    match method {
+        Method::Combined => {
+            ("Both together", "Hidden Markov models and support vectors, their probabilities multiplied")
+        }
+        Method::Hmm => ("Hidden Markov", "A Gaussian hidden Markov model a motion, of windows of 0.6 s"),
+        Method::Svm => ("Support vectors", "Planes between the motions, among windows of a second"),
+        Method::Nearest => ("Nearest", "What the fifteen nearest known windows of a second are called"),
+    }
+}
+
+/// A plane on its button, what it is, and what its axes are called.
+pub(super) const fn plane(plane: Plane) -> (&'static str, &'static str, [&'static str; 2]) {
+    match plane {
+        Plane::Apart => (
+            "Motions",
+            "The two axes that tell motions apart best: Fisher’s discriminants of windows of 0.6 s. Along each, a \
+             motion’s own spread is about 1",
+            ["First discriminant of 0.6 s", "Second discriminant of 0.6 s"],
+        ),
+        Plane::Principal => (
+            "Poses",
+            "The two axes along which single frames differ most, whatever the motion: principal components of joints \
+             and their speeds",
+            ["First principal component of a frame", "Second principal component of a frame"],
+        ),
+    }
+}
+
+/// Why there are no names, in whole sentences.
+pub(super) fn missing(missing: &Missing) -> String {
+    match missing {
+        Missing::Track => {
+            "No frame is tracked yet. Motions are named by what joints do over time, so the body must be \
+                           followed through the take first."
+                .to_owned()
+        }
+        Missing::Short { seconds, least } => format!(
+            "Too few frames are tracked to name a motion: {seconds:.1} s without a gap. It takes {least:.1} s, and a \
+             second is better."
+        ),
+        Missing::Joint(joint) => format!(
+            "This body has no {joint}. Motions are named by sixteen joints of the whole body, from head to toes, as the \
+             built-in full body has them."
+        ),
+        Missing::Model(why) => format!("The file is no model of motions: {why}."),
+        Missing::Other(why) => format!("Nothing can be recognised: {why}."),
+    }
+}
