@@ -5,7 +5,9 @@ use backlit_tracking::body::Pose;
 use super::Inspector;
 use super::inspector::Errand;
 use crate::context::Requests;
-use crate::context::command::{Command, FitCommand, HistoryCommand, TrackingCommand, WindowCommand};
+use crate::context::command::{
+    BeginningCommand, Command, FitCommand, HistoryCommand, TrackingCommand, WindowCommand,
+};
 use crate::context::command_button::dragged_until_now;
 use crate::context::preferences::Layout;
 use crate::document::history::Undone;
@@ -104,10 +106,7 @@ impl Inspector {
                 |features| &mut features.basin,
                 |basin, context, requests| basin.run(command, context, requests),
             ),
-            Command::Beginning(command) => self.with(
-                |features| &mut features.beginnings,
-                |beginnings, context, requests| beginnings.run(command, context, requests),
-            ),
+            Command::Beginning(command) => self.beginning_command(command),
             Command::Observability(command) => self.features.observability.run(command),
             Command::Tracking(command) => {
                 if command != TrackingCommand::Clear {
@@ -122,12 +121,10 @@ impl Inspector {
                 |features| &mut features.timeline,
                 |timeline, context, requests| timeline.run(command, context, requests),
             ),
-            Command::Demonstration(which) => {
-                self.with(
-                    |features| &mut features.demonstrations,
-                    |_, _, requests| Demonstrations::run(which, requests),
-                );
-            }
+            Command::Demonstration(which) => self.with(
+                |features| &mut features.demonstrations,
+                |_, _, requests| Demonstrations::run(which, requests),
+            ),
             Command::Laboratory(command) => self.features.laboratory.run(command),
             Command::Offsets => self.with(
                 |features| &mut features.offsets,
@@ -141,6 +138,13 @@ impl Inspector {
                 self.shell.overlay = None;
             }
         }
+    }
+
+    fn beginning_command(&mut self, command: BeginningCommand) {
+        self.with(
+            |features| &mut features.beginnings,
+            |beginnings, context, requests| beginnings.run(command, context, requests),
+        );
     }
 
     /// Esc while a slider or a field is dragged: what that has changed is as it was.

@@ -143,7 +143,7 @@ impl Recorder {
         Step::new(&self.model, record.pose.clone(), format!("{ramp}, step {}: {what}.", self.downhill))
     }
 
-    fn particles(&mut self, generation: &Generation, part: &Part, layers: usize) -> Step {
+    fn particles(&self, generation: &Generation, part: &Part, layers: usize) -> Step {
         let mut heaviest: Vec<_> = generation.particles.iter().collect();
         heaviest.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(a.cost.total_cmp(&b.cost)));
         heaviest.truncate(MOST_BODIES);
@@ -171,7 +171,7 @@ impl Recorder {
         }
     }
 
-    fn template(&mut self, turn: &TemplateStep) -> Step {
+    fn template(&self, turn: &TemplateStep) -> Step {
         let (name, held) = (format::capitalised(&turn.template), percent_of(turn.held));
         let words = match turn.template.as_str() {
             "head" => "Head: the ball whose outlines hold most border pixels of the silhouettes.".to_owned(),

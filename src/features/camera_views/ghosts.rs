@@ -12,6 +12,12 @@ const STICK: f32 = 1.25;
 const CASING_MORE: f32 = 1.75;
 const CASING_OPACITY: f32 = 0.6;
 
+/// What they are and what is marked, each with its colour.
+pub(super) fn legend(marks: &GhostMarks) -> Vec<(&str, Color32)> {
+    let marked = (!marks.marked.is_empty()).then_some(("this step", SELECTED));
+    std::iter::once((marks.words.as_str(), GHOST)).chain(marked).collect()
+}
+
 /// Paints them: the faint ones first.
 pub(super) fn paint_ghosts(painter: &Painter, view: &ViewTransform, marks: &GhostMarks) {
     let on_screen = |px: DVec2| view.screen_from_px(px);

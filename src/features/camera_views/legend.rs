@@ -7,13 +7,13 @@ use backlit_ui::drawing::{Legend, ViewMode};
 use backlit_ui::style::format;
 use backlit_ui::style::theme::data_colours::{LIKELIER, PICTURE_GROUND};
 use backlit_ui::style::theme::{Theme, space};
-use egui::{Galley, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
+use egui::{Color32, Galley, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
 
 use super::CameraTileInput;
 use super::comparison::Seen;
-use super::held;
 use super::legend_block::{Block, Item, ROW};
 use super::tile::TileLayout;
+use super::{ghosts, held};
 
 /// Above and below the rows.
 const MARGIN: f32 = 2.0;
@@ -40,10 +40,7 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, se
     let note = (!has_gutter).then(|| note(input)).flatten();
     let observed = input.observed.words();
     let has_marks = input.settings.calibration_marks && input.camera.is_some();
-    let mut held: Vec<_> = held::legend(input.held).collect();
-    if !input.likelier.is_empty() {
-        held.push(("Where likely poses pull", LIKELIER));
-    }
+    let held = outlines(input);
     // The gutter's bar and counts are this legend.
     let says_nothing =
         |mode: ViewMode| mode.legend() == Legend::None || has_gutter && mode == ViewMode::Tinted;
@@ -77,12 +74,7 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, se
         let is_told = !is_compared && says_nothing(*mode);
         let mut items =
             if is_told { Vec::new() } else { Item::all_of(*mode, input, hatches, &painter, small) };
-        match input.observed.ghosts.filter(|_| index == last) {
-            Some(ghosts) => items.extend(Item::ghosts(ghosts, &painter, small)),
-            None => items.extend(
-                observed.iter().filter(|_| index == last).map(|text| Item::ring(text, &painter, small)),
-            ),
-        }
+        items.extend(observed.iter().filter(|_| index == last).map(|text| Item::ring(text, &painter, small)));
         let held = held.iter().filter(|_| index == last);
         items.extend(held.map(|(text, colour)| Item::outline(text, *colour, &painter, small)));
         if index == last && has_marks {
@@ -121,6 +113,17 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, se
     node.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("Legend: {}", words.join(", "))));
     node.on_hover_ui(|ui| explain(ui, &modes, input));
     height
+}
+
+/// What outlines of other colours are.
+fn outlines<'a>(input: &CameraTileInput<'a>) -> Vec<(&'a str, Color32)> {
+    let ghosts = input.observed.ghosts.map_or_else(Vec::new, ghosts::legend);
+    let mut held: Vec<(&str, Color32)> = held::legend(input.held).collect();
+    held.extend(ghosts);
+    if !input.likelier.is_empty() {
+        held.push(("Where likely poses pull", LIKELIER));
+    }
+    held
 }
 
 /// Whether some pixel of the picture is unknown, and whether one is shadow, looked up when the picture changes.

@@ -3,12 +3,11 @@
 use std::sync::Arc;
 
 use backlit_ui::drawing::{
-    Derivative, GhostMarks, Legend, NO_CHANGE_LEGEND, NO_PULL_LEGEND, Swatch, UNKNOWN_LEGEND, ViewMode,
-    limb_chains,
+    Derivative, Legend, NO_CHANGE_LEGEND, NO_PULL_LEGEND, Swatch, UNKNOWN_LEGEND, ViewMode, limb_chains,
 };
 use backlit_ui::style::format;
 use backlit_ui::style::theme::data_colours::{
-    GHOST, JOINT, MAP_LEN, PICTURE_GROUND, SELECTED, gradient_map, mark, residual_map,
+    JOINT, MAP_LEN, PICTURE_GROUND, gradient_map, mark, residual_map,
 };
 use backlit_ui::style::theme::{Palette, Theme, space};
 use egui::{
@@ -49,18 +48,6 @@ impl Item {
     /// An ellipse with its word.
     pub(crate) fn ring(text: &str, painter: &Painter, font: &FontId) -> Self {
         Self::new(text.to_owned(), Swatch::Ring(JOINT), painter, font)
-    }
-
-    /// What bodies in the place of the posed one are.
-    pub(crate) fn ghosts(
-        ghosts: &GhostMarks,
-        painter: &Painter,
-        font: &FontId,
-    ) -> impl Iterator<Item = Self> {
-        let about = "this step".to_owned();
-        let about = (!ghosts.marked.is_empty()).then_some((about, SELECTED));
-        let items = std::iter::once((ghosts.words.clone(), GHOST)).chain(about);
-        items.map(|(text, colour)| Self::new(text, Swatch::Fill(colour), painter, font))
     }
 
     /// An outline's colour with its word.

@@ -7,6 +7,8 @@ use backlit_ui::widgets::ViewTransform;
 use egui::{Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 use glam::DVec2;
 
+use super::ghosts::paint_ghosts;
+
 /// Points of an ellipse.
 const POINTS: usize = 48;
 /// Half axes are drawn no longer than this, points: what is longer is outside any view.
@@ -44,11 +46,8 @@ pub struct ObservedMarks<'a> {
 }
 
 impl ObservedMarks<'_> {
-    /// What ghosts or ellipses are, for the legend.
+    /// What the ellipses are, for the legend.
     pub(crate) fn words(&self) -> Option<String> {
-        if let Some(ghosts) = self.ghosts {
-            return Some(ghosts.words.clone());
-        }
         let of = match (self.are_of_others, self.are_believed) {
             (true, _) => "Uncertainty with the other cameras",
             (false, true) => "Uncertainty after the Kalman filter",
@@ -63,8 +62,18 @@ impl ObservedMarks<'_> {
     }
 }
 
+/// Paints bodies beside or in the place of the posed one.
+pub(crate) fn paint_bodies(painter: &Painter, view: &ViewTransform, marks: &ObservedMarks<'_>) {
+    if let Some(sway) = marks.sway {
+        paint_sway(painter, view, sway);
+    }
+    if let Some(ghosts) = marks.ghosts {
+        paint_ghosts(painter, view, ghosts);
+    }
+}
+
 /// Paints a body that sways: its outline, the ways of its joints, seams of limbs that twist.
-pub(crate) fn paint_sway(painter: &Painter, view: &ViewTransform, marks: &SwayMarks) {
+fn paint_sway(painter: &Painter, view: &ViewTransform, marks: &SwayMarks) {
     let on_screen =
         |points: &[DVec2]| -> Vec<Pos2> { points.iter().map(|px| view.screen_from_px(*px)).collect() };
     let casing = Stroke::new(mark::SELECTED_LIMB_WIDTH + 1.5, CASING.gamma_multiply(CASING_OPACITY));

@@ -19,9 +19,8 @@ use egui::{
 };
 
 use super::comparison::{self, Seen};
-use super::ghosts::paint_ghosts;
 use super::hover_card::HoverCard;
-use super::observed::{paint_ellipses, paint_likelier, paint_sway};
+use super::observed::{paint_bodies, paint_ellipses, paint_likelier};
 use super::pointer::{Grips, PointerInput, rotation_owner};
 use super::tile::{TileLayout, TileState};
 use super::{CameraTileInput, TileEvent, held, legend};
@@ -204,12 +203,7 @@ fn paint_marks(
         paint_sight_ray(painter, view, ray);
     }
     paint_limits(painter, view, input.limits, Theme::Dark.palette());
-    if let Some(sway) = input.observed.sway {
-        paint_sway(painter, view, sway);
-    }
-    if let Some(ghosts) = input.observed.ghosts {
-        paint_ghosts(painter, view, ghosts);
-    }
+    paint_bodies(painter, view, &input.observed);
     // The selected joint lies on top of its neighbours.
     let (selected, others): (Vec<_>, Vec<_>) =
         input.joints.iter().partition(|joint| Some(joint.id) == input.selected);
