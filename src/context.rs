@@ -51,7 +51,7 @@ use crate::take::source::TakeSource;
 use backlit_jobs::{Failure, Pool};
 use backlit_tracking::body::Pose;
 use backlit_tracking::metrics::JointErrors;
-use backlit_ui::drawing::{DragEvent, JointId, ViewMode};
+use backlit_ui::drawing::{DragEvent, Ghosts, JointId, ViewMode};
 
 /// All that a panel may look at while a frame is drawn.
 #[derive(Debug, Clone, Copy)]
@@ -86,6 +86,8 @@ pub(crate) struct Context<'a> {
     pub(crate) observability: &'a ObservabilityMarks,
     /// What the tracked motion is called.
     pub(crate) motions: &'a MotionMarks,
+    /// Bodies that views and scene draw in the place of the posed one.
+    pub(crate) ghosts: Option<&'a Ghosts>,
     /// What time it is.
     pub(crate) clock: &'a Clock,
     /// The sentence of the status bar about what the hand is doing.

@@ -1,6 +1,7 @@
 //! The features, one folder each: all of a feature is in its folder, and it is known elsewhere only to the shell and the app.
 
 pub mod basin;
+pub(crate) mod beginnings;
 pub mod camera_views;
 pub(crate) mod convergence;
 pub(crate) mod demonstrations;
@@ -22,6 +23,7 @@ pub(crate) mod tracking;
 #[derive(Debug, Default)]
 pub(crate) struct Features {
     pub(crate) basin: basin::Basin,
+    pub(crate) beginnings: beginnings::Beginnings,
     pub(crate) camera_views: camera_views::CameraViews,
     pub(crate) convergence: convergence::Convergence,
     pub(crate) demonstrations: demonstrations::Demonstrations,

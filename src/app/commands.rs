@@ -5,7 +5,9 @@ use backlit_tracking::body::Pose;
 use super::Inspector;
 use super::inspector::Errand;
 use crate::context::Requests;
-use crate::context::command::{Command, FitCommand, HistoryCommand, TrackingCommand, WindowCommand};
+use crate::context::command::{
+    BeginningCommand, Command, FitCommand, HistoryCommand, TrackingCommand, WindowCommand,
+};
 use crate::context::command_button::dragged_until_now;
 use crate::context::preferences::Layout;
 use crate::document::history::Undone;
@@ -104,6 +106,7 @@ impl Inspector {
                 |features| &mut features.basin,
                 |basin, context, requests| basin.run(command, context, requests),
             ),
+            Command::Beginning(command) => self.beginning_command(command),
             Command::Observability(command) => self.features.observability.run(command),
             Command::Tracking(command) => {
                 if command != TrackingCommand::Clear {
@@ -118,12 +121,10 @@ impl Inspector {
                 |features| &mut features.timeline,
                 |timeline, context, requests| timeline.run(command, context, requests),
             ),
-            Command::Demonstration(which) => {
-                self.with(
-                    |features| &mut features.demonstrations,
-                    |_, _, requests| Demonstrations::run(which, requests),
-                );
-            }
+            Command::Demonstration(which) => self.with(
+                |features| &mut features.demonstrations,
+                |_, _, requests| Demonstrations::run(which, requests),
+            ),
             Command::Laboratory(command) => self.features.laboratory.run(command),
             Command::Offsets => self.with(
                 |features| &mut features.offsets,
@@ -137,6 +138,13 @@ impl Inspector {
                 self.shell.overlay = None;
             }
         }
+    }
+
+    fn beginning_command(&mut self, command: BeginningCommand) {
+        self.with(
+            |features| &mut features.beginnings,
+            |beginnings, context, requests| beginnings.run(command, context, requests),
+        );
     }
 
     /// Esc while a slider or a field is dragged: what that has changed is as it was.
@@ -158,7 +166,11 @@ impl Inspector {
             self.features.observability.stop_sway();
             return true;
         }
-        let alone = self.shell.docking.alone.take().is_some();
+        if self.features.beginnings.is_running() {
+            self.features.beginnings.stop();
+            return true;
+        }
+        let alone = self.shell.docking.alone.take().is_some() || self.features.beginnings.leave();
         if !alone && self.state.selection.step.take().is_none() {
             // What goes on behind all that is looked at comes last.
             if self.features.basin.is_running() {
@@ -177,10 +189,10 @@ impl Inspector {
         }
         let said = match command {
             HistoryCommand::Undo => self.state.history.undo().map(|undone| match undone {
-                Undone::Edit(what) => format!("Undid: {what}."),
+                Undone::Edit(what) => format!("Undone: {what}."),
                 Undone::RemovedRuns => BROUGHT_BACK.to_owned(),
             }),
-            HistoryCommand::Redo => self.state.history.redo().map(|what| format!("Did again: {what}.")),
+            HistoryCommand::Redo => self.state.history.redo().map(|what| format!("Redone: {what}.")),
         };
         if said.is_some() {
             self.state.status = said;

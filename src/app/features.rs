@@ -51,6 +51,11 @@ impl Inspector {
         );
         self.state.motions = self.features.motions.marks();
         self.update_feature(
+            |features| &mut features.beginnings,
+            |beginnings, context, requests| beginnings.update(context, requests),
+        );
+        self.state.ghosts = self.features.beginnings.ghosts();
+        self.update_feature(
             |features| &mut features.scene,
             |scene, context, requests| scene.update(context, requests),
         );

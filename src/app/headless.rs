@@ -194,6 +194,7 @@ impl Inspector {
         self.features.fit.step_seconds = None;
         self.state.session.predict_seconds = None;
         self.features.laboratory.step_seconds = None;
+        self.features.beginnings.freeze_times();
         if let Some(running) = &mut self.features.basin.results.running {
             running.seconds_left = None;
         }

@@ -65,6 +65,7 @@ impl Inspector {
             notices: Notices::default(),
             observability: ObservabilityMarks::default(),
             motions: MotionMarks::default(),
+            ghosts: None,
             unavailable: Unavailable::default(),
             status: None,
             project: None,

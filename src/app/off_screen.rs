@@ -57,6 +57,7 @@ impl Inspector {
         let features = &self.features;
         copy.features.camera_views = features.camera_views.clone();
         copy.features.basin = features.basin.at_rest();
+        copy.features.beginnings = features.beginnings.at_rest();
         copy.features.convergence = features.convergence.at_rest();
         copy.features.fit = features.fit.at_rest();
         copy.features.motions = features.motions.at_rest();

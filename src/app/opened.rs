@@ -32,6 +32,7 @@ impl Inspector {
         self.features.scene.reset();
         self.features.basin.reset();
         self.features.motions.reset();
+        self.features.beginnings.reset();
         self.features.fit.reset();
         self.features.convergence.reset();
         self.features.tracking.reset();

@@ -85,14 +85,14 @@ impl Inspector {
             match news {
                 News::Output(extents) => self.state.session.subject = extents,
                 News::Ended => {}
-                News::Failed(failure) => self.failed("The look at the whole take", &failure),
+                News::Failed(failure) => self.failed("Looking through the whole take", &failure),
             }
         }
         for news in self.refresh.calibration.poll() {
             match news {
                 News::Output(footage) => self.recalibrated(footage),
                 News::Ended => {}
-                News::Failed(failure) => self.failed("Seeing the footage by other cameras", &failure),
+                News::Failed(failure) => self.failed("Reading the footage with the new cameras", &failure),
             }
         }
     }

@@ -47,6 +47,7 @@ impl Inspector {
             drag: self.features.pose.marks(self.state.now),
             observability: &self.state.observability,
             motions: &self.state.motions,
+            ghosts: self.state.ghosts.as_deref(),
             doing: self.state.status.as_deref(),
             is_covered: self.shell.overlay.is_some(),
             offers_unsaved_work: self.features.recovery.is_offered(),

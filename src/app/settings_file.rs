@@ -48,18 +48,18 @@ pub fn read(folder: &Path) -> (Settings, Option<String>) {
         Ok(text) => text,
         Err(error) if error.is_missing() => return (Settings::default(), None),
         Err(error) => {
-            return (Settings::default(), Some(format!("{error}. The settings are as at first.")));
+            return (Settings::default(), Some(format!("{error}. The default settings are used.")));
         }
     };
     match serde_json::from_slice::<Map<String, Value>>(&text) {
         Ok(fields) => {
             let (look, unread) = read_fields(fields);
             let said =
-                format!("{}: {} could not be read and is as at first.", path.display(), unread.join(", "));
+                format!("{}: {} could not be read; the default is used.", path.display(), unread.join(", "));
             (look, (!unread.is_empty()).then_some(said))
         }
         Err(error) => {
-            let said = format!("{}: {error}. The settings are as at first.", path.display());
+            let said = format!("{}: {error}. The default settings are used.", path.display());
             (Settings::default(), Some(said))
         }
     }

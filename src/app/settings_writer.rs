@@ -63,7 +63,7 @@ impl App {
             Err(why) if !std::mem::replace(&mut self.settings_writer.failed, true) => {
                 let advice = write_advice(&why);
                 let text =
-                    format!("The arrangement of the window is not kept for the next start: {why}. {advice}");
+                    format!("The window’s settings were not saved for the next start: {why}. {advice}");
                 self.inspector.state.notices.error(text);
             }
             Err(_) => {}

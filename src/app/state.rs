@@ -2,9 +2,11 @@
 
 use std::ops::{Deref, DerefMut};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use backlit_formats::Take;
 use backlit_jobs::{Pool, Priority, Task};
+use backlit_ui::drawing::Ghosts;
 
 use super::inspector::Inspector;
 use super::settings::Settings;
@@ -89,6 +91,8 @@ pub(crate) struct State {
     pub(crate) observability: ObservabilityMarks,
     /// What the tracked motion is called.
     pub(crate) motions: MotionMarks,
+    /// Bodies that views and scene draw in the place of the posed one.
+    pub(crate) ghosts: Option<Arc<Ghosts>>,
     /// What cannot be used in the frame that is shown.
     pub(crate) unavailable: Unavailable,
     /// The sentence of the status bar about what was just done.

@@ -37,8 +37,7 @@ impl TakeInJob {
         Ok(match &self.dropped {
             Dropped::Calibration(path) => {
                 let calibration = read_calibration(path, self.footage.full_cameras())?;
-                let said =
-                    format!("The {} cameras are those of {} now.", calibration.rig.count(), name(path));
+                let said = format!("The {} cameras now come from {}.", calibration.rig.count(), name(path));
                 (Edit::SetCalibration(Some(Arc::new(calibration))), said)
             }
             Dropped::Masks(paths) => {
@@ -53,16 +52,16 @@ impl TakeInJob {
             }
             Dropped::Pose(path) => {
                 let pose = pose_file::read(path, &self.model, Quaternions::Normalised)?;
-                let said = format!("Frame {frame} has the pose of {} now.", name(path));
+                let said = format!("Frame {frame} now has the pose of {}.", name(path));
                 (Edit::SetPose { frame, pose, what: "Drop pose".to_owned() }, said)
             }
             Dropped::Body(path) => {
                 let model = model_file::read(path)?;
-                let said = format!("The body has the sizes of {} now.", name(path));
+                let said = format!("The body now has the sizes of {}.", name(path));
                 (Edit::SetBody(Arc::new(model)), said)
             }
             Dropped::New(_) | Dropped::Open(_) | Dropped::Unknown(..) => {
-                anyhow::bail!("{}: nothing is to be taken from it", self.dropped.explanation(frame).1)
+                anyhow::bail!("{}: it has nothing that can be used here", self.dropped.explanation(frame).1)
             }
         })
     }

@@ -32,6 +32,7 @@ impl Inspector {
             Command::Fit(command) => Fit::unavailable(command, context),
             Command::Convergence(command) => Convergence::unavailable(command, context),
             Command::Basin(command) => Basin::unavailable(command, context),
+            Command::Beginning(command) => features.beginnings.unavailable(command, context),
             other => why(other, context),
         }
     }

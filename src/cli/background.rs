@@ -10,9 +10,10 @@ use clap::Args;
 use super::{output, track_files};
 
 const NOTES: &str = "\
-A take whose background was learnt from its footage does not know it where the subject was always near. Once a body is
-tracked, only that is left out, and more of the background is learnt. Writes one plate a camera to the folder of --out.
-Name them as `background` in take.toml, or write them in the place of those that are there.
+A background that was learnt from the footage has gaps where the subject was always near. Once a body is \
+tracked, only the pixels of that body are left out, and more of the background is learnt. Writes one plate \
+for each camera to the folder of --out. Name the plates as `background` in take.toml, or put them in the \
+place of those that are there.
 
 Example:
   backlit background TAKE --without results --out TAKE/background";
@@ -49,7 +50,7 @@ pub(crate) fn run(arguments: &BackgroundArguments) -> anyhow::Result<()> {
         learnt.write(&arguments.out.join(plate::file_name(name)))?;
         let unknown = 100.0 * (1.0 - learnt.known_share());
         output::complain(&format!(
-            "{name}: the background was learnt again without the body; {unknown:.1} % of it are unknown"
+            "{name}: the background was learnt again without the body; {unknown:.1} % of it is unknown"
         ));
     }
     Ok(())

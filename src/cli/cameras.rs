@@ -12,8 +12,8 @@ use super::output;
 use super::table::Table;
 
 const NOTES: &str = "\
-Reads all calibrations that a take can name; docs/formats.md lists them. Where lenses and places are in two files, give
-both, or one with the other beside it.
+Reads all calibrations that a take can name; docs/formats.md lists them. If lenses and places are in two \
+files, give both, or one with the other in the same folder.
 
 Examples:
   backlit cameras Calib.qca.txt
@@ -26,12 +26,12 @@ Examples:
 pub(crate) struct CameraArguments {
     /// Calibration: a file, or a folder with one in it
     file: PathBuf,
-    /// Its other half, where lenses and places are in two files
+    /// Its other half, if lenses and places are in two files
     other: Option<PathBuf>,
-    /// Print the cameras in our own form
+    /// Print the cameras in Backlit's own format
     #[arg(long)]
     json: bool,
-    /// Width and height of the pictures, for files that do not say them; others are scaled to it
+    /// Width and height of the pictures, for files that do not say them; other cameras are scaled to this size
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u64; 2]>,
     /// Metres in one unit of a file that does not say its unit

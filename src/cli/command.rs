@@ -25,7 +25,7 @@ Examples:
   backlit render --model full_body --cameras cameras.json --pose pose.json --out pictures
   backlit fit --model full_body --cameras cameras.json --start pose.json --masks masks --out fitted.json
 
-Lengths are metres, angles radians unless a unit is given; quaternions are w x y z; frames count from 0.";
+Lengths are metres and angles radians unless a unit is given. Quaternions are w x y z. Frames count from 0.";
 
 /// The program's arguments.
 #[derive(Debug, Parser)]
@@ -45,7 +45,7 @@ pub(crate) struct Cli {
 /// One thing to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Make a take of footage and a calibration: videos or pictures, a project of another tool
+    /// Make a take from footage and a calibration, or from a project of another tool
     Import(import::ImportArguments),
     /// Draw the silhouettes that a pose predicts, one picture a camera
     Render(render::RenderArguments),
@@ -55,17 +55,17 @@ pub(crate) enum Command {
     FitBody(fit_body::FitBodyArguments),
     /// Fit frame after frame of a take; report joint errors, overlap and times
     Track(track::TrackArguments),
-    /// Write a track as motion files of other programs: BVH, TRC, MOT, C3D, glTF, NumPy, CSV
+    /// Write a track as motion files for other programs: BVH, TRC, MOT, C3D, glTF, NumPy, CSV
     Export(export::ExportArguments),
-    /// Learn the background of a take again without the body that was tracked in it
+    /// Learn the background of a take again, without the tracked body
     Background(background::BackgroundArguments),
     /// Draw the window without a display and write its picture
     Screenshot(screenshot::ScreenshotArguments),
-    /// Tell what the cameras see of a frame's pose and what not, and compare sets of cameras
+    /// Show what the cameras see of a frame's pose and what they do not, and compare sets of cameras
     Observability(observability::ObservabilityArguments),
     /// Write the silhouettes of a take as pictures
     Silhouettes(silhouettes::SilhouetteArguments),
-    /// Find how far the cameras of a take were started apart, from the motion of the silhouettes
+    /// Find how far apart in time the cameras of a take were started, from the motion of the silhouettes
     Sync(sync::SyncArguments),
     /// Learn from motion files how people move, for track --prior
     Prior(prior::PriorArguments),

@@ -51,8 +51,8 @@ pub(crate) mod waiting;
 use clap::{Args, Subcommand};
 
 const NOTES: &str = "\
-Every experiment prints a table, and writes its numbers (NAME.json) and its plots (NAME.png) to --out. The same
-options give the same numbers. docs/report.md has the report's figures beside ours.";
+Every experiment prints a table, and writes its numbers (NAME.json) and its plots (NAME.png) to --out. The \
+same options give the same numbers. docs/report.md has the report's figures beside ours.";
 
 /// What `backlit experiment` is told.
 #[derive(Debug, Args)]
@@ -84,7 +84,7 @@ enum Experiment {
     Fig56(fig55::Arguments),
     /// The step (4.10) as written, and the pseudo-inverse and dampings that can stand for it
     Inverse(inverse::Arguments),
-    /// Where a fit ends that began at the truth: the bias of each ramp on hard masks, by number of cameras
+    /// Where a fit that begins at the truth ends: the bias of each ramp on hard masks, by number of cameras
     Bias(bias::Arguments),
     /// Simulated rooms with shadows: what each shadow test makes of subject, shadow and joints; what noise makes of β
     Shadow(shadow::Arguments),
@@ -96,9 +96,9 @@ enum Experiment {
     Robustness(robustness::Arguments),
     /// How far off a start may be: share of starts that end at the truth, by distance and number of cameras
     Basin(Box<basin::Arguments>),
-    /// First bodies of people of several builds, grown from nothing known, beside fitted ones; and a take's person
+    /// First bodies of people of several builds, grown with nothing known, beside fitted ones; or of a take's person
     Acquire(acquire::Arguments),
-    /// Ways to begin, one beside another: downhill, particles, templates, the search; what they find, evaluations of Λ, time
+    /// Ways to begin, side by side: downhill, particles, templates, the search; what they find, evaluations of Λ, time
     Begin(Box<begin::Arguments>),
     /// A take with keypoints, tracked from many starts: how many stay near the keypoints everywhere
     Footage(Box<footage::Arguments>),

@@ -27,8 +27,8 @@ use super::take_options::{self, StartArguments};
 const NOTES: &str = "\
 A folder of masks or grey levels holds NAME.png for every camera NAME, of the camera's size:
   --masks        white is the subject, black background, middle grey unknown
-  --measurement  grey levels of D as they are, 0 subject … 255 background; the ramp says how far they fade
-                 (half, if --ramp is not given with the robust preset)
+  --measurement  grey levels of D as they are, 0 subject … 255 background; the ramp says how far
+                 they fade (half, if --ramp is not given with the robust preset)
 Pictures of cameras with lens distortion are straightened first. A camera that sees no subject is left out.
 
 Examples:
@@ -50,7 +50,7 @@ pub(crate) struct FitArguments {
     /// Body model.
     #[arg(long, required_unless_present = "take", help = MODEL_HELP)]
     model: Option<String>,
-    /// Calibrated cameras: backlit-cameras JSON, JSON of camera matrices, or Qualisys XML
+    /// Calibrated cameras: any file that backlit cameras reads
     #[arg(long, required_unless_present = "take")]
     cameras: Option<PathBuf>,
     /// Folder of silhouettes
@@ -264,7 +264,10 @@ fn text(summary: &SolverSummary, start_cost: f64, start_rms: f64, times: Option<
     out.push_str("cost in squared grey levels, rms in grey levels a pixel; each stage has its own measure\n");
     out.push_str(&format!("Stopped: {}.\n", ending_text(summary.termination)));
     if !summary.empty_cameras.is_empty() {
-        out.push_str(&format!("Left out, for they see no subject: {}.\n", summary.empty_cameras.join(", ")));
+        out.push_str(&format!(
+            "Left out because they see no subject: {}.\n",
+            summary.empty_cameras.join(", ")
+        ));
     }
     if let Some(Times { median, min, count }) = times {
         out.push_str(&format!(

@@ -27,12 +27,14 @@ use super::output;
 use super::take_options::{self, FrameRange, PartArguments};
 
 const NOTES: &str = "\
-Sizes and the poses of all chosen frames are found together, from the silhouettes, the proportions and girths of people
-and, where the take has them, its reference keypoints in these frames. Silhouettes that are too wide all round are not
-taken for girth where that is sure. Left and right share their sizes. The body is first scaled
-as a whole to the smallest frame, then tracked to the others. A T-pose shows lengths of arms and radii; bent elbows and
-knees show where upper and lower limbs meet: several frames of a movement are better than one.
-A size of which the silhouettes say hardly more than the proportions of people do is marked: it is a guess.
+Sizes and the poses of all chosen frames are found together: from the silhouettes, from the proportions and \
+girths of people, and from the take's reference keypoints in these frames if it has any. Silhouettes that \
+are surely too wide all round are not mistaken for girth. Left and right share their sizes. The body is \
+first scaled as a whole to the lowest-numbered frame, then tracked to the others.
+
+Several frames of a movement are better than one: a T-pose shows radii and the lengths of arms; bent elbows \
+and knees show where upper and lower limbs meet. A size is marked as a guess if the silhouettes say hardly \
+more about it than the proportions of people do.
 
 Examples:
   backlit fit-body TAKE --frames 0..300 --out person.toml
@@ -49,7 +51,7 @@ pub(crate) struct FitBodyArguments {
     /// Frames: a list 3,40,85, or a range A..B of which --count frames are taken, evenly spread [default: all]
     #[arg(long, value_name = "FRAMES", allow_hyphen_values = true)]
     frames: Option<FrameChoice>,
-    /// How many frames of a range
+    /// How many frames to take from a range
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=64))]
     count: u32,
     /// Names of the cameras to use, with commas [default: all]
@@ -58,14 +60,14 @@ pub(crate) struct FitBodyArguments {
     /// The body to begin with: a file, or the name of a built-in one [default: the take's]
     #[arg(long, value_name = "MODEL")]
     model: Option<String>,
-    /// A pose near that of the smallest frame: a backlit-pose file [default: from the reference keypoints, else the
+    /// A pose near that of the lowest-numbered frame: a backlit-pose file [default: from the reference keypoints, else the
     /// take's own start]
     #[arg(long, value_name = "POSE")]
     start: Option<PathBuf>,
-    /// Nothing is known of the person: a first body and its pose are grown in the smallest frame, and the fit begins with them
+    /// Use neither a start nor keypoints: grow a first body and its pose in the lowest-numbered frame, and begin the fit with them
     #[arg(long, conflicts_with = "start")]
     acquire: bool,
-    /// Leave the take's reference keypoints alone
+    /// Do not use the take's reference keypoints
     #[arg(long)]
     without_keypoints: bool,
     /// Let left and right differ
@@ -78,7 +80,7 @@ pub(crate) struct FitBodyArguments {
     /// 0.2 with keypoints, without them 14, for people in clothes; for others 1 and 20]
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     proportions: Option<f64>,
-    /// Make a body of spheres: about N in all, a tree a limb, carved from the silhouettes and moved by them; for
+    /// Make a body of spheres, about N in all: one tree for each limb, carved from the silhouettes and fitted to them; for
     /// --renderer sphere-tree
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     spheres: Option<u32>,

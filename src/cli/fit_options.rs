@@ -19,7 +19,7 @@ pub(crate) struct RendererArguments {
     /// Solid that stands for a limb: capsule, cylinder or sphere-tree [default: capsule]
     #[arg(long, value_name = "SOLID")]
     pub(crate) renderer: Option<RendererKind>,
-    /// Equal spheres along each limb, with the sphere tree [default: the limb's own, else 1 + ⌈2·length/radius⌉]
+    /// With the sphere tree: equal spheres along each limb [default: the limb's own, else 1 + ⌈2·length/radius⌉]
     #[arg(long, value_name = "N", requires = "renderer", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=MAX_SPHERES as i64))]
     pub(crate) spheres: Option<u16>,
 }
@@ -65,7 +65,7 @@ impl From<ParametersWord> for Parameters {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "How to fit")]
 pub(crate) struct SolverArguments {
-    /// Set of choices to begin with: report (as in 2004) or robust; the options below change single ones
+    /// Set of choices to begin with: report (as in 2004) or robust; the options below change single choices
     #[arg(long, default_value_t = Preset::Robust)]
     pub(crate) preset: Preset,
     /// The solid.
@@ -81,8 +81,8 @@ pub(crate) struct SolverArguments {
     /// Numbers of a rotation that are solved for [default: the preset's]
     #[arg(long, value_enum)]
     pub(crate) parameters: Option<ParametersWord>,
-    /// Damping at the start of a stage, in units of the mean of JᵀJ's diagonal; with lm of a column's own where that
-    /// is larger [default: the preset's]
+    /// Damping at the start of a stage, in units of the mean of JᵀJ's diagonal; with lm, of a column's own entry if
+    /// that is larger [default: the preset's]
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = not_negative)]
     pub(crate) damping: Option<f64>,
     /// Most iterations in all, rejected ones too, shared equally among the preset's stages

@@ -14,14 +14,20 @@ use super::output;
 use super::table::Table;
 
 const NOTES: &str = "\
-Looks for videos or numbered pictures, a calibration, plates, masks and keypoints in the folders and files that are named, gives each
-camera its own by names and numbers, and writes a take: take.toml, the cameras for its pictures, and backgrounds that are
-learnt from the footage where there is no plate. Projects of Pose2Sim, EasyMocap, Anipose, FreeMoCap, Caliscope and OpenCap
-are recognised by their files. The footage stays where it is.
-Masks made elsewhere (in folders or files called masks, seg, silhouettes, alpha, …; as many as there are frames) are taken in
-the place of backgrounds, with or without footage beside them.
-Cameras that do not see the keypoints at the same places in space are adjusted by bundle adjustment, and it is said.
-Pictures of another size than the calibration's were scaled, letterboxed or cut; the pictures tell, or --pictures does.
+Looks for videos or numbered pictures, a calibration, plates, masks and keypoints in the folders and files \
+that are named, gives each camera its own by names and numbers, and writes a take: take.toml, the cameras \
+for its pictures, and backgrounds that are learnt from the footage where there is no plate. Projects of \
+Pose2Sim, EasyMocap, Anipose, FreeMoCap, Caliscope and OpenCap are recognised by their files. The footage \
+stays where it is.
+
+Masks made elsewhere (in folders or files called masks, seg, silhouettes, alpha, …; as many as there are \
+frames) are used instead of backgrounds, with or without footage beside them.
+
+If the cameras do not agree on where the keypoints are in space, they are corrected by bundle adjustment, \
+and a message says so.
+
+Pictures of another size than the calibration's were scaled, letterboxed or cut. Backlit finds out which \
+from the pictures; with --pictures you say it yourself.
 
 Examples:
   backlit import my_project --out take
@@ -38,10 +44,10 @@ pub(crate) struct ImportArguments {
     /// Folder of the take; made if it is not there
     #[arg(long, value_name = "TAKE", required_unless_present = "dry_run")]
     out: Option<PathBuf>,
-    /// Only tell what was found
+    /// Only print what was found, write nothing
     #[arg(long)]
     dry_run: bool,
-    /// The calibration, where it is not to be looked for
+    /// The calibration, instead of looking for one
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
     /// Metres in one unit of a calibration that does not say its unit
@@ -216,7 +222,7 @@ fn text(found: &Found) -> String {
         }
     }
     if found.matched_by == MatchedBy::Order {
-        out += "footage was given to cameras by its order: no names or numbers go together\n";
+        out += "no names or numbers match, so footage was given to the cameras in its order\n";
     }
     let longest = found.cameras.iter().map(|camera| camera.pictures.count()).max().unwrap_or(0);
     if found.count < longest {

@@ -19,8 +19,8 @@ use super::take_options::{self, StartArguments};
 use crate::features::observability::words;
 
 const NOTES: &str = "\
-Singular values of JᵀJ are of the silhouettes alone, without priors, at every pixel, by the last stage's ramp.
-Deviations are of one standard deviation, at the joint that moves most.
+Singular values of JᵀJ come from the silhouettes alone, without priors, from every pixel and with the ramp \
+of the last stage. \"Known to\" is one standard deviation at the joint that moves most.
 
 Examples:
   backlit observability TAKE --frame 12

@@ -132,7 +132,7 @@ pub(crate) fn begin(
         }
         Some(Err(error)) => {
             output::complain(&format!(
-                "the body is only scaled as a whole: no sizes of its own can be found: {error}"
+                "the body is only scaled as a whole: the person's own sizes cannot be found: {error}"
             ));
         }
         None => {}
@@ -186,7 +186,7 @@ impl SizesFound {
             return text;
         }
         format!(
-            "sizes of its own were not taken, the body is only scaled ({size}): {}",
+            "the person's own sizes were not used, the body is only scaled ({size}): {}",
             self.doubts.join("; ")
         )
     }
@@ -196,7 +196,7 @@ impl SizesFound {
 pub(crate) fn doubt_text(doubt: &Doubt) -> String {
     match doubt {
         Doubt::NotBetter { iou: [scaled, own] } => {
-            format!("frames held out are overlapped no better (IoU {own:.3}, only scaled {scaled:.3})")
+            format!("frames held out do not overlap better (IoU {own:.3}, only scaled {scaled:.3})")
         }
         Doubt::Stoutness { deviations } if *deviations > 0.0 => {
             format!("the body would be stouter than people are ({deviations:.1} standard deviations)")

@@ -12,10 +12,10 @@ use super::output;
 use super::table::Table;
 
 const NOTES: &str = "\
-Learns how people hold their trunk, arms and legs, and how they go from pose to pose, from the BVH files of a folder and its
-folders, each as it is and mirrored. Joints are known by the names of the CMU database, of Mixamo, and of what backlit export
-writes. `backlit track --prior FILE` uses what was learnt, `--prior people` what comes with the program; docs/chapter6.md says where
-that helps.
+Learns how people hold their trunk, arms and legs, and how they move from pose to pose, from the BVH files \
+of a folder and its subfolders, each as it is and mirrored. Joints may have the names of the CMU database, \
+of Mixamo, or those that backlit export writes. `backlit track --prior FILE` uses what was learnt, `--prior \
+people` the prior that comes with the program; docs/chapter6.md says where that helps.
 
 Examples:
   backlit prior --train motions --out people.json

@@ -21,11 +21,11 @@ use super::{output, track_files};
 use crate::features::motions::{joints, model};
 
 const NOTES: &str = "\
-Names motions by what joints do over time: from tracks of `backlit track`, from BVH files with the joint names of the CMU recordings, or
-from those that `backlit export` writes of the full body with its own names.
-Without --model it knows walking, running, jumping, boxing, dancing, gesturing, sitting and bending, from 72 recordings of
-the CMU motion capture database (mocap.cs.cmu.edu). A folder to learn from or to test on holds tracks or BVH files and a labels.csv
-with the columns file, class, subject and description.
+Names motions by what the joints do over time: in tracks of `backlit track`, in BVH files with the joint names \
+of the CMU recordings, or in those that `backlit export` writes of the full body with its own names. Without --model it knows walking, running, jumping, boxing, dancing, gesturing, \
+sitting and bending, from 72 recordings of the CMU motion capture database (mocap.cs.cmu.edu). A folder to \
+learn from or to test on holds tracks or BVH files and a labels.csv with the columns file, class, subject \
+and description.
 
 Examples:
   backlit recognise results/track.json
@@ -46,7 +46,7 @@ pub(crate) struct RecogniseArguments {
     /// File to write what was learnt to
     #[arg(long, value_name = "MODEL", requires = "train")]
     out: Option<PathBuf>,
-    /// Leave single windows of the training motions out of the file: nearest neighbours are then not to be had
+    /// Leave single windows of the training motions out of the file; nearest neighbours then cannot be used
     #[arg(long, requires = "train")]
     statistics_only: bool,
     /// What was learnt [default: what comes with the program]
@@ -58,7 +58,7 @@ pub(crate) struct RecogniseArguments {
     /// With --test: name each subject's motions by what is learnt from all others'
     #[arg(long, requires = "test", conflicts_with = "model")]
     leave_subjects_out: bool,
-    /// With --test: shift joints as a tracker does, by so many millimetres (root of the mean square)
+    /// With --test: add the noise of a tracker to the joints, so many millimetres (root mean square)
     #[arg(long, value_name = "MM", requires = "test", value_parser = millimetres)]
     noise: Option<f64>,
     /// With --test: draw the confusion matrix

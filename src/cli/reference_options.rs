@@ -11,7 +11,7 @@ use clap::Args;
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "What to compare with")]
 pub(crate) struct ReferenceArguments {
-    /// Keypoints to measure joint errors against, in the place of the take's: a TRC of another tool, or a table
+    /// Keypoints to measure joint errors against, instead of the take's: a TRC of another tool, or a table
     /// frame,joint,x,y,z. Neither start nor fit uses them
     #[arg(long, value_name = "FILE")]
     reference: Option<PathBuf>,
@@ -19,7 +19,7 @@ pub(crate) struct ReferenceArguments {
     /// puts the markers before the cameras]
     #[arg(long, value_name = "AXES", requires = "reference", allow_hyphen_values = true, value_parser = axes)]
     reference_axes: Option<Axes>,
-    /// The file's number of the take's frame 0 [default: that of the first row; of a CSV 0]
+    /// Which frame number of the file is frame 0 of the take [default: that of the first row; for a CSV, 0]
     #[arg(long, value_name = "N", requires = "reference")]
     reference_first: Option<u64>,
 }

@@ -25,11 +25,11 @@ Writes to the folder of --out, for every camera NAME:
   NAME.prediction.npy  with --npy: the same unrounded, height × width doubles
   NAME.jacobian.npy    with --jacobian: its derivative, height·width × columns doubles
 
-Columns of the Jacobian: x y z of the root (metres), then for every limb with a rotation of its own, in the
-order of the model file, w x y z (raw) or three radians of a turn in its parent's frame (tangent).
-The quaternions of the pose file are taken as they are, with either Jacobian: one that is not of unit length
-scales its limbs by its squared length, as in the report's equation (4.15).
-Cameras with lens distortion are drawn with the lens: every pixel has its own ray.
+Columns of the Jacobian: x y z of the root (metres), then for every limb with a rotation of its own, in the \
+order of the model file, w x y z (raw) or three radians of a turn in its parent's frame (tangent). The \
+quaternions of the pose file are used as they are, with either Jacobian: one that is not of unit length \
+scales its limbs by its squared length, as in the report's equation (4.15). Cameras with lens distortion are \
+drawn with the lens: every pixel has its own ray.
 
 Example:
   backlit render --model upper_body --cameras cameras.json --pose pose.json --renderer sphere-tree \\
@@ -42,7 +42,7 @@ pub(crate) struct RenderArguments {
     /// Body model.
     #[arg(long, help = MODEL_HELP)]
     model: String,
-    /// Calibrated cameras: backlit-cameras JSON, JSON of camera matrices, or Qualisys XML
+    /// Calibrated cameras: any file that backlit cameras reads
     #[arg(long)]
     cameras: PathBuf,
     /// Pose: a backlit-pose JSON file

@@ -34,7 +34,7 @@ Examples:
 pub(crate) struct ScreenshotArguments {
     /// Take or project: a take's folder, its take.toml, or a .backlit file [default: the built-in take]
     take: Option<PathBuf>,
-    /// A demonstration instead of a take, as its menu shows it
+    /// A demonstration instead of a take, as the Demonstrate menu shows it
     #[arg(long, value_enum, value_name = "NAME", conflicts_with = "take")]
     demonstration: Option<Demonstration>,
     /// Colours
@@ -49,7 +49,7 @@ pub(crate) struct ScreenshotArguments {
     /// Frame, counted from 0
     #[arg(long, value_name = "K", default_value_t = 0, allow_negative_numbers = true)]
     frame: usize,
-    /// Iterations of the fit to do on it, or the word end [default: 0; of a sequence of iterations: end]
+    /// Iterations of the fit to do on this frame, or the word end [default: 0; of a sequence of iterations: end]
     #[arg(long, value_name = "I", allow_negative_numbers = true)]
     iteration: Option<Iterations>,
     /// Track the whole take first, so that the timeline shows it
@@ -91,7 +91,7 @@ pub(crate) struct ScreenshotArguments {
     /// Without iterations that were rejected
     #[arg(long, requires = "sequence")]
     accepted_only: bool,
-    /// PNG file to write. Of a sequence: a .gif, a .png that moves, or a folder for numbered PNGs
+    /// PNG file to write. Of a sequence: a .gif, an animated .png, or a folder for numbered PNGs
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 }

@@ -14,9 +14,9 @@ use super::take_options::{self, PartArguments};
 
 const NOTES: &str = "\
 Writes to the folder of --out:
-  NAME/frame_000000.png  the silhouette of camera NAME: white subject, black background, middle grey (128) unknown;
-                         shadow is 32 where it counts as background and 96 where it weighs nothing
-  cameras.json           the cameras of these pictures: lens distortion has been taken out of them
+  NAME/frame_000000.png  the silhouette of camera NAME: white subject, black background,
+                         grey 128 unknown, shadow 32 (background) or 96 (weighs nothing)
+  cameras.json           the cameras of these pictures, without lens distortion
 
 Example:
   backlit silhouettes TAKE --out masks --frames 0..10";

@@ -12,10 +12,11 @@ use super::output;
 use super::table::Table;
 
 const NOTES: &str = "\
-The mesh must be closed: a solid's surface without holes. The spheres of every level cover all of it, and what of it a
-sphere covers its parent covers too. Errors are of the union of a level's spheres, in the mesh's unit: how far it stands
-out of the mesh at most and in the mean, how far its boundary lies inside (voids), and which share of the surface it
-covers. Of N spheres and L levels, level k has about N^(k/L).
+The mesh must be closed: the surface of a solid, without holes. The spheres of every level cover the whole \
+surface, and each sphere's parent covers every part that the sphere covers. Errors are those of the union of \
+a level's spheres, in the mesh's unit: how far it stands out of the mesh (greatest and mean), how far its \
+boundary lies inside (voids), and what share of the surface it covers. With N spheres and L levels, level k \
+has about N^(k/L).
 
 Examples:
   backlit sphere-tree bunny.ply --out bunny.json

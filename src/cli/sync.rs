@@ -15,10 +15,11 @@ use super::table::Table;
 use super::take_options;
 
 const NOTES: &str = "\
-Finds by how much each camera of a take is to be shifted beside the first one, from the motion of its silhouettes: the
-planes through two cameras that touch the person are the same in both at the same moment. The cameras must be calibrated
-and the person must move. What cannot be told is said, with the reason. --write changes the offsets in take.toml and
-nothing else in it; the take holds whole frames, so what is left of a frame is only told.
+Finds how far each camera of a take must be shifted against the first one, from the motion of its \
+silhouettes: at the same moment, two cameras agree on the planes through both that touch the person. The \
+cameras must be calibrated and the person must move. Where no offset can be found, the reason is printed. \
+--write changes the offsets in take.toml and nothing else in it. The take holds whole frames; the rest of an \
+offset is only printed.
 
 Examples:
   backlit sync TAKE
@@ -33,7 +34,7 @@ pub(crate) struct SyncArguments {
     /// Write the offsets into take.toml
     #[arg(long)]
     write: bool,
-    /// Cameras were started at most so far apart, seconds [default: as far as they overlap by three tenths]
+    /// Most time between the starts of two cameras, seconds [default: as far as they overlap by three tenths]
     #[arg(long, value_name = "SECONDS")]
     within: Option<f64>,
     /// Most frames that are looked at; a longer take is thinned evenly
@@ -45,7 +46,7 @@ pub(crate) struct SyncArguments {
 }
 
 fn some_frames(text: &str) -> Result<usize, String> {
-    let frames: usize = text.parse().map_err(|_error| format!("\"{text}\" is no whole number"))?;
+    let frames: usize = text.parse().map_err(|_error| format!("\"{text}\" is not a whole number"))?;
     if frames > 0 { Ok(frames) } else { Err("expected 1 or more".to_owned()) }
 }
 
@@ -78,7 +79,7 @@ pub(crate) fn run(arguments: &SyncArguments) -> anyhow::Result<()> {
     if is_written {
         out += &format!("wrote the offsets into {}\n", footage.take().path().display());
     } else if told.iter().all(|shift| shift.frames == 0) {
-        out += "nothing to write: no camera that can be told is a frame off\n";
+        out += "nothing to write: no offset that was found comes to a whole frame\n";
     } else if !arguments.write {
         out += "--write puts the shifts into the take\n";
     }
@@ -113,13 +114,16 @@ fn text(take: &Take, clocks: &TakeClocks) -> String {
     let mut out = table.to_text() + &reasons;
     for pair in clocks.found.pairs.iter().filter(|pair| !pair.is_used) {
         let [a, b] = pair.cameras.map(|camera| name(take, camera));
-        out += &format!("{a} and {b} by themselves say {:+.4} s more; they do not count\n", pair.residual_s);
+        out += &format!(
+            "{a} and {b} by themselves give {:+.4} s more; this pair is not used\n",
+            pair.residual_s
+        );
     }
     if let Some(error) = clocks.found.loop_error_s {
         out += &format!("pairs of cameras agree to {error:.4} s\n");
     }
     if clocks.every > 1 {
-        out += &format!("every {} frames were looked at (--frames)\n", clocks.every);
+        out += &format!("one frame in {} was looked at (--frames)\n", clocks.every);
     }
     out
 }

@@ -20,10 +20,10 @@ use super::own_body;
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Which part of the take")]
 pub(crate) struct PartArguments {
-    /// Frames A to B, B left out: A..B, A.., ..B; or A..=B with B, or one frame K [default: all]
+    /// Frames A to B, without B: A..B, A.., ..B; or with B: A..=B; or one frame K [default: all]
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     pub(crate) frames: Option<FrameRange>,
-    /// Every so many frames
+    /// Use only every Kth frame
     #[arg(long, value_name = "K", default_value_t = 1, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) every: u32,
     /// Names of the cameras to use, with commas [default: all]
@@ -104,7 +104,7 @@ pub(crate) struct StartArguments {
     /// [default: the take's own start, else reference, else found from the silhouettes]
     #[arg(long, value_name = "POSE")]
     pub(crate) start: Option<PathBuf>,
-    /// Noise on it: an angle for every rotation and a distance for the root, e.g. 5deg,3cm
+    /// Noise on the start: an angle for every rotation and a distance for the root, e.g. 5deg,3cm
     #[arg(long, value_name = "ANGLE,DISTANCE", allow_hyphen_values = true)]
     pub(crate) start_noise: Option<StartNoise>,
     /// Seed of the noise

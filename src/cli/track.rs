@@ -35,17 +35,18 @@ const TUNED_FRAMES: usize = 600;
 
 const NOTES: &str = "\
 Writes to the folder of --out:
-  track.json    poses, positions of all joints (world metres), cost, overlap and iterations of every frame
+  track.json    of every frame: pose, joints (metres, world), cost, overlap, iterations
   poses.csv     the poses as a table
   joints.csv    the positions of the joints as a table: frame,joint,x,y,z
   frames.csv    cost, overlap (IoU) by camera and iterations of every frame
   summary.json  what --json prints
-  body.toml     the body, where it is no built-in one
-A take without a start is searched for one; one that asks for sizes, as import writes it, gets the person's own sizes first.
-Joints are named after the limb whose second joint they are, or root. With reference keypoints in the take,
-joint errors are reported: millimetres between the fitted joint and the keypoint.
-IoU is intersection over union of silhouette and model; unknown pixels do not count.
-A time is from frame to frame, reading and segmentation included.
+  body.toml     the body, if it is not a built-in one
+
+If the take has no start, one is searched for. If the take asks for sizes, as one written by import does, \
+the person's own sizes are found first. Joints are named after the limb that ends in them, or root. If the \
+take has reference keypoints, joint errors are reported: millimetres between the fitted joint and the \
+keypoint. IoU is intersection over union of silhouette and model; unknown pixels do not count. Times are \
+from frame to frame, with reading and segmentation.
 
 Examples:
   backlit track TAKE --out results
@@ -109,7 +110,7 @@ pub(crate) struct FollowArguments {
     /// and root (m/s^1.5)
     #[arg(long, value_name = "R,TURN,MOVE", value_delimiter = ',', num_args = 3)]
     pub(crate) noise: Option<Vec<f64>>,
-    /// Smooth every frame by so many frames after it, not by all: what a live track could show that late
+    /// Smooth every frame by only so many frames after it, as a live track with that delay could
     #[arg(long, value_name = "FRAMES")]
     pub(crate) lag: Option<usize>,
     /// When to look for other poses than the one downhill, in the first frame and after a lost one

@@ -312,7 +312,7 @@ impl TrackReport {
         let frames = if summary.frames == 1 { "frame" } else { "frames" };
         let mut out = format!("{} {frames} tracked, {lost} lost\n", summary.frames);
         for (camera, count) in &summary.left_out {
-            out.push_str(&format!("{camera} was left out of {count}, for it saw nobody\n"));
+            out.push_str(&format!("{camera} was left out of {count} because it saw nobody\n"));
         }
         for (limb, count) in &summary.unsure {
             out.push_str(&format!("{limb}: nothing held it in {count}\n"));

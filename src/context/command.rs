@@ -33,9 +33,9 @@ mod table;
 
 pub use groups::BasinView;
 pub(crate) use groups::{
-    BasinCommand, ConvergenceCommand, ExportCommand, FileCommand, FitCommand, HistoryCommand,
-    LaboratoryCommand, Nudge, ObservabilityCommand, Part, PoseCommand, RecoveryCommand, SceneCommand,
-    TimelineCommand, TrackingCommand, Variants, ViewCommand, WindowCommand,
+    BasinCommand, BeginningCommand, ConvergenceCommand, ExportCommand, FileCommand, FitCommand,
+    HistoryCommand, LaboratoryCommand, Nudge, ObservabilityCommand, Part, PoseCommand, RecoveryCommand,
+    SceneCommand, TimelineCommand, TrackingCommand, Variants, ViewCommand, WindowCommand,
 };
 pub(crate) use keys::keys_text;
 pub(crate) use menu::Menu;
@@ -59,6 +59,7 @@ group! {
         Fit(FitCommand) of FitCommand::every(),
         Convergence(ConvergenceCommand) of ConvergenceCommand::every(),
         Basin(BasinCommand) of BasinCommand::every(),
+        Beginning(BeginningCommand) of BeginningCommand::every(),
         Observability(ObservabilityCommand) of ObservabilityCommand::every(),
         Tracking(TrackingCommand) of TrackingCommand::every(),
         Timeline(TimelineCommand) of TimelineCommand::every(),

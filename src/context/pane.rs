@@ -29,6 +29,8 @@ pub enum Pane {
     Basin,
     /// What the tracked motion is called: the plane of motions.
     Motions,
+    /// Ways to begin, one beside another, step by step.
+    Beginnings,
 }
 
 /// Where a pane comes in that has no place yet.
@@ -42,15 +44,21 @@ pub(crate) enum Side {
 
 impl Pane {
     /// The panes that are no cameras: title, where they come in, and what they show.
-    pub(crate) const KINDS: [(Self, &'static str, Side, &'static str); 4] = [
+    pub(crate) const KINDS: [(Self, &'static str, Side, &'static str); 5] = [
         (Self::Scene, "Scene", Side::Right, "Body, cameras and their pictures in three dimensions"),
         (Self::Convergence, "Convergence", Side::Below, "The runs of the fit, step by step"),
-        (Self::Basin, "Basin", Side::Right, "How far off a start may be, and still come home"),
+        (Self::Basin, "Basin", Side::Right, "How far off a start may be and still find the right pose"),
         (
             Self::Motions,
             "Motions",
             Side::Right,
             "What the tracked motion is called, and why: a curve among kinds of motion",
+        ),
+        (
+            Self::Beginnings,
+            "Ways to begin",
+            Side::Right,
+            "Particles, ramp, templates and search, step by step",
         ),
     ];
 
@@ -72,7 +80,7 @@ impl Pane {
 
     /// What it shows, in words.
     pub(crate) fn explanation(self) -> &'static str {
-        self.row().map_or("The camera's picture, silhouette and fit", |row| Self::KINDS[row].3)
+        self.row().map_or("The camera’s picture, silhouette and fit", |row| Self::KINDS[row].3)
     }
 
     /// The scope of its widgets: of the pane, not of its place, so that a pane that is moved keeps its state and its
@@ -106,6 +114,7 @@ mod tests {
         let panes: Vec<Pane> = Pane::all(9).collect();
         // The last variant of the enumeration.
         assert!(panes.contains(&Pane::Motions));
+        assert!(panes.contains(&Pane::Beginnings));
         for (index, pane) in panes.iter().enumerate() {
             assert!(!pane.title().is_empty() && !pane.explanation().ends_with('.'), "{pane:?}");
             assert!(panes[..index].iter().all(|other| other.tile_id() != pane.tile_id()), "{pane:?}");

@@ -10,7 +10,7 @@ use crate::document::fit_words::preset_like;
 
 /// A box of the presets.
 pub(crate) fn show(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32) {
-    let chosen = preset_like(&context.document().fit).map_or("Own", Preset::label);
+    let chosen = preset_like(&context.document().fit).map_or("Custom", Preset::label);
     let choices = [Preset::Robust, Preset::Report].map(|preset| {
         let command = Command::Fit(FitCommand::Preset(preset));
         (command, command.text(), command.tooltip())

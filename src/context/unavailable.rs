@@ -35,6 +35,7 @@ pub(crate) fn why(command: Command, context: &Context<'_>) -> Why {
         Command::Fit(_)
         | Command::Convergence(_)
         | Command::Basin(_)
+        | Command::Beginning(_)
         | Command::Scene(_)
         | Command::Observability(_)
         | Command::Tracking(_)
@@ -84,7 +85,7 @@ pub(crate) fn no_fit(context: &Context<'_>) -> Why {
 
 /// Why no body can be fitted to several frames, which are read for that.
 pub(crate) fn no_body_fit(context: &Context<'_>) -> Why {
-    no_camera(context).or(no_silhouette(context)).or(because(context.busy.tracking, "The tracker is at work"))
+    no_camera(context).or(no_silhouette(context)).or(because(context.busy.tracking, "The tracker is running"))
 }
 
 fn no_camera(context: &Context<'_>) -> Why {
@@ -94,7 +95,7 @@ fn no_camera(context: &Context<'_>) -> Why {
 
 fn file(command: FileCommand, context: &Context<'_>) -> Why {
     match command {
-        FileCommand::FindTake => because(!context.lacks_take, "No project has lost its take"),
+        FileCommand::FindTake => because(!context.lacks_take, "No project is missing its take"),
         FileCommand::Save | FileCommand::SaveAs => no_take(context),
         FileCommand::NewTake
         | FileCommand::OpenTake

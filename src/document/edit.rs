@@ -136,7 +136,7 @@ pub(crate) enum EditError {
     NoCamera { camera: usize, count: usize },
     #[error("the calibration has {found} cameras; the take has {count}")]
     Cameras { found: usize, count: usize },
-    #[error("the camera's weight is {weight}; expected a number from 0 on")]
+    #[error("the camera's weight is {weight}; expected a number, 0 or above")]
     Weight { weight: f64 },
     #[error("the fit of frame {frame} has a cost that is not a number")]
     Cost { frame: usize },

@@ -28,7 +28,8 @@ pub(crate) fn fit_name(options: &FitOptions) -> String {
 pub(crate) fn fit_detail(options: &FitOptions) -> String {
     let renderer = renderer_name(options.renderer).to_lowercase();
     let prior = if options.proximal_weight > 0.0 { ", proximal prior" } else { "" };
-    format!("{renderer}, {}{prior}", ramps(options))
+    let likely = if options.prior.is_some() { ", likely poses" } else { "" };
+    format!("{renderer}, {}{prior}{likely}", ramps(options))
 }
 
 /// The ramps from the first stage to the last.

@@ -7,9 +7,9 @@ use backlit_tracking::fit::FitOptions;
 use backlit_tracking::prior::PosePrior;
 use backlit_tracking::residual::learnt_prior::LearntPrior;
 
-/// Its weight in a fit; 0 without it.
-pub(crate) fn weight(options: &FitOptions) -> f64 {
-    options.prior.as_ref().map_or(0.0, |prior| prior.pose_weight)
+/// Its weight in a fit, if the fit has it.
+pub(crate) fn weight(options: &FitOptions) -> Option<f64> {
+    options.prior.as_ref().map(|prior| prior.pose_weight)
 }
 
 /// Gives it this weight in a fit; 0 takes it out.

@@ -7,6 +7,7 @@ use backlit_tracking::render::RendererKind;
 use backlit_ui::style::format;
 
 use crate::document::fit_words as words;
+use crate::document::likely_poses;
 use crate::document::run::Run;
 use crate::document::runs::{StepRef, is_same};
 
@@ -177,6 +178,7 @@ fn refinements(fit: &FitOptions) -> Vec<String> {
         format!("pull back {}", number(fit.proximal_weight)),
         format!("untwist {}", number(fit.rest_weight)),
         format!("limits {}", number(fit.limit_weight)),
+        format!("likely poses {}", number(likely_poses::weight(fit).unwrap_or(0.0))),
         if fit.to_scale { "stages to scale" } else { "stages as they are" }.to_owned(),
         format!("at most {iterations} steps"),
         format!("every {} px", strides.join(" ")),

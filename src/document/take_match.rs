@@ -12,7 +12,7 @@ use crate::document::{CameraUse, Document};
 #[derive(Debug, Error, PartialEq, Eq)]
 pub(crate) enum MatchError {
     #[error(
-        "the project is about the cameras {}; its take has {}. Open the take that the project was made from, or give \
+        "the project is for the cameras {}; the take has {}. Open the take that the project was made from, or give \
          take.toml those cameras",
         project.join(", "),
         take.join(", ")

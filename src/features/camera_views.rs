@@ -17,6 +17,7 @@
 //! | `comparison` | wipe and blink between two modes |
 //! | `held` | what held limbs that silhouettes did not |
 //! | `observed` | a body that sways, ellipses of joints |
+//! | `ghosts` | bodies in the place of the posed one |
 //! | `gutter` | overlap, use in the fit, what a drag does |
 //! | `legend`, `legend_block` | the strip under the picture; how to read one mode in it |
 //! | `hover_card` | the numbers of the pixel under the pointer |
@@ -25,6 +26,7 @@ mod alone;
 mod comparison;
 pub(crate) mod event;
 mod full_pictures;
+mod ghosts;
 mod gutter;
 mod header;
 pub(crate) mod held;

@@ -5,7 +5,7 @@ mod next;
 
 use egui::Ui;
 
-use crate::context::command::{Command, FitCommand, TrackingCommand, Variants, WindowCommand};
+use crate::context::command::{BeginningCommand, Command, FitCommand, TrackingCommand, Variants};
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 use crate::context::{Context, PaneEvent, Request, Requests};
@@ -34,10 +34,13 @@ impl Demonstrations {
                 requests.request(Request::Layout(Layout::Demonstrate));
                 requests.request(Request::RunLaboratory { over, camera: Some(camera) });
             }
-            Opening::Commands(commands) => commands.iter().for_each(|command| requests.run(*command)),
-        }
-        if which == Demonstration::Motions {
-            requests.request(Request::Pane(Pane::Motions, PaneEvent::Open));
+            Opening::Tiles(pane, command) => {
+                requests.request(Request::Layout(Layout::Pose));
+                if let Some(pane) = pane {
+                    requests.request(Request::Pane(pane, PaneEvent::Open));
+                }
+                requests.run(command);
+            }
         }
     }
 
@@ -55,8 +58,8 @@ enum Opening {
     /// Fits side by side that differ in this, in the pictures of a camera: where one camera counts that cannot see depth, of
     /// the other.
     Laboratory(Variants, usize),
-    /// Done one after the other.
-    Commands(&'static [Command]),
+    /// The pose layout with this pane too, and a command.
+    Tiles(Option<Pane>, Command),
 }
 
 const fn opening(which: Demonstration) -> Opening {
@@ -67,13 +70,11 @@ const fn opening(which: Demonstration) -> Opening {
             Opening::Laboratory(Variants::Presets, 0)
         }
         Demonstration::Bias => Opening::Laboratory(Variants::Ramps, 1),
-        Demonstration::Spheres => Opening::Commands(&[
-            Command::Window(WindowCommand::Layout(Layout::Pose)),
-            Command::Fit(FitCommand::MakeSpheres),
-        ]),
-        Demonstration::Cues | Demonstration::Motions => Opening::Commands(&[
-            Command::Window(WindowCommand::Layout(Layout::Pose)),
-            Command::Tracking(TrackingCommand::Forward),
-        ]),
+        Demonstration::Begin => Opening::Tiles(None, Command::Beginning(BeginningCommand::RunAll)),
+        Demonstration::Motions => {
+            Opening::Tiles(Some(Pane::Motions), Command::Tracking(TrackingCommand::Forward))
+        }
+        Demonstration::Spheres => Opening::Tiles(None, Command::Fit(FitCommand::MakeSpheres)),
+        Demonstration::Cues => Opening::Tiles(None, Command::Tracking(TrackingCommand::Forward)),
     }
 }

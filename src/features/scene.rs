@@ -6,6 +6,7 @@
 //! | `upright` | which way is up, and where the floor is |
 //! | `viewpoint` | the orbit view, and a camera's own place |
 //! | `contents` | body, cameras, floor, hull and sight ray as things to draw |
+//! | `ghosts` | bodies in the place of the posed one |
 //! | `order` | all that a picture of the scene shows |
 //! | `drawing` | the picture made of that, and the cameras' pictures small |
 //! | `hulls` | visual hulls of the frames that were looked at last |
@@ -14,6 +15,7 @@
 
 mod contents;
 mod drawing;
+mod ghosts;
 mod hulls;
 mod order;
 pub(crate) mod panel;

@@ -206,7 +206,7 @@ impl Tracking {
         let no_track = || {
             no_take(context)
                 .or(because(document.used_cameras().next().is_none(), "No camera is used in the fit"))
-                .or(because(self.is_busy(), "The tracker is at work"))
+                .or(because(self.is_busy(), "The tracker is running"))
                 .or(no_silhouette(context))
         };
         match command {

@@ -123,6 +123,7 @@ fn contents(
             Pane::Convergence => features.convergence.pane(ui, context, siblings, requests),
             Pane::Basin => features.basin.pane(ui, context, siblings, requests),
             Pane::Motions => features.motions.pane(ui, context, siblings, requests),
+            Pane::Beginnings => features.beginnings.pane(ui, context, siblings, requests),
         }
         if !matches!(pane, Pane::Camera(_)) {
             header_buttons(ui, rect, pane, docking.alone == Some(pane), requests);

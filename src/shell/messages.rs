@@ -36,7 +36,7 @@ pub(crate) fn messages(ui: &Ui, notices: &Notices, now: f64, requests: &mut Requ
                 });
             }
             if notices.all().is_empty() {
-                ui.label(RichText::new("Nothing was said yet").color(palette.text3));
+                ui.label(RichText::new("No messages yet").color(palette.text3));
             }
         });
         ui.add_space(space::WIDGET);

@@ -160,7 +160,7 @@ mod tests {
             ("step", Command::Fit(FitCommand::Step)),
             ("trf", Command::Tracking(TrackingCommand::Forward)),
             ("fs", Command::View(ViewCommand::FitSubject)),
-            ("export it", Command::Export(ExportCommand::Steps)),
+            ("export ste", Command::Export(ExportCommand::Steps)),
             ("quaternions", Command::Fit(FitCommand::Preset(Preset::Report))),
         ] {
             assert_eq!(commands(text).first(), Some(&command), "{text}");

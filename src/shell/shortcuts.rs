@@ -26,10 +26,10 @@ const GESTURES: [(&str, &str); 13] = [
     ("Middle drag", "Pan"),
     ("Hold H", "Keep the numbers of the pixel under the pointer"),
     ("Drag in the timeline", "Go through the frames"),
-    ("Shift + drag there", "Mark frames, to play or clear only these; Shift + click: none"),
+    ("Shift + drag there", "Mark frames, to play or clear only these; Shift + click clears the marks"),
     ("Wheel there", "Zoom at the pointer; sideways, with Shift or by middle drag: move"),
-    ("Double click there", "Show the whole take"),
-    ("Drop a file", "Open a take or a project, or take over cameras, silhouettes, a pose or a body"),
+    ("Double-click there", "Show the whole take"),
+    ("Drop a file", "Open a take or a project, or use its cameras, silhouettes, pose or body"),
 ];
 
 /// Shows the list and says whether it stays open.

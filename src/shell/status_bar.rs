@@ -67,7 +67,10 @@ fn sentence(context: &Context<'_>, features: &Features) -> String {
         return "The fit is running. Esc stops it; all steps stay.".to_owned();
     }
     if let Some(progress) = features.basin.progress() {
-        return format!("Trying the basin: {progress}. Esc stops it; what is done stays.");
+        return format!("Running the basin: {progress}. Esc stops it; what is done stays.");
+    }
+    if let Some(sentence) = features.beginnings.sentence() {
+        return sentence;
     }
     if context.preferences.layout == Layout::Demonstrate {
         return features.laboratory.sentence();
@@ -75,7 +78,7 @@ fn sentence(context: &Context<'_>, features: &Features) -> String {
     if let Some(step) = context.selection.step {
         let steps = context.runs().get(step.run).map_or(0, Run::last_step);
         return format!(
-            "Looking at step {} of {steps}. Comma and period go on; an edit here branches.",
+            "Looking at step {} of {steps}. Comma and period step on; an edit here starts a branch.",
             step.step
         );
     }
@@ -121,7 +124,7 @@ fn numbers(ui: &mut Ui, context: &Context<'_>, features: &Features) {
         "all fits, a step",
         seconds(features.laboratory.step_seconds),
         188.0,
-        "Time of the last step of all the laboratory's fits together",
+        "Time of the last step of all the laboratory’s fits together",
     );
     let palette = theme::palette(ui);
     let [frame, step, iou, rms] = entries;

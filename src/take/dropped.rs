@@ -59,7 +59,7 @@ impl Dropped {
             ),
             Self::Open(path) if ending(path) == "backlit" => ("Open this project".to_owned(), name(path)),
             Self::Open(path) => ("Open this take".to_owned(), name(path)),
-            Self::Calibration(path) => ("Replace the take’s cameras by these".to_owned(), name(path)),
+            Self::Calibration(path) => ("Replace the take’s cameras with these".to_owned(), name(path)),
             Self::Masks(paths) => {
                 let what = match paths.as_slice() {
                     [one] => name(one),
@@ -170,9 +170,9 @@ mod tests {
         for (name, content, expected) in [
             ("a.toml", "format = \"backlit-body 1\"", "Give the body these sizes"),
             ("b.json", "{\"format\": \"backlit-pose 1\"}", "Give frame 3 this pose"),
-            ("c.json", "{\"format\": \"backlit-cameras 1\"}", "Replace the take’s cameras by these"),
-            ("d.json", "{\"cameras\": {}}", "Replace the take’s cameras by these"),
-            ("e.qca.txt", "<calibration/>", "Replace the take’s cameras by these"),
+            ("c.json", "{\"format\": \"backlit-cameras 1\"}", "Replace the take’s cameras with these"),
+            ("d.json", "{\"cameras\": {}}", "Replace the take’s cameras with these"),
+            ("e.qca.txt", "<calibration/>", "Replace the take’s cameras with these"),
             ("f.backlit", "{}", "Open this project"),
             ("g.txt", "hello", "This cannot be used here"),
             ("h.json", "{\"format\": \"backlit-track 1\"}", "This cannot be used here"),

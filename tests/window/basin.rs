@@ -93,7 +93,7 @@ fn the_window_finds_the_same_as_the_core_on_the_built_in_take() {
 fn what_is_typed_wrong_is_said_and_nothing_runs() {
     let mut harness = open_arm();
     set_starts(&mut harness, "5 many", "0");
-    harness.get_by_label_contains("“many” is no number");
+    harness.get_by_label_contains("“many” is not a number");
     click(&mut harness, "Run starts");
     assert!(
         harness.state().basin().results.angles.is_none() && harness.state().basin().results.running.is_none()
@@ -145,7 +145,7 @@ fn esc_stops_a_basin_and_what_it_leaves_is_called_a_part_everywhere() {
         assert!(begun.elapsed() < PATIENCE, "no fit comes back");
         harness.step();
     }
-    harness.get_by_label_contains("Trying the basin: ");
+    harness.get_by_label_contains("Running the basin: ");
     assert!(running(&harness).unwrap().seconds_left.is_some());
     assert!(harness.query_by_label_contains("Partial: ").is_none(), "more is to come");
     press(&mut harness, Modifiers::NONE, Key::Escape);

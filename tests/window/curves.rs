@@ -162,7 +162,7 @@ fn the_pointer_reads_a_step_out_and_a_click_goes_there() {
     });
     assert!(found, "no step is read out");
     harness.get_by_label("accepted");
-    harness.get_by_label("Foretold");
+    harness.get_by_label("Expected");
 }
 
 #[test]

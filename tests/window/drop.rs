@@ -83,7 +83,7 @@ fn a_calibration_replaces_the_cameras_and_is_undone() {
     let path = folder.path().join("swapped.json");
     std::fs::write(&path, swapped).unwrap();
     drop_on(&mut harness, std::slice::from_ref(&path));
-    assert_eq!(said(&harness), "The 2 cameras are those of swapped.json now.");
+    assert_eq!(said(&harness), "The 2 cameras now come from swapped.json.");
     assert!(centre(&harness).distance(before) > 0.5);
     assert!(harness.state().session().iou().unwrap() < iou, "the body is not where these cameras see it");
 
@@ -147,7 +147,7 @@ fn poses_bodies_projects_and_takes_are_taken_in() {
     let path = folder.path().join("truth.json");
     pose_file::write(&path, &model, &pose).unwrap();
     drop_on(&mut harness, &[path]);
-    assert_eq!(said(&harness), "Frame 0 has the pose of truth.json now.");
+    assert_eq!(said(&harness), "Frame 0 now has the pose of truth.json.");
     assert!(harness.state().document().pose_at(0).root.distance(pose.root) < 1e-12);
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert!(harness.state().document().keys.is_empty());
@@ -174,7 +174,7 @@ fn what_will_happen_is_said_before_the_file_is_let_go() {
     let folder = folder();
     let mut harness = open(folder.path());
     hover(&mut harness, &folder.path().join("cameras.json"));
-    harness.get_by_label("Drop: Replace the take’s cameras by these");
+    harness.get_by_label("Drop: Replace the take’s cameras with these");
     harness.input_mut().hovered_files.clear();
     harness.run_steps(2);
     assert!(harness.query_by_label_contains("Drop:").is_none());
@@ -265,7 +265,7 @@ fn the_cards_look_as_they_should() {
         part(
             &mut snapshots,
             &mut harness,
-            "Drop: Replace the take’s cameras by these",
+            "Drop: Replace the take’s cameras with these",
             &format!("panel_drop_{}", theme_name(theme)),
         );
         harness.input_mut().hovered_files.clear();

@@ -105,7 +105,7 @@ fn iterations_become_numbered_pictures_or_a_gif() {
     click(&mut harness, "Step");
     click(&mut harness, "Step");
     let steps = folder.path().join("steps");
-    command(&mut harness, "export iterations");
+    command(&mut harness, "export steps");
     harness.get_by_label_contains("3 pictures");
     export_to(&mut harness, "Folder", &steps);
     harness.get_by_label_contains("Exported 3 pictures to steps");
@@ -116,14 +116,14 @@ fn iterations_become_numbered_pictures_or_a_gif() {
     assert!(pictures[0] != pictures[1] && pictures[1] != pictures[2], "every step looks different");
 
     let gif = folder.path().join("steps.gif");
-    command(&mut harness, "export iterations");
+    command(&mut harness, "export steps");
     harness.get_by_role_and_label(Role::RadioButton, "GIF").click();
     harness.run_steps(2);
     export_to(&mut harness, "File", &gif);
     harness.get_by_label_contains("Exported 3 pictures to steps.gif");
     assert_eq!(&std::fs::read(&gif).unwrap()[..6], b"GIF89a");
     // What was chosen is kept.
-    command(&mut harness, "export iterations");
+    command(&mut harness, "export steps");
     let path = harness.get_by_role_and_label(Role::TextInput, "File").value().unwrap();
     assert!(path.ends_with(".gif") && Path::new(&path).starts_with(folder.path()), "{path}");
 }
@@ -184,7 +184,7 @@ fn the_dialog_looks_as_it_should() {
         let mut harness = open(Settings { theme, export, ..Settings::default() });
         harness.set_render_cursor(false);
         click(&mut harness, "Step");
-        for (what, name) in [("export view", "view"), ("export iterations", "iterations")] {
+        for (what, name) in [("export view", "view"), ("export steps", "iterations")] {
             command(&mut harness, what);
             harness.state_mut().freeze_times();
             harness.step();

@@ -248,7 +248,7 @@ fn work_on_a_bad_disk() {
     press(&mut harness, Modifiers::NONE, Key::F2);
     eframe::App::save(harness.state_mut(), &mut NoStorage);
     // The settings are few bytes: too many only for a disk that is full.
-    let settings = (reason == FULL).then_some("The arrangement of the window is not kept");
+    let settings = (reason == FULL).then_some("The window’s settings were not saved");
     for beginning in ["Not saved: ", "Not written: "].into_iter().chain(settings) {
         wait_for(&mut harness, beginning);
         let text = said(&harness).into_iter().find(|text| text.starts_with(beginning)).unwrap();

@@ -128,7 +128,7 @@ fn cards_and_menus_have_names() {
     press(&mut harness, Modifiers::NONE, Key::Questionmark);
     look_around(&harness, "keys", &mut unnamed);
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    for command in ["about backlit", "messages", "export iterations"] {
+    for command in ["about backlit", "messages", "export steps"] {
         press(&mut harness, Modifiers::COMMAND, Key::K);
         harness.get_by_role(Role::TextInput).type_text(command);
         harness.run_steps(2);

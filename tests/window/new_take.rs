@@ -55,7 +55,7 @@ fn footage_becomes_a_take_without_a_file_by_hand() {
     harness.get_by_label_contains("24 frames of 4 cameras");
     harness.get_by_label("First picture of cam3");
     // Pictures do not say how many there are a second.
-    harness.get_by_label("nothing in the footage says it");
+    harness.get_by_label("the footage does not say it");
     let field = harness.get_by_role_and_label(Role::TextInput, "Frames a second");
     field.focus();
     harness.run_steps(2);

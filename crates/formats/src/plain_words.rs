@@ -79,7 +79,7 @@ fn sentence(message: &str) -> String {
         ("EOF while parsing", "the text ends too early"),
         ("recursion limit exceeded", "it is nested too deeply"),
         ("value was too large", "the number is too large"),
-        ("trailing characters", "something stands behind the end"),
+        ("trailing characters", "there is text after the end"),
         ("wanted exactly 1 element", "expected one of the words that are known"),
     ] {
         if message.contains(says) {

@@ -209,11 +209,11 @@ pub(crate) mod tests {
             ("backlit-prior 1", "backlit-prior 9", "`format` is \"backlit-prior 9\""),
             ("right-upper-arm", "right-upper-leg", "parts[0].directions"),
             ("right-upper-arm", "right-forearm", "`directions` has 2; expected 1 to 12, each once"),
-            ("\"share\":0.5", "\"share\":-0.5", "`components[0]` is no distribution"),
-            ("0.0625", "0", "`step` is no distribution"),
+            ("\"share\":0.5", "\"share\":-0.5", "`components[0]` is not a distribution"),
+            ("0.0625", "0", "`step` is not a distribution"),
             ("\"degrees\":4.0", "\"degrees\":0", "`degrees` is 0"),
             ("\"degrees\":4.0", "\"degrees\":null", "`degrees` is null"),
-            ("0.04,", "", "`components[0]` is no distribution"),
+            ("0.04,", "", "`components[0]` is not a distribution"),
         ] {
             let changed = text.replacen(from, to, 1);
             assert_ne!(changed, text, "{from}");

@@ -99,7 +99,7 @@ pub enum MotionError {
     NotFinite { frame: usize, most: f64 },
     #[error("up is {found}; expected three finite numbers, not all zero")]
     Up { found: DVec3 },
-    #[error("the joints do not lie as a person's: {what} is {found}; expected more than none")]
+    #[error("the joints do not lie as those of a person: {what} is {found}; expected more than 0")]
     NoBody { what: &'static str, found: f64 },
 }
 

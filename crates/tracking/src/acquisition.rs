@@ -49,7 +49,7 @@ pub enum AcquireError {
     Fit(#[from] FitError),
     #[error("the body cannot have the sizes that were found: {0}")]
     Size(#[from] ModelError),
-    #[error("acquiring a body was stopped")]
+    #[error("the search for a first body was stopped")]
     Cancelled,
 }
 
@@ -66,6 +66,40 @@ pub struct Acquired {
     pub measured: usize,
     /// The turns of the templates, where the pose came of them.
     pub steps: Vec<TemplateStep>,
+    /// The rounds of growing, in order.
+    pub rounds: Vec<Round>,
+}
+
+/// A round of growing: how the limbs stood, and what became of their sizes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Round {
+    /// The poses of the body before it was grown, after a fit turned all limbs; one a frame.
+    pub poses: Vec<Pose>,
+    /// That body.
+    pub before: Arc<Model>,
+    /// The body as it was grown.
+    pub after: Arc<Model>,
+    /// Per limb, whether its length and its radius were measured, on this side or the other. Other sizes follow these, or stay.
+    pub measured: Vec<[bool; 2]>,
+}
+
+impl Round {
+    /// How many times as long and as thick a limb is after the round.
+    #[must_use]
+    pub fn factors(&self, limb: usize) -> [f64; 2] {
+        let (before, after) = (&self.before.limbs()[limb], &self.after.limbs()[limb]);
+        [after.length / before.length, after.radius / before.radius]
+    }
+
+    /// The body on its way: of the limbs for which `is_grown` says so the grown sizes, of the others those before.
+    #[must_use]
+    pub fn partly(&self, is_grown: impl Fn(usize) -> bool) -> Arc<Model> {
+        let sizes = |limb: usize| {
+            let of = if is_grown(limb) { &self.after } else { &self.before };
+            [of.limbs()[limb].length, of.limbs()[limb].radius]
+        };
+        self.before.with_sizes(sizes).map_or_else(|_| Arc::clone(&self.after), Arc::new)
+    }
 }
 
 /// Acquires a body from one moment in which nothing is known of it.
@@ -108,7 +142,7 @@ pub fn acquire_posed(
     options.check()?;
     let mut body = Arc::clone(model);
     let mut poses: Vec<Pose> = frames.iter().map(|(_, pose)| pose.clone()).collect();
-    let mut measured = 0;
+    let (mut measured, mut rounds) = (0, Vec::with_capacity(options.rounds));
     for _ in 0..options.rounds {
         let mut all: Vec<Factors> = Vec::with_capacity(frames.len());
         for ((views, _), pose) in frames.iter().zip(&mut poses) {
@@ -120,12 +154,15 @@ pub fn acquire_posed(
         }
         let is_measured = |factors: &Factors| factors.iter().flatten().flatten().count();
         measured = all.iter().map(is_measured).max().unwrap_or(0);
-        body = Arc::new(sizes::resized(&body, &all)?);
+        let after = Arc::new(sizes::resized(&body, &all)?);
+        let measured = sizes::are_measured(&body, &all);
+        rounds.push(Round { poses: poses.clone(), before: body, after: Arc::clone(&after), measured });
+        body = after;
     }
     for ((views, _), pose) in frames.iter().zip(&mut poses) {
         *pose = turned(&body, views, pose, cancel)?;
     }
-    Ok(Acquired { model: body, poses, scale: 1.0, measured, steps: Vec::new() })
+    Ok(Acquired { model: body, poses, scale: 1.0, measured, steps: Vec::new(), rounds })
 }
 
 /// All limbs turned by a fit that goes on from a pose.

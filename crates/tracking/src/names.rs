@@ -7,7 +7,7 @@
 pub const LONGEST: usize = 200;
 
 /// What is expected where a text is no name.
-pub const EXPECTED: &str = "1 to 200 letters, none of which steers a terminal";
+pub const EXPECTED: &str = "1 to 200 letters, without control characters";
 
 /// Whether a text is a name: it has letters that can be seen, not too many, and none that is [unsafe](is_unsafe).
 #[must_use]

@@ -22,6 +22,7 @@ pub use chains::{Chain, Chains};
 pub use hypotheses::{Hypotheses, Hypothesis, Origin, fit_best, search};
 pub use options::SearchOptions;
 pub use without_start::{
-    Candidate, Doubt, Found, Heights, WithoutStart, WithoutStartError, hull_scale, standing, without_start,
+    Candidate, Doubt, Found, Heights, Rated, WithoutStart, WithoutStartError, hull_scale, standing,
+    without_start,
 };
 pub(crate) use without_start::{Place, Stance, mask_of, reduced, turn_whole};

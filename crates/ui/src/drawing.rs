@@ -12,6 +12,7 @@
 //! | `derivative` | gradient and Jacobian column: what they are and how they look |
 //! | `drag` | [`Drag`]: how a drag in a picture moves the body |
 //! | `ellipse_factor` | how much larger than life ellipses of uncertainty are drawn |
+//! | `ghosts` | bodies that are looked at in the place of the posed one |
 //! | `hatch` | the hatches of don't-know and of no gradient |
 //! | `outline` | the body's outline by marching squares |
 //! | `limits` | a joint's limits: the arc of what an angle may be |
@@ -31,6 +32,7 @@ pub mod derivative;
 mod drag;
 pub mod ellipse_factor;
 mod footage;
+mod ghosts;
 mod hatch;
 pub mod input;
 pub mod joints;
@@ -54,6 +56,7 @@ pub use calibration_marks::CalibrationMarks;
 pub use comparison::Comparison;
 pub use derivative::Derivative;
 pub use drag::{Drag, DragEvent};
+pub use ghosts::{Ghost, GhostMarks, Ghosts, Template};
 pub use input::{PictureInput, Sample};
 pub use joints::{JointId, JointMark, draggable_joints, joint_name, project_joints};
 pub use limbs::{ProjectedLimb, joined_outline, project_limbs};

@@ -20,16 +20,16 @@ pub(crate) struct Arguments {
     /// How many of the six builds
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=6))]
     people: u32,
-    /// Moments of the built-in movement (its frames, 0 to 59); nothing is known of the first
+    /// Moments of the built-in movement (its frames, 0 to 59); in the first, nothing is known of the person
     #[arg(long, value_name = "K,…", value_delimiter = ',')]
     moments: Option<Vec<f64>>,
     /// Frames that are tracked with every body
     #[arg(long, value_name = "N", default_value_t = 30)]
     tracked: u32,
-    /// Seed of the poses that fits of sizes are given
+    /// Seed of the poses that fits of sizes begin with
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Take whose person is acquired and tracked in place of simulated ones; its own body is what sizes are told beside
+    /// Take whose person is acquired and tracked instead of simulated ones; sizes are compared with those of its own body
     #[arg(long, value_name = "TAKE", conflicts_with_all = ["people", "moments", "tracked", "seed"])]
     take: Option<PathBuf>,
     #[command(flatten)]

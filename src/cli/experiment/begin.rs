@@ -50,13 +50,13 @@ pub(crate) struct Arguments {
     /// Places of the head that templates go on with; 1 as Mikić et al. do it
     #[arg(long, value_name = "N", default_value_t = 3)]
     heads: usize,
-    /// Take with reference keypoints whose frames are tried in place of drawn scenes: its folder or its take.toml
+    /// Take with reference keypoints whose frames are used instead of drawn scenes: its folder or its take.toml
     #[arg(long, value_name = "TAKE")]
     take: Option<PathBuf>,
     /// Frames of the take, counted from 0
     #[arg(long, value_name = "K,…", value_delimiter = ',', default_values_t = [0], requires = "take")]
     frames: Vec<usize>,
-    /// The person is found where the mean joint error is no more than so much above that of a fit from the keypoints, millimetres
+    /// The person counts as found if the mean joint error is at most so much above that of a fit from the keypoints, millimetres
     #[arg(long, value_name = "MM", default_value_t = 25.0, requires = "take")]
     within_mm: f64,
     #[command(flatten)]

@@ -16,7 +16,7 @@ use crate::cli::table::Table;
 pub(crate) struct Arguments {
     #[command(flatten)]
     sequence: SequenceArguments,
-    /// Size of the pictures, pixels; those of a take that stand on end stay so
+    /// Size of the pictures, pixels; portrait pictures of a take stay portrait
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "192x144")]
     size: PictureSize,
     #[command(flatten)]

@@ -25,7 +25,7 @@ pub(crate) struct Arguments {
     /// How many starts: seeds from --seed on
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u64).range(1..=1000))]
     starts: u64,
-    /// A start has held when no joint of any frame is farther from its keypoint, millimetres
+    /// A start has held if no joint of any frame is farther than this from its keypoint, millimetres
     #[arg(long, value_name = "MM", default_value_t = 150.0)]
     within_mm: f64,
     #[command(flatten)]

@@ -29,7 +29,7 @@ const METRES_A_DEGREE: f64 = 0.005;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "One frame of a take")]
 pub(crate) struct FrameArguments {
-    /// Take whose frame is tried with all its cameras, in place of drawn scenes: its folder or its take.toml
+    /// Take whose frame is used with all its cameras, instead of drawn scenes: its folder or its take.toml
     #[arg(long, value_name = "TAKE", conflicts_with_all = ["cameras", "size"])]
     pub(crate) take: Option<PathBuf>,
     /// The frame, counted from 0
@@ -38,7 +38,7 @@ pub(crate) struct FrameArguments {
     /// Turn this limb's joint alone, by the limb's name
     #[arg(long, value_name = "LIMB", requires = "take", conflicts_with = "map")]
     joint: Option<String>,
-    /// Pose to draw starts about, a backlit-pose file; fits are to end where its own fit ends [default: the truth,
+    /// Pose to draw starts around, a backlit-pose file; a fit succeeds if it ends where its own fit ends [default: the truth,
     /// where the take has reference keypoints in the frame, else the take's start]
     #[arg(long, value_name = "POSE", requires = "take")]
     about: Option<PathBuf>,
@@ -53,11 +53,11 @@ pub(crate) struct FrameArguments {
     /// for other hypotheses; a solid behind a colon if wanted: search:cylinder
     #[arg(long, value_name = "WAY,…", value_delimiter = ',', requires = "take")]
     compare: Vec<Compared>,
-    /// A map in place of random starts: two angles of the body, across and up, are set off on a grid. By limb and
+    /// A map instead of random starts: two angles of the body, across and up, are turned away on a grid. By limb and
     /// flexion, sideways or twist: "right forearm.flexion,right forearm.twist"
     #[arg(long, value_name = "JOINT.AXIS,JOINT.AXIS", requires = "take")]
     pub(crate) map: Option<MapAngles>,
-    /// How far a map sets the angles off to either side, degrees
+    /// How far a map turns the angles to either side, degrees
     #[arg(long, value_name = "DEG", default_value_t = 60.0, requires = "map")]
     pub(crate) farthest: f64,
     /// Cells of a map across and up; with an odd number the pose itself is one of them

@@ -25,7 +25,7 @@ pub(crate) struct Arguments {
     /// Numbers of cameras; all sets of so many are tried
     #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [2, 4])]
     sets_of: Vec<usize>,
-    /// The person is found where the mean joint error is no more than so much above that of a fit from the keypoints,
+    /// The person counts as found if the mean joint error is at most so much above that of a fit from the keypoints,
     /// millimetres
     #[arg(long, value_name = "MM", default_value_t = 25.0)]
     within_mm: f64,

@@ -23,10 +23,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
     /// Find sizes from a track with the average body instead, through silhouettes that are too wide by so many per cent of
-    /// the person's breadth, and track with them: four cameras around, and two telephones
+    /// the person's breadth, and track with them: four cameras around, and two phones
     #[arg(long, value_name = "PERCENT,…", value_delimiter = ',', value_parser = percent)]
     widened: Option<Vec<f64>>,
-    /// With --widened: every how manieth frame of the movement is seen
+    /// With --widened: only every Nth frame of the movement is seen
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=20))]
     every: u32,
     #[command(flatten)]

@@ -24,7 +24,7 @@ pub(crate) struct Arguments {
     /// Cameras around the upper body
     #[arg(long, value_name = "N", default_value_t = 2)]
     cameras: usize,
-    /// Times the movement's own speed; of squats every how manieth frame is seen [default: 1,2,3,4; of squats 1,2,4]
+    /// Times the movement's own speed; for squats, only every Nth frame is seen [default: 1,2,3,4; of squats 1,2,4]
     #[arg(long, value_name = "N", value_delimiter = ',')]
     speeds: Option<Vec<usize>>,
     #[command(flatten)]
@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
 enum MovementWord {
     /// The report's upper body, before cameras around it
     UpperBody,
-    /// The full body, before two telephones 37° apart whose masks are too wide
+    /// The full body, before two phones 37° apart whose masks are too wide
     Squats,
 }
 

@@ -49,7 +49,7 @@ pub(crate) fn is_open_at_first(layout: Layout, pane: Pane) -> bool {
     match pane {
         Pane::Camera(_) => true,
         Pane::Scene | Pane::Convergence => layout == Layout::Debug,
-        Pane::Basin | Pane::Motions => false,
+        Pane::Basin | Pane::Beginnings | Pane::Motions => false,
     }
 }
 

@@ -156,6 +156,11 @@ group! {
     BasinCommand { Run(BasinView) of [BasinView::Angles, BasinView::Map], Cancel }
 }
 
+group! {
+    /// Ways to begin.
+    BeginningCommand { RunAll, AcquireBody, Stop }
+}
+
 /// The two ways in which a basin is tried and shown.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -49,6 +49,6 @@ pub enum ProjectError {
     RunFit { path: PathBuf, field: String, source: OptionsError },
     #[error("{}: `measurement`, camera {index} counted from 0: {source}", path.display())]
     Measurement { path: PathBuf, index: usize, source: SegmentError },
-    #[error("{}: `cameras`: the weight of {camera} is {weight}; expected a number from 0 on", path.display())]
+    #[error("{}: `cameras`: the weight of {camera} is {weight}; expected a number, 0 or above", path.display())]
     Weight { path: PathBuf, camera: String, weight: f64 },
 }

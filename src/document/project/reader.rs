@@ -143,8 +143,8 @@ impl Reader<'_> {
     /// What a fit has measured of a frame.
     fn check_numbers(&self, frame: usize, record: &EstimateRecord) -> Result<(), ProjectError> {
         let numbers = [
-            ("cost", record.cost, f64::INFINITY, "a number from 0 on"),
-            ("rms", record.rms, f64::INFINITY, "a number from 0 on"),
+            ("cost", record.cost, f64::INFINITY, "a number, 0 or above"),
+            ("rms", record.rms, f64::INFINITY, "a number, 0 or above"),
             ("iou", record.iou, 1.0, "a number from 0 to 1"),
         ];
         for (name, value, most, expected) in numbers {

@@ -130,7 +130,7 @@ pub(crate) fn to_file(document: &Document, runs: &[Run]) -> ProjectFile {
             .collect(),
         cameras: document.cameras.iter().map(camera_record).collect(),
         fit: (*document.fit).clone(),
-        likely_poses: Some(likely_poses::weight(&document.fit)).filter(|weight| *weight > 0.0),
+        likely_poses: likely_poses::weight(&document.fit),
         tracking: Some(document.tracking),
         measurement: (*document.measurement).clone(),
         pins: document.pins.iter().map(|&limb| model.limbs()[limb].name.clone()).collect(),

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::ProjectError;
 use super::reader::Reader;
 use super::record::{CameraRecord, PoseRecord, camera_record, pose_record};
+use crate::document::likely_poses;
 use crate::document::run::{Run, RunChoices, RunEnding, RunStep};
 use crate::document::runs::StepRef;
 
@@ -22,6 +23,9 @@ pub(crate) struct RunRecord {
     name: Option<String>,
     detail: String,
     fit: FitOptions,
+    /// Weight of the prior that comes with the program.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    likely_poses: Option<f64>,
     cameras: Vec<CameraRecord>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     part: Option<String>,
@@ -67,6 +71,7 @@ pub(crate) fn run_record(model: &Model, run: &Run) -> Option<RunRecord> {
         name: run.is_named.then(|| run.name.clone()),
         detail: run.detail.clone(),
         fit: (*run.choices.fit).clone(),
+        likely_poses: likely_poses::weight(&run.choices.fit),
         cameras: run.choices.cameras.iter().map(camera_record).collect(),
         part: run.choices.part.clone(),
         branched_from: run.choices.branched_from.map(|from| [from.run, from.step]),
@@ -121,7 +126,9 @@ impl Reader<'_> {
     fn run(&self, model: &Model, field: &str, record: RunRecord) -> Result<Run, ProjectError> {
         let wrong =
             |source| ProjectError::RunFit { path: self.path.to_owned(), field: field.to_owned(), source };
-        record.fit.check().map_err(wrong)?;
+        let mut fit = record.fit;
+        likely_poses::set_weight(&mut fit, record.likely_poses.unwrap_or(0.0));
+        fit.check().map_err(wrong)?;
         let stages = record.stages.len();
         let mut steps = Vec::with_capacity(record.steps.len());
         for (index, step) in record.steps.into_iter().enumerate() {
@@ -137,7 +144,7 @@ impl Reader<'_> {
             is_named: record.name.is_some(),
             name: record.name.unwrap_or_default(),
             choices: RunChoices {
-                fit: Arc::new(record.fit),
+                fit: Arc::new(fit),
                 cameras: Arc::new(self.cameras(record.cameras)?),
                 part: record.part,
                 branched_from: record.branched_from.map(|[run, step]| StepRef { run, step }),
@@ -154,11 +161,11 @@ impl Reader<'_> {
 
     fn step(&self, model: &Model, field: &str, record: &StepRecord) -> Result<RunStep, ProjectError> {
         for (name, value, most, expected) in [
-            ("mismatch", Some(record.mismatch), f64::INFINITY, "a number from 0 on"),
-            ("rms", Some(record.rms), f64::INFINITY, "a number from 0 on"),
+            ("mismatch", Some(record.mismatch), f64::INFINITY, "a number, 0 or above"),
+            ("rms", Some(record.rms), f64::INFINITY, "a number, 0 or above"),
             ("iou", record.iou, 1.0, "a number from 0 to 1"),
-            ("joint_error_mm", record.joint_error_mm, f64::INFINITY, "a number from 0 on"),
-            ("seconds", Some(record.seconds), f64::INFINITY, "a number from 0 on"),
+            ("joint_error_mm", record.joint_error_mm, f64::INFINITY, "a number, 0 or above"),
+            ("seconds", Some(record.seconds), f64::INFINITY, "a number, 0 or above"),
         ] {
             if let Some(value) = value.filter(|value| !(0.0..=most).contains(value)) {
                 return Err(self.number(format!("{field}.{name}"), value, expected));

@@ -118,7 +118,7 @@ impl AnglesResult {
             title: format!("Basin: starts that end within {} mm", self.options.success_mm),
             subtitle: subtitle(
                 self.fits(),
-                &format!("{}; bars hold the true share 95 times of 100", self.about.conditions),
+                &format!("{}; bars are 95 % confidence intervals", self.about.conditions),
             ),
             x: Axis::linear("degrees that the start is off").within(0.0, last),
             y: Axis::linear("found, %").within(0.0, 100.0),

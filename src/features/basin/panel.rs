@@ -141,7 +141,7 @@ fn controls(
     let shown = basin.preferences.view;
     let mut view = shown;
     segmented(ui, &mut view, &[(BasinView::Angles, "Angles"), (BasinView::Map, "Map")])
-        .on_hover_text("Success over how far starts are off, or a map of two angles");
+        .on_hover_text("How often fits succeed, by how far starts are off, or a map of two angles");
     if view != shown {
         wishes.push(Wish::View(view));
     }
@@ -230,8 +230,8 @@ fn conditions(ui: &mut Ui, basin: &Basin) {
             ui.spacing_mut().interact_size.y = 0.0;
             if let Some(partial) = basin.results.partial(view).and_then(FitCount::partial_text) {
                 ui.label(RichText::new(partial).small().color(palette.warn)).on_hover_text(
-                    "It was stopped before all fits were made: shares and bars are of those that were. Files that are \
-                     written of it say so too",
+                    "It was stopped before all fits were done: shares and bars are of those that were. Exported \
+                     files say so too",
                 );
             }
             ui.add(egui::Label::new(text).truncate());
@@ -243,12 +243,13 @@ fn empty(ui: &mut Ui, basin: &Basin, context: &Context<'_>, requests: &mut Reque
     let palette = theme::palette(ui);
     let text = match basin.preferences.view {
         BasinView::Angles => {
-            "How far off may a start be, and still come home? Starts are drawn about the pose on the screen, farther \
-             and farther off; each is fitted to this frame, and those that end where they should are counted."
+            "How far off may a start be and still find the right pose? Starts are drawn around the pose on the \
+             screen, farther and farther off. Each is fitted to this frame, and those that end at the right pose \
+             are counted."
         }
         BasinView::Map => {
-            "Two angles of the body are set off on a grid. Each cell is fitted, and coloured by how far from home it \
-             ends; a click on a cell takes its start, to be stepped."
+            "Two angles of the body are turned away on a grid. Each cell is a fit, coloured by how far from the \
+             target it ends. Click a cell to take its start and step it."
         }
     };
     let middle = Rect::from_center_size(ui.available_rect_before_wrap().center(), vec2(420.0, 110.0));

@@ -184,25 +184,25 @@ pub enum BasinProblem {
     #[error("Open a take first")]
     NoTake,
     /// No camera shows anything.
-    #[error("No camera that is used has a silhouette of this frame")]
+    #[error("No camera that counts has a silhouette of this frame")]
     NoSilhouettes,
     /// No reference, but its pose is to be found.
-    #[error("The take does not say where the joints are in this frame")]
+    #[error("The take has no true pose of this frame")]
     NoTruth,
     /// No angle is typed.
-    #[error("Angles: expected degrees, as 5 10 20")]
+    #[error("Angles: expected degrees, such as 5 10 20")]
     NoAngles,
     /// More angles than a plot has room for.
     #[error("Angles: expected {MOST_ANGLES} at most")]
     TooManyAngles,
     /// An angle, in degrees, that is not whole.
-    #[error("Angles: {0} is no whole number of degrees above 0")]
+    #[error("Angles: {0} is not a whole number of degrees above 0")]
     NoWholeAngle(f64),
     /// An angle, in degrees, that is typed twice.
-    #[error("Angles: {0} stands there twice")]
+    #[error("Angles: {0} is given twice")]
     AngleTwice(u32),
     /// A word that is no number.
-    #[error("{name}: “{word}” is no number from 0 to {most}")]
+    #[error("{name}: “{word}” is not a number from 0 to {most}")]
     NoNumber {
         /// The field it is typed in.
         name: &'static str,

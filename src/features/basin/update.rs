@@ -38,8 +38,8 @@ impl Basin {
     /// Why a command cannot be used now.
     pub(crate) fn unavailable(command: BasinCommand, context: &Context<'_>) -> Why {
         match command {
-            BasinCommand::Run(_) => no_fit(context).or(because(context.busy.basin, "A basin is being tried")),
-            BasinCommand::Cancel => because(!context.busy.basin, "No basin is being tried"),
+            BasinCommand::Run(_) => no_fit(context).or(because(context.busy.basin, "A basin is running")),
+            BasinCommand::Cancel => because(!context.busy.basin, "No basin is running"),
         }
     }
 
@@ -127,7 +127,7 @@ impl Basin {
                 News::Output(Fitted::Trial(trial)) => self.results.add_trial(trial),
                 News::Output(Fitted::Cell(cell)) => self.results.add_cell(cell),
                 News::Output(Fitted::Refused(error)) => {
-                    requests.complain(format!("The basin cannot be tried: {error}."));
+                    requests.complain(format!("The basin cannot run: {error}."));
                 }
                 News::Ended => self.ended(requests),
                 News::Failed(failure) => {
@@ -161,7 +161,7 @@ impl Basin {
             self.results.forget(running.view);
             "The basin ended before its first fit.".to_owned()
         } else {
-            format!("The basin was stopped after {done} of {total} fits. They stay, as a part.")
+            format!("The basin was stopped after {done} of {total} fits. Their results stay, marked partial.")
         };
         requests.inform(text, None);
     }

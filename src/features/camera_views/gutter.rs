@@ -74,8 +74,12 @@ pub(crate) fn show_overlap(ui: &mut Ui, input: &CameraTileInput<'_>) {
     let palette = theme::palette(ui);
     let Some(overlap) = input.overlap else {
         let no_mask = input.picture.mask.is_none() && input.picture.data.is_none();
-        let text = if no_mask { "No silhouette yet" } else { "No overlap yet" };
-        ui.label(RichText::new(text).color(palette.text3));
+        let text = match input.observed.ghosts {
+            Some(_) => "A step of a way to begin is shown; the pose is hidden.",
+            None if no_mask => "No silhouette yet",
+            None => "No overlap yet",
+        };
+        ui.add(egui::Label::new(RichText::new(text).color(palette.text3)).wrap());
         return;
     };
     let colour = if input.is_overlap_stale { palette.text3 } else { palette.text };
@@ -103,7 +107,7 @@ pub(crate) fn show_overlap(ui: &mut Ui, input: &CameraTileInput<'_>) {
 pub(crate) fn show_fit_use(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<TileEvent>) {
     let mut is_used = input.is_used;
     let used = checkbox(ui, &mut is_used, "Used in the fit")
-        .on_hover_text("Whether this camera’s silhouette counts; without it the view is only looked at");
+        .on_hover_text("Whether this camera’s silhouette counts in the fit. If not, the view is only shown");
     if used.changed() {
         events.push(TileEvent::SetUsed(is_used));
     }

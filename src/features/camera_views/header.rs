@@ -91,7 +91,7 @@ pub(crate) fn show(
         if !input.is_used && input.is_calibrated {
             let off = egui::RichText::new("not in fit").small().color(palette.text3);
             ui.add(egui::Label::new(off).selectable(false)).on_hover_text(
-                "This camera's silhouette does not count: tick it in the gutter or under More.",
+                "This camera’s silhouette does not count: tick it in the gutter or under More.",
             );
         }
         mode_menu(ui, input, events);
@@ -178,7 +178,7 @@ fn buttons(ui: &mut Ui, input: &CameraTileInput<'_>, has_link: bool, events: &mu
     if icon_button(ui, Icon::Expand, &format!("Expand {}", input.name), &expand_tooltip(input)).clicked() {
         events.push(TileEvent::ToggleExpanded);
     }
-    let tooltip = "Framing, marks, and what this camera counts in the fit";
+    let tooltip = "Framing, marks, and how much this camera counts in the fit";
     let more = icon_button(ui, Icon::More, &format!("More for {}", input.name), tooltip);
     Popup::menu(&more)
         .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)

@@ -7,13 +7,13 @@ use backlit_ui::drawing::{Legend, ViewMode};
 use backlit_ui::style::format;
 use backlit_ui::style::theme::data_colours::{LIKELIER, PICTURE_GROUND};
 use backlit_ui::style::theme::{Theme, space};
-use egui::{Galley, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
+use egui::{Color32, Galley, Rect, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
 
 use super::CameraTileInput;
 use super::comparison::Seen;
-use super::held;
 use super::legend_block::{Block, Item, ROW};
 use super::tile::TileLayout;
+use super::{ghosts, held};
 
 /// Above and below the rows.
 const MARGIN: f32 = 2.0;
@@ -40,10 +40,7 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, se
     let note = (!has_gutter).then(|| note(input)).flatten();
     let observed = input.observed.words();
     let has_marks = input.settings.calibration_marks && input.camera.is_some();
-    let mut held: Vec<_> = held::legend(input.held).collect();
-    if !input.likelier.is_empty() {
-        held.push(("Where likely poses pull", LIKELIER));
-    }
+    let held = outlines(input);
     // The gutter's bar and counts are this legend.
     let says_nothing =
         |mode: ViewMode| mode.legend() == Legend::None || has_gutter && mode == ViewMode::Tinted;
@@ -118,6 +115,17 @@ pub(crate) fn show(ui: &Ui, layout: &TileLayout, input: &CameraTileInput<'_>, se
     height
 }
 
+/// What outlines of other colours are.
+fn outlines<'a>(input: &CameraTileInput<'a>) -> Vec<(&'a str, Color32)> {
+    let ghosts = input.observed.ghosts.map_or_else(Vec::new, ghosts::legend);
+    let mut held: Vec<(&str, Color32)> = held::legend(input.held).collect();
+    held.extend(ghosts);
+    if !input.likelier.is_empty() {
+        held.push(("Where likely poses pull", LIKELIER));
+    }
+    held
+}
+
 /// Whether some pixel of the picture is unknown, and whether one is shadow, looked up when the picture changes.
 fn hatches(ui: &Ui, input: &CameraTileInput<'_>) -> [bool; 2] {
     let id = ui.scope_id().with("hatches");
@@ -141,10 +149,16 @@ fn explain(ui: &mut Ui, modes: &[ViewMode], input: &CameraTileInput<'_>) {
             "IoU: what data and model have in common, as a share of what either covers. 1 is a perfect fit.",
         );
     }
+    if input.observed.ghosts.is_some() {
+        ui.label(
+            "A step of a way to begin, in the place of the pose. Sticks are bodies that were tried, each as faint as it weighs \
+             little; the outline is the one that the step is about. White is a template that is laid on the silhouette.",
+        );
+    }
     if !input.observed.ellipses.is_empty() {
         ui.label(
-            "Ellipses: where each joint may be, two standard deviations, from the data alone. Hovering a joint says by \
-             how much. Arrows point where nothing bounds it.",
+            "Ellipses: where each joint may be, two standard deviations, from the data alone. Point at a \
+             joint for the numbers. Arrows show directions that nothing bounds.",
         );
     }
 }

@@ -1,11 +1,13 @@
 //! What the cameras see and do not see, drawn in a view: a body that sways along a direction, and ellipses of its joints.
 
 use backlit_ui::drawing::ellipse_factor::DEVIATIONS;
-use backlit_ui::drawing::{JointEllipse, JointMark, SwayMarks};
+use backlit_ui::drawing::{GhostMarks, JointEllipse, JointMark, SwayMarks};
 use backlit_ui::style::theme::data_colours::{CASING, JOINT, LIKELIER, SELECTED, mark};
 use backlit_ui::widgets::ViewTransform;
 use egui::{Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 use glam::DVec2;
+
+use super::ghosts::paint_ghosts;
 
 /// Points of an ellipse.
 const POINTS: usize = 48;
@@ -29,6 +31,8 @@ const WIDTH: f32 = 1.25;
 pub struct ObservedMarks<'a> {
     /// The body on its way, if it sways.
     pub sway: Option<&'a SwayMarks>,
+    /// Bodies in the place of the posed one.
+    pub ghosts: Option<&'a GhostMarks>,
     /// Ellipses of joints; empty for none.
     pub ellipses: &'a [JointEllipse],
     /// They are drawn so many times as large as they are; 0 counts as 1.
@@ -58,8 +62,18 @@ impl ObservedMarks<'_> {
     }
 }
 
+/// Paints bodies beside or in the place of the posed one.
+pub(crate) fn paint_bodies(painter: &Painter, view: &ViewTransform, marks: &ObservedMarks<'_>) {
+    if let Some(sway) = marks.sway {
+        paint_sway(painter, view, sway);
+    }
+    if let Some(ghosts) = marks.ghosts {
+        paint_ghosts(painter, view, ghosts);
+    }
+}
+
 /// Paints a body that sways: its outline, the ways of its joints, seams of limbs that twist.
-pub(crate) fn paint_sway(painter: &Painter, view: &ViewTransform, marks: &SwayMarks) {
+fn paint_sway(painter: &Painter, view: &ViewTransform, marks: &SwayMarks) {
     let on_screen =
         |points: &[DVec2]| -> Vec<Pos2> { points.iter().map(|px| view.screen_from_px(*px)).collect() };
     let casing = Stroke::new(mark::SELECTED_LIMB_WIDTH + 1.5, CASING.gamma_multiply(CASING_OPACITY));

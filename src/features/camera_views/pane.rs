@@ -8,9 +8,9 @@ use backlit_tracking::posing::LimitedAngle;
 use backlit_tracking::render::Ramp;
 use backlit_tracking::residual::learnt_prior::BoundPrior;
 use backlit_ui::drawing::{
-    BoundedAngle, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb, ProjectedSphere,
-    SideMarks, SightRay, SwayMarks, Swaying, body_spheres, joined_outline, limb_colours, project_joints,
-    project_limbs, project_spheres, sight_ray,
+    BoundedAngle, GhostMarks, JointEllipse, JointId, JointMark, LimitMark, PictureInput, ProjectedLimb,
+    ProjectedSphere, SideMarks, SightRay, SwayMarks, Swaying, body_spheres, joined_outline, limb_colours,
+    project_joints, project_limbs, project_spheres, sight_ray,
 };
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
@@ -98,6 +98,7 @@ pub(super) struct CameraPane<'a> {
     /// The limbs' own outline while the prediction lags behind the pose: a drag is seen at once.
     quick_outline: Option<Vec<Vec<DVec2>>>,
     sway: Option<SwayMarks>,
+    ghosts: Option<GhostMarks>,
     ellipses: Vec<JointEllipse>,
 }
 
@@ -113,7 +114,7 @@ impl<'a> CameraPane<'a> {
         let limit = |bounded| LimitMark::new(model, pose, &kinematics, camera, &bounded);
         let seen = context.observability;
         let marks = |body: &Swaying| SwayMarks::new(model, body, camera, renderer);
-        Some(Self {
+        let pane = Self {
             context,
             index,
             camera,
@@ -129,8 +130,28 @@ impl<'a> CameraPane<'a> {
             likelier: likelier(context, &kinematics, pose, camera),
             spheres: spheres(context, &kinematics, camera),
             sway: seen.swaying.as_ref().map(marks),
+            ghosts: context.ghosts.map(|ghosts| GhostMarks::new(ghosts, camera, renderer)),
             ellipses: seen.uncertainty.as_ref().map_or_else(Vec::new, |known| known.ellipses(camera)),
-        })
+        };
+        Some(if context.ghosts.is_some() { pane.without_body() } else { pane })
+    }
+
+    /// The same where other bodies are drawn in the place of the posed one.
+    fn without_body(self) -> Self {
+        let (limbs, joints, limits, ellipses) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (quick_outline, spheres, likelier) = (Some(Vec::new()), Vec::new(), Vec::new());
+        Self {
+            limbs,
+            joints,
+            limits,
+            ellipses,
+            quick_outline,
+            spheres,
+            likelier,
+            sides: None,
+            sway: None,
+            ..self
+        }
     }
 
     fn input(
@@ -171,15 +192,19 @@ impl<'a> CameraPane<'a> {
             // Four views need not say the same.
             says_limits: context.drag.camera.unwrap_or(context.selection.camera) == index,
             sides: self.sides.as_ref(),
-            overlap: predicted.and_then(|camera| camera.overlap),
+            overlap: predicted.and_then(|camera| camera.overlap).filter(|_| self.ghosts.is_none()),
             is_overlap_stale: session.is_stale,
             is_used: uses.is_some_and(|used| used.used),
             weight: uses.map_or(1.0, |used| used.weight),
             spheres: &self.spheres,
             likelier: &self.likelier,
-            held: session.held(context.selection.frame, self.pose),
+            held: match self.ghosts {
+                Some(_) => &[],
+                None => session.held(context.selection.frame, self.pose),
+            },
             observed: ObservedMarks {
                 sway: self.sway.as_ref(),
+                ghosts: self.ghosts.as_ref(),
                 ellipses: &self.ellipses,
                 factor: context.observability.factor,
                 is_stale: context.observability.is_stale,
@@ -197,7 +222,7 @@ impl<'a> CameraPane<'a> {
     fn picture(&self) -> PictureInput<'_> {
         let (session, frame) = (self.context.session, self.context.selection.frame);
         let pictures = session.shown_frame(frame).and_then(|frame| frame.cameras.get(self.index));
-        let predicted = session.predicted.as_ref();
+        let predicted = session.predicted.as_ref().filter(|_| self.ghosts.is_none());
         let is_of_frame = predicted.is_some_and(|predicted| session.is_of_shown_frame(predicted, frame));
         let predicted = predicted.and_then(|predicted| predicted.cameras.get(self.index));
         PictureInput {

@@ -20,7 +20,7 @@ use egui::{
 
 use super::comparison::{self, Seen};
 use super::hover_card::HoverCard;
-use super::observed::{paint_ellipses, paint_likelier, paint_sway};
+use super::observed::{paint_bodies, paint_ellipses, paint_likelier};
 use super::pointer::{Grips, PointerInput, rotation_owner};
 use super::tile::{TileLayout, TileState};
 use super::{CameraTileInput, TileEvent, held, legend};
@@ -28,7 +28,7 @@ use glam::DVec2;
 
 /// Circles of spheres: width in points, and opacity.
 const SPHERE_WIDTH: f32 = 1.0;
-const SPHERE_OPACITY: f32 = 0.8;
+const SPHERE_OPACITY: f32 = 0.55;
 
 /// Shows the picture; says how it lies on the screen and how high its legend is.
 pub(crate) fn show(
@@ -203,9 +203,7 @@ fn paint_marks(
         paint_sight_ray(painter, view, ray);
     }
     paint_limits(painter, view, input.limits, Theme::Dark.palette());
-    if let Some(sway) = input.observed.sway {
-        paint_sway(painter, view, sway);
-    }
+    paint_bodies(painter, view, &input.observed);
     // The selected joint lies on top of its neighbours.
     let (selected, others): (Vec<_>, Vec<_>) =
         input.joints.iter().partition(|joint| Some(joint.id) == input.selected);

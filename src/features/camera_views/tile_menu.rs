@@ -28,7 +28,7 @@ pub(crate) fn modes(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<T
     ui.separator();
     for (comparison, text, key, tooltip) in [
         (Comparison::Wipe, "Wipe", "W", "Two modes side by side; drag the handle between them"),
-        (Comparison::Blink, "Blink", "B", "Two modes one after the other: what moves differs"),
+        (Comparison::Blink, "Blink", "B", "Two modes one after the other: what differs seems to move"),
     ] {
         let is_on = tile.comparison == Some(comparison);
         let entry = Button::new(text).shortcut_text(key).selected(is_on);
@@ -54,7 +54,7 @@ pub(crate) fn modes(ui: &mut Ui, input: &CameraTileInput<'_>, events: &mut Vec<T
             let tooltip = if axis.is_of_root() {
                 "A move of the whole body along an axis of the world"
             } else {
-                "A turn of the selected limb about an axis of its parent's frame"
+                "A turn of the selected limb about an axis of its parent’s frame"
             };
             let entry = Button::new(axis.label()).selected(axis == settings.axis);
             if ui.add(entry).on_hover_text(tooltip).clicked() {
@@ -90,7 +90,7 @@ pub(crate) fn more(ui: &mut Ui, input: &CameraTileInput<'_>, has_link: bool, eve
             "Fit subject",
             "F",
             Framing::Subject,
-            "As large as the subject fits in all frames; the wheel zooms from there",
+            "As large as possible with the subject of all frames in view; the wheel zooms from there",
         ),
         ("Whole picture", "A", Framing::Whole, "All that the camera saw"),
     ] {
@@ -115,7 +115,7 @@ pub(crate) fn more(ui: &mut Ui, input: &CameraTileInput<'_>, has_link: bool, eve
     let grid = checkbox(ui, &mut settings.pixel_grid, "Pixel grid")
         .on_hover_text("Lines between pixels where they are shown large");
     let spheres = checkbox(ui, &mut settings.spheres, "Spheres")
-        .on_hover_text("With the renderer of spheres: a circle for each of those that stand for the body");
+        .on_hover_text("With the sphere tree: a circle for each sphere of the body");
     if spheres.changed() || marks.changed() || sides.changed() || grid.changed() {
         events.push(TileEvent::SetSettings(settings));
     }

@@ -41,7 +41,7 @@ impl CameraViews {
             ViewCommand::SizeHandles => {
                 settings.size_handles ^= true;
                 let what =
-                    "Drag the diamonds: at its end for the limb's length, at its outline for its radius.";
+                    "Drag the diamonds: at its end for the limb’s length, at its outline for its radius.";
                 requests.request(Request::Status(settings.size_handles.then(|| what.to_owned())));
             }
             ViewCommand::Mode(mode) => self.choose_mode(mode, context, requests),

@@ -69,7 +69,7 @@ const fn label(quantity: Quantity) -> &'static str {
         Quantity::JointError => "Mean distance from the reference in mm",
         Quantity::StepNorm => "Step in m and rad",
         Quantity::Damping => "Damping in parts of the diagonal",
-        Quantity::Decrease => "Decrease in % of the cost before, foretold ones as rings,",
+        Quantity::Decrease => "Decrease in % of the cost before, expected ones as rings,",
     }
 }
 

@@ -73,7 +73,7 @@ impl Quantity {
                 "How much each step was shortened: small is Gauss-Newton, large goes straight down"
             }
             Self::Decrease => {
-                "By how much a step lowered its cost (dots), and by how much it was foretold to (rings)"
+                "By how much a step lowered its cost (dots), and by how much it was expected to (rings)"
             }
         }
     }

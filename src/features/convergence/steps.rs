@@ -147,9 +147,9 @@ fn sentence(step: &RunStep, index: usize) -> String {
     let fell = step.fell_share().map(f64::abs);
     let foretold = share(step.foretold_share());
     if step.accepted && step.fell >= 0.0 {
-        format!("Accepted. Cost fell by {}, {foretold} foretold.", share(fell))
+        format!("Accepted. Cost fell by {}, {foretold} expected.", share(fell))
     } else if step.accepted {
-        format!("Taken, though the cost rose by {}; {foretold} fall foretold.", share(fell))
+        format!("Taken, though the cost rose by {}; a fall of {foretold} was expected.", share(fell))
     } else {
         let damping = format::short(step.damping);
         format!("Rejected: the cost would have risen by {}. Damping {damping}.", share(fell))

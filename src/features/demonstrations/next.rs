@@ -5,7 +5,8 @@ use backlit_tracking::render::RendererKind;
 
 use super::Opening;
 use crate::context::command::{
-    Command, FitCommand, SceneCommand, TimelineCommand, TrackingCommand, Variants, WindowCommand,
+    BeginningCommand, Command, FitCommand, SceneCommand, TimelineCommand, TrackingCommand, Variants,
+    WindowCommand,
 };
 use crate::context::preferences::Layout;
 use crate::context::{Context, Request, Requests};
@@ -72,17 +73,22 @@ const TRACK_ROBUST: Try = Try {
     tooltip: "All frames with all that is better, in the Pose layout",
     act: Act::Commands(&[POSE, ROBUST, FIRST, TRACK]),
 };
+const WAYS: Try = Try {
+    text: "Try all again",
+    tooltip: "All ways from the pose of this frame, one after the other",
+    act: Act::Commands(&[POSE, Command::Beginning(BeginningCommand::RunAll)]),
+};
+const ACQUIRE: Try = Try {
+    text: "Acquire a body",
+    tooltip: "Neither pose nor size is known: a body is found, and grown limb by limb",
+    act: Act::Commands(&[POSE, Command::Beginning(BeginningCommand::AcquireBody)]),
+};
 const WORST: Try = Try {
     text: "Worst frame",
     tooltip: "The tracked frame that fits worst",
     act: Act::Commands(&[POSE, Command::Timeline(TimelineCommand::WorstFrame)]),
 };
 
-const PLAY: Try = Try {
-    text: "Play",
-    tooltip: "Plays all frames with their names, from the first on",
-    act: Act::Commands(&[POSE, FIRST, Command::Timeline(TimelineCommand::Play)]),
-};
 const SPHERES: Try = Try {
     text: "As spheres",
     tooltip: "Draw and fit the body by the spheres of its trees",
@@ -105,7 +111,7 @@ const SILHOUETTES: Try = Try {
 };
 const LIKELY: Try = Try {
     text: "With likely poses",
-    tooltip: "Track all frames again without cues; poses that people were recorded in are preferred",
+    tooltip: "Track all frames again without cues, but prefer poses that recorded people took",
     act: Act::Track(CueChoice::None, 3.0),
 };
 const KEYPOINTS: Try = Try {
@@ -123,6 +129,11 @@ const ALL_CUES: Try = Try {
     tooltip: "Track all frames again with keypoints, optic flow and stereo points",
     act: Act::Track(CueChoice::All, 0.0),
 };
+const PLAY: Try = Try {
+    text: "Play",
+    tooltip: "Plays all frames with their names, from the first on",
+    act: Act::Commands(&[POSE, FIRST, Command::Timeline(TimelineCommand::Play)]),
+};
 
 /// What there is to try.
 pub(super) const fn of(which: Demonstration) -> &'static [Try] {
@@ -137,6 +148,7 @@ pub(super) const fn of(which: Demonstration) -> &'static [Try] {
         Demonstration::Bias => &[WITH_CAMERA_2, RAMPS, RENDERERS],
         Demonstration::Spheres => &[SPHERES, CAPSULES, SCENE],
         Demonstration::Cues => &[SILHOUETTES, LIKELY, KEYPOINTS, PICTURES, ALL_CUES],
+        Demonstration::Begin => &[WAYS, ACQUIRE, PRESETS],
     }
 }
 

@@ -194,7 +194,7 @@ impl ExportDialog {
         row(ui, "Pictures of", |ui| {
             segmented(ui, &mut choices.part, &[(Part::View, "View"), (Part::Window, "Window")]);
         });
-        row(ui, "Become", |ui| {
+        row(ui, "Saved as", |ui| {
             segmented(ui, &mut choices.format, &SeriesFormat::ALL);
         });
         if choices.format != SeriesFormat::Pngs {

@@ -26,12 +26,8 @@ pub(crate) enum Subject {
 }
 
 impl Subject {
-    pub(super) const ALL: [(Self, &'static str); 4] = [
-        (Self::View, "View"),
-        (Self::Window, "Window"),
-        (Self::Steps, "Iterations"),
-        (Self::Frames, "Frames"),
-    ];
+    pub(super) const ALL: [(Self, &'static str); 4] =
+        [(Self::View, "View"), (Self::Window, "Window"), (Self::Steps, "Steps"), (Self::Frames, "Frames")];
 
     pub(super) const fn is_series(self) -> bool {
         matches!(self, Self::Steps | Self::Frames)

@@ -39,8 +39,16 @@ fn numbers(ui: &mut Ui, requests: &mut Requests, options: &mut SegmentOptions) {
     let mut closing = options.closing_px as f64;
     let mut smallest = options.min_component_px as f64;
     let rows = [
-        ("Z-score", "", 1, 1.0..=20.0, &mut z, "How many deviations a pixel must be off to be foreground"),
-        ("Noise", "", 1, 0.5..=20.0, &mut floor, "The smallest deviation that is believed, in grey levels"),
+        (
+            "Z-score",
+            "",
+            1,
+            1.0..=20.0,
+            &mut z,
+            "How many standard deviations a pixel must differ to be \
+                                                foreground",
+        ),
+        ("Noise", "", 1, 0.5..=20.0, &mut floor, "The least noise assumed of a pixel, in grey levels"),
         ("Opening", " px", 0, 0.0..=6.0, &mut opening, "Removes specks up to this radius"),
         ("Closing", " px", 0, 0.0..=8.0, &mut closing, "Closes gaps up to this radius"),
         ("Smallest", " px", 0, 0.0..=2000.0, &mut smallest, "Components with fewer pixels are dropped"),
@@ -69,7 +77,7 @@ fn numbers(ui: &mut Ui, requests: &mut Requests, options: &mut SegmentOptions) {
 fn switches(ui: &mut Ui, options: &mut SegmentOptions) {
     shadows(ui, options);
     let mut dont_know = options.dont_know.is_some();
-    let tip = "Where plate and frame are both dark, a pixel says nothing and weighs nothing";
+    let tip = "Where background and frame are both dark, a pixel says nothing and weighs nothing";
     if checkbox(ui, &mut dont_know, "Don’t know where both are dark").on_hover_text(tip).changed() {
         options.dont_know = dont_know.then(DontKnowOptions::default);
     }
@@ -88,7 +96,7 @@ fn shadows(ui: &mut Ui, options: &mut SegmentOptions) {
         (Some(ShadowTest::Gradient), "Gradient"),
     ];
     segmented(ui, &mut test, &choices).on_hover_text(
-        "What foreground is shadow.\nBrightness: only darker or brighter than the background, of its colour and texture; takes \
+        "Which foreground is taken for shadow.\nBrightness: only darker or brighter than the background, of its colour and texture; takes \
          grey cloth before a grey wall for shadow.\nGradient: as steep as the background (6.12); takes any plain cloth before a \
          plain wall for shadow",
     );
@@ -107,7 +115,8 @@ fn memory(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     named_row(ui, "Memory", MEMORY_NAME, |ui| {
         let mut megabytes = context.preferences.frames_mb as f64;
         let field = number_field(ui, "Memory for frames", &mut megabytes, 0, " MB", 8.0, MEMORY_FIELD);
-        let tip = "Frames that were read stay within so much memory, decoded videos included; going back to them is quick";
+        let tip = "Frames that were read are kept in up to so much memory, decoded videos included; going \
+                   back to them is quick";
         if field.on_hover_text(tip).changed() {
             let [least, most] = [*FRAMES_MB_CHOICES.start(), *FRAMES_MB_CHOICES.end()];
             requests.request(Request::FramesMb((megabytes.max(0.0) as usize).clamp(least, most)));

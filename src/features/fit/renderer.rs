@@ -57,7 +57,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
                 limits: None,
                 origin: 0.0,
                 is_held: false,
-                tooltip: "Spheres of a limb; 0 takes as many as its length asks for",
+                tooltip: "Spheres per limb; 0 chooses the number by the limb’s length",
             };
             let response = row.show(ui, &mut count);
             let drag = command_button::gesture(ui, "spheres", &response);

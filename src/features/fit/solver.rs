@@ -30,7 +30,7 @@ pub(crate) fn ui(
     more: impl FnOnce(&mut Ui, &mut Requests),
 ) {
     let fit = &*context.document().fit;
-    let summary = preset_like(fit).map_or_else(|| "own choices".to_owned(), |p| p.label().to_owned());
+    let summary = preset_like(fit).map_or_else(|| "custom".to_owned(), |p| p.label().to_owned());
     section(ui, "Solver", &summary, open, |ui| {
         let mut options = fit.clone();
         ui.spacing_mut().item_spacing.y = 6.0;
@@ -80,9 +80,10 @@ pub(crate) fn ui(
             hint(ui, "to no twist");
         });
         row(ui, "Likely", |ui| {
-            let mut weight = likely_poses::weight(&options);
+            let mut weight = likely_poses::weight(&options).unwrap_or(0.0);
             let field = number_field(ui, "Likely poses", &mut weight, 0, "", 1.0, FIELD).on_hover_text(
-                "Likely poses: pull towards poses that people were recorded in, where silhouettes do not decide. 0: none; 3 \
+                "Likely poses: pull towards poses that recorded people took, where silhouettes do not \
+                 decide. 0: none; 3 \
                  helps with two cameras; large values hold the body in common poses. Arrows in the views show where it pulls",
             );
             if field.changed() {

@@ -24,8 +24,8 @@ const MOST_STAGES: usize = 12;
 const COLUMNS: [(&str, &str); 4] = [
     (
         "ramp px",
-        "How far outside the body a pixel still pulls. Wide: far starts come home, but details blur. Narrow: exact, but \
-         only from near. Thesis and half ramps are as wide as their limb",
+        "How far outside the body a pixel still pulls. Wide: starts from far off succeed, but details blur. \
+         Narrow: exact, but only from near. Thesis and half ramps are as wide as their limb",
     ),
     (
         "every px",
@@ -60,7 +60,8 @@ pub(super) fn ui(ui: &mut Ui, options: &mut FitOptions) {
             let remove = ui.add_enabled(count > 1, Button::new("−").small());
             let name = format!("Remove stage {}", index + 1);
             remove.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, count > 1, &name));
-            if remove.on_hover_text(&name).on_disabled_hover_text("A fit has one stage at least").clicked() {
+            if remove.on_hover_text(&name).on_disabled_hover_text("A fit needs at least one stage").clicked()
+            {
                 gone = Some(index);
             }
         });

@@ -54,7 +54,7 @@ fn words_about_a_command_go_with_the_next_one_and_with_the_take() {
     settle(&mut window, &mut app);
     let undo = Command::History(HistoryCommand::Undo);
     app.run(undo, &context);
-    assert!(app.state.status.as_ref().unwrap().starts_with("Undid"));
+    assert!(app.state.status.as_ref().unwrap().starts_with("Undone"));
     app.run(Command::Fit(FitCommand::Step), &context);
     settle(&mut window, &mut app);
     assert_eq!(app.state.status, None);

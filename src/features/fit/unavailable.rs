@@ -33,7 +33,7 @@ impl Fit {
             }
             FitCommand::Branch => because(
                 context.selection.step.is_none(),
-                "The frame's pose is on the screen: go to a step of a run first",
+                "The frame’s pose is on the screen: go to a step of a run first",
             ),
             FitCommand::Renderer(_) | FitCommand::Preset(_) => None,
         }

@@ -15,7 +15,6 @@ use crate::context::command_button::next_gesture;
 use crate::context::{Context, Request, Requests};
 use crate::document::edit::Edit;
 use crate::document::fit_words as words;
-use crate::document::likely_poses;
 use crate::document::run::{Run, RunChoices, RunEnding, RunStep};
 use crate::document::runs::{RunChange, StepRef};
 use crate::document::tracking_choices::TrackingChoices;
@@ -323,7 +322,7 @@ fn set_preset(preset: Preset, context: &Context<'_>, requests: &mut Requests) {
     let document = context.document();
     let gesture = next_gesture(context.egui);
     let mut options = FitOptions { renderer: document.fit.renderer, ..FitOptions::preset(preset) };
-    likely_poses::set_weight(&mut options, likely_poses::weight(&document.fit));
+    options.prior.clone_from(&document.fit.prior);
     let what = format!("Switch to {}", preset.label());
     requests.drag(Edit::SetFit { options: Box::new(options), what }, gesture);
     let mut choices = TrackingChoices::of_preset(Some(preset));

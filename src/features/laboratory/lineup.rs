@@ -84,7 +84,7 @@ impl Lineup {
         match self {
             Self::Renderers => "Cylinder, capsule and sphere tree with the chosen solver",
             Self::Ramps => "How distance becomes grey: thesis, half, width and distance, each in one stage",
-            Self::Presets => "The report's fit beside the robust one, with the chosen renderer",
+            Self::Presets => "The report’s fit beside the robust one, with the chosen renderer",
             Self::Updates => "Raw quaternions, tangent steps with fixed damping, Levenberg-Marquardt",
         }
     }
@@ -154,7 +154,7 @@ fn presets(base: &FitOptions) -> Vec<Entrant> {
         fit: FitOptions { renderer: base.renderer, ..FitOptions::preset(preset) },
     };
     vec![
-        one(Preset::Report, "the report's fit", "thesis ramp, fixed damping"),
+        one(Preset::Report, "the report’s fit", "thesis ramp, fixed damping"),
         one(Preset::Robust, "the robust fit", "annealed, priors, limits"),
     ]
 }

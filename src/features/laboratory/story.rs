@@ -204,7 +204,7 @@ fn reason(best: &Contestant, worst: &Contestant, key: PushKey) -> Option<String>
     if raised > 0 {
         let steps = if raised == 1 { "step" } else { "steps" };
         return Some(format!(
-            "Not for want of pixels that push: {raised} {steps} of {} went too far and raised its cost.",
+            "Enough pixels push, but {raised} {steps} of {} went too far and raised its cost.",
             worst.entrant.subject
         ));
     }
@@ -219,13 +219,13 @@ fn reason(best: &Contestant, worst: &Contestant, key: PushKey) -> Option<String>
     // The plot shows the cost by the last stage's ramp; each stage lowers its own.
     let rises = (1..=worst.last()).any(|step| worst.percent(step) > worst.percent(step - 1));
     let steps = if rises {
-        "every step of {} lowered the cost by its stage's ramp, if not by the last one's that is plotted"
+        "every step of {} lowered the cost by its stage’s ramp, if not by the last one’s that is plotted"
     } else {
         "no step of {} raised its cost"
     };
     let steps = steps.replace("{}", worst.entrant.subject);
     Some(format!(
-        "As many pixels push, and {steps}: it goes down another valley, or its shape cannot come nearer."
+        "As many pixels push, and {steps}: it is in another local minimum, or its shape cannot come nearer."
     ))
 }
 

@@ -41,8 +41,8 @@ fn pictures_and_checks_that_break_down_are_said_once_and_not_tried_again_for_the
     assert_eq!(
         errors(&app),
         [
-            "Drawing the laboratory's pictures broke down: thirteen. Your work is unharmed.",
-            "The check of the laboratory's gradients broke down: thirteen. Your work is unharmed."
+            "Drawing the laboratory’s pictures broke down: thirteen. Your work is unharmed.",
+            "The check of the laboratory’s gradients broke down: thirteen. Your work is unharmed."
         ]
     );
 }

@@ -77,7 +77,7 @@ impl Laboratory {
                     fits.zip(pushed).for_each(|(fit, pushed)| fit.pushed = Some((key, Arc::new(pushed))));
                 }
                 News::Ended => {}
-                News::Failed(failure) => requests.failed("Drawing the laboratory's pictures", &failure),
+                News::Failed(failure) => requests.failed("Drawing the laboratory’s pictures", &failure),
             }
         }
     }
@@ -92,7 +92,7 @@ impl Laboratory {
                     }
                 }
                 News::Ended => {}
-                News::Failed(failure) => requests.failed("The check of the laboratory's gradients", &failure),
+                News::Failed(failure) => requests.failed("The check of the laboratory’s gradients", &failure),
             }
         }
     }

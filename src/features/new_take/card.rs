@@ -117,7 +117,7 @@ impl NewTake {
                 wish = Some(Wish::Look);
             }
             if looked.found.frame_rate.is_none() {
-                hint(ui, "nothing in the footage says it");
+                hint(ui, "the footage does not say it");
             }
         });
         row(ui, "Take goes to", |ui| {
@@ -209,7 +209,8 @@ fn found(ui: &mut Ui, looked: &Looked) -> Option<Wish> {
         }
     });
     if found.matched_by == MatchedBy::Order {
-        let text = "Footage was given to cameras by its order: no names or numbers go together. Compare the pictures.";
+        let text = "No names or numbers match, so footage was given to the cameras in its order. Compare the \
+                    pictures.";
         ui.label(RichText::new(text).small().color(palette.warn));
     }
     wish

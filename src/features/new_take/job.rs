@@ -58,16 +58,15 @@ pub(super) struct WriteJob {
 
 impl Job<Written> for WriteJob {
     fn step(&mut self, out: &Outbox<Written>) -> Step {
-        let mut say = |step: ImportStep| {
-            match step {
+        let mut say = |step: ImportStep| match step {
             ImportStep::Learning { camera } => {
                 out.send(Written::Step(format!("Learning the background of {camera}")));
             }
             ImportStep::Adjusted { median_px: [before, after] } => out.send(Written::Said(format!(
-                "The cameras were adjusted: keypoints were {before:.1} px off, now {after:.1} px. The take keeps both."
+                "The cameras were adjusted: keypoints were {before:.1} px off, now {after:.1} px. The take \
+                 keeps both calibrations."
             ))),
             ImportStep::Measuring | ImportStep::Learnt { .. } => {}
-        }
         };
         let written = import::write(&self.found, &self.out, WriteOptions::default(), out.cancel(), &mut say);
         out.send(match written {

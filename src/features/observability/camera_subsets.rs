@@ -54,8 +54,8 @@ impl Observability {
             ui.add_space(space::ROW);
             let text = RichText::new(about(&found)).small().color(palette.text3);
             ui.add(egui::Label::new(text).wrap()).on_hover_text(
-                "From sums of each camera by itself, with the noise of the cameras in use: only what they see \
-                 differs",
+                "Each camera is summed by itself, with the noise of the cameras in use, so that sets differ \
+                 only in what they see",
             );
         });
     }

@@ -69,8 +69,8 @@ fn waiting_for(context: &Context<'_>) -> &'static str {
     let has_frame = context.session.frames.get(context.selection.frame).is_some();
     match () {
         () if context.session.take.is_none() => "Open a take to see what its cameras see.",
-        () if !has_frame => "Waiting for the frame …",
-        () => "Looking through every camera …",
+        () if !has_frame => "Waiting for the frame…",
+        () => "Looking through every camera…",
     }
 }
 
@@ -211,7 +211,7 @@ fn sway(
         origin: AMPLITUDES_MM[0],
         is_held: is_swaying,
         tooltip: if direction.moves_no_joint() {
-            "How far the body sways; 60 mm stand for a third of a right angle where no joint moves"
+            "How far the body sways; 60 mm stand for 30° where no joint moves"
         } else {
             "How far the joint that moves most sways to each side"
         },
@@ -265,7 +265,7 @@ fn uncertainty(ui: &mut Ui, context: &Context<'_>, observability: &mut Observabi
     if let Some((limb, deviation)) = shown.worst_joint() {
         let palette = theme::palette(ui);
         let colour = if observability.is_stale { palette.text3 } else { palette.text2 };
-        let name = format!("Known worst: {}", joint_name(&shown.model, limb.into()));
+        let name = format!("Least certain: {}", joint_name(&shown.model, limb.into()));
         mover_row(ui, &name, &format!("{} (1σ)", format::deviation(deviation)), colour);
     }
 }
@@ -290,7 +290,7 @@ fn factor_row(ui: &mut Ui, observability: &mut Observability) {
         response.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &label));
         response.response.on_hover_text(
             "Several cameras know a joint to millimetres: ellipses are drawn larger than life, all by the same \
-             factor. The legend under each picture says by how much; hovering a joint says the true size.",
+             factor. The legend under each picture says by how much; point at a joint for the true size.",
         );
     });
 }

@@ -43,7 +43,7 @@ impl Observability {
             match news {
                 News::Output(Ok(found)) => self.found = Some(found),
                 News::Output(Err(error)) => {
-                    requests.complain(format!("What the cameras see cannot be told: {error}."));
+                    requests.complain(format!("What the cameras see cannot be computed: {error}."));
                 }
                 News::Failed(failure) => requests.failed("The look at what the cameras see", &failure),
                 News::Ended => {}

@@ -227,11 +227,11 @@ impl Offsets {
         }
     }
 
-    /// "the others are measured by it", "+0.050 s ± 0.004 s, 99.8 % sure".
+    /// "the others are measured against it", "+0.050 s ± 0.004 s, 99.8 % sure".
     fn said_of(&self, camera: usize) -> String {
         let Some(Ok(found)) = &self.found else { return String::new() };
         match found.found.cameras.get(camera) {
-            Some(CameraOffset::Reference) => "the others are measured by it".to_owned(),
+            Some(CameraOffset::Reference) => "the others are measured against it".to_owned(),
             Some(CameraOffset::Found(offset)) => {
                 let seconds = format::number(offset.seconds, 3);
                 let sure = match offset.probability {
@@ -240,7 +240,7 @@ impl Offsets {
                 };
                 format!("{seconds} s ± {} s, {sure} % sure", format::number(offset.deviation_s, 3))
             }
-            Some(CameraOffset::Undecided(why)) => format!("not told: {why}"),
+            Some(CameraOffset::Undecided(why)) => format!("not found: {why}"),
             None => String::new(),
         }
     }

@@ -36,7 +36,10 @@ impl Offsets {
         let is_file = take.is_some_and(|take| matches!(take.source, Some(TakeSource::Path(_))));
         let is_one = take.is_some_and(|take| take.full_cameras().len() < 2);
         no_take(context)
-            .or(because(!is_file, "This take is no file: open one of your own"))
+            .or(because(
+                !is_file,
+                "This take comes with the program and cannot be changed: open one of your own",
+            ))
             .or(because(is_one, "The take has one camera only"))
     }
 
@@ -135,7 +138,7 @@ impl Side {
                             self.picture = self.task.inputs().map(|of| (*of, picture));
                             None
                         }
-                        Ok(None) => Some("This camera has no picture then.".to_owned()),
+                        Ok(None) => Some("This camera has no picture of that moment.".to_owned()),
                         Err(why) => Some(format!("{why}.")),
                     };
                 }

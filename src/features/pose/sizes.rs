@@ -57,7 +57,7 @@ pub(super) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, op
             let both = checkbox(ui, &mut settings.both_sides, "Both sides")
                 .on_hover_text("Change the limb on the other side of the body too");
             let handles = checkbox(ui, &mut settings.size_handles, "Handles in views").on_hover_text(
-                "Drag the diamonds in a view: length at the limb's end, radius at its outline   E",
+                "Drag the diamonds in a view: length at the limb’s end, radius at its outline   E",
             );
             if both.changed() || handles.changed() {
                 requests.request(Request::Views(settings));
@@ -101,7 +101,7 @@ fn scale(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
         limits: None,
         origin: 100.0,
         is_held: false,
-        tooltip: "All lengths and radii together; 100 % is as long as the take's own body",
+        tooltip: "All lengths and radii together; 100 % is as long as the take’s own body",
     };
     let response = row.show(ui, &mut percent);
     let drag = gesture(ui, "scale", &response);

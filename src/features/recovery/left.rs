@@ -93,7 +93,7 @@ impl Left {
 
 fn take_of(document: &Document, about: &About) -> String {
     match (&document.take, &about.take) {
-        (Some(TakeSource::Demonstration(which)), _) => format!("Demonstration \"{}\"", which.name()),
+        (Some(TakeSource::Demonstration(which)), _) => format!("Demonstration “{}”", which.name()),
         (Some(TakeSource::Path(_)), Some(name)) => name.clone(),
         (Some(TakeSource::Path(path)), None) => {
             path.file_name().map_or_else(|| "Take".into(), |name| name.to_string_lossy().into_owned())

@@ -129,8 +129,8 @@ fn picture(ui: &mut Ui, left: &Left) {
         Stroke::new(size::HAIRLINE, palette.line2),
         egui::StrokeKind::Inside,
     );
-    let hover = "What the camera on the screen showed: grey is agreement, orange is body that is missing, blue \
-                 is body too much";
+    let hover = "What the camera on the screen showed: grey is agreement, orange is missing, blue is \
+                 spurious";
     response.on_hover_text(hover);
 }
 
@@ -172,7 +172,7 @@ fn buttons(ui: &mut Ui, offer: &Offer<'_>, index: usize) -> Option<Decision> {
         }
     }
     let restores = restore.on_hover_text(hover).clicked().then_some(Decision::Restore(index));
-    let hover = "It is put aside: it is offered no more, and can be opened as a project later";
+    let hover = "It is no longer offered, but can be opened as a project later";
     restores.or(discard.on_hover_text(hover).clicked().then_some(Decision::Discard(index)))
 }
 
@@ -187,9 +187,9 @@ fn all(ui: &mut Ui, offer: &Offer<'_>) -> Option<Decision> {
                 decision = Some(choice);
             }
         };
-        button("Decide later", "All of it stays, and is offered in the File menu", Decision::Later);
+        button("Decide later", "All of it is kept, and the File menu offers it", Decision::Later);
         if offer.left.len() > 1 {
-            let hover = "Put all of them aside; they can be opened as projects later";
+            let hover = "None of them is offered any longer; they can be opened as projects later";
             button("Discard all", hover, Decision::DiscardAll);
         }
     });

@@ -266,7 +266,7 @@ impl Recovery {
             match copies.put_aside(&left.path) {
                 Ok(path) => self.discarded.push(path),
                 Err(error) => {
-                    requests.complain(format!("{}: it cannot be put aside: {error}.", left.path.display()));
+                    requests.complain(format!("{}: it cannot be discarded: {error}.", left.path.display()));
                 }
             }
         }

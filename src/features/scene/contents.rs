@@ -6,13 +6,14 @@ use backlit_tracking::body::{Kinematics, Model, PlacedSphere};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::visual_hull::VisualHull;
+use backlit_ui::drawing::Ghosts;
 use backlit_ui::drawing::body_spheres;
 use backlit_ui::style::theme::camera_colours;
 use backlit_ui::style::theme::data_colours::{AGREEMENT, SCENE_BODY, SCENE_FLOOR, SELECTED};
 use egui::Color32;
 use glam::{DVec2, DVec3};
 
-use super::{ScenePreferences, ShownHull, Upright, Viewpoint};
+use super::{ScenePreferences, ShownHull, Upright, Viewpoint, ghosts};
 use crate::document::CameraUse;
 use crate::features::scene::raster::{Dot, Ends, Floor, Limb, Line, Scene};
 
@@ -50,6 +51,8 @@ pub(crate) struct ContentsInput<'a> {
     pub(crate) renderer: RendererKind,
     /// The level of its limbs' trees of spheres, counted from the coarsest.
     pub(crate) sphere_level: usize,
+    /// What is drawn in the place of the body.
+    pub(crate) ghosts: Option<&'a Ghosts>,
     /// The rotation whose limbs are marked.
     pub(crate) rotation: Option<usize>,
     /// The cameras, and how they are used.
@@ -95,7 +98,9 @@ pub(crate) struct Contents {
 
 /// Builds the scene.
 pub(crate) fn contents(input: &ContentsInput<'_>) -> Contents {
-    let mut scene = Scene { limbs: limbs(input), ..Scene::default() };
+    let limbs = input.ghosts.map_or_else(|| limbs(input), ghosts::limbs);
+    let mut scene = Scene { limbs, ..Scene::default() };
+    scene.lines.extend(input.ghosts.into_iter().flat_map(|ghosts| ghosts::lines(ghosts, input.scale)));
     if input.preferences.floor {
         scene.floor = Some(floor(input));
     }
@@ -261,6 +266,7 @@ mod tests {
             preferences: &preferences,
             model: &model,
             kinematics: &kinematics,
+            ghosts: None,
             renderer: RendererKind::Capsule,
             sphere_level: usize::MAX,
             rotation: None,

@@ -141,6 +141,7 @@ impl Stage {
             kinematics: &self.kinematics,
             renderer: document.fit.renderer,
             sphere_level: context.views.drawn_level(),
+            ghosts: context.ghosts,
             rotation,
             cameras: session.take.as_ref().map_or(&[], |take| take.cameras.as_slice()),
             uses: &document.cameras,

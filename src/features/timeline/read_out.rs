@@ -46,7 +46,7 @@ pub(crate) fn ui(ui: &Ui, context: &Context<'_>, frame: usize, at: Pos2) {
                 note("Key pose, not fitted yet".to_owned(), palette.text2);
             }
             None => {
-                note("Not fitted: shows the pose before it".to_owned(), palette.text3);
+                note("Not fitted: shows the nearest earlier pose".to_owned(), palette.text3);
             }
             Some(estimate) => {
                 let origin = match estimate.origin {

@@ -11,7 +11,7 @@ use egui::{
 /// What the cards say: what is to be done, and what is to be seen.
 pub(super) const STEPS: [(&str, &str); 7] = [
     (
-        "Orange is body the model misses, blue is model without body",
+        "Orange is subject the body misses, blue is body without subject",
         "The bar beside camera 1 counts the pixels of both, and those that agree.",
     ),
     (
@@ -25,7 +25,7 @@ pub(super) const STEPS: [(&str, &str); 7] = [
     ("Press Space", "One step of the fit; watch orange and blue shrink."),
     (
         "Press Enter, then drag the step slider back",
-        "This is the debug layout. Every step is kept, the rejected ones too.",
+        "This is the Debug layout. Every step is kept, the rejected ones too.",
     ),
     (
         "Press C, Y and S",

@@ -19,19 +19,19 @@ const LAG: f32 = 40.0;
 const LONGEST_LAG: f64 = 999.0;
 
 const MOTIONS: [(Following, &str, &str); 4] = [
-    (Following::Still, "Still", "A frame's fit starts from the last pose"),
+    (Following::Still, "Still", "A frame’s fit starts from the last pose"),
     (Following::Velocity, "Velocity", "It starts where the motion between the last two frames leads"),
     (Following::Kalman, "Kalman", "Pose and velocity by the iterated extended Kalman filter (6.1)"),
     (
         Following::Smoothed { lag: None },
         "Smoothed",
         "The Kalman filter, and every frame smoothed by later ones (Rauch, Tung, Striebel); cost and overlap stay \
-         those of the frame's own fit",
+         those of the frame’s own fit",
     ),
 ];
 
 const SEARCHES: [(WhenToSearch, &str, &str); 3] = [
-    (WhenToSearch::Never, "Never", "Only downhill from the start"),
+    (WhenToSearch::Never, "Never", "Never search: only go downhill from the start"),
     (
         WhenToSearch::WhenPoor,
         "When poor",
@@ -54,9 +54,9 @@ const BODIES: [(TrackedBody, &str, &str); 2] = [
     (
         TrackedBody::Own,
         "Own sizes",
-        "The take has an average body: Track forward finds the person's own lengths and girths first",
+        "The take has an average body: Track forward finds the person’s own lengths and girths first",
     ),
-    (TrackedBody::AsItIs, "As it is", "The average body is tracked"),
+    (TrackedBody::AsItIs, "As it is", "Track the body of the take with the sizes that it has"),
 ];
 
 const CUES: [(CueChoice, &str, &str); 4] = [
@@ -69,7 +69,7 @@ const CUES: [(CueChoice, &str, &str); 4] = [
     (
         CueChoice::Pictures,
         "Pictures",
-        "Optic flow and stereo points of the cameras’ pictures pull at such limbs; slower",
+        "Optic flow and stereo points of the pictures pull at limbs that no silhouette shows; slower",
     ),
     (CueChoice::All, "All", "Keypoints where the take has them, optic flow and stereo points; slower"),
 ];

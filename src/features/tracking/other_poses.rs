@@ -52,7 +52,8 @@ impl Tracking {
             }
         }
         if !std::sync::Arc::ptr_eq(&poses.fit, &context.document().fit) {
-            let text = RichText::new("Costs are of other choices of the fit").text_style(TextStyle::Small);
+            let text = RichText::new("The fit’s choices have changed since these costs")
+                .text_style(TextStyle::Small);
             ui.label(text.color(palette.text3));
         }
     }

@@ -73,7 +73,7 @@ fn progress_text(at: PersonProgress) -> String {
     match at {
         PersonProgress::Searching => "Looking for the person".to_owned(),
         PersonProgress::Following(done, all) => {
-            format!("Finding the person’s sizes: {done} of {all} frames followed")
+            format!("Finding the person’s sizes: {done} of {all} frames tracked")
         }
         PersonProgress::Sizes(OwnSizesProgress::Reading(..)) => {
             "Finding the person’s sizes: reading frames".to_owned()
@@ -104,9 +104,12 @@ fn said_of(person: &Person) -> String {
         }
         Some(Ok(own)) => {
             let factor = format::percent(own.scaled.size - 1.0);
-            said += &format!(" Its own sizes are not believed; the body is only scaled, by {factor}.");
+            said += &format!(
+                " The person’s own sizes were not trusted; the body is only scaled, by \
+                              {factor}."
+            );
         }
-        Some(Err(error)) => said += &format!(" No sizes of its own can be found: {error}."),
+        Some(Err(error)) => said += &format!(" The person’s own sizes cannot be found: {error}."),
         None => {}
     }
     said.trim_start().to_owned()

@@ -335,7 +335,11 @@ fn clear(context: &Context<'_>, requests: &mut Requests) {
         1 => "; 1 key pose stays".to_owned(),
         keys => format!("; {keys} key poses stay"),
     };
-    let text = format!("Forgot the poses of {} frames{kept}.", document.estimates.len());
+    let poses = match document.estimates.len() {
+        1 => "pose of 1 frame".to_owned(),
+        frames => format!("poses of {frames} frames"),
+    };
+    let text = format!("Cleared the {poses}{kept}.");
     requests.inform(text, Some(Command::History(HistoryCommand::Undo)));
 }
 

@@ -12,9 +12,12 @@ impl Demonstration {
     /// The choices that the take begins with.
     pub(crate) fn fit(self) -> FitOptions {
         match self {
-            Self::Sequence | Self::TinySequence | Self::Cues | Self::Spheres | Self::Motions => {
-                FitOptions::preset(Preset::Robust)
-            }
+            Self::Sequence
+            | Self::TinySequence
+            | Self::Cues
+            | Self::Spheres
+            | Self::Begin
+            | Self::Motions => FitOptions::preset(Preset::Robust),
             Self::Bias => {
                 let mut looks = bias::Options::default().looks.into_iter();
                 let thesis = looks.find(|look| look.ramp == Ramp::Thesis && look.data != bias::Data::Area);

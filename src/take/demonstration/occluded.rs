@@ -1,4 +1,4 @@
-//! Squats before two telephones: pictures, masks that are too wide, and keypoints, as the experiment on cues films them.
+//! Squats before two phones: pictures, masks that are too wide, and keypoints, as the experiment on cues films them.
 
 use backlit_formats::{Take, keypoints};
 use backlit_lab::experiment::cues::{DRAWN_RATE, FilmedFrame, Options, film};

@@ -338,7 +338,7 @@ impl<'a> Machine<'a> {
         let (Object::Callable(target), Object::Sequence(arguments)) =
             (&self.objects[target], &self.objects[arguments])
         else {
-            return Err(self.error("a call of what is no function"));
+            return Err(self.error("a call of something that is not a function"));
         };
         let first = arguments.first().map(|&index| &self.objects[index]);
         let made = match (target, first) {
@@ -354,7 +354,7 @@ impl<'a> Machine<'a> {
                 }
                 let bytes: Result<Vec<u8>, _> =
                     text.chars().map(|letter| u8::try_from(u32::from(letter))).collect();
-                let Ok(bytes) = bytes else { return Err(self.error("a letter that is no byte")) };
+                let Ok(bytes) = bytes else { return Err(self.error("a letter that is not a byte")) };
                 Object::Bytes(bytes)
             }
             _ => return Err(self.error("a call with arguments that make no array")),

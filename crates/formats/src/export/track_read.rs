@@ -99,7 +99,7 @@ pub fn parse(path: &Path, bytes: &[u8], model: Option<&Model>) -> Result<Written
     let spec: TrackSpec = json_text::parse_versioned(path, text, FORMAT)?;
     let line = |field| json_text::line_of(text, &[field]);
     if !(spec.frame_rate.is_finite() && spec.frame_rate > 0.0) {
-        let problem = field("frame_rate", &spec.frame_rate, "frames per second, more than none");
+        let problem = field("frame_rate", &spec.frame_rate, "frames per second, above 0");
         return Err(FileError::new(path, problem).at_line(line("frame_rate")));
     }
     let model = match model {

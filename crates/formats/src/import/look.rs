@@ -95,7 +95,7 @@ pub enum ImportError {
     File(#[from] FileError),
     #[error(transparent)]
     Take(#[from] crate::TakeError),
-    #[error("{}: no video and no numbered pictures are there; expected one a camera", .0.display())]
+    #[error("{}: no video and no numbered pictures are there; expected footage of each camera", .0.display())]
     NoFootage(PathBuf),
     #[error(
         "{}: no calibration is there that can be read{}; name one",

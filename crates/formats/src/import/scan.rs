@@ -104,7 +104,7 @@ impl Listing {
             }
             self.files += 1;
             if self.files > MAX_FILES {
-                let message = format!("more than {MAX_FILES} files lie there; name a smaller folder");
+                let message = format!("there are more than {MAX_FILES} files; name a smaller folder");
                 let problem = FileProblem::Option { field: "folder".to_owned(), message };
                 return Err(FileError::new(folder, problem));
             }

@@ -54,7 +54,8 @@ pub enum MaskProblem {
     #[error("has no alpha channel; `mask_values` is \"alpha\"")]
     NoAlpha,
     #[error(
-        "has the numbers {}, as a map of several people has; expected whose to take, as in mask_values = {{ ids = [{}] }}",
+        "has the numbers {}, like a map of several people; expected which of them to use, as in \
+         mask_values = {{ ids = [{}] }}",
         listed(.ids), .ids.first().copied().unwrap_or(1)
     )]
     SeveralIds { ids: Vec<u16> },

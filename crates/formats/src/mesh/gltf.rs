@@ -250,7 +250,7 @@ impl Reader<'_> {
         let accessor = entry(&self.document.accessors, position, "an accessor")?;
         if accessor.kind != "VEC3" || accessor.component_type != 5126 {
             let found = format!("{} of {}", accessor.kind, accessor.component_type);
-            return Err(MeshProblem::Unsupported { what: "a POSITION that is no VEC3 of floats", found });
+            return Err(MeshProblem::Unsupported { what: "a POSITION that is not a VEC3 of floats", found });
         }
         let first = self.soup.vertices.len();
         room("vertices", first, accessor.count)?;

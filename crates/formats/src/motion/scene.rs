@@ -36,7 +36,7 @@ impl<'a> Scene<'a> {
     ) -> Result<Self, FileProblem> {
         let rate = motion.frame_rate;
         if !(1e-6..=1e6).contains(&rate) {
-            return Err(field("frame_rate", rate, "frames per second, more than none"));
+            return Err(field("frame_rate", rate, "frames per second, above 0"));
         }
         let up = options.up.try_normalize().filter(|up| up.is_finite());
         let up = up.ok_or_else(|| field("up", options.up, "three finite numbers, not all zero"))?;

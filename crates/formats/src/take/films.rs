@@ -62,7 +62,8 @@ pub(super) fn align(films: Vec<Film>, is_shifted: bool) -> Result<Films, TakeErr
     let mut notes: Vec<String> = films.iter().filter_map(|film| film.gap.clone()).collect();
     if begins > 0 {
         notes.push(format!(
-            "the take begins {begins} frames later, because camera \"{}\" has no earlier one",
+            "the take begins {} later, because camera \"{}\" has no earlier one",
+            frames_of(begins),
             name(latest)
         ));
     }
@@ -70,9 +71,10 @@ pub(super) fn align(films: Vec<Film>, is_shifted: bool) -> Result<Films, TakeErr
     if ranges.get(longest).is_some_and(|range| range.end > ends) {
         let left_out = ranges[longest].end - ends;
         notes.push(format!(
-            "the take ends with camera \"{}\"; camera \"{}\" goes on for {left_out} frames",
+            "the take ends with camera \"{}\"; camera \"{}\" goes on for {}",
             name(shortest),
-            name(longest)
+            name(longest),
+            frames_of(left_out)
         ));
     }
     let frame_count = usize::try_from(ends - begins).unwrap_or(0);
@@ -82,6 +84,11 @@ pub(super) fn align(films: Vec<Film>, is_shifted: bool) -> Result<Films, TakeErr
         CameraFootage { first: u64::try_from(first).unwrap_or(0), ..film.footage }
     });
     Ok(Films { cameras: cameras.collect(), frame_count, begins, notes })
+}
+
+/// A count of frames in words.
+fn frames_of(count: i64) -> String {
+    if count == 1 { "1 frame".to_owned() } else { format!("{count} frames") }
 }
 
 fn equally_many(films: &[Film]) -> Result<(), TakeError> {

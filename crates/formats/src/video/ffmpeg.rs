@@ -78,7 +78,7 @@ impl Piped {
             }
         };
         let input = input(path);
-        let codec = codec.unwrap_or_else(|| "of a kind that is not decoded here".to_owned());
+        let codec = codec.unwrap_or_else(|| "in a format that Backlit does not decode".to_owned());
         let mut probed = probe::probe(programs, &input, &codec)?;
         let mut notes = Vec::new();
         if let Some(index) = index {

@@ -126,7 +126,7 @@ impl Video {
         }
         let codec = why.or_else(|| index.as_ref().map(|index| index.codec.name().to_owned()));
         let Some(programs) = programs else {
-            let codec = codec.unwrap_or_else(|| "of a kind that is not decoded here".to_owned());
+            let codec = codec.unwrap_or_else(|| "in a format that Backlit does not decode".to_owned());
             return Err(VideoProblem::NeedsProgram { codec, program: "ffmpeg".to_owned() });
         };
         let piped = Piped::open(parts, path, codec, index.as_ref(), programs)?;

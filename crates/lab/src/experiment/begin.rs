@@ -29,7 +29,7 @@ use backlit_tracking::metrics::Statistics;
 use backlit_tracking::particles::ParticleOptions;
 use serde::Serialize;
 
-pub use method::{Beginning, End, Method, begin};
+pub use method::{Beginning, End, Method, Step, Watch, begin, begin_watched};
 
 use super::basin::{SUCCESS_MM, leaf_error_mm};
 use super::interval::{Z_95, wilson};
@@ -209,6 +209,49 @@ mod tests {
         let of = |method| report.rows.iter().find(|row| row.method == method).unwrap();
         assert_eq!(of(Method::Ramp).found, 2, "{report:?}");
         assert!(of(Method::Particles).evaluations > 10.0 * of(Method::Ramp).evaluations);
+    }
+
+    #[test]
+    fn who_watches_sees_every_step_and_changes_nothing() {
+        let start = &starts(10, 1)[0];
+        for given in [Some(&start.start), None] {
+            for method in Method::ALL {
+                let (options, cancel) = (Options::default(), CancelToken::new());
+                let from = Beginning { model: &start.model, views: &start.views[&2], start: given };
+                let (mut kinds, mut lowest) = ([0; 6], f64::INFINITY);
+                let mut see = |step: Step<'_>| {
+                    let kind = match step {
+                        Step::Start { .. } => 0,
+                        Step::Downhill { .. } => 1,
+                        Step::Particles { generation, .. } => {
+                            let all: f64 = generation.particles.iter().map(|particle| particle.weight).sum();
+                            assert!((all - 1.0).abs() < 1e-9, "{all}");
+                            2
+                        }
+                        Step::Template(_) => 3,
+                        Step::Tried(tried) => {
+                            lowest = lowest.min(tried.cost);
+                            4
+                        }
+                        Step::Round(_) => 5,
+                    };
+                    kinds[kind] += 1;
+                };
+                let end = begin_watched(method, &from, &options, &cancel, &mut see).unwrap();
+                assert_eq!(end, begin(method, &from, &options, &cancel).unwrap());
+                let begins = if given.is_some() { 1 } else { 8 };
+                let particles =
+                    if given.is_some() { &options.particles } else { &options.particles_no_start };
+                let expected = match (method, given) {
+                    (Method::Report | Method::Ramp, _) => kinds[0] == begins && kinds[1] >= begins * 10,
+                    (Method::Particles, _) => kinds[2] == particles.layers * 4 && kinds[0] == 1,
+                    (Method::Templates, _) => kinds[3] > 5 && kinds[0] == 1 && kinds[1] > 0,
+                    (Method::Search, Some(_)) => kinds[4] > 5 && kinds[..4] == [0; 4] && lowest.is_finite(),
+                    (Method::Search, None) => kinds == [0, 0, 0, 0, 0, 4],
+                };
+                assert!(expected, "{method}: {kinds:?}");
+            }
+        }
     }
 
     #[test]

@@ -109,6 +109,13 @@ pub(super) fn resized(model: &Model, all: &[Factors]) -> Result<Model, ModelErro
     })
 }
 
+/// Per limb, whether its length and radius were measured, on either side and in any frame.
+pub(super) fn are_measured(model: &Model, all: &[Factors]) -> Vec<[bool; 2]> {
+    let is = |limb: usize, kind: usize| all.iter().any(|factors| factors[limb][kind].is_some());
+    let either = |limb: usize| [0, 1].map(|kind| is(limb, kind) || is(model.mirrored_limb(limb), kind));
+    (0..model.limbs().len()).map(either).collect()
+}
+
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;

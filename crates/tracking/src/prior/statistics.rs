@@ -54,14 +54,14 @@ pub enum PriorError {
     #[error("part \"{part}\": `components` has {found}; expected 1 to {MOST_COMPONENTS}")]
     Components { part: String, found: usize },
     #[error(
-        "part \"{part}\": `components[{index}]` is no distribution; expected a share above 0, {size} numbers of a mean, \
+        "part \"{part}\": `components[{index}]` is not a distribution; expected a share above 0, {size} numbers of a mean, \
          and the lower triangle of a positive definite covariance"
     )]
     Component { part: String, index: usize, size: usize },
     #[error("part \"{part}\": `degrees` is {value}; expected a number above 0")]
     Degrees { part: String, value: f64 },
     #[error(
-        "part \"{part}\": `step` is no distribution; expected seconds from 0.001 to 1, an exponent from 0 to 8, and the \
+        "part \"{part}\": `step` is not a distribution; expected seconds from 0.001 to 1, an exponent from 0 to 8, and the \
          lower triangle of a positive definite covariance of {size} rows"
     )]
     Step { part: String, size: usize },

@@ -87,6 +87,8 @@ pub struct Hypothesis {
 pub struct Hypotheses {
     /// All that differ, best first; never empty.
     pub found: Vec<Hypothesis>,
+    /// Every one that was refined to the end, worse ones and doubles too, in the order in which they were.
+    pub tried: Vec<Hypothesis>,
     /// Iterations of all refinements, rejected ones included.
     pub iterations: usize,
     /// Evaluations of Λ with its derivatives: one an iteration, and one where each refinement begins.
@@ -142,6 +144,7 @@ pub(super) struct Search<'a> {
     pub(super) reseeder: Reseeder<'a>,
     pub(super) objectives: Vec<(Stage, Objective)>,
     pub(super) found: Vec<Hypothesis>,
+    tried: Vec<Hypothesis>,
     pub(super) iterations: usize,
     pub(super) evaluations: usize,
 }
@@ -166,7 +169,8 @@ fn run(
         search.try_the_other_way(prepared, &chains, subject);
     }
     search.found.truncate(effort.kept.max(1));
-    Hypotheses { found: search.found, iterations: search.iterations, evaluations: search.evaluations }
+    let Search { found, tried, iterations, evaluations, .. } = search;
+    Hypotheses { found, tried, iterations, evaluations }
 }
 
 impl<'a> Search<'a> {
@@ -194,6 +198,7 @@ impl<'a> Search<'a> {
             reseeder: Reseeder { model, parts, sketch, reference: start, effort },
             objectives: options.stages.iter().map(objective).collect(),
             found: Vec::new(),
+            tried: Vec::new(),
             iterations: 0,
             evaluations: 0,
         }
@@ -360,6 +365,7 @@ impl<'a> Search<'a> {
 
     /// Keeps a hypothesis, or the better one of two that are the same.
     pub(super) fn keep(&mut self, new: Hypothesis) {
+        self.tried.push(new.clone());
         let is_same = |old: &&mut Hypothesis| farthest_m(self.model, &old.pose, &new.pose) < SAME_M;
         match self.found.iter_mut().find(is_same) {
             Some(old) if new.cost < old.cost => *old = new,

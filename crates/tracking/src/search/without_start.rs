@@ -87,6 +87,9 @@ impl Default for WithoutStart {
     }
 }
 
+/// A pose with its cost by one stage, squared grey levels.
+pub type Rated = (f64, Pose);
+
 /// A pose that was refined to the end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
@@ -106,6 +109,9 @@ pub struct Found {
     /// All that were refined to the end and differ, best first; never empty. The best may cost a little more than another
     /// that faces away from the cameras.
     pub candidates: Vec<Candidate>,
+    /// What came of each round, best first: the trunks of all headings with their limbs; the best of these, their chains seeded
+    /// anew; the best of those and the same turned round, looked at more closely. Costs can be compared within a round.
+    pub rounds: Vec<Vec<Rated>>,
     /// Up, a unit vector, world axes.
     pub up: DVec3,
     /// What that body was scaled by; 1 unless [`scale_body`](WithoutStart::scale_body) asks for more.
@@ -307,13 +313,14 @@ impl InPlace<'_> {
             cancel,
             evaluations: AtomicUsize::new(0),
         };
-        let (candidates, facing) = rounds.run()?;
+        let (candidates, facing, all) = rounds.run()?;
         let one_camera = (self.seen.len() == 1).then_some(Doubt::OneCamera);
         Ok(Found {
             model: Arc::clone(model),
             scale,
             heights: self.heights,
             candidates,
+            rounds: all,
             up: place.up,
             doubts: one_camera.into_iter().chain(facing).collect(),
             evaluations: rounds.evaluations.into_inner(),

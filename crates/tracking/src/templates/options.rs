@@ -51,7 +51,7 @@ pub enum TemplateError {
     Number { field: &'static str, value: f64, expected: &'static str },
     #[error("the body \"{model}\" is one chain of limbs; expected a trunk with a head on it")]
     NoHead { model: String },
-    #[error("no place inside all silhouettes is a head's")]
+    #[error("no place inside all silhouettes can be the head")]
     NowhereInside,
     #[error("placing templates was stopped")]
     Cancelled,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use backlit_lab::experiment::scene;
 use backlit_lab::synthetic::people::PEOPLE;
 use backlit_lab::synthetic::{capsules, motion, studio};
-use backlit_tracking::acquisition::{AcquireError, AcquireOptions, acquire, acquire_posed};
+use backlit_tracking::acquisition::{AcquireError, AcquireOptions, Acquired, acquire, acquire_posed};
 use backlit_tracking::body::{Model, Pose, builtin};
 use backlit_tracking::body_fit::{BodyFitError, BodyFitOptions, BodyFrame, fit_body, fit_body_from};
 use backlit_tracking::cancel::CancelToken;
@@ -71,6 +71,33 @@ fn a_grown_body_covers_the_silhouettes_better_than_the_average_scaled() {
         let [length, _] = errors(&found.model, &one.body);
         assert!(length < 20.0, "{}: lengths {length:.1} mm", PEOPLE[build].name);
         assert!(found.measured > 20, "{}", found.measured);
+        rounds_lead_from_the_given_body_to_the_found_one(&scaled, &found);
+    }
+}
+
+fn rounds_lead_from_the_given_body_to_the_found_one(given: &Arc<Model>, found: &Acquired) {
+    let rounds = &found.rounds;
+    assert_eq!(rounds.len(), AcquireOptions::default().rounds);
+    assert!(rounds[0].before == *given && rounds[1].before == rounds[0].after);
+    assert_eq!(rounds[1].after, found.model);
+    for round in rounds {
+        assert!(round.poses.len() == 1 && round.measured.len() == given.limbs().len());
+        assert_eq!(
+            (round.partly(|_| false), round.partly(|_| true)),
+            (round.before.clone(), round.after.clone())
+        );
+        for limb in 0..given.limbs().len() {
+            let half = round.partly(|other| other == limb);
+            let [length, radius] = round.factors(limb);
+            let [was, is] = [&round.before, &half].map(|body| body.limbs()[limb].clone());
+            assert!(
+                (was.length * length - is.length).abs() + (was.radius * radius - is.radius).abs() < 1e-12
+            );
+            // A length that nothing was measured of stays.
+            assert!(round.measured[limb][0] || length == 1.0, "{}", was.name);
+        }
+        let grown = (0..given.limbs().len()).filter(|&limb| round.measured[limb][1]).count();
+        assert!(grown > 15, "{grown}");
     }
 }
 

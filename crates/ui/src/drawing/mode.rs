@@ -172,7 +172,7 @@ impl ViewMode {
             Self::ReportOverlay => {
                 "Data black, model white, as in the report: the picture goes quiet where both agree."
             }
-            Self::Tinted => "Orange is body the model misses, blue is model without body.",
+            Self::Tinted => "Orange is subject the body misses, blue is body without subject.",
             Self::Residual => {
                 "D − Λ on a fixed scale: orange is missing, blue is spurious, dark is agreement."
             }
@@ -219,7 +219,7 @@ impl ViewMode {
             }
             Self::Gradient => {
                 "How strongly each pixel pulls at its limb: by how many grey levels it changes when the limb moves a \
-                 metre towards it. Only the ramp at the body's edge pulls; what is hatched is on it and does not."
+                 metre towards it. Only the ramp at the body’s edge pulls; what is hatched is on it and does not."
             }
             Self::JacobianColumn => {
                 "How each pixel changes with one number of the pose: grey levels for a turn of one radian of the \

@@ -118,7 +118,7 @@ fn name(ui: &mut Ui, result: &MapResult, choice: usize, grid: Rect) {
     ui.scope_builder(builder, |ui| {
         let counts = RichText::new(format!("{found} of {tried}")).monospace().color(palette.text2);
         ui.label(counts).on_hover_text(format!(
-            "Cells that end within {} mm of home, of those that were fitted",
+            "Cells that end within {} mm of the target, of those that were fitted",
             format::short(result.options.success_mm)
         ));
         ui.with_layout(Direction::left_to_right(Align::Center), |ui| {
@@ -156,7 +156,7 @@ fn cells(
                 wishes.push(Wish::TakeStart(place));
             }
             response.on_hover_ui(|ui| {
-                ui.label(format!("{}\nClick: take this start, and step it", label()));
+                ui.label(format!("{}\nClick: take this start and step it", label()));
             });
         }
     }
@@ -245,12 +245,12 @@ fn legend(
             let text = format!("{found} of {tried} cells end within {limit} mm");
             ui.label(RichText::new(text).color(palette.text));
             format!(
-                "Distance from home at the end. Dots: found. Ring: the pose itself. Fitted by {}.",
+                "Distance from the target at the end. Dots: found. Ring: the pose itself. Fitted by {}.",
                 one.name
             )
         }
         _ => format!(
-            "Distance from home at the end. Dots: found, within {limit} mm. Ring: the pose itself. All maps have the \
+            "Distance from the target at the end. Dots: found, within {limit} mm. Ring: the pose itself. All maps have the \
              same starts and colours."
         ),
     };

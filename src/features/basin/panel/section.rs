@@ -89,8 +89,8 @@ fn summary(basin: &BasinResults) -> String {
         choice.levels.iter().rfind(|level| level.success.is_some_and(|success| success >= 0.5))
     });
     half.map_or_else(
-        || "under half find home".to_owned(),
-        |level| format!("half or more come home to {}°", level.degrees),
+        || "under half succeed".to_owned(),
+        |level| format!("half or more succeed up to {}°", level.degrees),
     )
 }
 
@@ -104,18 +104,19 @@ fn starts(ui: &mut Ui, context: &Context<'_>, settings: &mut BasinSettings) {
         let choices = [(Reference::Pose, "This pose"), (Reference::Truth, "Truth")];
         ui.add_enabled_ui(has_truth || settings.reference == Reference::Truth, |ui| {
             segmented(ui, &mut settings.reference, &choices).on_hover_text(
-                "What starts are drawn about. This pose: fits are to end where its own fit ends. Truth: at the pose \
-                 that the take knows",
+                "The pose that starts are drawn around. This pose: a fit succeeds where it ends like the fit from \
+                 this pose. Truth: where it ends at the true pose of the take",
             );
         })
         .response
-        .on_disabled_hover_text("The take does not know the truth: starts are drawn about the pose on the screen");
+        .on_disabled_hover_text("The take has no true pose of this frame: starts are drawn around the pose on the \
+                                 screen");
     });
     let model = &context.document().model;
     let held = &model.limbs()[context.selection.limb(model)].name;
     row(ui, "Turn", |ui| {
         segmented(ui, &mut settings.only_held, &[(false, "All joints"), (true, "Held joint")])
-            .on_hover_text(format!("What of a start is off: every joint, or the {held} alone"));
+            .on_hover_text(format!("Which joints of a start are turned: every one, or the {held} alone"));
     });
     let problem = settings.levels().err();
     list(ui, "By", "Angles", &mut settings.angles, "°", "How far joints are turned, about random axes");
@@ -143,9 +144,8 @@ fn starts(ui: &mut Ui, context: &Context<'_>, settings: &mut BasinSettings) {
         settings.seed = seed.clamp(0.0, 1e9).round() as u64;
     });
     row(ui, "Within", |ui| {
-        number_field(ui, "Limit of success", &mut settings.success_mm, 0, " mm", 1.0, FIELD).on_hover_text(
-            "A fit has found home when its root and leaf joints are less than this off on average",
-        );
+        number_field(ui, "Limit of success", &mut settings.success_mm, 0, " mm", 1.0, FIELD)
+            .on_hover_text("A fit succeeds when its root and leaf joints end less than this off on average");
         settings.success_mm = settings.success_mm.clamp(1.0, 1000.0);
     });
 }
@@ -182,7 +182,7 @@ fn compared(ui: &mut Ui, context: &Context<'_>, settings: &mut BasinSettings) {
                 other.way = way;
             }
             let label = format!("Remove compared fit {}", index + 1);
-            if icon_button(ui, Icon::Close, &label, "Compare with one fit less").clicked() {
+            if icon_button(ui, Icon::Close, &label, "Remove this fit from the comparison").clicked() {
                 removed = Some(index);
             }
         });
@@ -234,7 +234,7 @@ fn map(ui: &mut Ui, context: &Context<'_>, settings: &mut BasinSettings) {
     }
     row(ui, "Map", |ui| {
         number_field(ui, "Farthest of the map", &mut settings.map_degrees, 0, "°", 1.0, FIELD - 8.0)
-            .on_hover_text("How far the map sets the two angles off to either side");
+            .on_hover_text("How far the map turns the two angles to either side");
         settings.map_degrees = settings.map_degrees.clamp(1.0, 180.0);
         hint(ui, "to either side");
     });

@@ -131,7 +131,7 @@ fn read_out(ui: &mut Ui, name: &str, level: &LevelReport) {
     ui.label(RichText::new(format!("{name}, {off}")).color(palette.text));
     ui.label(format!("{} of {} found: {}", level.found, level.tried, share(level.success)));
     let [low, high] = level.interval.map(|end| format::number(100.0 * end, 0));
-    ui.label(format!("The true share lies from {low} to {high} %, 95 times of 100"));
+    ui.label(format!("95 % confidence interval: {low} to {high} %"));
     if let Some(median) = level.median_mm {
         ui.label(format!("Median at the end: {} mm off", format::number(median, 1)));
     }

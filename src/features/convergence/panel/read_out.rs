@@ -75,7 +75,7 @@ fn rows(run: &Run, index: usize, step: &RunStep) -> Vec<(&'static str, String)> 
     if index > 0 {
         let fell = if step.accepted { "Cost fell" } else { "Would fall" };
         rows.push((fell, share(step.fell_share())));
-        rows.push(("Foretold", share(step.foretold_share())));
+        rows.push(("Expected", share(step.foretold_share())));
         rows.push(("Step norm", figures(step.step_norm)));
         rows.push(("Damping", figures(step.damping)));
     }

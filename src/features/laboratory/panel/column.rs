@@ -128,8 +128,9 @@ fn pushes(ui: &mut Ui, bench: &Bench<'_>, fit: &Contestant) {
         WidgetInfo::labeled(Role::Label, true, format!("{}, {name}: {text}", fit.entrant.name))
     });
     response.on_hover_text(
-        "Pixels of the ramp whose grey changes as it moves that way: at least 1 % of the strongest that all these fits have. \
-         The second number counts all pixels of the ramp, neither black nor white",
+        "Pixels of the ramp whose grey changes as the limb moves that way, by at least 1 % of the strongest \
+         change in all these fits. The second number counts all pixels of the ramp: those neither black nor \
+         white",
     );
 }
 
@@ -254,6 +255,7 @@ fn ending(ui: &mut Ui, bench: &Bench<'_>, fit: &Contestant) {
         Some(RunEnding::Solver(words)) => format!("Stopped at step {}: {words}", fit.last()),
         Some(RunEnding::Stopped) => format!("Stopped by you at step {}", fit.last()),
         None if fit.last() == 0 => "Not stepped yet".to_owned(),
+        None if fit.last() == 1 => "1 step so far".to_owned(),
         None => format!("{} steps so far", fit.last()),
     };
     let is_marked = bench.comparison.contestants.iter().position(|other| std::ptr::eq(other, fit))

@@ -40,7 +40,7 @@ pub(super) fn order(
         frusta: contents.frusta,
         picture_side: (PICTURE_SIDE * pixels_per_point).round() as u32,
         shell: hull.filter(|_| preferences.hull == ShownHull::Shell).cloned(),
-        held: stage.position(context.selection.joint),
+        held: stage.position(context.selection.joint).filter(|_| context.ghosts.is_none()),
     }
 }
 

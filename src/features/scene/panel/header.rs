@@ -94,7 +94,7 @@ fn shown(ui: &mut Ui, preferences: &mut ScenePreferences) {
     checkbox(ui, &mut preferences.floor, "Floor and axes");
     ui.separator();
     for (hull, text) in ShownHull::ALL {
-        let tooltip = "What all silhouettes leave of space";
+        let tooltip = "The visual hull: the space that all silhouettes allow";
         if ui.add(Button::new(text).selected(preferences.hull == hull)).on_hover_text(tooltip).clicked() {
             preferences.hull = hull;
         }

@@ -77,7 +77,7 @@ pub(super) fn show(ui: &Ui, context: &Context<'_>, scene: &Scene, seen: &Seen<'_
         let rect = painter.text(at, Align2::RIGHT_BOTTOM, &text, small, palette().text2);
         let response = ui.interact(rect, ui.scope_id().with("hull words"), Sense::hover());
         response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &text));
-        response.on_hover_text("Box of what all silhouettes leave of space: the body is inside");
+        response.on_hover_text("Box around the space that all silhouettes allow: the body is inside");
     }
 }
 
@@ -107,7 +107,7 @@ fn words(context: &Context<'_>, scene: &Scene) -> Option<String> {
     let frame = context.session.shown_frame(context.selection.frame)?;
     Some(match scene.hulls.get(frame) {
         None => "Carving the visual hull…".to_owned(),
-        Some(None) => "No visual hull: it takes two silhouettes that meet".to_owned(),
+        Some(None) => "No visual hull: it needs two silhouettes that meet".to_owned(),
         Some(Some(hull)) => {
             let [x, y, z] = hull.size().to_array().map(|length| format::number(length, 2));
             format!("Visual hull {x} × {y} × {z} m")

@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::fit::{Fit, FitOptions, FitView, Preset};
-use backlit_tracking::particles::ParticleFilter;
+use backlit_tracking::fit::{Fit, FitOptions, FitView, IterationRecord, Preset, Stage};
+use backlit_tracking::particles::{Generation, Part, ParticleFilter};
 use backlit_tracking::search::{
-    SearchOptions, WithoutStart, WithoutStartError, search, standing, without_start,
+    Hypothesis, Rated, SearchOptions, WithoutStart, WithoutStartError, search, standing, without_start,
 };
-use backlit_tracking::templates::{TemplateError, TemplateOptions, place};
+use backlit_tracking::templates::{TemplateError, TemplateOptions, TemplateStep, place};
 use serde::Serialize;
 
 use super::Options;
@@ -93,6 +93,43 @@ pub struct End {
 
 const NOWHERE: End = End { pose: None, before: None, evaluations: 0 };
 
+/// What a method does on its way.
+#[derive(Debug, Clone, Copy)]
+pub enum Step<'a> {
+    /// A fit begins to go downhill.
+    Start {
+        /// From here.
+        pose: &'a Pose,
+        /// Which start of how many, from 0 on.
+        of: [usize; 2],
+    },
+    /// It has gone on by a step.
+    Downhill {
+        /// The step.
+        record: &'a IterationRecord,
+        /// What the fit looks at.
+        stage: &'a Stage,
+    },
+    /// Particles were sampled in a part of the body, and weighed.
+    Particles {
+        /// All of them.
+        generation: &'a Generation,
+        /// The part.
+        part: &'a Part,
+        /// How many layers there are.
+        layers: usize,
+    },
+    /// A template has turned.
+    Template(&'a TemplateStep),
+    /// The search has refined a pose.
+    Tried(&'a Hypothesis),
+    /// The search without a start has ended a round, and these are left, best first.
+    Round(&'a [Rated]),
+}
+
+/// Hears of every step, in order.
+pub type Watch<'a> = &'a mut dyn FnMut(Step<'_>);
+
 /// Begins and ends.
 ///
 /// # Errors
@@ -103,12 +140,26 @@ pub fn begin(
     options: &Options,
     cancel: &CancelToken,
 ) -> Result<End, ExperimentError> {
+    begin_watched(method, from, options, cancel, &mut |_| {})
+}
+
+/// The same, and tells of every step. Templates and the search tell of theirs when they have ended.
+///
+/// # Errors
+/// As [`begin`].
+pub fn begin_watched(
+    method: Method,
+    from: &Beginning<'_>,
+    options: &Options,
+    cancel: &CancelToken,
+    watch: Watch<'_>,
+) -> Result<End, ExperimentError> {
     let end = match method {
-        Method::Report => downhill(from, &FitOptions::preset(Preset::Report), cancel),
-        Method::Ramp => downhill(from, &FitOptions::default(), cancel),
-        Method::Particles => particles(from, options, cancel),
-        Method::Templates => templates(from, options, cancel),
-        Method::Search => searched(from, cancel),
+        Method::Report => downhill(from, &FitOptions::preset(Preset::Report), cancel, watch),
+        Method::Ramp => downhill(from, &FitOptions::default(), cancel, watch),
+        Method::Particles => particles(from, options, cancel, watch),
+        Method::Templates => templates(from, options, cancel, watch),
+        Method::Search => searched(from, cancel, watch),
     };
     match end {
         _ if cancel.is_cancelled() => Err(ExperimentError::Cancelled),
@@ -130,12 +181,18 @@ fn downhill(
     from: &Beginning<'_>,
     options: &FitOptions,
     cancel: &CancelToken,
+    watch: Watch<'_>,
 ) -> Result<End, ExperimentError> {
     let mut best: Option<(f64, Pose)> = None;
     let mut evaluations = 0;
-    for start in starts(from, cancel)? {
+    let starts = starts(from, cancel)?;
+    let of = starts.len();
+    for (index, start) in starts.into_iter().enumerate() {
+        watch(Step::Start { pose: &start, of: [index, of] });
         let mut fit = Fit::new(Arc::clone(from.model), from.views.to_vec(), start, options.clone())?;
-        let summary = fit.run(cancel, |_| {});
+        let stages = fit.options().stages.clone();
+        let summary =
+            fit.run(cancel, |record| watch(Step::Downhill { record, stage: &stages[record.stage] }));
         evaluations += summary.iterations.len() + fit.options().stages.len();
         let cost = if summary.is_broken() { f64::INFINITY } else { summary.final_cost };
         if best.as_ref().is_none_or(|(least, _)| cost < *least) {
@@ -151,6 +208,7 @@ fn refined(
     rough: Pose,
     evaluations: usize,
     cancel: &CancelToken,
+    watch: Watch<'_>,
 ) -> Result<End, ExperimentError> {
     let mut options = FitOptions::default().at_scale(from.model, from.views, &rough);
     options.stages.drain(..options.skip_when_tracking.min(options.stages.len() - 1));
@@ -158,23 +216,39 @@ fn refined(
         options.proximal_weight = 0.0;
     }
     let rough = Beginning { start: Some(&rough), ..*from };
-    let end = downhill(&rough, &options, cancel)?;
+    let end = downhill(&rough, &options, cancel, watch)?;
     Ok(End { before: rough.start.cloned(), evaluations: end.evaluations + evaluations, ..end })
 }
 
-fn particles(from: &Beginning<'_>, options: &Options, cancel: &CancelToken) -> Result<End, ExperimentError> {
+fn particles(
+    from: &Beginning<'_>,
+    options: &Options,
+    cancel: &CancelToken,
+    watch: Watch<'_>,
+) -> Result<End, ExperimentError> {
     let chosen = if from.start.is_some() { &options.particles } else { &options.particles_no_start };
     let starts = starts(from, cancel)?;
     let (model, views) = (Arc::clone(from.model), from.views.to_vec());
     let mut filter = ParticleFilter::new(model, views, &starts, chosen.clone())?;
-    let found = filter.run(cancel, |_| {});
-    refined(from, found.pose, found.evaluations, cancel)
+    let parts = filter.parts().to_vec();
+    let found = filter.run(cancel, |generation| {
+        watch(Step::Particles { generation, part: &parts[generation.part], layers: chosen.layers });
+    });
+    refined(from, found.pose, found.evaluations, cancel, watch)
 }
 
-fn templates(from: &Beginning<'_>, options: &Options, cancel: &CancelToken) -> Result<End, ExperimentError> {
+fn templates(
+    from: &Beginning<'_>,
+    options: &Options,
+    cancel: &CancelToken,
+    watch: Watch<'_>,
+) -> Result<End, ExperimentError> {
     let options = TemplateOptions { heads: options.heads, ..TemplateOptions::default() };
     match place(from.model, from.views, &options, cancel) {
-        Ok(placed) => refined(from, placed.pose, placed.evaluations, cancel),
+        Ok(placed) => {
+            placed.steps.iter().for_each(|step| watch(Step::Template(step)));
+            refined(from, placed.pose, placed.evaluations, cancel, watch)
+        }
         Err(TemplateError::NowhereInside | TemplateError::Place(WithoutStartError::Apart { .. })) => {
             Ok(NOWHERE)
         }
@@ -182,14 +256,18 @@ fn templates(from: &Beginning<'_>, options: &Options, cancel: &CancelToken) -> R
     }
 }
 
-fn searched(from: &Beginning<'_>, cancel: &CancelToken) -> Result<End, ExperimentError> {
+fn searched(from: &Beginning<'_>, cancel: &CancelToken, watch: Watch<'_>) -> Result<End, ExperimentError> {
     let (pose, evaluations) = if let Some(start) = from.start {
         let options = FitOptions::default().at_scale(from.model, from.views, start);
         let effort = SearchOptions::default();
         let mut found = search(from.model, from.views.to_vec(), start, &options, &effort, cancel)?;
+        found.tried.iter().for_each(|tried| watch(Step::Tried(tried)));
         (found.found.swap_remove(0).pose, found.evaluations)
     } else {
         let mut found = without_start(from.model, from.views, &WithoutStart::default(), cancel)?;
+        found.rounds.iter().for_each(|round| watch(Step::Round(round)));
+        let last: Vec<Rated> = found.candidates.iter().map(|one| (one.cost, one.pose.clone())).collect();
+        watch(Step::Round(&last));
         (found.candidates.swap_remove(0).pose, found.evaluations)
     };
     Ok(End { pose: Some(pose), before: None, evaluations })

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::place::Place;
 use super::stance::{self, Stance};
-use super::{Candidate, Doubt, WithoutStart, WithoutStartError};
+use super::{Candidate, Doubt, Rated, WithoutStart, WithoutStartError};
 use crate::body::{Kinematics, Model, Pose, Sides};
 use crate::cancel::CancelToken;
 use crate::fit::{FitOptions, Prepared, Stage};
@@ -68,21 +68,23 @@ pub(super) struct Rounds<'a> {
     pub(super) evaluations: AtomicUsize,
 }
 
-/// A pose and its cost by one stage.
-type Rated = (f64, Pose);
+/// Candidates, a doubt, and the rounds.
+type Judged = (Vec<Candidate>, Option<Doubt>, Vec<Vec<Rated>>);
 
 impl Rounds<'_> {
-    /// All rounds: what was refined to the end, best first, and whether front and back are in doubt.
-    pub(super) fn run(&self) -> Result<(Vec<Candidate>, Option<Doubt>), WithoutStartError> {
+    /// All rounds: what was refined to the end, best first, whether front and back are in doubt, and what came of each round.
+    pub(super) fn run(&self) -> Result<Judged, WithoutStartError> {
         let headings = (0..self.choices.headings).into_par_iter();
         let standing: Vec<Vec<Rated>> = headings.map(|heading| self.heading(heading)).collect();
-        let first =
-            self.best(standing.into_iter().flatten().collect(), self.choices.kept[0], SAME_EARLY_M)?;
+        let standing = self.best(standing.into_iter().flatten().collect(), usize::MAX, SAME_EARLY_M)?;
+        let first = &standing[..self.choices.kept[0].min(standing.len())];
         let second = first.par_iter().map(|(_, pose)| self.refine(pose, &self.choices.coarse)).collect();
-        let second = self.best(second, self.choices.kept[1], SAME_EARLY_M)?;
-        let last: Vec<Pose> = second.into_iter().flat_map(|(_, pose)| [self.turned(&pose), pose]).collect();
+        let second = self.best(second, usize::MAX, SAME_EARLY_M)?;
+        let closer = second.iter().take(self.choices.kept[1]);
+        let last: Vec<Pose> = closer.flat_map(|(_, pose)| [self.turned(pose), pose.clone()]).collect();
         let last = last.par_iter().map(|pose| self.refine(pose, &self.choices.fine)).collect();
         let last = self.best(last, usize::MAX, SAME_M)?;
+        let rounds = vec![standing, second, last.clone()];
         let last = last.par_iter().map(|(_, pose)| self.polish(pose)).collect();
         let last = self.best(last, usize::MAX, SAME_M)?;
         let candidates = last.into_iter().map(|(cost, pose)| Candidate {
@@ -90,7 +92,8 @@ impl Rounds<'_> {
             ahead: self.stance.has_front.then(|| self.ahead(&pose)),
             pose,
         });
-        Ok(self.judged(candidates.collect()))
+        let (candidates, doubt) = self.judged(candidates.collect());
+        Ok((candidates, doubt, rounds))
     }
 
     /// The best that differ, best first.

@@ -40,6 +40,8 @@ pub const BODY_OUTLINE: Color32 = rgb(0xEAF0F5);
 pub const BODY_OUTLINE_CASING: f32 = 0.55;
 /// Opacity of the limb edges inside the body's outline.
 pub const INNER_EDGE: f32 = 0.13;
+/// Bodies that are looked at beside or in the place of the posed one.
+pub const GHOST: Color32 = rgb(0x6FB7F2);
 /// Lies under every mark on footage, so that nothing relies on its own contrast.
 pub const CASING: Color32 = rgb(0x0B0D0F);
 /// Opacity of the casing under a sight ray.

@@ -1,0 +1,184 @@
+//! The ways as rows, with what each led to.
+
+use backlit_ui::style::format;
+use backlit_ui::style::theme;
+use backlit_ui::style::theme::{size, space};
+use backlit_ui::widgets::{Icon, icon_button};
+use egui::{
+    Align, Align2, Color32, Layout as Direction, Rect, RichText, Role, Sense, TextStyle, Ui, UiBuilder,
+    WidgetInfo, pos2, vec2,
+};
+
+use super::Wish;
+use crate::context::command::{BeginningCommand, Command};
+use crate::context::{Context, unavailable};
+use crate::features::beginnings::job::Outcome;
+use crate::features::beginnings::way::Way;
+use crate::features::beginnings::{At, Beginnings};
+
+/// Height of a row of the table.
+const ROW: f32 = 26.0;
+/// Room for a name.
+const NAME: f32 = 96.0;
+
+/// A column: its title, what it says, how wide it is, and what stands in it.
+type Column = (&'static str, &'static str, f32, fn(&Outcome) -> String);
+
+/// The columns from the left. In a narrow pane those go first that say least: see [`columns`].
+const COLUMNS: [Column; 5] = [
+    ("Cost", "Σ (D − Λ)² of the pose at the end, as the window measures every pose", 54.0, |outcome| {
+        format::cost(outcome.cost)
+    }),
+    ("IoU", "What silhouettes and body have in common, as a share of what either covers", 46.0, |outcome| {
+        outcome.iou.map_or_else(missing, format::ratio)
+    }),
+    (
+        "Λ",
+        "How many times a body was predicted in all cameras. Looks at single limbs and templates are not counted",
+        52.0,
+        |outcome| outcome.evaluations.map_or_else(missing, |count| format::count(count as i64)),
+    ),
+    ("Time", "Wall time on this machine", 70.0, |outcome| format::duration(outcome.seconds)),
+    ("Error", "Mean distance of the joints from the truth, or from the take’s reference", 58.0, |outcome| {
+        outcome.error_mm.map_or_else(missing, |mm| format::length(mm / 1e3))
+    }),
+];
+/// The order in which columns go.
+const LEAST: [&str; 3] = ["Cost", "Λ", "Time"];
+
+fn missing() -> String {
+    format::MISSING.to_owned()
+}
+
+/// The columns for which there is room beside the names.
+fn columns(width: f32) -> Vec<Column> {
+    let mut columns = COLUMNS.to_vec();
+    for least in LEAST {
+        let all: f32 = columns.iter().map(|column| column.2).sum();
+        if size::BUTTON + NAME + all + space::ROW > width {
+            columns.retain(|column| column.0 != least);
+        }
+    }
+    columns
+}
+
+/// All rows.
+pub(super) fn ui(ui: &mut Ui, beginnings: &Beginnings, context: &Context<'_>, wishes: &mut Vec<Wish>) {
+    let columns = columns(ui.available_width());
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        titles(ui, &columns);
+        for way in Way::COMPARED {
+            row(ui, beginnings, context, wishes, way, &columns);
+        }
+        ui.add_space(space::ROW);
+        let text = "A body from nothing: neither pose nor size is known";
+        ui.label(RichText::new(text).small().color(theme::palette(ui).text2));
+        row(ui, beginnings, context, wishes, Way::Body, &columns);
+    });
+}
+
+/// The place of each column in a row.
+fn cells(row: Rect, columns: &[Column]) -> Vec<Rect> {
+    let mut right = row.right() - space::ROW;
+    let mut cells: Vec<Rect> = columns
+        .iter()
+        .rev()
+        .map(|column| {
+            let cell = Rect::from_min_max(pos2(right - column.2, row.top()), pos2(right, row.bottom()));
+            right -= column.2;
+            cell
+        })
+        .collect();
+    cells.reverse();
+    cells
+}
+
+fn titles(ui: &mut Ui, columns: &[Column]) {
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), size::ROW), Sense::hover());
+    let font = TextStyle::Small.resolve(ui.style());
+    for (column, cell) in columns.iter().zip(cells(rect, columns)) {
+        let colour = theme::palette(ui).text3;
+        ui.painter().text(cell.right_center(), Align2::RIGHT_CENTER, column.0, font.clone(), colour);
+        let title = ui.interact(cell, ui.scope_id().with(column.0), Sense::hover());
+        title.widget_info(|| WidgetInfo::labeled(Role::Label, true, column.0));
+        title.on_hover_text(column.1);
+    }
+}
+
+fn row(
+    ui: &mut Ui,
+    beginnings: &Beginnings,
+    context: &Context<'_>,
+    wishes: &mut Vec<Wish>,
+    way: Way,
+    columns: &[Column],
+) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
+    let is_looked_at = beginnings.at.is_some_and(|at| at.way == way);
+    let ended = beginnings.ended.get(&way);
+    response.widget_info(|| WidgetInfo::selected(Role::ListItem, true, is_looked_at, way.name()));
+    let palette = theme::palette(ui);
+    if is_looked_at {
+        ui.painter().rect_filled(rect, f32::from(size::FIELD_RADIUS), palette.select);
+    } else if response.hovered() {
+        ui.painter().rect_filled(rect, f32::from(size::FIELD_RADIUS), palette.raised);
+    }
+    let left = Rect::from_min_size(rect.min, vec2(size::BUTTON, rect.height()));
+    let builder = UiBuilder::new().max_rect(left).layout(Direction::left_to_right(Align::Center));
+    ui.scope_builder(builder, |ui| run_button(ui, context, wishes, way));
+    let body = TextStyle::Body.resolve(ui.style());
+    let name_at = pos2(left.right() + space::ROW, rect.center().y);
+    let paint = |at, align, text: &str, colour: Color32, font| {
+        ui.painter().text(at, align, text, font, colour);
+    };
+    let name_colour = if is_looked_at { palette.accent_text } else { palette.text };
+    paint(name_at, Align2::LEFT_CENTER, way.name(), name_colour, body.clone());
+    let cells = cells(rect, columns);
+    let mut hover = format!("{}.", way.explanation());
+    match ended {
+        Some(Ok(outcome)) => {
+            let mono = TextStyle::Monospace.resolve(ui.style());
+            for (column, cell) in columns.iter().zip(&cells) {
+                let text = (column.3)(outcome);
+                paint(cell.right_center(), Align2::RIGHT_CENTER, &text, palette.text, mono.clone());
+            }
+            hover += " Click to look at its steps.";
+        }
+        Some(Err(why)) => {
+            let text = format!("Leads nowhere: {why}");
+            let place = cells.first().map_or(rect, |first| Rect::from_min_max(first.min, rect.max));
+            let mut job = egui::text::LayoutJob::simple_singleline(text.clone(), body, palette.warn);
+            job.wrap = egui::text::TextWrapping::truncate_at_width(place.width());
+            let galley = ui.painter().layout_job(job);
+            let at = pos2(place.left(), place.center().y - galley.size().y / 2.0);
+            ui.painter().galley(at, galley, palette.warn);
+            hover = format!("{text}.");
+        }
+        None => {
+            let is_now = beginnings.is_running() && beginnings.running == Some(way);
+            let text = if is_now { "running…" } else { "not run yet" };
+            let at = rect.right_center() - vec2(space::ROW, 0.0);
+            paint(at, Align2::RIGHT_CENTER, text, palette.text3, body);
+        }
+    }
+    if response.clicked() && matches!(ended, Some(Ok(_))) {
+        wishes.push(Wish::LookAt(At { way, step: 0 }));
+    }
+    response.on_hover_text(hover);
+}
+
+fn run_button(ui: &mut Ui, context: &Context<'_>, wishes: &mut Vec<Wish>, way: Way) {
+    let command = match way {
+        Way::Body => BeginningCommand::AcquireBody,
+        _ => BeginningCommand::RunAll,
+    };
+    let why_not = unavailable(Command::Beginning(command), context);
+    let label = format!("Run {}", way.lower_case());
+    let tooltip = why_not.map_or_else(|| label.clone(), |why| format!("{label}\n{why}."));
+    ui.add_enabled_ui(why_not.is_none(), |ui| {
+        if icon_button(ui, Icon::Run, &label, &tooltip).clicked() {
+            wishes.push(Wish::Run(way));
+        }
+    });
+}

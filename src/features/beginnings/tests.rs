@@ -1,0 +1,223 @@
+//! Ways to begin in the window.
+
+use egui_painter::Headless;
+
+use super::record::MOST_BODIES;
+use super::way::Way;
+use super::{At, Beginnings};
+use crate::app::App;
+use crate::app::testing::{Breaks, errors, open_take, settle};
+use crate::context::Request;
+use crate::context::command::{BeginningCommand, Command, HistoryCommand};
+use crate::context::pane::Pane;
+use crate::context::preferences::Layout;
+use crate::document::edit::Edit;
+use crate::take::demonstration::Demonstration;
+
+/// The demonstration with all ways tried.
+fn tried() -> (Headless, App) {
+    open_take(Demonstration::Begin, Layout::Pose)
+}
+
+fn run(window: &mut Headless, app: &mut App, command: BeginningCommand) {
+    app.run(Command::Beginning(command), &window.ctx.clone());
+    settle(window, app);
+}
+
+fn outcome(app: &App, way: Way) -> &super::Outcome {
+    app.features.beginnings.ended[&way].as_ref().unwrap()
+}
+
+fn look_at(window: &mut Headless, app: &mut App, way: Way, step: usize) {
+    app.features.beginnings.look_at(At { way, step });
+    settle(window, app);
+}
+
+#[test]
+fn the_demonstration_tries_all_ways_of_which_particles_and_search_are_home() {
+    let (_window, app) = tried();
+    assert!(app.is_open(Pane::Beginnings) && errors(&app).is_empty());
+    let error = |way| outcome(&app, way).error_mm.unwrap();
+    for way in [Way::Particles, Way::Search] {
+        assert!(error(way) < 20.0, "{way:?}: {} mm", error(way));
+    }
+    for way in [Way::Ramp, Way::Report] {
+        assert!(error(way) > 100.0, "{way:?}: {} mm", error(way));
+    }
+    assert!(outcome(&app, Way::Search).cost < 0.1 * outcome(&app, Way::Ramp).cost);
+    assert!(outcome(&app, Way::Particles).evaluations > outcome(&app, Way::Search).evaluations);
+    assert!(outcome(&app, Way::Search).iou.unwrap() > 0.95);
+    // The first that was tried is looked at, in views and scene too.
+    assert_eq!(app.features.beginnings.at, Some(At { way: Way::Particles, step: 0 }));
+    let ghosts = app.context().ghosts.unwrap();
+    assert!(ghosts.placed.contains(&false), "only the trunk has a place");
+}
+
+#[test]
+fn particles_are_drawn_by_their_weights_and_the_same_each_time() {
+    let (mut window, mut app) = tried();
+    let poses = |app: &App| -> Vec<_> {
+        let steps = outcome(app, Way::Particles).steps.iter();
+        steps.map(|step| (step.pose().clone(), step.words.clone())).collect()
+    };
+    let first = poses(&app);
+    for step in &outcome(&app, Way::Particles).steps {
+        let weights: Vec<f64> = step.bodies.iter().map(|body| body.1).collect();
+        assert!(weights.is_sorted_by(|a, b| a >= b) && weights.len() <= MOST_BODIES, "{}", step.words);
+        let all: f64 = weights.iter().sum();
+        assert!(all > 0.5 && all < 1.0 + 1e-9, "{}: {all}", step.words);
+    }
+    run(&mut window, &mut app, BeginningCommand::RunAll);
+    assert_eq!(poses(&app), first);
+}
+
+#[test]
+fn templates_have_their_limbs_one_after_the_other() {
+    let (mut window, mut app) = tried();
+    let steps = &outcome(&app, Way::Templates).steps;
+    let placed: Vec<usize> = steps.iter().map(|step| step.ghosts().limbs().count()).collect();
+    assert!(placed.is_sorted() && placed[0] < 3 && placed.last() == Some(&12), "{placed:?}");
+    assert!(steps[0].words.starts_with("Head"), "{}", steps[0].words);
+    let turning = steps.iter().position(|step| step.words.starts_with("Left upper arm turns")).unwrap();
+    look_at(&mut window, &mut app, Way::Templates, turning);
+    let ghosts = app.context().ghosts.unwrap();
+    let name = |limb: usize| ghosts.model.limbs()[limb].name.as_str();
+    let marked: Vec<&str> = (0..12).filter(|&limb| ghosts.marked[limb]).map(name).collect();
+    assert_eq!(marked, ["left upper arm"]);
+    assert!(ghosts.template.is_some());
+}
+
+#[test]
+fn steps_are_played_in_order_to_the_last() {
+    let (mut window, mut app) = tried();
+    look_at(&mut window, &mut app, Way::Search, 0);
+    let last = app.features.beginnings.last_step().unwrap();
+    let now = app.state.now;
+    app.features.beginnings.toggle_play(now);
+    let mut seen = vec![0];
+    while app.features.beginnings.plays.is_some() {
+        window.run(1, Vec::new(), |ui| app.frame(ui));
+        let step = app.features.beginnings.at.unwrap().step;
+        if seen.last() != Some(&step) {
+            seen.push(step);
+        }
+        assert!(seen.len() <= last + 1, "{seen:?}");
+    }
+    assert_eq!(seen, (0..=last).collect::<Vec<_>>());
+    // Again from the first.
+    let now = app.state.now;
+    app.features.beginnings.toggle_play(now);
+    assert_eq!(app.features.beginnings.at.unwrap().step, 0);
+}
+
+#[test]
+fn a_pose_that_is_taken_is_the_frames_and_undone_as_one() {
+    let (mut window, mut app) = tried();
+    let before = app.document().clone();
+    let last = outcome(&app, Way::Search).steps.len() - 1;
+    look_at(&mut window, &mut app, Way::Search, last);
+    let pose = outcome(&app, Way::Search).steps[last].pose().clone();
+    app.with(
+        |all| &mut all.beginnings,
+        |beginnings: &mut Beginnings, context, requests| beginnings.take(context, requests),
+    );
+    settle(&mut window, &mut app);
+    assert!(app.context().ghosts.is_none(), "the pose is seen");
+    assert!(app.shown_pose().local(&pose).iter().all(|step| step.abs() < 1e-12));
+    let mut expected = before.clone();
+    expected.apply(Edit::SetPose { frame: 0, pose, what: String::new() }).unwrap();
+    assert_eq!(*app.document(), expected, "nothing but the frame's pose");
+    app.run(Command::History(HistoryCommand::Undo), &window.ctx.clone());
+    assert_eq!(*app.document(), before);
+    assert_eq!(app.features.beginnings.ended.len(), Way::COMPARED.len(), "the table stays");
+}
+
+#[test]
+fn a_body_is_acquired_and_taken_as_one() {
+    let (mut window, mut app) = tried();
+    let before = app.document().clone();
+    run(&mut window, &mut app, BeginningCommand::AcquireBody);
+    assert_eq!(app.features.beginnings.ended.len(), 1 + Way::COMPARED.len(), "the others stay");
+    let found = outcome(&app, Way::Body);
+    assert!(found.iou.unwrap() > 0.9 && found.steps.len() > 10, "{:?}", found.iou);
+    let forearm =
+        found.steps.iter().position(|step| step.words.starts_with("Right and left forearm")).unwrap();
+    let (was, is) = (&found.steps[forearm - 1], &found.steps[forearm]);
+    let limb = is.model.limb_index("left forearm").unwrap();
+    assert!(is.marked[limb] && is.pose() == was.pose());
+    for (index, (one, other)) in was.model.limbs().iter().zip(is.model.limbs()).enumerate() {
+        let is_same = (one.length, one.radius) == (other.length, other.radius);
+        assert!(is_same || is.marked[index], "{}", one.name);
+    }
+    let last = found.steps.len() - 1;
+    let body = found.steps[last].model.clone();
+    look_at(&mut window, &mut app, Way::Body, last);
+    app.with(
+        |all| &mut all.beginnings,
+        |beginnings: &mut Beginnings, context, requests| beginnings.take(context, requests),
+    );
+    settle(&mut window, &mut app);
+    assert_eq!(app.document().model.limbs(), body.limbs());
+    assert!(app.features.beginnings.ended.is_empty(), "they were of another body");
+    app.run(Command::History(HistoryCommand::Undo), &window.ctx.clone());
+    assert_eq!(*app.document(), before);
+}
+
+#[test]
+fn without_a_start_the_start_plays_no_part_and_other_runs_are_gone() {
+    let (mut window, mut app) = tried();
+    app.features.beginnings.no_start = true;
+    let begin = |window: &mut Headless, app: &mut App| {
+        app.with(
+            |all| &mut all.beginnings,
+            |beginnings: &mut Beginnings, context, requests| {
+                beginnings.begin(&[Way::Search], context, requests);
+            },
+        );
+        settle(window, app);
+        let steps = &outcome(app, Way::Search).steps;
+        (steps.len(), steps.last().unwrap().pose().clone())
+    };
+    let first = begin(&mut window, &mut app);
+    assert_eq!(app.features.beginnings.ended.len(), 1, "those from the start are gone");
+    assert_eq!(first.0, 4, "the rounds");
+    let mut pose = app.shown_pose().clone();
+    pose.root.x += 1.0;
+    app.edit(Edit::SetPose { frame: 0, pose, what: String::new() }, None);
+    assert_eq!(begin(&mut window, &mut app), first);
+}
+
+#[test]
+fn another_frame_or_set_of_cameras_clears_it_and_esc_shows_the_pose() {
+    let (mut window, mut app) = tried();
+    assert!(app.context().ghosts.is_some());
+    let ctx = window.ctx.clone();
+    app.run(Command::Fit(crate::context::command::FitCommand::Stop), &ctx);
+    settle(&mut window, &mut app);
+    assert!(app.context().ghosts.is_none() && !app.features.beginnings.ended.is_empty());
+    app.edit(Edit::UseCamera { camera: 1, used: false }, None);
+    settle(&mut window, &mut app);
+    assert!(app.features.beginnings.ended.is_empty() && app.features.beginnings.about.is_none());
+
+    let (mut window, mut app) = open_take(Demonstration::Sequence, Layout::Pose);
+    run(&mut window, &mut app, BeginningCommand::RunAll);
+    assert_eq!(app.features.beginnings.ended.len(), Way::COMPARED.len());
+    app.request(Request::Frame(3));
+    settle(&mut window, &mut app);
+    assert!(app.features.beginnings.ended.is_empty() && app.context().ghosts.is_none());
+}
+
+#[test]
+fn a_body_without_a_head_is_said_to_lead_nowhere() {
+    let (mut window, mut app) = open_take(Demonstration::SingleLimb, Layout::Pose);
+    run(&mut window, &mut app, BeginningCommand::RunAll);
+    let nowhere = app.features.beginnings.ended[&Way::Templates].as_ref().unwrap_err();
+    assert!(nowhere.contains("trunk with a head"), "{nowhere}");
+    assert!(errors(&app).is_empty(), "it stands in its row");
+
+    let pool = app.state.pool.clone();
+    app.features.beginnings.task.begin(&pool, (), |()| Breaks);
+    settle(&mut window, &mut app);
+    assert!(!app.features.beginnings.is_running());
+    assert_eq!(errors(&app), ["A way to begin broke down: thirteen. Your work is unharmed."]);
+}

@@ -1,0 +1,199 @@
+//! Begun, stopped, played step by step, taken.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use backlit_jobs::News;
+
+use super::job::{BeginJob, Found};
+use super::way::Way;
+use super::{About, At, Beginnings};
+use crate::context::command::{BeginningCommand, Command};
+use crate::context::command_button::next_gesture;
+use crate::context::pane::Pane;
+use crate::context::unavailable::{Why, because, no_fit, no_take};
+use crate::context::{Context, PaneEvent, Request, Requests};
+use crate::document::edit::Edit;
+
+/// Seconds between two steps that are played.
+const SECONDS: f64 = 0.35;
+
+impl Beginnings {
+    /// Does a command.
+    pub(crate) fn run(&mut self, command: BeginningCommand, context: &Context<'_>, requests: &mut Requests) {
+        match command {
+            BeginningCommand::RunAll if is_read(context) => self.begin(&Way::COMPARED, context, requests),
+            BeginningCommand::RunAll => self.waits = true,
+            BeginningCommand::AcquireBody => self.begin(&[Way::Body], context, requests),
+            BeginningCommand::Stop => self.stop(),
+        }
+    }
+
+    /// Why a command cannot be used now.
+    pub(crate) fn unavailable(&self, command: BeginningCommand, context: &Context<'_>) -> Why {
+        match command {
+            // It begins when the frame is read.
+            BeginningCommand::RunAll if !is_read(context) => no_take(context),
+            BeginningCommand::RunAll | BeginningCommand::AcquireBody => no_fit(context)
+                .or(because(self.is_running(), "A way to begin is being tried: wait, or stop it with Esc")),
+            BeginningCommand::Stop => because(!self.is_running(), "No way to begin is being tried"),
+        }
+    }
+
+    /// Stops what is being tried; what is done stays.
+    pub(crate) fn stop(&self) {
+        self.task.stop();
+    }
+
+    /// Shows the pose again in the place of a step. Whether a step was shown.
+    pub(crate) fn leave(&mut self) -> bool {
+        self.plays = None;
+        std::mem::take(&mut self.is_shown)
+    }
+
+    /// Tries ways, and shows the pane. A single one begins where the others did; all of them begin anew.
+    pub(super) fn begin(&mut self, ways: &[Way], context: &Context<'_>, requests: &mut Requests) {
+        requests.request(Request::Pane(Pane::Beginnings, PaneEvent::Open));
+        let Some((footage, inputs)) = context.session.take.clone().zip(context.fit_inputs()) else { return };
+        let has_start = |about: &About| about.start.is_none() == self.no_start;
+        let fits = self.about.as_ref().is_some_and(|about| ways == [Way::Body] || has_start(about));
+        if ways.len() > 1 || !fits {
+            self.forget();
+            let start = (!self.no_start).then(|| context.shown_pose().clone());
+            self.about = Some(About { frame: context.selection.frame, inputs, start });
+        }
+        let Some(about) = self.about.clone() else { return };
+        for way in ways {
+            self.ended.remove(way);
+        }
+        self.at = None;
+        self.drawn = None;
+        self.running = ways.first().copied();
+        let ways = ways.iter().copied().collect();
+        self.task.begin(context.pool, (), |()| BeginJob { about, footage, ways });
+    }
+
+    /// Forgets all runs.
+    fn forget(&mut self) {
+        let no_start = self.no_start;
+        *self = Self { no_start, ..Self::default() };
+    }
+
+    /// Takes in what was found, plays on, and forgets what is of another frame, body or set of cameras.
+    pub(crate) fn update(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        if self.about.as_ref().is_some_and(|about| !is_about(about, context)) {
+            self.forget();
+        }
+        for news in self.task.poll() {
+            match news {
+                News::Output(Found::Begun(way)) => self.running = Some(way),
+                News::Output(Found::Ended(way, outcome)) => {
+                    self.ended.insert(way, Ok(Arc::from(outcome)));
+                    if self.at.is_none() {
+                        self.look_at(At { way, step: 0 });
+                    }
+                }
+                News::Output(Found::Nowhere(way, why)) => {
+                    self.ended.insert(way, Err(why));
+                }
+                News::Ended => self.running = None,
+                News::Failed(failure) => {
+                    self.running = None;
+                    requests.failed("A way to begin", &failure);
+                }
+            }
+        }
+        // The screen is another's.
+        let busy = &context.busy;
+        let is_elsewhere = busy.fitting || busy.tracking || context.playback.is_playing();
+        let is_open = context.preferences.is_open(Pane::Beginnings, context.session.camera_count());
+        if is_elsewhere || context.selection.step.is_some() || !is_open {
+            self.leave();
+        }
+        if self.waits && is_read(context) {
+            self.waits = false;
+            requests.run(Command::Beginning(BeginningCommand::RunAll));
+        }
+        self.play(context);
+        self.draw();
+    }
+
+    /// Looks at a step, in views and scene too.
+    pub(super) fn look_at(&mut self, at: At) {
+        self.at = Some(at);
+        self.is_shown = true;
+        self.draw();
+    }
+
+    /// Plays on, or begins to play: from the first step where the last is looked at.
+    pub(super) fn toggle_play(&mut self, now: f64) {
+        let Some((at, last)) = self.at.zip(self.last_step()) else { return };
+        self.plays = if self.plays.is_some() { None } else { Some(now + SECONDS) };
+        if self.plays.is_some() {
+            self.look_at(At { step: if at.step >= last { 0 } else { at.step }, ..at });
+        }
+    }
+
+    /// Index of the last step of the way that is looked at.
+    pub(super) fn last_step(&self) -> Option<usize> {
+        self.outcome().map(|outcome| outcome.steps.len().saturating_sub(1))
+    }
+
+    fn play(&mut self, context: &Context<'_>) {
+        let (Some(due), Some(at), Some(last)) = (self.plays, self.at, self.last_step()) else { return };
+        if context.now >= due {
+            let step = (at.step + 1).min(last);
+            self.plays = (step < last).then_some(context.now + SECONDS);
+            self.look_at(At { step, ..at });
+        }
+        if let Some(due) = self.plays {
+            context.egui.request_repaint_after(Duration::from_secs_f64((due - context.now).max(0.0)));
+        }
+    }
+
+    /// Has the bodies of the step ready that is looked at.
+    fn draw(&mut self) {
+        let Some(at) = self.at.filter(|at| self.drawn.as_ref().is_none_or(|drawn| drawn.0 != *at)) else {
+            return;
+        };
+        let ghosts = self.outcome().and_then(|outcome| outcome.steps.get(at.step)).map(|step| step.ghosts());
+        self.drawn = ghosts.map(|ghosts| (at, Arc::new(ghosts)));
+    }
+
+    /// The pose of the step that is looked at becomes the frame's; of a body that was acquired its sizes too, as one act.
+    pub(super) fn take(&mut self, context: &Context<'_>, requests: &mut Requests) {
+        let (Some(at), Some(about), Some(outcome)) = (self.at, &self.about, self.outcome()) else { return };
+        let Some(step) = outcome.steps.get(at.step) else { return };
+        let (frame, pose) = (about.frame, step.pose().clone());
+        if at.way == Way::Body {
+            let gesture = Some(next_gesture(context.egui));
+            let name = context.document().model.name();
+            let body = Arc::new((*step.model).clone().renamed(name));
+            let what = "Take acquired body".to_owned();
+            requests.edits.push((Edit::SetBody(body), gesture));
+            requests.edits.push((Edit::SetPose { frame, pose, what }, gesture));
+            requests
+                .status("The body has the sizes and the pose of this step. Undo brings the old ones back.");
+        } else {
+            let what = format!("Take pose of {}", at.way.lower_case());
+            requests.edit(Edit::SetPose { frame, pose, what });
+            requests.status("The frame has the pose of this step. Space fits on from here; undo brings the old pose back.");
+        }
+        self.leave();
+    }
+}
+
+/// Whether the frame on the screen is read.
+fn is_read(context: &Context<'_>) -> bool {
+    context.session.frames.get(context.selection.frame).is_some()
+}
+
+/// Whether what is on the screen is still what the runs are about.
+fn is_about(about: &About, context: &Context<'_>) -> bool {
+    let document = context.document();
+    let cameras = context.session.take.as_ref().map(|take| &take.cameras);
+    about.frame == context.selection.frame
+        && Arc::ptr_eq(&about.inputs.model, &document.model)
+        && Arc::ptr_eq(&about.inputs.uses, &document.cameras)
+        && cameras.is_some_and(|cameras| Arc::ptr_eq(&about.inputs.cameras, cameras))
+}
