@@ -175,10 +175,8 @@ impl Motions {
                 Some(Missing::Track | Missing::Short { .. }) if is_idle => {
                     command::button(ui, context, requests, Command::Tracking(TrackingCommand::Forward));
                 }
-                Some(Missing::Model(_)) => {
-                    if ui.add(Button::new("Built-in model")).clicked() {
-                        wishes.push(Wish::BuiltIn);
-                    }
+                Some(Missing::Model(_)) if ui.add(Button::new("Built-in model")).clicked() => {
+                    wishes.push(Wish::BuiltIn);
                 }
                 _ => {}
             }

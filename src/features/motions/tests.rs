@@ -78,7 +78,7 @@ fn another_track_is_named_anew_and_what_is_missing_is_said() {
         app.run(Command::Tracking(TrackingCommand::Clear), &app.state.egui.clone());
         app.edit(Edit::AddTrack(kept), None);
     };
-    keep(&mut app, &|frame| frame < 50 || frame >= 180);
+    keep(&mut app, &|frame| !(50..180).contains(&frame));
     settle(&mut window, &mut app);
     let found = &app.state.motions.stretches;
     assert!(app.state.motions.at(100).is_none(), "nobody knows what happened in a gap: {found:?}");
