@@ -125,7 +125,7 @@ impl BoundPrior {
             let Some(curvature) = Cholesky::new(pull.curvature) else { continue };
             let numbers = x + curvature.solve(&pull.force);
             for (row, (frame, at)) in part.directions.iter().enumerate() {
-                // The chest has directions that are not along a limb.
+                // To the left of the chest is no limb.
                 if at.rest != model.limbs()[at.limb].direction {
                     continue;
                 }
@@ -311,7 +311,7 @@ mod tests {
         assert!((pelvis.transpose() * likelier[4].1).abs_diff_eq(mean, 1e-9));
         let arm = prior().statistics.parts()[1].poses().clone();
         let (_, chest) = bound.frame(&kinematics, &model, BodyDirection::RightForearm.frame());
-        let moved: Vec<f64> = likelier[..2]
+        let moved: Vec<f64> = likelier[1..3]
             .iter()
             .flat_map(|(_, direction)| (chest.transpose() * *direction).to_array())
             .collect();
