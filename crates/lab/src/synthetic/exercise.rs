@@ -32,7 +32,7 @@ const SIGNAL_S: f64 = 1.4;
 const BLOWS_S: f64 = 0.9;
 
 /// Where the cameras stand: degrees from straight ahead to the subject's right, metres from where the walk ends, height.
-const PLACES: [(f64, f64, f64); 3] = [(35.0, 4.3, 1.5), (-62.0, 4.1, 1.9), (160.0, 4.6, 1.6)];
+const PLACES: [(f64, f64, f64); 3] = [(35.0, 4.3, 1.5), (-62.0, 4.1, 1.9), (160.0, 6.2, 1.6)];
 /// What they look at.
 const TARGET: DVec3 = DVec3::new(0.0, -0.55, 0.9);
 /// Focal length, in picture heights.
@@ -100,7 +100,7 @@ fn walk(model: &Model, seconds: f64) -> Pose {
         elbow: 24.0 + sign * 10.0 * swing,
     };
     let mut pose = standing(model, 0.0, arm(-1.0), arm(1.0));
-    pose.root = DVec3::new(0.015 * (TAU * cycle).cos(), way, 0.885 + 0.015 * (2.0 * TAU * cycle).cos());
+    pose.root = DVec3::new(0.015 * (TAU * cycle).cos(), way, 0.855 + 0.015 * (2.0 * TAU * cycle).cos());
     let lean = DQuat::from_rotation_z(0.07 * swing) * DQuat::from_rotation_x(-0.07);
     set(model, &mut pose, "spine", lean);
     let stride = SPEED * STRIDE_S;
@@ -114,7 +114,7 @@ fn walk(model: &Model, seconds: f64) -> Pose {
         let lift = 0.11 * (std::f64::consts::PI * ahead).sin();
         let ankle = DVec3::new(sign * 0.1, stands(step) + stride * smooth, ANKLE_HEIGHT + lift);
         let toes =
-            -0.5 * (TAU * ahead).sin() * f64::from(u8::from(ahead < 0.5)) + 0.2 * ahead * (1.0 - ahead);
+            -0.42 * (TAU * ahead).sin() * f64::from(u8::from(ahead < 0.5)) + 0.2 * ahead * (1.0 - ahead);
         place_leg(model, &mut pose, side, ankle, DQuat::from_rotation_x(toes));
     }
     pose
