@@ -84,11 +84,8 @@ fn chosen(labels: &[MotionLabel], per: usize) -> Vec<usize> {
         for row in rows {
             let is_new = !people.contains(&&*labels[row].subject);
             people.push(&labels[row].subject);
-            if is_new {
-                first.push(row)
-            } else {
-                again.push(row)
-            };
+            let rows = if is_new { &mut first } else { &mut again };
+            rows.push(row);
         }
         all.extend(first.into_iter().chain(again).take(per));
     }
