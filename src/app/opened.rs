@@ -9,11 +9,12 @@ use crate::app::open_job::OpenedProject;
 use crate::app::refresh::Refresh;
 use crate::context::command::{Command, RecoveryCommand};
 use crate::document::history::History;
-use crate::document::tracking_choices::TrackingChoices;
+use crate::document::tracking_choices::{CueChoice, TrackingChoices};
 use crate::document::{CameraUse, Document};
 use crate::features::demonstrations::Demonstrations;
 use crate::session::prediction::Predicted;
 use crate::session::selection::Selection;
+use crate::take::demonstration::Demonstration;
 use crate::take::footage::Footage;
 use crate::take::source::TakeSource;
 
@@ -103,7 +104,8 @@ fn document_of(footage: &Footage) -> Document {
         document.fit = Arc::new(which.fit());
         // As in the report: downhill, and nowhere else.
         let tracking = TrackingChoices::of_preset(document.fit.as_preset());
-        document.tracking = TrackingChoices { search: WhenToSearch::Never, cues: which.cues(), ..tracking };
+        document.tracking =
+            TrackingChoices { search: WhenToSearch::Never, cues: cues_of(*which), ..tracking };
         if which.begins_posed() {
             let truths = (0..footage.frame_count()).filter_map(|frame| Some((frame, which.truth(frame)?)));
             document.keys = Arc::new(truths.collect());
@@ -112,4 +114,9 @@ fn document_of(footage: &Footage) -> Document {
     }
     document.cameras = Arc::new(cameras);
     document
+}
+
+/// What pulls at limbs that silhouettes do not hold, in a demonstration.
+fn cues_of(which: Demonstration) -> CueChoice {
+    if which == Demonstration::Cues { CueChoice::Keypoints } else { CueChoice::None }
 }

@@ -21,8 +21,8 @@ use super::{output, track_files};
 use crate::features::motions::{joints, model};
 
 const NOTES: &str = "\
-Names motions by what the joints do over time: in tracks of `backlit track`, or in BVH files with the joint \
-names of the CMU recordings. Without --model it knows walking, running, jumping, boxing, dancing, gesturing, \
+Names motions by what the joints do over time: in tracks of `backlit track`, in BVH files with the joint names \
+of the CMU recordings, or in those that `backlit export` writes of the full body with its own names. Without --model it knows walking, running, jumping, boxing, dancing, gesturing, \
 sitting and bending, from 72 recordings of the CMU motion capture database (mocap.cs.cmu.edu). A folder to \
 learn from or to test on holds tracks or BVH files and a labels.csv with the columns file, class, subject \
 and description.

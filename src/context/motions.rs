@@ -22,13 +22,18 @@ impl NamedStretch {
     pub(crate) fn said(&self) -> String {
         let [first, last] =
             [self.frames.start(), self.frames.end()].map(|frame| format::count(*frame as i64));
-        let sure = format::percent(self.confidence);
+        let sure = whole_percent(self.confidence);
         let how = match self.class {
             Some(_) => format!("{sure} sure"),
             None => "like no motion that was learnt".to_owned(),
         };
         format!("{}, frames {first} to {last}, {how}", format::capitalised(&self.name))
     }
+}
+
+/// A probability in whole per cent: more digits would say more than is known.
+pub(crate) fn whole_percent(share: f64) -> String {
+    format!("{}{}%", format::number(100.0 * share, 0), format::THIN_SPACE)
 }
 
 /// The take's motions by name.

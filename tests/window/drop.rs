@@ -147,7 +147,7 @@ fn poses_bodies_projects_and_takes_are_taken_in() {
     let path = folder.path().join("truth.json");
     pose_file::write(&path, &model, &pose).unwrap();
     drop_on(&mut harness, &[path]);
-    assert_eq!(said(&harness), "Frame 0 has the pose of truth.json now.");
+    assert_eq!(said(&harness), "Frame 0 now has the pose of truth.json.");
     assert!(harness.state().document().pose_at(0).root.distance(pose.root) < 1e-12);
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert!(harness.state().document().keys.is_empty());

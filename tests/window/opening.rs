@@ -86,7 +86,7 @@ fn a_take_with_other_cameras_is_refused_by_name() {
     let harness = open(&folder.path().join("work.backlit"));
     let said = last_said(&harness);
     assert!(
-        said.contains("work.backlit") && said.contains("the cameras front, above; its take has front"),
+        said.contains("work.backlit") && said.contains("the cameras front, above; the take has front"),
         "{said}"
     );
     assert!(harness.state().session().take.is_none());

@@ -349,6 +349,9 @@ fn a_key_pose_on_the_way_is_kept_refined_or_where_the_track_stops() {
     let choose = |window: &mut Window, from: &str, to: &str| {
         let chosen = window.get_by_role_and_label(Role::ComboBox, "Key poses");
         assert_eq!(chosen.accesskit_node().value().as_deref(), Some(from));
+        chosen.scroll_to_me();
+        window.run_steps(4);
+        let chosen = window.get_by_role_and_label(Role::ComboBox, "Key poses");
         chosen.click();
         window.run_steps(2);
         click(window, to);

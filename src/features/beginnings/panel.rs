@@ -145,7 +145,7 @@ fn summary(beginnings: &Beginnings) -> String {
             )
         }),
         (_, home) => {
-            format!("Home, with joints less than 20 mm off on average: {}.", home.join(", "))
+            format!("Found, with joints less than 20 mm off on average: {}.", home.join(", "))
         }
     }
 }

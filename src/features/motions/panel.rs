@@ -21,7 +21,7 @@ use crate::context::{Context, Requests};
 /// A pane narrower than this has two rows above the plane.
 const ONE_ROW: f32 = 500.0;
 /// Width of the box of methods.
-const METHODS: f32 = 118.0;
+const METHODS: f32 = 110.0;
 /// The plane is not made lower than this for the probabilities' sake.
 const LEAST_PLANE: f32 = 110.0;
 
@@ -75,10 +75,11 @@ impl Motions {
         let is_narrow = ui.available_width() < ONE_ROW;
         row(ui, &mut |ui| {
             pane_title::show(ui, Pane::Motions, siblings, requests);
+            ui.add_space(space::ROW);
             if !is_narrow {
-                ui.add_space(space::ROW);
                 self.choices(ui, wishes);
             }
+            self.models(ui, wishes);
             ui.add_space(HEADER_BUTTONS);
         });
         if is_narrow {
@@ -109,6 +110,9 @@ impl Motions {
         if let Some(method) = choice(ui, "Method", METHODS, words::method(chosen).0, &rows) {
             wishes.push(Wish::Method(method));
         }
+    }
+
+    fn models(&self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
         let name = self.model.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy());
         let menu = ui.menu_button("Model", |ui| {
             if ui.add_enabled(self.model.is_some(), Button::new("Built-in model")).clicked() {
@@ -171,10 +175,8 @@ impl Motions {
                 Some(Missing::Track | Missing::Short { .. }) if is_idle => {
                     command::button(ui, context, requests, Command::Tracking(TrackingCommand::Forward));
                 }
-                Some(Missing::Model(_)) => {
-                    if ui.add(Button::new("Built-in model")).clicked() {
-                        wishes.push(Wish::BuiltIn);
-                    }
+                Some(Missing::Model(_)) if ui.add(Button::new("Built-in model")).clicked() => {
+                    wishes.push(Wish::BuiltIn);
                 }
                 _ => {}
             }

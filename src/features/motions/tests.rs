@@ -39,7 +39,7 @@ fn the_demonstration_opens_with_its_motions_named_and_each_frame_has_its_place()
     }
     assert!(!app.state.motions.is_stale);
     let said = app.state.motions.at(30).unwrap().said();
-    assert!(said.starts_with("Walking, frames 0 to ") && said.ends_with(" % sure"), "{said}");
+    assert!(said.starts_with("Walking, frames 0 to ") && said.ends_with("% sure"), "{said}");
 
     // A click on the curve is a click on a frame.
     let found = app.features.motions.found.clone().unwrap();
@@ -78,11 +78,12 @@ fn another_track_is_named_anew_and_what_is_missing_is_said() {
         app.run(Command::Tracking(TrackingCommand::Clear), &app.state.egui.clone());
         app.edit(Edit::AddTrack(kept), None);
     };
-    keep(&mut app, &|frame| frame < 50 || frame >= 180);
+    keep(&mut app, &|frame| !(50..180).contains(&frame));
     settle(&mut window, &mut app);
     let found = &app.state.motions.stretches;
     assert!(app.state.motions.at(100).is_none(), "nobody knows what happened in a gap: {found:?}");
-    assert_eq!((app.state.motions.at(49).unwrap().name.as_str(), found.len()), ("walking", 2));
+    assert_eq!(app.state.motions.at(49).unwrap().name, "walking");
+    assert!(found.iter().all(|stretch| *stretch.frames.end() < 50 || *stretch.frames.start() >= 180));
 
     keep(&mut app, &|frame| frame < 5);
     settle(&mut window, &mut app);

@@ -1,9 +1,10 @@
 //! Classes, methods and what is missing, in plain words.
 
-use backlit_recognition::Method;
+use backlit_recognition::{Method, Recognizer};
 
 use super::job::Missing;
 use super::preferences::Plane;
+use crate::context::motions::whole_percent;
 
 /// What no known motion is called.
 pub(super) const UNKNOWN: &str = "unknown";
@@ -37,21 +38,33 @@ pub(super) const fn method(method: Method) -> (&'static str, &'static str) {
     }
 }
 
-/// A plane on its button, what it is, and what its axes are called.
-pub(super) const fn plane(plane: Plane) -> (&'static str, &'static str, [&'static str; 2]) {
+/// A plane on its button, and what it is.
+pub(super) const fn plane(plane: Plane) -> (&'static str, &'static str) {
     match plane {
         Plane::Apart => (
             "Motions",
-            "The two axes that tell motions apart best: Fisher’s discriminants of windows of 0.6 s. Along each, a \
-             motion’s own spread is about 1",
-            ["First discriminant of 0.6 s", "Second discriminant of 0.6 s"],
+            "The two axes that tell motions apart best: Fisher’s discriminants of windows of 0.6 s. Regions are one \
+             standard deviation wide. What lies together here may lie apart along the other axes, which count too",
         ),
         Plane::Principal => (
             "Poses",
             "The two axes along which single frames differ most, whatever the motion: principal components of joints \
-             and their speeds",
-            ["First principal component of a frame", "Second principal component of a frame"],
+             and their speeds. Names do not depend on it",
         ),
+    }
+}
+
+/// The names of a plane's axes, across and up.
+pub(super) fn axes(recognizer: &Recognizer, plane: Plane) -> [String; 2] {
+    match plane {
+        Plane::Apart => {
+            let count = recognizer.short.axes.len();
+            [1, 2].map(|number| format!("Discriminant {number} of {count}, windows of 0.6 s"))
+        }
+        Plane::Principal => [0, 1].map(|index| {
+            let share = recognizer.plane.shares.get(index).copied().unwrap_or(0.0);
+            format!("Principal component {} ({})", index + 1, whole_percent(share))
+        }),
     }
 }
 

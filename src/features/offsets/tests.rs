@@ -13,7 +13,7 @@ fn refused(app: &App) -> Option<&'static str> {
 #[test]
 fn what_is_no_file_has_no_offsets_to_write() {
     let (_window, app) = open(Layout::Pose);
-    assert!(refused(&app).is_some_and(|why| why.contains("no file")));
+    assert!(refused(&app).is_some_and(|why| why.contains("comes with the program")));
 }
 
 #[test]

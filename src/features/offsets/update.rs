@@ -36,7 +36,10 @@ impl Offsets {
         let is_file = take.is_some_and(|take| matches!(take.source, Some(TakeSource::Path(_))));
         let is_one = take.is_some_and(|take| take.full_cameras().len() < 2);
         no_take(context)
-            .or(because(!is_file, "The built-in take cannot be changed: open one of your own"))
+            .or(because(
+                !is_file,
+                "This take comes with the program and cannot be changed: open one of your own",
+            ))
             .or(because(is_one, "The take has one camera only"))
     }
 

@@ -6,7 +6,6 @@ use backlit_tracking::fit::{FitOptions, Preset};
 use backlit_tracking::render::Ramp;
 
 use super::Demonstration;
-use crate::document::tracking_choices::CueChoice;
 
 impl Demonstration {
     /// The choices that the take begins with.
@@ -24,14 +23,6 @@ impl Demonstration {
                 thesis.map(|look| look.fit()).unwrap_or_default()
             }
             _ => FitOptions::preset(Preset::Report),
-        }
-    }
-
-    /// What pulls at limbs that silhouettes do not hold.
-    pub(crate) const fn cues(self) -> CueChoice {
-        match self {
-            Self::Cues => CueChoice::Keypoints,
-            _ => CueChoice::None,
         }
     }
 

@@ -142,14 +142,14 @@ impl Demonstration {
                  limbs that nothing holds in dashed red. Point at a limb to read what held it."
             }
             Self::Motions => {
-                "Somebody walks in, squats twice, signals with the arms and boxes, before three cameras. The silhouettes \
-                 are tracked now; what the tracked motion is called stands in the timeline’s lowest lane. The Motions \
-                 tile shows why: the motion is a curve, and it is called after the regions that it passes. Click the \
-                 curve to go to a moment. Hidden Markov models alone call the squats jumping."
+                "Somebody walks in, squats, signals with the arms and boxes before three cameras. The silhouettes are \
+                 tracked as this opens, and the timeline’s lowest lane says what the motion is called. The Motions tile \
+                 shows why: the motion is a curve among the regions of known motions; click it to go to a moment. Hidden \
+                 Markov models alone call the squats jumping: choose the method there."
             }
             Self::Begin => {
                 "The start is 30° off in every joint and 15 cm off its place. The fit of 2004 and the softened ramp go \
-                 downhill into a wrong valley. A particle filter and the program’s own search come home; templates, which \
+                 downhill into a wrong minimum. A particle filter and the program’s own search find the pose; templates, which \
                  need no start, put an arm wrong and never take it back. Choose a way at the right and play its steps."
             }
         }

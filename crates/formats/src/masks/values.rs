@@ -255,7 +255,7 @@ mod tests {
         assert!(told_of(None, &[wide]).unwrap_err().1.contains("the numbers 1001, 1002"));
         let said = guess(&[0, 1, 2, 5]).unwrap_err().1;
         assert!(
-            said.starts_with("0.png: has the numbers 1, 2, 5, as a map") && said.contains("ids = [1]"),
+            said.starts_with("0.png: has the numbers 1, 2, 5, like a map") && said.contains("ids = [1]"),
             "{said}"
         );
         let clear = Numbers { alpha: Some(vec![0, 255]), is_coloured: true, ..numbers(&[9, 70]) };

@@ -32,7 +32,7 @@ const SIGNAL_S: f64 = 1.4;
 const BLOWS_S: f64 = 0.9;
 
 /// Where the cameras stand: degrees from straight ahead to the subject's right, metres from where the walk ends, height.
-const PLACES: [(f64, f64, f64); 3] = [(35.0, 4.3, 1.5), (-62.0, 4.1, 1.9), (160.0, 4.6, 1.6)];
+const PLACES: [(f64, f64, f64); 3] = [(35.0, 4.3, 1.5), (-62.0, 4.1, 1.9), (160.0, 6.2, 1.6)];
 /// What they look at.
 const TARGET: DVec3 = DVec3::new(0.0, -0.55, 0.9);
 /// Focal length, in picture heights.
@@ -100,7 +100,7 @@ fn walk(model: &Model, seconds: f64) -> Pose {
         elbow: 24.0 + sign * 10.0 * swing,
     };
     let mut pose = standing(model, 0.0, arm(-1.0), arm(1.0));
-    pose.root = DVec3::new(0.015 * (TAU * cycle).cos(), way, 0.885 + 0.015 * (2.0 * TAU * cycle).cos());
+    pose.root = DVec3::new(0.015 * (TAU * cycle).cos(), way, 0.855 + 0.015 * (2.0 * TAU * cycle).cos());
     let lean = DQuat::from_rotation_z(0.07 * swing) * DQuat::from_rotation_x(-0.07);
     set(model, &mut pose, "spine", lean);
     let stride = SPEED * STRIDE_S;
@@ -114,7 +114,7 @@ fn walk(model: &Model, seconds: f64) -> Pose {
         let lift = 0.11 * (std::f64::consts::PI * ahead).sin();
         let ankle = DVec3::new(sign * 0.1, stands(step) + stride * smooth, ANKLE_HEIGHT + lift);
         let toes =
-            -0.5 * (TAU * ahead).sin() * f64::from(u8::from(ahead < 0.5)) + 0.2 * ahead * (1.0 - ahead);
+            -0.42 * (TAU * ahead).sin() * f64::from(u8::from(ahead < 0.5)) + 0.2 * ahead * (1.0 - ahead);
         place_leg(model, &mut pose, side, ankle, DQuat::from_rotation_x(toes));
     }
     pose
@@ -172,5 +172,67 @@ fn plant(model: &Model, pose: &mut Pose) {
     for (side, sign) in [("right", 1.0), ("left", -1.0)] {
         let ankle = DVec3::new(sign * 0.13, STOP - 0.02, ANKLE_HEIGHT);
         place_leg(model, pose, side, ankle, DQuat::from_rotation_z(-sign * 0.15));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use backlit_tracking::body::{Kinematics, builtin};
+
+    use super::*;
+
+    #[test]
+    fn joints_stay_within_their_limits_and_in_the_pictures_and_do_not_leap() {
+        let model = builtin::full_body();
+        let cameras = cameras(MOST_CAMERAS, [192, 144]).unwrap();
+        let (mut failures, mut before) = (Vec::new(), None::<Kinematics>);
+        for frame in 0..(SECONDS * FRAME_RATE) as usize {
+            let pose = pose(&model, frame as f64 / FRAME_RATE);
+            pose.check(&model).unwrap();
+            for (rotation, &owner) in model.rotation_owners().iter().enumerate() {
+                let limb = &model.limbs()[owner];
+                let Some(limits) = limb.limits else { continue };
+                let angles = limb.angles(pose.rotations[rotation]);
+                let excess = limits.flexion.excess(angles.flexion).abs()
+                    + limits.sideways.excess(angles.sideways).abs()
+                    + limits.twist.excess(angles.twist).abs();
+                if excess > 0.02 {
+                    failures.push(format!("frame {frame}: {} by {excess:.2} rad", limb.name));
+                }
+            }
+            let joints = Kinematics::new(&model, &pose);
+            for (limb, end) in model.limbs().iter().zip(joints.ends()) {
+                for camera in &cameras {
+                    let at = camera.project(*end).unwrap();
+                    if !((3.0..189.0).contains(&at.x) && (3.0..141.0).contains(&at.y)) {
+                        failures.push(format!("frame {frame}: {} at {at} of {}", limb.name, camera.name()));
+                    }
+                }
+            }
+            for (limb, end) in joints.ends().iter().enumerate() {
+                let moved = before.as_ref().map_or(0.0, |before| before.ends()[limb].distance(*end));
+                if moved * FRAME_RATE > 6.5 {
+                    failures.push(format!("frame {frame}: {} leaps {moved:.2} m", model.limbs()[limb].name));
+                }
+            }
+            before = Some(joints);
+        }
+        assert!(failures.is_empty(), "{}", failures.join("\n"));
+    }
+
+    #[test]
+    fn the_walk_gets_on_and_feet_that_stand_do_not_slide() {
+        let model = builtin::full_body();
+        let ankle = model.limb_index("right lower calf").unwrap();
+        let at = |seconds: f64| Kinematics::new(&model, &pose(&model, seconds)).ends()[ankle];
+        for step in 0..2 {
+            let begin = f64::from(step) * STRIDE_S;
+            for part in [0.1, 0.3, 0.5] {
+                let slid = at(begin + part * STRIDE_S).distance(at(begin + 0.05));
+                assert!(slid < 0.01, "step {step}, {part}: {slid:.3} m");
+            }
+        }
+        assert!(pose(&model, 2.9).root.y - pose(&model, 0.1).root.y > 3.0);
+        assert!(pose(&model, BEGINS[1] + 0.5 * SQUAT_S).root.z < 0.6);
     }
 }

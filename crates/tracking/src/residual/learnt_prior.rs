@@ -125,7 +125,7 @@ impl BoundPrior {
             let Some(curvature) = Cholesky::new(pull.curvature) else { continue };
             let numbers = x + curvature.solve(&pull.force);
             for (row, (frame, at)) in part.directions.iter().enumerate() {
-                // The chest has directions that are not along a limb.
+                // To the left of the chest is no limb.
                 if at.rest != model.limbs()[at.limb].direction {
                     continue;
                 }
@@ -302,13 +302,16 @@ mod tests {
         let bound = BoundPrior::new(&prior(), &model, &pose).unwrap();
         let likelier = bound.likelier(&model, &kinematics);
         let names: Vec<&str> = likelier.iter().map(|(limb, _)| model.limbs()[*limb].name.as_str()).collect();
-        assert_eq!(names, ["right upper arm", "right forearm", "left thigh", "left calf", "left foot"]);
+        assert_eq!(
+            names,
+            ["chest", "right upper arm", "right forearm", "left thigh", "left calf", "left foot"]
+        );
         let (_, pelvis) = bound.frame(&kinematics, &model, BodyDirection::LeftCalf.frame());
         let mean = DVec3::new(0.1, -0.2, -0.9).normalize();
-        assert!((pelvis.transpose() * likelier[3].1).abs_diff_eq(mean, 1e-9));
+        assert!((pelvis.transpose() * likelier[4].1).abs_diff_eq(mean, 1e-9));
         let arm = prior().statistics.parts()[1].poses().clone();
         let (_, chest) = bound.frame(&kinematics, &model, BodyDirection::RightForearm.frame());
-        let moved: Vec<f64> = likelier[..2]
+        let moved: Vec<f64> = likelier[1..3]
             .iter()
             .flat_map(|(_, direction)| (chest.transpose() * *direction).to_array())
             .collect();

@@ -10,6 +10,7 @@ use egui::{
 };
 
 use crate::context::Context;
+use crate::context::motions::whole_percent;
 use crate::features::motions::job::Found;
 use crate::features::motions::preferences::Plane;
 use crate::features::motions::words;
@@ -135,9 +136,9 @@ pub(super) fn ui(
     regions(ui, &sheet, &clouds);
     let strength = if is_stale { FAR } else { 1.0 };
     curve(ui, &sheet, &places, context, strength);
-    names(ui, &sheet, found, &clouds);
-    dots(ui, &sheet, found, &places, context);
-    axes(ui, area, plane);
+    let taken = names(ui, &sheet, found, &clouds);
+    dots(ui, &sheet, found, &places, context, taken);
+    axes(ui, area, found, plane);
     current(ui, &sheet, found, plane, context.selection.frame);
     let pointer = response.hover_pos();
     let under = pointer.and_then(|pointer| sheet.frame_at(&places, pointer));
@@ -160,23 +161,27 @@ fn regions(ui: &Ui, sheet: &Sheet, clouds: &[PlaneCloud]) {
 }
 
 /// The names of the regions, moved apart where they would lie on one another.
-fn names(ui: &Ui, sheet: &Sheet, found: &Found, clouds: &[PlaneCloud]) {
+fn names(ui: &Ui, sheet: &Sheet, found: &Found, clouds: &[PlaneCloud]) -> Vec<Rect> {
     let font = TextStyle::Small.resolve(ui.style());
     let palette = theme::palette(ui);
     let mut taken: Vec<Rect> = Vec::new();
     for (class, (cloud, name)) in clouds.iter().zip(&found.names).enumerate() {
         let galley = ui.painter().layout_no_wrap(name.clone(), font.clone(), palette.text);
-        let mut place =
-            Align2::CENTER_CENTER.anchor_size(sheet.place(cloud.mean), galley.size() + vec2(8.0, 0.0));
-        while let Some(other) = taken.iter().find(|other| other.intersects(place)) {
-            place = place.translate(Vec2::new(0.0, other.bottom() - place.top() + 1.0));
-        }
+        let middle = sheet.place(cloud.mean);
+        let at = |down: f32| {
+            let size = galley.size() + vec2(8.0, 0.0);
+            Align2::CENTER_CENTER.anchor_size(middle + vec2(0.0, down * (size.y + 1.0)), size)
+        };
+        let is_free = |place: &Rect| !taken.iter().any(|other| other.intersects(*place));
+        let nearby = (0..=clouds.len()).flat_map(|step| [step as f32, -(step as f32)]).map(at);
+        let place = nearby.into_iter().find(is_free).unwrap_or_else(|| at(0.0));
         taken.push(place);
         ui.painter().rect_filled(place, 3.0, palette.plot.gamma_multiply(0.75));
         let bar = Rect::from_min_max(place.min, pos2(place.left() + 3.0, place.bottom()));
         ui.painter().rect_filled(bar, 1.0, motion_colours(Some(class)).fill);
         ui.painter().galley(place.min + vec2(6.0, 0.0), galley, palette.text);
     }
+    taken
 }
 
 /// The curve, stronger about the frame on the screen.
@@ -199,8 +204,15 @@ fn curve(ui: &Ui, sheet: &Sheet, places: &[Place], context: &Context<'_>, streng
     }
 }
 
-/// A dot with its time every so many seconds.
-fn dots(ui: &Ui, sheet: &Sheet, found: &Found, places: &[Place], context: &Context<'_>) {
+/// A dot every so many seconds, with its time where nothing else stands.
+fn dots(
+    ui: &Ui,
+    sheet: &Sheet,
+    found: &Found,
+    places: &[Place],
+    context: &Context<'_>,
+    mut taken: Vec<Rect>,
+) {
     let palette = theme::palette(ui);
     let rate = context.session.take.as_ref().map_or(30.0, |take| take.frame_rate);
     let [first, last] = [places.first(), places.last()].map(|place| place.map_or(0, |place| place.frame));
@@ -217,13 +229,12 @@ fn dots(ui: &Ui, sheet: &Sheet, found: &Found, places: &[Place], context: &Conte
         let at = sheet.place(place.at);
         ui.painter().circle(at, 2.5, palette.plot, Stroke::new(1.5, motion_colours(place.class).fill));
         let text = format!("{} s", format::short((at_s / step).floor() * step));
-        ui.painter().text(
-            at + vec2(5.0, -1.0),
-            Align2::LEFT_BOTTOM,
-            text,
-            tick().resolve(ui.style()),
-            palette.text2,
-        );
+        let galley = ui.painter().layout_no_wrap(text, tick().resolve(ui.style()), palette.text2);
+        let label = Align2::LEFT_BOTTOM.anchor_size(at + vec2(5.0, -1.0), galley.size());
+        if !taken.iter().any(|other| other.intersects(label)) {
+            ui.painter().galley(label.min, galley, palette.text2);
+            taken.push(label);
+        }
         let mark = ui.interact(
             Rect::from_center_size(at, Vec2::splat(8.0)),
             Id::unique(("second of the motion", place.frame)),
@@ -240,16 +251,16 @@ fn dots(ui: &Ui, sheet: &Sheet, found: &Found, places: &[Place], context: &Conte
     }
 }
 
-fn axes(ui: &Ui, area: Rect, plane: Plane) {
+fn axes(ui: &Ui, area: Rect, found: &Found, plane: Plane) {
     let palette = theme::palette(ui);
-    let [across, up] = words::plane(plane).2;
+    let [across, up] = words::axes(&found.recognizer, plane);
     let font = tick().resolve(ui.style());
     let corner = area.left_bottom() + vec2(AXIS, -AXIS);
     ui.painter().hline(corner.x..=area.right(), corner.y, palette.hairline());
     ui.painter().vline(corner.x, area.top()..=corner.y, palette.hairline());
     let below = pos2(0.5 * (corner.x + area.right()), area.bottom() - 2.0);
     ui.painter().text(below, Align2::CENTER_BOTTOM, across, font.clone(), palette.text2);
-    let galley = ui.painter().layout_no_wrap(up.to_owned(), font, palette.text2);
+    let galley = ui.painter().layout_no_wrap(up, font, palette.text2);
     let middle = 0.5 * (area.top() + corner.y);
     let start = pos2(area.left() + 2.0, middle + 0.5 * galley.size().x);
     let turned = egui::epaint::TextShape::new(start, galley, palette.text2);
@@ -274,7 +285,7 @@ fn card(ui: &Ui, found: &Found, frame: usize, at: Pos2) {
         ui.label(format!("Frame {}: {name}", format::count(frame as i64)));
         let likeliest = (0..named.shares.len()).max_by(|&a, &b| named.shares[a].total_cmp(&named.shares[b]));
         let what = if named.class.is_some() { "probability" } else { found.name(likeliest) };
-        ui.label(format!("{what} {}", format::percent(named.confidence)));
+        ui.label(format!("{} {}", format::capitalised(what), whole_percent(named.confidence)));
         ui.label("Click: go to this frame");
     });
 }

@@ -5,6 +5,7 @@ use backlit_ui::style::theme;
 use backlit_ui::style::theme::{motion_colours, space};
 use egui::{Align2, Id, Rect, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
+use crate::context::motions::whole_percent;
 use crate::features::motions::job::Found;
 
 /// Height of the line that says what the frame is.
@@ -13,7 +14,7 @@ pub(super) const TITLE: f32 = 20.0;
 const ROW: f32 = 17.0;
 /// Width of the longest name and of a percentage.
 const NAME: f32 = 112.0;
-const PERCENT: f32 = 40.0;
+const PERCENT: f32 = 50.0;
 /// From this width on there are two columns.
 const TWO_COLUMNS: f32 = 430.0;
 /// Side of the mark of a colour.
@@ -45,7 +46,7 @@ pub(super) fn ui(ui: &Ui, area: Rect, found: &Found, frame: usize) {
                 Some(_) => String::new(),
                 None => format!(". Nearest is {}", found.name(likeliest)),
             };
-            let sure = format::percent(named.confidence);
+            let sure = whole_percent(named.confidence);
             format!("Frame {number}: {}{nearest}, {sure}", found.name(named.class))
         }
     };
@@ -72,7 +73,7 @@ pub(super) fn ui(ui: &Ui, area: Rect, found: &Found, frame: usize) {
         }
         let y = row.center().y;
         painter.text(pos2(row.left(), y), Align2::LEFT_CENTER, name, small.clone(), palette.text2);
-        let text = format::percent(*share);
+        let text = whole_percent(*share);
         painter.text(pos2(row.right(), y), Align2::RIGHT_CENTER, text, mono.clone(), palette.text);
         let across = row.left() + NAME..=(row.right() - PERCENT).max(row.left() + NAME);
         let bar = Rect::from_x_y_ranges(across, y - 4.0..=y + 4.0);
@@ -81,7 +82,7 @@ pub(super) fn ui(ui: &Ui, area: Rect, found: &Found, frame: usize) {
         painter.rect_filled(part, 2.0, motion_colours(Some(class)).fill);
         let said = ui.interact(row, Id::unique(("motion's share", class)), Sense::hover());
         said.widget_info(|| {
-            WidgetInfo::labeled(Role::Label, true, format!("{name}: {}", format::percent(*share)))
+            WidgetInfo::labeled(Role::Label, true, format!("{name}: {}", whole_percent(*share)))
         });
     }
 }
