@@ -10,7 +10,7 @@ use crate::features::beginnings::way::Way;
 use crate::features::beginnings::{At, Beginnings};
 
 /// Lines that are kept for the words about a step.
-const LINES: f32 = 3.0;
+const LINES: f32 = 4.0;
 
 /// The controls of the step and what it does.
 pub(super) fn ui(ui: &mut Ui, beginnings: &Beginnings, wishes: &mut Vec<Wish>) {
