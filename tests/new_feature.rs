@@ -74,7 +74,7 @@ fn shares(frame: &FrameData) -> Vec<f64> {
 const WIRING: [(&str, &str, &str); 8] = [
     (
         "src/context/arrangement/automatic.rs",
-        "        Pane::Basin => false,",
+        "        Pane::Basin | Pane::Beginnings | Pane::Motions => false,",
         "        Pane::Coverage => false,",
     ),
     ("src/features.rs", "pub(crate) mod convergence;", "pub(crate) mod coverage;"),

@@ -23,7 +23,7 @@ const BLEND: f64 = 0.5;
 const SPEED: f64 = 1.15;
 const STRIDE_S: f64 = 1.05;
 /// Part of it in which a foot stands.
-const STANCE: f64 = 0.62;
+const STANCE: f64 = 0.56;
 /// Where the walk ends.
 const STOP: f64 = 0.3;
 /// Seconds of a squat, of a signal and of two blows.
@@ -114,7 +114,7 @@ fn walk(model: &Model, seconds: f64) -> Pose {
         let lift = 0.11 * (std::f64::consts::PI * ahead).sin();
         let ankle = DVec3::new(sign * 0.1, stands(step) + stride * smooth, ANKLE_HEIGHT + lift);
         let toes =
-            -0.42 * (TAU * ahead).sin() * f64::from(u8::from(ahead < 0.5)) + 0.2 * ahead * (1.0 - ahead);
+            -0.5 * (TAU * ahead).sin() * f64::from(u8::from(ahead < 0.5)) + 0.2 * ahead * (1.0 - ahead);
         place_leg(model, &mut pose, side, ankle, DQuat::from_rotation_x(toes));
     }
     pose
