@@ -113,8 +113,7 @@ fn walk(model: &Model, seconds: f64) -> Pose {
         let smooth = ahead * ahead * (3.0 - 2.0 * ahead);
         let lift = 0.11 * (std::f64::consts::PI * ahead).sin();
         let ankle = DVec3::new(sign * 0.1, stands(step) + stride * smooth, ANKLE_HEIGHT + lift);
-        let toes =
-            -0.5 * (TAU * ahead).sin() * f64::from(u8::from(ahead < 0.5)) + 0.2 * ahead * (1.0 - ahead);
+        let toes = -0.5 * (TAU * ahead).sin() * f64::from(u8::from(ahead < 0.5));
         place_leg(model, &mut pose, side, ankle, DQuat::from_rotation_x(toes));
     }
     pose
