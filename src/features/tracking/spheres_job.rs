@@ -8,9 +8,10 @@ use backlit_tracking::body::Pose;
 use backlit_tracking::body_spheres::{
     PosedViews, SphereBody, SphereBodyError, SphereBodyOptions, sphere_body,
 };
-use backlit_tracking::fit::FitOptions;
+use backlit_tracking::fit::{Evidence, FitOptions};
 use backlit_tracking::render::RendererKind;
 use backlit_tracking::segment::SegmentOptions;
+use backlit_tracking::silhouette::Label;
 
 use super::Found;
 use crate::context::command::{Command, HistoryCommand};
@@ -21,6 +22,11 @@ use crate::document::edit::Edit;
 use crate::session::load_frame;
 use crate::session::prediction::FitInputs;
 use crate::take::footage::Footage;
+
+/// A sphere stands for so many pixels of the subject in a view, or more.
+const PIXELS_A_SPHERE: usize = 25;
+/// The fewest spheres of a body.
+const FEWEST: usize = 120;
 
 /// Frames with poses, of which a body of spheres is made.
 #[derive(Debug)]
@@ -44,7 +50,7 @@ impl Job<Found> for SpheresJob {
             return Step::Again;
         }
         let frames = std::mem::take(&mut self.read);
-        let (options, fit) = (SphereBodyOptions::default(), FitOptions::default());
+        let (options, fit) = (options_for(&frames), FitOptions::default());
         let told = |what: &str| out.send(Found::At(format!("Making a body of spheres: {what}")));
         match sphere_body(&self.fit.model, frames, &options, &fit, out.cancel(), told) {
             Ok(body) => out.send(Found::Spheres(Box::new(body))),
@@ -53,6 +59,19 @@ impl Job<Found> for SpheresJob {
         }
         Step::Done
     }
+}
+
+/// No more spheres than the pictures can show.
+fn options_for(frames: &[PosedViews]) -> SphereBodyOptions {
+    let masks = frames.iter().flat_map(|frame| &frame.views).filter_map(|view| match &view.evidence {
+        Evidence::Mask(mask) => Some(mask),
+        Evidence::Measurement(_) => None,
+    });
+    let areas = masks.map(|mask| mask.labels().iter().filter(|label| **label == Label::Subject).count());
+    let (sum, count) = areas.fold((0, 0), |(sum, count), area| (sum + area, count + 1));
+    let usual = SphereBodyOptions::default();
+    let shown = sum / count.max(1) / PIXELS_A_SPHERE;
+    SphereBodyOptions { spheres: shown.clamp(FEWEST, usual.spheres), ..usual }
 }
 
 /// The body of spheres becomes the document's, drawn by its spheres: one act.
