@@ -25,8 +25,8 @@ const ROUNDS: usize = 2;
 pub(crate) struct PictureOptions {
     /// Dark or light.
     pub(crate) theme: Theme,
-    /// What the window is arranged for.
-    pub(crate) layout: Layout,
+    /// What the window is arranged for; `None` is for posing, or as a demonstration opens.
+    pub(crate) layout: Option<Layout>,
     /// Size of the window in points.
     pub(crate) size: Vec2,
     pub(crate) pixels_per_point: f32,
@@ -43,7 +43,7 @@ impl Default for PictureOptions {
     fn default() -> Self {
         Self {
             theme: Theme::Dark,
-            layout: Layout::Pose,
+            layout: None,
             size: Vec2::new(1600.0, 1000.0),
             pixels_per_point: 1.0,
             frame: 0,
@@ -115,7 +115,8 @@ pub(crate) fn headless_export(
 /// The app in its window, when all is done that the options ask for.
 fn headless_app(opening: Opening, options: &PictureOptions) -> anyhow::Result<(Headless, App)> {
     let mut window = Headless::new(options.size.x, options.size.y, options.pixels_per_point);
-    let settings = Settings { theme: options.theme, layout: options.layout, ..Settings::default() };
+    let layout = options.layout.unwrap_or(Layout::Pose);
+    let settings = Settings { theme: options.theme, layout, ..Settings::default() };
     let mut app = App::new(
         window.ctx.clone(),
         AppOptions { settings, opening: Some(opening), ..AppOptions::default() },
@@ -124,6 +125,10 @@ fn headless_app(opening: Opening, options: &PictureOptions) -> anyhow::Result<(H
     if app.state.session.take.is_none() {
         let why = app.state.notices.all().last().map_or("nothing was opened", |notice| notice.text.as_str());
         anyhow::bail!("{why}");
+    }
+    // A demonstration has a layout of its own.
+    if let Some(layout) = options.layout {
+        app.state.preferences.layout = layout;
     }
     let count = app.state.session.frame_count();
     ensure!(options.frame < count, "there is no frame {}; the take has {count}", options.frame);

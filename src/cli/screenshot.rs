@@ -43,9 +43,9 @@ pub(crate) struct ScreenshotArguments {
     /// Size of the window, pixels
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1600x1000")]
     size: WindowSize,
-    /// What the window is arranged for
-    #[arg(long, value_enum, default_value_t = LayoutWord::Pose)]
-    layout: LayoutWord,
+    /// What the window is arranged for [default: pose, or as the demonstration opens]
+    #[arg(long, value_enum)]
+    layout: Option<LayoutWord>,
     /// Frame, counted from 0
     #[arg(long, value_name = "K", default_value_t = 0, allow_negative_numbers = true)]
     frame: usize,
@@ -209,11 +209,11 @@ pub(crate) fn run(arguments: &ScreenshotArguments) -> anyhow::Result<()> {
             ThemeWord::Dark => Theme::Dark,
             ThemeWord::Light => Theme::Light,
         },
-        layout: match arguments.layout {
+        layout: arguments.layout.map(|layout| match layout {
             LayoutWord::Pose => Layout::Pose,
             LayoutWord::Debug => Layout::Debug,
             LayoutWord::Demonstrate => Layout::Demonstrate,
-        },
+        }),
         size: Vec2::new(f32::from(arguments.size.width), f32::from(arguments.size.height)),
         frame: arguments.frame,
         steps: arguments.iteration.map_or(if is_of_steps { None } else { Some(0) }, |count| count.0),

@@ -1,9 +1,12 @@
 //! The title in a pane's header with the panes that stand behind it: one row for both, whatever they are.
 
 use backlit_ui::style::theme;
-use backlit_ui::style::theme::size;
+use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::camera_badge;
-use egui::{Button, Label, Response, RichText, Role, TextStyle, TextWrapMode, Ui, WidgetInfo, WidgetText};
+use egui::{
+    Button, Label, Response, RichText, Role, TextStyle, TextWrapMode, Ui, UiBuilder, WidgetInfo, WidgetText,
+    vec2,
+};
 
 use crate::context::pane::Pane;
 use crate::context::{PaneEvent, Request, Requests};
@@ -16,6 +19,14 @@ pub(crate) fn show(ui: &mut Ui, pane: Pane, siblings: &[Pane], requests: &mut Re
             requests.request(Request::Pane(*sibling, PaneEvent::Open));
         }
     }
+}
+
+/// The ground of a pane that is no picture, in all of the space that is left.
+pub(crate) fn ground(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
+    let rect = ui.available_rect_before_wrap();
+    ui.painter().rect_filled(rect, 0.0, theme::palette(ui).panel);
+    let inner = UiBuilder::new().max_rect(rect.shrink2(vec2(space::WIDGET, 0.0)));
+    ui.scope_builder(inner, contents);
 }
 
 /// A pane that stands behind the one on the screen, as a button.

@@ -57,14 +57,20 @@ fn every_word_can_be_read_in_every_layout_at_every_size() {
 fn every_word_of_the_demonstrations_can_be_read() {
     let mut wrong = Vec::new();
     for size in SIZES {
-        for demonstration in [Demonstration::SingleLimb, Demonstration::TwoCameras] {
+        for demonstration in [
+            Demonstration::SingleLimb,
+            Demonstration::TwoCameras,
+            Demonstration::Begin,
+            Demonstration::Motions,
+        ] {
             let opening = Opening::Take(TakeSource::Demonstration(demonstration));
             let mut window = open(opening, Layout::Debug, size);
+            let place = format!("{demonstration:?} at {} × {}", size.x.round(), size.y.round());
+            look(&window, &place, &mut wrong);
             press(&mut window, Modifiers::NONE, Key::Space);
             window.state_mut().close_notices();
             settle(&mut window);
-            let place = format!("{demonstration:?} at {} × {}", size.x.round(), size.y.round());
-            look(&window, &place, &mut wrong);
+            look(&window, &format!("{place}, a step on"), &mut wrong);
         }
     }
     assert!(wrong.is_empty(), "{} words cannot be read:\n{}", wrong.len(), wrong.join("\n"));

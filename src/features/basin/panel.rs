@@ -66,10 +66,7 @@ fn pane(
     requests: &mut Requests,
     wishes: &mut Vec<Wish>,
 ) {
-    let rect = ui.available_rect_before_wrap();
-    ui.painter().rect_filled(rect, 0.0, theme::palette(ui).panel);
-    let inner = UiBuilder::new().max_rect(rect.shrink2(vec2(space::WIDGET, 0.0)));
-    ui.scope_builder(inner, |ui| {
+    pane_title::ground(ui, |ui| {
         head(ui, basin, context, siblings, requests, wishes);
         progress_bar(ui, basin);
         conditions(ui, basin);

@@ -7,7 +7,7 @@ use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::segmented;
-use egui::{Align, Layout as Direction, RichText, ScrollArea, Ui, UiBuilder, vec2};
+use egui::{Align, Layout as Direction, RichText, ScrollArea, Ui, vec2};
 
 use super::way::Way;
 use super::{At, Beginnings};
@@ -67,10 +67,7 @@ fn pane(
     requests: &mut Requests,
     wishes: &mut Vec<Wish>,
 ) {
-    let rect = ui.available_rect_before_wrap();
-    ui.painter().rect_filled(rect, 0.0, theme::palette(ui).panel);
-    let inner = UiBuilder::new().max_rect(rect.shrink2(vec2(space::WIDGET, 0.0)));
-    ui.scope_builder(inner, |ui| {
+    pane_title::ground(ui, |ui| {
         ui.spacing_mut().item_spacing = vec2(space::ROW, space::ROW);
         let size = vec2(ui.available_width(), size::TILE_HEADER);
         ui.allocate_ui_with_layout(size, Direction::left_to_right(Align::Center), |ui| {

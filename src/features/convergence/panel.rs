@@ -7,7 +7,7 @@ use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::mark;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::{checkbox, segmented};
-use egui::{Align, Layout as Direction, Role, Ui, UiBuilder, Vec2, WidgetInfo, vec2};
+use egui::{Align, Layout as Direction, Role, Ui, Vec2, WidgetInfo, vec2};
 use egui_plot::PlotResponse;
 
 use super::plot::Plot;
@@ -40,10 +40,7 @@ impl Convergence {
         siblings: &[Pane],
         requests: &mut Requests,
     ) {
-        let rect = ui.available_rect_before_wrap();
-        ui.painter().rect_filled(rect, 0.0, theme::palette(ui).panel);
-        let inner = UiBuilder::new().max_rect(rect.shrink2(vec2(space::WIDGET, 0.0)));
-        ui.scope_builder(inner, |ui| self.contents(ui, context, siblings, requests));
+        pane_title::ground(ui, |ui| self.contents(ui, context, siblings, requests));
     }
 
     fn contents(&mut self, ui: &mut Ui, context: &Context<'_>, siblings: &[Pane], requests: &mut Requests) {

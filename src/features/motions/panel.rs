@@ -42,11 +42,8 @@ impl Motions {
         siblings: &[Pane],
         requests: &mut Requests,
     ) {
-        let rect = ui.available_rect_before_wrap();
-        ui.painter().rect_filled(rect, 0.0, theme::palette(ui).panel);
-        let inner = UiBuilder::new().max_rect(rect.shrink2(vec2(space::WIDGET, 0.0)));
         let mut wishes = Vec::new();
-        ui.scope_builder(inner, |ui| {
+        pane_title::ground(ui, |ui| {
             self.head(ui, siblings, requests, &mut wishes);
             match &self.found {
                 Some(found) => self.shown(ui, found, context, requests),
