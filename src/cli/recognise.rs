@@ -7,8 +7,8 @@ use backlit_formats::atomic;
 use backlit_formats::motion::{self, JointTrack, Motion};
 use backlit_recognition::augment::TrackerNoise;
 use backlit_recognition::{
-    Evaluation, JointMotion, LearnOptions, NamedMotion, Recognition, Recognizer, confusion_picture, evaluate,
-    leave_subjects_out,
+    Evaluation, JointMotion, LearnOptions, LeftOut, NamedMotion, Recognition, Recognizer, confusion_picture,
+    evaluate, leave_out,
 };
 use clap::Args;
 use glam::DVec3;
@@ -58,6 +58,10 @@ pub(crate) struct RecogniseArguments {
     /// With --test: name each subject's motions by what is learnt from all others'
     #[arg(long, requires = "test", conflicts_with = "model")]
     leave_subjects_out: bool,
+    /// With --test: name each class's motions by what is learnt from all others': how often an unknown kind of motion is
+    /// said to be unknown
+    #[arg(long, requires = "test", conflicts_with_all = ["model", "leave_subjects_out"])]
+    leave_classes_out: bool,
     /// With --test: add the noise of a tracker to the joints, so many millimetres (root mean square)
     #[arg(long, value_name = "MM", requires = "test", value_parser = millimetres)]
     noise: Option<f64>,
@@ -149,9 +153,14 @@ fn test(folder: &Path, arguments: &RecogniseArguments, source: &Source<'_>) -> a
         smooth: 0.5,
         memory_s: 0.25,
     });
-    let evaluation = if arguments.leave_subjects_out {
+    let left_out = match (arguments.leave_subjects_out, arguments.leave_classes_out) {
+        (true, _) => Some(LeftOut::Subjects),
+        (_, true) => Some(LeftOut::Classes),
+        _ => None,
+    };
+    let evaluation = if let Some(left_out) = left_out {
         let bar = ProgressBar::new(1);
-        let found = leave_subjects_out(&motions, &LearnOptions::default(), noise, |done, total| {
+        let found = leave_out(left_out, &motions, &LearnOptions::default(), noise, |done, total| {
             bar.set_length(total as u64);
             bar.set_position(done as u64);
         });
@@ -168,7 +177,10 @@ fn test(folder: &Path, arguments: &RecogniseArguments, source: &Source<'_>) -> a
     if arguments.json {
         return output::print_json(&evaluation_json(&evaluation));
     }
-    output::print(&evaluation_text(&evaluation))
+    output::print(&match left_out {
+        Some(LeftOut::Classes) => unknown_text(&evaluation),
+        _ => evaluation_text(&evaluation),
+    })
 }
 
 fn evaluation_json(evaluation: &Evaluation) -> Value {
@@ -196,6 +208,17 @@ fn evaluation_text(evaluation: &Evaluation) -> String {
         out += &format!("{name}: {class}, was called {found} ({:.2})\n", clip.confidence);
     }
     out + &format!("said to be unknown: {:.3} of the clips\n", evaluation.unknown)
+}
+
+/// How often clips of a class that was not learnt are said to be unknown, class by class.
+fn unknown_text(evaluation: &Evaluation) -> String {
+    let mut table = Table::new(["class that was not learnt", "clips", "said to be unknown"]);
+    for class in &evaluation.confusion.classes {
+        let own = || evaluation.clips.iter().filter(|clip| clip.class == *class);
+        let unknown = own().filter(|clip| clip.unknown).count();
+        table.row([class.clone(), own().count().to_string(), unknown.to_string()]);
+    }
+    table.to_text() + &format!("said to be unknown: {:.3} of the clips\n", evaluation.unknown)
 }
 
 fn name(arguments: &RecogniseArguments, source: &Source<'_>) -> anyhow::Result<()> {

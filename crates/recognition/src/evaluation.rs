@@ -1,6 +1,6 @@
 //! How often names are right: of whole clips, of seconds, and of the frames of clips that were joined to takes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DQuat, DVec3};
 use rand_pcg::Pcg64Mcg;
@@ -211,12 +211,31 @@ fn observe(named: &NamedMotion) -> Result<Observed, LearnError> {
     Observed::new(&named.motion).map_err(fail)
 }
 
-/// Names every subject's motions by what was learnt from all others'. With `noise`, in metres of an adult, the motions that are named are
+/// What is left out of what is learnt from, part after part, to be named.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LeftOut {
+    /// Each subject: how often strangers are named rightly.
+    Subjects,
+    /// Each class: how often an unknown kind of motion is said to be unknown.
+    Classes,
+}
+
+impl LeftOut {
+    fn of(self, subject: &str, class: &str) -> String {
+        match self {
+            Self::Subjects => subject.to_owned(),
+            Self::Classes => class.to_owned(),
+        }
+    }
+}
+
+/// Names each part's motions by what was learnt from all others'. With `noise`, in metres of an adult, the motions that are named are
 /// as a tracker would have found them.
 ///
 /// # Errors
-/// Two classes at least must be left without any one subject; joints that do not lie as a person's.
-pub fn leave_subjects_out(
+/// Two classes at least must be left without any one part; joints that do not lie as a person's.
+pub fn leave_out(
+    left_out: LeftOut,
     motions: &[NamedMotion],
     options: &LearnOptions,
     noise: Option<TrackerNoise>,
@@ -226,19 +245,21 @@ pub fn leave_subjects_out(
         motions.iter().zip(0..).map(|(named, number)| prepare(named, options, number)).collect();
     let prepared = prepared?;
     let classes = all_classes(&[], motions.iter().map(|motion| &*motion.class));
-    let subjects = all_classes(&[], motions.iter().map(|motion| &*motion.subject));
+    let part_of = |motion: &NamedMotion| left_out.of(&motion.subject, &motion.class);
+    let parts: BTreeSet<String> = motions.iter().map(part_of).collect();
     let mut tally = Tally::new(classes.len());
-    for (done, subject) in subjects.iter().enumerate() {
-        let others: Vec<&Prepared> = prepared.iter().filter(|motion| motion.subject != *subject).collect();
+    for (done, part) in parts.iter().enumerate() {
+        let is_other = |motion: &&Prepared| left_out.of(&motion.subject, &motion.class) != *part;
+        let others: Vec<&Prepared> = prepared.iter().filter(is_other).collect();
         let recognizer = Recognizer::learn_prepared(&others, options)?;
         let own: Vec<NamedMotion> = motions
             .iter()
             .zip(0..)
-            .filter(|(motion, _)| motion.subject == *subject)
+            .filter(|(motion, _)| part_of(motion) == *part)
             .map(|(motion, number)| tracked(motion, noise, number))
             .collect();
         tally.add(&recognizer, &classes, &own)?;
-        progress(done + 1, subjects.len());
+        progress(done + 1, parts.len());
     }
     Ok(tally.finish(classes))
 }

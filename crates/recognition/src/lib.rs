@@ -39,7 +39,7 @@ pub mod recognition;
 pub mod recognizer;
 pub mod svm;
 
-pub use evaluation::{Confusion, Evaluation, Score, evaluate, leave_subjects_out};
+pub use evaluation::{Confusion, Evaluation, LeftOut, Score, evaluate, leave_out};
 pub use joints::{Joint, JointMotion, MotionError};
 pub use learn::{LearnError, LearnOptions, NamedMotion};
 pub use recognition::{FrameName, Recognition, Stretch};
