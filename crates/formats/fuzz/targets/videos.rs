@@ -23,7 +23,9 @@ fn video(bytes: &[u8]) -> Answer {
     for frame in (0..count.min(FRAMES)).chain([count - 1]) {
         match video.frame_reduced(frame, 2) {
             Ok(picture) => {
-                let size = video.size().map(|side| (side / 2).max(1));
+                // A divisor that is larger than a side counts as that side.
+                let divisor = 2.min(video.size()[0].min(video.size()[1]));
+                let size = video.size().map(|side| side / divisor);
                 assert_eq!([picture.width() as usize, picture.height() as usize], size);
             }
             Err(error) => answer = Answer::Refused(error.to_string()),
