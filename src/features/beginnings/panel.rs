@@ -94,7 +94,7 @@ fn controls(
 ) {
     ui.horizontal_wrapped(|ui| {
         let mut no_start = beginnings.no_start;
-        segmented(ui, &mut no_start, &[(false, "From this pose"), (true, "No start")]).on_hover_text(
+        segmented(ui, &mut no_start, &[(false, "This pose"), (true, "No start")]).on_hover_text(
             "Where all ways begin: at the pose of this frame, or nowhere, as if nothing were known of it",
         );
         if no_start != beginnings.no_start {

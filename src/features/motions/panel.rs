@@ -80,7 +80,7 @@ impl Motions {
             ui.add_space(HEADER_BUTTONS);
         });
         if is_narrow {
-            row(ui, &mut |ui| self.choices(ui, wishes));
+            ui.horizontal_wrapped(|ui| self.choices(ui, wishes));
         }
     }
 

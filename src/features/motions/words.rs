@@ -59,7 +59,7 @@ pub(super) fn axes(recognizer: &Recognizer, plane: Plane) -> [String; 2] {
     match plane {
         Plane::Apart => {
             let count = recognizer.short.axes.len();
-            [1, 2].map(|number| format!("Discriminant {number} of {count}, windows of 0.6 s"))
+            [1, 2].map(|number| format!("Discriminant {number} of {count}"))
         }
         Plane::Principal => [0, 1].map(|index| {
             let share = recognizer.plane.shares.get(index).copied().unwrap_or(0.0);

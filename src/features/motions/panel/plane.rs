@@ -170,7 +170,9 @@ fn names(ui: &Ui, sheet: &Sheet, found: &Found, clouds: &[PlaneCloud]) -> Vec<Re
         let middle = sheet.place(cloud.mean);
         let at = |down: f32| {
             let size = galley.size() + vec2(8.0, 0.0);
-            Align2::CENTER_CENTER.anchor_size(middle + vec2(0.0, down * (size.y + 1.0)), size)
+            let place = Align2::CENTER_CENTER.anchor_size(middle + vec2(0.0, down * (size.y + 1.0)), size);
+            let [left, right] = [sheet.area.left() - place.left(), sheet.area.right() - place.right()];
+            place.translate(vec2(left.max(0.0) + right.min(0.0), 0.0))
         };
         let is_free = |place: &Rect| !taken.iter().any(|other| other.intersects(*place));
         let nearby = (0..=clouds.len()).flat_map(|step| [step as f32, -(step as f32)]).map(at);
