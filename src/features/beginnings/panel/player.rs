@@ -40,7 +40,7 @@ pub(super) fn ui(ui: &mut Ui, beginnings: &Beginnings, wishes: &mut Vec<Wish>) {
                 wishes.push(go_to(at.step + 1));
             }
         });
-        let text = format!("{}, step {} of {}", at.way.name(), at.step + 1, last + 1);
+        let text = format!("Step {} of {}", at.step + 1, last + 1);
         ui.add(Label::new(RichText::new(text).color(palette.text)).truncate());
     });
     if last > 0 {

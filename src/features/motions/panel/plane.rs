@@ -31,6 +31,8 @@ const CORNERS: usize = 48;
 const NEAR_S: f64 = 1.0;
 /// Room about what is shown, as a part of it; room for the names of the axes.
 const MARGIN: f64 = 0.06;
+/// Side of the square about the frame on the screen in which no name stands, points.
+const NOW: f32 = 18.0;
 const AXIS: f32 = 18.0;
 
 /// A frame on the plane.
@@ -136,8 +138,11 @@ pub(super) fn ui(
     regions(ui, &sheet, &clouds);
     let strength = if is_stale { FAR } else { 1.0 };
     curve(ui, &sheet, &places, context, strength);
-    let taken = names(ui, &sheet, found, &clouds);
+    let now = places.iter().find(|place| place.frame == context.selection.frame);
+    let now = now.map(|place| Rect::from_center_size(sheet.place(place.at), Vec2::splat(NOW)));
+    let (taken, names) = names(ui, &sheet, found, &clouds, now);
     dots(ui, &sheet, found, &places, context, taken);
+    ui.painter().extend(names);
     axes(ui, area, found, plane);
     current(ui, &sheet, found, plane, context.selection.frame);
     let pointer = response.hover_pos();
@@ -160,11 +165,19 @@ fn regions(ui: &Ui, sheet: &Sheet, clouds: &[PlaneCloud]) {
     }
 }
 
-/// The names of the regions, moved apart where they would lie on one another.
-fn names(ui: &Ui, sheet: &Sheet, found: &Found, clouds: &[PlaneCloud]) -> Vec<Rect> {
+/// The names of the regions, moved apart where they would lie on one another or on the frame of `now`: where they stand, and what to
+/// paint.
+fn names(
+    ui: &Ui,
+    sheet: &Sheet,
+    found: &Found,
+    clouds: &[PlaneCloud],
+    now: Option<Rect>,
+) -> (Vec<Rect>, Vec<Shape>) {
     let font = TextStyle::Small.resolve(ui.style());
     let palette = theme::palette(ui);
-    let mut taken: Vec<Rect> = Vec::new();
+    let mut taken: Vec<Rect> = now.into_iter().collect();
+    let mut shapes = Vec::new();
     for (class, (cloud, name)) in clouds.iter().zip(&found.names).enumerate() {
         let galley = ui.painter().layout_no_wrap(name.clone(), font.clone(), palette.text);
         let middle = sheet.place(cloud.mean);
@@ -174,16 +187,17 @@ fn names(ui: &Ui, sheet: &Sheet, found: &Found, clouds: &[PlaneCloud]) -> Vec<Re
             let [left, right] = [sheet.area.left() - place.left(), sheet.area.right() - place.right()];
             place.translate(vec2(left.max(0.0) + right.min(0.0), 0.0))
         };
-        let is_free = |place: &Rect| !taken.iter().any(|other| other.intersects(*place));
+        let is_inside = |place: &Rect| sheet.area.expand(0.5).contains_rect(*place);
+        let is_free = |place: &Rect| is_inside(place) && !taken.iter().any(|other| other.intersects(*place));
         let nearby = (0..=clouds.len()).flat_map(|step| [step as f32, -(step as f32)]).map(at);
         let place = nearby.into_iter().find(is_free).unwrap_or_else(|| at(0.0));
         taken.push(place);
-        ui.painter().rect_filled(place, 3.0, palette.plot.gamma_multiply(0.75));
+        shapes.push(Shape::rect_filled(place, 3.0, palette.plot.gamma_multiply(0.75)));
         let bar = Rect::from_min_max(place.min, pos2(place.left() + 3.0, place.bottom()));
-        ui.painter().rect_filled(bar, 1.0, motion_colours(Some(class)).fill);
-        ui.painter().galley(place.min + vec2(6.0, 0.0), galley, palette.text);
+        shapes.push(Shape::rect_filled(bar, 1.0, motion_colours(Some(class)).fill));
+        shapes.push(Shape::galley(place.min + vec2(6.0, 0.0), galley, palette.text));
     }
-    taken
+    (taken, shapes)
 }
 
 /// The curve, stronger about the frame on the screen.
