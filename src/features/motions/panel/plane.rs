@@ -31,9 +31,9 @@ const CORNERS: usize = 48;
 const NEAR_S: f64 = 1.0;
 /// Room about what is shown, as a part of it; room for the names of the axes.
 const MARGIN: f64 = 0.06;
+const AXIS: f32 = 18.0;
 /// Side of the square about the frame on the screen in which no name stands, points.
 const NOW: f32 = 18.0;
-const AXIS: f32 = 18.0;
 
 /// A frame on the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -190,7 +190,8 @@ fn names(
         let is_inside = |place: &Rect| sheet.area.expand(0.5).contains_rect(*place);
         let is_free = |place: &Rect| is_inside(place) && !taken.iter().any(|other| other.intersects(*place));
         let nearby = (0..=clouds.len()).flat_map(|step| [step as f32, -(step as f32)]).map(at);
-        let place = nearby.into_iter().find(is_free).unwrap_or_else(|| at(0.0));
+        // Where the plane is too small for all, the rows below name the colours.
+        let Some(place) = nearby.into_iter().find(is_free) else { continue };
         taken.push(place);
         shapes.push(Shape::rect_filled(place, 3.0, palette.plot.gamma_multiply(0.75)));
         let bar = Rect::from_min_max(place.min, pos2(place.left() + 3.0, place.bottom()));
