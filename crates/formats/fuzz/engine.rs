@@ -175,14 +175,14 @@ pub(crate) fn one(target: &Target, bytes: &[u8], figures: &mut Figures) -> Resul
     if memory.bytes_max > MOST_MEMORY {
         return fault(format!("it holds {} bytes", memory.bytes_max));
     }
-    match message_fault(&answer) {
+    match message_fault(&answer, bytes) {
         Some(what) => fault(what),
         None => Ok(answer),
     }
 }
 
-/// What is wrong with an error's message.
-fn message_fault(answer: &Answer) -> Option<String> {
+/// What is wrong with an error's message about a case. Words that the case itself has are quoted, not said.
+fn message_fault(answer: &Answer, case: &[u8]) -> Option<String> {
     let Answer::Refused(message) = answer else { return None };
     if message.chars().count() > LONGEST_MESSAGE {
         let head: String = message.chars().take(300).collect();
@@ -196,7 +196,8 @@ fn message_fault(answer: &Answer) -> Option<String> {
     let mut words = own.flat_map(|text| {
         text.split(|letter: char| letter.is_whitespace() || "\"'()[]<>,;:".contains(letter))
     });
-    let foreign = words.find(|word| FOREIGN.contains(word))?;
+    let is_quoted = |word: &str| case.windows(word.len()).any(|part| part == word.as_bytes());
+    let foreign = words.find(|word| FOREIGN.contains(word) && !is_quoted(word))?;
     Some(format!("its message says {foreign}: {message}"))
 }
 
