@@ -115,6 +115,9 @@ fn measure(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
             times.len()
         );
     }
+    if let Some([now, most]) = memory_mb() {
+        println!("memory with the first frame: {now:.0} MB, at most {most:.0} MB");
+    }
     let Some(footage) = footage else { return Ok(()) };
     let mut times = Vec::new();
     for step in 0..200 {
