@@ -57,27 +57,20 @@ impl FitInputs {
             && Arc::ptr_eq(&self.cameras, &other.cameras)
     }
 
-    /// The cameras that count and whose silhouettes are there, by index: those of [`views`](Self::views), in their order.
-    pub(crate) fn seen_cameras(&self) -> impl Iterator<Item = usize> + '_ {
-        let seen = |camera: &usize| {
-            let frame = self.frame.as_ref().and_then(|frame| frame.cameras.get(*camera));
-            let used = self.uses.get(*camera).is_some_and(|used| used.used && used.weight > 0.0);
-            used && frame.is_some_and(|data| data.mask.is_some())
-        };
-        (0..self.cameras.len()).filter(seen)
-    }
-
     /// What the cameras that count contribute to a fit.
     pub(crate) fn views(&self) -> Vec<FitView> {
-        let Some(frame) = &self.frame else { return Vec::new() };
+        self.numbered_views().map(|(_, view)| view).collect()
+    }
+
+    /// The same, each with its camera's index.
+    pub(crate) fn numbered_views(&self) -> impl Iterator<Item = (usize, FitView)> + '_ {
         let looks = self.fit.stages.last().map(|stage| stage.data).unwrap_or_default();
-        let parts = self.cameras.iter().zip(self.uses.iter()).zip(&frame.cameras);
-        let view =
-            |((camera, used), data): ((&Arc<Camera>, &CameraUse), &crate::take::footage::CameraFrame)| {
-                let evidence = data.evidence(looks).filter(|_| used.used && used.weight > 0.0)?;
-                Some(FitView { camera: camera.clone(), evidence, weight: used.weight })
-            };
-        parts.filter_map(view).collect()
+        let pictures = self.frame.iter().flat_map(|frame| &frame.cameras);
+        let parts = self.cameras.iter().zip(self.uses.iter()).zip(pictures).enumerate();
+        parts.filter_map(move |(index, ((camera, used), data))| {
+            let evidence = data.evidence(looks).filter(|_| used.used && used.weight > 0.0)?;
+            Some((index, FitView { camera: camera.clone(), evidence, weight: used.weight }))
+        })
     }
 }
 

@@ -8,6 +8,9 @@ use backlit_ui::style::theme::size;
 use backlit_ui::widgets::ViewTransform;
 use egui::{Color32, Painter, Pos2, Shape, Stroke};
 
+use super::picture_view::turning_with;
+use super::pointer::rotation_owner;
+
 /// Dash and gap of a limb that nothing holds, points.
 const DASH: [f32; 2] = [5.0, 4.0];
 
@@ -21,8 +24,8 @@ pub(crate) fn legend(held: &[LimbHold]) -> impl Iterator<Item = (&'static str, C
 
 /// What held the part that a limb belongs to, in words.
 pub(crate) fn words(held: &[LimbHold], body: &Model, limb: usize) -> Option<String> {
-    let rotation = |limb: usize| body.limbs().get(limb).map(|limb| limb.rotation);
-    let hold = held.iter().find(|hold| rotation(hold.limb) == rotation(limb))?;
+    let owner = rotation_owner(body, limb);
+    let hold = held.iter().find(|hold| hold.limb == owner)?;
     if hold.is_unsure() {
         return Some("nothing: unsure".to_owned());
     }
@@ -40,10 +43,7 @@ pub(crate) fn paint(
     limbs: &[Option<ProjectedLimb>],
 ) {
     for hold in held.iter().filter(|hold| !hold.by_silhouettes) {
-        let rotation = body.limbs().get(hold.limb).map(|limb| limb.rotation);
-        let of_part = body.limbs().iter().zip(limbs).filter(|(limb, _)| Some(limb.rotation) == rotation);
-        let part: Vec<&ProjectedLimb> = of_part.filter_map(|(_, seen)| seen.as_ref()).collect();
-        for line in joined_outline(&part) {
+        for line in joined_outline(&turning_with(body, limbs, hold.limb)) {
             let line: Vec<Pos2> = line.into_iter().map(|px| view.screen_from_px(px)).collect();
             let width = mark::SELECTED_LIMB_WIDTH;
             painter.add(Shape::line(line.clone(), Stroke::new(width + 2.0 * size::CASING, CASING)));

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use backlit_tracking::body::Model;
 use backlit_ui::drawing::{
     CalibrationMarks, JointId, ProjectedLimb, ViewMode, compose, compose_over_footage, shows_footage,
 };
@@ -175,14 +176,7 @@ fn paint_marks(
 ) {
     // What pushes and pulls is at the limb's edge: no outline lies on it.
     let shows_limb = !matches!(mode, ViewMode::Gradient | ViewMode::JacobianColumn);
-    let turning_with = |limb: usize| -> Vec<&ProjectedLimb> {
-        let owner = rotation_owner(input.body, limb);
-        let limbs = input.limbs.iter().enumerate();
-        limbs
-            .filter(|(index, _)| rotation_owner(input.body, *index) == owner)
-            .filter_map(|(_, limb)| limb.as_ref())
-            .collect()
-    };
+    let turning_with = |limb: usize| turning_with(input.body, input.limbs, limb);
     if mode.has_outline() {
         paint_spheres(painter, view, input);
     }
@@ -255,6 +249,17 @@ fn paint_marks(
         let node = ui.interact(at, id.with(("limit", words)), Sense::hover());
         node.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{words}, {}", input.name)));
     }
+}
+
+/// The limbs that turn together with one, as they are seen.
+pub(super) fn turning_with<'a>(
+    body: &Model,
+    limbs: &'a [Option<ProjectedLimb>],
+    limb: usize,
+) -> Vec<&'a ProjectedLimb> {
+    let owner = rotation_owner(body, limb);
+    let turns = limbs.iter().enumerate().filter(|(index, _)| rotation_owner(body, *index) == owner);
+    turns.filter_map(|(_, limb)| limb.as_ref()).collect()
 }
 
 /// The spheres that stand for the body, each in the colour of its limb.

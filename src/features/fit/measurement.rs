@@ -45,8 +45,7 @@ fn numbers(ui: &mut Ui, requests: &mut Requests, options: &mut SegmentOptions) {
             1,
             1.0..=20.0,
             &mut z,
-            "How many standard deviations a pixel must differ to be \
-                                                foreground",
+            "How many standard deviations a pixel of foreground differs, at least",
         ),
         ("Noise", "", 1, 0.5..=20.0, &mut floor, "The least noise assumed of a pixel, in grey levels"),
         ("Opening", " px", 0, 0.0..=6.0, &mut opening, "Removes specks up to this radius"),

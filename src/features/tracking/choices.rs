@@ -79,44 +79,32 @@ pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests) {
     let choices = context.document().tracking;
     let mut chosen = choices;
     row(ui, "Motion", |ui| chosen.motion = motion(ui, choices.motion));
-    row(ui, "Search", |ui| {
-        let rows = SEARCHES.map(|(search, text, tooltip)| (search, text, tooltip.to_owned()));
-        let text = rows.iter().find(|(search, ..)| *search == choices.search).map_or("", |(_, text, _)| text);
-        if let Some(search) = choice(ui, "Search", BOX, text, &rows) {
-            chosen.search = search;
-        }
-        hint(ui, "for other poses");
-    });
-    row(ui, "Key poses", |ui| {
-        let rows = AT_KEYS.map(|(at_keys, text, tooltip)| (at_keys, text, tooltip.to_owned()));
-        let text =
-            rows.iter().find(|(at_keys, ..)| *at_keys == choices.at_keys).map_or("", |(_, text, _)| text);
-        if let Some(at_keys) = choice(ui, "Key poses", BOX, text, &rows) {
-            chosen.at_keys = at_keys;
-        }
-        hint(ui, "on the way");
-    });
-    row(ui, "Cues", |ui| {
-        let rows = CUES.map(|(cues, text, tooltip)| (cues, text, tooltip.to_owned()));
-        let text = rows.iter().find(|(cues, ..)| *cues == choices.cues).map_or("", |(_, text, _)| text);
-        if let Some(cues) = choice(ui, "Cues", BOX, text, &rows) {
-            chosen.cues = cues;
-        }
-        hint(ui, "of hidden limbs");
-    });
+    choose(ui, ("Search", "for other poses"), &SEARCHES, &mut chosen.search);
+    choose(ui, ("Key poses", "on the way"), &AT_KEYS, &mut chosen.at_keys);
+    choose(ui, ("Cues", "of hidden limbs"), &CUES, &mut chosen.cues);
     if context.lacks_sizes() {
-        row(ui, "Body", |ui| {
-            let rows = BODIES.map(|(body, text, tooltip)| (body, text, tooltip.to_owned()));
-            let text = rows.iter().find(|(body, ..)| *body == choices.body).map_or("", |(_, text, _)| text);
-            if let Some(body) = choice(ui, "Body", BOX, text, &rows) {
-                chosen.body = body;
-            }
-            hint(ui, "of the person");
-        });
+        choose(ui, ("Body", "of the person"), &BODIES, &mut chosen.body);
     }
     if chosen != choices {
         requests.edit(Edit::SetTracking(chosen));
     }
+}
+
+/// A row with its name, a box of what there is to choose, and a hint.
+fn choose<T: Copy + PartialEq, const N: usize>(
+    ui: &mut Ui,
+    (name, says): (&str, &str),
+    offered: &[(T, &str, &str); N],
+    chosen: &mut T,
+) {
+    row(ui, name, |ui| {
+        let rows = offered.map(|(value, text, tooltip)| (value, text, tooltip.to_owned()));
+        let text = rows.iter().find(|(value, ..)| value == chosen).map_or("", |(_, text, _)| text);
+        if let Some(value) = choice(ui, name, BOX, text, &rows) {
+            *chosen = value;
+        }
+        hint(ui, says);
+    });
 }
 
 fn motion(ui: &mut Ui, motion: Following) -> Following {

@@ -149,7 +149,8 @@ impl TrackJob {
         let picture =
             |camera: usize| data.cameras[camera].image.as_deref().filter(|_| choice.wants_pictures());
         let of = |camera: usize| footage.cues(camera, data.frame, picture(camera));
-        let cameras = self.inputs.fit.seen_cameras().map(of).collect::<Result<_, _>>()?;
+        let cameras =
+            self.inputs.fit.numbered_views().map(|(camera, _)| of(camera)).collect::<Result<_, _>>()?;
         Ok(FrameCues { cameras })
     }
 
