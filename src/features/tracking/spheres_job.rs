@@ -3,7 +3,9 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use backlit_document::edit::Edit;
 use backlit_jobs::{Job, Outbox, Step};
+use backlit_take::footage::Footage;
 use backlit_tracking::body::Pose;
 use backlit_tracking::body_spheres::{
     PosedViews, SphereBody, SphereBodyError, SphereBodyOptions, sphere_body,
@@ -18,10 +20,8 @@ use crate::context::command::{Command, HistoryCommand};
 use crate::context::command_button::next_gesture;
 use crate::context::view_settings::ViewSettings;
 use crate::context::{Context, Request, Requests};
-use crate::document::edit::Edit;
 use crate::session::load_frame;
 use crate::session::prediction::FitInputs;
-use crate::take::footage::Footage;
 
 /// A sphere stands for so many pixels of the subject in a view, or more.
 const PIXELS_A_SPHERE: usize = 25;
