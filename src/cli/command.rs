@@ -45,7 +45,7 @@ pub(crate) enum Command {
     /// Draw the window without a display and write its picture
     Screenshot(ScreenshotArguments),
     #[command(flatten)]
-    Work(backlit_cli::Command),
+    Work(Box<backlit_cli::Command>),
 }
 
 /// The complaint about a word that is neither a command nor something to open. A path with a folder or an ending
