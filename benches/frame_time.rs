@@ -16,7 +16,7 @@ use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, Opening};
 use backlit::context::preferences::Layout;
 use backlit::features::scene::{Upright, Viewpoint};
-use backlit::take::source::TakeSource;
+use backlit_take::source::TakeSource;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
 
 /// Points of the window.

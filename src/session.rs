@@ -9,6 +9,7 @@ pub(crate) mod selection;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use backlit_take::footage::Footage;
 use backlit_tracking::body::Pose;
 use backlit_tracking::cues::LimbHold;
 use backlit_tracking::observability::JointUncertainty;
@@ -17,7 +18,6 @@ pub(crate) use frames::load_frame;
 pub(crate) use frames::{FrameCache, FrameData};
 
 use crate::session::prediction::Predicted;
-use crate::take::footage::Footage;
 
 /// Bounds in a camera's pictures: left, top, right, bottom, in pixels.
 pub(crate) type Extent = [f32; 4];

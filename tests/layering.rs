@@ -14,10 +14,10 @@ const EXCEPTIONS: [(&str, &str, &str); 0] = [];
 const MOST_LINES: usize = 450;
 
 /// The rooms from the roof down.
-const ROOMS: [&str; 8] = ["cli", "app", "shell", "features", "context", "session", "document", "take"];
+const ROOMS: [&str; 6] = ["cli", "app", "shell", "features", "context", "session"];
 
 /// Crates that only some of the rooms may use.
-const CRATES: [&str; 2] = ["jobs", "ui"];
+const CRATES: [&str; 6] = ["cli", "results", "document", "take", "jobs", "ui"];
 
 /// The lines about the picture in ARCHITECTURE.md.
 const PICTURE: [&str; 2] = ["<!-- the house: made from the code -->", "<!-- the end of the house -->"];
@@ -171,7 +171,7 @@ fn allowed() -> BTreeMap<String, BTreeSet<String>> {
             table.insert(room, names(cells[cells.len() - 2]).into_iter().collect());
         }
     }
-    assert!(table.len() > 7, "the table of rooms was not understood");
+    assert!(table.len() == ROOMS.len(), "the table of rooms was not understood");
     table
 }
 

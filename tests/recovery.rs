@@ -16,9 +16,9 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use backlit::app::{App, AppOptions, opening_of};
-use backlit::document::Document;
-use backlit::document::project::read_project;
 use backlit::features::recovery::Copies;
+use backlit_document::Document;
+use backlit_document::project::read_project;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, pos2};
 use egui_painter::Headless;
 

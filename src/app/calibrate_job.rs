@@ -3,9 +3,8 @@
 use std::sync::Arc;
 
 use backlit_jobs::{Job, Outbox, Step};
-
-use crate::take::footage::Footage;
-use crate::take::replacement::Calibration;
+use backlit_take::footage::Footage;
+use backlit_take::replacement::Calibration;
 
 /// Footage that is to be seen by other cameras.
 #[derive(Debug)]

@@ -1,5 +1,7 @@
 //! Doing what menus, buttons, keys and the palette ask for.
 
+use backlit_document::history::Undone;
+use backlit_document::runs::BROUGHT_BACK;
 use backlit_tracking::body::Pose;
 
 use super::Inspector;
@@ -10,8 +12,6 @@ use crate::context::command::{
 };
 use crate::context::command_button::dragged_until_now;
 use crate::context::preferences::Layout;
-use crate::document::history::Undone;
-use crate::document::runs::BROUGHT_BACK;
 use crate::features::demonstrations::Demonstrations;
 use crate::features::scene::panel as scene;
 use crate::shell::Overlay;

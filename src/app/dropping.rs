@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
+use backlit_document::edit::Edit;
 use backlit_jobs::{News, once};
+use backlit_take::dropped::Dropped;
 
 use super::{App, Inspector};
 use crate::app::take_in_job::TakeInJob;
 use crate::context::command::{Command, HistoryCommand};
-use crate::document::edit::Edit;
 use crate::shell::drop_overlay::{self, Hovering};
-use crate::take::dropped::Dropped;
 
 impl App {
     /// Looks what is dragged over the window, and takes what is dropped.

@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use backlit_document::history::Version;
+use backlit_document::project::write_project;
 use backlit_jobs::{News, once};
+use backlit_take::source::TakeSource;
 
 use super::App;
 use super::state::{Asked, Opening};
@@ -10,9 +13,6 @@ use crate::app::open_job::{OpenJob, Opened};
 use crate::context::command::{Command, FileCommand};
 use crate::context::file_dialog::Wanted;
 use crate::context::write_advice::write_advice;
-use crate::document::history::Version;
-use crate::document::project::write_project;
-use crate::take::source::TakeSource;
 
 /// Ending of project files.
 const PROJECT_EXTENSION: &str = "backlit";

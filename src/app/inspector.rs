@@ -3,6 +3,9 @@
 
 use std::time::Instant;
 
+use backlit_document::Document;
+use backlit_document::history::History;
+use backlit_document::run::Run;
 use backlit_jobs::Pool;
 use backlit_tracking::body::builtin;
 use egui::Ui;
@@ -19,9 +22,6 @@ use crate::context::observability::ObservabilityMarks;
 use crate::context::pane::Pane;
 use crate::context::preferences::Preferences;
 use crate::context::{Request, Write};
-use crate::document::Document;
-use crate::document::history::History;
-use crate::document::run::Run;
 use crate::features::Features;
 use crate::features::basin::Basin;
 use crate::features::laboratory::Laboratory;

@@ -4,14 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::Context;
+use backlit_document::Document;
+use backlit_document::project::{Project, read_project};
+use backlit_document::run::Run;
+use backlit_document::take_match::match_take;
 use backlit_formats::{Take, TakeError};
-
-use crate::document::Document;
-use crate::document::project::{Project, read_project};
-use crate::document::run::Run;
-use crate::document::take_match::match_take;
-use crate::take::footage::Footage;
-use crate::take::source::TakeSource;
+use backlit_take::footage::Footage;
+use backlit_take::source::TakeSource;
 
 /// What is to be opened.
 #[derive(Debug)]
@@ -131,7 +130,7 @@ fn open_project(path: &Path, moved_to: Option<&Path>) -> Result<(Footage, Option
 
 fn open_take(source: &TakeSource) -> anyhow::Result<Footage> {
     let take = match source {
-        TakeSource::BuiltIn => crate::take::builtin::open()?,
+        TakeSource::BuiltIn => backlit_take::builtin::open()?,
         TakeSource::Demonstration(which) => which.take()?,
         TakeSource::Path(path) => Take::open(path)?,
     };

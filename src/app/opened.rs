@@ -2,21 +2,21 @@
 
 use std::sync::Arc;
 
+use backlit_document::history::History;
+use backlit_document::tracking_choices::{CueChoice, TrackingChoices};
+use backlit_document::{CameraUse, Document};
+use backlit_take::demonstration::Demonstration;
+use backlit_take::footage::Footage;
+use backlit_take::source::TakeSource;
 use backlit_tracking::track::WhenToSearch;
 
 use super::Inspector;
 use crate::app::open_job::OpenedProject;
 use crate::app::refresh::Refresh;
 use crate::context::command::{Command, RecoveryCommand};
-use crate::document::history::History;
-use crate::document::tracking_choices::{CueChoice, TrackingChoices};
-use crate::document::{CameraUse, Document};
 use crate::features::demonstrations::Demonstrations;
 use crate::session::prediction::Predicted;
 use crate::session::selection::Selection;
-use crate::take::demonstration::Demonstration;
-use crate::take::footage::Footage;
-use crate::take::source::TakeSource;
 
 impl Inspector {
     pub(crate) fn show_prediction(&mut self, predicted: Arc<Predicted>) {

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 
 use backlit_jobs::{Failure, News, Priority, Task, once};
+use backlit_take::footage::{Footage, MadeWith};
+use backlit_take::replacement::Calibration;
 use backlit_tracking::segment::SegmentOptions;
 
 use super::Inspector;
@@ -10,8 +12,6 @@ use super::calibrate_job::CalibrateJob;
 use super::survey_job::SurveyJob;
 use crate::session::prediction::{PosedInputs, Predicted};
 use crate::session::{Extent, FrameData, load_frame};
-use crate::take::footage::{Footage, MadeWith};
-use crate::take::replacement::Calibration;
 
 /// The tasks whose results the session holds.
 #[derive(Debug)]
@@ -196,7 +196,7 @@ impl Inspector {
 mod tests {
     use crate::app::testing::{Breaks, errors, open, settle};
     use crate::context::preferences::Layout;
-    use crate::document::edit::Edit;
+    use backlit_document::edit::Edit;
 
     #[test]
     fn what_begins_by_itself_is_tried_again_after_a_change_and_not_before() {

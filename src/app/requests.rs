@@ -1,11 +1,12 @@
 //! Applying what the panels asked for.
 
+use backlit_document::edit::Edit;
+use backlit_document::history::Gesture;
+
 use super::Inspector;
 use super::inspector::Errand;
 use super::state::Opening;
 use crate::context::{Context, Request, Requests};
-use crate::document::edit::Edit;
-use crate::document::history::Gesture;
 use crate::features::Features;
 use crate::shell::Overlay;
 

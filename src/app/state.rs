@@ -4,8 +4,12 @@ use std::ops::{Deref, DerefMut};
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use backlit_document::edit::Edit;
+use backlit_document::history::{History, Version};
+use backlit_document::project::ProjectError;
 use backlit_formats::Take;
 use backlit_jobs::{Pool, Priority, Task};
+use backlit_take::source::TakeSource;
 use backlit_ui::drawing::Ghosts;
 
 use super::inspector::Inspector;
@@ -20,14 +24,10 @@ use crate::context::motions::MotionMarks;
 use crate::context::notices::Notices;
 use crate::context::observability::ObservabilityMarks;
 use crate::context::preferences::Preferences;
-use crate::document::edit::Edit;
-use crate::document::history::{History, Version};
-use crate::document::project::ProjectError;
 use crate::features::recovery::Recovery;
 use crate::session::Session;
 use crate::session::playback::Playback;
 use crate::session::selection::Selection;
-use crate::take::source::TakeSource;
 
 /// What the window begins with.
 #[derive(Debug, Default)]

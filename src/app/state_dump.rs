@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use backlit_document::run::Run;
+use backlit_take::source::TakeSource;
 use backlit_ui::drawing::{Comparison, joint_name};
 use backlit_ui::widgets::accessible::{Named, named};
 use egui::{Context, FullOutput};
@@ -13,9 +15,7 @@ use serde_json::{Value, json};
 
 use super::App;
 use crate::context::notices::{Notice, Severity};
-use crate::document::run::Run;
 use crate::shell::Overlay;
-use crate::take::source::TakeSource;
 
 /// Name and version of the file's format.
 const FORMAT: &str = "backlit-state 1";
@@ -219,7 +219,7 @@ impl App {
     fn exported_cameras(&self) -> Vec<Value> {
         let predicted = self.inspector.state.session.predicted.as_ref();
         let tiles = self.inspector.features.camera_views.tiles(self.inspector.state.preferences.layout);
-        let camera = |(index, camera): (usize, &crate::document::CameraUse)| {
+        let camera = |(index, camera): (usize, &backlit_document::CameraUse)| {
             let overlap = predicted.and_then(|predicted| predicted.cameras.get(index)?.overlap);
             let tile = tiles.get(index);
             let compared = |way| tile.filter(|tile| tile.comparison == Some(way));

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use backlit_jobs::{Job, Outbox, Step};
+use backlit_take::footage::Footage;
 use backlit_tracking::segment::SegmentOptions;
 use backlit_tracking::silhouette::{Label, Mask};
 
 use crate::session::Extent;
-use crate::take::footage::Footage;
 
 /// So many frames are looked at.
 const FRAMES: usize = 6;

@@ -3,14 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use backlit_document::edit::Edit;
 use backlit_formats::pose_file::Quaternions;
 use backlit_formats::{model_file, pose_file};
+use backlit_take::dropped::Dropped;
+use backlit_take::footage::Footage;
+use backlit_take::replacement::{masks_of, read_calibration};
 use backlit_tracking::body::Model;
-
-use crate::document::edit::Edit;
-use crate::take::dropped::Dropped;
-use crate::take::footage::Footage;
-use crate::take::replacement::{masks_of, read_calibration};
 
 /// Files that were dropped, and what they are for.
 #[derive(Debug)]

@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use backlit_take::demonstration::Demonstration;
+use backlit_take::source::TakeSource;
 use egui_painter::Headless;
 
 use super::{App, AppOptions, Opening};
 use crate::context::notices::Severity;
 use crate::context::preferences::Layout;
-use crate::take::demonstration::Demonstration;
-use crate::take::source::TakeSource;
 
 /// A job that breaks down.
 pub(crate) struct Breaks;

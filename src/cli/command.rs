@@ -5,10 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
-use super::{
-    background, cameras, experiment, export, fit, fit_body, import, observability, prior, recognise, render,
-    screenshot, silhouettes, sphere_tree, sync, track,
-};
+use super::screenshot::ScreenshotArguments;
 
 const ABOUT: &str =
     "Fits an articulated body to its silhouettes and shows how. Without a command it opens the window.";
@@ -45,38 +42,10 @@ pub(crate) struct Cli {
 /// One thing to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Make a take from footage and a calibration, or from a project of another tool
-    Import(import::ImportArguments),
-    /// Draw the silhouettes that a pose predicts, one picture a camera
-    Render(render::RenderArguments),
-    /// Fit a pose to the silhouettes of one moment
-    Fit(fit::FitArguments),
-    /// Find a person's own lengths and radii from several frames of a take
-    FitBody(fit_body::FitBodyArguments),
-    /// Fit frame after frame of a take; report joint errors, overlap and times
-    Track(track::TrackArguments),
-    /// Write a track as motion files for other programs: BVH, TRC, MOT, C3D, glTF, NumPy, CSV
-    Export(export::ExportArguments),
-    /// Learn the background of a take again, without the tracked body
-    Background(background::BackgroundArguments),
     /// Draw the window without a display and write its picture
-    Screenshot(screenshot::ScreenshotArguments),
-    /// Show what the cameras see of a frame's pose and what they do not, and compare sets of cameras
-    Observability(observability::ObservabilityArguments),
-    /// Write the silhouettes of a take as pictures
-    Silhouettes(silhouettes::SilhouetteArguments),
-    /// Find how far apart in time the cameras of a take were started, from the motion of the silhouettes
-    Sync(sync::SyncArguments),
-    /// Learn from motion files how people move, for track --prior
-    Prior(prior::PriorArguments),
-    /// Show the cameras of a calibration of another tool, and write them in other formats
-    Cameras(cameras::CameraArguments),
-    /// Build nested spheres of a closed triangle mesh
-    SphereTree(sphere_tree::SphereTreeArguments),
-    /// Name motions: walking, running, boxing …; learn names from named motions, and test them
-    Recognise(recognise::RecogniseArguments),
-    /// Run an experiment of the report again: numbers, a table and plots
-    Experiment(experiment::ExperimentArguments),
+    Screenshot(ScreenshotArguments),
+    #[command(flatten)]
+    Work(Box<backlit_cli::Command>),
 }
 
 /// The complaint about a word that is neither a command nor something to open. A path with a folder or an ending

@@ -1,24 +1,16 @@
 //! `backlit [TAKE]`: the window; where there is no display, what it would have shown.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use anyhow::anyhow;
-use backlit_formats::{Footage, images};
-use backlit_tracking::cancel::CancelToken;
-use backlit_tracking::fit::FitOptions;
-use backlit_tracking::track::Tracker;
+use backlit_cli::{first_look, output};
+use backlit_formats::images;
+use backlit_take::source::TakeSource;
 use image::DynamicImage;
 
 use super::command::no_such_command;
-use super::output;
-use super::take_options::{self, StartArguments};
-use super::track::{Followed, follow};
-use super::track_report::TrackReport;
 use crate::app::window::open_window;
 use crate::app::{Opening, PictureOptions, headless_picture, opening_of};
-use crate::take::builtin as builtin_take;
-use crate::take::source::TakeSource;
 
 /// The picture of the window, in the working folder.
 const PICTURE: &str = "backlit-window.png";
@@ -43,28 +35,10 @@ pub(crate) fn run(path: Option<&Path>, state_file: Option<PathBuf>) -> anyhow::R
         .or_else(|| std::env::var_os(STATE_VARIABLE).filter(|path| !path.is_empty()).map(PathBuf::from));
     let Err(no_window) = open_window(Some(opening()), state_file) else { return Ok(()) };
     output::complain(&format!("No window: {no_window:#}. Going on without one."));
-    let footage = match path {
-        Some(path) => take_options::open(path)?,
-        None => Footage::new(builtin_take::open()?),
-    };
-    output::print(&format!("Tracking \"{}\" with the robust preset.\n\n", footage.take().name()))?;
-    output::print(&track(&footage)?.text())?;
+    first_look::print(path)?;
     let options = PictureOptions { track: true, ..PictureOptions::default() };
     let (picture, _) = headless_picture(opening(), &options)?;
     let file = PathBuf::from(PICTURE);
     images::write_png(&file, &DynamicImage::ImageRgba8(picture))?;
     output::print(&format!("\nPicture of the window: {}\n", std::path::absolute(&file)?.display()))
-}
-
-/// Tracks all of a take with the robust preset.
-fn track(footage: &Footage) -> anyhow::Result<TrackReport> {
-    let take = footage.take();
-    let frames: Vec<usize> = (0..take.frame_count()).collect();
-    let cameras: Vec<usize> = (0..take.rig().count()).collect();
-    let start = StartArguments::none().pose(footage, &cameras, 0, &FitOptions::default())?;
-    let tracker = Tracker::new(Arc::clone(take.model()), FitOptions::default(), start)?;
-    let mut report = TrackReport::new(take, &cameras, None);
-    let part = Followed { footage, cameras: &cameras, frames: &frames, cues: &[] };
-    follow(part, tracker, &mut report, &CancelToken::new(), |_| Ok(()))?;
-    Ok(report)
 }

@@ -4,21 +4,21 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::Context;
+use backlit_cli::output;
 use backlit_formats::images;
+use backlit_take::demonstration::Demonstration;
+use backlit_take::source::TakeSource;
 use backlit_ui::drawing::ViewMode;
 use backlit_ui::style::theme::Theme;
 use clap::{Args, ValueEnum};
 use egui::Vec2;
 use image::DynamicImage;
 
-use super::output;
 use crate::app::{Opening, PictureOptions, headless_export, headless_picture, opening_of};
 use crate::context::preferences::Layout;
 use crate::features::export::choices::{DELAYS_MS, MAX_SIDE};
 use crate::features::export::{ExportChoices, MotionChoices, Part, SeriesFormat};
 use crate::features::export::{ExportOrder, Subject};
-use crate::take::demonstration::Demonstration;
-use crate::take::source::TakeSource;
 
 /// Sides of a picture, pixels.
 const SIDES: std::ops::RangeInclusive<u16> = 200..=8192;

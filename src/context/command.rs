@@ -42,7 +42,7 @@ pub(crate) use menu::Menu;
 
 use egui::KeyboardShortcut;
 
-use crate::take::demonstration::Demonstration;
+use backlit_take::demonstration::Demonstration;
 use table::{Row, TABLE};
 
 group! {

@@ -1,12 +1,12 @@
 //! Commands as buttons and menu rows: what cannot be used is grey, and its tooltip says why.
 
+use backlit_document::history::Gesture;
 use backlit_ui::style::theme::size;
 use backlit_ui::widgets::{Icon, icon_button, primary_button};
 use egui::{AsIdSalt, Button, Id, Response, Ui, vec2};
 
 use crate::context::command::Command;
 use crate::context::{Context, Requests, unavailable};
-use crate::document::history::Gesture;
 
 /// Adds a widget for a command, grey where it cannot be used, and asks for the command on a click.
 fn widget(

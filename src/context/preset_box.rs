@@ -1,12 +1,12 @@
 //! The presets of the fit as a box, for all who have room for it.
 
+use backlit_document::fit_words::preset_like;
 use backlit_tracking::fit::Preset;
 use backlit_ui::widgets::choice;
 use egui::Ui;
 
 use crate::context::command::{Command, FitCommand};
 use crate::context::{Context, Requests};
-use crate::document::fit_words::preset_like;
 
 /// A box of the presets.
 pub(crate) fn show(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, width: f32) {

@@ -3,9 +3,8 @@
 use std::error::Error;
 use std::io::{self, ErrorKind};
 
+use backlit_document::project::ProjectError;
 use backlit_formats::FileError;
-
-use crate::document::project::ProjectError;
 
 /// A sentence for the user about what to do next; `error` or one of its causes is what the disk said.
 pub(crate) fn write_advice(error: &(dyn Error + 'static)) -> &'static str {

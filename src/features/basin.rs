@@ -1,7 +1,7 @@
 //! The basin of the frame on the screen: how far off a start may be, and still end where it should.
 //!
 //! The experiment itself is the lab's (`backlit_lab::experiment::{frame_basin, basin_map}`), the same that
-//! `backlit experiment basin` runs. Here is what the window adds: settings as they are typed, results as they
+//! `backlit experiment basin` runs, and so are its results and their files (`backlit_results::basin`). Here is what the window adds: settings as they are typed, results as they
 //! arrive, and files of both.
 //!
 //! | file | holds |
@@ -12,9 +12,7 @@
 //! | `update` | begun, stopped, its starts taken, its files written |
 //! | `job` | the fits, one a step |
 //! | `panel` | the pane and the section of the right panel |
-//! | `export` | results as CSV, JSON and pictures |
 
-pub(crate) mod export;
 mod job;
 mod panel;
 pub(crate) mod preferences;
@@ -27,8 +25,8 @@ mod update;
 use backlit_jobs::{Priority, Task};
 use job::Fitted;
 pub(crate) use preferences::{BasinPreferences, MapColour};
-pub(crate) use results::{About, AnglesResult, BasinResults, FitCount, MapResult, Running};
-pub use settings::{BasinProblem, BasinSettings, Compared, ComparedWay, MapDirection, Reference};
+pub(crate) use results::{BasinResults, Running, ShownMap};
+pub use settings::{BasinProblem, BasinSettings, MapDirection, Reference};
 use std::time::Instant;
 
 use crate::context::file_dialog::FileDialogs;

@@ -3,14 +3,14 @@
 mod explanation;
 mod next;
 
+use backlit_take::demonstration::Demonstration;
+use backlit_take::source::TakeSource;
 use egui::Ui;
 
 use crate::context::command::{BeginningCommand, Command, FitCommand, TrackingCommand, Variants};
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 use crate::context::{Context, PaneEvent, Request, Requests};
-use crate::take::demonstration::Demonstration;
-use crate::take::source::TakeSource;
 
 /// The feature.
 #[derive(Debug, Default, Clone)]

@@ -29,14 +29,14 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use again::Again;
+use backlit_document::history::Gesture;
+use backlit_document::run::RunStep;
 use backlit_jobs::{Priority, Task};
 use egui::Ui;
 use job::{Fitted, Running};
 use refitted::Refitted;
 
 use crate::context::{Context, Requests};
-use crate::document::history::Gesture;
-use crate::document::run::RunStep;
 use crate::session::prediction::{FitInputs, Predicted};
 
 /// The feature.

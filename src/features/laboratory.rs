@@ -28,7 +28,9 @@ pub(crate) mod table;
 mod tests;
 mod update;
 
+use backlit_document::run::RunStep;
 use backlit_jobs::{Priority, Task};
+use backlit_take::footage::Footage;
 use backlit_tracking::body::{Model, Pose};
 
 pub(crate) use check::{CheckProgress, ColumnCheck, Worst};
@@ -40,8 +42,6 @@ pub(crate) use start::StartChoice;
 
 use crate::context::command::Variants;
 use crate::context::file_dialog::FileDialogs;
-use crate::document::run::RunStep;
-use crate::take::footage::Footage;
 
 /// The feature.
 #[derive(Debug)]

@@ -13,8 +13,6 @@
 //! | `panel` | the Motions pane: the plane, and the probabilities of the frame on the screen |
 
 mod job;
-pub(crate) mod joints;
-pub(crate) mod model;
 mod panel;
 mod preferences;
 #[cfg(test)]

@@ -16,7 +16,6 @@ mod sway;
 #[cfg(test)]
 mod tests;
 mod update;
-pub(crate) mod words;
 
 use std::sync::Arc;
 

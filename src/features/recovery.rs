@@ -28,10 +28,9 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
+use backlit_document::history::Version;
+use backlit_document::project::ProjectError;
 use backlit_jobs::{Priority, Task};
-
-use crate::document::history::Version;
-use crate::document::project::ProjectError;
 
 /// The feature.
 #[derive(Debug)]

@@ -2,6 +2,8 @@
 
 mod card;
 
+use backlit_document::Origin;
+use backlit_take::source::TakeSource;
 use backlit_tracking::body::Kinematics;
 use backlit_ui::drawing::{JointId, ViewMode, draggable_joints, joint_name};
 use backlit_ui::widgets::accessible::Names;
@@ -13,8 +15,6 @@ use card::{Card, STEPS, Wish};
 
 use crate::context::preferences::Layout;
 use crate::context::{Context, Request, Requests};
-use crate::document::Origin;
-use crate::take::source::TakeSource;
 
 /// The joint that is dragged.
 const JOINT: &str = "right wrist";

@@ -33,6 +33,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
+use backlit_document::Estimate;
+use backlit_document::history::Gesture;
 use backlit_jobs::{Priority, Task};
 use backlit_tracking::body_fit::{BodyFit, Person};
 use backlit_tracking::body_spheres::SphereBody;
@@ -44,8 +46,6 @@ use crate::context::Context;
 use crate::context::activity::TrackingProgress;
 use crate::context::command::TrackingCommand;
 use crate::context::unavailable::{Why, because, no_silhouette, no_take, not_tracked};
-use crate::document::Estimate;
-use crate::document::history::Gesture;
 use crate::session::{BelievedJoints, FrameData, HeldLimbs};
 use keys::keys_around;
 

@@ -3,12 +3,10 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use backlit_take::footage::Footage;
+use backlit_take::footage::{CameraFrame, MadeWith};
 use backlit_tracking::segment::SegmentOptions;
 use rayon::prelude::*;
-
-use crate::take::footage::Footage;
-
-use crate::take::footage::{CameraFrame, MadeWith};
 
 /// Megabytes that are kept unless something else is chosen.
 const LIMIT_MB: usize = 512;

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use backlit_document::CameraUse;
+use backlit_document::run::RunStep;
 use backlit_tracking::body::{Kinematics, Model, Parameters, Pose};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::fit::{Fit, FitOptions, FitView, IterationRecord};
@@ -12,8 +14,6 @@ use backlit_ui::drawing::{Derivative, body_outline};
 
 use rayon::prelude::*;
 
-use crate::document::CameraUse;
-use crate::document::run::RunStep;
 use crate::session::FrameData;
 
 /// All that a prediction depends on, but the pose.

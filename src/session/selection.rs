@@ -1,9 +1,8 @@
 //! What the user looks at and holds: frame, camera, limb, step of a run.
 
+use backlit_document::runs::StepRef;
 use backlit_tracking::body::Model;
 use backlit_ui::drawing::{JointId, draggable_joints};
-
-use crate::document::runs::StepRef;
 
 /// What is selected. Nothing here is saved or undone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::take::dropped::Dropped;
+use backlit_take::dropped::Dropped;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::size;
 use backlit_ui::widgets::Icon;

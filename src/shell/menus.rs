@@ -1,5 +1,6 @@
 //! The menus: every command stands in one of them.
 
+use backlit_take::demonstration::Demonstration;
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
 use backlit_ui::drawing::{Comparison, ViewMode};
@@ -16,7 +17,6 @@ use crate::context::command_button::menu_row;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
 use crate::context::{Context, PaneEvent, Request, Requests};
-use crate::take::demonstration::Demonstration;
 
 /// All menus in a row, or one menu of menus where there is little room.
 pub(crate) fn ui(ui: &mut Ui, context: &Context<'_>, requests: &mut Requests, folded: bool) {

@@ -1,5 +1,6 @@
 //! The status bar: one sentence on the left, four numbers on the right that stay in their places.
 
+use backlit_document::run::Run;
 use backlit_ui::drawing::joint_name;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
@@ -11,7 +12,6 @@ use crate::context::command::{BasinCommand, Command, ExportCommand, FitCommand};
 use crate::context::command_button as command;
 use crate::context::preferences::Layout;
 use crate::context::{Context, Requests};
-use crate::document::run::Run;
 use crate::features::Features;
 
 /// The status bar.

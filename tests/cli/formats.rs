@@ -7,12 +7,12 @@ use std::sync::Arc;
 
 use backlit::app::settings_file as settings;
 use backlit::context::preferences::Layout;
-use backlit::document::Origin;
-use backlit::document::project::{Project, read_project};
-use backlit::take::source::TakeSource;
+use backlit_document::Origin;
+use backlit_document::project::{Project, read_project};
 use backlit_formats::calibration::{self, CalibrationOptions};
 use backlit_formats::pose_file::{self, Quaternions};
 use backlit_formats::{MemoryFiles, Take, model_file};
+use backlit_take::source::TakeSource;
 use backlit_tracking::body::{Model, builtin};
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::segment::SegmentOptions;
@@ -121,7 +121,7 @@ fn the_project_is_read_and_its_tables_name_all_there_is() {
 
     // What is written has no field that is not in the tables, and the tables have none besides.
     let written = folder.path().join("written.backlit");
-    backlit::document::project::write_project(&written, &document, &runs).unwrap();
+    backlit_document::project::write_project(&written, &document, &runs).unwrap();
     let written: Value = serde_json::from_slice(&std::fs::read(&written).unwrap()).unwrap();
     let section = section("Project");
     let (project, fit) = section.split_once("| `fit` | unit |").unwrap();

@@ -1,5 +1,8 @@
 //! The basin through the real window: tried in the background, the same as the core's, cancelled, its map clicked.
 
+use backlit_results::basin::{Compared, ComparedWay};
+use backlit_take::source::TakeSource;
+
 use crate::support::app_window::{PATIENCE, click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
@@ -7,8 +10,7 @@ use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, Opening};
 use backlit::context::command::BasinView;
 use backlit::context::preferences::Layout;
-use backlit::features::basin::{Compared, ComparedWay, FileKind, MapDirection, Reference};
-use backlit::take::source::TakeSource;
+use backlit::features::basin::{FileKind, MapDirection, Reference};
 use backlit_lab::experiment::FitChoice;
 use backlit_lab::experiment::basin_map::Angle;
 use backlit_lab::experiment::frame_basin::{self, Frame, Options, Target};
@@ -71,7 +73,7 @@ fn the_window_finds_the_same_as_the_core_on_the_built_in_take() {
 
     let state = harness.state();
     let footage = state.session().take.as_ref().unwrap();
-    let take = backlit_formats::Footage::new(backlit::take::builtin::open().unwrap());
+    let take = backlit_formats::Footage::new(backlit_take::builtin::open().unwrap());
     let views = take.fit_views(&[0, 1, 2, 3], 0).unwrap();
     let frame = Frame { model: footage.model().clone(), views, reference: footage.start() };
     let level = |degrees, metres| Level { degrees, metres };

@@ -2,9 +2,9 @@
 
 use backlit::app::{App, AppOptions, Opening, opening_of};
 use backlit::features::laboratory::Contestant;
-use backlit::take::source::TakeSource;
 use backlit_lab::experiment::fig51;
 use backlit_lab::synthetic::upper_body;
+use backlit_take::source::TakeSource;
 use backlit_tracking::body::{Kinematics, Pose, builtin};
 use backlit_tracking::cancel::CancelToken;
 use egui::accesskit::Role;
@@ -126,7 +126,7 @@ fn a_sequence_is_tracked_and_a_project_of_it_opens_again() {
 
 #[test]
 fn a_demonstration_is_no_unsaved_work_and_its_sentences_go() {
-    let demonstration = backlit::take::demonstration::Demonstration::SingleLimb;
+    let demonstration = backlit_take::demonstration::Demonstration::SingleLimb;
     let opening = Some(Opening::Take(TakeSource::Demonstration(demonstration)));
     let mut harness = open_sized(AppOptions { opening, ..AppOptions::default() }, vec2(1500.0, 900.0));
     assert!(harness.query_by_label_contains("Fig. 5.1: one limb •").is_none(), "nothing is unsaved");

@@ -1,5 +1,7 @@
 //! Files dropped on the window, and the cards around it: recent takes, the palette, About.
 
+use backlit_document::project::read_project;
+
 use crate::support::take;
 use std::path::{Path, PathBuf};
 
@@ -7,7 +9,6 @@ use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, Opening, opening_of};
-use backlit::document::project::read_project;
 use backlit_formats::pose_file;
 use backlit_tracking::silhouette::Label;
 use backlit_ui::style::theme::Theme;

@@ -1,5 +1,9 @@
 //! Disks that refuse: it is said which file, why and what can be done; old files are untouched, and the window goes on.
 
+use backlit_document::Document;
+use backlit_document::project::{read_project, write_project};
+use backlit_take::source::TakeSource;
+
 use crate::support::take;
 use std::ffi::OsStr;
 use std::fs::File;
@@ -12,9 +16,6 @@ use crate::export::{command, export_to};
 use crate::support::app_window::{PATIENCE, click, drag, open_sized, press, settle};
 use crate::support::storage::NoStorage;
 use backlit::app::{App, AppOptions, Inspector, opening_of};
-use backlit::document::Document;
-use backlit::document::project::{read_project, write_project};
-use backlit::take::source::TakeSource;
 use backlit_tracking::body::builtin;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Vec2, vec2};

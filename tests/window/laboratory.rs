@@ -1,5 +1,8 @@
 //! The laboratory through the real window: keys, buttons, boxes, plot, marks, and what it leaves alone.
 
+use backlit_take::demonstration::Demonstration;
+use backlit_take::source::TakeSource;
+
 use crate::support::app_window::{click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use crate::support::take;
@@ -9,8 +12,6 @@ use backlit::context::preferences::Layout;
 use backlit::features::laboratory::story;
 use backlit::features::laboratory::story::MOST_WORDS;
 use backlit::features::laboratory::{Comparison, Lineup};
-use backlit::take::demonstration::Demonstration;
-use backlit::take::source::TakeSource;
 use backlit_ui::style::theme::Theme;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, vec2};

@@ -1,13 +1,14 @@
 //! Projects whose take is not what it was: moved, with other cameras, with fewer frames.
 
+use backlit_document::Document;
+use backlit_document::project::{read_project, write_project};
+use backlit_take::source::TakeSource;
+
 use crate::support::take;
 use std::path::Path;
 
 use crate::support::app_window::{click, drag, open_sized, press, settle};
 use backlit::app::{App, AppOptions, opening_of};
-use backlit::document::Document;
-use backlit::document::project::{read_project, write_project};
-use backlit::take::source::TakeSource;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;

@@ -1,11 +1,12 @@
 //! Looking and posing through the real window, by label and role, on a tiny take.
 
+use backlit_take::source::TakeSource;
+
 use crate::support::take;
 use std::collections::BTreeMap;
 
 use crate::support::app_window::{click, open_sized, press, settle};
 use backlit::app::{App, AppOptions, Opening};
-use backlit::take::source::TakeSource;
 use backlit_tracking::body::{Kinematics, Pose};
 use backlit_ui::drawing::JointId;
 use egui::accesskit::Role;

@@ -4,8 +4,8 @@
 use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, Opening};
 use backlit::context::preferences::Layout;
-use backlit::take::demonstration::Demonstration;
-use backlit::take::source::TakeSource;
+use backlit_take::demonstration::Demonstration;
+use backlit_take::source::TakeSource;
 use egui::{Key, Modifiers, Vec2, vec2};
 use egui_kittest::Harness;
 

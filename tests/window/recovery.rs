@@ -1,5 +1,9 @@
 //! Work that an earlier start left unsaved: what is offered, and what becomes of each decision.
 
+use backlit_document::Document;
+use backlit_take::demonstration::Demonstration;
+use backlit_take::source::TakeSource;
+
 use crate::support::take;
 use std::fs::File;
 use std::path::Path;
@@ -10,9 +14,6 @@ use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, Opening, opening_of};
 use backlit::context::clock::Clock;
-use backlit::document::Document;
-use backlit::take::demonstration::Demonstration;
-use backlit::take::source::TakeSource;
 use backlit_ui::style::theme::{Theme, size};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};

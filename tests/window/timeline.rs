@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, Opening};
-use backlit::document::Document;
+use backlit_document::Document;
 use backlit_ui::style::theme::{Theme, size};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Vec2, pos2, vec2};

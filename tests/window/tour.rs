@@ -2,11 +2,12 @@
 
 use std::time::Instant;
 
+use backlit_take::source::TakeSource;
+
 use crate::support::app_window::{PATIENCE, click, open_sized, press, settle};
 use crate::support::snapshots::{Snapshots, theme_name};
 use backlit::app::settings::Settings;
 use backlit::app::{App, AppOptions, Opening};
-use backlit::take::source::TakeSource;
 use backlit_ui::style::theme::Theme;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2, vec2};

@@ -7,7 +7,7 @@ use backlit::app::settings::Settings;
 use backlit::app::settings_file as settings;
 use backlit::app::{App, AppOptions, Opening, opening_of};
 use backlit::context::preferences::Layout;
-use backlit::document::project::read_project;
+use backlit_document::project::read_project;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, vec2};
 use egui_kittest::Harness;

@@ -1,5 +1,6 @@
 //! The table of all commands, in the order of the menus: text, tooltip and keys stand here and nowhere else.
 
+use backlit_take::demonstration::Demonstration;
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
 use backlit_ui::drawing::{Comparison, ViewMode};
@@ -17,7 +18,6 @@ use super::{
 };
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
-use crate::take::demonstration::Demonstration;
 
 /// All about a command.
 pub(super) struct Row {

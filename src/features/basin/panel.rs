@@ -4,13 +4,14 @@ mod map;
 mod section;
 mod success;
 
+use backlit_results::basin::FitCount;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::segmented;
 use egui::{Align, Button, Layout as Direction, Rect, RichText, Ui, UiBuilder, vec2};
 
-use super::{Basin, FileKind, FitCount, MapColour, MapResult, Running};
+use super::{Basin, FileKind, MapColour, Running, ShownMap};
 use crate::context::command::{BasinCommand, BasinView, Command};
 use crate::context::command_button::named_button;
 use crate::context::pane::{HEADER_BUTTONS, Pane};
@@ -48,7 +49,7 @@ impl Basin {
                 Wish::Colour(colour) => self.preferences.colour = colour,
                 Wish::ShowChoice(choice) => {
                     if let Some(map) = &mut self.results.map {
-                        map.shown = choice;
+                        map.choice = choice;
                     }
                 }
                 Wish::TakeStart(place) => self.take_start(place, requests),
@@ -117,7 +118,7 @@ fn head(
 }
 
 /// The maps that are shown, where there is more than one to choose from.
-fn several_maps(basin: &Basin) -> Option<&MapResult> {
+fn several_maps(basin: &Basin) -> Option<&ShownMap> {
     let map = basin.results.map.as_ref().filter(|map| map.options.choices.len() > 1);
     map.filter(|_| basin.preferences.view == BasinView::Map)
 }

@@ -3,22 +3,23 @@
 use std::path::Path;
 use std::time::Instant;
 
+use backlit_document::edit::Edit;
 use backlit_jobs::News;
 use backlit_lab::experiment::frame_basin::{Frame, Report};
+use backlit_results::basin::{About, AnglesResult, MapResult, direction_name};
 use backlit_tracking::search::start;
 use backlit_ui::drawing::plot;
 use backlit_ui::style::format;
 use backlit_ui::style::theme::Theme;
 
 use super::job::{BasinJob, BasinWork, Fitted};
-use super::settings::{BasinProblem, direction_name};
-use super::{About, AnglesResult, Basin, BasinSettings, FileKind, MapResult, Reference, Running};
+use super::settings::BasinProblem;
+use super::{Basin, BasinSettings, FileKind, Reference, Running, ShownMap};
 use crate::context::command::{BasinCommand, BasinView};
 use crate::context::file_dialog::Wanted;
 use crate::context::pane::Pane;
 use crate::context::unavailable::{Why, because, no_fit};
 use crate::context::{Context, PaneEvent, Request, Requests};
-use crate::document::edit::Edit;
 
 impl Basin {
     /// Other settings.
@@ -74,7 +75,8 @@ impl Basin {
                 let about = self.about(context, None);
                 let directions = options.directions.map(|one| direction_name(&frame.model, one));
                 let work = (BasinWork::Map(Box::new(options.clone())), options.trials());
-                self.results.map = Some(MapResult::new(about, options, frame.clone(), directions));
+                self.results.map =
+                    Some(ShownMap::new(MapResult::new(about, options, frame.clone(), directions)));
                 work
             }
         };

@@ -7,6 +7,7 @@ use std::time::Instant;
 use backlit_jobs::{Job, Outbox, Step as Turn};
 use backlit_lab::experiment::ExperimentError;
 use backlit_lab::experiment::begin::{Beginning, Options, begin_watched};
+use backlit_take::footage::Footage;
 use backlit_tracking::acquisition::{AcquireError, AcquireOptions, acquire};
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
@@ -17,7 +18,6 @@ use super::growth;
 use super::record::{Recorder, Step};
 use super::way::Way;
 use crate::session::prediction::{FitInputs, Predicted};
-use crate::take::footage::Footage;
 
 /// What the job says.
 #[derive(Debug)]

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use backlit_document::fit_words::short_ramp;
 use backlit_lab::experiment::begin::Step as Seen;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::fit::{IterationRecord, Stage};
@@ -13,7 +14,6 @@ use backlit_ui::drawing::{Ghosts, Template};
 use backlit_ui::style::format;
 
 use super::way::Way;
-use crate::document::fit_words::short_ramp;
 
 /// Most bodies that are drawn in a step.
 pub(super) const MOST_BODIES: usize = 60;

@@ -1,5 +1,7 @@
 //! Ways to begin in the window.
 
+use backlit_document::edit::Edit;
+use backlit_take::demonstration::Demonstration;
 use egui_painter::Headless;
 
 use super::record::MOST_BODIES;
@@ -11,8 +13,6 @@ use crate::context::Request;
 use crate::context::command::{BeginningCommand, Command, HistoryCommand};
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
-use crate::document::edit::Edit;
-use crate::take::demonstration::Demonstration;
 
 /// The demonstration with all ways tried.
 fn tried() -> (Headless, App) {

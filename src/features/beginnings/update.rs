@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use backlit_document::edit::Edit;
 use backlit_jobs::News;
 
 use super::job::{BeginJob, Found};
@@ -13,7 +14,6 @@ use crate::context::command_button::next_gesture;
 use crate::context::pane::Pane;
 use crate::context::unavailable::{Why, because, no_fit, no_take};
 use crate::context::{Context, PaneEvent, Request, Requests};
-use crate::document::edit::Edit;
 
 /// Seconds between two steps that are played.
 const SECONDS: f64 = 0.35;

@@ -1,11 +1,11 @@
 //! What the user did in a tile.
 
+use backlit_document::history::Gesture;
 use backlit_ui::drawing::{Comparison, DragEvent, JointId, ViewMode};
 use backlit_ui::widgets::Framing;
 
 use crate::context::pane::Pane;
 use crate::context::view_settings::ViewSettings;
-use crate::document::history::Gesture;
 
 /// What the user did in a tile.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use backlit_jobs::{Job, News, Outbox, Priority, Step, Task};
+use backlit_take::footage::Footage;
 use egui::ColorImage;
 
 use crate::context::Context;
-use crate::take::footage::Footage;
 
 /// The pictures of the frame on the screen.
 #[derive(Debug)]

@@ -1,5 +1,6 @@
 //! The views' commands, and what the user did in a tile.
 
+use backlit_document::edit::Edit;
 use backlit_ui::drawing::ViewMode;
 use backlit_ui::widgets::{Framing, ViewTransform};
 use glam::DVec2;
@@ -11,7 +12,6 @@ use crate::context::command::ViewCommand;
 use crate::context::pane::Pane;
 use crate::context::unavailable::{because, no_take};
 use crate::context::{Context, PaneEvent, Request, Requests};
-use crate::document::edit::Edit;
 use crate::session::selection::Selection;
 
 /// What one press of a zoom's key magnifies by.

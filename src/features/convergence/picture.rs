@@ -1,5 +1,6 @@
 //! The plot as a file.
 
+use backlit_document::run::Run;
 use backlit_ui::drawing::plot::png;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::Theme;
@@ -9,7 +10,6 @@ use image::ImageResult;
 
 use super::plot::Plot;
 use super::{ConvergencePreferences, Quantity};
-use crate::document::run::Run;
 
 /// Size in points; a pixel each.
 const SIZE: [f32; 2] = [820.0, 460.0];

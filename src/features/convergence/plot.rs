@@ -1,5 +1,7 @@
 //! The plot, on the screen and in a file: curves, dots, ×, the step on the screen.
 
+use backlit_document::run::Run;
+use backlit_document::runs::StepRef;
 use backlit_ui::drawing::plot::marks::{decade_marks, even_marks, step_marks};
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
@@ -13,8 +15,6 @@ use egui_plot::{
 };
 
 use super::{ConvergencePreferences, CurvePoint, Quantity, axis, points, quantity};
-use crate::document::run::Run;
-use crate::document::runs::StepRef;
 
 /// Room of the axis of heights, and the least that is left for the curves.
 const AXIS: f64 = 56.0;

@@ -1,9 +1,8 @@
 //! What is plotted over the steps of a run.
 
+use backlit_document::run::{Run, RunStep};
 use backlit_ui::style::format;
 use serde::{Deserialize, Serialize};
-
-use crate::document::run::{Run, RunStep};
 
 /// A quantity of a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]

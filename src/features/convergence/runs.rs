@@ -1,5 +1,7 @@
 //! The list of runs beside the convergence plot: named by what differs, shown or hidden, renamed, removed.
 
+use backlit_document::run::Run;
+use backlit_document::runs::{RunChange, StepRef};
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{run_style, size};
@@ -12,8 +14,6 @@ use egui::{
 use super::Convergence;
 use super::update::remove;
 use crate::context::{Context, Request, Requests};
-use crate::document::run::Run;
-use crate::document::runs::{RunChange, StepRef};
 
 /// Height of a run's card.
 const CARD: f32 = 64.0;

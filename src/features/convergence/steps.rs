@@ -1,5 +1,7 @@
 //! The steps of a run as a slider: accepted ones are ticks, rejected ones ×, stages stand above.
 
+use backlit_document::run::{Run, RunStep};
+use backlit_document::runs::StepRef;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
@@ -11,8 +13,6 @@ use egui::{
 use crate::context::command::{Command, FitCommand};
 use crate::context::command_button::{button, icon};
 use crate::context::{Context, Request, Requests};
-use crate::document::run::{Run, RunStep};
-use crate::document::runs::StepRef;
 use crate::features::convergence::Quantity;
 
 /// Room for the words about the step.

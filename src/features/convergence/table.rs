@@ -1,6 +1,6 @@
 //! All steps of all runs as a table.
 
-use crate::document::run::Run;
+use backlit_document::run::Run;
 
 /// Names of the columns.
 const TITLES: [&str; 20] = [

@@ -2,6 +2,9 @@
 
 use std::path::Path;
 
+use backlit_document::run::Run;
+use backlit_document::runs::{BROUGHT_BACK, RunChange};
+
 use super::picture::PlotFile;
 use super::{Convergence, CurvesFile, table};
 use backlit_ui::style::theme::Theme;
@@ -10,8 +13,6 @@ use crate::context::command::{Command, ConvergenceCommand};
 use crate::context::file_dialog::Wanted;
 use crate::context::unavailable::{Why, because};
 use crate::context::{Context, Request, Requests};
-use crate::document::run::Run;
-use crate::document::runs::{BROUGHT_BACK, RunChange};
 
 impl Convergence {
     /// Does a command.

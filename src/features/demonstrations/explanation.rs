@@ -1,5 +1,6 @@
 //! What a demonstration shows and what to try.
 
+use backlit_take::demonstration::Demonstration;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
 use backlit_ui::widgets::{Icon, icon_button};
@@ -10,7 +11,6 @@ use egui::{
 
 use super::next;
 use crate::context::{Context, Requests};
-use crate::take::demonstration::Demonstration;
 
 /// The sentences with a button for each thing to try, as wide as the centre; whether they are closed.
 pub(super) fn ui(ui: &mut Ui, which: Demonstration, context: &Context<'_>, requests: &mut Requests) -> bool {

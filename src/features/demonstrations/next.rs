@@ -1,5 +1,9 @@
 //! What to try next in a demonstration: a button each.
 
+use backlit_document::edit::Edit;
+use backlit_document::likely_poses;
+use backlit_document::tracking_choices::{CueChoice, TrackingChoices};
+use backlit_take::demonstration::Demonstration;
 use backlit_tracking::fit::Preset;
 use backlit_tracking::render::RendererKind;
 
@@ -10,10 +14,6 @@ use crate::context::command::{
 };
 use crate::context::preferences::Layout;
 use crate::context::{Context, Request, Requests};
-use crate::document::edit::Edit;
-use crate::document::likely_poses;
-use crate::document::tracking_choices::{CueChoice, TrackingChoices};
-use crate::take::demonstration::Demonstration;
 
 /// One thing to try.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use backlit_document::run::Run;
+use backlit_document::runs::StepRef;
 use backlit_tracking::cancel::CancelToken;
 use egui::Vec2;
 use image::RgbImage;
@@ -9,8 +11,6 @@ use image::RgbImage;
 use super::{ExportChoices, Part, SeriesOptions};
 use crate::context::Context;
 use crate::context::picture_alone::PictureAlone;
-use crate::document::run::Run;
-use crate::document::runs::StepRef;
 
 /// What is exported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

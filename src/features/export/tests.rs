@@ -1,11 +1,12 @@
 //! Exports in the window.
 
+use backlit_document::edit::Edit;
+
 use super::Running;
 use super::job::Exported;
 use crate::app::testing::{Breaks, errors, open, settle};
 use crate::context::command::{Command, ExportCommand};
 use crate::context::preferences::Layout;
-use crate::document::edit::Edit;
 
 #[test]
 fn there_is_no_motion_before_a_frame_has_a_pose() {

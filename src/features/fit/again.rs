@@ -25,7 +25,7 @@ impl Again {
         let start = shown.map_or_else(|| context.shown_pose().clone(), |(_, first)| first.pose.clone());
         let base = shown.map_or_else(|| context.document().fit.clone(), |(run, _)| run.choices.fit.clone());
         let is_new = |options: &FitOptions| {
-            let same = |run: &crate::document::run::Run| {
+            let same = |run: &backlit_document::run::Run| {
                 run.frame == context.selection.frame
                     && *run.choices.fit == *options
                     && run.choices.part.is_none()

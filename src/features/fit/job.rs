@@ -3,11 +3,11 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use backlit_document::run::{RunEnding, RunStep};
 use backlit_jobs::{Job, Outbox, Step};
 use backlit_tracking::body::Pose;
 use backlit_tracking::fit::{Fit, FitError, FitOptions};
 
-use crate::document::run::{RunEnding, RunStep};
 use crate::session::prediction::{FitInputs, Predicted};
 
 /// What came of it.

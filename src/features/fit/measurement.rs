@@ -1,5 +1,6 @@
 //! The Measurement section: how silhouettes are made from footage.
 
+use backlit_document::edit::Edit;
 use backlit_tracking::segment::{DontKnowOptions, SegmentOptions, ShadowOptions, ShadowTest};
 use backlit_ui::style::format;
 use backlit_ui::widgets::{SliderRow, checkbox, hint, named_row, number_field, section, segmented};
@@ -8,7 +9,6 @@ use egui::Ui;
 use crate::context::command_button::gesture;
 use crate::context::preferences::FRAMES_MB_CHOICES;
 use crate::context::{Context, Request, Requests};
-use crate::document::edit::Edit;
 
 /// Width of the name and of the field of the memory's row.
 const MEMORY_NAME: f32 = 78.0;

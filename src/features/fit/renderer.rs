@@ -1,5 +1,7 @@
 //! The Renderer section: which solid stands for a limb.
 
+use backlit_document::edit::Edit;
+use backlit_document::fit_words as words;
 use backlit_tracking::body::Model;
 use backlit_tracking::render::RendererKind;
 use backlit_ui::style::format;
@@ -10,8 +12,6 @@ use egui::{RichText, Ui};
 use crate::context::command::{Command, FitCommand};
 use crate::context::command_button;
 use crate::context::{Context, Request, Requests};
-use crate::document::edit::Edit;
-use crate::document::fit_words as words;
 
 /// The renderers that are offered.
 const KINDS: [RendererKind; 3] =

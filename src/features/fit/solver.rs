@@ -1,5 +1,9 @@
 //! The Solver section: every choice of the fit by itself.
 
+use backlit_document::edit::Edit;
+use backlit_document::fit_words as words;
+use backlit_document::fit_words::preset_like;
+use backlit_document::likely_poses;
 use backlit_tracking::body::Parameters;
 use backlit_tracking::fit::FitOptions;
 use backlit_tracking::optimize::Method;
@@ -11,10 +15,6 @@ use egui::{RichText, Ui};
 use super::stages;
 use crate::context::preset_box;
 use crate::context::{Context, Requests};
-use crate::document::edit::Edit;
-use crate::document::fit_words as words;
-use crate::document::fit_words::preset_like;
-use crate::document::likely_poses;
 
 /// Width of the names in this section.
 const NAME: f32 = 78.0;

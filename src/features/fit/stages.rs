@@ -1,13 +1,12 @@
 //! The stages of the annealing, a row each: how wide the ramp is, how many pixels count, and when a stage ends.
 
+use backlit_document::fit_words::short_ramp;
 use backlit_tracking::fit::{FitOptions, Stage};
 use backlit_tracking::render::Ramp;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::space;
 use backlit_ui::widgets::number_field;
 use egui::{Align2, Button, RichText, TextStyle, Ui, vec2};
-
-use crate::document::fit_words::short_ramp;
 
 /// Width of a stage's number, and of a field.
 const NUMBER: f32 = 14.0;

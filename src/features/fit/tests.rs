@@ -1,12 +1,13 @@
 //! The fit in the window.
 
+use backlit_document::run::RunEnding;
+use backlit_take::demonstration::Demonstration;
+use backlit_take::source::TakeSource;
+
 use crate::app::Opening;
 use crate::app::testing::{Breaks, errors, open, settle};
 use crate::context::command::{Command, FitCommand, HistoryCommand};
 use crate::context::preferences::Layout;
-use crate::document::run::RunEnding;
-use crate::take::demonstration::Demonstration;
-use crate::take::source::TakeSource;
 
 #[test]
 fn a_fit_that_breaks_down_leaves_what_it_has_done_and_the_next_run_is_a_new_one() {

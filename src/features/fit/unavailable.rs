@@ -1,10 +1,11 @@
 //! Why a command of the fit cannot be used now.
 
+use backlit_document::runs::StepRef;
+
 use super::Fit;
 use crate::context::Context;
 use crate::context::command::FitCommand;
 use crate::context::unavailable::{Why, because, no_body_fit, no_fit};
-use crate::document::runs::StepRef;
 
 impl Fit {
     /// Why a command cannot be used now.

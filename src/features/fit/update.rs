@@ -2,6 +2,12 @@
 
 use std::sync::Arc;
 
+use backlit_document::edit::Edit;
+use backlit_document::fit_words as words;
+use backlit_document::run::{Run, RunChoices, RunEnding, RunStep};
+use backlit_document::runs::{RunChange, StepRef};
+use backlit_document::tracking_choices::TrackingChoices;
+use backlit_document::{Estimate, Origin};
 use backlit_jobs::News;
 use backlit_tracking::fit::{FitOptions, Preset};
 
@@ -13,12 +19,6 @@ use super::{Fit, LiveRun};
 use crate::context::command::{FitCommand, Part, Variants};
 use crate::context::command_button::next_gesture;
 use crate::context::{Context, Request, Requests};
-use crate::document::edit::Edit;
-use crate::document::fit_words as words;
-use crate::document::run::{Run, RunChoices, RunEnding, RunStep};
-use crate::document::runs::{RunChange, StepRef};
-use crate::document::tracking_choices::TrackingChoices;
-use crate::document::{Estimate, Origin};
 use crate::session::prediction::{FitInputs, Predicted};
 
 #[derive(Debug, Default)]

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
+use backlit_document::run::{RunEnding, RunStep};
 use backlit_tracking::body::Pose;
 
 use super::{CheckProgress, Entrant, PushAxis, Pushed};
-use crate::document::run::{RunEnding, RunStep};
 use crate::session::Extent;
 use crate::session::prediction::{FitInputs, Predicted};
 

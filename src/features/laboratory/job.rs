@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use backlit_document::run::{RunEnding, RunStep};
 use backlit_jobs::{Job, Outbox, Step};
 use backlit_tracking::body::Pose;
 use backlit_tracking::fit::Fit;
@@ -10,7 +11,6 @@ use rayon::prelude::*;
 
 use super::comparison::{Checked, PushKey};
 use super::{CheckProgress, ColumnCheck, Comparison, Push, Pushed};
-use crate::document::run::{RunEnding, RunStep};
 use crate::session::Extent;
 use crate::session::prediction::{CameraPrediction, FitInputs, Predicted};
 

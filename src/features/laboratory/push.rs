@@ -217,7 +217,7 @@ mod tests {
     #[test]
     fn motions_are_what_their_names_say() {
         let model = builtin::upper_body();
-        let pose = crate::take::demonstration::Demonstration::TwoCameras.truth(7).unwrap();
+        let pose = backlit_take::demonstration::Demonstration::TwoCameras.truth(7).unwrap();
         let before = Kinematics::new(&model, &pose);
         let limb = model.limb_index("right forearm").unwrap();
         for (axis, name) in PushAxis::ALL {

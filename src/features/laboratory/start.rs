@@ -1,10 +1,9 @@
 //! Where all fits of a comparison begin.
 
 use backlit_lab::experiment::fig51;
+use backlit_take::demonstration::Demonstration;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::search::start::perturb;
-
-use crate::take::demonstration::Demonstration;
 
 /// The root of a turned start is off by so much, metres.
 const ROOT_OFF_M: f64 = 0.03;

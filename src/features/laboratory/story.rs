@@ -273,9 +273,9 @@ mod tests {
     use backlit_tracking::render::Prediction;
 
     use super::*;
-    use crate::document::run::RunEnding;
     use crate::features::laboratory::comparison::tests::comparison;
     use crate::features::laboratory::{PushAxis, Pushed};
+    use backlit_document::run::RunEnding;
     use backlit_ui::drawing::Derivative;
 
     const KEY: PushKey = (0, PushAxis::Slide, 0);

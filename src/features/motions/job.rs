@@ -4,16 +4,17 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use backlit_document::Estimate;
 use backlit_formats::motion::{JointTrack, Motion};
 use backlit_recognition::joints::SHORTEST_S;
 use backlit_recognition::{FrameName, Method, MotionError, Recognition, Recognizer};
+use backlit_results::motions::{joints, model};
 use backlit_tracking::body::Model;
 use backlit_tracking::cancel::CancelToken;
 use glam::DVec3;
 
-use super::{joints, model, words};
+use super::words;
 use crate::context::motions::NamedStretch;
-use crate::document::Estimate;
 
 /// A longer gap begins a new run, seconds; a shorter one is bridged.
 const BRIDGED_S: f64 = 0.25;

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
+use backlit_document::edit::Edit;
 use backlit_recognition::Method;
+use backlit_take::demonstration::Demonstration;
 use egui::pos2;
 
 use super::job::Missing;
@@ -14,8 +16,6 @@ use crate::context::command::{Command, HistoryCommand, TrackingCommand};
 use crate::context::motions::NamedStretch;
 use crate::context::pane::Pane;
 use crate::context::preferences::Layout;
-use crate::document::edit::Edit;
-use crate::take::demonstration::Demonstration;
 
 /// The demonstration, whose frames are tracked as it opens.
 fn open() -> (egui_painter::Headless, App) {

@@ -1,5 +1,6 @@
 //! The Camera subsets section: what each set of cameras would see of this pose, the best first.
 
+use backlit_document::edit::Edit;
 use backlit_tracking::observability::SubsetFigures;
 use backlit_ui::drawing::joint_name;
 use backlit_ui::style::format;
@@ -10,7 +11,6 @@ use egui::{Align2, Rect, Response, RichText, Role, Sense, TextStyle, Ui, WidgetI
 
 use super::{Observability, Observed};
 use crate::context::{Context, Requests};
-use crate::document::edit::Edit;
 
 /// Between two badges.
 const BADGE_GAP: f32 = 3.0;

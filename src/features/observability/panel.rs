@@ -2,6 +2,7 @@
 
 mod chart;
 
+use backlit_results::observability as words;
 use backlit_tracking::observability::{Direction, Observability as Figures};
 use backlit_ui::drawing::ellipse_factor::FACTORS;
 use backlit_ui::drawing::joint_name;
@@ -16,7 +17,6 @@ use super::sway::{AMPLITUDES_MM, SPEEDS};
 use crate::context::command::{Command, ObservabilityCommand};
 use crate::context::command_button::named_button;
 use crate::context::{Context, Requests, unavailable};
-use crate::features::observability::words;
 
 /// Width of the name of the ellipses' factor.
 const FACTOR_NAME: f32 = 68.0;

@@ -17,7 +17,7 @@ fn a_look_that_breaks_down_is_said_once_and_begins_again_with_another_pose() {
     let said = ["The look at what the cameras see broke down: thirteen. Your work is unharmed."];
     assert_eq!(errors(&app), said);
     assert!(app.features.observability.found().is_none());
-    let moved = crate::document::edit::Edit::SetPose {
+    let moved = backlit_document::edit::Edit::SetPose {
         frame: 0,
         pose: backlit_tracking::body::Pose { root: pose.root + glam::DVec3::X * 0.01, ..pose },
         what: "Move".to_owned(),

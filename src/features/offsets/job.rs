@@ -4,9 +4,8 @@ use std::sync::Arc;
 
 use backlit_formats::synchronise::{TakeClocks, TakeClocksError};
 use backlit_jobs::{Job, Outbox, Step};
+use backlit_take::footage::Footage;
 use egui::ColorImage;
-
-use crate::take::footage::Footage;
 
 /// Height of the pictures on the card, pixels, at least.
 const HEIGHT: usize = 360;

@@ -1,10 +1,11 @@
 //! Cameras that were started apart, in the window.
 
+use backlit_take::source::TakeSource;
+
 use crate::app::App;
 use crate::app::testing::{open, settle, small_take};
 use crate::context::command::Command;
 use crate::context::preferences::Layout;
-use crate::take::source::TakeSource;
 
 fn refused(app: &App) -> Option<&'static str> {
     app.unavailable(Command::Offsets)

@@ -4,14 +4,14 @@ use backlit_formats::synchronise::{OffsetShift, shift_offsets};
 use backlit_formats::take::Take;
 use backlit_formats::video::Video;
 use backlit_jobs::{News, once};
+use backlit_take::footage::Footage;
+use backlit_take::source::TakeSource;
 
 use super::job::{self, FindJob, Said, Wanted};
 use super::{Offsets, Side};
 use crate::context::unavailable::{Why, because, no_take};
 use crate::context::write_advice::write_advice;
 use crate::context::{Context, Request, Requests};
-use crate::take::footage::Footage;
-use crate::take::source::TakeSource;
 
 impl Offsets {
     /// Lays the card over the window.

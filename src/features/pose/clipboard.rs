@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
+use backlit_document::edit::Edit;
 use backlit_formats::pose_file::{self, Quaternions};
 use backlit_tracking::body::Pose;
 
 use super::Posing;
 use crate::context::command::{Command, PoseCommand};
 use crate::context::{Context, Requests};
-use crate::document::edit::Edit;
 
 /// Frames of the window within which the system gives its clipboard, or not.
 const FRAMES_TO_WAIT: u8 = 3;

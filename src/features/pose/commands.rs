@@ -1,5 +1,6 @@
 //! What menus, buttons, keys and the palette ask of the pose.
 
+use backlit_document::edit::Edit;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::posing;
 use backlit_ui::drawing::JointId;
@@ -10,7 +11,6 @@ use crate::context::command::{Command, HistoryCommand, PoseCommand};
 use crate::context::unavailable::no_take;
 use crate::context::view_settings::ViewSettings;
 use crate::context::{Context, Request, Requests};
-use crate::document::edit::Edit;
 use crate::session::selection::Selection;
 
 impl Posing {

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use backlit_document::edit::Edit;
+use backlit_document::history::Gesture;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::posing::Held;
 use backlit_ui::drawing::{Drag, DragEvent, JointId, joint_name};
@@ -14,8 +16,6 @@ use super::dragged::{Dragged, dragged, joint_position, limit_sentence, words};
 use crate::context::command_button::next_gesture;
 use crate::context::drag_marks::DragMarks;
 use crate::context::{Context, Request, Requests};
-use crate::document::edit::Edit;
-use crate::document::history::Gesture;
 
 /// Nudges that follow each other within so many seconds are one.
 pub(super) const NUDGE_SECONDS: f64 = 2.0;

@@ -1,5 +1,6 @@
 //! The section of the selected joint: its angles with their limits, where it is, and what can be done with it.
 
+use backlit_document::edit::Edit;
 use backlit_tracking::body::{Kinematics, Limb, Pose};
 use backlit_tracking::posing::{Held, LimitedAngle};
 use backlit_ui::drawing::limits::WARN_WITHIN;
@@ -13,7 +14,6 @@ use super::dragged::moved;
 use crate::context::command::{Command, PoseCommand};
 use crate::context::command_button::{gesture, named_button};
 use crate::context::{Context, Requests};
-use crate::document::edit::Edit;
 
 /// Degrees by which a slider reaches beyond a joint's limits.
 const BEYOND_LIMITS: f64 = 20.0;

@@ -1,5 +1,6 @@
 //! The Pose section: the tree of limbs, with each one's share of the mismatch and its pin.
 
+use backlit_document::edit::Edit;
 use backlit_tracking::body::Model;
 use backlit_ui::drawing::JointId;
 use backlit_ui::style::format;
@@ -10,7 +11,6 @@ use egui::{Align2, Rect, Response, Role, Sense, StrokeKind, TextStyle, Ui, Widge
 
 use crate::context::command::{Command, PoseCommand};
 use crate::context::{Context, Request, Requests};
-use crate::document::edit::Edit;
 use crate::session::selection::Selection;
 
 /// Indent of a level of the tree.

@@ -1,5 +1,6 @@
 //! The Size section: length and radius of the selected limb, and the scale of the whole body.
 
+use backlit_document::edit::Edit;
 use backlit_tracking::body::Model;
 use backlit_ui::style::format;
 use backlit_ui::style::theme::space;
@@ -9,7 +10,6 @@ use egui::Ui;
 use super::dragged::{LENGTHS_M, RADII_M};
 use crate::context::command_button::gesture;
 use crate::context::{Context, Request, Requests};
-use crate::document::edit::Edit;
 
 /// Ends of the slider of the whole body, in percent of the take's own body.
 const SCALES: std::ops::RangeInclusive<f64> = 60.0..=150.0;

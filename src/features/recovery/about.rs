@@ -2,10 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use backlit_document::project::ProjectError;
 use backlit_formats::{DiskFiles, TakeFiles, atomic};
 use serde::{Deserialize, Serialize};
-
-use crate::document::project::ProjectError;
 
 /// No more is ever written.
 const MAX_BYTES: u64 = 1 << 20;

@@ -9,10 +9,10 @@ use std::fs::{File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
+use backlit_document::project::{ProjectError, read_project};
 use backlit_formats::reason;
 
 use super::{About, Left, Picture};
-use crate::document::project::{ProjectError, read_project};
 
 /// Beginning of a copy's name.
 const NAME: &str = "unsaved";
@@ -228,9 +228,9 @@ mod tests {
     use backlit_tracking::body::builtin;
 
     use super::*;
-    use crate::document::Document;
-    use crate::document::project::write_project;
-    use crate::take::source::TakeSource;
+    use backlit_document::Document;
+    use backlit_document::project::write_project;
+    use backlit_take::source::TakeSource;
 
     fn write(path: &Path) {
         let mut document = Document::new(builtin::single_limb());

@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::SystemTime;
 
+use backlit_document::{Document, Origin};
+use backlit_take::source::TakeSource;
 use egui::ColorImage;
 
 use super::About;
 use crate::context::clock::Clock;
-use crate::document::{Document, Origin};
-use crate::take::source::TakeSource;
 
 /// Work that a window has left.
 #[derive(Debug, Clone, PartialEq)]

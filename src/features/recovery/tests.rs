@@ -1,8 +1,9 @@
 //! The copy of unsaved work in the window.
 
+use backlit_document::history::Version;
+
 use crate::app::testing::{Breaks, errors, open, settle};
 use crate::context::preferences::Layout;
-use crate::document::history::Version;
 
 #[test]
 fn a_copy_that_breaks_down_is_said_once() {

@@ -1,6 +1,11 @@
 //! The copy of unsaved work, and what earlier windows have left.
 
 use anyhow::anyhow;
+use backlit_document::Document;
+use backlit_document::history::Version;
+use backlit_document::project::{ProjectError, write_project};
+use backlit_document::run::Run;
+use backlit_take::source::TakeSource;
 use std::path::Path;
 use std::sync::PoisonError;
 use std::time::{Duration, Instant};
@@ -12,11 +17,6 @@ use crate::context::clock::Clock;
 use crate::context::command::{Command, FileCommand, RecoveryCommand};
 use crate::context::unavailable::because;
 use crate::context::{Context, Decision, Request, Requests};
-use crate::document::Document;
-use crate::document::history::Version;
-use crate::document::project::{ProjectError, write_project};
-use crate::document::run::Run;
-use crate::take::source::TakeSource;
 
 /// The copy is written this often while there is something new: with the time of writing, less than a second of work
 /// can be lost.

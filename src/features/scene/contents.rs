@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use backlit_document::CameraUse;
 use backlit_tracking::body::{Kinematics, Model, PlacedSphere};
 use backlit_tracking::camera::Camera;
 use backlit_tracking::render::RendererKind;
@@ -14,7 +15,6 @@ use egui::Color32;
 use glam::{DVec2, DVec3};
 
 use super::{ScenePreferences, ShownHull, Upright, Viewpoint, ghosts};
-use crate::document::CameraUse;
 use crate::features::scene::raster::{Dot, Ends, Floor, Limb, Line, Scene};
 
 /// Depth of a frustum, as a share of the middle camera's distance from the body, and its limits.

@@ -98,7 +98,7 @@ mod tests {
 
     use super::*;
     use crate::features::scene::raster::{Ends, Limb, SceneCamera};
-    use crate::take::footage::CameraFrame;
+    use backlit_take::footage::CameraFrame;
 
     fn order() -> SceneOrder {
         let image = RgbImage::from_fn(60, 40, |x, y| Rgb([4 * x as u8, 6 * y as u8, 90]));

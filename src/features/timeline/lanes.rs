@@ -3,13 +3,13 @@
 
 use std::ops::RangeInclusive;
 
+use backlit_document::{Document, Estimate};
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::tick;
 use egui::{Align2, Color32, Mesh, Pos2, Rect, Shape, Stroke, TextStyle, Ui, pos2, vec2};
 
 use super::span::Scale;
-use crate::document::{Document, Estimate};
 use backlit_tracking::track::LOST_BELOW_IOU;
 
 /// Width of a curve.
@@ -285,9 +285,9 @@ mod tests {
     use backlit_tracking::body::{Pose, builtin};
 
     use super::*;
-    use crate::document::Origin;
-    use crate::document::edit::Edit;
     use crate::features::timeline::span::Span;
+    use backlit_document::Origin;
+    use backlit_document::edit::Edit;
 
     fn document(frames: impl Iterator<Item = (usize, f64)>) -> Document {
         let model = builtin::single_limb();

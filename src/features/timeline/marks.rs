@@ -1,6 +1,7 @@
 //! The ruler, and what is marked on it and in the lane of the overlap: tracked and marked frames, lost and worst
 //! frames, the frame on the screen.
 
+use backlit_document::Document;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::tick;
@@ -11,7 +12,6 @@ use egui::{
 
 use super::span::{Scale, Span};
 use crate::context::Context;
-use crate::document::Document;
 use crate::session::playback::FrameRange;
 
 /// Height of the ruler.

@@ -1,5 +1,6 @@
 //! What is known of the frame under the pointer.
 
+use backlit_document::{Estimate, Origin};
 use backlit_tracking::track::LOST_BELOW_IOU;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
@@ -9,7 +10,6 @@ use super::lanes::Lane;
 use super::marks::worst;
 use super::transport::seconds;
 use crate::context::Context;
-use crate::document::{Estimate, Origin};
 
 /// Width that words may take.
 const WIDTH: f32 = 210.0;

@@ -1,5 +1,6 @@
 //! The row above the lanes: going, playing, tracking, key poses, worst frames.
 
+use backlit_document::Document;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
@@ -10,7 +11,6 @@ use egui::{Align, Layout as Direction, RichText, Sense, TextStyle, Ui, vec2};
 use crate::context::command::{Command, TimelineCommand, TrackingCommand};
 use crate::context::command_button::{icon, named_button, sized_button};
 use crate::context::{Context, Request, Requests};
-use crate::document::Document;
 use crate::session::playback::{PlaybackChange, SPEEDS};
 
 /// Height of the row.

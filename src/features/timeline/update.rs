@@ -1,11 +1,12 @@
 //! What the timeline's commands do, why they cannot be used, and which frame is read ahead.
 
+use backlit_document::Document;
+use backlit_document::edit::Edit;
+
 use super::Timeline;
 use crate::context::command::TimelineCommand;
 use crate::context::unavailable::{Why, because, no_take, not_tracked};
 use crate::context::{Context, Request, Requests};
-use crate::document::Document;
-use crate::document::edit::Edit;
 use crate::session::playback::PlaybackChange;
 
 /// How long a frame takes to be read, before one was: seconds.

@@ -3,12 +3,12 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use backlit_document::edit::Edit;
 use backlit_tracking::body::{Pose, SizeKind};
 use backlit_tracking::body_fit::{BodyFit, frames as choice};
 
 use crate::context::command::{Command, HistoryCommand};
 use crate::context::{Context, Requests};
-use crate::document::edit::Edit;
 
 /// Frames that a body is fitted to: more of one movement say little more.
 pub(super) const SIZE_FRAMES: usize = 8;

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use backlit_jobs::{Job, Outbox, Step};
+use backlit_take::footage::Footage;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::body_fit::{BodyFitError, BodyFitOptions, BodyFrame, CLOTHED, fit_body};
 use backlit_tracking::body_spheres::PosedViews;
@@ -12,7 +13,6 @@ use backlit_tracking::segment::SegmentOptions;
 use super::Found;
 use crate::session::load_frame;
 use crate::session::prediction::FitInputs;
-use crate::take::footage::Footage;
 
 /// Frames with poses, of which a body is made.
 #[derive(Debug)]

@@ -1,13 +1,13 @@
 //! The choices of tracking, in the Solver section: how motion is carried on, and when other poses are looked for.
 
+use backlit_document::edit::Edit;
+use backlit_document::tracking_choices::{AtKeys, CueChoice, Following, TrackedBody};
 use backlit_tracking::track::WhenToSearch;
 use backlit_ui::widgets::choice;
 use backlit_ui::widgets::{hint, named_row, number_field};
 use egui::Ui;
 
 use crate::context::{Context, Requests};
-use crate::document::edit::Edit;
-use crate::document::tracking_choices::{AtKeys, CueChoice, Following, TrackedBody};
 
 /// Width of the names, as in the rest of the section.
 const NAME: f32 = 78.0;

@@ -4,7 +4,10 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
+use backlit_document::tracking_choices::{AtKeys, CueChoice, Following, TrackingChoices};
+use backlit_document::{Estimate, Origin};
 use backlit_jobs::{Job, Outbox, Step};
+use backlit_take::footage::Footage;
 use backlit_tracking::body::{Model, Pose};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::{CueOptions, FrameCues};
@@ -18,11 +21,8 @@ use backlit_tracking::track::{FrameEstimate, Smoother, SmoothingError, Track, Tr
 use super::Found;
 use super::read_ahead::ReadAhead;
 use super::survey::{no_keypoints, nobody_to_track};
-use crate::document::tracking_choices::{AtKeys, CueChoice, Following, TrackingChoices};
-use crate::document::{Estimate, Origin};
 use crate::session::prediction::FitInputs;
 use crate::session::{BelievedJoints, FrameData, HeldLimbs, load_frame};
-use crate::take::footage::Footage;
 
 /// A way through the take.
 #[derive(Debug, Clone)]

@@ -1,6 +1,6 @@
 //! The key poses around a frame.
 
-use crate::document::Document;
+use backlit_document::Document;
 
 /// The last key pose up to a frame and the first one after it. At the last key pose of the take, the one before it and
 /// itself.
@@ -19,7 +19,7 @@ mod tests {
     use backlit_tracking::body::builtin;
 
     use super::*;
-    use crate::document::edit::Edit;
+    use backlit_document::edit::Edit;
 
     #[test]
     fn keys_lie_around_a_frame() {

@@ -1,5 +1,6 @@
 //! Other poses that fit the frame, as a search has found them: a click gives the frame one of them.
 
+use backlit_document::edit::Edit;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use egui::{RichText, TextStyle, Ui};
@@ -8,7 +9,6 @@ use super::{Tracking, Work};
 use crate::context::command::{Command, FitCommand};
 use crate::context::command_button::button;
 use crate::context::{Context, Requests};
-use crate::document::edit::Edit;
 use crate::features::tracking::pose_words;
 
 /// Two poses whose rotations differ by less are the same, radians and metres.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use backlit_jobs::{Job, Outbox, Step};
+use backlit_take::footage::Footage;
 use backlit_tracking::body::Pose;
 use backlit_tracking::body_fit::{
     OwnSizesProgress, Person, PersonError, PersonOptions, PersonProgress, find_person,
@@ -14,7 +15,6 @@ use backlit_ui::style::format;
 use super::Found;
 use crate::session::load_frame;
 use crate::session::prediction::FitInputs;
-use crate::take::footage::Footage;
 
 /// A person to be found.
 #[derive(Debug)]

@@ -5,11 +5,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 
+use backlit_take::footage::Footage;
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::segment::SegmentOptions;
 
 use crate::session::{FrameData, load_frame};
-use crate::take::footage::Footage;
 
 /// Frames that are read ahead.
 const AHEAD: usize = 3;

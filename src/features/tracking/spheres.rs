@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use backlit_document::edit::Edit;
 use backlit_jobs::Outbox;
 use backlit_tracking::body::Model;
 use backlit_tracking::body_spheres::{
@@ -16,7 +17,6 @@ use crate::context::command::{Command, HistoryCommand};
 use crate::context::command_button::next_gesture;
 use crate::context::view_settings::ViewSettings;
 use crate::context::{Context, Request, Requests};
-use crate::document::edit::Edit;
 
 /// A sphere stands for so many pixels of the subject in a view, or more.
 const PIXELS_A_SPHERE: usize = 25;

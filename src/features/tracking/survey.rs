@@ -3,11 +3,11 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 
+use backlit_document::tracking_choices::CueChoice;
 use backlit_tracking::body_fit::survey;
 use backlit_tracking::cancel::CancelToken;
 
 use super::job::TrackInputs;
-use crate::document::tracking_choices::CueChoice;
 use crate::session::load_frame;
 
 /// Frames that are looked at: the tracker waits for them.

@@ -2,6 +2,11 @@
 
 use std::sync::Arc;
 
+use backlit_document::edit::Edit;
+use backlit_document::tracking_choices::{CueChoice, TrackedBody, TrackingChoices};
+use backlit_take::demonstration::Demonstration;
+use backlit_take::footage::Footage;
+use backlit_take::source::TakeSource;
 use backlit_tracking::body::{Kinematics, Pose, Sides};
 use backlit_tracking::cancel::CancelToken;
 use backlit_tracking::cues::Cue;
@@ -12,12 +17,7 @@ use super::read_ahead::ReadAhead;
 use crate::app::testing::{Breaks, errors, open_source, open_take, settle, small_take};
 use crate::context::command::{Command, FitCommand, HistoryCommand, TimelineCommand, TrackingCommand};
 use crate::context::preferences::Layout;
-use crate::document::edit::Edit;
-use crate::document::tracking_choices::{CueChoice, TrackedBody, TrackingChoices};
 use crate::session::load_frame;
-use crate::take::demonstration::Demonstration;
-use crate::take::footage::Footage;
-use crate::take::source::TakeSource;
 
 #[test]
 fn a_tracker_or_a_search_that_breaks_down_is_said_once_and_nothing_waits_for_it() {

@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use backlit_document::edit::Edit;
+use backlit_document::tracking_choices::{AtKeys, TrackedBody};
 use backlit_jobs::{Job, News};
 use backlit_tracking::body::Pose;
 use backlit_tracking::body_fit::Person;
@@ -21,8 +23,6 @@ use crate::context::activity::TrackingProgress;
 use crate::context::command::{Command, FitCommand, HistoryCommand, TrackingCommand};
 use crate::context::command_button::next_gesture;
 use crate::context::{Context, Request, Requests};
-use crate::document::edit::Edit;
-use crate::document::tracking_choices::{AtKeys, TrackedBody};
 use crate::session::playback::{FrameRange, PlaybackChange};
 
 /// While the tracker is at work, the screen goes on to its newest frame this often: drawing every one would take

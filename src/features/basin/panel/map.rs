@@ -14,7 +14,7 @@ use egui::{
 };
 
 use super::Wish;
-use crate::features::basin::{MapColour, MapResult};
+use crate::features::basin::{MapColour, ShownMap};
 
 /// Width of the legend beside the map; where there is less than `FOLD` in all it stands below, so high.
 const LEGEND: f32 = 230.0;
@@ -33,7 +33,7 @@ const FOUND: f32 = 0.85;
 const NOT_FOUND: f32 = 0.2;
 
 /// The maps and their legend.
-pub(crate) fn ui(ui: &mut Ui, result: &MapResult, colour: MapColour, wishes: &mut Vec<Wish>) {
+pub(crate) fn ui(ui: &mut Ui, result: &ShownMap, colour: MapColour, wishes: &mut Vec<Wish>) {
     let area = ui.available_rect_before_wrap();
     let room = if area.width() >= FOLD {
         vec2(LEGEND, 0.0)
@@ -70,14 +70,14 @@ pub(crate) fn ui(ui: &mut Ui, result: &MapResult, colour: MapColour, wishes: &mu
 }
 
 /// Which maps are shown.
-pub(crate) fn choice_box(ui: &mut Ui, result: &MapResult, wishes: &mut Vec<Wish>) {
+pub(crate) fn choice_box(ui: &mut Ui, result: &ShownMap, wishes: &mut Vec<Wish>) {
     const ALL: &str = "All fits";
     let choices = &result.options.choices;
     let mut rows = vec![(None, ALL, "The maps of all fits side by side, by one scale".to_owned())];
     rows.extend(choices.iter().enumerate().map(|(index, choice)| {
         (Some(index), choice.name.as_str(), format!("The map of {} alone, large", choice.name))
     }));
-    let chosen = result.shown.and_then(|index| choices.get(index)).map_or(ALL, |choice| &choice.name);
+    let chosen = result.choice.and_then(|index| choices.get(index)).map_or(ALL, |choice| &choice.name);
     if let Some(shown) = choice(ui, "Fits shown", CHOICE, chosen, &rows) {
         wishes.push(Wish::ShowChoice(shown));
     }
@@ -85,13 +85,13 @@ pub(crate) fn choice_box(ui: &mut Ui, result: &MapResult, wishes: &mut Vec<Wish>
 
 /// The squares of the maps that are shown, each with its choice: all of them side by side, unless one is chosen or
 /// they would be too small to be read.
-fn grids(area: Rect, result: &MapResult) -> Vec<(usize, Rect)> {
+fn grids(area: Rect, result: &ShownMap) -> Vec<(usize, Rect)> {
     let count = result.options.choices.len();
     if count < 2 {
         return vec![(0, grid_in(area))];
     }
     let (across, side) = best_across(area, count);
-    let one = result.shown.filter(|choice| *choice < count).or((side < LEAST_OF_SEVERAL).then_some(0));
+    let one = result.choice.filter(|choice| *choice < count).or((side < LEAST_OF_SEVERAL).then_some(0));
     let grid = |place: Rect| grid_in(place.with_min_y(place.top() + NAME));
     if let Some(choice) = one {
         return vec![(choice, grid(area))];
@@ -104,7 +104,7 @@ fn grids(area: Rect, result: &MapResult) -> Vec<(usize, Rect)> {
 }
 
 /// Which fit a map is of, and how much of it was found.
-fn name(ui: &mut Ui, result: &MapResult, choice: usize, grid: Rect) {
+fn name(ui: &mut Ui, result: &ShownMap, choice: usize, grid: Rect) {
     let palette = theme::palette(ui);
     // Above the names of the axes, and as far left as those of the heights.
     let left_top = grid.left_top() - vec2(0.8 * AXES.x, NAME + 22.0);
@@ -130,7 +130,7 @@ fn name(ui: &mut Ui, result: &MapResult, choice: usize, grid: Rect) {
 /// The cells of a choice's map; the one under the pointer.
 fn cells(
     ui: &Ui,
-    result: &MapResult,
+    result: &ShownMap,
     (choice, colour): (usize, MapColour),
     grid: Rect,
     wishes: &mut Vec<Wish>,
@@ -164,7 +164,7 @@ fn cells(
 }
 
 /// The cell under the pointer, in every map; the one that was taken; and the pose itself.
-fn marks(ui: &Ui, result: &MapResult, grid: Rect, under: Option<[usize; 2]>) {
+fn marks(ui: &Ui, result: &ShownMap, grid: Rect, under: Option<[usize; 2]>) {
     let count = result.options.cells;
     let edges = [
         (under, Stroke::new(1.5, theme::palette(ui).text)),
@@ -187,7 +187,7 @@ fn cell_colour(error: f64, found: bool, colour: MapColour, limit: f64) -> Color3
 }
 
 /// A cell's offsets, and what came of it by a choice of fit.
-fn cell_text(result: &MapResult, choice: usize, place: [usize; 2]) -> String {
+fn cell_text(result: &ShownMap, choice: usize, place: [usize; 2]) -> String {
     let start = start_text(result, place);
     match result.options.choices.as_slice() {
         [] | [_] => format!("Start {start}: {}", came_text(result, choice, place)),
@@ -198,7 +198,7 @@ fn cell_text(result: &MapResult, choice: usize, place: [usize; 2]) -> String {
     }
 }
 
-fn start_text(result: &MapResult, place: [usize; 2]) -> String {
+fn start_text(result: &ShownMap, place: [usize; 2]) -> String {
     let [across, up] = place.map(|place| {
         let degrees = result.options.offset_degrees(place);
         // Offsets are shares of the largest one, and a share of a whole number need not be one to the last bit.
@@ -207,7 +207,7 @@ fn start_text(result: &MapResult, place: [usize; 2]) -> String {
     format!("{across}°, {up}°")
 }
 
-fn came_text(result: &MapResult, choice: usize, place: [usize; 2]) -> String {
+fn came_text(result: &ShownMap, choice: usize, place: [usize; 2]) -> String {
     match result.cell(choice, place) {
         Some(cell) => {
             let mm = |value: f64| format::number(value, usize::from(value < 99.5));
@@ -219,7 +219,7 @@ fn came_text(result: &MapResult, choice: usize, place: [usize; 2]) -> String {
 
 fn legend(
     ui: &mut Ui,
-    result: &MapResult,
+    result: &ShownMap,
     colour: MapColour,
     (shown, under): (&[usize], Option<[usize; 2]>),
     wishes: &mut Vec<Wish>,

@@ -1,6 +1,8 @@
 //! The Basin section of the right panel: what is tried, and the buttons that begin it.
 
+use backlit_document::fit_words as words;
 use backlit_lab::experiment::basin_map::Angle;
+use backlit_results::basin::{Compared, ComparedWay, MOST_COMPARED, angle_name};
 use backlit_tracking::body::Model;
 use backlit_tracking::render::RendererKind;
 use backlit_ui::style::theme;
@@ -14,11 +16,8 @@ use crate::context::command::{BasinView, Command, WindowCommand};
 use crate::context::command_button::named_button;
 use crate::context::pane::Pane;
 use crate::context::{Context, Requests};
-use crate::document::fit_words as words;
-use crate::features::basin::settings::{MOST_COMPARED, MOST_STARTS, angle_name};
-use crate::features::basin::{
-    Basin, BasinResults, BasinSettings, Compared, ComparedWay, MapDirection, Reference,
-};
+use crate::features::basin::settings::MOST_STARTS;
+use crate::features::basin::{Basin, BasinResults, BasinSettings, MapDirection, Reference};
 
 /// Width of the names in this section.
 const NAME: f32 = 64.0;

@@ -1,6 +1,7 @@
 //! Success over angle: one curve a choice of fit, with bars for how sure each point is, and the counts beside it.
 
 use backlit_lab::experiment::frame_basin::LevelReport;
+use backlit_results::basin::AnglesResult;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::data_colours::mark;
@@ -10,8 +11,6 @@ use egui::{
     Align, Layout as Direction, RichText, Role, ScrollArea, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2,
 };
 use egui_plot::{GridMark, Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotUi, Points};
-
-use crate::features::basin::AnglesResult;
 
 /// Width of the counts beside the plot; where there is less than `FOLD` in all they stand below it, if there is
 /// `HIGH` enough.

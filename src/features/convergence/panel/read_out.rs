@@ -1,13 +1,13 @@
 //! The card beside a step under the pointer: all its figures.
 
+use backlit_document::run::{Run, RunStep};
+use backlit_document::runs::StepRef;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{run_style, size};
 use egui::{Align, Area, Frame, Id, Layout as Direction, Margin, Order, Pos2, Rect, RichText, Ui, vec2};
 
 use crate::context::Context;
-use crate::document::run::{Run, RunStep};
-use crate::document::runs::StepRef;
 
 /// Width of the card, and its usual height.
 const CARD: egui::Vec2 = vec2(216.0, 168.0);

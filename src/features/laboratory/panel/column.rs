@@ -1,5 +1,6 @@
 //! One fit: percent of its start, its two pictures, its counts and the check of its gradient.
 
+use backlit_document::run::RunEnding;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{Palette, run_style, size, space};
@@ -9,7 +10,6 @@ use egui::{
 };
 
 use super::{Bench, Wish, picture};
-use crate::document::run::RunEnding;
 use crate::features::laboratory::story::percent_text;
 use crate::features::laboratory::{CheckProgress, Contestant, Worst};
 

@@ -1,5 +1,6 @@
 //! What is compared, and the controls of the step.
 
+use backlit_document::fit_words::preset_like;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
 use backlit_ui::style::theme::{size, space};
@@ -11,7 +12,6 @@ use super::Wish;
 use crate::context::command::{Command, FitCommand, LaboratoryCommand};
 use crate::context::command_button as command;
 use crate::context::{Context, Requests, preset_box, unavailable};
-use crate::document::fit_words::preset_like;
 use crate::features::laboratory::{Laboratory, Lineup, PushAxis, StartChoice};
 
 /// Height of the header, and of its rows.

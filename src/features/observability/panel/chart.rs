@@ -1,6 +1,7 @@
 //! Singular values of JᵀJ, relative to the largest, on a logarithmic scale: one bar a direction, null ones hatched below the
 //! line of what is nothing but rounding.
 
+use backlit_results::observability as words;
 use backlit_tracking::observability::Observability as Figures;
 use backlit_ui::style::format;
 use backlit_ui::style::theme;
@@ -12,7 +13,6 @@ use egui::{
 };
 
 use crate::features::observability::Observability;
-use crate::features::observability::words;
 
 /// Height of the chart.
 const HEIGHT: f32 = 124.0;

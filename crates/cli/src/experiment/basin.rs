@@ -1,0 +1,165 @@
+//! `backlit experiment basin`: how far off a start may be, and still end at the truth.
+
+use std::path::PathBuf;
+
+use backlit_formats::starts_file::{self, Start};
+use backlit_lab::experiment::basin::{self, Basin, Options, Report};
+use backlit_lab::experiment::starts::{Draw, LEVELS, Level};
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::Preset;
+use backlit_tracking::render::RendererKind;
+use backlit_ui::drawing::plot::{Axis, Figure, Line};
+use clap::Args;
+use serde::Serialize;
+
+use super::arguments::{OutputArguments, PictureSize};
+use super::basin_map;
+use super::files;
+use super::frame_basin::{self, FrameArguments};
+use super::waiting::Waiting;
+use crate::output;
+use crate::table::Table;
+
+/// What `backlit experiment basin` is told.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// Numbers of cameras
+    #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [1, 2, 4])]
+    cameras: Vec<usize>,
+    /// How far every joint of the starts is turned, degrees: of 5, 10, 20, 30 and 45, which go with 2, 5, 10,
+    /// 15 and 20 cm of the root; with --take any whole degrees [default: all five]
+    #[arg(long, value_name = "DEG,…", value_delimiter = ',', conflicts_with = "map")]
+    angles: Vec<u32>,
+    /// Starts of every angle; or a file of starts with their truth and masks, of which all are taken
+    #[arg(long, value_name = "N|FILE", default_value = "40", conflicts_with = "map")]
+    starts: String,
+    /// Seed of poses, cameras and starts that are drawn
+    #[arg(long, value_name = "S", default_value_t = 1, conflicts_with = "map")]
+    seed: u64,
+    /// Size of the pictures that are drawn, pixels
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "48x36")]
+    size: PictureSize,
+    /// Set of choices: report (as in 2004) or robust
+    #[arg(long, default_value_t = Preset::Robust)]
+    preset: Preset,
+    /// Solid that stands for a limb: capsule, cylinder or sphere-tree
+    #[arg(long, value_name = "SOLID", default_value_t = RendererKind::Capsule)]
+    renderer: RendererKind,
+    /// Go downhill from the start alone, without a search for other hypotheses
+    #[arg(long)]
+    downhill: bool,
+    /// Ignore the starts: the search begins in the visual hull. On all cores
+    #[arg(long, conflicts_with_all = ["downhill", "unscaled", "take"])]
+    no_start: bool,
+    /// Leave the preset's annealing as it is, whatever the size of the pictures
+    #[arg(long)]
+    unscaled: bool,
+    #[command(flatten)]
+    frame: FrameArguments,
+    #[command(flatten)]
+    output: OutputArguments,
+}
+
+/// What was done, for the file with the numbers.
+#[derive(Debug, Serialize)]
+struct Conditions<'a> {
+    #[serde(flatten)]
+    options: &'a Options,
+    starts: &'a str,
+    draw: Option<&'a Draw>,
+}
+
+/// Runs the experiment, writes and prints. `--json` prints one object a number of cameras: by itself if there
+/// is one, else a list.
+///
+/// # Errors
+/// Options that make no sense, or files that cannot be read or written.
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let mut options = Options { cameras: arguments.cameras.clone(), ..Options::of(arguments.preset) };
+    options.renderer = arguments.renderer;
+    options.scaled &= !arguments.unscaled;
+    options.no_start = arguments.no_start;
+    if arguments.downhill {
+        options.hypotheses = None;
+    }
+    if let Some(take) = &arguments.frame.take {
+        if arguments.frame.map.is_some() {
+            return basin_map::run(&arguments.frame, take, options.choice(), &arguments.output);
+        }
+        let draw = (arguments.angles.as_slice(), arguments.starts.as_str(), arguments.seed);
+        return frame_basin::run(&arguments.frame, take, draw, options.choice(), &arguments.output);
+    }
+    let (starts, draw) = starts(arguments)?;
+    let report = basin::run(&options, &starts, &CancelToken::new(), Waiting::new().listener())?;
+    let conditions = Conditions { options: &options, starts: &arguments.starts, draw: draw.as_ref() };
+    let figures = [("basin".to_owned(), figure(&report, starts.len()))];
+    // The numbers that are printed are those of the basins alone.
+    let files = OutputArguments { json: false, out: arguments.output.out.clone(), ..arguments.output };
+    if !arguments.output.json {
+        return files::finish(&files, "basin", &conditions, &report, &figures, &table(&report));
+    }
+    files::write(&files, "basin", &conditions, &report, &figures)?;
+    match report.basins.as_slice() {
+        [one] => output::print_json(one),
+        several => output::print_json(&several),
+    }
+}
+
+fn starts(arguments: &Arguments) -> anyhow::Result<(Vec<Start>, Option<Draw>)> {
+    let scenes = (arguments.cameras.as_slice(), arguments.size.0, arguments.seed);
+    starts_of(&arguments.starts, &arguments.angles, scenes)
+}
+
+/// Starts by number or from a file, of some angles (none: of all); drawn ones before so many cameras, of so many pixels, by a seed.
+///
+/// # Errors
+/// A file that cannot be read, or angles that no start has.
+pub(super) fn starts_of(
+    starts: &str,
+    angles: &[u32],
+    (cameras, size_px, seed): (&[usize], [u64; 2], u64),
+) -> anyhow::Result<(Vec<Start>, Option<Draw>)> {
+    let wanted = |degrees: u32| angles.is_empty() || angles.contains(&degrees);
+    let Ok(count) = starts.parse() else {
+        let mut found = starts_file::read(&PathBuf::from(starts))?;
+        found.retain(|start| wanted(start.degrees));
+        anyhow::ensure!(!found.is_empty(), "{starts} has no start of --angles");
+        return Ok((found, None));
+    };
+    let levels: Vec<Level> = LEVELS.into_iter().filter(|level| wanted(level.degrees)).collect();
+    anyhow::ensure!(!levels.is_empty(), "--angles: expected some of 5, 10, 20, 30 and 45");
+    let draw = Draw { starts: count, levels, cameras: cameras.to_vec(), size_px, seed };
+    Ok((draw.draw()?, Some(draw)))
+}
+
+fn table(report: &Report) -> String {
+    let mut table = Table::new(["cameras, start off by", "found, %", "median, mm", "ms a start"]);
+    for basin in &report.basins {
+        for (degrees, success) in &basin.success {
+            let median = basin.median_mm.get(degrees).copied().unwrap_or_default();
+            table.row([
+                format!("{}, {degrees}°", basin.cameras),
+                format!("{:.1}", 100.0 * success),
+                format!("{median:.1}"),
+                format!("{:.1}", basin.ms_per_start),
+            ]);
+        }
+    }
+    table.to_text()
+}
+
+fn figure(report: &Report, starts: usize) -> Figure {
+    let line = |(style, basin): (usize, &Basin)| Line {
+        name: if basin.cameras == 1 { "one camera".to_owned() } else { format!("{} cameras", basin.cameras) },
+        points: basin.success.iter().map(|(&degrees, &found)| [f64::from(degrees), 100.0 * found]).collect(),
+        style,
+        ..Line::default()
+    };
+    Figure {
+        title: "Basin: starts that end within 20 mm of the truth".to_owned(),
+        subtitle: format!("upper body, {starts} starts"),
+        x: Axis::linear("degrees that every joint of the start is off"),
+        y: Axis::linear("found, %"),
+        lines: report.basins.iter().enumerate().map(line).collect(),
+    }
+}

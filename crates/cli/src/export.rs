@@ -1,0 +1,173 @@
+//! `backlit export`: a track as motion files of other programs.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use backlit_formats::motion::{self, Axes, EulerOrder, Motion, MotionFormat, MotionOptions, Names, Unit};
+use clap::Args;
+use glam::DVec3;
+
+use super::take_options::FrameRange;
+use crate::{output, track_files};
+
+const NOTES: &str = "\
+Writes to the folder of --out one file a format, named after TRACK:
+  bvh  joints and angles for Blender, MotionBuilder, Maya: y up, centimetres
+  trc  markers for OpenSim: y up, metres
+  mot  coordinates for OpenSim: y up, degrees and metres
+  c3d  points for biomechanics: z up, millimetres
+  glb  glTF 2.0 with a skinned body: y up, metres
+  npz  NumPy arrays: the take's world, metres
+  csv  one row a frame and joint: the take's world, metres
+
+Example:
+  backlit track TAKE --out results
+  backlit export results --to bvh,c3d --up -y --out motion";
+
+/// What `backlit export` is told.
+#[derive(Debug, Args)]
+#[command(after_help = NOTES)]
+pub struct ExportArguments {
+    /// Track: the track.json that `backlit track` wrote, or its folder
+    track: PathBuf,
+    /// Formats, with commas between: bvh, trc, mot, c3d, glb, npz, csv
+    #[arg(long, value_name = "FORMATS", value_delimiter = ',', required = true, value_parser = format)]
+    to: Vec<MotionFormat>,
+    /// Folder for the results; made if it is not there
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Body of the track: a built-in name or a body file [default: the body.toml beside the track, else the built-in
+    /// body that the track names]
+    #[arg(long, value_name = "MODEL")]
+    model: Option<String>,
+    /// Which way is up in the take's world: x, y, z, -x, -y, -z, or three numbers with commas between
+    #[arg(long, value_name = "AXIS", default_value = "z", allow_hyphen_values = true)]
+    up: Up,
+    /// Which way the file's axes point: y-up, z-up or world [default: as the format expects]
+    #[arg(long, value_parser = axes)]
+    axes: Option<Axes>,
+    /// Unit of the file's lengths: m, cm or mm [default: as the format expects]
+    #[arg(long, value_parser = unit)]
+    unit: Option<Unit>,
+    /// Frames: A..B, A.., ..B, A..=B or one frame [default: all]
+    #[arg(long, value_name = "FRAMES")]
+    frames: Option<FrameRange>,
+    /// What joints are called: ours, opensim or mixamo
+    #[arg(long, default_value = "ours", value_parser = names)]
+    names: Names,
+    /// Order of angles in BVH: xyz, xzy, yxz, yzx, zxy or zyx
+    #[arg(long, value_name = "ORDER", default_value = "zxy", value_parser = order)]
+    euler: EulerOrder,
+}
+
+/// Reads the track and writes it in every format.
+///
+/// # Errors
+/// A track or body that cannot be read, no frame to write, or a folder that cannot be written.
+pub(crate) fn run(arguments: &ExportArguments) -> anyhow::Result<()> {
+    let track = track_files::path_in(&arguments.track);
+    let motion = Motion::of_written(track_files::read(&arguments.track, arguments.model.as_deref())?);
+    let range = match arguments.frames {
+        Some(FrameRange { first, past: Some(past) }) if past <= first => {
+            anyhow::bail!("--frames: there is no frame from {first} up to {past}")
+        }
+        Some(FrameRange { first, past }) => Some(first..=past.map_or(usize::MAX, |past| past - 1)),
+        None => None,
+    };
+    let options = MotionOptions {
+        axes: arguments.axes,
+        up: arguments.up.0,
+        unit: arguments.unit,
+        range,
+        names: arguments.names,
+        euler: arguments.euler,
+    };
+    output::make_folder(&arguments.out)?;
+    let stem = track.file_stem().map_or_else(|| Path::new("track"), Path::new);
+    for &format in &arguments.to {
+        let mut name = stem.as_os_str().to_owned();
+        name.push(".");
+        name.push(format.extension());
+        motion::write(&arguments.out.join(name), format, &motion, &options)?;
+    }
+    Ok(())
+}
+
+/// A direction in the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Up(pub(super) DVec3);
+
+impl FromStr for Up {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        const EXPECTED: &str =
+            "expected x, y, z, -x, -y, -z, or three numbers with commas between, not all zero";
+        let axis = |letter: &str| match letter {
+            "x" => Some(DVec3::X),
+            "y" => Some(DVec3::Y),
+            "z" => Some(DVec3::Z),
+            _ => None,
+        };
+        let signed = text.strip_prefix('-').and_then(|letter| axis(letter).map(|axis| -axis));
+        if let Some(axis) = axis(text).or(signed) {
+            return Ok(Self(axis));
+        }
+        let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+        match numbers.as_deref() {
+            Some(&[x, y, z]) if DVec3::new(x, y, z).try_normalize().is_some() => {
+                Ok(Self(DVec3::new(x, y, z)))
+            }
+            _ => Err(EXPECTED),
+        }
+    }
+}
+
+fn format(text: &str) -> Result<MotionFormat, &'static str> {
+    MotionFormat::of_extension(text).ok_or("expected bvh, trc, mot, c3d, glb, npz or csv")
+}
+
+fn axes(text: &str) -> Result<Axes, &'static str> {
+    match text {
+        "y-up" => Ok(Axes::YUp),
+        "z-up" => Ok(Axes::ZUp),
+        "world" => Ok(Axes::World),
+        _ => Err("expected y-up, z-up or world"),
+    }
+}
+
+fn unit(text: &str) -> Result<Unit, &'static str> {
+    let all = [Unit::Metres, Unit::Centimetres, Unit::Millimetres];
+    all.into_iter().find(|unit| unit.symbol() == text).ok_or("expected m, cm or mm")
+}
+
+fn names(text: &str) -> Result<Names, &'static str> {
+    match text {
+        "ours" => Ok(Names::Ours),
+        "opensim" => Ok(Names::OpenSim),
+        "mixamo" => Ok(Names::Mixamo),
+        _ => Err("expected ours, opensim or mixamo"),
+    }
+}
+
+fn order(text: &str) -> Result<EulerOrder, &'static str> {
+    let is_it = |order: &EulerOrder| text.chars().map(|c| c.to_ascii_uppercase()).eq(order.letters());
+    EulerOrder::ALL.into_iter().find(is_it).ok_or("expected xyz, xzy, yxz, yzx, zxy or zyx")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_read() {
+        assert_eq!("-y".parse(), Ok(Up(-DVec3::Y)));
+        assert_eq!("0, 0.5,2".parse(), Ok(Up(DVec3::new(0.0, 0.5, 2.0))));
+        for bad in ["w", "1,2", "0,0,0", "nan,0,1", ""] {
+            assert!(bad.parse::<Up>().is_err(), "{bad}");
+        }
+        assert_eq!(order("zyx"), Ok(EulerOrder::Zyx));
+        assert_eq!(format("C3D"), Ok(MotionFormat::C3d));
+        assert_eq!(unit("cm"), Ok(Unit::Centimetres));
+    }
+}

@@ -1,0 +1,359 @@
+//! `backlit fit-body`: a person's own lengths and radii, from several frames of a take.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use anyhow::{Context, bail};
+use backlit_formats::pose_file::{self, Quaternions};
+use backlit_formats::{Footage, Take, model_file};
+use backlit_tracking::acquisition::{AcquireOptions, Acquired, acquire};
+use backlit_tracking::body::{Model, Pose, SizeChoice};
+use backlit_tracking::body_fit::{
+    Approach, BodyFit, BodyFitOptions, BodyFrame, BodyProgress, approach, fit_body, fit_body_from, frames,
+    scale,
+};
+use backlit_tracking::body_spheres::{PosedViews, SphereBody, SphereBodyOptions, sphere_body};
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::FitOptions;
+use backlit_tracking::metrics::ReferenceJoints;
+use backlit_tracking::search::start;
+use clap::{Args, ValueEnum};
+use indicatif::ProgressBar;
+
+use super::fit_body_report::{self, BodyReport};
+use super::output;
+use super::take_options::{self, FrameRange, PartArguments};
+
+const NOTES: &str = "\
+Sizes and the poses of all chosen frames are found together: from the silhouettes, from the proportions and \
+girths of people, and from the take's reference keypoints in these frames if it has any. Silhouettes that \
+are surely too wide all round are not mistaken for girth. Left and right share their sizes. The body is \
+first scaled as a whole to the lowest-numbered frame, then tracked to the others.
+
+Several frames of a movement are better than one: a T-pose shows radii and the lengths of arms; bent elbows \
+and knees show where upper and lower limbs meet. A size is marked as a guess if the silhouettes say hardly \
+more about it than the proportions of people do.
+
+Examples:
+  backlit fit-body TAKE --frames 0..300 --out person.toml
+  backlit fit-body TAKE --acquire --out person.toml
+  backlit fit-body TAKE --count 24 --spheres 800 --out spheres.toml
+  backlit fit-body TAKE --frames 3,40,85 --model full_body --without-keypoints --json";
+
+/// What `backlit fit-body` is told.
+#[derive(Debug, Args)]
+#[command(after_help = NOTES)]
+pub struct FitBodyArguments {
+    /// Take: its folder or its take.toml
+    take: PathBuf,
+    /// Frames: a list 3,40,85, or a range A..B of which --count frames are taken, evenly spread [default: all]
+    #[arg(long, value_name = "FRAMES", allow_hyphen_values = true)]
+    frames: Option<FrameChoice>,
+    /// How many frames to take from a range
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=64))]
+    count: u32,
+    /// Names of the cameras to use, with commas [default: all]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    cameras: Option<Vec<String>>,
+    /// The body to begin with: a file, or the name of a built-in one [default: the take's]
+    #[arg(long, value_name = "MODEL")]
+    model: Option<String>,
+    /// A pose near that of the lowest-numbered frame: a backlit-pose file [default: from the reference keypoints, else the
+    /// take's own start]
+    #[arg(long, value_name = "POSE")]
+    start: Option<PathBuf>,
+    /// Use neither a start nor keypoints: grow a first body and its pose in the lowest-numbered frame, and begin the fit with them
+    #[arg(long, conflicts_with = "start")]
+    acquire: bool,
+    /// Do not use the take's reference keypoints
+    #[arg(long)]
+    without_keypoints: bool,
+    /// Let left and right differ
+    #[arg(long)]
+    asymmetric: bool,
+    /// Keep the proportions of all lengths, of all radii, or of both: then the body is only scaled as a whole
+    #[arg(long, value_enum, value_name = "KIND")]
+    hold: Option<HoldWord>,
+    /// How much the proportions of people count [default, for a body built as the built-in full one:
+    /// 0.2 with keypoints, without them 14, for people in clothes; for others 1 and 20]
+    #[arg(long, value_name = "FACTOR", value_parser = factor)]
+    proportions: Option<f64>,
+    /// Make a body of spheres, about N in all: one tree for each limb, carved from the silhouettes and fitted to them; for
+    /// --renderer sphere-tree
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    spheres: Option<u32>,
+    /// Levels of those trees
+    #[arg(long, value_name = "L", default_value_t = 2, requires = "spheres", value_parser = clap::value_parser!(u32).range(1..=6))]
+    levels: u32,
+    /// Write the body to this file
+    #[arg(long, value_name = "MODEL.toml")]
+    out: Option<PathBuf>,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Sizes that stay in proportion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum HoldWord {
+    /// All lengths
+    Lengths,
+    /// All radii
+    Radii,
+    /// Both
+    Both,
+}
+
+/// Frames by number, or a range to choose from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum FrameChoice {
+    List(Vec<usize>),
+    Range(FrameRange),
+}
+
+impl FromStr for FrameChoice {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        if !text.contains(',') && text.contains("..") {
+            return text.parse().map(Self::Range);
+        }
+        let numbers: Option<Vec<usize>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+        numbers.map(Self::List).ok_or("expected frames with commas (3,40,85) or a range (A..B)")
+    }
+}
+
+impl FitBodyArguments {
+    fn frames(&self, take: &Take) -> anyhow::Result<Vec<usize>> {
+        let range = match &self.frames {
+            Some(FrameChoice::List(frames)) => {
+                let count = take.frame_count();
+                if let Some(frame) = frames.iter().find(|&&frame| frame >= count) {
+                    bail!(
+                        "--frames: the take has {count} frames, counted from 0; frame {frame} is not among them"
+                    );
+                }
+                return Ok(frames.clone());
+            }
+            Some(FrameChoice::Range(range)) => Some(*range),
+            None => None,
+        };
+        let part = PartArguments { frames: range, every: 1, cameras: None };
+        Ok(frames::spread(&part.frames(take)?, self.count as usize))
+    }
+
+    fn options(&self, model: &Model, has_joints: bool) -> BodyFitOptions {
+        let choice = SizeChoice {
+            symmetric: !self.asymmetric,
+            lengths: !matches!(self.hold, Some(HoldWord::Lengths | HoldWord::Both)),
+            radii: !matches!(self.hold, Some(HoldWord::Radii | HoldWord::Both)),
+        };
+        let usual = BodyFitOptions::for_people(model, has_joints);
+        let weighed = self.proportions.map(|factor| BodyFitOptions::default().with_proportions(factor));
+        BodyFitOptions { choice, ..weighed.unwrap_or(usual) }
+    }
+}
+
+/// A finite number above 0.
+fn factor(text: &str) -> anyhow::Result<f64> {
+    match text.parse() {
+        Ok(factor) if factor > 0.0 && f64::is_finite(factor) => Ok(factor),
+        _ => bail!("expected a number above 0"),
+    }
+}
+
+/// Finds the sizes, writes and prints.
+///
+/// # Errors
+/// A take, body or pose that cannot be read, frames without silhouettes, or a file that cannot be written.
+pub(crate) fn run(arguments: &FitBodyArguments) -> anyhow::Result<()> {
+    if let Some(out) = &arguments.out {
+        output::check_folder_of(out)?;
+    }
+    let footage = take_options::open(&arguments.take)?;
+    let take = footage.take();
+    let model = match &arguments.model {
+        Some(argument) => Arc::new(model_file::resolve(argument)?),
+        None => Arc::clone(take.model()),
+    };
+    let part = PartArguments { frames: None, every: 1, cameras: arguments.cameras.clone() };
+    let (cameras, chosen) = (part.cameras(take)?, arguments.frames(take)?);
+    let joints = |frame: usize| match arguments.without_keypoints {
+        true => ReferenceJoints::new(),
+        false => joints_of(take, &model, frame),
+    };
+    let acquired = arguments.acquire.then(|| acquired(&footage, &cameras, &model, &chosen)).transpose()?;
+    let plan = match &acquired {
+        Some(acquired) => approach_to(take, acquired.poses[0].clone(), Some(0.0), chosen),
+        None => plan(arguments, take, &model, chosen, &joints)?,
+    };
+    let options = arguments.options(&model, plan.frames.iter().any(|&frame| !joints(frame).is_empty()));
+    let grown = acquired.map(|acquired| acquired.model);
+    let (fit, frames) = follow_and_fit(
+        &footage,
+        &cameras,
+        [&model, grown.as_ref().unwrap_or(&model)],
+        &plan,
+        joints,
+        &options,
+    )?;
+    let spheres = match arguments.spheres {
+        Some(count) => Some(of_spheres(&fit, frames, count as usize, arguments.levels as usize)?),
+        None => None,
+    };
+    if let Some(out) = &arguments.out {
+        model_file::write(out, spheres.as_ref().map_or(&fit.model, |spheres| &spheres.model))?;
+    }
+    let report = BodyReport::new(&fit, spheres.as_ref());
+    if arguments.json {
+        output::print_json(&report)
+    } else {
+        output::print(&fit_body_report::text(&fit, spheres.as_ref(), arguments.out.as_deref()))
+    }
+}
+
+/// The fitted person as spheres, from the frames of the fit.
+fn of_spheres(
+    fit: &BodyFit,
+    frames: Vec<BodyFrame>,
+    spheres: usize,
+    levels: usize,
+) -> anyhow::Result<SphereBody> {
+    let posed = fit.frames.iter().zip(&fit.poses).filter_map(|(number, pose)| {
+        let frame = frames.iter().find(|frame| frame.frame == *number)?;
+        Some(PosedViews { frame: *number, views: frame.views.clone(), pose: pose.clone() })
+    });
+    let spinner = ProgressBar::new_spinner();
+    spinner.enable_steady_tick(Duration::from_millis(200));
+    let options = SphereBodyOptions { spheres, levels, ..SphereBodyOptions::default() };
+    let posed = posed.collect();
+    let cancel = CancelToken::new();
+    let body = sphere_body(&fit.model, posed, &options, &FitOptions::default(), &cancel, |what| {
+        spinner.set_message(what);
+    })?;
+    spinner.finish_and_clear();
+    Ok(body)
+}
+
+fn follow_and_fit(
+    footage: &Footage,
+    cameras: &[usize],
+    [model, followed]: [&Arc<Model>; 2],
+    plan: &Approach,
+    joints: impl Fn(usize) -> ReferenceJoints,
+    options: &BodyFitOptions,
+) -> anyhow::Result<(BodyFit, Vec<BodyFrame>)> {
+    let spinner = ProgressBar::new_spinner();
+    spinner.enable_steady_tick(Duration::from_millis(200));
+    let cancel = CancelToken::new();
+    let (size, frames) = approach(
+        followed,
+        plan,
+        options,
+        &cancel,
+        |frame| -> anyhow::Result<_> { Ok(footage.fit_views(cameras, frame)?) },
+        joints,
+        |done, all| spinner.set_message(format!("on the way: frame {done} of {all}")),
+    )?;
+    let told = |progress: BodyProgress| {
+        let (stage, stages) = (progress.stage + 1, progress.stages);
+        spinner.set_message(format!("stage {stage} of {stages}, step {}", progress.iterations));
+    };
+    let fit = if Arc::ptr_eq(model, followed) {
+        fit_body(Arc::clone(model), frames.clone(), Some(size), options, &cancel, told)?
+    } else {
+        let grown = followed.scaled(size.exp())?;
+        fit_body_from(Arc::clone(model), frames.clone(), &grown, options, &cancel, told)?
+    };
+    spinner.finish_and_clear();
+    let name = format!("{}, fitted", model.name().trim_end_matches(", fitted"));
+    Ok((BodyFit { model: fit.model.clone().renamed(&name), ..fit }, frames))
+}
+
+/// Where to begin, and how large the body is there.
+fn plan(
+    arguments: &FitBodyArguments,
+    take: &Take,
+    model: &Model,
+    frames: Vec<usize>,
+    joints: &impl Fn(usize) -> ReferenceJoints,
+) -> anyhow::Result<Approach> {
+    let first = frames.iter().copied().min().unwrap_or(0);
+    let known: Vec<ReferenceJoints> = frames.iter().map(|&frame| joints(frame)).collect();
+    let size = scale::from_joints(model, &known);
+    let start = match &arguments.start {
+        Some(path) => pose_file::read(path, model, Quaternions::Normalised)?,
+        None => {
+            let scaled = model.scaled(size.unwrap_or(0.0).exp())?;
+            let from_joints = || start::from_joints(&scaled, &joints_of(take, model, first));
+            from_joints().or_else(|| own_start(take, model)).with_context(|| {
+                format!(
+                    "the take has neither reference keypoints in frame {first} nor a `start` for this body; give a \
+                     pose with --start POSE"
+                )
+            })?
+        }
+    };
+    Ok(approach_to(take, start, size, frames))
+}
+
+fn approach_to(take: &Take, start: Pose, size: Option<f64>, frames: Vec<usize>) -> Approach {
+    // A twentieth of a second is near enough for tracking.
+    let step = (take.frame_rate() / 20.0).round().max(1.0) as usize;
+    Approach { start, size, frames, step }
+}
+
+/// A first body, grown in the smallest frame.
+fn acquired(
+    footage: &Footage,
+    cameras: &[usize],
+    model: &Arc<Model>,
+    frames: &[usize],
+) -> anyhow::Result<Acquired> {
+    let first = frames.iter().copied().min().unwrap_or(0);
+    let views = footage.fit_views(cameras, first)?;
+    let found = acquire(model, &views, &AcquireOptions::default(), &CancelToken::new());
+    found.with_context(|| format!("frame {first}: no first body can be grown"))
+}
+
+/// The take's reference keypoints of a frame, by the limbs of another body with the same names.
+fn joints_of(take: &Take, model: &Model, frame: usize) -> ReferenceJoints {
+    let limbs = take.model().limbs();
+    let joints = take_options::reference_joints(take, frame).into_iter();
+    let named = joints.filter_map(|(limb, place)| match limb {
+        Some(limb) => Some((Some(model.limb_index(&limbs[limb].name)?), place)),
+        None => Some((None, place)),
+    });
+    named.collect()
+}
+
+/// The take's start as a pose of another body, by the names of its limbs.
+fn own_start(take: &Take, model: &Model) -> Option<Pose> {
+    let (start, from) = (take.start()?, take.model());
+    let mut pose = Pose::rest(model);
+    pose.root = start.root;
+    for (rotation, &owner) in model.rotation_owners().iter().enumerate() {
+        if let Some(limb) = from.limb_index(&model.limbs()[owner].name) {
+            pose.rotations[rotation] = start.rotations[from.limbs()[limb].rotation];
+        }
+    }
+    Some(pose)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_a_list_or_a_range() {
+        assert_eq!("3, 40,85".parse(), Ok(FrameChoice::List(vec![3, 40, 85])));
+        assert_eq!("7".parse(), Ok(FrameChoice::List(vec![7])));
+        let range = FrameRange { first: 2, past: Some(9) };
+        assert_eq!("2..9".parse(), Ok(FrameChoice::Range(range)));
+        for text in ["", "a", "1,,2", "-1", "1..2,3"] {
+            assert!(text.parse::<FrameChoice>().is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! `backlit observability`: what the cameras see of a frame's pose, direction by direction, and sets of cameras compared.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use backlit_results::observability as words;
+use backlit_tracking::body::Pose;
+use backlit_tracking::cancel::CancelToken;
+use backlit_tracking::fit::{Fit, FitView};
+use backlit_tracking::observability::{Direction, FrameInformation, Observability, SubsetFigures};
+use backlit_ui::drawing::joint_name;
+use backlit_ui::style::format;
+use clap::Args;
+use serde::Serialize;
+
+use super::fit_options::SolverArguments;
+use super::output;
+use super::table::Table;
+use super::take_options::{self, StartArguments};
+
+const NOTES: &str = "\
+Singular values of JᵀJ come from the silhouettes alone, without priors, from every pixel and with the ramp \
+of the last stage. \"Known to\" is one standard deviation at the joint that moves most.
+
+Examples:
+  backlit observability TAKE --frame 12
+  backlit observability TAKE --frame 12 --cameras cam1,cam3 --json";
+
+/// What `backlit observability` is told.
+#[derive(Debug, Args)]
+#[command(after_help = NOTES)]
+pub struct ObservabilityArguments {
+    /// Take: its folder or its take.toml
+    take: PathBuf,
+    /// The take's frame, counted from 0
+    #[arg(long, value_name = "K", default_value_t = 0, allow_negative_numbers = true)]
+    frame: usize,
+    /// Names of the cameras to use, with commas [default: all]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    cameras: Option<Vec<String>>,
+    /// Look at the start as it is, without a fit
+    #[arg(long)]
+    no_fit: bool,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    start: StartArguments,
+    #[command(flatten)]
+    solver: SolverArguments,
+}
+
+/// Reads, fits, looks and prints.
+///
+/// # Errors
+/// A file that cannot be read, a camera that the take does not have, or no silhouette at all.
+pub(crate) fn run(arguments: &ObservabilityArguments) -> anyhow::Result<()> {
+    let options = arguments.solver.options()?;
+    let footage = take_options::open(&arguments.take)?;
+    let all: Vec<usize> = (0..footage.cameras().len()).collect();
+    let used = match &arguments.cameras {
+        None => all.clone(),
+        Some(names) => {
+            let rig = footage.take().rig();
+            let found: Result<Vec<usize>, _> = names.iter().map(|name| rig.index(name.trim())).collect();
+            let mut found = found?;
+            found.sort_unstable();
+            found.dedup();
+            found
+        }
+    };
+    let model = Arc::clone(footage.take().model());
+    let views = footage.fit_views(&all, arguments.frame)?;
+    let start = arguments.start.pose(&footage, &used, arguments.frame, &options)?;
+    let pose: Pose = if arguments.no_fit {
+        start
+    } else {
+        let chosen: Vec<FitView> = used.iter().map(|&camera| views[camera].clone()).collect();
+        let mut fit = Fit::new(Arc::clone(&model), chosen, start, options.clone())?;
+        fit.run(&CancelToken::default(), |_| {}).pose
+    };
+    let views: Vec<Option<FitView>> = views.into_iter().map(Some).collect();
+    let information = FrameInformation::new(&model, &views, &options, &pose)?;
+    let shown = information.observe(&used);
+    let subsets = information.compare_subsets(shown.noise);
+    if arguments.json {
+        output::print_json(&Answer::new(&shown, &subsets))
+    } else {
+        output::print(&text(&shown, &subsets))
+    }
+}
+
+/// One standard deviation at the joint that moves most; degrees where none moves.
+fn known(shown: &Observability, direction: &Direction) -> String {
+    if direction.is_null {
+        return "no bound".to_owned();
+    }
+    let (limb, moved) = direction.largest_move();
+    if direction.moves_no_joint() {
+        return format::degrees(direction.deviation * direction.largest_turn());
+    }
+    format!("{}, {}", format::length(direction.deviation * moved), joint_name(&shown.model, limb.into()))
+}
+
+fn text(shown: &Observability, subsets: &[SubsetFigures]) -> String {
+    let mut table = Table::new(["direction", "of largest", "known to", ""]);
+    for (index, direction) in shown.directions.iter().enumerate() {
+        let value = if direction.is_null { "null".to_owned() } else { format!("{:.1e}", direction.relative) };
+        let number = (index + 1).to_string();
+        table.row([number, value, known(shown, direction), words::title(shown, direction)]);
+    }
+    let count = shown.directions.len();
+    let seen = count - shown.null_count();
+    let noise = shown.noise;
+    let mut out = table.to_text();
+    out.push_str(&format!(
+        "\n{seen} of {count} directions are seen; below {:.1e} of the largest there is only rounding\n\
+         residual on the outline {:.1} grey levels, errors {:.1} times those of independent pixels\n\n",
+        shown.null_below,
+        noise.pixel_deviation,
+        noise.together.sqrt(),
+    ));
+    let mut table = Table::new(["cameras", "seen", "worst joint", "known to", "middle joint"]);
+    for set in subsets {
+        let names: Vec<String> = set.cameras.iter().map(|camera| (camera + 1).to_string()).collect();
+        let seen = format!("{}/{}", set.columns - set.null_count, set.columns);
+        let worst = joint_name(&shown.model, set.worst.0.into());
+        table.row([names.join(" "), seen, worst, format::length(set.worst.1), format::length(set.median_m)]);
+    }
+    out.push_str(&table.to_text());
+    out
+}
+
+/// The answer as JSON has it; what is without bound is null.
+#[derive(Debug, Serialize)]
+struct Answer {
+    columns: usize,
+    null: usize,
+    null_below: f64,
+    lever_m: f64,
+    pixel_deviation: f64,
+    together: f64,
+    directions: Vec<AnswerDirection>,
+    joints: Vec<AnswerJoint>,
+    subsets: Vec<AnswerSubset>,
+}
+
+#[derive(Debug, Serialize)]
+struct AnswerDirection {
+    value: f64,
+    relative: f64,
+    null: bool,
+    title: String,
+    why: String,
+    deviation: Option<f64>,
+    step: Vec<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct AnswerJoint {
+    joint: String,
+    deviation_m: Option<f64>,
+    /// Row by row, m²; of what is seen.
+    covariance: Vec<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct AnswerSubset {
+    /// Counted from one.
+    cameras: Vec<usize>,
+    null: usize,
+    smallest: f64,
+    worst_joint: String,
+    worst_m: Option<f64>,
+    middle_m: Option<f64>,
+}
+
+fn bounded(value: f64) -> Option<f64> {
+    Some(value).filter(|value| value.is_finite())
+}
+
+impl Answer {
+    fn new(shown: &Observability, subsets: &[SubsetFigures]) -> Self {
+        let direction = |direction: &Direction| AnswerDirection {
+            value: direction.value,
+            relative: direction.relative,
+            null: direction.is_null,
+            title: words::title(shown, direction),
+            why: words::why(shown, direction),
+            deviation: bounded(direction.deviation),
+            step: direction.step.as_slice().to_vec(),
+        };
+        let subset = |set: &SubsetFigures| AnswerSubset {
+            cameras: set.cameras.iter().map(|camera| camera + 1).collect(),
+            null: set.null_count,
+            smallest: set.smallest,
+            worst_joint: joint_name(&shown.model, set.worst.0.into()),
+            worst_m: bounded(set.worst.1),
+            middle_m: bounded(set.median_m),
+        };
+        let joints = shown.joints.iter().map(|joint| AnswerJoint {
+            joint: joint_name(&shown.model, joint.limb.into()),
+            deviation_m: bounded(joint.worst_deviation_m()),
+            covariance: joint.covariance.as_slice().to_vec(),
+        });
+        Self {
+            columns: shown.directions.len(),
+            null: shown.null_count(),
+            null_below: shown.null_below,
+            lever_m: shown.lever_m,
+            pixel_deviation: shown.noise.pixel_deviation,
+            together: shown.noise.together,
+            directions: shown.directions.iter().map(direction).collect(),
+            joints: joints.collect(),
+            subsets: subsets.iter().map(subset).collect(),
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! Standard output, standard error, and folders to write to.
+
+use std::fs;
+use std::io::{ErrorKind, Write, stderr, stdout};
+use std::path::Path;
+
+use anyhow::{Context, bail};
+use backlit_formats::text::shown;
+use serde::Serialize;
+
+/// Prints text as it is. A reader that has heard enough (`| head`) is no error.
+///
+/// # Errors
+/// Standard output cannot be written to.
+pub fn print(text: &str) -> anyhow::Result<()> {
+    let mut out = stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error).context("standard output"),
+        _ => Ok(()),
+    }
+}
+
+/// Prints a value as JSON.
+///
+/// # Errors
+/// Standard output cannot be written to.
+pub fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
+    print(&(serde_json::to_string_pretty(value)? + "\n"))
+}
+
+/// Prints a line on standard error. What it repeats of a file cannot steer the terminal.
+pub fn complain(line: &str) {
+    // Where standard error is closed there is nobody to tell.
+    let _ = writeln!(stderr().lock(), "{}", shown(line));
+}
+
+/// Makes sure that a folder is there.
+///
+/// # Errors
+/// It cannot be made; the message names it.
+pub fn make_folder(folder: &Path) -> anyhow::Result<()> {
+    fs::create_dir_all(folder).with_context(|| format!("{}: the folder cannot be made", folder.display()))
+}
+
+/// Checks that a file's folder is there, before work is done that the file is to hold.
+///
+/// # Errors
+/// It is not there; the message names file and folder.
+pub fn check_folder_of(file: &Path) -> anyhow::Result<()> {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        bail!("{}: cannot be written: there is no folder {}", file.display(), folder.display());
+    }
+    if file.is_dir() {
+        bail!("{}: is a folder; expected the name of a file", file.display());
+    }
+    Ok(())
+}
+
+/// Checks that a camera's name can be a file's.
+///
+/// # Errors
+/// It has a path separator or another character that file systems refuse.
+pub fn check_file_stem(camera: &str) -> anyhow::Result<()> {
+    let is_bad = |c: char| c.is_control() || "/\\:*?\"<>|".contains(c);
+    if camera.contains(is_bad) || camera.starts_with('.') {
+        bail!("camera \"{camera}\": files are named after cameras, and no file can have this name");
+    }
+    Ok(())
+}

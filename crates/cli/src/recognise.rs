@@ -1,0 +1,280 @@
+//! `backlit recognise`: motions by name.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use backlit_formats::atomic;
+use backlit_formats::motion::{self, JointTrack, Motion};
+use backlit_recognition::augment::TrackerNoise;
+use backlit_recognition::{
+    Evaluation, JointMotion, LearnOptions, LeftOut, NamedMotion, Recognition, Recognizer, confusion_picture,
+    evaluate, leave_out,
+};
+use backlit_results::motions::{joints, model};
+use clap::Args;
+use glam::DVec3;
+use indicatif::ProgressBar;
+use serde_json::{Value, json};
+
+use super::export::Up;
+use super::table::Table;
+use crate::{output, track_files};
+
+const NOTES: &str = "\
+Names motions by what the joints do over time: in tracks of `backlit track`, in BVH files with the joint names \
+of the CMU recordings, or in those that `backlit export` writes of the full body with its own names. Without --model it knows walking, running, jumping, boxing, dancing, gesturing, \
+sitting and bending, from 72 recordings of the CMU motion capture database (mocap.cs.cmu.edu). A folder to \
+learn from or to test on holds tracks or BVH files and a labels.csv with the columns file, class, subject \
+and description.
+
+Examples:
+  backlit recognise results/track.json
+  backlit recognise --train motions --out model.json
+  backlit recognise --model model.json --test others --json
+  backlit recognise --test motions --leave-subjects-out --confusion confusion.svg";
+
+/// What `backlit recognise` is told.
+#[derive(Debug, Args)]
+#[command(after_help = NOTES)]
+pub struct RecogniseArguments {
+    /// Tracks to name: track.json or its folder, or BVH files
+    #[arg(value_name = "TRACK", required_unless_present_any = ["train", "test"], conflicts_with_all = ["train", "test"])]
+    tracks: Vec<PathBuf>,
+    /// Learn from the motions of this folder
+    #[arg(long, value_name = "DIR", requires = "out", conflicts_with = "test")]
+    train: Option<PathBuf>,
+    /// File to write what was learnt to
+    #[arg(long, value_name = "MODEL", requires = "train")]
+    out: Option<PathBuf>,
+    /// Leave single windows of the training motions out of the file; nearest neighbours then cannot be used
+    #[arg(long, requires = "train")]
+    statistics_only: bool,
+    /// What was learnt [default: what comes with the program]
+    #[arg(long, value_name = "MODEL", conflicts_with = "train")]
+    model: Option<PathBuf>,
+    /// Count how often the names of this folder's motions are right
+    #[arg(long, value_name = "DIR")]
+    test: Option<PathBuf>,
+    /// With --test: name each subject's motions by what is learnt from all others'
+    #[arg(long, requires = "test", conflicts_with = "model")]
+    leave_subjects_out: bool,
+    /// With --test: name each class's motions by what is learnt from all others': how often an unknown kind of motion is
+    /// said to be unknown
+    #[arg(long, requires = "test", conflicts_with_all = ["model", "leave_subjects_out"])]
+    leave_classes_out: bool,
+    /// With --test: add the noise of a tracker to the joints, so many millimetres (root mean square)
+    #[arg(long, value_name = "MM", requires = "test", value_parser = millimetres)]
+    noise: Option<f64>,
+    /// With --test: draw the confusion matrix
+    #[arg(long, value_name = "FILE.svg", requires = "test")]
+    confusion: Option<PathBuf>,
+    /// Body of the tracks: a built-in name or a body file [default: the body.toml beside a track, else the
+    /// built-in body that it names]
+    #[arg(long, value_name = "BODY")]
+    body: Option<String>,
+    /// Which way is up in the tracks' world: x, y, z, -x, -y, -z, or three numbers with commas between; BVH is y up
+    #[arg(long, value_name = "AXIS", default_value = "z", allow_hyphen_values = true)]
+    up: Up,
+    /// Print what was found as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+fn millimetres(text: &str) -> Result<f64, &'static str> {
+    let found = text.parse().ok().filter(|mm| (0.0..=1000.0).contains(mm));
+    found.ok_or("expected millimetres between 0 and 1000")
+}
+
+/// Learns, tests or names.
+///
+/// # Errors
+/// A file that cannot be read or written, or joints that are no motion.
+pub(crate) fn run(arguments: &RecogniseArguments) -> anyhow::Result<()> {
+    let source = Source { body: arguments.body.as_deref(), up: arguments.up.0 };
+    match (&arguments.train, &arguments.out, &arguments.test) {
+        (Some(folder), Some(out), _) => train(folder, out, arguments.statistics_only, &source),
+        (_, _, Some(folder)) => test(folder, arguments, &source),
+        _ => name(arguments, &source),
+    }
+}
+
+/// How tracks are read.
+struct Source<'a> {
+    body: Option<&'a str>,
+    up: DVec3,
+}
+
+impl Source<'_> {
+    fn read(&self, path: &Path) -> anyhow::Result<JointMotion> {
+        let is_bvh = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("bvh"));
+        let track = match is_bvh {
+            true => motion::read_joints(path, None)?,
+            false => JointTrack::of_motion(&Motion::of_written(track_files::read(path, self.body)?)),
+        };
+        joints::motion_of(&track, &track.frames, self.up).with_context(|| path.display().to_string())
+    }
+
+    /// The motions of a folder and what its labels.csv calls them.
+    fn folder(&self, folder: &Path) -> anyhow::Result<Vec<NamedMotion>> {
+        let table = folder.join("labels.csv");
+        let labels = motion::read_labels(&table)?;
+        if labels.is_empty() {
+            bail!("{}: has no row; expected a motion at least", table.display());
+        }
+        let read = |label: motion::MotionLabel| -> anyhow::Result<NamedMotion> {
+            let motion = self.read(&folder.join(&label.file))?;
+            Ok(NamedMotion { name: label.file, class: label.class, subject: label.subject, motion })
+        };
+        labels.into_iter().map(read).collect()
+    }
+}
+
+fn train(folder: &Path, out: &Path, is_without_windows: bool, source: &Source<'_>) -> anyhow::Result<()> {
+    output::check_folder_of(out)?;
+    let motions = source.folder(folder)?;
+    let mut recognizer = Recognizer::learn(&motions, &LearnOptions::default())
+        .with_context(|| folder.display().to_string())?;
+    if is_without_windows {
+        recognizer.exemplars = None;
+    }
+    atomic::write(out, recognizer.to_text().as_bytes())?;
+    let classes = recognizer.classes.join(", ");
+    output::print(&format!("learnt {classes} from {} motions; wrote {}\n", motions.len(), out.display()))
+}
+
+fn test(folder: &Path, arguments: &RecogniseArguments, source: &Source<'_>) -> anyhow::Result<()> {
+    if let Some(picture) = &arguments.confusion {
+        output::check_folder_of(picture)?;
+    }
+    let motions = source.folder(folder)?;
+    // Along each of three axes; half of the variance is smooth in time.
+    let noise = arguments.noise.map(|mm| TrackerNoise {
+        deviation: mm / 1000.0 / 3.0_f64.sqrt(),
+        smooth: 0.5,
+        memory_s: 0.25,
+    });
+    let left_out = match (arguments.leave_subjects_out, arguments.leave_classes_out) {
+        (true, _) => Some(LeftOut::Subjects),
+        (_, true) => Some(LeftOut::Classes),
+        _ => None,
+    };
+    let evaluation = if let Some(left_out) = left_out {
+        let bar = ProgressBar::new(1);
+        let found = leave_out(left_out, &motions, &LearnOptions::default(), noise, |done, total| {
+            bar.set_length(total as u64);
+            bar.set_position(done as u64);
+        });
+        bar.finish_and_clear();
+        found
+    } else {
+        let recognizer = model::read(arguments.model.as_deref())?;
+        evaluate(&recognizer, &motions, noise)
+    };
+    let evaluation = evaluation.with_context(|| folder.display().to_string())?;
+    if let Some(picture) = &arguments.confusion {
+        atomic::write(picture, confusion_picture::to_svg(&evaluation.confusion).as_bytes())?;
+    }
+    if arguments.json {
+        return output::print_json(&evaluation_json(&evaluation));
+    }
+    output::print(&match left_out {
+        Some(LeftOut::Classes) => unknown_text(&evaluation),
+        _ => evaluation_text(&evaluation),
+    })
+}
+
+fn evaluation_json(evaluation: &Evaluation) -> Value {
+    let mut out = json!({
+        "confusion": evaluation.confusion,
+        "unknown": evaluation.unknown,
+        "clips": evaluation.clips,
+    });
+    for (method, score) in &evaluation.methods {
+        out[*method] = json!(score);
+    }
+    out
+}
+
+fn evaluation_text(evaluation: &Evaluation) -> String {
+    let mut table = Table::new(["method", "clips", "windows", "joined"]);
+    for (method, score) in &evaluation.methods {
+        let parts = [score.clips, score.windows, score.joined].map(|part| format!("{part:.3}"));
+        let [clips, windows, joined] = parts;
+        table.row([(*method).to_owned(), clips, windows, joined]);
+    }
+    let mut out = table.to_text();
+    for clip in evaluation.clips.iter().filter(|clip| clip.class != clip.found) {
+        let (name, class, found) = (&clip.name, &clip.class, &clip.found);
+        out += &format!("{name}: {class}, was called {found} ({:.2})\n", clip.confidence);
+    }
+    out + &format!("said to be unknown: {:.3} of the clips\n", evaluation.unknown)
+}
+
+/// How often clips of a class that was not learnt are said to be unknown, class by class.
+fn unknown_text(evaluation: &Evaluation) -> String {
+    let mut table = Table::new(["class that was not learnt", "clips", "said to be unknown"]);
+    for class in &evaluation.confusion.classes {
+        let own = || evaluation.clips.iter().filter(|clip| clip.class == *class);
+        let unknown = own().filter(|clip| clip.unknown).count();
+        table.row([class.clone(), own().count().to_string(), unknown.to_string()]);
+    }
+    table.to_text() + &format!("said to be unknown: {:.3} of the clips\n", evaluation.unknown)
+}
+
+fn name(arguments: &RecogniseArguments, source: &Source<'_>) -> anyhow::Result<()> {
+    let recognizer = model::read(arguments.model.as_deref())?;
+    let mut all = Vec::new();
+    for path in &arguments.tracks {
+        let motion = source.read(path)?;
+        let found = recognizer.recognise(&motion).with_context(|| path.display().to_string())?;
+        all.push((path, found));
+    }
+    if arguments.json {
+        let tracks: Vec<Value> = all.iter().map(|(path, found)| recognition_json(path, found)).collect();
+        return output::print_json(&json!({ "tracks": tracks }));
+    }
+    let mut out = String::new();
+    for (path, found) in &all {
+        if all.len() > 1 {
+            out += &format!("{}\n", path.display());
+        }
+        let mut table = Table::new(["from, s", "to, s", "frames", "motion", "confidence"]);
+        for stretch in &found.stretches {
+            let [from, to] = stretch.seconds.map(|seconds| format!("{seconds:.2}"));
+            let frames = format!("{}–{}", stretch.frames.start(), stretch.frames.end());
+            table.row([from, to, frames, class(found, stretch.class), format!("{:.2}", stretch.confidence)]);
+        }
+        out += &table.to_text();
+    }
+    output::print(&out)
+}
+
+fn class(found: &Recognition, class: Option<usize>) -> String {
+    class.map_or("unknown", |class| &found.classes[class]).to_owned()
+}
+
+fn recognition_json(path: &Path, found: &Recognition) -> Value {
+    let stretches = found.stretches.iter().map(|stretch| {
+        json!({
+            "class": class(found, stretch.class),
+            "first_frame": stretch.frames.start(),
+            "last_frame": stretch.frames.end(),
+            "seconds": stretch.seconds,
+            "confidence": stretch.confidence,
+        })
+    });
+    let frames = found.frames.iter().map(|frame| {
+        json!({
+            "frame": frame.frame,
+            "class": class(found, frame.class),
+            "confidence": frame.confidence,
+            "shares": frame.shares,
+            "place": frame.place,
+        })
+    });
+    json!({
+        "track": path.display().to_string(),
+        "stretches": stretches.collect::<Vec<_>>(),
+        "frames": frames.collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,142 @@
+//! All that is saved and undone: which take, the body, the poses, and how they are fitted.
+//!
+//! A document knows nothing of the window and of derived data. Its large parts are shared, so a snapshot for
+//! undo costs a few pointers.
+
+pub mod edit;
+pub mod fit_words;
+pub mod history;
+pub mod likely_poses;
+pub mod project;
+pub mod run;
+pub mod run_names;
+pub mod runs;
+pub mod take_match;
+pub mod tracking_choices;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use backlit_take::replacement::{Calibration, MaskFiles};
+use backlit_take::source::TakeSource;
+use backlit_tracking::body::{Model, Pose};
+use backlit_tracking::fit::FitOptions;
+use backlit_tracking::segment::SegmentOptions;
+
+use crate::tracking_choices::TrackingChoices;
+
+/// What one camera does in the fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CameraUse {
+    /// The camera's name in the take.
+    pub name: String,
+    /// Whether its silhouette counts.
+    pub used: bool,
+    /// Weight of its pixels; 1 as a rule.
+    pub weight: f64,
+}
+
+/// How a frame's pose was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Origin {
+    /// By steps of a fit on this frame alone.
+    Fit,
+    /// By the tracker, from a neighbouring frame.
+    Track,
+}
+
+/// The pose that a fit or the tracker found for a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// The pose.
+    pub pose: Pose,
+    /// What found it.
+    pub origin: Origin,
+    /// Cost in squared grey levels; `None` where nobody was in the picture.
+    pub cost: Option<f64>,
+    /// Root mean square residual per pixel, grey levels; `None` likewise.
+    pub rms: Option<f64>,
+    /// Intersection over union of body and silhouettes, all cameras together, where it is known.
+    pub iou: Option<f64>,
+    /// Accepted and rejected steps.
+    pub steps: usize,
+    /// Whether the tracker says that it lost the subject.
+    pub lost: bool,
+    /// Whether the body has had another size since: its numbers are those of the old one.
+    pub is_stale: bool,
+}
+
+/// The document.
+///
+/// Guaranteed by `Document::apply`: poses fit the model, numbers are finite, weights are not negative.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Document {
+    /// Where the footage is; `None` before a take is opened.
+    pub take: Option<TakeSource>,
+    /// The body, with its sizes as edited.
+    pub model: Arc<Model>,
+    /// The pose before anything is known.
+    pub start: Arc<Pose>,
+    /// Poses set by hand, by frame.
+    pub keys: Arc<BTreeMap<usize, Pose>>,
+    /// Poses found, by frame. An estimate is younger than the key pose of the same frame.
+    pub estimates: Arc<BTreeMap<usize, Arc<Estimate>>>,
+    /// The cameras, in the order of the take.
+    pub cameras: Arc<Vec<CameraUse>>,
+    /// How poses are fitted.
+    pub fit: Arc<FitOptions>,
+    /// How frames are followed.
+    pub tracking: TrackingChoices,
+    /// How silhouettes are made, camera by camera.
+    pub measurement: Arc<Vec<SegmentOptions>>,
+    /// Limbs whose second joint stays where it is when another is dragged.
+    pub pins: Arc<BTreeSet<usize>>,
+    /// Cameras in the place of the take's.
+    pub calibration: Option<Arc<Calibration>>,
+    /// Silhouettes in the place of those that are measured.
+    pub masks: Arc<MaskFiles>,
+}
+
+impl Document {
+    /// A document about a body, without footage.
+    pub fn new(model: Model) -> Self {
+        let start = Pose::rest(&model);
+        Self {
+            take: None,
+            model: Arc::new(model),
+            start: Arc::new(start),
+            keys: Arc::default(),
+            estimates: Arc::default(),
+            cameras: Arc::default(),
+            fit: Arc::default(),
+            tracking: TrackingChoices::of_preset(FitOptions::default().as_preset()),
+            measurement: Arc::default(),
+            pins: Arc::default(),
+            calibration: None,
+            masks: Arc::default(),
+        }
+    }
+
+    /// The pose of a frame: found there, or set there by hand, or else that of the nearest frame before, or
+    /// else the start.
+    pub fn pose_at(&self, frame: usize) -> &Pose {
+        let found = self.estimates.range(..=frame).next_back();
+        let key = self.keys.range(..=frame).next_back();
+        match (found, key) {
+            (Some((at, estimate)), Some((key_at, _))) if at >= key_at => &estimate.pose,
+            (_, Some((_, pose))) => pose,
+            (Some((_, estimate)), None) => &estimate.pose,
+            (None, None) => &self.start,
+        }
+    }
+
+    /// Whether a frame has a pose of its own.
+    pub fn has_pose(&self, frame: usize) -> bool {
+        self.estimates.contains_key(&frame) || self.keys.contains_key(&frame)
+    }
+
+    /// The cameras whose silhouettes count, by index.
+    pub fn used_cameras(&self) -> impl Iterator<Item = usize> + '_ {
+        self.cameras.iter().enumerate().filter(|(_, camera)| camera.used).map(|(index, _)| index)
+    }
+}

@@ -1,0 +1,297 @@
+//! The project file `*.backlit`: a document as versioned JSON (see `docs/formats.md`).
+//!
+//! Poses are written by limb name, so that a person can read them; numbers are written so that they are read
+//! back to the bit.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `error` | `ProjectError`: what can be wrong |
+//! | `record` | the file as it is |
+//! | `reader` | from the file to a document that holds together |
+//! | `run_record` | the runs of the fit, both ways |
+
+mod error;
+mod reader;
+mod record;
+mod run_record;
+
+pub use error::ProjectError;
+
+use std::path::Path;
+
+use backlit_formats::{DiskFiles, TakeFiles, atomic, json_text};
+use serde::Deserialize;
+
+use crate::Document;
+use crate::run::Run;
+use reader::Reader;
+use record::{ProjectFile, to_file};
+
+/// Name and version of the project file's format.
+pub const FORMAT: &str = "backlit-project 1";
+
+/// Files larger than this are not projects.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// What a project's file holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Project {
+    /// What is saved and undone.
+    pub document: Document,
+    /// The runs of the fit, by number.
+    pub runs: Vec<Run>,
+}
+
+/// Writes a document and the runs of the fit, each of these in one line. The file appears whole or not at all.
+///
+/// # Errors
+/// The file system says no.
+pub fn write_project(path: &Path, document: &Document, runs: &[Run]) -> Result<(), ProjectError> {
+    let json = |error| ProjectError::Json { path: path.to_owned(), error };
+    let file = to_file(document, runs);
+    let mut text = serde_json::to_string_pretty(&file).map_err(json)?;
+    if !file.runs.is_empty() {
+        let lines: Result<Vec<String>, _> = file.runs.iter().map(serde_json::to_string).collect();
+        let lines = lines.map_err(json)?.join(",\n    ");
+        let last_brace = "\n}";
+        text.truncate(text.len() - last_brace.len());
+        text += &format!(",\n  \"runs\": [\n    {lines}\n  ]\n}}");
+    }
+    Ok(atomic::write(path, text.as_bytes())?)
+}
+
+/// Reads a project; it is equal to the one that was written.
+///
+/// # Errors
+/// The first thing that is wrong, with the file and the field.
+pub fn read_project(path: &Path) -> Result<Project, ProjectError> {
+    let text = DiskFiles.read(path, MAX_BYTES)?;
+    let json = |error: serde_json::Error| {
+        let path = path.to_owned();
+        if error.is_eof() {
+            ProjectError::Cut { path, line: error.line() }
+        } else {
+            ProjectError::Json { path, error }
+        }
+    };
+    // The version first: another version's fields would only confuse.
+    let header: Header = serde_json::from_slice(&text).map_err(json)?;
+    if header.format != FORMAT {
+        let (path, found) = (path.to_owned(), header.format);
+        let is_newer = version(&found) > version(FORMAT);
+        return Err(if is_newer {
+            ProjectError::Newer { path, found }
+        } else {
+            ProjectError::Format { path, found }
+        });
+    }
+    let file: ProjectFile = json_text::parse_bytes(path, &text)?;
+    Reader { path }.project(file)
+}
+
+/// The version of a project's format; none of another format's.
+fn version(format: &str) -> Option<u64> {
+    let (name, version) = format.split_once(' ')?;
+    version.parse().ok().filter(|_| FORMAT.split_once(' ').is_some_and(|(ours, _)| ours == name))
+}
+
+#[derive(Debug, Deserialize)]
+struct Header {
+    format: String,
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+    use std::path::PathBuf;
+    use std::sync::Arc;
+
+    use backlit_tracking::body::{Parameters, builtin};
+    use backlit_tracking::segment::SegmentOptions;
+    use backlit_tracking::track::WhenToSearch;
+    use glam::DVec3;
+
+    use super::*;
+    use crate::edit::Edit;
+    use crate::run::{RunChoices, RunEnding, RunStep};
+    use crate::runs::StepRef;
+    use crate::tracking_choices::{AtKeys, CueChoice, Following, TrackedBody, TrackingChoices};
+    use crate::{CameraUse, Estimate, Origin, likely_poses};
+    use backlit_take::replacement::Calibration;
+    use backlit_take::source::TakeSource;
+
+    fn example() -> Document {
+        let mut document = Document::new(builtin::upper_body());
+        document.take = Some(TakeSource::Path(PathBuf::from("/takes/balancing")));
+        document.cameras =
+            Arc::new(vec![CameraUse { name: "cam01".to_owned(), used: true, weight: 1.0 / 3.0 }]);
+        let step: Vec<f64> = (0..27).map(|i| 0.3 * (f64::from(i) * 1.7).sin()).collect();
+        let pose = document.start.retract(Parameters::Tangent, &step);
+        let estimate = Estimate {
+            pose: pose.clone(),
+            origin: Origin::Track,
+            cost: Some(1.25e8),
+            rms: Some(20.5),
+            iou: Some(0.83),
+            steps: 21,
+            lost: false,
+            is_stale: false,
+        };
+        document.measurement = Arc::new(vec![SegmentOptions::default()]);
+        let mut likely = (*document.fit).clone();
+        likely_poses::set_weight(&mut likely, 4.5);
+        for edit in [
+            Edit::SetPose { frame: 3, pose, what: "Move".to_owned() },
+            Edit::AddEstimate { frame: 4, estimate: Arc::new(estimate) },
+            Edit::UseCamera { camera: 0, used: false },
+            Edit::SetTracking(TrackingChoices {
+                motion: Following::Smoothed { lag: Some(3) },
+                search: WhenToSearch::Never,
+                at_keys: AtKeys::Stop,
+                body: TrackedBody::AsItIs,
+                cues: CueChoice::All,
+            }),
+            Edit::SetFit { options: Box::new(likely), what: "Change solver".to_owned() },
+            Edit::Pin { limb: 5, pinned: true },
+            Edit::SetSize { limb: 2, length: 0.2, radius: 0.05, both_sides: true },
+            Edit::SetCalibration(Some(calibration())),
+            Edit::SetMasks { frame: 4, masks: BTreeMap::from([(0, PathBuf::from("/masks/cam01.png"))]) },
+        ] {
+            document.apply(edit).unwrap();
+        }
+        document
+    }
+
+    /// A run with a step that was taken, and one whose numbers ran out of range.
+    fn run(document: &Document, number: usize) -> Run {
+        let pose = document.pose_at(3).clone();
+        let step = RunStep {
+            pose,
+            mismatch: 8.0,
+            rms: 2.5,
+            iou: Some(0.75),
+            joint_error_mm: None,
+            cost: 9.0,
+            trial_cost: 9.0,
+            foretold: 1.25,
+            fell: 1.0,
+            damping: 0.5,
+            step_norm: 0.1,
+            seconds: 0.002,
+            stage: 0,
+            accepted: true,
+        };
+        let wild = RunStep { trial_cost: f64::INFINITY, stage: 1, accepted: false, ..step.clone() };
+        Run {
+            number,
+            name: "by hand".to_owned(),
+            is_named: true,
+            choices: RunChoices {
+                fit: document.fit.clone(),
+                cameras: document.cameras.clone(),
+                part: Some("right forearm".to_owned()),
+                branched_from: Some(StepRef { run: 1, step: 4 }),
+            },
+            detail: "capsule".to_owned(),
+            frame: 3,
+            colour: 1,
+            steps: vec![step, wild],
+            stages: vec!["wide".to_owned(), "narrow".to_owned()],
+            ending: Some(RunEnding::Solver("no step lowered the cost".to_owned())),
+            is_shown: true,
+        }
+    }
+
+    fn calibration() -> Arc<Calibration> {
+        use backlit_tracking::camera::{Camera, CameraFromWorld, Distortion, Intrinsics, Rig};
+        let intrinsics = Intrinsics { fx: 410.123_456_789, fy: 1e3 / 3.0, cx: 135.5, cy: 0.1 + 0.2 };
+        let place = CameraFromWorld::looking_at(DVec3::new(0.1, -2.7, 1.3), DVec3::ZERO, DVec3::Z);
+        let lens = Distortion::OpenCv { k1: -0.1, k2: 1e-9, p1: 0.0, p2: 0.7, k3: 0.0 };
+        let camera = Camera::new("cam01", [272, 480], intrinsics, lens, place).unwrap();
+        Arc::new(Calibration { path: PathBuf::from("/c.qca.txt"), rig: Rig::new(vec![camera]).unwrap() })
+    }
+
+    #[test]
+    fn a_project_is_read_back_equal() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.backlit");
+        let document = example();
+        let runs = vec![run(&document, 2), run(&document, 5)];
+        write_project(&path, &document, &runs).unwrap();
+        assert_eq!(read_project(&path).unwrap(), Project { document: document.clone(), runs });
+        write_project(&path, &document, &[]).unwrap();
+        assert_eq!(read_project(&path).unwrap(), Project { document, runs: Vec::new() });
+        let names: Vec<_> =
+            std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+        assert_eq!(names, ["a.backlit"], "nothing else is left in the folder");
+    }
+
+    #[test]
+    fn a_project_from_before_the_choices_of_tracking_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("old.backlit");
+        write_project(&path, &example(), &[]).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert!(json.as_object_mut().unwrap().remove("tracking").is_some());
+        std::fs::write(&path, json.to_string()).unwrap();
+        let tracking = read_project(&path).unwrap().document.tracking;
+        assert_eq!(tracking, TrackingChoices::of_preset(None));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn pipes_and_devices_are_no_projects() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe.backlit");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        for path in [pipe.as_path(), Path::new("/dev/zero")] {
+            let said = read_project(path).unwrap_err().to_string();
+            assert!(said.contains("expected a file"), "{said}");
+        }
+    }
+
+    #[test]
+    fn errors_name_file_and_field() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("b.backlit");
+        let document = example();
+        write_project(&path, &document, &[run(&document, 2), run(&document, 5)]).unwrap();
+        let good = std::fs::read_to_string(&path).unwrap();
+        for (from, to, expected) in [
+            ("backlit-project 1", "backlit-project 9", "a newer Backlit wrote this project"),
+            ("backlit-project 1", "backlit-pose 9", "`format` is \"backlit-pose 9\""),
+            ("\"weight\": 0.3333333333333333", "\"weight\": -1", "weight of cam01 is -1"),
+            ("\"pins\": [", "\"pins\": [\"tail\",", "`pins` names the limb \"tail\""),
+            ("\"z_threshold\": ", "\"z_threshold\": -", "`measurement`, camera 0 counted from 0: "),
+            ("\"lost\": false", "\"lost\": false, \"colour\": 1", "unknown field `colour`"),
+            ("\"lost\": false", "\"lost\": 0", "`estimates.4.lost`"),
+            ("\"iou\": ", "\"iou\": -", "`estimates.4.iou` is -"),
+            ("\"cost\": ", "\"cost\": -", "`estimates.4.cost` is -"),
+            ("\"keys\": {", "\"keys\": {\"3\": {\"root\": [0, 0, 0]},", "\"3\" is given twice"),
+            ("\"measurement\": [", "\"measurement\": [{},", "`measurement` has 2 entries"),
+            ("\"number\":5", "\"number\":2", "`runs[1].number` is 2"),
+            ("\"mismatch\":8.0", "\"mismatch\":-8.0", "`runs[0].steps[0].mismatch` is -8"),
+            ("\"stage\":1", "\"stage\":2", "`runs[0].steps[1].stage` is 2"),
+            ("\"damping\":0.5,\"step", "\"dumping\":0.5,\"step", "unknown field `dumping`"),
+            ("\"stride\": ", "\"stride\": 429496729600", "`fit`: `stages[0].stride` is 4294967"),
+            ("\"length\": ", "\"length\": -", "`model`: limb "),
+        ] {
+            assert!(good.contains(from), "{from}");
+            std::fs::write(&path, good.replacen(from, to, 1)).unwrap();
+            let error = read_project(&path).unwrap_err();
+            let message = error.to_string();
+            assert!(message.contains(expected) && message.contains("b.backlit"), "{message}");
+            // Who prints causes too, as the command line does, would say it twice.
+            let cause = std::error::Error::source(&error).map(ToString::to_string);
+            assert!(cause.as_ref().is_none_or(|cause| !message.contains(cause)), "{message}: {cause:?}");
+        }
+        for cut in [0, 1, good.len() / 2, good.trim_end().len() - 1] {
+            std::fs::write(&path, &good[..cut]).unwrap();
+            let message = read_project(&path).unwrap_err().to_string();
+            assert!(message.contains("b.backlit, line") && message.contains("was cut off"), "{message}");
+        }
+        let message = read_project(&folder.path().join("none.backlit")).unwrap_err().to_string();
+        assert!(message.contains("none.backlit: there is no such file"), "{message}");
+    }
+}

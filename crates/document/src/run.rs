@@ -1,0 +1,227 @@
+//! A run of the fit with all its steps, rejected ones too.
+
+use std::sync::Arc;
+
+use backlit_formats::export::ending_text;
+use backlit_tracking::body::Pose;
+use backlit_tracking::fit::FitOptions;
+use backlit_tracking::optimize::Termination;
+use backlit_ui::style::format;
+
+use crate::CameraUse;
+use crate::runs::StepRef;
+
+/// One step of a run. The first is the start.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunStep {
+    /// The pose after the step; of a rejected step, the pose before it.
+    pub pose: Pose,
+    /// Mismatch by one measure for all steps and runs, squared grey levels: the plot's height.
+    pub mismatch: f64,
+    /// Root of its mean over the pixels that count, grey levels; zero where none does.
+    pub rms: f64,
+    /// IoU of body and silhouettes, all cameras together.
+    pub iou: Option<f64>,
+    /// Mean distance of the joints from the take's reference, millimetres, where there is one.
+    pub joint_error_mm: Option<f64>,
+    /// The cost that the solver lowered, in its own stage.
+    pub cost: f64,
+    /// The cost that a rejected step would have had.
+    pub trial_cost: f64,
+    /// How far the linear model said that the cost would fall.
+    pub foretold: f64,
+    /// How far it fell.
+    pub fell: f64,
+    /// The damping, as the fit's options count it.
+    pub damping: f64,
+    /// Length of the step, metres and radians together; zero at the start.
+    pub step_norm: f64,
+    /// Time of the solver's step, in seconds.
+    pub seconds: f64,
+    /// Stage of the annealing.
+    pub stage: usize,
+    /// Whether the pose moved.
+    pub accepted: bool,
+}
+
+impl RunStep {
+    /// The cost before the step, by the measure of its stage.
+    pub fn cost_before(&self) -> f64 {
+        if self.accepted { self.cost + self.fell } else { self.cost }
+    }
+
+    /// By which fraction of the cost before it the step lowered the cost; a rejected one would have.
+    pub fn fell_share(&self) -> Option<f64> {
+        self.share(if self.accepted { self.fell } else { self.cost - self.trial_cost })
+    }
+
+    /// By which fraction of the cost before it the linear model said that the cost would fall.
+    pub fn foretold_share(&self) -> Option<f64> {
+        self.share(self.foretold)
+    }
+
+    fn share(&self, value: f64) -> Option<f64> {
+        let before = self.cost_before();
+        (before > 0.0).then(|| value / before)
+    }
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum RunEnding {
+    /// The solver's own words.
+    Solver(String),
+    /// The user stopped it; it may go on.
+    Stopped,
+}
+
+impl RunEnding {
+    /// The end of a fit whose solver has ended; an annealed one has several stages.
+    pub fn of(termination: Termination, is_annealed: bool) -> Self {
+        match termination {
+            Termination::StepLimit { steps } if is_annealed => {
+                Self::Solver(format!("the {steps} steps of the last stage are done"))
+            }
+            Termination::Cancelled => Self::Stopped,
+            other => Self::Solver(ending_text(other)),
+        }
+    }
+
+    /// A sentence without its full stop.
+    pub fn text(&self) -> String {
+        match self {
+            Self::Solver(words) => format!("Stopped: {words}"),
+            Self::Stopped => "Stopped by you".to_owned(),
+        }
+    }
+}
+
+/// What a run depends on besides its frame and its start: what its name may be made of.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RunChoices {
+    /// How it was fitted.
+    pub fit: Arc<FitOptions>,
+    /// Which cameras counted, and how much.
+    pub cameras: Arc<Vec<CameraUse>>,
+    /// The part of the body that moved: "right forearm"; `None` for all of it.
+    pub part: Option<String>,
+    /// The step of an earlier run that it began at.
+    pub branched_from: Option<StepRef>,
+}
+
+/// A run of the fit on one frame.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Run {
+    /// Counts the runs of the session from 1; it stays whatever is removed.
+    pub number: usize,
+    /// What distinguishes it from the other runs, or what it was called by hand.
+    pub name: String,
+    /// Whether the name was given, so that it stays whatever other runs there are.
+    pub is_named: bool,
+    /// What it depends on.
+    pub choices: RunChoices,
+    /// Renderer, ramp and the other choices, in one line.
+    pub detail: String,
+    /// The frame that was fitted.
+    pub frame: usize,
+    /// Index of its colour and dash.
+    pub colour: usize,
+    /// The start, then every step.
+    pub steps: Vec<RunStep>,
+    /// Words for the stages of the annealing.
+    pub stages: Vec<String>,
+    /// How it ended, once it has.
+    pub ending: Option<RunEnding>,
+    /// Whether its curve is drawn.
+    pub is_shown: bool,
+}
+
+impl Run {
+    /// Number of accepted steps among the first `step` ones: the place in the plot.
+    pub fn accepted_until(&self, step: usize) -> usize {
+        self.steps.iter().take(step + 1).skip(1).filter(|step| step.accepted).count()
+    }
+
+    /// The mismatch after a step, as a fraction of the start's.
+    pub fn fraction(&self, step: usize) -> Option<f64> {
+        let start = self.steps.first()?.mismatch;
+        let here = self.steps.get(step)?.mismatch;
+        (start > 0.0).then(|| here / start)
+    }
+
+    /// The index of the last step, 0 of a run that has not begun.
+    pub fn last_step(&self) -> usize {
+        self.steps.len().saturating_sub(1)
+    }
+
+    /// How it ended, in a sentence without its full stop.
+    pub fn ending_text(&self) -> String {
+        let so_far = || format!("{} so far", steps_text(self.last_step()));
+        self.ending.as_ref().map_or_else(so_far, RunEnding::text)
+    }
+
+    /// The figures it has reached: steps, what is left of the start's mismatch, and the RMS.
+    pub fn reached_text(&self) -> String {
+        let mut text = steps_text(self.last_step());
+        if let Some(share) = self.fraction(self.last_step()) {
+            text += &format!(", {} of the start", format::percent(share));
+        }
+        if let Some(last) = self.steps.last() {
+            text += &format!(", RMS {}", format::number(last.rms, 1));
+        }
+        text
+    }
+}
+
+/// A count of steps in words.
+fn steps_text(count: usize) -> String {
+    if count == 1 { "1 step".to_owned() } else { format!("{count} steps") }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    fn step(mismatch: f64, accepted: bool) -> RunStep {
+        RunStep {
+            pose: Pose { root: DVec3::ZERO, rotations: Vec::new() },
+            mismatch,
+            rms: mismatch,
+            iou: None,
+            joint_error_mm: None,
+            cost: mismatch,
+            trial_cost: mismatch,
+            step_norm: 0.0,
+            foretold: 0.0,
+            fell: 0.0,
+            damping: 0.0,
+            seconds: 0.0,
+            stage: 0,
+            accepted,
+        }
+    }
+
+    #[test]
+    fn rejected_steps_take_no_place_in_the_plot() {
+        let run = Run {
+            steps: vec![step(8.0, true), step(4.0, true), step(4.0, false), step(2.0, true)],
+            ..Run::default()
+        };
+        let places: Vec<usize> = (0..4).map(|step| run.accepted_until(step)).collect();
+        assert_eq!(places, [0, 1, 1, 2]);
+        assert_eq!((run.fraction(3), run.fraction(4)), (Some(0.25), None));
+        assert_eq!(run.reached_text(), "3 steps, 25.0 % of the start, RMS 2.0");
+        assert_eq!(run.ending_text(), "3 steps so far");
+    }
+
+    #[test]
+    fn a_rejected_step_says_what_it_would_have_done() {
+        let tried = RunStep { cost: 10.0, trial_cost: 12.0, foretold: 5.0, ..step(10.0, false) };
+        assert_eq!((tried.fell_share(), tried.foretold_share()), (Some(-0.2), Some(0.5)));
+        let taken = RunStep { cost: 6.0, fell: 4.0, foretold: 5.0, ..step(6.0, true) };
+        assert_eq!((taken.fell_share(), taken.foretold_share()), (Some(0.4), Some(0.5)));
+        assert_eq!(RunStep { cost: 0.0, ..step(0.0, true) }.fell_share(), None);
+    }
+}

@@ -1,0 +1,286 @@
+//! Names of runs: what differs between those that are shown, and nothing else.
+
+use backlit_tracking::body::{Parameters, Pose};
+use backlit_tracking::fit::FitOptions;
+use backlit_tracking::optimize::Method;
+use backlit_tracking::render::RendererKind;
+use backlit_ui::style::format;
+
+use crate::fit_words as words;
+use crate::likely_poses;
+use crate::run::Run;
+use crate::runs::{StepRef, is_same};
+
+/// Names every run that was not named by hand by its differences from the runs whose curves are shown. A run
+/// that is hidden is named as if it were shown.
+pub fn name_runs(runs: &mut [Run]) {
+    let mut names: Vec<String> = Vec::with_capacity(runs.len());
+    for (run, plain) in runs.iter().zip(plain_names(runs)) {
+        let name = if run.is_named { plain } else { counted(plain, &names) };
+        names.push(name);
+    }
+    for (run, name) in runs.iter_mut().zip(names) {
+        run.name = name;
+    }
+}
+
+/// The same names before runs that differ in nothing are counted.
+pub fn plain_names(runs: &[Run]) -> Vec<String> {
+    let starts = start_numbers(runs);
+    let facets: Vec<Facets> = runs.iter().zip(&starts).map(|(run, &start)| Facets::of(run, start)).collect();
+    let name = |index: usize| {
+        if runs[index].is_named {
+            return runs[index].name.clone();
+        }
+        let compared = (0..runs.len()).filter(|&other| runs[other].is_shown || other == index);
+        let others: Vec<&Facets> = compared.map(|other| &facets[other]).collect();
+        facets[index].name_among(&others)
+    };
+    (0..runs.len()).map(name).collect()
+}
+
+/// The names with those counted that stand there before: "Robust", "Robust (2)".
+pub fn count_twins(plain: Vec<String>) -> Vec<String> {
+    let mut names: Vec<String> = Vec::with_capacity(plain.len());
+    for name in plain {
+        let name = counted(name, &names);
+        names.push(name);
+    }
+    names
+}
+
+fn counted(plain: String, before: &[String]) -> String {
+    match before.iter().filter(|name| same_but_for_count(name, &plain)).count() {
+        0 => plain,
+        again => format!("{plain} ({})", again + 1),
+    }
+}
+
+fn same_but_for_count(name: &str, plain: &str) -> bool {
+    name.strip_prefix(plain).is_some_and(|rest| rest.is_empty() || rest.starts_with(" ("))
+}
+
+/// Which of the different starts of its frame each run has, counted from 1.
+fn start_numbers(runs: &[Run]) -> Vec<usize> {
+    let mut known: Vec<(usize, &Pose)> = Vec::new();
+    let mut numbers = Vec::with_capacity(runs.len());
+    for run in runs {
+        let Some(first) = run.steps.first() else {
+            numbers.push(1);
+            continue;
+        };
+        let of_frame = known.iter().filter(|(frame, _)| *frame == run.frame);
+        let place = of_frame.clone().position(|(_, pose)| is_same(pose, &first.pose));
+        numbers.push(place.unwrap_or(of_frame.count()) + 1);
+        if place.is_none() {
+            known.push((run.frame, &first.pose));
+        }
+    }
+    numbers
+}
+
+/// What a name may be made of.
+struct Facets {
+    /// Preset or method, and the part of the body.
+    fit: String,
+    part: String,
+    frame: usize,
+    renderer: String,
+    /// Choices that a preset makes: said only where two runs of one preset or method differ in them.
+    refinements: Vec<String>,
+    cameras: String,
+    frame_text: String,
+    start: String,
+}
+
+impl Facets {
+    fn of(run: &Run, start: usize) -> Self {
+        let choices = &run.choices;
+        let fit = &choices.fit;
+        Self {
+            fit: words::fit_name(fit),
+            part: choices
+                .part
+                .as_ref()
+                .map_or_else(|| "whole body".to_owned(), |part| format!("refit {part}")),
+            frame: run.frame,
+            renderer: renderer_text(fit.renderer),
+            refinements: refinements(fit),
+            cameras: cameras_text(run),
+            frame_text: format!("frame {}", run.frame),
+            start: match choices.branched_from {
+                Some(StepRef { run, step }) => format!("from step {step} of run {run}"),
+                None => format!("start {start}"),
+            },
+        }
+    }
+
+    fn name_among(&self, others: &[&Self]) -> String {
+        let differs = |text: fn(&Self) -> &String| others.iter().any(|other| text(other) != text(self));
+        let mut parts: Vec<&str> = Vec::new();
+        let by_part = differs(|facets| &facets.part);
+        if by_part {
+            parts.push(&self.part);
+        }
+        if differs(|facets| &facets.fit) {
+            parts.push(&self.fit);
+        }
+        if differs(|facets| &facets.renderer) {
+            parts.push(&self.renderer);
+        }
+        for (index, text) in self.refinements.iter().enumerate() {
+            let other_text = |other: &&&Self| other.refinements[index] != *text;
+            if others.iter().filter(|other| other.fit == self.fit).any(|other| other_text(&other)) {
+                parts.push(text);
+            }
+        }
+        if differs(|facets| &facets.cameras) {
+            parts.push(&self.cameras);
+        }
+        if differs(|facets| &facets.frame_text) {
+            parts.push(&self.frame_text);
+        }
+        if others.iter().any(|other| other.frame == self.frame && other.start != self.start) {
+            parts.push(&self.start);
+        }
+        match parts.as_slice() {
+            [] if self.part.starts_with("refit") => format::capitalised(&self.part),
+            [] => self.fit.clone(),
+            parts => format::capitalised(&parts.join(", ")),
+        }
+    }
+}
+
+fn renderer_text(renderer: RendererKind) -> String {
+    let name = words::renderer_name(renderer).to_lowercase();
+    match renderer {
+        RendererKind::SphereTree { spheres: Some(count) } => format!("{name}, {count} spheres"),
+        _ => name,
+    }
+}
+
+/// Choices of the fit, each in words, always as many and in the same order.
+fn refinements(fit: &FitOptions) -> Vec<String> {
+    let number = |value: f64| format::short(value);
+    let iterations: usize = fit.stages.iter().map(|stage| stage.iterations).sum();
+    let strides: Vec<String> = fit.stages.iter().map(|stage| stage.stride.to_string()).collect();
+    vec![
+        words::ramps(fit),
+        match fit.parameters {
+            Parameters::Tangent => "tangent".to_owned(),
+            Parameters::Raw => "raw".to_owned(),
+        },
+        match fit.method {
+            Method::LevenbergMarquardt => "LM".to_owned(),
+            Method::GaussNewton => "fixed damping".to_owned(),
+        },
+        format!("damping {}", number(fit.damping)),
+        format!("pull back {}", number(fit.proximal_weight)),
+        format!("untwist {}", number(fit.rest_weight)),
+        format!("limits {}", number(fit.limit_weight)),
+        format!("likely poses {}", number(likely_poses::weight(fit).unwrap_or(0.0))),
+        if fit.to_scale { "stages to scale" } else { "stages as they are" }.to_owned(),
+        format!("at most {iterations} steps"),
+        format!("every {} px", strides.join(" ")),
+    ]
+}
+
+/// The cameras that counted, with weights other than one.
+fn cameras_text(run: &Run) -> String {
+    let cameras = &run.choices.cameras;
+    let used: Vec<String> = cameras
+        .iter()
+        .enumerate()
+        .filter(|(_, camera)| camera.used)
+        .map(|(index, camera)| {
+            let weight = if camera.weight == 1.0 {
+                String::new()
+            } else {
+                format!(" × {}", format::short(camera.weight))
+            };
+            format!("{}{weight}", index + 1)
+        })
+        .collect();
+    match used.as_slice() {
+        [] => "no camera".to_owned(),
+        [one] => format!("camera {one}"),
+        several => format!("cameras {}", several.join(" ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use backlit_tracking::fit::Preset;
+
+    use super::*;
+    use crate::CameraUse;
+
+    fn run(change: impl FnOnce(&mut FitOptions)) -> Run {
+        let mut fit = FitOptions::preset(Preset::Robust);
+        change(&mut fit);
+        let mut run = Run { is_shown: true, ..Run::default() };
+        run.choices.fit = Arc::new(fit);
+        let camera = |name: &str| CameraUse { name: name.to_owned(), used: true, weight: 1.0 };
+        run.choices.cameras = Arc::new(vec![camera("a"), camera("b")]);
+        run
+    }
+
+    fn names(mut runs: Vec<Run>) -> Vec<String> {
+        name_runs(&mut runs);
+        runs.into_iter().map(|run| run.name).collect()
+    }
+
+    #[test]
+    fn only_what_differs_is_said() {
+        let robust = || run(|_| {});
+        assert_eq!(names(vec![robust()]), ["Robust"]);
+        assert_eq!(names(vec![robust(), robust()]), ["Robust", "Robust (2)"]);
+        let cylinder = || run(|fit| fit.renderer = RendererKind::Cylinder);
+        assert_eq!(names(vec![robust(), cylinder()]), ["Capsule", "Cylinder"]);
+        let report = run(|fit| *fit = FitOptions::preset(Preset::Report));
+        assert_eq!(
+            names(vec![robust(), cylinder(), report]),
+            ["Robust, capsule", "Robust, cylinder", "Report 2004, capsule"]
+        );
+    }
+
+    #[test]
+    fn a_changed_number_is_said_with_its_value() {
+        let damped = |value| run(move |fit| fit.damping = value);
+        assert_eq!(
+            names(vec![damped(0.5), damped(0.02)]),
+            ["Damping 0.5", "Damping 0.02"],
+            "both are of one method"
+        );
+        let pulled = run(|fit| (fit.damping, fit.proximal_weight) = (0.5, 3.0));
+        assert_eq!(names(vec![damped(0.5), pulled]), ["Pull back 30", "Pull back 3"]);
+    }
+
+    #[test]
+    fn cameras_frames_parts_and_starts_are_told_apart() {
+        let mut one = run(|_| {});
+        Arc::make_mut(&mut one.choices.cameras)[1].used = false;
+        let mut heavy = run(|_| {});
+        Arc::make_mut(&mut heavy.choices.cameras)[1].weight = 0.5;
+        assert_eq!(names(vec![run(|_| {}), one, heavy]), ["Cameras 1 2", "Camera 1", "Cameras 1 2 × 0.5"]);
+        let later = Run { frame: 7, ..run(|_| {}) };
+        assert_eq!(names(vec![run(|_| {}), later]), ["Frame 0", "Frame 7"]);
+        let mut arm = run(|_| {});
+        arm.choices.part = Some("right forearm".to_owned());
+        assert_eq!(names(vec![arm.clone()]), ["Refit right forearm"]);
+        assert_eq!(names(vec![run(|_| {}), arm]), ["Whole body", "Refit right forearm"]);
+        let mut branch = run(|_| {});
+        branch.choices.branched_from = Some(StepRef { run: 1, step: 4 });
+        assert_eq!(names(vec![run(|_| {}), branch]), ["Start 1", "From step 4 of run 1"]);
+    }
+
+    #[test]
+    fn hidden_runs_are_not_compared_with_and_given_names_stay() {
+        let hidden = Run { is_shown: false, ..run(|fit| fit.renderer = RendererKind::Cylinder) };
+        assert_eq!(names(vec![run(|_| {}), hidden]), ["Robust", "Cylinder"]);
+        let mine = Run { name: "Mine".to_owned(), is_named: true, ..run(|_| {}) };
+        assert_eq!(names(vec![mine, run(|_| {})]), ["Mine", "Robust"]);
+    }
+}
