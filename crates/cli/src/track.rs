@@ -41,6 +41,7 @@ Writes to the folder of --out:
   frames.csv    cost, overlap (IoU) by camera and iterations of every frame
   summary.json  what --json prints
   body.toml     the body, if it is not a built-in one
+  resume.json   what --resume goes on from; not there once the take's last frame is tracked
 
 If the take has no start, one is searched for. If the take asks for sizes, as one written by import does, \
 the person's own sizes are found first. Joints are named after the limb that ends in them, or root. If the \
@@ -228,7 +229,7 @@ pub(crate) enum MotionWord {
 pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let cancel = interrupt::listen()?;
     let smoothing = arguments.follow.smoothing()?;
-    let earlier = if arguments.resume { Some(Earlier::read(arguments)?) } else { None };
+    let mut earlier = if arguments.resume { Some(Earlier::read(arguments)?) } else { None };
     let mut footage = match &earlier {
         Some(earlier) => Footage::new(Take::open_with_model(&arguments.take, earlier.written.model.clone())?),
         None => take_options::open_with_model(&arguments.take, arguments.model.as_deref())?,
@@ -239,6 +240,11 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
         Some(earlier) => earlier.frames_left(footage.take(), &cameras, &all_frames)?,
         None => &all_frames,
     };
+    if let Some(earlier) = &mut earlier
+        && !frames.is_empty()
+    {
+        earlier.recall(smoothing)?;
+    }
     let fit = arguments.follow.fit()?;
     let (start, begun) = if let Some(earlier) = &earlier {
         (earlier.last_pose(), earlier.begun.clone())
@@ -257,11 +263,11 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     let take = footage.take();
     let judge = arguments.reference.take(take)?;
     let part = Followed { footage: &footage, cameras: &cameras, frames, cues: &arguments.cues };
-    let mut tracker = tracker(arguments, part, start, &cancel)?;
+    let known = earlier.as_ref().and_then(Earlier::noise);
+    let mut tracker = tracker(arguments, part, start, known, &cancel)?;
     let mut report = TrackReport::new(take, &cameras, smoothing);
     if let Some(earlier) = earlier {
-        tracker = tracker.resuming(&earlier.written.track);
-        report.resume(take, earlier.written.track);
+        tracker = earlier.go_on(&footage, &cameras, &arguments.cues, tracker, &mut report)?;
     }
     let mut written = Instant::now();
     let tracked = follow(part, tracker, &mut report, &cancel, |report| {
@@ -298,7 +304,7 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     if arguments.json { output::print_json(&report.summary()) } else { output::print(&report.text()) }
 }
 
-/// The tracker that these frames are followed with.
+/// The tracker that these frames are followed with. Noise that is `known` from an earlier track is not estimated again.
 ///
 /// # Errors
 /// Options that contradict each other or the take, or pictures that cannot be had while the noise is tuned.
@@ -306,14 +312,15 @@ fn tracker(
     arguments: &TrackArguments,
     part: Followed<'_>,
     start: Pose,
+    known: Option<KalmanOptions>,
     cancel: &CancelToken,
 ) -> anyhow::Result<Tracker> {
     let (follow, take) = (&arguments.follow, part.footage.take());
-    let mut noise = follow.noise()?;
-    if arguments.tune {
-        if !follow.is_kalman() {
-            bail!("--tune is for --motion kalman or smoothed");
-        }
+    let mut noise = known.unwrap_or(follow.noise()?);
+    if arguments.tune && !follow.is_kalman() {
+        bail!("--tune is for --motion kalman or smoothed");
+    }
+    if arguments.tune && known.is_none() {
         let tracker = follow.tracker_with(take, start.clone(), noise)?;
         noise = tuned(Followed { cues: &[], ..part }, tracker, noise, cancel)?;
     }
@@ -361,6 +368,11 @@ pub(crate) struct Followed<'a> {
     pub(crate) cues: &'a [Cue],
 }
 
+/// Whether any of these cues is one of pictures.
+pub(crate) fn wants_pictures(cues: &[Cue]) -> bool {
+    cues.iter().any(|cue| *cue != Cue::Keypoints)
+}
+
 fn cue(text: &str) -> Result<Cue, &'static str> {
     // Edges were measured to do more harm than good (docs/chapter6.md).
     let offered = [Cue::Keypoints, Cue::Flow, Cue::Stereo];
@@ -380,7 +392,7 @@ pub(crate) fn follow(
     mut after_frame: impl FnMut(&TrackReport) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let Followed { footage, cameras, frames, cues } = part;
-    let wants_pictures = cues.iter().any(|cue| *cue != Cue::Keypoints);
+    let wants_pictures = wants_pictures(cues);
     let mut began = Instant::now();
     each_frame(footage, cameras, frames, |frame, views, progress| {
         let seen = match cues {
@@ -392,6 +404,7 @@ pub(crate) fn follow(
             .with_context(|| format!("frame {frame}"))?;
         // A frame that was broken off is no frame.
         anyhow::ensure!(!cancel.is_cancelled(), Interrupted);
+        report.memory = tracker.memory();
         report.add(footage.take(), estimate, began.elapsed().as_secs_f64() * 1e3)?;
         began = Instant::now();
         progress.set_message(report.progress_text());

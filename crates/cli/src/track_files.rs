@@ -1,9 +1,10 @@
 //! The files that `backlit track` writes, and those of them that are read again.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use backlit_formats::export::track_read::{self, WrittenTrack};
-use backlit_formats::export::{self, TrackExport};
+use backlit_formats::export::{self, TrackExport, resume_file};
 use backlit_formats::{DiskFiles, Take, TakeFiles, json_text, model_file};
 use backlit_tracking::body::builtin;
 use serde::Deserialize;
@@ -13,6 +14,8 @@ use super::track_report::TrackReport;
 
 /// The body, where it is no built-in one.
 const BODY: &str = "body.toml";
+/// What `--resume` goes on from.
+pub(crate) const RESUME: &str = "resume.json";
 /// What `--json` prints.
 const SUMMARY: &str = "summary.json";
 /// The longest summary that is read, bytes.
@@ -37,7 +40,19 @@ pub(crate) fn write(folder: &Path, take: &Take, report: &TrackReport) -> anyhow:
     if builtin::of_name(take.model().name()).is_none_or(|model| model != **take.model()) {
         others.push((BODY, body.as_bytes()));
     }
-    Ok(export::write(folder, &export, &others)?)
+    // After the take's last frame there is nothing to go on with.
+    let has_ended =
+        report.track().frames.keys().next_back().is_some_and(|&last| last + 1 >= take.frame_count());
+    let resume = report.resume_point().filter(|_| !has_ended).map(|resume| resume_file::to_text(&resume));
+    if let Some(resume) = &resume {
+        others.push((RESUME, resume.as_bytes()));
+    }
+    export::write(folder, &export, &others)?;
+    if has_ended {
+        // One that cannot be removed is refused when it is read: it is of another frame.
+        let _ = fs::remove_file(folder.join(RESUME));
+    }
+    Ok(())
 }
 
 /// What was found before an earlier track into this folder began.
