@@ -218,7 +218,7 @@ mod tests {
             let step = [0.1 * seconds, 0.0, 0.0, 0.4 * (5.0 * seconds).sin(), 0.2, 0.3 * seconds];
             let pose = Pose::rest(&model).retract(Parameters::Tangent, &step);
             let predicted = last
-                .and_then(|before: usize| filter.predict(seconds - before as f64 / 30.0))
+                .and_then(|before: usize| filter.predict((frame as f64 - before as f64) * (1.0 / 30.0)))
                 .ok_or(crate::track::Begins::First);
             let products = DMatrix::from_diagonal_element(6, 6, 4e6);
             let belief = Some(filter.learn(&pose, Some((products, DVector::zeros(6))), predicted));
