@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use anyhow::{Context, bail};
 use backlit_formats::take::BodySizes;
@@ -24,11 +24,8 @@ use super::own_body;
 use super::reference_options::ReferenceArguments;
 use super::resume::Earlier;
 use super::take_options::{self, PartArguments, StartArguments};
-use super::track_files;
+use super::track_files::Writer;
 use super::track_report::{Smoothing, TrackReport};
-
-/// Results so far are written this often: nothing is lost if the program is stopped.
-const WRITE_EVERY: Duration = Duration::from_secs(5);
 
 /// Frames that the filter's noise is estimated from, at most: a filter keeps a third of a megabyte of each.
 const TUNED_FRAMES: usize = 600;
@@ -269,21 +266,21 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
     if let Some(earlier) = earlier {
         tracker = earlier.go_on(&footage, &cameras, &arguments.cues, tracker, &mut report)?;
     }
-    let mut written = Instant::now();
+    let mut writer = Writer::new(&arguments.out, take);
     let tracked = follow(part, tracker, &mut report, &cancel, |report| {
-        if written.elapsed() > WRITE_EVERY {
-            track_files::write(&arguments.out, take, report)?;
-            written = Instant::now();
-        }
+        writer.now_and_then(report);
         Ok(())
     });
+    // What cannot be smoothed or measured, as where the footage is gone, is written as it is.
+    let mut smoothed = Ok(());
     if smoothing.is_some() {
-        report.smooth(take)?;
         let (done, renderer) = (report.frames(), fit.renderer);
-        each_frame(&footage, &cameras, &done, |frame, views, _| {
-            report.measure_overlap(take, frame, &views, renderer);
-            Ok(())
-        })?;
+        smoothed = report.smooth(take).map_err(anyhow::Error::from).and_then(|()| {
+            each_frame(&footage, &cameras, &done, |frame, views, _| {
+                report.measure_overlap(take, frame, &views, renderer);
+                Ok(())
+            })
+        });
     }
     report.finish(take);
     report.is_partial = tracked.is_err();
@@ -292,7 +289,7 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
         report.judge(judge);
     }
     if !report.track().frames.is_empty() {
-        track_files::write(&arguments.out, take, &report)?;
+        writer.at_the_end(&report)?;
     }
     if let Err(error) = tracked {
         let (done, all, folder) = (report.track().frames.len(), all_frames.len(), arguments.out.display());
@@ -301,6 +298,7 @@ pub(crate) fn run(arguments: &TrackArguments) -> anyhow::Result<()> {
             _ => error.context(format!("stopped after {done} of {all} frames, which are in {folder}")),
         });
     }
+    smoothed.context("what was tracked is written")?;
     if arguments.json { output::print_json(&report.summary()) } else { output::print(&report.text()) }
 }
 
