@@ -1,9 +1,12 @@
 //! Fisher's discriminants, kept from knowing single people too well.
 //!
-//! Each number x of a row is first made z = 5 tanh((x − x̄)/5σ). A *cell* is what one subject does of one class; each cell of a class counts
-//! the same, so that a person with many recordings does not become the class. With S the mean over all classes of the scatter within cells, it is
-//! shrunk towards a sphere: S' = (1 − κ) S + κ tr(S)/d I. In the coordinates in which S' is the unit matrix the principal components of the
-//! classes' means (of which there are one less than classes) are the axes. (Fisher 1936; shrinkage: Friedman, "Regularized Discriminant Analysis", 1989.)
+//! Each number x of a row is first made z = 3 tanh((x − x̄)/3σ). A *cell* is what one subject does of one class; each cell of a class counts
+//! the same, so that a person with many recordings does not become the class. Two scatters say what does not make a class: W, the mean over
+//! all classes of the scatter within cells, and B, that of people: Σ (m − m̄)(m − m̄)ᵀ/Σ (n − 1) with m the mean of a cell and m̄ of the n cells of its
+//! class. Each is shrunk towards a sphere, S' = (1 − κ) S + κ tr(S)/d I, and what a stranger adds counts λ times: N = W' + λ B'.
+//! In the coordinates in which N is the unit matrix ([`Learnt::whitening`]) the principal components of the classes' means (of which there are one less
+//! than classes) are the axes. (Fisher 1936; shrinkage: Friedman, "Regularized Discriminant Analysis", 1989; the scatter of people: Hatch,
+//! Kajarekar and Stolcke, "Within-class covariance normalization for SVM-based speaker recognition", 2006.)
 
 use std::collections::BTreeMap;
 
@@ -13,9 +16,11 @@ use serde::{Deserialize, Serialize};
 use crate::principal;
 
 /// Numbers this many deviations from their mean are pressed together.
-const REACH: f64 = 5.0;
+const REACH: f64 = 3.0;
 /// Deviation below which a number is taken for constant.
 const LEAST_DEVIATION: f64 = 1e-6;
+/// Variance of what does not make a class, at least, so that nothing is divided by 0.
+const LEAST_VARIANCE: f64 = 1e-12;
 
 /// Axes that tell classes apart.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -61,10 +66,51 @@ pub fn balanced_weights(cells: &[(usize, usize)]) -> Vec<f64> {
 /// Covariance and mean.
 type Moments = (DMatrix<f64>, DVector<f64>);
 
+/// How axes are learnt.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxesOptions {
+    /// κ: how far scatters are shrunk towards a sphere, 0 to 1.
+    pub shrinkage: f64,
+    /// λ: how much the scatter of people counts beside that within a person's motions; 0 and more.
+    pub strangers: f64,
+}
+
+impl Default for AxesOptions {
+    fn default() -> Self {
+        Self { shrinkage: 0.1, strangers: 3.0 }
+    }
+}
+
+/// Axes, and the coordinates that they were found in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Learnt {
+    /// The axes.
+    pub discriminant: Discriminant,
+    /// Turns standardised numbers into coordinates in which what does not make a class is the unit matrix.
+    pub whitening: DMatrix<f64>,
+}
+
+/// What rows scatter by.
+struct Scatter {
+    /// Within cells: W.
+    within: DMatrix<f64>,
+    /// Of the cells of a class: B.
+    people: DMatrix<f64>,
+    /// The mean of each class.
+    means: Vec<DVector<f64>>,
+}
+
+/// A matrix, part of the way to the sphere of its trace.
+fn shrunk(matrix: &DMatrix<f64>, shrinkage: f64) -> DMatrix<f64> {
+    let dimension = matrix.nrows();
+    let sphere = matrix.trace() / dimension.max(1) as f64;
+    matrix * (1.0 - shrinkage) + DMatrix::identity(dimension, dimension) * (shrinkage * sphere)
+}
+
 impl Discriminant {
-    /// Learns axes from samples, of which there is one at least; `shrinkage` κ lies between 0 and 1.
+    /// Learns axes from samples, of which there is one at least.
     #[must_use]
-    pub fn learn(samples: &[Sample<'_>], shrinkage: f64) -> Self {
+    pub fn learn(samples: &[Sample<'_>], options: AxesOptions) -> Learnt {
         let dimension = samples.first().map_or(0, |sample| sample.row.len());
         let count = samples.len().max(1) as f64;
         let column = |index: usize| samples.iter().map(move |sample| sample.row[index]);
@@ -74,32 +120,30 @@ impl Discriminant {
             variance.sqrt().max(LEAST_DEVIATION)
         });
         let mut found = Self { deviation: deviation.collect(), mean, axes: Vec::new(), origin: Vec::new() };
-        let (within, means) = found.scatter(samples, dimension);
-        let sphere = within.trace() / dimension.max(1) as f64;
-        let shrunk = within * (1.0 - shrinkage)
-            + DMatrix::identity(dimension, dimension) * (shrinkage * sphere).max(1e-12);
-        let (values, vectors) = principal::eigen(shrunk);
-        let whiten = DMatrix::from_fn(dimension, dimension, |row, column| {
-            vectors[row][column] / values[row].max(1e-12).sqrt()
+        let Scatter { within, people, means } = found.scatter(samples, dimension);
+        let nuisance =
+            shrunk(&within, options.shrinkage) + shrunk(&people, options.shrinkage) * options.strangers;
+        let (values, vectors) = principal::eigen(nuisance);
+        let whitening = DMatrix::from_fn(dimension, dimension, |row, column| {
+            vectors[row][column] / values[row].max(LEAST_VARIANCE).sqrt()
         });
         let centre = means.iter().fold(DVector::zeros(dimension), |a, b| a + b) / means.len().max(1) as f64;
         let mut between = DMatrix::zeros(dimension, dimension);
         for mean in &means {
-            let white = &whiten * (mean - &centre);
+            let white = &whitening * (mean - &centre);
             between.syger(1.0, &white, &white, 1.0);
         }
         between.fill_upper_triangle_with_lower_triangle();
         let (_, directions) = principal::eigen(between);
         for direction in directions.into_iter().take(means.len().saturating_sub(1)) {
-            let axis = whiten.tr_mul(&DVector::from_vec(direction));
+            let axis = whitening.tr_mul(&DVector::from_vec(direction));
             found.origin.push(axis.dot(&centre));
             found.axes.push(axis.as_slice().to_vec());
         }
-        found
+        Learnt { discriminant: found, whitening }
     }
 
-    /// The scatter within cells, and the mean of each class.
-    fn scatter(&self, samples: &[Sample<'_>], dimension: usize) -> (DMatrix<f64>, Vec<DVector<f64>>) {
+    fn scatter(&self, samples: &[Sample<'_>], dimension: usize) -> Scatter {
         let mut cells: BTreeMap<(usize, usize), Vec<DVector<f64>>> = BTreeMap::new();
         for sample in samples {
             let row = DVector::from_vec(self.standardised(sample.row));
@@ -113,18 +157,22 @@ impl Discriminant {
             let all = DMatrix::from_columns(&centred);
             classes.entry(*class).or_default().push((&all * all.transpose() * scale, mean));
         }
-        let mut within = DMatrix::zeros(dimension, dimension);
-        let mut means = Vec::new();
+        let zero = DMatrix::zeros(dimension, dimension);
+        let mut all = Scatter { within: zero.clone(), people: zero, means: Vec::new() };
+        let mut freedom = 0;
         for cells in classes.values() {
             let scale = 1.0 / cells.len() as f64;
-            let mut mean = DVector::zeros(dimension);
+            let mean = cells.iter().fold(DVector::zeros(dimension), |sum, (_, cell)| sum + cell * scale);
             for (scatter, cell) in cells {
-                within += scatter * (scale / classes.len() as f64);
-                mean += cell * scale;
+                all.within += scatter * (scale / classes.len() as f64);
+                let off = cell - &mean;
+                all.people += &off * off.transpose();
             }
-            means.push(mean);
+            freedom += cells.len() - 1;
+            all.means.push(mean);
         }
-        (within, means)
+        all.people /= freedom.max(1) as f64;
+        all
     }
 
     /// A row's numbers in deviations from their means, pressed together where they are far away.
@@ -160,7 +208,7 @@ mod tests {
             .iter()
             .map(|(row, class, subject)| Sample { row, class: *class, subject: *subject })
             .collect();
-        let found = Discriminant::learn(&samples, 0.3);
+        let found = Discriminant::learn(&samples, AxesOptions { shrinkage: 0.3, strangers: 1.0 }).discriminant;
         assert_eq!(found.axes.len(), 1);
         let places: Vec<f64> = samples.iter().map(|sample| found.project(sample.row)[0]).collect();
         let side = |place: f64, class: usize| (place > 0.0) == (class == 1);
