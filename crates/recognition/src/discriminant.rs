@@ -63,9 +63,6 @@ pub fn balanced_weights(cells: &[(usize, usize)]) -> Vec<f64> {
     cells.iter().map(|cell| each / (subjects[&cell.0] * counts[cell])).collect()
 }
 
-/// Covariance and mean.
-type Moments = (DMatrix<f64>, DVector<f64>);
-
 /// How axes are learnt.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxesOptions {
@@ -81,23 +78,87 @@ impl Default for AxesOptions {
     }
 }
 
-/// Axes, and the coordinates that they were found in.
-#[derive(Debug, Clone, PartialEq)]
+/// Axes, and what they were found from.
+#[derive(Debug, Clone)]
 pub struct Learnt {
     /// The axes.
     pub discriminant: Discriminant,
     /// Turns standardised numbers into coordinates in which what does not make a class is the unit matrix.
     pub whitening: DMatrix<f64>,
+    /// What the samples scatter by.
+    pub cells: Cells,
 }
 
-/// What rows scatter by.
-struct Scatter {
-    /// Within cells: W.
-    within: DMatrix<f64>,
-    /// Of the cells of a class: B.
-    people: DMatrix<f64>,
-    /// The mean of each class.
-    means: Vec<DVector<f64>>,
+/// Scatter of a cell about its mean, and the mean, of standardised numbers.
+type Moments = (DMatrix<f64>, DVector<f64>);
+
+/// What each subject does of each class.
+#[derive(Debug, Clone)]
+pub struct Cells {
+    moments: BTreeMap<(usize, usize), Moments>,
+    dimension: usize,
+}
+
+/// What does not make a class, and what does.
+#[derive(Debug, Clone)]
+pub struct Nuisance {
+    /// See [`Learnt::whitening`].
+    pub whitening: DMatrix<f64>,
+    /// The number of each class that has a cell, and its mean.
+    pub means: Vec<(usize, DVector<f64>)>,
+}
+
+impl Cells {
+    fn of(axes: &Discriminant, samples: &[Sample<'_>]) -> Self {
+        let dimension = axes.mean.len();
+        let mut rows: BTreeMap<(usize, usize), Vec<DVector<f64>>> = BTreeMap::new();
+        for sample in samples {
+            let row = DVector::from_vec(axes.standardised(sample.row));
+            rows.entry((sample.class, sample.subject)).or_default().push(row);
+        }
+        let moments = rows.into_iter().map(|(cell, rows)| {
+            let scale = 1.0 / rows.len() as f64;
+            let mean = rows.iter().fold(DVector::zeros(dimension), |a, b| a + b) * scale;
+            let centred: Vec<DVector<f64>> = rows.iter().map(|row| row - &mean).collect();
+            let all = DMatrix::from_columns(&centred);
+            (cell, (&all * all.transpose() * scale, mean))
+        });
+        Self { moments: moments.collect(), dimension }
+    }
+
+    /// What is left where one subject is left out, or none.
+    #[must_use]
+    pub fn without(&self, subject: Option<usize>, options: AxesOptions) -> Nuisance {
+        let mut classes: BTreeMap<usize, Vec<&Moments>> = BTreeMap::new();
+        for ((class, of), moments) in &self.moments {
+            if Some(*of) != subject {
+                classes.entry(*class).or_default().push(moments);
+            }
+        }
+        let zero: DMatrix<f64> = DMatrix::zeros(self.dimension, self.dimension);
+        let (mut within, mut people, mut freedom) = (zero.clone(), zero, 0);
+        let mut means = Vec::new();
+        for (&class, cells) in &classes {
+            let scale = 1.0 / cells.len() as f64;
+            let mean = cells.iter().fold(DVector::zeros(self.dimension), |sum, (_, cell)| sum + cell * scale);
+            for (scatter, cell) in cells {
+                within += scatter * (scale / classes.len() as f64);
+                let off = cell - &mean;
+                people.syger(1.0, &off, &off, 1.0);
+            }
+            freedom += cells.len() - 1;
+            means.push((class, mean));
+        }
+        people.fill_upper_triangle_with_lower_triangle();
+        people /= freedom.max(1) as f64;
+        let nuisance =
+            shrunk(&within, options.shrinkage) + shrunk(&people, options.shrinkage) * options.strangers;
+        let (values, vectors) = principal::eigen(nuisance);
+        let whitening = DMatrix::from_fn(self.dimension, self.dimension, |row, column| {
+            vectors[row][column] / values[row].max(LEAST_VARIANCE).sqrt()
+        });
+        Nuisance { whitening, means }
+    }
 }
 
 /// A matrix, part of the way to the sphere of its trace.
@@ -120,13 +181,9 @@ impl Discriminant {
             variance.sqrt().max(LEAST_DEVIATION)
         });
         let mut found = Self { deviation: deviation.collect(), mean, axes: Vec::new(), origin: Vec::new() };
-        let Scatter { within, people, means } = found.scatter(samples, dimension);
-        let nuisance =
-            shrunk(&within, options.shrinkage) + shrunk(&people, options.shrinkage) * options.strangers;
-        let (values, vectors) = principal::eigen(nuisance);
-        let whitening = DMatrix::from_fn(dimension, dimension, |row, column| {
-            vectors[row][column] / values[row].max(LEAST_VARIANCE).sqrt()
-        });
+        let cells = Cells::of(&found, samples);
+        let Nuisance { whitening, means } = cells.without(None, options);
+        let means: Vec<DVector<f64>> = means.into_iter().map(|(_, mean)| mean).collect();
         let centre = means.iter().fold(DVector::zeros(dimension), |a, b| a + b) / means.len().max(1) as f64;
         let mut between = DMatrix::zeros(dimension, dimension);
         for mean in &means {
@@ -140,39 +197,7 @@ impl Discriminant {
             found.origin.push(axis.dot(&centre));
             found.axes.push(axis.as_slice().to_vec());
         }
-        Learnt { discriminant: found, whitening }
-    }
-
-    fn scatter(&self, samples: &[Sample<'_>], dimension: usize) -> Scatter {
-        let mut cells: BTreeMap<(usize, usize), Vec<DVector<f64>>> = BTreeMap::new();
-        for sample in samples {
-            let row = DVector::from_vec(self.standardised(sample.row));
-            cells.entry((sample.class, sample.subject)).or_default().push(row);
-        }
-        let mut classes: BTreeMap<usize, Vec<Moments>> = BTreeMap::new();
-        for ((class, _), rows) in &cells {
-            let scale = 1.0 / rows.len() as f64;
-            let mean = rows.iter().fold(DVector::zeros(dimension), |a, b| a + b) * scale;
-            let centred: Vec<DVector<f64>> = rows.iter().map(|row| row - &mean).collect();
-            let all = DMatrix::from_columns(&centred);
-            classes.entry(*class).or_default().push((&all * all.transpose() * scale, mean));
-        }
-        let zero = DMatrix::zeros(dimension, dimension);
-        let mut all = Scatter { within: zero.clone(), people: zero, means: Vec::new() };
-        let mut freedom = 0;
-        for cells in classes.values() {
-            let scale = 1.0 / cells.len() as f64;
-            let mean = cells.iter().fold(DVector::zeros(dimension), |sum, (_, cell)| sum + cell * scale);
-            for (scatter, cell) in cells {
-                all.within += scatter * (scale / classes.len() as f64);
-                let off = cell - &mean;
-                all.people += &off * off.transpose();
-            }
-            freedom += cells.len() - 1;
-            all.means.push(mean);
-        }
-        all.people /= freedom.max(1) as f64;
-        all
+        Learnt { discriminant: found, whitening, cells }
     }
 
     /// A row's numbers in deviations from their means, pressed together where they are far away.
@@ -214,6 +239,34 @@ mod tests {
         let side = |place: f64, class: usize| (place > 0.0) == (class == 1);
         let flipped = !side(places[1], 1);
         assert!(places.iter().zip(&samples).all(|(place, sample)| side(*place, sample.class) != flipped));
+    }
+
+    /// Classes lie apart along the first and the second number; people scatter along the second only.
+    #[test]
+    fn what_people_differ_by_makes_no_class() {
+        let rows: Vec<(Vec<f64>, usize, usize)> = (0..240)
+            .map(|index| {
+                let (class, subject) = (index % 2, index / 2 % 4);
+                let [a, b] = [1.7, 0.9].map(|f| 0.2 * (index as f64 * f).sin());
+                let person = [1.5, -1.5, 0.6, -0.6][subject];
+                (vec![class as f64 + a, class as f64 + person + b], class, subject)
+            })
+            .collect();
+        let samples: Vec<Sample<'_>> = rows
+            .iter()
+            .map(|(row, class, subject)| Sample { row, class: *class, subject: *subject })
+            .collect();
+        let weight = |strangers: f64| {
+            let axes = Discriminant::learn(&samples, AxesOptions { shrinkage: 0.01, strangers }).discriminant.axes;
+            (axes[0][1] / axes[0][0]).abs()
+        };
+        assert!(weight(0.0) > 0.5 && weight(3.0) < 0.1, "{} and {}", weight(0.0), weight(3.0));
+        let learnt = Discriminant::learn(&samples, AxesOptions::default());
+        let all = learnt.cells.without(None, AxesOptions::default());
+        assert_eq!(all.whitening, learnt.whitening);
+        let some = learnt.cells.without(Some(0), AxesOptions::default());
+        // Who is left out draws no mean.
+        assert!(some.means[0].1[1] < all.means[0].1[1] - 0.1, "{:?} {:?}", some.means, all.means);
     }
 
     #[test]

@@ -189,9 +189,11 @@ impl Recognizer {
         let seconds =
             table(&|seen| seen.window_starts().into_iter().map(|start| seen.window(start)).collect());
         let shorts = table(&|seen| seen.short.clone());
-        let Learnt { discriminant: long, whitening } = Discriminant::learn(&seconds.samples(), options.axes);
+        let learnt = Discriminant::learn(&seconds.samples(), options.axes);
         let short = Discriminant::learn(&shorts.samples(), options.axes).discriminant;
         let weights = balanced_weights(&seconds.cells);
+        let novelty = Novelty::learn(&learnt, &seconds.samples(), &weights, options.axes);
+        let Learnt { discriminant: long, whitening, .. } = learnt;
         let places: Vec<Vec<f64>> = seconds.rows.iter().map(|row| long.project(row)).collect();
         let numbers: Vec<usize> = seconds.cells.iter().map(|cell| cell.0).collect();
         let white = |row: &Vec<f64>| &whitening * DVector::from_vec(long.standardised(row));
@@ -204,7 +206,7 @@ impl Recognizer {
         Ok(Self {
             machine: machine(&places, options.cost),
             wide_machine: machine(&white, options.wide_cost).before(&whitening),
-            novelty: Novelty::learn(&seconds.samples(), &weights, classes.len()),
+            novelty,
             models: models(motions, &shorts, &short, classes.len(), &options.hmm),
             exemplars: Some(Exemplars { places, classes: numbers, weights }),
             classes,
