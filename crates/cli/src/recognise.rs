@@ -58,8 +58,11 @@ pub struct RecogniseArguments {
     /// With --test: name each subject's motions by what is learnt from all others'
     #[arg(long, requires = "test", conflicts_with = "model")]
     leave_subjects_out: bool,
-    /// With --test: name each class's motions by what is learnt from all others': how often an unknown kind of motion is
-    /// said to be unknown
+    /// With --leave-subjects-out: of a class that would keep fewer than 4 motions only the recording that is named is left out
+    #[arg(long, requires = "leave_subjects_out")]
+    keep_classes: bool,
+    /// With --test: name each class's motions by what is learnt from other people's of other classes: how often an unknown
+    /// kind of motion is said to be unknown
     #[arg(long, requires = "test", conflicts_with_all = ["model", "leave_subjects_out"])]
     leave_classes_out: bool,
     /// With --test: add the noise of a tracker to the joints, so many millimetres (root mean square)
@@ -153,9 +156,10 @@ fn test(folder: &Path, arguments: &RecogniseArguments, source: &Source<'_>) -> a
         smooth: 0.5,
         memory_s: 0.25,
     });
-    let left_out = match (arguments.leave_subjects_out, arguments.leave_classes_out) {
-        (true, _) => Some(LeftOut::Subjects),
-        (_, true) => Some(LeftOut::Classes),
+    let left_out = match arguments {
+        RecogniseArguments { keep_classes: true, .. } => Some(LeftOut::SubjectsKeepingClasses),
+        RecogniseArguments { leave_subjects_out: true, .. } => Some(LeftOut::Subjects),
+        RecogniseArguments { leave_classes_out: true, .. } => Some(LeftOut::Classes),
         _ => None,
     };
     let evaluation = if let Some(left_out) = left_out {
@@ -186,6 +190,11 @@ fn test(folder: &Path, arguments: &RecogniseArguments, source: &Source<'_>) -> a
 fn evaluation_json(evaluation: &Evaluation) -> Value {
     let mut out = json!({
         "confusion": evaluation.confusion,
+        "spread": {
+            "clips": evaluation.spread[0],
+            "windows": evaluation.spread[1],
+            "in_context": evaluation.spread[2],
+        },
         "unknown": evaluation.unknown,
         "clips": evaluation.clips,
     });
@@ -196,18 +205,33 @@ fn evaluation_json(evaluation: &Evaluation) -> Value {
 }
 
 fn evaluation_text(evaluation: &Evaluation) -> String {
-    let mut table = Table::new(["method", "clips", "windows", "joined"]);
+    let mut table = Table::new(["method", "clips", "windows", "in context", "joined"]);
     for (method, score) in &evaluation.methods {
-        let parts = [score.clips, score.windows, score.joined].map(|part| format!("{part:.3}"));
-        let [clips, windows, joined] = parts;
-        table.row([(*method).to_owned(), clips, windows, joined]);
+        let parts = [score.clips, score.windows, score.in_context, score.joined];
+        let [clips, windows, in_context, joined] = parts.map(|part| format!("{part:.3}"));
+        table.row([(*method).to_owned(), clips, windows, in_context, joined]);
     }
+    let [clips, windows, in_context] = evaluation.spread.map(|part| format!("±{part:.3}"));
+    table.row(["with other people".to_owned(), clips, windows, in_context, String::new()]);
     let mut out = table.to_text();
     for clip in evaluation.clips.iter().filter(|clip| clip.class != clip.found) {
         let (name, class, found) = (&clip.name, &clip.class, &clip.found);
         out += &format!("{name}: {class}, was called {found} ({:.2})\n", clip.confidence);
     }
-    out + &format!("said to be unknown: {:.3} of the clips\n", evaluation.unknown)
+    out + &unknown_line(evaluation)
+}
+
+/// Of thresholds of strangeness, the one that is used among them.
+const THRESHOLDS: [f64; 7] = [0.6, 0.7, 0.8, 0.9, 1.0, 1.2, 1.5];
+
+/// Which part of the clips is said to be unknown, and would be with other thresholds.
+fn unknown_line(evaluation: &Evaluation) -> String {
+    let at = |threshold: f64| {
+        let found = evaluation.clips.iter().filter(|clip| clip.strangeness > threshold).count();
+        format!("{threshold}: {:.3}", found as f64 / evaluation.clips.len().max(1) as f64)
+    };
+    let others = THRESHOLDS.map(at).join(", ");
+    format!("said to be unknown: {:.3} of the clips; at so many times the threshold {others}\n", evaluation.unknown)
 }
 
 /// How often clips of a class that was not learnt are said to be unknown, class by class.
@@ -218,7 +242,7 @@ fn unknown_text(evaluation: &Evaluation) -> String {
         let unknown = own().filter(|clip| clip.unknown).count();
         table.row([class.clone(), own().count().to_string(), unknown.to_string()]);
     }
-    table.to_text() + &format!("said to be unknown: {:.3} of the clips\n", evaluation.unknown)
+    table.to_text() + &unknown_line(evaluation)
 }
 
 fn name(arguments: &RecogniseArguments, source: &Source<'_>) -> anyhow::Result<()> {

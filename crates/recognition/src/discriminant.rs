@@ -1,9 +1,12 @@
 //! Fisher's discriminants, kept from knowing single people too well.
 //!
-//! Each number x of a row is first made z = 5 tanh((x − x̄)/5σ). A *cell* is what one subject does of one class; each cell of a class counts
-//! the same, so that a person with many recordings does not become the class. With S the mean over all classes of the scatter within cells, it is
-//! shrunk towards a sphere: S' = (1 − κ) S + κ tr(S)/d I. In the coordinates in which S' is the unit matrix the principal components of the
-//! classes' means (of which there are one less than classes) are the axes. (Fisher 1936; shrinkage: Friedman, "Regularized Discriminant Analysis", 1989.)
+//! Each number x of a row is first made z = 3 tanh((x − x̄)/3σ). A *cell* is what one subject does of one class; each cell of a class counts
+//! the same, so that a person with many recordings does not become the class. Two scatters say what does not make a class: W, the mean over
+//! all classes of the scatter within cells, and B, that of people: Σ (m − m̄)(m − m̄)ᵀ/Σ (n − 1) with m the mean of a cell and m̄ of the n cells of its
+//! class. Each is shrunk towards a sphere, S' = (1 − κ) S + κ tr(S)/d I, and what a stranger adds counts λ times: N = W' + λ B'.
+//! In the coordinates in which N is the unit matrix ([`Learnt::whitening`]) the principal components of the classes' means (of which there are one less
+//! than classes) are the axes. (Fisher 1936; shrinkage: Friedman, "Regularized Discriminant Analysis", 1989; the scatter of people: Hatch,
+//! Kajarekar and Stolcke, "Within-class covariance normalization for SVM-based speaker recognition", 2006.)
 
 use std::collections::BTreeMap;
 
@@ -13,9 +16,11 @@ use serde::{Deserialize, Serialize};
 use crate::principal;
 
 /// Numbers this many deviations from their mean are pressed together.
-const REACH: f64 = 5.0;
+const REACH: f64 = 3.0;
 /// Deviation below which a number is taken for constant.
 const LEAST_DEVIATION: f64 = 1e-6;
+/// Variance of what does not make a class, at least, so that nothing is divided by 0.
+const LEAST_VARIANCE: f64 = 1e-12;
 
 /// Axes that tell classes apart.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -58,13 +63,115 @@ pub fn balanced_weights(cells: &[(usize, usize)]) -> Vec<f64> {
     cells.iter().map(|cell| each / (subjects[&cell.0] * counts[cell])).collect()
 }
 
-/// Covariance and mean.
+/// How axes are learnt.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxesOptions {
+    /// κ: how far scatters are shrunk towards a sphere, 0 to 1.
+    pub shrinkage: f64,
+    /// λ: how much the scatter of people counts beside that within a person's motions; 0 and more.
+    pub strangers: f64,
+}
+
+impl Default for AxesOptions {
+    fn default() -> Self {
+        Self { shrinkage: 0.1, strangers: 3.0 }
+    }
+}
+
+/// Axes, and what they were found from.
+#[derive(Debug, Clone)]
+pub struct Learnt {
+    /// The axes.
+    pub discriminant: Discriminant,
+    /// Turns standardised numbers into coordinates in which what does not make a class is the unit matrix.
+    pub whitening: DMatrix<f64>,
+    /// What the samples scatter by.
+    pub cells: Cells,
+}
+
+/// Scatter of a cell about its mean, and the mean, of standardised numbers.
 type Moments = (DMatrix<f64>, DVector<f64>);
 
-impl Discriminant {
-    /// Learns axes from samples, of which there is one at least; `shrinkage` κ lies between 0 and 1.
+/// What each subject does of each class.
+#[derive(Debug, Clone)]
+pub struct Cells {
+    moments: BTreeMap<(usize, usize), Moments>,
+    dimension: usize,
+}
+
+/// What does not make a class, and what does.
+#[derive(Debug, Clone)]
+pub struct Nuisance {
+    /// See [`Learnt::whitening`].
+    pub whitening: DMatrix<f64>,
+    /// The number of each class that has a cell, and its mean.
+    pub means: Vec<(usize, DVector<f64>)>,
+}
+
+impl Cells {
+    fn of(axes: &Discriminant, samples: &[Sample<'_>]) -> Self {
+        let dimension = axes.mean.len();
+        let mut rows: BTreeMap<(usize, usize), Vec<DVector<f64>>> = BTreeMap::new();
+        for sample in samples {
+            let row = DVector::from_vec(axes.standardised(sample.row));
+            rows.entry((sample.class, sample.subject)).or_default().push(row);
+        }
+        let moments = rows.into_iter().map(|(cell, rows)| {
+            let scale = 1.0 / rows.len() as f64;
+            let mean = rows.iter().fold(DVector::zeros(dimension), |a, b| a + b) * scale;
+            let centred: Vec<DVector<f64>> = rows.iter().map(|row| row - &mean).collect();
+            let all = DMatrix::from_columns(&centred);
+            (cell, (&all * all.transpose() * scale, mean))
+        });
+        Self { moments: moments.collect(), dimension }
+    }
+
+    /// What is left where one subject is left out, or none.
     #[must_use]
-    pub fn learn(samples: &[Sample<'_>], shrinkage: f64) -> Self {
+    pub fn without(&self, subject: Option<usize>, options: AxesOptions) -> Nuisance {
+        let mut classes: BTreeMap<usize, Vec<&Moments>> = BTreeMap::new();
+        for ((class, of), moments) in &self.moments {
+            if Some(*of) != subject {
+                classes.entry(*class).or_default().push(moments);
+            }
+        }
+        let zero: DMatrix<f64> = DMatrix::zeros(self.dimension, self.dimension);
+        let (mut within, mut people, mut freedom) = (zero.clone(), zero, 0);
+        let mut means = Vec::new();
+        for (&class, cells) in &classes {
+            let scale = 1.0 / cells.len() as f64;
+            let mean = cells.iter().fold(DVector::zeros(self.dimension), |sum, (_, cell)| sum + cell * scale);
+            for (scatter, cell) in cells {
+                within += scatter * (scale / classes.len() as f64);
+                let off = cell - &mean;
+                people.syger(1.0, &off, &off, 1.0);
+            }
+            freedom += cells.len() - 1;
+            means.push((class, mean));
+        }
+        people.fill_upper_triangle_with_lower_triangle();
+        people /= freedom.max(1) as f64;
+        let nuisance =
+            shrunk(&within, options.shrinkage) + shrunk(&people, options.shrinkage) * options.strangers;
+        let (values, vectors) = principal::eigen(nuisance);
+        let whitening = DMatrix::from_fn(self.dimension, self.dimension, |row, column| {
+            vectors[row][column] / values[row].max(LEAST_VARIANCE).sqrt()
+        });
+        Nuisance { whitening, means }
+    }
+}
+
+/// A matrix, part of the way to the sphere of its trace.
+fn shrunk(matrix: &DMatrix<f64>, shrinkage: f64) -> DMatrix<f64> {
+    let dimension = matrix.nrows();
+    let sphere = matrix.trace() / dimension.max(1) as f64;
+    matrix * (1.0 - shrinkage) + DMatrix::identity(dimension, dimension) * (shrinkage * sphere)
+}
+
+impl Discriminant {
+    /// Learns axes from samples, of which there is one at least.
+    #[must_use]
+    pub fn learn(samples: &[Sample<'_>], options: AxesOptions) -> Learnt {
         let dimension = samples.first().map_or(0, |sample| sample.row.len());
         let count = samples.len().max(1) as f64;
         let column = |index: usize| samples.iter().map(move |sample| sample.row[index]);
@@ -74,57 +181,23 @@ impl Discriminant {
             variance.sqrt().max(LEAST_DEVIATION)
         });
         let mut found = Self { deviation: deviation.collect(), mean, axes: Vec::new(), origin: Vec::new() };
-        let (within, means) = found.scatter(samples, dimension);
-        let sphere = within.trace() / dimension.max(1) as f64;
-        let shrunk = within * (1.0 - shrinkage)
-            + DMatrix::identity(dimension, dimension) * (shrinkage * sphere).max(1e-12);
-        let (values, vectors) = principal::eigen(shrunk);
-        let whiten = DMatrix::from_fn(dimension, dimension, |row, column| {
-            vectors[row][column] / values[row].max(1e-12).sqrt()
-        });
+        let cells = Cells::of(&found, samples);
+        let Nuisance { whitening, means } = cells.without(None, options);
+        let means: Vec<DVector<f64>> = means.into_iter().map(|(_, mean)| mean).collect();
         let centre = means.iter().fold(DVector::zeros(dimension), |a, b| a + b) / means.len().max(1) as f64;
         let mut between = DMatrix::zeros(dimension, dimension);
         for mean in &means {
-            let white = &whiten * (mean - &centre);
+            let white = &whitening * (mean - &centre);
             between.syger(1.0, &white, &white, 1.0);
         }
         between.fill_upper_triangle_with_lower_triangle();
         let (_, directions) = principal::eigen(between);
         for direction in directions.into_iter().take(means.len().saturating_sub(1)) {
-            let axis = whiten.tr_mul(&DVector::from_vec(direction));
+            let axis = whitening.tr_mul(&DVector::from_vec(direction));
             found.origin.push(axis.dot(&centre));
             found.axes.push(axis.as_slice().to_vec());
         }
-        found
-    }
-
-    /// The scatter within cells, and the mean of each class.
-    fn scatter(&self, samples: &[Sample<'_>], dimension: usize) -> (DMatrix<f64>, Vec<DVector<f64>>) {
-        let mut cells: BTreeMap<(usize, usize), Vec<DVector<f64>>> = BTreeMap::new();
-        for sample in samples {
-            let row = DVector::from_vec(self.standardised(sample.row));
-            cells.entry((sample.class, sample.subject)).or_default().push(row);
-        }
-        let mut classes: BTreeMap<usize, Vec<Moments>> = BTreeMap::new();
-        for ((class, _), rows) in &cells {
-            let scale = 1.0 / rows.len() as f64;
-            let mean = rows.iter().fold(DVector::zeros(dimension), |a, b| a + b) * scale;
-            let centred: Vec<DVector<f64>> = rows.iter().map(|row| row - &mean).collect();
-            let all = DMatrix::from_columns(&centred);
-            classes.entry(*class).or_default().push((&all * all.transpose() * scale, mean));
-        }
-        let mut within = DMatrix::zeros(dimension, dimension);
-        let mut means = Vec::new();
-        for cells in classes.values() {
-            let scale = 1.0 / cells.len() as f64;
-            let mut mean = DVector::zeros(dimension);
-            for (scatter, cell) in cells {
-                within += scatter * (scale / classes.len() as f64);
-                mean += cell * scale;
-            }
-            means.push(mean);
-        }
-        (within, means)
+        Learnt { discriminant: found, whitening, cells }
     }
 
     /// A row's numbers in deviations from their means, pressed together where they are far away.
@@ -160,12 +233,40 @@ mod tests {
             .iter()
             .map(|(row, class, subject)| Sample { row, class: *class, subject: *subject })
             .collect();
-        let found = Discriminant::learn(&samples, 0.3);
+        let found = Discriminant::learn(&samples, AxesOptions { shrinkage: 0.3, strangers: 1.0 }).discriminant;
         assert_eq!(found.axes.len(), 1);
         let places: Vec<f64> = samples.iter().map(|sample| found.project(sample.row)[0]).collect();
         let side = |place: f64, class: usize| (place > 0.0) == (class == 1);
         let flipped = !side(places[1], 1);
         assert!(places.iter().zip(&samples).all(|(place, sample)| side(*place, sample.class) != flipped));
+    }
+
+    /// Classes lie apart along the first and the second number; people scatter along the second only.
+    #[test]
+    fn what_people_differ_by_makes_no_class() {
+        let rows: Vec<(Vec<f64>, usize, usize)> = (0..240)
+            .map(|index| {
+                let (class, subject) = (index % 2, index / 2 % 4);
+                let [a, b] = [1.7, 0.9].map(|f| 0.2 * (index as f64 * f).sin());
+                let person = [1.5, -1.5, 0.6, -0.6][subject];
+                (vec![class as f64 + a, class as f64 + person + b], class, subject)
+            })
+            .collect();
+        let samples: Vec<Sample<'_>> = rows
+            .iter()
+            .map(|(row, class, subject)| Sample { row, class: *class, subject: *subject })
+            .collect();
+        let weight = |strangers: f64| {
+            let axes = Discriminant::learn(&samples, AxesOptions { shrinkage: 0.01, strangers }).discriminant.axes;
+            (axes[0][1] / axes[0][0]).abs()
+        };
+        assert!(weight(0.0) > 0.5 && weight(3.0) < 0.1, "{} and {}", weight(0.0), weight(3.0));
+        let learnt = Discriminant::learn(&samples, AxesOptions::default());
+        let all = learnt.cells.without(None, AxesOptions::default());
+        assert_eq!(all.whitening, learnt.whitening);
+        let some = learnt.cells.without(Some(0), AxesOptions::default());
+        // Who is left out draws no mean.
+        assert!(some.means[0].1[1] < all.means[0].1[1] - 0.1, "{:?} {:?}", some.means, all.means);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! How often names are right: of whole clips, of seconds, and of the frames of clips that were joined to takes.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use glam::{DQuat, DVec3};
 use rand_pcg::Pcg64Mcg;
@@ -10,9 +10,13 @@ use serde::Serialize;
 use crate::augment::{TrackerNoise, noisy, unit};
 use crate::features::{RATE, body_size};
 use crate::joints::{Joint, JointMotion, Joints, MotionError};
-use crate::learn::{LearnError, LearnOptions, NamedMotion, Prepared, prepare};
-use crate::observed::Observed;
-use crate::recognizer::{Method, Recognizer};
+use crate::learn::{LearnError, NamedMotion};
+use crate::observed::{Observed, WINDOW};
+use crate::recognizer::{Method, Recognizer, largest};
+
+mod left_out;
+
+pub use left_out::{LEAST_KEPT, LeftOut, leave_out};
 
 /// Parts that were right, 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
@@ -21,6 +25,8 @@ pub struct Score {
     pub clips: f64,
     /// Of windows of a second, each seen by itself.
     pub windows: f64,
+    /// Of the same windows, each named given the whole clip that it is a part of.
+    pub in_context: f64,
     /// Of the frames of clips that were joined to long takes.
     pub joined: f64,
 }
@@ -41,6 +47,9 @@ pub struct Confusion {
 pub struct Evaluation {
     /// By method.
     pub methods: BTreeMap<&'static str, Score>,
+    /// How far clips, windows and windows in context of the method that names takes would spread with other people of the same kind: deviations
+    /// where people are drawn anew, again and again (bootstrap).
+    pub spread: [f64; 3],
     /// Of the method that names takes, hidden Markov models and support vectors together.
     pub confusion: Confusion,
     /// The part of the clips that was said to be unknown, whose classes are known.
@@ -62,6 +71,8 @@ pub struct ClipResult {
     pub confidence: f64,
     /// Whether it was said to be unknown.
     pub unknown: bool,
+    /// How strange it is; beyond 1 it is unknown.
+    pub strangeness: f64,
 }
 
 /// Right and all.
@@ -77,6 +88,11 @@ impl Count {
         self.all += 1;
     }
 
+    fn join(&mut self, other: Self) {
+        self.right += other.right;
+        self.all += other.all;
+    }
+
     fn part(self) -> f64 {
         self.right as f64 / self.all.max(1) as f64
     }
@@ -85,7 +101,10 @@ impl Count {
 /// Counts while clips go by.
 #[derive(Debug, Default)]
 struct Tally {
-    counts: BTreeMap<Method, [Count; 3]>,
+    /// Clips, windows, frames of joined clips, windows in context.
+    counts: BTreeMap<Method, [Count; 4]>,
+    /// The same of the method that names takes, by person.
+    people: BTreeMap<String, [Count; 4]>,
     clips: Vec<Vec<usize>>,
     windows: Vec<Vec<usize>>,
     results: Vec<ClipResult>,
@@ -93,11 +112,8 @@ struct Tally {
 
 /// Seconds of a take that clips are joined to, about.
 const JOINED_S: f64 = 40.0;
-
-/// The number of the largest value.
-fn largest(values: &[f64]) -> usize {
-    (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(0)
-}
+/// How often people are drawn anew.
+const DRAWS: usize = 1000;
 
 impl Tally {
     fn new(class_count: usize) -> Self {
@@ -114,43 +130,53 @@ impl Tally {
     ) -> Result<(), LearnError> {
         let seen: Result<Vec<Observed>, LearnError> = motions.iter().map(observe).collect();
         let seen = seen?;
-        let clips: Vec<(&str, &str, &Observed)> =
-            motions.iter().zip(&seen).map(|(motion, seen)| (&*motion.name, &*motion.class, seen)).collect();
-        self.name(recognizer, classes, &clips);
+        for (motion, seen) in motions.iter().zip(&seen) {
+            self.name(recognizer, classes, motion, seen);
+        }
         self.cut(recognizer, &join_all(&motions.iter().collect::<Vec<_>>())?);
         Ok(())
     }
 
-    /// Names clips and their windows; `classes` are those of the rows and columns.
-    fn name(&mut self, recognizer: &Recognizer, classes: &[String], clips: &[(&str, &str, &Observed)]) {
+    /// Names a clip and its windows; `classes` are those of the rows and columns.
+    fn name(&mut self, recognizer: &Recognizer, classes: &[String], motion: &NamedMotion, seen: &Observed) {
         let number = |name: &str| classes.iter().position(|class| class == name);
-        let columns: Vec<Option<usize>> = recognizer.classes.iter().map(|class| number(class)).collect();
-        for &(name, class, seen) in clips {
-            let truth = number(class);
-            for method in recognizer.methods() {
-                let shares = recognizer.clip_shares(seen, method);
-                let found = largest(&shares);
-                let is_combined = method == Method::Combined;
-                let counts = self.counts.entry(method).or_default();
-                counts[0].add(recognizer.classes[found] == class);
-                for start in seen.window_starts() {
-                    let window = largest(&recognizer.window_logs(seen, start, method));
-                    counts[1].add(recognizer.classes[window] == class);
-                    if let (true, Some(row), Some(column)) = (is_combined, truth, columns[window]) {
-                        self.windows[row][column] += 1;
-                    }
-                }
-                if let (true, Some(row), Some(column)) = (is_combined, truth, columns[found]) {
-                    self.clips[row][column] += 1;
-                    self.results.push(ClipResult {
-                        name: name.to_owned(),
-                        class: class.to_owned(),
-                        found: recognizer.classes[found].clone(),
-                        confidence: shares[found],
-                        unknown: recognizer.is_unknown(seen),
-                    });
+        let column = |found: usize| number(&recognizer.classes[found]);
+        let truth = number(&motion.class);
+        let is_right = |found: usize| recognizer.classes[found] == motion.class;
+        for method in recognizer.methods() {
+            let shares = recognizer.clip_shares(seen, method);
+            let (_, beliefs) = recognizer.names(seen, method);
+            let found = largest(&shares);
+            let is_combined = method == Method::Combined;
+            let mut own = [Count::default(); 4];
+            own[0].add(is_right(found));
+            for start in seen.window_starts() {
+                let window = largest(&recognizer.window_logs(seen, start, method));
+                own[1].add(is_right(window));
+                own[3].add(is_right(largest(&beliefs[seen.step_of(start + WINDOW / 2)])));
+                if let (true, Some(row), Some(column)) = (is_combined, truth, column(window)) {
+                    self.windows[row][column] += 1;
                 }
             }
+            let all = self.counts.entry(method).or_default();
+            all.iter_mut().zip(own).for_each(|(all, own)| all.join(own));
+            if !is_combined {
+                continue;
+            }
+            let person = self.people.entry(motion.subject.clone()).or_default();
+            person.iter_mut().zip(own).for_each(|(all, own)| all.join(own));
+            if let (Some(row), Some(column)) = (truth, column(found)) {
+                self.clips[row][column] += 1;
+            }
+            let strangeness = recognizer.clip_strangeness(seen);
+            self.results.push(ClipResult {
+                name: motion.name.clone(),
+                class: motion.class.clone(),
+                found: recognizer.classes[found].clone(),
+                confidence: shares[found],
+                unknown: strangeness > 1.0,
+                strangeness,
+            });
         }
     }
 
@@ -158,22 +184,45 @@ impl Tally {
     fn cut(&mut self, recognizer: &Recognizer, takes: &[(Observed, Vec<String>)]) {
         for (seen, truth) in takes {
             for method in recognizer.methods() {
-                let walk = recognizer.network().segment(&recognizer.evidence(seen, method));
+                let (names, _) = recognizer.names(seen, method);
                 let counts = self.counts.entry(method).or_default();
                 for (frame, class) in truth.iter().enumerate() {
-                    counts[2].add(recognizer.classes[walk[seen.step_of(frame)]] == *class);
+                    counts[2].add(recognizer.classes[names[seen.step_of(frame)]] == *class);
                 }
             }
         }
     }
 
+    /// Deviations of clips, windows and windows in context where people are drawn anew.
+    fn spread(&self) -> [f64; 3] {
+        let people: Vec<&[Count; 4]> = self.people.values().collect();
+        let mut random = Pcg64Mcg::seed_from_u64(11);
+        let mut drawn: [Vec<f64>; 3] = std::array::from_fn(|_| Vec::with_capacity(DRAWS));
+        for _ in 0..DRAWS {
+            let mut sum = [Count::default(); 4];
+            for _ in 0..people.len() {
+                let person = people[(unit(&mut random) * people.len() as f64) as usize];
+                sum.iter_mut().zip(person).for_each(|(sum, own)| sum.join(*own));
+            }
+            for (drawn, at) in drawn.iter_mut().zip([0, 1, 3]) {
+                drawn.push(sum[at].part());
+            }
+        }
+        drawn.map(|parts| {
+            let mean = parts.iter().sum::<f64>() / parts.len() as f64;
+            (parts.iter().map(|part| (part - mean).powi(2)).sum::<f64>() / parts.len() as f64).sqrt()
+        })
+    }
+
     fn finish(self, classes: Vec<String>) -> Evaluation {
-        let methods = self.counts.iter().map(|(method, [clips, windows, joined])| {
-            (method.name(), Score { clips: clips.part(), windows: windows.part(), joined: joined.part() })
+        let methods = self.counts.iter().map(|(method, counts)| {
+            let [clips, windows, joined, in_context] = counts.map(Count::part);
+            (method.name(), Score { clips, windows, in_context, joined })
         });
         let unknown = self.results.iter().filter(|result| result.unknown).count();
         Evaluation {
             methods: methods.collect(),
+            spread: self.spread(),
             unknown: unknown as f64 / self.results.len().max(1) as f64,
             confusion: Confusion { classes, clips: self.clips, windows: self.windows },
             clips: self.results,
@@ -209,59 +258,6 @@ pub fn evaluate(
 fn observe(named: &NamedMotion) -> Result<Observed, LearnError> {
     let fail = |error| LearnError::Motion { name: named.name.clone(), error };
     Observed::new(&named.motion).map_err(fail)
-}
-
-/// What is left out of what is learnt from, part after part, to be named.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LeftOut {
-    /// Each subject: how often strangers are named rightly.
-    Subjects,
-    /// Each class: how often an unknown kind of motion is said to be unknown.
-    Classes,
-}
-
-impl LeftOut {
-    fn of(self, subject: &str, class: &str) -> String {
-        match self {
-            Self::Subjects => subject.to_owned(),
-            Self::Classes => class.to_owned(),
-        }
-    }
-}
-
-/// Names each part's motions by what was learnt from all others'. With `noise`, in metres of an adult, the motions that are named are
-/// as a tracker would have found them.
-///
-/// # Errors
-/// Two classes at least must be left without any one part; joints that do not lie as a person's.
-pub fn leave_out(
-    left_out: LeftOut,
-    motions: &[NamedMotion],
-    options: &LearnOptions,
-    noise: Option<TrackerNoise>,
-    mut progress: impl FnMut(usize, usize),
-) -> Result<Evaluation, LearnError> {
-    let prepared: Result<Vec<Prepared>, LearnError> =
-        motions.iter().zip(0..).map(|(named, number)| prepare(named, options, number)).collect();
-    let prepared = prepared?;
-    let classes = all_classes(&[], motions.iter().map(|motion| &*motion.class));
-    let part_of = |motion: &NamedMotion| left_out.of(&motion.subject, &motion.class);
-    let parts: BTreeSet<String> = motions.iter().map(part_of).collect();
-    let mut tally = Tally::new(classes.len());
-    for (done, part) in parts.iter().enumerate() {
-        let is_other = |motion: &&Prepared| left_out.of(&motion.subject, &motion.class) != *part;
-        let others: Vec<&Prepared> = prepared.iter().filter(is_other).collect();
-        let recognizer = Recognizer::learn_prepared(&others, options)?;
-        let own: Vec<NamedMotion> = motions
-            .iter()
-            .zip(0..)
-            .filter(|(motion, _)| part_of(motion) == *part)
-            .map(|(motion, number)| tracked(motion, noise, number))
-            .collect();
-        tally.add(&recognizer, &classes, &own)?;
-        progress(done + 1, parts.len());
-    }
-    Ok(tally.finish(classes))
 }
 
 /// The motion as a tracker would have found it.

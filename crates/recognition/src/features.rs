@@ -16,6 +16,7 @@ mod window;
 
 pub use channels::Channels;
 pub use frame::{FRAME_FEATURES, frame_features};
+pub(crate) use normalised::median;
 pub use normalised::{Normalised, body_size};
 pub use window::{MEASURE_COUNT, window_measures};
 

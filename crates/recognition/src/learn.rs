@@ -1,11 +1,12 @@
 //! From named motions to a [`Recognizer`].
 
+use nalgebra::DVector;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 use thiserror::Error;
 
 use crate::augment::{self, TrackerNoise, unit};
-use crate::discriminant::{Discriminant, Sample, balanced_weights};
+use crate::discriminant::{AxesOptions, Discriminant, Learnt, Sample, balanced_weights};
 use crate::features::body_size;
 use crate::hmm::{HiddenMarkov, HmmOptions};
 use crate::joints::{JointMotion, MotionError};
@@ -36,8 +37,8 @@ pub struct LearnOptions {
     pub copies: usize,
     /// Most deviation of the noise of a copy along each axis, metres of an adult; each copy has a part of it.
     pub noise_m: f64,
-    /// Shrinkage of the scatter; see [`Discriminant`].
-    pub shrinkage: f64,
+    /// Axes that tell classes apart.
+    pub axes: AxesOptions,
     /// The classes' models.
     pub hmm: HmmOptions,
     /// What a sample costs the support vector machine of the axes.
@@ -55,7 +56,7 @@ impl Default for LearnOptions {
         Self {
             copies: 4,
             noise_m: 0.03,
-            shrinkage: 0.6,
+            axes: AxesOptions::default(),
             hmm: HmmOptions::default(),
             cost: 0.03,
             wide_cost: 0.001,
@@ -188,12 +189,15 @@ impl Recognizer {
         let seconds =
             table(&|seen| seen.window_starts().into_iter().map(|start| seen.window(start)).collect());
         let shorts = table(&|seen| seen.short.clone());
-        let long = Discriminant::learn(&seconds.samples(), options.shrinkage);
-        let short = Discriminant::learn(&shorts.samples(), options.shrinkage);
+        let learnt = Discriminant::learn(&seconds.samples(), options.axes);
+        let short = Discriminant::learn(&shorts.samples(), options.axes).discriminant;
         let weights = balanced_weights(&seconds.cells);
+        let novelty = Novelty::learn(&learnt, &seconds.samples(), &weights, options.axes);
+        let Learnt { discriminant: long, whitening, .. } = learnt;
         let places: Vec<Vec<f64>> = seconds.rows.iter().map(|row| long.project(row)).collect();
         let numbers: Vec<usize> = seconds.cells.iter().map(|cell| cell.0).collect();
-        let measures: Vec<Vec<f64>> = seconds.rows.iter().map(|row| long.standardised(row)).collect();
+        let white = |row: &Vec<f64>| &whitening * DVector::from_vec(long.standardised(row));
+        let white: Vec<Vec<f64>> = seconds.rows.iter().map(|row| white(row).as_slice().to_vec()).collect();
         let machine = |rows: &[Vec<f64>], cost: f64| {
             let costs: Vec<f64> = weights.iter().map(|weight| cost * weight).collect();
             SupportVectors::learn(rows, &numbers, &costs, classes.len())
@@ -201,8 +205,8 @@ impl Recognizer {
         let (plane, clouds) = plane(motions, &classes);
         Ok(Self {
             machine: machine(&places, options.cost),
-            wide_machine: machine(&measures, options.wide_cost),
-            novelty: Novelty::learn(&seconds.samples(), &weights, classes.len()),
+            wide_machine: machine(&white, options.wide_cost).before(&whitening),
+            novelty,
             models: models(motions, &shorts, &short, classes.len(), &options.hmm),
             exemplars: Some(Exemplars { places, classes: numbers, weights }),
             classes,

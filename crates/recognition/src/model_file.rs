@@ -1,4 +1,4 @@
-//! A recognizer as a file: `backlit-motions 1`, JSON. Numbers have six digits, which changes no name.
+//! A recognizer as a file: `backlit-motions 2`, JSON. Numbers have six digits, which changes no name.
 
 use serde::Deserialize;
 use serde_json::{Number, Value, json};
@@ -9,7 +9,7 @@ use crate::features::{FRAME_FEATURES, MEASURE_COUNT};
 use crate::recognizer::Recognizer;
 
 /// Name and version of the format.
-pub const FORMAT: &str = "backlit-motions 1";
+pub const FORMAT: &str = "backlit-motions 2";
 
 /// Most classes, axes, states and known windows of a file.
 const MOST: [usize; 4] = [100, 100, 100, 1_000_000];
@@ -108,9 +108,9 @@ impl Recognizer {
         table("wide_machine.planes", &self.wide_machine.planes, MEASURE_COUNT + 1)?;
         size("novelty.means", self.novelty.means.len(), count..=count)?;
         table("novelty.means", &self.novelty.means, MEASURE_COUNT)?;
-        size("novelty.deviations", self.novelty.deviations.len(), count..=count)?;
-        table("novelty.deviations", &self.novelty.deviations, MEASURE_COUNT)?;
-        range("novelty.deviations", self.novelty.deviations.iter().flatten(), 1e-9..=1e9)?;
+        size("novelty.whitening", self.novelty.whitening.len(), MEASURE_COUNT..=MEASURE_COUNT)?;
+        table("novelty.whitening", &self.novelty.whitening, MEASURE_COUNT)?;
+        range("novelty.threshold", [&self.novelty.threshold].into_iter(), 1e-9..=1e9)?;
         range("switch_penalty", [&self.switch_penalty].into_iter(), 0.0..=1e6)?;
         if let Some(known) = &self.exemplars {
             let windows = known.places.len();
@@ -225,7 +225,7 @@ mod tests {
             assert!(message.contains("line"), "{message}");
         }
         for (from, to, expected) in [
-            ("backlit-motions 1", "backlit-motions 9", "`format` is \"backlit-motions 9\""),
+            ("backlit-motions 2", "backlit-motions 9", "`format` is \"backlit-motions 9\""),
             ("\"classes\": [", "\"classes\": [\"x\",", "`clouds` has 2 entries; expected 3"),
             ("\"switch_penalty\": ", "\"switch_penalty\": -", "`switch_penalty` has the number -"),
             ("\"origin\":[", "\"origin\":[1,", "origin` has 2 entries; expected 1"),

@@ -1,128 +1,133 @@
 //! Motions that are nothing known.
 //!
-//! Of each class the mean μ and deviation σ of every measure of a window is kept. A window's strangeness is the least over the classes of the mean of
-//! min(((x − μ)/σ)², 16): about one for what is known. A window stranger than all but `KNOWN_PART` of the windows that were learnt
-//! from, by a factor, is called unknown.
+//! Standardised measures z of a window are brought to the coordinates in which what does not make a class, within a person and between
+//! people, is the unit matrix N⁻¹ᐟ² ([`Learnt::whitening`]). A window's strangeness is its squared distance there from the nearest class's mean m,
+//! minₖ |N⁻¹ᐟ² (z − mₖ)|²/d. How strange known motions of strangers are is found by leaving each person out of N and m in turn; what is stranger
+//! than all but `1 − KNOWN_PART` of those windows is called unknown.
 
+use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use crate::discriminant::Sample;
+use crate::discriminant::{AxesOptions, Learnt, Nuisance, Sample};
 
-/// Part of the training windows that counts as known.
-const KNOWN_PART: f64 = 0.98;
-/// People who are not known are stranger than those who are.
-const STRANGERS: f64 = 1.15;
-/// Most that one measure adds.
-const MOST: f64 = 16.0;
+/// Part of the windows of known motions of strangers that counts as known.
+const KNOWN_PART: f64 = 0.85;
 
 /// What windows of known classes look like.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Novelty {
-    /// By class, means of the measures.
+    /// N⁻¹ᐟ² of standardised measures, row by row.
+    pub whitening: Vec<Vec<f64>>,
+    /// By class, the mean in those coordinates.
     pub means: Vec<Vec<f64>>,
-    /// By class, their deviations.
-    pub deviations: Vec<Vec<f64>>,
     /// Strangeness beyond which a window is unknown.
     pub threshold: f64,
 }
 
 impl Novelty {
-    /// Learns from windows and their weights.
+    /// Learns from windows, their weights and the axes that were learnt from them.
     #[must_use]
-    pub fn learn(samples: &[Sample<'_>], weights: &[f64], class_count: usize) -> Self {
-        let dimension = samples.first().map_or(0, |sample| sample.row.len());
-        let (mut means, mut deviations) = (Vec::new(), Vec::new());
-        let all = |of: usize| samples.iter().zip(weights).filter(move |(sample, _)| sample.class == of);
-        for class in 0..class_count {
-            let total: f64 = all(class).map(|(_, weight)| weight).sum();
-            let mut mean = vec![0.0; dimension];
-            for (sample, weight) in all(class) {
-                mean.iter_mut().zip(sample.row).for_each(|(mean, x)| *mean += weight / total * x);
-            }
-            let mut variance = vec![1e-8; dimension];
-            for (sample, weight) in all(class) {
-                for ((variance, mean), x) in variance.iter_mut().zip(&mean).zip(sample.row) {
-                    *variance += weight / total * (x - mean).powi(2);
-                }
-            }
-            means.push(mean);
-            deviations.push(variance.iter().map(|variance: &f64| variance.sqrt()).collect());
+    pub fn learn(learnt: &Learnt, samples: &[Sample<'_>], weights: &[f64], options: AxesOptions) -> Self {
+        let all = learnt.cells.without(None, options);
+        let standardised = |sample: &Sample<'_>| learnt.discriminant.standardised(sample.row);
+        let mut known: Vec<(f64, f64)> = Vec::new();
+        let subjects = samples.iter().map(|sample| sample.subject + 1).max().unwrap_or(0);
+        for subject in 0..subjects {
+            let others = learnt.cells.without(Some(subject), options);
+            let can_know = |class: usize| others.means.iter().any(|(of, _)| *of == class);
+            let found = Self::of(&others);
+            let own = samples.iter().zip(weights);
+            let own = own.filter(|(sample, _)| sample.subject == subject && can_know(sample.class));
+            known.extend(
+                own.map(|(sample, weight)| (found.strangeness(&standardised(sample)), *weight)),
+            );
         }
-        let mut found = Self { means, deviations, threshold: f64::INFINITY };
-        let mut known: Vec<f64> = samples.iter().map(|sample| found.strangeness(sample.row)).collect();
-        known.sort_by(f64::total_cmp);
-        let at = (KNOWN_PART * known.len() as f64) as usize;
-        found.threshold =
-            STRANGERS * known.get(at.min(known.len().saturating_sub(1))).copied().unwrap_or(1.0);
-        found
+        Self { threshold: threshold(known), ..Self::of(&all) }
     }
 
-    /// How far a window is from all that is known.
-    #[must_use]
-    pub fn strangeness(&self, row: &[f64]) -> f64 {
-        let of_class = |(means, deviations): (&Vec<f64>, &Vec<f64>)| {
-            let terms = row.iter().zip(means.iter().zip(deviations));
-            let sum: f64 = terms.map(|(x, (mean, s))| ((x - mean) / s).powi(2).min(MOST)).sum();
-            sum / row.len().max(1) as f64
+    fn of(nuisance: &Nuisance) -> Self {
+        let rows = |matrix: &DMatrix<f64>| {
+            matrix.row_iter().map(|row| row.iter().copied().collect()).collect::<Vec<Vec<f64>>>()
         };
-        self.means.iter().zip(&self.deviations).map(of_class).fold(f64::INFINITY, f64::min)
+        let white = |mean: &DVector<f64>| (&nuisance.whitening * mean).as_slice().to_vec();
+        Self {
+            whitening: rows(&nuisance.whitening),
+            means: nuisance.means.iter().map(|(_, mean)| white(mean)).collect(),
+            threshold: f64::INFINITY,
+        }
     }
 
-    /// Whether a window of such strangeness is unknown.
+    /// How far a window is from all that is known; of its standardised measures.
     #[must_use]
-    pub fn is_unknown(&self, strangeness: f64) -> bool {
-        strangeness > self.threshold
+    pub fn strangeness(&self, standardised: &[f64]) -> f64 {
+        let along = |row: &Vec<f64>| row.iter().zip(standardised).map(|(w, z)| w * z).sum::<f64>();
+        let place: Vec<f64> = self.whitening.iter().map(along).collect();
+        let of_class = |mean: &Vec<f64>| {
+            let sum: f64 = place.iter().zip(mean).map(|(x, mean)| (x - mean).powi(2)).sum();
+            sum / place.len().max(1) as f64
+        };
+        self.means.iter().map(of_class).fold(f64::INFINITY, f64::min)
     }
 }
+
+/// The strangeness that [`KNOWN_PART`] of the weight lies below; where nobody can be left out, any.
+fn threshold(mut known: Vec<(f64, f64)>) -> f64 {
+    known.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut left = KNOWN_PART * known.iter().map(|(_, weight)| weight).sum::<f64>();
+    let found = known.iter().find(|(_, weight)| {
+        left -= weight;
+        left <= 0.0
+    });
+    found.map_or(MOST, |(strangeness, _)| *strangeness)
+}
+
+/// A threshold that nothing reaches.
+const MOST: f64 = 1e9;
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::discriminant::{Discriminant, balanced_weights};
 
-    /// Two classes of one measure each spread by one about (0, 0) and about (20, 0).
-    fn learnt() -> (Novelty, Vec<[f64; 2]>) {
-        let rows: Vec<[f64; 2]> = (0..200)
+    /// Two classes about (0, 0) and about (20, 0), three people who lie 0.5 apart along the second measure.
+    fn learnt(people: usize) -> (Novelty, Discriminant) {
+        let rows: Vec<([f64; 2], usize, usize)> = (0..300)
             .map(|index| {
                 let at = f64::from(index);
-                [20.0 * f64::from(index % 2) + 1.4 * (1.3 * at).sin(), 1.4 * (2.1 * at).cos()]
+                let (class, subject) = (index as usize % 2, index as usize / 2 % people);
+                let place = 20.0 * class as f64 + 1.4 * (1.3 * at).sin();
+                ([place, 0.5 * subject as f64 + 1.4 * (2.1 * at).cos()], class, subject)
             })
             .collect();
         let samples: Vec<Sample<'_>> = rows
             .iter()
-            .enumerate()
-            .map(|(index, row)| Sample { row, class: index % 2, subject: 0 })
+            .map(|(row, class, subject)| Sample { row, class: *class, subject: *subject })
             .collect();
-        (Novelty::learn(&samples, &vec![1.0; samples.len()], 2), rows)
+        let cells: Vec<(usize, usize)> = samples.iter().map(|s| (s.class, s.subject)).collect();
+        let options = AxesOptions { shrinkage: 0.0, strangers: 1.0 };
+        let axes = Discriminant::learn(&samples, options);
+        (Novelty::learn(&axes, &samples, &balanced_weights(&cells), options), axes.discriminant)
     }
 
     #[test]
-    fn what_was_learnt_from_is_known_and_what_lies_between_is_not() {
-        let (novelty, rows) = learnt();
-        assert!((novelty.means[1][0] - 20.0).abs() < 0.2 && (novelty.deviations[0][1] - 1.0).abs() < 0.1);
-        assert!(rows.iter().all(|row| !novelty.is_unknown(novelty.strangeness(row))));
-        let mean = rows.iter().map(|row| novelty.strangeness(row)).sum::<f64>() / rows.len() as f64;
-        assert!((mean - 1.0).abs() < 0.1, "{mean}");
-        // In the middle between both classes, and near each of them.
-        assert!(novelty.is_unknown(novelty.strangeness(&[10.0, 0.0])));
-        assert!(!novelty.is_unknown(novelty.strangeness(&[19.0, 0.5])));
+    fn what_strangers_do_is_known_and_what_lies_between_classes_is_not() {
+        let (novelty, axes) = learnt(3);
+        let at = |x: f64, y: f64| novelty.strangeness(&axes.standardised(&[x, y])) / novelty.threshold;
+        assert!(at(0.0, 0.5) < 0.3 && at(20.0, 0.5) < 0.3, "{} {}", at(0.0, 0.5), at(20.0, 0.5));
+        assert!(at(10.0, 0.5) > 1.0, "{}", at(10.0, 0.5));
+        assert!(at(0.0, 4.0) > 2.0 * at(0.0, 1.5), "{} {}", at(0.0, 4.0), at(0.0, 1.5));
     }
 
     #[test]
-    fn one_measure_adds_no_more_than_its_share() {
-        let (novelty, _) = learnt();
-        let [far, farther] = [1e3, 1e9].map(|x| novelty.strangeness(&[0.0, x]));
-        assert_eq!(far, farther);
-        assert!((far - MOST / 2.0).abs() < 0.1, "{far}");
+    fn one_person_alone_says_nothing_about_strangers() {
+        assert_eq!(learnt(1).0.threshold, MOST);
     }
 
     #[test]
-    fn what_counts_more_draws_the_mean() {
-        let rows = [[0.0], [1.0], [9.0]];
-        let samples: Vec<Sample<'_>> = rows.iter().map(|row| Sample { row, class: 0, subject: 0 }).collect();
-        let novelty = Novelty::learn(&samples, &[1.0, 2.0, 1.0], 1);
-        assert!((novelty.means[0][0] - 2.75).abs() < 1e-12);
-        let variance: f64 = (2.75_f64.powi(2) + 2.0 * 1.75_f64.powi(2) + 6.25_f64.powi(2)) / 4.0;
-        assert!((novelty.deviations[0][0] - variance.sqrt()).abs() < 1e-6);
+    fn what_counts_more_draws_the_threshold() {
+        let known = |weight: f64| vec![(1.0, 1.0), (2.0, 1.0), (9.0, weight)];
+        assert_eq!(threshold(known(0.1)), 2.0);
+        assert_eq!(threshold(known(1.0)), 9.0);
     }
 }

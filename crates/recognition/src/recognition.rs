@@ -1,6 +1,6 @@
 //! What a take holds: a class a frame, stretches, places on the plane.
 
-use crate::features::RATE;
+use crate::features::{RATE, median};
 use crate::joints::{JointMotion, MotionError};
 use crate::observed::{Observed, SHORT, STEP};
 use crate::recognizer::{Method, Recognizer};
@@ -64,9 +64,7 @@ impl Recognizer {
     /// The joints do not lie as a person's.
     pub fn recognise_by(&self, motion: &JointMotion, method: Method) -> Result<Recognition, MotionError> {
         let seen = Observed::new(motion)?;
-        let evidence = self.evidence(&seen, method);
-        let walk = self.network().segment(&evidence);
-        let beliefs = self.network().beliefs(&evidence);
+        let (names, beliefs) = self.names(&seen, method);
         let unknown = self.unknown_steps(&seen);
         let places: Vec<[f64; 2]> =
             seen.frames().iter().map(|row| first_two(&self.plane.project(row))).collect();
@@ -75,7 +73,7 @@ impl Recognizer {
             let at = (index as f64 * RATE / motion.frame_rate()) as usize;
             let at = at.min(seen.len() - 1);
             let step = seen.step_of(at);
-            let class = walk[step];
+            let class = names[step];
             FrameName {
                 frame: motion.first_frame() + index,
                 class: (!unknown[step]).then_some(class),
@@ -97,9 +95,7 @@ impl Recognizer {
     fn unknown_steps(&self, seen: &Observed) -> Vec<bool> {
         let step_s = STEP as f64 / RATE;
         let least = (SHORTEST_UNKNOWN_S / step_s) as usize;
-        let is_strange = |step: usize| {
-            self.novelty.is_unknown(self.novelty.strangeness(&seen.window(seen.window_about(step))))
-        };
+        let is_strange = |step: usize| self.strangeness(seen, seen.window_about(step)) > 1.0;
         let mut found: Vec<bool> = (0..seen.short.len()).map(is_strange).collect();
         let mut first = 0;
         while first < found.len() {
@@ -113,13 +109,16 @@ impl Recognizer {
         found
     }
 
-    /// Whether a motion as a whole is nothing known: most of its seconds are not.
+    /// How strange a motion is as a whole, the middle one of its seconds; beyond 1 it is nothing known.
+    #[must_use]
+    pub fn clip_strangeness(&self, seen: &Observed) -> f64 {
+        median(seen.window_starts().into_iter().map(|start| self.strangeness(seen, start)).collect())
+    }
+
+    /// Whether a motion as a whole is nothing known.
     #[must_use]
     pub fn is_unknown(&self, seen: &Observed) -> bool {
-        let starts = seen.window_starts();
-        let strange =
-            |start: &&usize| self.novelty.is_unknown(self.novelty.strangeness(&seen.window(**start)));
-        2 * starts.iter().filter(strange).count() > starts.len()
+        self.clip_strangeness(seen) > 1.0
     }
 }
 

@@ -43,7 +43,7 @@ impl Method {
 /// Short windows overlap: so much of each is news.
 const NEWS: f64 = STEP as f64 / SHORT as f64;
 /// Margins are made probabilities by a softmax of so many times the margin.
-const MARGIN_NATS: f64 = 3.0;
+const MARGIN_NATS: f64 = 6.0;
 /// What hidden Markov models say counts so much beside the support vectors: of people that were left out, they are sure too soon.
 const HMM_SHARE: f64 = 0.25;
 /// Shares of neighbours count as at least so much.
@@ -77,7 +77,7 @@ pub struct Recognizer {
     pub models: Vec<HiddenMarkov>,
     /// Planes between the classes along the axes of windows of a second.
     pub machine: SupportVectors,
-    /// The same among their standardised measures, where no axes have been chosen.
+    /// The same among all their standardised measures; learnt in coordinates in which people and moments scatter alike in all directions.
     pub wide_machine: SupportVectors,
     /// What known windows look like.
     pub novelty: Novelty,
@@ -175,7 +175,7 @@ impl Recognizer {
     }
 
     /// What each short window says for each state of each class, nats.
-    pub(crate) fn evidence(&self, seen: &Observed, method: Method) -> Vec<Vec<Vec<f64>>> {
+    fn evidence(&self, seen: &Observed, method: Method) -> Vec<Vec<Vec<f64>>> {
         let moment = |step: usize| -> Vec<Vec<f64>> {
             let place = self.short.project(&seen.short[step]);
             let states = |weight: f64| -> Vec<Vec<f64>> {
@@ -203,10 +203,33 @@ impl Recognizer {
         (0..seen.short.len()).map(moment).collect()
     }
 
+    /// How far the second that begins at a frame is from all that is known; beyond 1 it is unknown.
+    #[must_use]
+    pub fn strangeness(&self, seen: &Observed, first: usize) -> f64 {
+        self.novelty.strangeness(&self.long.standardised(&seen.window(first))) / self.novelty.threshold
+    }
+
+    /// By short window, the number of the class that a take's evidence makes it, and the probability of each class. Hidden Markov models by
+    /// themselves cut the take by their best walk; otherwise each moment has its own likeliest class, given all moments.
+    pub(crate) fn names(&self, seen: &Observed, method: Method) -> (Vec<usize>, Vec<Vec<f64>>) {
+        let (evidence, network) = (self.evidence(seen, method), self.network());
+        let beliefs = network.beliefs(&evidence);
+        let names = match method {
+            Method::Hmm => network.segment(&evidence),
+            Method::Svm | Method::Nearest | Method::Combined => beliefs.iter().map(|row| largest(row)).collect(),
+        };
+        (names, beliefs)
+    }
+
     /// All classes' models as one.
-    pub(crate) fn network(&self) -> Network<'_> {
+    fn network(&self) -> Network<'_> {
         Network::new(&self.models, self.switch_penalty)
     }
+}
+
+/// The number of the largest value; 0 of none.
+pub(crate) fn largest(values: &[f64]) -> usize {
+    (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(0)
 }
 
 #[cfg(test)]

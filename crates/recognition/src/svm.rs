@@ -7,6 +7,7 @@
 //! here (subjects count the same, however much they have recorded). And for linear machines too it fills the kernel's matrix of all pairs of samples
 //! (`dense_from_fn` of `linfa-kernel` 0.8; the sparse kind keeps nearest neighbours only): 220 MB for the 5,300 windows that are learnt from here.
 
+use nalgebra::{DMatrix, DVector};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
@@ -35,6 +36,18 @@ impl SupportVectors {
             plane(rows, &signs, costs)
         });
         Self { planes: planes.collect() }
+    }
+
+    /// The planes in the coordinates x that a matrix T makes the own ones of: wᵀ(T x) = (Tᵀ w)ᵀ x.
+    #[must_use]
+    pub fn before(&self, matrix: &DMatrix<f64>) -> Self {
+        let turned = |plane: &Vec<f64>| {
+            let (weights, offset) = plane.split_at(matrix.nrows());
+            let mut turned = matrix.tr_mul(&DVector::from_column_slice(weights)).as_slice().to_vec();
+            turned.extend(offset);
+            turned
+        };
+        Self { planes: self.planes.iter().map(turned).collect() }
     }
 
     /// How far a row is on each class's side; 1 and more is without doubt.

@@ -31,7 +31,7 @@ pub struct Normalised {
 }
 
 /// The middle one of some numbers; the mean of the middle two where there are two.
-pub(super) fn median(mut values: Vec<f64>) -> f64 {
+pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     percentile_of_sorted(&values, 0.5)
 }

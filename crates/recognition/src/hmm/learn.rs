@@ -26,7 +26,7 @@ pub struct HmmOptions {
 
 impl Default for HmmOptions {
     fn default() -> Self {
-        Self { states: 4, rounds: 30, tolerance: 1e-4, least_variance: 0.05, prior_count: 20.0 }
+        Self { states: 4, rounds: 30, tolerance: 1e-4, least_variance: 0.05, prior_count: 60.0 }
     }
 }
 

@@ -1,0 +1,136 @@
+//! Motions named by what was learnt from others.
+
+use std::collections::BTreeSet;
+
+use super::{Evaluation, Tally, all_classes, tracked};
+use crate::augment::TrackerNoise;
+use crate::learn::{LearnError, LearnOptions, NamedMotion, Prepared, prepare};
+use crate::recognizer::Recognizer;
+
+/// What is left out of what is learnt from, part after part, to be named.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LeftOut {
+    /// Each subject: how often strangers are named rightly.
+    Subjects,
+    /// Each subject, except for classes that would keep fewer than [`LEAST_KEPT`] motions: of these only the recording that is named is
+    /// left out. So no class is unknown only because one person recorded most of it.
+    SubjectsKeepingClasses,
+    /// Each class, and who is named: how often an unknown kind of motion of a stranger is said to be unknown.
+    Classes,
+}
+
+/// Motions that a class is to keep.
+pub const LEAST_KEPT: usize = 4;
+
+/// Motions that are named together, and what is left out for them.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+enum Part {
+    Subject(String),
+    Recording(String),
+    ClassAndSubject(String, String),
+}
+
+/// The recording that a motion was cut from: its name without what comes after the last point and without one small letter at the end.
+fn recording(name: &str) -> &str {
+    let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
+    let before = stem.strip_suffix(|c: char| c.is_ascii_lowercase());
+    before.filter(|before| before.ends_with(|c: char| c.is_ascii_digit())).unwrap_or(stem)
+}
+
+impl LeftOut {
+    /// The part that a motion is named with.
+    fn part(self, named: &NamedMotion, all: &[NamedMotion]) -> Part {
+        let kept = || {
+            let stays = |other: &&NamedMotion| other.class == named.class && other.subject != named.subject;
+            all.iter().filter(stays).count()
+        };
+        match self {
+            Self::SubjectsKeepingClasses if kept() < LEAST_KEPT => {
+                Part::Recording(recording(&named.name).to_owned())
+            }
+            Self::Subjects | Self::SubjectsKeepingClasses => Part::Subject(named.subject.clone()),
+            Self::Classes => Part::ClassAndSubject(named.class.clone(), named.subject.clone()),
+        }
+    }
+}
+
+impl Part {
+    /// Whether a motion may be learnt from where this part is named.
+    fn keeps(&self, motion: &Prepared) -> bool {
+        match self {
+            Self::Subject(subject) => motion.subject != *subject,
+            Self::Recording(name) => recording(&motion.name) != name,
+            Self::ClassAndSubject(class, subject) => motion.class != *class && motion.subject != *subject,
+        }
+    }
+}
+
+/// Names each part's motions by what was learnt from all others'. With `noise`, in metres of an adult, the motions that are named are
+/// as a tracker would have found them.
+///
+/// # Errors
+/// Two classes at least must be left without any one part; joints that do not lie as a person's.
+pub fn leave_out(
+    left_out: LeftOut,
+    motions: &[NamedMotion],
+    options: &LearnOptions,
+    noise: Option<TrackerNoise>,
+    mut progress: impl FnMut(usize, usize),
+) -> Result<Evaluation, LearnError> {
+    let prepared: Result<Vec<Prepared>, LearnError> =
+        motions.iter().zip(0..).map(|(named, number)| prepare(named, options, number)).collect();
+    let prepared = prepared?;
+    let classes = all_classes(&[], motions.iter().map(|motion| &*motion.class));
+    let parts: Vec<Part> = motions.iter().map(|motion| left_out.part(motion, motions)).collect();
+    let each: BTreeSet<&Part> = parts.iter().collect();
+    let mut tally = Tally::new(classes.len());
+    for (done, part) in each.iter().enumerate() {
+        let others: Vec<&Prepared> = prepared.iter().filter(|motion| part.keeps(motion)).collect();
+        let recognizer = Recognizer::learn_prepared(&others, options)?;
+        let own: Vec<NamedMotion> = motions
+            .iter()
+            .zip(0..)
+            .zip(&parts)
+            .filter(|(_, of)| of == part)
+            .map(|((motion, number), _)| tracked(motion, noise, number))
+            .collect();
+        tally.add(&recognizer, &classes, &own)?;
+        progress(done + 1, each.len());
+    }
+    Ok(tally.finish(classes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::walker;
+
+    #[test]
+    fn a_recording_is_a_name_without_its_clip() {
+        let names = ["14_02a.bvh", "14_02.bvh", "walk.bvh", "take 3b", "x/y.1.bvh"];
+        assert_eq!(names.map(recording), ["14_02", "14_02", "walk", "take 3", "x/y.1"]);
+    }
+
+    #[test]
+    fn a_class_that_others_have_recorded_is_left_out_whole_and_others_by_recording() {
+        let named = |name: &str, class: &str, subject: &str| NamedMotion {
+            name: name.to_owned(),
+            class: class.to_owned(),
+            subject: subject.to_owned(),
+            motion: walker(1.0, 1.0),
+        };
+        let mut all: Vec<NamedMotion> = (0..4).map(|i| named(&format!("b{i}"), "walk", "b")).collect();
+        all.extend([named("a1a", "walk", "a"), named("a2a", "box", "a"), named("a2b", "box", "a")]);
+        let part = |left_out: LeftOut, index: usize| left_out.part(&all[index], &all);
+        let kept = LeftOut::SubjectsKeepingClasses;
+        assert_eq!(part(kept, 4), Part::Subject("a".to_owned()));
+        assert_eq!(part(kept, 5), Part::Recording("a2".to_owned()));
+        assert_eq!(part(kept, 5), part(kept, 6));
+        assert_eq!(part(LeftOut::Subjects, 5), Part::Subject("a".to_owned()));
+        let options = LearnOptions { copies: 0, ..LearnOptions::default() };
+        let prepared: Vec<Prepared> =
+            all.iter().map(|motion| prepare(motion, &options, 0).unwrap()).collect();
+        let keeps = |part: Part| prepared.iter().filter(|motion| part.keeps(motion)).count();
+        assert_eq!([part(kept, 4), part(kept, 5), part(LeftOut::Classes, 5)].map(keeps), [4, 5, 4]);
+    }
+}
