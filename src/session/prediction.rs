@@ -11,6 +11,7 @@ use backlit_tracking::fit::{Fit, FitOptions, FitView, IterationRecord};
 use backlit_tracking::render::{BodyMotion, Prediction, View, Wanted, draw};
 use backlit_tracking::silhouette::{Measurement, Overlap};
 use backlit_ui::drawing::{Derivative, body_outline};
+use glam::DVec2;
 
 use rayon::prelude::*;
 
@@ -105,7 +106,7 @@ pub(crate) struct CameraPrediction {
     /// A column of the Jacobian, if that was asked for.
     pub(crate) jacobian: Option<Derivative>,
     /// The body's outline, in pixel coordinates.
-    pub(crate) outlines: Vec<Vec<[f32; 2]>>,
+    pub(crate) outlines: Vec<Vec<DVec2>>,
 }
 
 /// What a pose predicts in every camera.

@@ -41,7 +41,7 @@ struct Scene {
     gradient: Derivative,
     jacobian: Derivative,
     colours: Vec<Color32>,
-    outlines: Vec<Vec<[f32; 2]>>,
+    outlines: Vec<Vec<DVec2>>,
     limbs: Vec<Option<ProjectedLimb>>,
     joints: Vec<JointMark>,
     overlap: Overlap,

@@ -106,7 +106,7 @@ pub(crate) struct FollowArguments {
     pub(crate) motion: Option<MotionWord>,
     /// The Kalman filter's noise, as --tune prints it: a pixel's deviation (grey levels), accelerations of joints (rad/s^1.5)
     /// and root (m/s^1.5)
-    #[arg(long, value_name = "R,TURN,MOVE", value_delimiter = ',', num_args = 3)]
+    #[arg(long, value_name = "R,TURN,MOVE", value_delimiter = ',')]
     pub(crate) noise: Option<Vec<f64>>,
     /// Smooth every frame by only so many frames after it, as a live track with that delay could
     #[arg(long, value_name = "FRAMES")]

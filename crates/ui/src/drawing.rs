@@ -42,6 +42,7 @@ pub mod mode;
 pub mod outline;
 mod owner_limb;
 pub mod plot;
+mod polyline;
 mod prediction;
 mod report_overlay;
 mod residual;

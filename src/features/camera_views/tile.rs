@@ -56,7 +56,7 @@ pub struct CameraTileInput<'a> {
     /// The body that is posed.
     pub body: &'a Model,
     /// The body's outline: see [`body_outline`](backlit_ui::drawing::body_outline).
-    pub outlines: &'a [Vec<[f32; 2]>],
+    pub outlines: &'a [Vec<DVec2>],
     /// What is drawn instead while that is of an earlier pose: the outline of `limbs`.
     pub quick_outline: Option<&'a [Vec<DVec2>]>,
     /// Its limbs: see [`project_limbs`](backlit_ui::drawing::project_limbs). Empty for none.

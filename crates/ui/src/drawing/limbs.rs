@@ -10,6 +10,8 @@ use backlit_tracking::camera::Camera;
 use backlit_tracking::render::RendererKind;
 use glam::DVec2;
 
+use super::polyline::simplified;
+
 /// Limbs with an end nearer than this to the camera plane are not drawn (metres).
 const NEAREST_M: f64 = 0.05;
 
@@ -129,13 +131,17 @@ pub fn joined_outline(limbs: &[&ProjectedLimb]) -> Vec<Vec<DVec2>> {
         } else {
             border.extend(border.first().copied());
         }
-        lines.extend(border.split(is_hidden).filter(|run| run.len() > 1).map(<[DVec2]>::to_vec));
+        let runs = border.split(is_hidden).filter(|run| run.len() > 1);
+        lines.extend(runs.map(|run| simplified(run, STRAIGHT_PX)));
     }
     lines
 }
 
 /// Depth inside another limb at which a border is hidden, pixels: two limbs that are equal still show one.
 const HIDDEN_PX: f64 = 0.25;
+
+/// Points this near to a straight line are not needed, pixels.
+const STRAIGHT_PX: f64 = 0.01;
 
 /// Longest side of a subdivided border, pixels.
 const LONGEST_SIDE_PX: f64 = 2.0;

@@ -13,12 +13,12 @@ use crate::style::theme::data_colours::{
 pub(super) const MARGIN: f32 = 12.0;
 
 /// Paints the outline of the body: closed polylines in pixel coordinates.
-pub fn paint_body_outline(painter: &Painter, view: &ViewTransform, outlines: &[Vec<[f32; 2]>]) {
+pub fn paint_body_outline(painter: &Painter, view: &ViewTransform, outlines: &[Vec<DVec2>]) {
     let casing = Stroke::new(mark::OUTLINE_CASING_WIDTH, CASING.gamma_multiply(BODY_OUTLINE_CASING));
     for stroke in [casing, Stroke::new(mark::OUTLINE_WIDTH, BODY_OUTLINE)] {
         for outline in outlines {
-            let at = |[x, y]: &[f32; 2]| view.screen_from_px(DVec2::new(f64::from(*x), f64::from(*y)));
-            painter.add(Shape::closed_line(outline.iter().map(at).collect(), stroke));
+            let points = outline.iter().map(|px| view.screen_from_px(*px)).collect();
+            painter.add(Shape::closed_line(points, stroke));
         }
     }
 }
