@@ -402,8 +402,8 @@ pub(crate) fn follow(
             .with_context(|| format!("frame {frame}"))?;
         // A frame that was broken off is no frame.
         anyhow::ensure!(!cancel.is_cancelled(), Interrupted);
-        report.memory = tracker.memory();
         report.add(footage.take(), estimate, began.elapsed().as_secs_f64() * 1e3)?;
+        report.memory = tracker.memory();
         began = Instant::now();
         progress.set_message(report.progress_text());
         after_frame(report)
