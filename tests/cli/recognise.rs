@@ -112,7 +112,7 @@ fn what_cannot_be_named_is_answered_in_words() {
     scene.fails("recognise --train motions", 2, &["--out"]);
     scene.fails("recognise nowhere.bvh", 1, &["nowhere.bvh", "no such file"]);
     scene.fails("recognise --test nowhere", 1, &["labels.csv", "no such file"]);
-    scene.write("model.json", "{\"format\": \"backlit-motions 2\"}");
+    scene.write("model.json", "{\"format\": \"backlit-motions 1\"}");
     scene.fails("recognise --model model.json motions/walk1.bvh", 1, &["model.json", "backlit-motions 2"]);
     scene.write("motions/labels.csv", "file,class,subject\nwalk1.bvh,walk,a\n");
     scene.fails("recognise --train motions --out model.json", 1, &["motions", "1 classes", "two at least"]);

@@ -231,7 +231,10 @@ fn unknown_line(evaluation: &Evaluation) -> String {
         format!("{threshold}: {:.3}", found as f64 / evaluation.clips.len().max(1) as f64)
     };
     let others = THRESHOLDS.map(at).join(", ");
-    format!("said to be unknown: {:.3} of the clips; at so many times the threshold {others}\n", evaluation.unknown)
+    format!(
+        "said to be unknown: {:.3} of the clips; at so many times the threshold {others}\n",
+        evaluation.unknown
+    )
 }
 
 /// How often clips of a class that was not learnt are said to be unknown, class by class.

@@ -233,7 +233,8 @@ mod tests {
             .iter()
             .map(|(row, class, subject)| Sample { row, class: *class, subject: *subject })
             .collect();
-        let found = Discriminant::learn(&samples, AxesOptions { shrinkage: 0.3, strangers: 1.0 }).discriminant;
+        let found =
+            Discriminant::learn(&samples, AxesOptions { shrinkage: 0.3, strangers: 1.0 }).discriminant;
         assert_eq!(found.axes.len(), 1);
         let places: Vec<f64> = samples.iter().map(|sample| found.project(sample.row)[0]).collect();
         let side = |place: f64, class: usize| (place > 0.0) == (class == 1);
@@ -257,7 +258,8 @@ mod tests {
             .map(|(row, class, subject)| Sample { row, class: *class, subject: *subject })
             .collect();
         let weight = |strangers: f64| {
-            let axes = Discriminant::learn(&samples, AxesOptions { shrinkage: 0.01, strangers }).discriminant.axes;
+            let axes =
+                Discriminant::learn(&samples, AxesOptions { shrinkage: 0.01, strangers }).discriminant.axes;
             (axes[0][1] / axes[0][0]).abs()
         };
         assert!(weight(0.0) > 0.5 && weight(3.0) < 0.1, "{} and {}", weight(0.0), weight(3.0));

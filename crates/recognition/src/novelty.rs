@@ -39,9 +39,7 @@ impl Novelty {
             let found = Self::of(&others);
             let own = samples.iter().zip(weights);
             let own = own.filter(|(sample, _)| sample.subject == subject && can_know(sample.class));
-            known.extend(
-                own.map(|(sample, weight)| (found.strangeness(&standardised(sample)), *weight)),
-            );
+            known.extend(own.map(|(sample, weight)| (found.strangeness(&standardised(sample)), *weight)));
         }
         Self { threshold: threshold(known), ..Self::of(&all) }
     }

@@ -46,8 +46,8 @@ pub struct Recognition {
     pub stretches: Vec<Stretch>,
 }
 
-/// A stretch of unknown motion that is shorter is called after its likeliest class, seconds.
-const SHORTEST_UNKNOWN_S: f64 = 1.0;
+/// A moment is unknown where the seconds about it are, so far before and after it, seconds: a strange second alone makes nothing unknown.
+const ABOUT_S: f64 = 1.5;
 
 impl Recognizer {
     /// Names each frame of a motion and cuts it into stretches, by hidden Markov models and support vectors together.
@@ -91,22 +91,14 @@ impl Recognizer {
         })
     }
 
-    /// Of each short window, whether what happens about it is nothing known; single ones do not count.
+    /// Of each short window, whether what happens about it is nothing known.
     fn unknown_steps(&self, seen: &Observed) -> Vec<bool> {
-        let step_s = STEP as f64 / RATE;
-        let least = (SHORTEST_UNKNOWN_S / step_s) as usize;
-        let is_strange = |step: usize| self.strangeness(seen, seen.window_about(step)) > 1.0;
-        let mut found: Vec<bool> = (0..seen.short.len()).map(is_strange).collect();
-        let mut first = 0;
-        while first < found.len() {
-            let past = (first..found.len()).find(|&step| !found[step]).unwrap_or(found.len());
-            // A take that is shorter than that may still be strange as a whole.
-            if past - first < least.min(found.len()) {
-                found[first..past].fill(false);
-            }
-            first = past + 1;
-        }
-        found
+        let strangeness = |step: usize| self.strangeness(seen, seen.window_about(step));
+        let all: Vec<f64> = (0..seen.short.len()).map(strangeness).collect();
+        medians_about(&all, (ABOUT_S * RATE / STEP as f64) as usize)
+            .into_iter()
+            .map(|median| median > 1.0)
+            .collect()
     }
 
     /// How strange a motion is as a whole, the middle one of its seconds; beyond 1 it is nothing known.
@@ -120,6 +112,12 @@ impl Recognizer {
     pub fn is_unknown(&self, seen: &Observed) -> bool {
         self.clip_strangeness(seen) > 1.0
     }
+}
+
+/// Of each number the middle one of it and so many before and after it.
+fn medians_about(values: &[f64], reach: usize) -> Vec<f64> {
+    let about = |index: usize| &values[index.saturating_sub(reach)..(index + reach + 1).min(values.len())];
+    (0..values.len()).map(|index| median(about(index).to_vec())).collect()
 }
 
 /// The first two coordinates; a model of two classes has one axis only.
@@ -198,6 +196,13 @@ mod tests {
         }
         let whole = learnt.recognise(&motions[2].motion).unwrap();
         assert_eq!(whole, learnt.recognise_by(&motions[2].motion, Method::Combined).unwrap());
+    }
+
+    #[test]
+    fn what_is_strange_for_a_moment_is_not_unknown() {
+        let values = [0.5, 3.0, 0.5, 0.5, 2.0, 2.0, 2.0, 2.0];
+        assert_eq!(medians_about(&values, 1), [1.75, 0.5, 0.5, 0.5, 2.0, 2.0, 2.0, 2.0]);
+        assert_eq!(medians_about(&values, 100), [2.0; 8]);
     }
 
     #[test]

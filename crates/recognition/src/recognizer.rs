@@ -216,7 +216,9 @@ impl Recognizer {
         let beliefs = network.beliefs(&evidence);
         let names = match method {
             Method::Hmm => network.segment(&evidence),
-            Method::Svm | Method::Nearest | Method::Combined => beliefs.iter().map(|row| largest(row)).collect(),
+            Method::Svm | Method::Nearest | Method::Combined => {
+                beliefs.iter().map(|row| largest(row)).collect()
+            }
         };
         (names, beliefs)
     }
